@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What passes between the steps of the builder: the mesh, and the sequence of levels of detail with their patches.
+//   intake -> Mesh -> (decompose + simplify) -> LodSequence -> (assign, complete, certify, assemble) -> HierarchyContent
+#pragma once
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "clod/hierarchy/Hierarchy.h"
+
+namespace clod::builder
+{
+// Closed oriented 2-manifold triangle mesh in the body frame; coordinates are already rounded to float (stored exactly
+// as they will lie in the file) but held in double.
+struct Mesh
+{
+	std::vector<Vec3> vertices;
+	std::vector<std::array<std::uint32_t, 3>> triangles;  // counter-clockwise from outside
+};
+
+// One level of detail M_k and its partition into convex patches (paper sec. 3.2).
+struct Lod
+{
+	Mesh mesh;  // vertices rounded to float inside the validity test; no unused vertex
+	std::vector<std::uint32_t> patchOfTriangle;  // patch ids 0 .. patchCount-1, every id used
+	std::uint32_t patchCount = 0;
+	std::vector<double> patchResolution;  // r_a per patch, 1/length (method 2.1); 0 at level 0 and where nothing collapsed
+	// Label inheritance: patch of the next coarser Lod that each patch of this one was merged into (empty in the last).
+	std::vector<std::uint32_t> parentPatch;
+	double patchTolerance = 0;  // eps_k
+};
+
+struct LodSequence
+{
+	std::vector<Lod> lods;  // [0] = the input surface
+};
+
+// Every choice of a build. Lengths in per cent are of the bounding radius.
+struct BuildConfig
+{
+	bool paper = false;          // exactly the paper's choices: filtered placement, resolution order, inherited parents
+	unsigned threads = 0;        // 0 = all cores; the bytes never depend on it
+	double stopDeviation = 0.10;  // default mode: coarsest level's two-sided deviation, share of the radius
+	double areaTolerance = 0.01;  // delta of the contact areas, share of the radius
+	std::uint64_t seed = 1;      // for the order inside the small QP
+};
+
+// Called with a phase name and a fraction in [0,1]; returns false to cancel (the build then throws Cancelled).
+using Progress = std::function<bool(const char* phase, double fraction)>;
+struct Cancelled {};
+
+// Convex surface decomposition, filtered edge collapses, merging, LOD cuts (paper sec. 4.2; method 1 to 3.2).
+LodSequence buildLods(const Mesh& input, const BuildConfig& config, const Progress& progress);
+
+// Tree, completion, certified numbers, thickness, areas, culling boxes (design 3 to 7; method 3.3 to 3.7, 6.1).
+HierarchyContent assembleHierarchy(const LodSequence& lods, const BuildConfig& config, const Progress& progress);
+}  // namespace clod::builder

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Zlib
+// A dual hierarchy: one immutable, checksummed block, shared read-only by any number of shapes and threads.
+// Everything reachable through a Hierarchy has been validated once, by load or fromBytes; nothing is checked later.
+#pragma once
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "clod/hierarchy/Layout.h"
+#include "clod/hierarchy/Result.h"
+
+namespace clod
+{
+template <class T>
+struct Span
+{
+	const T* data = nullptr;
+	std::size_t size = 0;
+	const T& operator[](std::size_t i) const { return data[i]; }
+	const T* begin() const { return data; }
+	const T* end() const { return data + size; }
+	bool empty() const { return size == 0; }
+};
+
+// Hull vertices of one node as structure of arrays, 16-byte aligned, padded to kVertexLanes by repeating the last one.
+struct HullView
+{
+	const float* x;
+	const float* y;
+	const float* z;
+	std::uint32_t count;   // without padding
+	std::uint32_t padded;  // multiple of kVertexLanes
+	Vec3 vertex(std::uint32_t i) const { return {double(x[i]), double(y[i]), double(z[i])}; }
+};
+
+// The same data as growable arrays: what a builder fills and encode() writes. Hull coordinates are padded already.
+struct HierarchyContent
+{
+	Asset asset{};
+	std::vector<Level> levels;
+	std::vector<Node> nodes;
+	std::vector<CullBox> cullBoxes;      // one a node
+	std::vector<std::uint32_t> children;
+	std::vector<Face> faces;             // level by level, contiguous per node
+	std::vector<float> hullX, hullY, hullZ;
+};
+
+class Hierarchy
+{
+public:
+	// Reads and validates a file: header, checksums, sizes before any allocation, then every index and float, then the
+	// structure. Fails with a sentence naming the first offending element. O(file size).
+	static Result<std::shared_ptr<const Hierarchy>> load(const std::string& path);
+	static Result<std::shared_ptr<const Hierarchy>> fromBytes(std::vector<std::byte> bytes);
+
+	const Asset& asset() const { return *m_asset; }
+	Span<Level> levels() const { return m_levels; }
+	Span<Node> nodes() const { return m_nodes; }
+	const Node& node(std::uint32_t i) const { return m_nodes[i]; }
+	const CullBox& cullBox(std::uint32_t i) const { return m_cullBoxes[i]; }
+	Span<std::uint32_t> children(const Node& n) const { return {m_children.data + n.firstChild, n.childCount}; }
+	Span<Face> faces() const { return m_faces; }
+	Span<Face> faces(const Node& n) const { return {m_faces.data + n.firstFace, n.faceCount}; }
+	HullView hull(const Node& n) const
+	{
+		return {m_hullX + n.firstVertex, m_hullY + n.firstVertex, m_hullZ + n.firstVertex, n.vertexCount,
+				(n.vertexCount + kVertexLanes - 1) / kVertexLanes * kVertexLanes};
+	}
+	std::uint32_t root() const { return std::uint32_t(m_nodes.size - 1); }
+	std::uint32_t coarsestClodLevel() const { return m_coarsestClodLevel; }
+	bool isPaperBuild() const { return (asset().flags & kPaperBuild) != 0; }
+	// Hash of the whole block (xxh3, 64 bits): identifies the asset.
+	std::uint64_t contentHash() const { return m_contentHash; }
+	const std::vector<std::byte>& bytes() const { return m_bytes; }
+
+private:
+	Hierarchy() = default;
+	std::vector<std::byte> m_bytes;
+	const Asset* m_asset = nullptr;
+	Span<Level> m_levels;
+	Span<Node> m_nodes;
+	Span<CullBox> m_cullBoxes;
+	Span<std::uint32_t> m_children;
+	Span<Face> m_faces;
+	const float* m_hullX = nullptr;
+	const float* m_hullY = nullptr;
+	const float* m_hullZ = nullptr;
+	std::uint32_t m_coarsestClodLevel = 0;
+	std::uint64_t m_contentHash = 0;
+	friend struct HierarchyReader;
+};
+
+// The bytes of a .clod file. Same content, same bytes.
+std::vector<std::byte> encode(const HierarchyContent& content);
+
+// Semantic rules of a content (indices in range, floats finite, tree, monotone numbers...); empty = sound, otherwise the
+// first broken rule and element. load() runs it; O(content).
+std::string validate(const Hierarchy& hierarchy);
+}  // namespace clod

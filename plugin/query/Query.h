@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Zlib
+// The query: two hierarchies and a relative pose in; contacts, signed gap, certificate and statistics out.
+//
+// A pure function of the hierarchies, the pose and the settings: PairCache only makes it faster, dropping it changes no
+// output bit. Frames: everything is in body A's frame unless named otherwise; aFromB maps body B's frame into A's.
+// Normals point from B to A. Distances are signed: negative is penetration. Unit: the meshes' own.
+//
+// Based on: Otaduy & Lin 2003, sec. 3.3, 5.1, 5.2 (stop rule eq. 2, 3; --paper culling eq. 1).
+#pragma once
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "clod/hierarchy/Hierarchy.h"
+
+namespace clod
+{
+// When may a pair of nodes answer? Evaluated in this order (design 12): a pair of level-0 nodes always answers; a
+// completion node never does; then every enabled threshold must allow it ("strict").
+struct Metric
+{
+	bool exact = false;                                          // level 0 only
+	double weightedDeviation = std::numeric_limits<double>::infinity();  // s0: max(f_a, f_b) / D_ab <= s0
+	double maxError = std::numeric_limits<double>::infinity();           // certified: errorBound <= maxError, a hard limit
+};
+
+struct Settings
+{
+	Metric metric;
+	double tolerance = 0;    // report accepted pairs whose hull distance is <= tolerance; >= 0
+	bool distance = false;   // signed gap at any separation (the tolerance then only limits the contact list)
+	bool paper = false;      // paper's culling (d + h_a + h_b), witness D; needs isPaperBuild() on both
+};
+
+// An accepted node pair within the tolerance.
+struct Contact
+{
+	std::uint32_t nodeA, nodeB;
+	double lower, upper;    // certified bracket of the thickened hulls' distance; both 0 when they overlap
+	Vec3 pointOnA, pointOnB;  // witness points, frame A
+	Vec3 normal;            // unit, from B to A; zero when the hulls overlap
+};
+
+struct QueryStats
+{
+	std::uint32_t front = 0;       // leaves of the bounding volume test tree after the query
+	std::uint32_t frontInner = 0;  // opened pairs above them
+	std::uint32_t boxTests = 0;    // culling boxes compared
+	std::uint32_t hullTests = 0;   // hull distances evaluated (GJK runs)
+	std::uint32_t skippedBySlack = 0;
+	std::uint32_t duplicates = 0;  // pairs reached twice through shared children
+	std::uint32_t pointQueries = 0;  // nearest-surface queries of the penetration solver
+	std::uint32_t finestLevel = 0, coarsestLevel = 0;  // over both bodies' accepted nodes within the tolerance
+	std::uint32_t touchedFinestLevel = 0;  // finest level whose node data was read at all
+	std::uint32_t restarts = 0;    // times a hard maxError limit forced a finer pass
+};
+
+struct QueryResult
+{
+	std::vector<Contact> contacts;  // sorted by (nodeA, nodeB)
+	double minDistance = std::numeric_limits<double>::infinity();  // signed gap; inf: nothing within the tolerance
+	double errorBound = 0;  // the true gap is within it of minDistance; with minDistance = inf: true gap > tolerance -
+							// errorBound; inf: no proof
+	bool deep = false;      // penetration beyond what the contact list can prove
+	QueryStats stats;
+	void clear();
+};
+
+// Front, warm starts, slack. One per ordered pair of bodies; reset by destroying it or by a query with other hierarchies.
+class PairCache
+{
+public:
+	PairCache();
+	~PairCache();
+	PairCache(PairCache&&) noexcept;
+	PairCache& operator=(PairCache&&) noexcept;
+	void clear();
+	struct State;
+	State& state() { return *m_state; }
+
+private:
+	std::unique_ptr<State> m_state;
+};
+
+// Preconditions: settings are valid (see settingsError), the pose is finite and rigid. No allocation once the buffers of
+// cache and result have grown.
+void query(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const Settings& settings, PairCache& cache,
+		   QueryResult& result);
+
+// Empty when the settings can be used with these hierarchies, otherwise one sentence naming the field and its value.
+std::string settingsError(const Hierarchy& a, const Hierarchy& b, const Settings& settings);
+}  // namespace clod
