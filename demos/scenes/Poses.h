@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Zlib
+// Recorded poses of two bodies, and POSES.csv, the file they travel in.
+//
+// A pose places a *mesh's own frame* (that of the file's vertices) in the world: position in the mesh's unit, unit
+// quaternion x, y, z, w. Writing prints the shortest decimals that read back to the same bits.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "clod/hierarchy/Result.h"
+#include "clod/hierarchy/Vector.h"
+
+namespace clod::demo
+{
+struct Pose
+{
+	Vec3 position;
+	double quaternion[4] = {0, 0, 0, 1};
+};
+
+struct PoseRow
+{
+	std::int64_t step = 0;
+	Pose a, b;
+};
+
+inline constexpr const char* kPosesHeader = "step,ax,ay,az,aqx,aqy,aqz,aqw,bx,by,bz,bqx,bqy,bqz,bqw";
+
+// Largest | |q| - 1 | that is taken for a rounded unit quaternion; rows within it are normalised.
+inline constexpr double kQuaternionTolerance = 1e-4;
+
+// Reads POSES.csv. The header must be kPosesHeader; every further line holds a whole step number >= 0 and fourteen
+// finite numbers. Fails with the file's name, line and column otherwise.
+Result<std::vector<PoseRow>> readPoses(const std::string& path);
+Result<std::vector<PoseRow>> parsePoses(std::string_view text, const std::string& name);
+std::string formatPoses(const std::vector<PoseRow>& rows);
+
+// worldFromMesh as a rigid transform.
+Transform toTransform(const Pose& pose);
+// bodyAFromBodyB, where a body's frame is the mesh's axes with the origin at meshFromBody of its own mesh.
+Transform relativePose(const PoseRow& row, const Vec3& meshFromBodyA, const Vec3& meshFromBodyB);
+
+// Hash (xxh3, 64 bits, as 16 hexadecimal digits) of the poses' bits: equal hashes, equal trajectories.
+std::string trajectoryHash(const std::vector<PoseRow>& rows);
+}  // namespace clod::demo
