@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Zlib
+// Progress on stderr: a bar with the time left when stderr is a terminal, else a line every 10 %.
+#pragma once
+#include <chrono>
+#include <cstdio>
+#include <mutex>
+#include <string>
+
+namespace clod::cli
+{
+// May be called from several threads. Each phase runs from 0 to 1; a new phase name starts a new line.
+class Progress
+{
+public:
+	explicit Progress(bool quiet, std::FILE* stream = stderr);
+	Progress(std::FILE* stream, bool terminal) : m_stream(stream), m_terminal(terminal) {}
+	Progress(const Progress&) = delete;
+	Progress& operator=(const Progress&) = delete;
+	~Progress() { finish(); }
+	void update(const std::string& phase, double fraction);
+	// Ends the current line; later output starts at the left margin.
+	void finish();
+
+private:
+	using Clock = std::chrono::steady_clock;
+	void finishLine();
+	void drawBar(double fraction, Clock::time_point now);
+	void printLine(double fraction, Clock::time_point now);
+
+	std::mutex m_mutex;
+	std::FILE* m_stream;
+	bool m_terminal = false;
+	bool m_quiet = false;
+	std::string m_phase;
+	Clock::time_point m_start;
+	Clock::time_point m_lastDrawn;
+	int m_lastTenth = -1;
+	bool m_lineOpen = false;
+};
+}  // namespace clod::cli

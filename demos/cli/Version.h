@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Zlib
+// What --version prints, and what reports name as the program that made them.
+#pragma once
+#include <string>
+
+namespace clod::cli
+{
+std::string gitHash();
+// Several lines: program, version, commit, compiler, build type, licence.
+std::string versionText(const std::string& program, const std::string& licence);
+}  // namespace clod::cli
