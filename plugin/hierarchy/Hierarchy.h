@@ -67,6 +67,8 @@ public:
 		return {m_hullX + n.firstVertex, m_hullY + n.firstVertex, m_hullZ + n.firstVertex, n.vertexCount,
 				(n.vertexCount + kVertexLanes - 1) / kVertexLanes * kVertexLanes};
 	}
+	std::size_t childrenSize() const { return m_children.size; }
+	std::size_t hullSize() const { return m_hullSize; }  // floats in each of the three coordinate arrays
 	std::uint32_t root() const { return std::uint32_t(m_nodes.size - 1); }
 	std::uint32_t coarsestClodLevel() const { return m_coarsestClodLevel; }
 	bool isPaperBuild() const { return (asset().flags & kPaperBuild) != 0; }
@@ -86,6 +88,7 @@ private:
 	const float* m_hullX = nullptr;
 	const float* m_hullY = nullptr;
 	const float* m_hullZ = nullptr;
+	std::size_t m_hullSize = 0;
 	std::uint32_t m_coarsestClodLevel = 0;
 	std::uint64_t m_contentHash = 0;
 	friend struct HierarchyReader;

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Zlib
+// Reading a hierarchy from disk. Only regular files are opened; the size is known and bounded before a byte is
+// allocated.
+#include "clod/hierarchy/Hierarchy.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+
+#include "clod/hierarchy/HierarchyFormat.h"
+
+namespace clod
+{
+namespace
+{
+// Larger files are refused before anything is allocated.
+constexpr std::uint64_t kMaxFileBytes = std::uint64_t(1) << 32;
+
+Error fileError(const std::string& path, const std::string& what)
+{
+	return Error{path + ": " + what};
+}
+
+// The header alone decides whether the rest is worth reading.
+std::string readBlock(std::ifstream& stream, std::uint64_t size, std::vector<std::byte>& bytes)
+{
+	std::vector<std::byte> start(std::size_t(std::min<std::uint64_t>(size, kFileStartBytes)));
+	stream.read(reinterpret_cast<char*>(start.data()), std::streamsize(start.size()));
+	if (!stream) return "cannot be read";
+	const std::string problem = checkFileStart(start, size);
+	if (!problem.empty()) return problem;
+	bytes.resize(std::size_t(size));
+	std::copy(start.begin(), start.end(), bytes.begin());
+	stream.read(reinterpret_cast<char*>(bytes.data() + start.size()), std::streamsize(bytes.size() - start.size()));
+	return stream ? "" : "cannot be read to its end";
+}
+}  // namespace
+
+Result<std::shared_ptr<const Hierarchy>> Hierarchy::load(const std::string& path)
+{
+	std::error_code code;
+	const std::filesystem::file_status status = std::filesystem::status(path, code);
+	if (status.type() == std::filesystem::file_type::not_found) return fileError(path, "no such file");
+	if (code) return fileError(path, "cannot be examined: " + code.message());
+	if (status.type() != std::filesystem::file_type::regular) return fileError(path, "is not a regular file");
+	const std::uint64_t size = std::filesystem::file_size(path, code);
+	if (code) return fileError(path, "has no readable size: " + code.message());
+	if (size > kMaxFileBytes)
+		return fileError(path, "is " + std::to_string(size) + " bytes; the limit is " + std::to_string(kMaxFileBytes));
+	std::ifstream stream(path, std::ios::binary);
+	if (!stream) return fileError(path, "cannot be opened for reading");
+	std::vector<std::byte> bytes;
+	const std::string problem = readBlock(stream, size, bytes);
+	if (!problem.empty()) return fileError(path, problem);
+	Result<std::shared_ptr<const Hierarchy>> result = fromBytes(std::move(bytes));
+	if (!result) return fileError(path, result.error());
+	return result;
+}
+}  // namespace clod

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Zlib
+// The frame of a .clod file, version 0: header, section table, sections.
+//
+//   [header 64 bytes][table: kSectionCount entries of 32 bytes][zero padding][section][zero padding][section]...
+//
+// Every section starts at a multiple of 64 bytes; offsets follow from the counts, so there is exactly one file for one
+// content. The header's hash (xxh3, 64 bits) covers header and table, each entry's hash covers its section; padding
+// must be zero and nothing follows the last section. Little-endian.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace clod
+{
+inline constexpr char kFileMagic[8] = {'C', 'L', 'O', 'D', 'f', 'i', 'l', 'e'};
+inline constexpr std::uint32_t kFileVersion = 0;
+inline constexpr std::uint32_t kEndianMark = 0x04030201u;
+inline constexpr std::uint64_t kSectionAlignment = 64;
+
+enum class Section : std::uint32_t
+{
+	asset,
+	levels,
+	nodes,
+	cullBoxes,
+	children,
+	faces,
+	hullX,
+	hullY,
+	hullZ,
+	count
+};
+inline constexpr std::uint32_t kSectionCount = std::uint32_t(Section::count);
+
+struct FileHeader
+{
+	char magic[8];
+	std::uint32_t version;
+	std::uint32_t endianMark;
+	std::uint32_t headerBytes;
+	std::uint32_t sectionCount;
+	std::uint64_t fileBytes;
+	std::uint64_t tableOffset;
+	std::uint64_t headerHash;  // of header and table, with this field zero
+	std::uint32_t padding[4];
+};
+static_assert(sizeof(FileHeader) == 64);
+
+struct SectionEntry
+{
+	std::uint32_t kind;    // Section, in order
+	std::uint32_t stride;  // bytes of one record
+	std::uint64_t offset;
+	std::uint64_t count;
+	std::uint64_t hash;
+};
+static_assert(sizeof(SectionEntry) == 32);
+
+inline constexpr std::uint64_t kFileStartBytes = sizeof(FileHeader) + kSectionCount * sizeof(SectionEntry);
+
+// Checks header and table (the first kFileStartBytes of a file of fileBytes bytes); empty = sound. After it every
+// section lies inside the file.
+std::string checkFileStart(const std::vector<std::byte>& start, std::uint64_t fileBytes);
+}  // namespace clod
