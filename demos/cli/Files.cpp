@@ -106,7 +106,11 @@ PartialFile::PartialFile(std::string path) : m_path(std::move(path))
 {
 	// Numbered besides the process: two threads may write the same path.
 	static std::atomic<unsigned> counter{0};
-	m_temporary = fmt::format("{}.partial-{}-{}", m_path, getpid(), counter++);
+	// The extension stays last: programs choose a file's format by it.
+	const std::size_t name = m_path.find_last_of('/') + 1;
+	const std::size_t dot = m_path.find_last_of('.');
+	const std::size_t end = dot != std::string::npos && dot > name ? dot : m_path.size();
+	m_temporary = fmt::format("{}.partial-{}-{}{}", m_path.substr(0, end), getpid(), counter++, m_path.substr(end));
 	m_slot = remember(m_temporary);
 }
 
