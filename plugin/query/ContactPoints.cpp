@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Zlib
+// One-way face clipping of node pairs.
+#include "clod/query/ContactPoints.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace clod
+{
+namespace
+{
+Vec3 toVec3(const float (&v)[3])
+{
+	return {double(v[0]), double(v[1]), double(v[2])};
+}
+
+struct Bounds
+{
+	Vec3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
+	void add(const Vec3& p)
+	{
+		low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+		high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+	}
+	void grow(double by)
+	{
+		low -= Vec3{by, by, by};
+		high += Vec3{by, by, by};
+	}
+};
+
+bool overlap(const Vec3& lowA, const Vec3& highA, const Vec3& lowB, const Vec3& highB)
+{
+	return lowA.x <= highB.x && lowB.x <= highA.x && lowA.y <= highB.y && lowB.y <= highA.y && lowA.z <= highB.z &&
+		   lowB.z <= highA.z;
+}
+
+Bounds boundsOf(const Triangle& triangle)
+{
+	Bounds bounds;
+	for (const Vec3& corner : triangle) bounds.add(corner);
+	return bounds;
+}
+
+// Farthest a point of the node can move over the reference in the step, and the largest height worth looking at.
+double speculativeReach(const PointFilter& filter, const Vec3& center, double radius)
+{
+	const double speed = length(filter.otherMotion.velocity(center)) + length(filter.otherMotion.angular) * radius;
+	return filter.rules->margin + filter.rules->resting + kPredictionSlack * speed * filter.otherMotion.timeStep;
+}
+
+Bounds boundsOf(const Hierarchy& hierarchy, const Node& node)
+{
+	Bounds bounds;
+	const HullView hull = hierarchy.hull(node);
+	for (std::uint32_t i = 0; i < hull.count; ++i) bounds.add(hull.vertex(i));
+	return bounds;
+}
+
+// Moves the node's real faces into the reference's frame and keeps those that meet the box `near`.
+void movePatch(const Hierarchy& hierarchy, const Node& node, const Transform& referenceFromOther, const Bounds& near,
+			   MovedPatch& moved)
+{
+	moved.vertices.clear();
+	moved.normals.clear();
+	moved.triangles.clear();
+	moved.faces.clear();
+	Bounds bounds;
+	const HullView hull = hierarchy.hull(node);
+	for (std::uint32_t i = 0; i < hull.count; ++i) moved.vertices.push_back(referenceFromOther * hull.vertex(i));
+	for (std::uint32_t i = 0; i < node.faceCount; ++i)
+	{
+		const Face& face = hierarchy.faces()[node.firstFace + i];
+		const Triangle triangle = {moved.vertices[face.vertex[0]], moved.vertices[face.vertex[1]],
+								   moved.vertices[face.vertex[2]]};
+		const Bounds box = boundsOf(triangle);
+		if (!overlap(box.low, box.high, near.low, near.high)) continue;
+		for (const Vec3& corner : triangle) bounds.add(corner);
+		moved.triangles.push_back(triangle);
+		moved.normals.push_back(referenceFromOther.rotation * toVec3(face.normal));
+		moved.faces.push_back(node.firstFace + i);
+	}
+	moved.low = bounds.low;
+	moved.high = bounds.high;
+}
+
+// Lazily the planes of the node's faces, as (normal, offset) pairs for PointFilter::keep.
+struct PatchPlanes
+{
+	const Face* data;
+	std::size_t count;
+	struct Iterator
+	{
+		const Face* face;
+		std::pair<Vec3, double> operator*() const { return {toVec3(face->normal), double(face->offset)}; }
+		Iterator& operator++()
+		{
+			++face;
+			return *this;
+		}
+		bool operator!=(const Iterator& other) const { return face != other.face; }
+	};
+	Iterator begin() const { return {data}; }
+	Iterator end() const { return {data + count}; }
+};
+}  // namespace
+
+double PointFilter::topFor(const FacePrism& prism, const Vec3& near, double reach) const
+{
+	const double approach = -dot(otherMotion.velocity(near), prism.normal) + length(otherMotion.angular) * reach;
+	return rules->margin + rules->resting + kPredictionSlack * std::max(0.0, approach * otherMotion.timeStep);
+}
+
+struct PointClipper::Side
+{
+	const Hierarchy& hierarchy;
+	std::uint32_t node;
+	bool isA;
+};
+
+namespace
+{
+// Is A's patch the reference? The less convex one; ties by border angles, then by content, so that exchanging the
+// bodies exchanges the roles.
+bool referenceIsA(const Hierarchy& a, const Node& nodeA, const Hierarchy& b, const Node& nodeB, double radius)
+{
+	const double tie = kTieCurvature / radius;
+	const double difference = double(nodeA.curvature) - double(nodeB.curvature);
+	if (std::abs(difference) > tie) return difference < 0;
+	const double bend = bendWithBorder(a, nodeA) - bendWithBorder(b, nodeB);
+	if (std::abs(bend) > tie) return bend < 0;
+	return a.contentHash() <= b.contentHash();
+}
+}  // namespace
+
+void PointClipper::clip(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB,
+						const std::vector<Contact>& contacts, const PointRules& rules,
+						std::vector<ContactPoint>& points)
+{
+	m_rules = &rules;
+	m_aFromB = aFromB;
+	for (const Contact& contact : contacts)
+	{
+		const Side sideA{a, contact.nodeA, true}, sideB{b, contact.nodeB, false};
+		const bool aIsReference = referenceIsA(a, a.node(contact.nodeA), b, b.node(contact.nodeB), rules.length);
+		if (aIsReference)
+			clipPair(sideA, sideB, points);
+		else
+			clipPair(sideB, sideA, points);
+	}
+}
+
+void PointClipper::clipPair(const Side& reference, const Side& other, std::vector<ContactPoint>& points)
+{
+	const Transform referenceFromOther = reference.isA ? m_aFromB : inverse(m_aFromB);
+	PointFilter filter{m_rules, {}};
+	if (reference.isA)
+		filter.otherMotion = {-m_rules->motion.linear, -m_rules->motion.angular, m_rules->motion.timeStep};
+	else
+		filter.otherMotion = inFrame(m_rules->motion, m_aFromB);
+
+	const Node& node = reference.hierarchy.node(reference.node);
+	const CullBox& otherBox = other.hierarchy.cullBox(other.node);
+	const Vec3 otherCenter = referenceFromOther * toVec3(otherBox.center);
+	const double reach = speculativeReach(filter, otherCenter, double(otherBox.radius));
+	Bounds near = boundsOf(reference.hierarchy, node);
+	near.grow(reach);
+	movePatch(other.hierarchy, other.hierarchy.node(other.node), referenceFromOther, near, m_other);
+	if (m_other.faces.empty()) return;
+
+	const PatchPlanes under{reference.hierarchy.faces().data + node.firstFace, node.faceCount};
+	const Vec3 center = 0.5 * (m_other.low + m_other.high), half = 0.5 * (m_other.high - m_other.low);
+	for (std::uint32_t i = 0; i < node.faceCount; ++i)
+	{
+		const Face& face = reference.hierarchy.faces()[node.firstFace + i];
+		const Vec3 normal = toVec3(face.normal);
+		const double middle = dot(normal, center) - double(face.offset);
+		const double extent = half.x * std::abs(normal.x) + half.y * std::abs(normal.y) + half.z * std::abs(normal.z);
+		if (middle - extent > reach || middle + extent < -double(face.thickness)) continue;
+		FacePrism prism = prismOf(reference.hierarchy, node, face);
+		prism.top = filter.topFor(prism, center, length(half));
+		if (middle - extent > prism.top) continue;
+		for (std::size_t j = 0; j < m_other.faces.size(); ++j)
+		{
+			if (dot(normal, m_other.normals[j]) >= kOpposingCosine) continue;
+			const ClippedPolygon polygon = clipToPrism(prism, m_other.triangles[j]);
+			for (int k = 0; k < polygon.count; ++k)
+			{
+				const Vec3& point = polygon.vertex[std::size_t(k)];
+				double predicted = 0;
+				if (!filter.keep(prism, point, under, predicted)) continue;
+				const double height = prism.heightOf(point);
+				const Vec3 onReference = point - height * normal;
+				ContactPoint out;
+				out.height = height - m_rules->margin;
+				out.predicted = predicted;
+				out.referenceIsA = reference.isA;
+				out.pointOnA = reference.isA ? onReference : m_aFromB * point;
+				out.pointOnB = reference.isA ? point : m_aFromB * onReference;
+				out.normal = reference.isA ? -normal : m_aFromB.rotation * normal;
+				out.nodeA = reference.isA ? reference.node : other.node;
+				out.nodeB = reference.isA ? other.node : reference.node;
+				out.faceA = reference.isA ? node.firstFace + i : m_other.faces[j];
+				out.faceB = reference.isA ? m_other.faces[j] : node.firstFace + i;
+				points.push_back(out);
+			}
+		}
+	}
+}
+}  // namespace clod

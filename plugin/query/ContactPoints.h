@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Zlib
+// From node pairs within the tolerance to contact points, by one-way face clipping: of each pair the less convex patch
+// is the reference; the other patch's real faces are clipped to the prisms over the reference's real faces; every
+// vertex of what remains is a candidate point whose normal is the reference face's. Knows no physics engine.
+//
+// Frames and signs: everything in body A's frame; normals point from B to A; heights are signed, negative is
+// penetration. Unit: the hierarchies' own. Departs from Otaduy & Lin 2003, sec. 5: witness points of hull pairs make
+// ghost forces at patch borders in an engine that keeps bodies in touch, clipped real faces do not.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "clod/query/Query.h"
+
+namespace clod
+{
+// A candidate contact. Where B is a plane or a foreign triangle, nodeB is the part and faceB the index its owner gave.
+struct ContactPoint
+{
+	Vec3 pointOnA, pointOnB;  // pointOnA - pointOnB = height * normal
+	Vec3 normal;              // unit, from B to A
+	double height;            // signed distance; negative is penetration
+	double predicted;         // height at the end of the step if nothing intervened, lengths along the normal
+	std::uint32_t nodeA, nodeB;
+	std::uint32_t faceA, faceB;  // global face indices; kNone where there is none (a plane)
+	bool referenceIsA;
+};
+
+// Velocity field of A's material relative to B's, in some frame: velocity(p) = linear + angular x p.
+struct RelativeMotion
+{
+	Vec3 linear, angular;
+	double timeStep = 0;  // seconds; 0 = no prediction
+	Vec3 velocity(const Vec3& point) const { return linear + cross(angular, point); }
+};
+// The same field in another frame; hereFromThere maps that frame into the field's.
+RelativeMotion inFrame(const RelativeMotion& motion, const Transform& hereFromThere);
+
+struct PointRules
+{
+	double length = 1;   // the smaller bounding radius of the pair: every tolerance below is a share of it
+	double resting = 0;  // points up to this height are contacts whatever the motion
+	double margin = 0;   // sum of both bodies' margins: surfaces touch at this height
+	RelativeMotion motion;  // frame A
+};
+
+inline constexpr double kRestingShare = 0.001;        // default resting height, share of PointRules::length
+inline constexpr double kOpposingCosine = -0.3;       // faces whose normals agree better than this cannot touch
+inline constexpr double kPredictionSlack = 1.1;       // a speculative point may be this much farther than its approach
+inline constexpr double kUnderPatchShare = 0.0005;    // slack of "ends under the reference patch", share of length
+inline constexpr double kTieCurvature = 1e-6;         // curvatures closer than this / length are equal
+
+// A convex polygon left of a triangle after clipping.
+struct ClippedPolygon
+{
+	std::array<Vec3, 8> vertex;
+	int count = 0;
+};
+
+// The region a reference face answers for: over and under its triangle, between three side planes.
+struct FacePrism
+{
+	Vec3 normal;
+	double offset = 0;
+	std::array<Vec3, 3> side;  // outward
+	std::array<double, 3> sideOffset{};
+	double top = 0, bottom = 0;  // heights, bottom <= top
+	double heightOf(const Vec3& p) const { return dot(normal, p) - offset; }
+};
+
+using Triangle = std::array<Vec3, 3>;
+
+Triangle triangleOf(const Hierarchy& hierarchy, const Node& node, const Face& face);
+// Side planes through the edges that bisect this face and its neighbours; bottom = -thickness, top = 0.
+FacePrism prismOf(const Hierarchy& hierarchy, const Node& node, const Face& face);
+// Side planes perpendicular to a triangle whose neighbours are unknown; false for a triangle without area.
+bool prismOf(const Triangle& triangle, FacePrism& prism);
+// The part of the triangle inside the prism; count 0 when there is none.
+ClippedPolygon clipToPrism(const FacePrism& prism, const Triangle& triangle);
+
+// Node::curvature, refined for ties: dihedral angles of the border edges included (half weight).
+double bendWithBorder(const Hierarchy& hierarchy, const Node& node);
+
+// Faces and vertices of one node, moved into the reference's frame. Grown once, reused.
+struct MovedPatch
+{
+	std::vector<Vec3> vertices;
+	std::vector<Vec3> normals;
+	std::vector<Triangle> triangles;
+	std::vector<std::uint32_t> faces;  // global indices of the faces kept
+	Vec3 low, high;
+};
+
+// Turns node pairs into points. Holds only buffers: the same input gives the same points whatever came before.
+class PointClipper
+{
+public:
+	// Appends the points of all pairs, in the order of the contacts.
+	void clip(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const std::vector<Contact>& contacts,
+			  const PointRules& rules, std::vector<ContactPoint>& points);
+
+private:
+	struct Side;
+	void clipPair(const Side& reference, const Side& other, std::vector<ContactPoint>& points);
+	MovedPatch m_other;
+	std::vector<std::uint32_t> m_referenceFaces;
+	const PointRules* m_rules = nullptr;
+	Transform m_aFromB;
+};
+
+// Highest point, and prediction, that the motion allows over one reference face (all in the reference's frame; motion is
+// the other body's relative to the reference). `under` lists the planes of the whole reference patch.
+struct PointFilter
+{
+	const PointRules* rules;
+	RelativeMotion otherMotion;
+	double topFor(const FacePrism& prism, const Vec3& near, double reach) const;
+	// False drops the point; predicted receives its height at the end of the step.
+	template <class Planes>
+	bool keep(const FacePrism& prism, const Vec3& point, const Planes& under, double& predicted) const
+	{
+		const Vec3 velocity = otherMotion.velocity(point);
+		const double approach = -dot(velocity, prism.normal) * otherMotion.timeStep;
+		const double height = prism.heightOf(point) - rules->margin;
+		predicted = height - (approach > 0 ? approach : 0);
+		if (height <= rules->resting) return true;
+		if (height > rules->resting + kPredictionSlack * approach) return false;
+		const Vec3 moved = point + otherMotion.timeStep * velocity;
+		const double slack = rules->margin + kUnderPatchShare * rules->length;
+		for (const auto& face : under)
+			if (dot(face.first, moved) - face.second > slack) return false;
+		return true;
+	}
+};
+}  // namespace clod

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Zlib
+// The prism over a reference face and the clipping of a triangle to it (Sutherland and Hodgman, five planes).
+#include <algorithm>
+
+#include "clod/query/ContactPoints.h"
+
+namespace clod
+{
+namespace
+{
+Vec3 toVec3(const float (&v)[3])
+{
+	return {double(v[0]), double(v[1]), double(v[2])};
+}
+
+// Keeps the part of the polygon with dot(normal, p) <= offset.
+void clipByPlane(ClippedPolygon& polygon, const Vec3& normal, double offset)
+{
+	ClippedPolygon kept;
+	for (int i = 0; i < polygon.count; ++i)
+	{
+		const Vec3& p = polygon.vertex[std::size_t(i)];
+		const Vec3& q = polygon.vertex[std::size_t(i + 1 == polygon.count ? 0 : i + 1)];
+		const double heightP = dot(normal, p) - offset, heightQ = dot(normal, q) - offset;
+		const auto push = [&kept](const Vec3& v)
+		{
+			if (kept.count < int(kept.vertex.size())) kept.vertex[std::size_t(kept.count++)] = v;
+		};
+		if (heightP <= 0) push(p);
+		if ((heightP < 0 && heightQ > 0) || (heightP > 0 && heightQ < 0))
+			push(p + (heightP / (heightP - heightQ)) * (q - p));
+	}
+	polygon = kept;
+}
+
+void setSide(FacePrism& prism, std::size_t edge, const Vec3& from, const Vec3& direction)
+{
+	prism.side[edge] = direction;
+	prism.sideOffset[edge] = dot(direction, from);
+}
+}  // namespace
+
+RelativeMotion inFrame(const RelativeMotion& motion, const Transform& hereFromThere)
+{
+	const Mat3 thereFromHere = transposed(hereFromThere.rotation);
+	return {thereFromHere * motion.velocity(hereFromThere.translation), thereFromHere * motion.angular,
+			motion.timeStep};
+}
+
+Triangle triangleOf(const Hierarchy& hierarchy, const Node& node, const Face& face)
+{
+	const HullView hull = hierarchy.hull(node);
+	return {hull.vertex(face.vertex[0]), hull.vertex(face.vertex[1]), hull.vertex(face.vertex[2])};
+}
+
+FacePrism prismOf(const Hierarchy& hierarchy, const Node& node, const Face& face)
+{
+	FacePrism prism;
+	prism.normal = toVec3(face.normal);
+	prism.offset = double(face.offset);
+	prism.bottom = -double(face.thickness);
+	const Triangle corners = triangleOf(hierarchy, node, face);
+	for (std::size_t i = 0; i < 3; ++i)
+	{
+		const Vec3 edge = corners[(i + 1) % 3] - corners[i];
+		const Vec3 neighbourNormal = toVec3(hierarchy.faces()[face.neighbour[i]].normal);
+		Vec3 outward = normalized(cross(edge, prism.normal + neighbourNormal));
+		if (lengthSquared(outward) == 0) outward = normalized(cross(edge, prism.normal));  // a fold: no bisector
+		setSide(prism, i, corners[i], outward);
+	}
+	return prism;
+}
+
+bool prismOf(const Triangle& triangle, FacePrism& prism)
+{
+	prism.normal = normalized(cross(triangle[1] - triangle[0], triangle[2] - triangle[0]));
+	if (!(lengthSquared(prism.normal) > 0.5)) return false;
+	prism.offset = dot(prism.normal, triangle[0]);
+	for (std::size_t i = 0; i < 3; ++i)
+		setSide(prism, i, triangle[i], normalized(cross(triangle[(i + 1) % 3] - triangle[i], prism.normal)));
+	return true;
+}
+
+ClippedPolygon clipToPrism(const FacePrism& prism, const Triangle& triangle)
+{
+	ClippedPolygon polygon;
+	const double height[3] = {prism.heightOf(triangle[0]), prism.heightOf(triangle[1]), prism.heightOf(triangle[2])};
+	const auto [lowest, highest] = std::minmax_element(height, height + 3);
+	if (*lowest > prism.top || *highest < prism.bottom) return polygon;
+	polygon.count = 3;
+	std::copy(triangle.begin(), triangle.end(), polygon.vertex.begin());
+	for (std::size_t i = 0; i < 3 && polygon.count > 0; ++i) clipByPlane(polygon, prism.side[i], prism.sideOffset[i]);
+	if (polygon.count > 0 && *highest > prism.top) clipByPlane(polygon, prism.normal, prism.offset + prism.top);
+	if (polygon.count > 0 && *lowest < prism.bottom)
+		clipByPlane(polygon, -prism.normal, -(prism.offset + prism.bottom));
+	return polygon;
+}
+
+double bendWithBorder(const Hierarchy& hierarchy, const Node& node)
+{
+	double bend = 0, area = 0;
+	for (const Face& face : hierarchy.faces(node))
+	{
+		const Triangle corners = triangleOf(hierarchy, node, face);
+		const Vec3 normal = toVec3(face.normal);
+		area += 0.5 * length(cross(corners[1] - corners[0], corners[2] - corners[0]));
+		for (std::size_t i = 0; i < 3; ++i)
+		{
+			const Vec3 edge = corners[(i + 1) % 3] - corners[i];
+			const Vec3 other = toVec3(hierarchy.faces()[face.neighbour[i]].normal);
+			const double edgeLength = length(edge);
+			if (!(edgeLength > 0)) continue;
+			const double sine = dot(cross(normal, other), edge) / edgeLength;  // > 0: convex edge
+			bend += 0.25 * edgeLength * std::atan2(sine, dot(normal, other));
+		}
+	}
+	return area > 0 ? bend / area : 0;
+}
+}  // namespace clod
