@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Zlib
+#include "demos/models/Models.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+
+#include "demos/models/Shapes.h"
+#include "demos/models/Sweep.h"
+
+namespace clod::demo
+{
+namespace
+{
+constexpr size_t MAX_TRIANGLES = 20000000;
+constexpr size_t DIGIT_TRIANGLES = 1080;
+
+struct Entry
+{
+	const char* name;
+	size_t defaultTriangles;
+	size_t minTriangles;
+};
+const Entry PAPER_MODELS[] = {
+	{"cup", 64000, 1000}, {"spoon", 86016, 500}, {"spiral", 32160, 500}, {"torus", 32000, 60}, {"bowl", 12288, 200}};
+const Entry TEST_SHAPES[] = {{"slab", 10000, 12}, {"box", 1200, 12}, {"sphere", 1200, 12}, {"smooth-torus", 3200, 60}};
+
+// The size limits of a name; a null name: unknown.
+Entry findEntry(const std::string& name)
+{
+	for (const Entry& e : PAPER_MODELS)
+		if (name == e.name) return e;
+	for (const Entry& e : TEST_SHAPES)
+		if (name == e.name) return e;
+	const bool isDigit = name.size() == 7 && name.compare(0, 6, "number") == 0 && name[6] >= '0' && name[6] <= '9';
+	return isDigit ? Entry{"number", DIGIT_TRIANGLES, 200} : Entry{nullptr, 0, 0};
+}
+
+ModelMesh makeShape(const std::string& name, size_t triangles)
+{
+	if (name == "cup") return makeCup(triangles);
+	if (name == "spoon") return makeSpoon(triangles);
+	if (name == "spiral") return makeSpiral(triangles);
+	if (name == "torus") return makeTorus(triangles, TORUS_WRINKLE);
+	if (name == "smooth-torus") return makeTorus(triangles, 0);
+	if (name == "bowl") return makeBowl(triangles);
+	if (name == "slab") return makeBox({0.2, 0.02, 0.2}, triangles);
+	if (name == "box") return makeBox({0.02, 0.02, 0.02}, triangles);
+	if (name == "sphere") return makeSphere(triangles, 0.01);
+	return makeDigit(name[6] - '0', triangles);
+}
+
+std::string knownNames()
+{
+	std::string list;
+	for (const auto* names : {&modelNames(), &testShapeNames()})
+		for (const std::string& n : *names) list += (list.empty() ? "" : " ") + n;
+	return list;
+}
+
+// Why the last system call on `path` failed.
+Error systemError(const std::string& path)
+{
+	return {path + ": " + std::strerror(errno) + "."};
+}
+}  // namespace
+
+const std::vector<std::string>& modelNames()
+{
+	static const std::vector<std::string> names = []
+	{
+		std::vector<std::string> list;
+		for (const Entry& e : PAPER_MODELS) list.push_back(e.name);
+		for (char digit = '0'; digit <= '9'; ++digit) list.push_back(std::string("number") + digit);
+		return list;
+	}();
+	return names;
+}
+
+const std::vector<std::string>& testShapeNames()
+{
+	static const std::vector<std::string> names = []
+	{
+		std::vector<std::string> list;
+		for (const Entry& e : TEST_SHAPES) list.push_back(e.name);
+		return list;
+	}();
+	return names;
+}
+
+size_t paperTriangleCount(const std::string& name)
+{
+	return findEntry(name).defaultTriangles;
+}
+
+Result<ModelMesh> makeModel(const std::string& name, size_t triangles)
+{
+	const Entry entry = findEntry(name);
+	if (entry.name == nullptr) return Error{"Unknown model \"" + name + "\"; known: " + knownNames() + "."};
+	const size_t wanted = triangles == 0 ? entry.defaultTriangles : triangles;
+	if (wanted < entry.minTriangles || wanted > MAX_TRIANGLES)
+		return Error{"Model " + name + ": " + std::to_string(wanted) + " triangles asked, possible are " +
+					 std::to_string(entry.minTriangles) + " to " + std::to_string(MAX_TRIANGLES) + "."};
+	ModelMesh mesh = makeShape(name, wanted);
+	if (mesh.triangles.empty())
+		return Error{"Model " + name + " cannot be built with " + std::to_string(wanted) + " triangles."};
+	orientOutward(mesh);
+	return mesh;
+}
+
+Result<size_t> writeObj(const std::string& path, const ModelMesh& mesh)
+{
+	std::string text = "# Closed triangle mesh, metres, y up: " + std::to_string(mesh.vertices.size()) + " vertices, " +
+					   std::to_string(mesh.triangles.size()) + " triangles\n";
+	char line[128];
+	for (const Vec3& v : mesh.vertices)
+	{
+		std::snprintf(line, sizeof line, "v %.17g %.17g %.17g\n", v.x, v.y, v.z);
+		text += line;
+	}
+	for (const auto& t : mesh.triangles)
+	{
+		std::snprintf(line, sizeof line, "f %u %u %u\n", t[0] + 1, t[1] + 1, t[2] + 1);
+		text += line;
+	}
+	const std::string aside = path + ".part";
+	std::FILE* file = std::fopen(aside.c_str(), "wb");
+	if (!file) return systemError(aside);
+	const bool written = std::fwrite(text.data(), 1, text.size(), file) == text.size();
+	const bool closed = std::fclose(file) == 0;
+	if (!written || !closed || std::rename(aside.c_str(), path.c_str()) != 0)
+	{
+		const Error error = systemError(path);
+		std::remove(aside.c_str());
+		return error;
+	}
+	return text.size();
+}
+}  // namespace clod::demo
