@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "builder/assemble/CullBoxes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "builder/assemble/Geometry.h"
+#include "builder/assemble/MassProperties.h"
+
+namespace clod::builder
+{
+namespace
+{
+Box boundsIn(const Mat3& axes, const std::vector<Vec3>& points)
+{
+	Box box;
+	for (const Vec3& p : points) box.add(axes * p);
+	return box;
+}
+
+double surface(const Box& b)
+{
+	const Vec3 e = b.extent();
+	return e.x * e.y + e.y * e.z + e.z * e.x;
+}
+
+Mat3 principalAxes(const std::vector<Vec3>& points)
+{
+	Vec3 mean;
+	for (const Vec3& p : points) mean += (1.0 / double(points.size())) * p;
+	std::array<double, 6> s{};
+	for (const Vec3& p : points)
+	{
+		const Vec3 d = p - mean;
+		s[0] += d.x * d.x, s[1] += d.y * d.y, s[2] += d.z * d.z;
+		s[3] += d.x * d.y, s[4] += d.x * d.z, s[5] += d.y * d.z;
+	}
+	return eigenFrame(s).axes;
+}
+
+// A frame with first axis n, the second turned by `angle` from an arbitrary start.
+Mat3 frameOf(const Vec3& n, double angle)
+{
+	const Vec3 other = std::fabs(n.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+	const Vec3 u = normalized(cross(n, other)), v = cross(n, u);
+	const Vec3 second = std::cos(angle) * u + std::sin(angle) * v;
+	return {{n, second, cross(n, second)}};
+}
+
+Mat3 bestAxes(const std::vector<Vec3>& points, const Vec3& normal)
+{
+	std::vector<Mat3> candidates{Mat3{}, principalAxes(points)};
+	constexpr int kTurns = 6;
+	const double quarter = std::acos(0.0);
+	for (int i = 0; i < kTurns && normal != Vec3{}; ++i) candidates.push_back(frameOf(normal, quarter * i / kTurns));
+	Mat3 best = candidates[0];
+	double least = std::numeric_limits<double>::infinity();
+	for (const Mat3& axes : candidates)
+	{
+		const double s = surface(boundsIn(axes, points));
+		if (s < 0.999 * least) least = s, best = axes;
+	}
+	return best;
+}
+}  // namespace
+
+CullBox fitCullBox(const std::vector<Vec3>& points, const Vec3& normal)
+{
+	Mat3 axes = bestAxes(points, normal);
+	for (Vec3& row : axes.row) row = toVec3(toFloat3(row));
+	const Box bounds = boundsIn(axes, points);
+	const Vec3 middle = 0.5 * (bounds.low + bounds.high);
+	const Float3 center = toFloat3(transposed(axes) * middle);
+	CullBox box{};
+	const float stored[3] = {center.x, center.y, center.z};
+	double radius = 0, half[3] = {0, 0, 0}, largest = length(toVec3(center));
+	for (const Vec3& p : points)
+	{
+		const Vec3 d = p - toVec3(center);
+		radius = std::max(radius, length(d));
+		for (int i = 0; i < 3; ++i) half[i] = std::max(half[i], std::fabs(dot(axes.row[i], d)));
+	}
+	constexpr double kMargin = 1e-6;  // covers axes that are orthonormal only to float rounding
+	const double margin = kMargin * radius + 1e-12 * largest;
+	for (int i = 0; i < 3; ++i)
+	{
+		box.center[i] = stored[i];
+		for (int k = 0; k < 3; ++k) box.axis[i][k] = float(axes.row[i][k]);
+		box.half[i] = roundUp(half[i] + margin);
+	}
+	box.radius = roundUp(radius + margin);
+	return box;
+}
+}  // namespace clod::builder

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Points, triangles and directed rounding: what every step of the assembly shares.
+#pragma once
+#include <cmath>
+#include <limits>
+
+#include "clod/hierarchy/Vector.h"
+
+namespace clod::builder
+{
+struct Triangle
+{
+	Vec3 a, b, c;
+	const Vec3& operator[](int i) const { return i == 0 ? a : i == 1 ? b : c; }
+};
+
+inline Vec3 centroid(const Triangle& t)
+{
+	return (1.0 / 3) * (t.a + t.b + t.c);
+}
+inline Vec3 areaVector(const Triangle& t)
+{
+	return 0.5 * cross(t.b - t.a, t.c - t.a);
+}
+
+// Which part of a triangle a closest point lies on.
+enum class Feature
+{
+	vertexA,
+	vertexB,
+	vertexC,
+	edgeAB,
+	edgeBC,
+	edgeCA,
+	face
+};
+
+struct ClosestPoint
+{
+	Vec3 point;
+	Feature feature = Feature::face;
+};
+
+// Ericson, Real-Time Collision Detection, 2005, sec. 5.1.5.
+ClosestPoint closestPoint(const Vec3& p, const Triangle& t);
+
+inline double distanceSquared(const Vec3& p, const Triangle& t)
+{
+	return lengthSquared(p - closestPoint(p, t).point);
+}
+
+// The smallest float that is at least v, and the largest that is at most v.
+inline float roundUp(double v)
+{
+	const float f = float(v);
+	return double(f) < v ? std::nextafter(f, std::numeric_limits<float>::infinity()) : f;
+}
+inline float roundDown(double v)
+{
+	return -roundUp(-v);
+}
+
+struct Box
+{
+	Vec3 low{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(),
+			 std::numeric_limits<double>::infinity()};
+	Vec3 high = -low;
+	void add(const Vec3& p)
+	{
+		for (int i = 0; i < 3; ++i)
+		{
+			low[i] = std::fmin(low[i], p[i]);
+			high[i] = std::fmax(high[i], p[i]);
+		}
+	}
+	void add(const Box& b)
+	{
+		add(b.low);
+		add(b.high);
+	}
+	Vec3 extent() const { return high - low; }
+};
+
+inline Box boxOf(const Triangle& t)
+{
+	Box box;
+	for (int i = 0; i < 3; ++i) box.add(t[i]);
+	return box;
+}
+
+inline bool overlaps(const Box& a, const Box& b)
+{
+	for (int i = 0; i < 3; ++i)
+		if (a.low[i] > b.high[i] || b.low[i] > a.high[i]) return false;
+	return true;
+}
+
+inline double distanceSquared(const Vec3& p, const Box& b)
+{
+	double sum = 0;
+	for (int i = 0; i < 3; ++i)
+	{
+		const double d = std::fmax(std::fmax(b.low[i] - p[i], p[i] - b.high[i]), 0.0);
+		sum += d * d;
+	}
+	return sum;
+}
+}  // namespace clod::builder

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// CGAL decides the combinatorics exactly (convex_hull_3, EPICK); offsets are then measured over all points, so the
+// half-spaces contain the hull whatever the normals' rounding.
+#include "builder/assemble/HullPlanes.h"
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Surface_mesh.h>
+#include <CGAL/convex_hull_3.h>
+
+#include <algorithm>
+
+#include "builder/assemble/Geometry.h"
+#include "builder/assemble/MassProperties.h"
+
+namespace clod::builder
+{
+namespace
+{
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using HullMesh = CGAL::Surface_mesh<Kernel::Point_3>;
+
+Vec3 toVec3(const Kernel::Point_3& p)
+{
+	return {p.x(), p.y(), p.z()};
+}
+
+// Principal directions of the points, the thinnest first.
+Mat3 directions(const std::vector<Vec3>& points)
+{
+	Vec3 mean;
+	for (const Vec3& p : points) mean += (1.0 / double(points.size())) * p;
+	std::array<double, 6> s{};
+	for (const Vec3& p : points)
+	{
+		const Vec3 d = p - mean;
+		s[0] += d.x * d.x, s[1] += d.y * d.y, s[2] += d.z * d.z;
+		s[3] += d.x * d.y, s[4] += d.x * d.z, s[5] += d.y * d.z;
+	}
+	return eigenFrame(s).axes;
+}
+
+void measureOffsets(std::vector<Plane>& planes, const std::vector<Vec3>& points)
+{
+	for (Plane& plane : planes)
+	{
+		plane.offset = dot(plane.normal, points[0]);
+		for (const Vec3& p : points) plane.offset = std::max(plane.offset, dot(plane.normal, p));
+	}
+}
+
+// Every point moved by +-minimum along each principal direction in which the set is thinner than that.
+std::vector<Vec3> thickened(const std::vector<Vec3>& points, double minimum)
+{
+	const Mat3 axes = directions(points);
+	std::vector<Vec3> result = points;
+	for (const Vec3& axis : axes.row)
+	{
+		double low = dot(axis, points[0]), high = low;
+		for (const Vec3& p : points)
+		{
+			low = std::min(low, dot(axis, p));
+			high = std::max(high, dot(axis, p));
+		}
+		if (high - low >= minimum) continue;
+		const std::size_t count = result.size();
+		for (std::size_t i = 0; i < count; ++i)
+		{
+			result.push_back(result[i] + minimum * axis);
+			result[i] = result[i] - minimum * axis;
+		}
+	}
+	return result;
+}
+}  // namespace
+
+HullShape hullShape(const std::vector<Vec3>& input, double minimum)
+{
+	const std::vector<Vec3> points = thickened(input, minimum);
+	std::vector<Kernel::Point_3> cgalPoints;
+	for (const Vec3& p : points) cgalPoints.emplace_back(p.x, p.y, p.z);
+	HullMesh mesh;
+	CGAL::convex_hull_3(cgalPoints.begin(), cgalPoints.end(), mesh);
+	HullShape shape;
+	for (const auto v : mesh.vertices()) shape.corners.push_back(toVec3(mesh.point(v)));
+	for (const auto f : mesh.faces())
+	{
+		Vec3 corner[3];
+		int k = 0;
+		for (const auto v : mesh.vertices_around_face(mesh.halfedge(f)))
+			if (k < 3) corner[k++] = toVec3(mesh.point(v));
+		const Vec3 n = normalized(cross(corner[1] - corner[0], corner[2] - corner[0]));
+		const auto same = [&n](const Plane& p) { return lengthSquared(p.normal - n) < 1e-20; };
+		if (n != Vec3{} && std::none_of(shape.planes.begin(), shape.planes.end(), same)) shape.planes.push_back({n, 0});
+	}
+	measureOffsets(shape.planes, points);
+	return shape;
+}
+}  // namespace clod::builder

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A contact hull as an intersection of half-spaces, each of which contains every vertex as stored.
+#pragma once
+#include <vector>
+
+#include "clod/hierarchy/Vector.h"
+
+namespace clod::builder
+{
+struct Plane
+{
+	Vec3 normal;    // unit, outward
+	double offset;  // the hull lies in dot(normal, x) <= offset
+};
+
+struct HullShape
+{
+	std::vector<Plane> planes;
+	std::vector<Vec3> corners;  // the vertices that span the hull
+};
+
+// The convex hull of points. A set without volume is first thickened by `minimum` along its thinnest direction (both
+// ways), so the planes always bound a body.
+HullShape hullShape(const std::vector<Vec3>& points, double minimum);
+}  // namespace clod::builder
