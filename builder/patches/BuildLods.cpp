@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The simplification loop: collapse, merge, cut a level whenever the number of patches has halved.
+// Source: the paper, sec. 4.2 and fig. 3. Where the default mode departs from it, README.md says why.
+#include <algorithm>
+#include <cmath>
+
+#include "builder/Lod.h"
+#include "builder/patches/Collapse.h"
+#include "builder/patches/Decompose.h"
+#include "builder/patches/EdgeQueue.h"
+
+namespace clod::builder
+{
+namespace
+{
+constexpr double kStorageRounding = 8.0 / (1 << 24);  // eps_0, share of the radius
+constexpr double kFirstBound = 0.0005;                // of the deviation, share of the radius
+constexpr double kBoundGrowth = 1.5;
+constexpr double kToleranceShare = 0.25;  // eps_k of the deviation reached
+constexpr std::uint32_t kRetries = 3;     // of a blocked edge after changes nearby
+
+// The current state as a level; patches are numbered by their first triangle.
+Lod snapshot(const PatchMesh& mesh, double tolerance, std::vector<std::uint32_t>& idOfPatch)
+{
+	Lod lod;
+	lod.patchTolerance = tolerance;
+	idOfPatch.assign(mesh.patches.size(), kNone);
+	std::vector<std::uint32_t> idOfVertex(mesh.positions.size(), kNone);
+	for (std::uint32_t v = 0; v < mesh.positions.size(); ++v)
+	{
+		if (mesh.star[v].empty()) continue;
+		idOfVertex[v] = std::uint32_t(lod.mesh.vertices.size());
+		lod.mesh.vertices.push_back(mesh.positions[v]);
+	}
+	for (std::uint32_t f = 0; f < mesh.faces.size(); ++f)
+	{
+		if (!mesh.isAlive(f)) continue;
+		std::uint32_t& id = idOfPatch[mesh.label[f]];
+		if (id == kNone)
+		{
+			id = lod.patchCount++;
+			lod.patchResolution.push_back(mesh.patches[mesh.label[f]].resolution);
+		}
+		lod.patchOfTriangle.push_back(id);
+		const auto& t = mesh.faces[f];
+		lod.mesh.triangles.push_back({idOfVertex[t[0]], idOfVertex[t[1]], idOfVertex[t[2]]});
+	}
+	return lod;
+}
+
+class Simplifier
+{
+public:
+	Simplifier(const Mesh& input, const BuildConfig& config, const Progress& progress)
+		: m_config(config), m_progress(progress), m_mesh(input), m_validity(m_mesh), m_guard(input, m_mesh.radius)
+	{
+		m_validity.tolerance = kStorageRounding * m_mesh.radius;
+	}
+
+	LodSequence run()
+	{
+		decompose(m_mesh, m_validity, m_progress);
+		cut();
+		m_collapser.emplace(m_mesh, m_validity, m_config.paper ? nullptr : &m_guard, m_config);
+		m_firstFaces = m_mesh.faceCount;
+		if (m_config.paper)
+			runPaper();
+		else
+			runGuarded();
+		return std::move(m_sequence);
+	}
+
+private:
+	void runPaper();
+	void runGuarded();
+	std::size_t drainQueue();
+	void pushAll();
+	void pushAround(std::uint32_t vertex);
+	void joinAround();
+	void cut();
+	void cutIfHalved();
+	bool isFinished() const;
+
+	const BuildConfig& m_config;
+	const Progress& m_progress;
+	PatchMesh m_mesh;
+	Validity m_validity;
+	DeviationGuard m_guard;
+	std::optional<Collapser> m_collapser;
+	EdgeQueue m_queue;
+	LodSequence m_sequence;
+	std::size_t m_firstFaces = 0;
+	std::size_t m_attempts = 0;
+};
+
+// Paper mode: no control of the deviation; the last cut is the one before Table 1's coarsest share is passed.
+bool Simplifier::isFinished() const
+{
+	if (m_mesh.patchCount <= 1) return true;
+	return m_config.paper && m_sequence.lods.size() > 8;
+}
+
+void Simplifier::cut()
+{
+	std::vector<std::uint32_t> idOfPatch;
+	Lod lod = snapshot(m_mesh, m_validity.tolerance, idOfPatch);
+	if (!m_sequence.lods.empty())
+	{
+		Lod& finer = m_sequence.lods.back();
+		finer.parentPatch.assign(finer.patchCount, kNone);
+		for (std::uint32_t p = 0; p < m_mesh.patches.size(); ++p)
+			for (const std::uint32_t kid : m_mesh.patches[p].kids) finer.parentPatch[kid] = idOfPatch[p];
+	}
+	for (std::uint32_t p = 0; p < m_mesh.patches.size(); ++p)
+	{
+		m_mesh.patches[p].kids.clear();
+		if (idOfPatch[p] != kNone) m_mesh.patches[p].kids.push_back(idOfPatch[p]);
+	}
+	m_sequence.lods.push_back(std::move(lod));
+}
+
+void Simplifier::cutIfHalved()
+{
+	if (2 * m_mesh.patchCount > m_sequence.lods.back().patchCount) return;
+	joinEverywhere(m_mesh, m_validity);
+	cut();
+	m_mesh.rebuildTrees();
+}
+
+void Simplifier::pushAround(std::uint32_t vertex)
+{
+	for (const std::uint32_t f : m_mesh.star[vertex])
+	{
+		const auto& t = m_mesh.faces[f];
+		const std::uint32_t next = t[std::size_t((m_mesh.cornerOf(f, vertex) + 1) % 3)];
+		m_queue.push(vertex, next, m_collapser->resolution(vertex, next));
+	}
+}
+
+void Simplifier::pushAll()
+{
+	m_queue.clear();
+	for (std::uint32_t f = 0; f < m_mesh.faces.size(); ++f)
+	{
+		if (!m_mesh.isAlive(f)) continue;
+		const auto& t = m_mesh.faces[f];
+		for (std::size_t k = 0; k < 3; ++k)
+			if (t[k] < t[(k + 1) % 3])
+				m_queue.push(t[k], t[(k + 1) % 3], m_collapser->resolution(t[k], t[(k + 1) % 3]));
+	}
+}
+
+// Pairs of patches that meet in a convex edge at the new star.
+void Simplifier::joinAround()
+{
+	const std::vector<std::uint32_t> star = m_collapser->newStar();
+	for (bool joined = true; joined;)
+	{
+		joined = false;
+		for (std::size_t i = 0; i < star.size() && !joined; ++i)
+			for (int k = 0; k < 3 && !joined; ++k)
+			{
+				const std::uint32_t a = m_mesh.label[star[i]];
+				const std::uint32_t b = m_mesh.label[m_mesh.adjacent[star[i]][std::size_t(k)]];
+				if (a == b || m_mesh.edgeHeight(star[i], k) > m_validity.tolerance) continue;
+				joined = tryJoin(m_mesh, m_validity, std::min(a, b), std::max(a, b));
+			}
+	}
+}
+
+std::size_t Simplifier::drainQueue()
+{
+	std::size_t done = 0;
+	EdgeQueue::Edge edge;
+	while (!isFinished() && m_queue.pop(edge))
+	{
+		const auto [u, w] = edge;
+		const auto& star = m_mesh.star[u];
+		const bool exists =
+			std::any_of(star.begin(), star.end(), [&, w = w](std::uint32_t f) { return m_mesh.cornerOf(f, w) >= 0; });
+		if (!exists) continue;
+		if (++m_attempts % 512 == 0 && m_progress &&
+			!m_progress("simplify", 1 - double(m_mesh.faceCount) / double(m_firstFaces)))
+			throw Cancelled{};
+		if (m_collapser->attempt(u, w) != Outcome::Done) continue;
+		++done;
+		joinAround();
+		pushAround(u);
+		const std::vector<std::uint32_t> star2 = m_mesh.star[u];
+		for (const std::uint32_t f : star2)
+		{
+			const auto& t = m_mesh.faces[f];
+			const std::uint32_t p = t[std::size_t((m_mesh.cornerOf(f, u) + 1) % 3)];
+			for (const std::uint32_t g : m_mesh.star[p])
+			{
+				const auto& s = m_mesh.faces[g];
+				const std::uint32_t q = s[std::size_t((m_mesh.cornerOf(g, p) + 1) % 3)];
+				if (q == u || m_queue.isWaiting(p, q)) continue;
+				std::uint32_t& retries = m_queue.retries(p, q);
+				if (retries++ < kRetries) m_queue.push(p, q, m_collapser->resolution(p, q));
+			}
+		}
+		cutIfHalved();
+	}
+	return done;
+}
+
+void Simplifier::runPaper()
+{
+	do pushAll();
+	while (drainQueue() > 0 && !isFinished());
+}
+
+void Simplifier::runGuarded()
+{
+	for (double bound = kFirstBound; !isFinished(); bound = std::min(kBoundGrowth * bound, m_config.stopDeviation))
+	{
+		m_guard.bound = bound * m_mesh.radius;
+		m_validity.tolerance = std::max(m_validity.tolerance, kToleranceShare * m_guard.reached());
+		pushAll();
+		drainQueue();
+		joinEverywhere(m_mesh, m_validity);
+		cutIfHalved();
+		if (bound >= m_config.stopDeviation) break;
+	}
+}
+}  // namespace
+
+LodSequence buildLods(const Mesh& input, const BuildConfig& config, const Progress& progress)
+{
+	return Simplifier(input, config, progress).run();
+}
+}  // namespace clod::builder

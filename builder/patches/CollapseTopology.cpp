@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Step 1 of the collapse, the topology, and the bookkeeping after an accepted one.
+#include <algorithm>
+
+#include "builder/patches/Collapse.h"
+
+namespace clod::builder
+{
+// Link condition: the endpoints share exactly the two vertices opposite to the edge, and those keep three faces.
+bool Collapser::findStar(std::uint32_t u, std::uint32_t w)
+{
+	m_u = u;
+	m_w = w;
+	m_star.clear();
+	m_oldFaces.clear();
+	std::size_t removed = 0;
+	for (const std::uint32_t f : m_mesh.star[u])
+	{
+		m_oldFaces.push_back(f);
+		if (m_mesh.cornerOf(f, w) < 0)
+		{
+			m_star.push_back(f);
+			continue;
+		}
+		if (removed == 2) return false;
+		m_removed[removed] = f;
+		for (const std::uint32_t v : m_mesh.faces[f])
+			if (v != u && v != w) m_opposite[removed] = v;
+		++removed;
+	}
+	if (removed != 2 || m_opposite[0] == m_opposite[1]) return false;
+	for (const std::uint32_t f : m_mesh.star[w])
+		if (m_mesh.cornerOf(f, u) < 0)
+		{
+			m_star.push_back(f);
+			m_oldFaces.push_back(f);
+		}
+	for (const std::uint32_t o : m_opposite)
+		if (m_mesh.star[o].size() <= 3) return false;
+	return m_star.size() >= 3;
+}
+
+bool Collapser::findRing()
+{
+	const std::size_t n = m_star.size();
+	const auto farEdge = [&](std::uint32_t f)
+	{
+		int corner = m_mesh.cornerOf(f, m_u);
+		if (corner < 0) corner = m_mesh.cornerOf(f, m_w);
+		const auto& t = m_mesh.faces[f];
+		return std::array<std::uint32_t, 2>{t[std::size_t((corner + 1) % 3)], t[std::size_t((corner + 2) % 3)]};
+	};
+	m_ring.clear();
+	for (std::size_t i = 0; i < n; ++i)
+	{
+		const auto edge = farEdge(m_star[i]);
+		if (std::find(m_ring.begin(), m_ring.end(), edge[0]) != m_ring.end()) return false;
+		m_ring.push_back(edge[0]);
+		if (i + 1 == n) return edge[1] == m_ring[0];
+		std::size_t next = i + 1;
+		while (next < n && farEdge(m_star[next])[0] != edge[1]) ++next;
+		if (next == n) return false;
+		std::swap(m_star[i + 1], m_star[next]);
+	}
+	return false;
+}
+
+bool Collapser::findPatches()
+{
+	m_patches.clear();
+	m_vanishing.clear();
+	for (const std::uint32_t f : m_star)
+	{
+		const std::uint32_t patch = m_mesh.label[f];
+		if (std::find(m_patches.begin(), m_patches.end(), patch) == m_patches.end()) m_patches.push_back(patch);
+	}
+	for (const std::uint32_t f : m_removed)
+	{
+		const std::uint32_t patch = m_mesh.label[f];
+		const bool kept = std::find(m_patches.begin(), m_patches.end(), patch) != m_patches.end();
+		const bool known = std::find(m_vanishing.begin(), m_vanishing.end(), patch) != m_vanishing.end();
+		if (!kept && !known) m_vanishing.push_back(patch);
+	}
+	for (const std::uint32_t patch : m_patches)
+		if (!staysConnected(patch)) return false;
+	return true;
+}
+
+// One contiguous run of a patch's faces round the new vertex cannot have been cut; otherwise walk over its faces.
+bool Collapser::staysConnected(std::uint32_t patch) const
+{
+	std::size_t runs = 0;
+	for (std::size_t i = 0; i < m_star.size(); ++i)
+	{
+		const std::size_t before = i == 0 ? m_star.size() - 1 : i - 1;
+		if (m_mesh.label[m_star[i]] == patch && m_mesh.label[m_star[before]] != patch) ++runs;
+	}
+	if (runs <= 1) return true;
+	const auto& faces = m_mesh.patches[patch].faces;
+	const auto isRemoved = [&](std::uint32_t f) { return f == m_removed[0] || f == m_removed[1]; };
+	std::vector<std::uint32_t> left;
+	for (const std::uint32_t f : faces)
+		if (!isRemoved(f)) left.push_back(f);
+	std::vector<std::uint32_t> queue = {left.back()};
+	left.pop_back();
+	const auto reach = [&](std::uint32_t f)
+	{
+		const auto at = std::find(left.begin(), left.end(), f);
+		if (at == left.end()) return;
+		*at = left.back();
+		left.pop_back();
+		queue.push_back(f);
+	};
+	while (!queue.empty() && !left.empty())
+	{
+		const std::uint32_t f = queue.back();
+		queue.pop_back();
+		for (const std::uint32_t next : m_mesh.adjacent[f])
+		{
+			if (!isRemoved(next))
+			{
+				reach(next);
+				continue;
+			}
+			for (const std::uint32_t beyond : m_mesh.adjacent[next])
+				if (!isRemoved(beyond)) reach(beyond);
+		}
+	}
+	return left.empty();
+}
+
+// The two faces beside a removed face become neighbours.
+void Collapser::relink(std::uint32_t removed)
+{
+	std::array<std::uint32_t, 2> beside{};
+	std::size_t count = 0;
+	for (int k = 0; k < 3; ++k)
+	{
+		const std::uint32_t a = m_mesh.faces[removed][std::size_t(k)];
+		const std::uint32_t b = m_mesh.faces[removed][std::size_t((k + 1) % 3)];
+		const bool isEdge = (a == m_u && b == m_w) || (a == m_w && b == m_u);
+		if (!isEdge) beside[count++] = m_mesh.adjacent[removed][std::size_t(k)];
+	}
+	for (std::size_t i = 0; i < 2; ++i)
+		m_mesh.adjacent[beside[i]][std::size_t(m_mesh.edgeTo(beside[i], removed))] = beside[1 - i];
+}
+
+void Collapser::commit(const Vec3& position)
+{
+	if (m_guard) m_guard->commit(m_oldFaces);
+	const double r = resolution(m_u, m_w);
+	for (const std::uint32_t patch : m_vanishing) vanish(patch);
+	for (const std::uint32_t f : m_removed)
+	{
+		relink(f);
+		for (const std::uint32_t v : m_opposite)
+		{
+			auto& star = m_mesh.star[v];
+			star.erase(std::remove(star.begin(), star.end(), f), star.end());
+		}
+		auto& faces = m_mesh.patches[m_mesh.label[f]].faces;
+		faces.erase(std::remove(faces.begin(), faces.end(), f), faces.end());
+		m_mesh.faces[f][0] = kNone;
+		m_mesh.faceTree.update(f, Box{});
+	}
+	m_mesh.faceCount -= 2;
+	m_mesh.positions[m_u] = position;
+	m_quadrics[m_u] += m_quadrics[m_w];
+	for (const std::uint32_t f : m_star)
+	{
+		const int corner = m_mesh.cornerOf(f, m_w);
+		if (corner >= 0) m_mesh.faces[f][std::size_t(corner)] = m_u;
+		m_mesh.refreshFace(f);
+	}
+	m_mesh.star[m_u] = m_star;
+	m_mesh.star[m_w].clear();
+	for (std::size_t i = 0; i < m_patches.size(); ++i)
+	{
+		Patch& patch = m_mesh.patches[m_patches[i]];
+		patch.resolution = patch.resolution > 0 ? std::min(patch.resolution, r) : r;
+		m_mesh.setHull(m_patches[i], std::move(m_newHulls[i]));
+	}
+}
+
+// Neighbour of a vanishing patch whose face lies nearest to the middle of the collapsed edge's far side.
+std::uint32_t Collapser::heirOf(std::uint32_t patch) const
+{
+	std::uint32_t heir = kNone;
+	double nearest = 1e300;
+	for (const std::uint32_t f : m_removed)
+	{
+		if (m_mesh.label[f] != patch) continue;
+		const TrianglePoints t = m_mesh.points(f);
+		const Vec3 centre = (1.0 / 3) * (t[0] + t[1] + t[2]);
+		for (std::size_t i = 0; i < m_star.size(); ++i)
+		{
+			const double d = squaredDistance(centre, m_starPoints[i]);
+			if (d >= nearest) continue;
+			nearest = d;
+			heir = m_mesh.label[m_star[i]];
+		}
+	}
+	return heir;
+}
+
+void Collapser::vanish(std::uint32_t patch)
+{
+	Patch& lost = m_mesh.patches[patch];
+	Patch& heir = m_mesh.patches[heirOf(patch)];
+	heir.kids.insert(heir.kids.end(), lost.kids.begin(), lost.kids.end());
+	if (lost.resolution > 0 && (heir.resolution == 0 || lost.resolution < heir.resolution))
+		heir.resolution = lost.resolution;
+	lost.kids.clear();
+	lost.hull.clear();
+	m_mesh.patchTree.update(patch, Box{});
+	lost.box = {};
+	--m_mesh.patchCount;
+}
+}  // namespace clod::builder

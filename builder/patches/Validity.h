@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// When a set of faces is a convex patch, within a tolerance eps:
+//   edges   the far corners at an interior edge lie at most eps above the other face;
+//   G1      every vertex of the patch lies at most 2 eps above every face's plane;
+//   G2      no other face enters the hull of the patch deeper than 4 eps;
+//   cover   where the hull is thinner than that (8 eps under a face's plane), its front is covered by the patch itself
+//   or
+//           by other faces that are coplanar and turned the same way: a flat hull must not span a notch.
+// Sources: Ehmann & Lin 2001 (the convexity constraints); the paper, sec. 4.1. The last rule is ours.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "builder/patches/PatchMesh.h"
+#include "builder/patches/SmallHull.h"
+
+namespace clod::builder
+{
+// Two vertices u and w of the mesh imagined at one position; faces that hold both do not exist.
+struct Move
+{
+	std::uint32_t u = kNone, w = kNone;
+	Vec3 position;
+	std::vector<std::uint32_t> faces;  // that survive with a moved corner
+	std::vector<Plane> planes;         // theirs after the move
+	bool moves(std::uint32_t vertex) const { return vertex == u || vertex == w; }
+};
+
+class Validity
+{
+public:
+	explicit Validity(const PatchMesh& mesh);
+	double tolerance = 0;  // eps
+	Move move;             // none by default
+
+	// Starts an empty patch; grow() adds faces to it as long as they keep it valid.
+	void clear();
+	bool grow(std::uint32_t face);
+	std::vector<Plane> grownHull() const;
+	// Whether the union of two patches is valid; hull() then holds its planes.
+	bool canJoin(std::uint32_t a, std::uint32_t b);
+	// Whether a patch that was valid keeps its edges and G1 under the move; then whether it keeps G2 and cover as well.
+	bool keepsConvex(std::uint32_t patch);
+	bool keepsInside(std::uint32_t patch);
+	// Everything from scratch, edge-connectedness included.
+	bool isValid(const std::vector<std::uint32_t>& faces);
+
+	const std::vector<Plane>& hull() const { return m_hullPlanes; }
+	TrianglePoints points(std::uint32_t face) const;
+
+private:
+	static constexpr double kBlind = 8;                            // thinner hulls, in eps, are judged by their cover
+	double minimumHeight() const { return 1e-9 * m_mesh.radius; }  // of hull triangles whose planes are used
+	void load(const std::vector<std::uint32_t>& faces);
+	void addFace(std::uint32_t face);
+	void addPoint(std::uint32_t vertex);
+	bool contains(std::uint32_t face) const { return m_faceStamp[face] == m_stamp; }
+	bool isMoved(std::uint32_t face) const;
+	bool vanishes(std::uint32_t face) const;
+	std::uint32_t neighbour(std::uint32_t face, int k) const;
+	bool growsConvex(std::uint32_t face) const;
+	bool edgesStayConvex(std::uint32_t patch) const;
+	bool isBelowAllPlanes() const;
+	bool isConnected() const;
+	bool isInside(const SmallHull& hull);
+	bool isCovered();
+	bool frontIsCovered(std::size_t reference);
+	double foreignCover(const Plane& plane, const std::vector<Point2>& front, const Box& box) const;
+	// visit(face, points) -> bool for every face of the mesh, under the move, that meets the box and is not in the
+	// patch.
+	template <class Visit>
+	bool searchForeign(const Box& box, Visit&& visit) const;
+
+	const PatchMesh& m_mesh;
+	std::vector<std::uint32_t> m_faceStamp, m_vertexStamp;
+	std::uint32_t m_stamp = 0;
+	std::vector<std::uint32_t> m_faces;
+	std::vector<TrianglePoints> m_facePoints;
+	std::vector<Plane> m_facePlanes;
+	std::vector<Vec3> m_points;
+	Box m_box;
+	SmallHull m_hull, m_trial;
+	std::vector<Plane> m_hullPlanes;
+	std::vector<char> m_covered;  // per face of the patch: judged with an earlier coplanar face
+};
+}  // namespace clod::builder
