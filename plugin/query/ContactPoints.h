@@ -39,17 +39,17 @@ RelativeMotion inFrame(const RelativeMotion& motion, const Transform& hereFromTh
 
 struct PointRules
 {
-	double length = 1;   // the smaller bounding radius of the pair: every tolerance below is a share of it
-	double resting = 0;  // points up to this height are contacts whatever the motion
-	double margin = 0;   // sum of both bodies' margins: surfaces touch at this height
+	double length = 1;      // the smaller bounding radius of the pair: every tolerance below is a share of it
+	double resting = 0;     // points up to this height are contacts whatever the motion
+	double margin = 0;      // sum of both bodies' margins: surfaces touch at this height
 	RelativeMotion motion;  // frame A
 };
 
-inline constexpr double kRestingShare = 0.001;        // default resting height, share of PointRules::length
-inline constexpr double kOpposingCosine = -0.3;       // faces whose normals agree better than this cannot touch
-inline constexpr double kPredictionSlack = 1.1;       // a speculative point may be this much farther than its approach
-inline constexpr double kUnderPatchShare = 0.0005;    // slack of "ends under the reference patch", share of length
-inline constexpr double kTieCurvature = 1e-6;         // curvatures closer than this / length are equal
+inline constexpr double kRestingShare = 0.001;      // default resting height, share of PointRules::length
+inline constexpr double kOpposingCosine = -0.3;     // faces whose normals agree better than this cannot touch
+inline constexpr double kPredictionSlack = 1.1;     // a speculative point may be this much farther than its approach
+inline constexpr double kUnderPatchShare = 0.0005;  // slack of "ends under the reference patch", share of length
+inline constexpr double kTieCurvature = 1e-6;       // curvatures closer than this / length are equal
 
 // A convex polygon left of a triangle after clipping.
 struct ClippedPolygon
@@ -109,8 +109,8 @@ private:
 	Transform m_aFromB;
 };
 
-// Highest point, and prediction, that the motion allows over one reference face (all in the reference's frame; motion is
-// the other body's relative to the reference). `under` lists the planes of the whole reference patch.
+// Highest point, and prediction, that the motion allows over one reference face (all in the reference's frame; motion
+// is the other body's relative to the reference). `under` lists the planes of the whole reference patch.
 struct PointFilter
 {
 	const PointRules* rules;

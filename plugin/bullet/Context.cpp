@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Zlib
+#include "clod/bullet/Context.h"
+
+#include <BulletCollision/CollisionDispatch/btCollisionCreateFunc.h>
+
+#include <algorithm>
+#include <cstdio>
+
+namespace clod
+{
+ContactMetric ContactMetric::exactly()
+{
+	ContactMetric metric;
+	metric.exact = true;
+	return metric;
+}
+
+ContactMetric ContactMetric::deviationShare(double share)
+{
+	ContactMetric metric;
+	metric.weightedDeviationShare = share;
+	return metric;
+}
+
+ContactMetric ContactMetric::errorShare(double share)
+{
+	ContactMetric metric;
+	metric.maxErrorShare = share;
+	return metric;
+}
+
+Metric ContactMetric::resolve(double radius) const
+{
+	Metric metric;
+	metric.exact = exact;
+	metric.weightedDeviation = std::min(weightedDeviation, weightedDeviationShare * radius);
+	metric.maxError = std::min(maxError, maxErrorShare * radius);
+	return metric;
+}
+
+ContactMetric stricter(const ContactMetric& a, const ContactMetric& b)
+{
+	ContactMetric metric;
+	metric.exact = a.exact || b.exact;
+	metric.weightedDeviation = std::min(a.weightedDeviation, b.weightedDeviation);
+	metric.weightedDeviationShare = std::min(a.weightedDeviationShare, b.weightedDeviationShare);
+	metric.maxError = std::min(a.maxError, b.maxError);
+	metric.maxErrorShare = std::min(a.maxErrorShare, b.maxErrorShare);
+	return metric;
+}
+
+Context::Context() : warn([](const std::string& message) { std::fprintf(stderr, "clod: %s\n", message.c_str()); }) {}
+Context::~Context() = default;
+
+void Context::add(const PairReport* report)
+{
+	const std::lock_guard<std::mutex> lock(m_mutex);
+	m_pairs.push_back(report);
+}
+
+void Context::remove(const PairReport* report)
+{
+	const std::lock_guard<std::mutex> lock(m_mutex);
+	m_pairs.erase(std::find(m_pairs.begin(), m_pairs.end(), report));
+}
+
+void Context::say(const std::string& message) const
+{
+	const std::lock_guard<std::mutex> lock(m_mutex);
+	if (warn) warn(message);
+}
+
+void Context::forEachPair(const std::function<void(const PairReport&)>& visit) const
+{
+	const std::lock_guard<std::mutex> lock(m_mutex);
+	for (const PairReport* report : m_pairs) visit(*report);
+}
+
+StepStatistics Context::lastStep() const
+{
+	StepStatistics sum;
+	forEachPair(
+		[&sum](const PairReport& pair)
+		{
+			const std::string name = "pair " + std::to_string(sum.pairs);
+			++sum.pairs;
+			sum.pairsInContact += pair.points > 0 ? 1 : 0;
+			sum.candidates += pair.candidates;
+			sum.points += pair.points;
+			sum.clusters += pair.clusterCount;
+			sum.leaks += pair.leaks;
+			if (pair.result)
+			{
+				sum.nodePairs += std::uint32_t(pair.result->contacts.size());
+				sum.front += pair.result->stats.front;
+				sum.hullTests += pair.result->stats.hullTests;
+				sum.boxTests += pair.result->stats.boxTests;
+			}
+			sum.queryMicroseconds += pair.queryMicroseconds;
+			sum.contactMicroseconds += pair.contactMicroseconds;
+			sum.deepPairs += pair.deep ? 1 : 0;
+			sum.fastPairs += pair.fast ? 1 : 0;
+			sum.loosePairs += pair.loose ? 1 : 0;
+			if (pair.deep) sum.warnings.push_back(name + ": penetration deeper than the contacts can prove");
+			if (pair.fast) sum.warnings.push_back(name + ": one step moves farther than the thinnest wall");
+			if (pair.loose) sum.warnings.push_back(name + ": the error bound exceeds the thinnest wall");
+		});
+	return sum;
+}
+}  // namespace clod

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Zlib
+// The user's settings and window on the plugin: thresholds for all pairs, a callback for single pairs, statistics and
+// warnings of the last step. No globals: one object a world, owned by the user, alive as long as the dispatcher's
+// pairs.
+//
+// Lengths are in the hierarchies' unit (before any shape scaling).
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "clod/bullet/Abi.h"
+#include "clod/query/ContactClusters.h"
+#include "clod/query/Query.h"
+
+class btCollisionObject;
+class btClodCollisionAlgorithm;
+struct btCollisionAlgorithmCreateFunc;
+
+namespace clod
+{
+// How coarse contacts may be. A threshold can be a length, a share of the pair's smaller bounding radius, or both: the
+// stricter holds. Everything infinite and exact = false lets the coarsest contact level answer.
+struct ContactMetric
+{
+	bool exact = false;                                                  // the input surface only
+	double weightedDeviation = std::numeric_limits<double>::infinity();  // the paper's s0, a length
+	double weightedDeviationShare = std::numeric_limits<double>::infinity();
+	double maxError = std::numeric_limits<double>::infinity();  // certified, a hard limit; a length
+	double maxErrorShare = std::numeric_limits<double>::infinity();
+
+	static ContactMetric exactly();
+	static ContactMetric deviationShare(double share);  // the paper's s0 as a share of the radius, e.g. 0.035
+	static ContactMetric errorShare(double share);      // certified, e.g. 0.005
+	Metric resolve(double radius) const;
+};
+// Each threshold the smaller of both; exact if either is.
+ContactMetric stricter(const ContactMetric& a, const ContactMetric& b);
+
+// A pair as of its last dispatch. Valid until the next dispatch.
+struct PairReport
+{
+	const btCollisionObject* objectA = nullptr;
+	const btCollisionObject* objectB = nullptr;
+	const Hierarchy* hierarchyA = nullptr;
+	const Hierarchy* hierarchyB = nullptr;  // null: a plane or an engine's own mesh
+	const QueryResult* result = nullptr;    // accepted node pairs; empty against a plane or an engine's own mesh
+	const ClusterSet* clusters = nullptr;   // frame A, hierarchy unit
+	Metric metric;                          // as used
+	double tolerance = 0;                   // contact distance used, hierarchy unit
+	double motion = 0;                      // bound on the relative motion of one step, hierarchy unit
+	double errorBound = 0;                  // see QueryResult
+	std::uint32_t candidates = 0, points = 0, clusterCount = 0, leaks = 0;
+	std::uint32_t finestLevel = 0, coarsestLevel = 0;
+	bool deep = false;   // penetration beyond what the contacts can prove
+	bool fast = false;   // one step moves the bodies farther than the thinnest wall
+	bool loose = false;  // the error bound exceeds the thinnest wall
+	double queryMicroseconds = 0, contactMicroseconds = 0;
+};
+
+// Sums over all live pairs, each as of its last dispatch.
+struct StepStatistics
+{
+	std::uint32_t pairs = 0, pairsInContact = 0;
+	std::uint32_t nodePairs = 0, candidates = 0, points = 0, clusters = 0, leaks = 0;
+	std::uint32_t front = 0, hullTests = 0, boxTests = 0;
+	std::uint32_t deepPairs = 0, fastPairs = 0, loosePairs = 0;
+	double queryMicroseconds = 0, contactMicroseconds = 0;
+	std::vector<std::string> warnings;  // one sentence a pair and cause
+};
+
+class Context
+{
+public:
+	Context();
+	~Context();
+	Context(const Context&) = delete;
+	Context& operator=(const Context&) = delete;
+
+	// Precedence: the pair callback if it answers, else the stricter of the shapes' own metrics, else the world's.
+	ContactMetric worldMetric = ContactMetric::errorShare(0.005);
+	// Returns true and fills the metric to decide a pair. Called once a pair and dispatch, maybe from several threads.
+	std::function<bool(const btCollisionObject& a, const btCollisionObject& b, ContactMetric& metric)> pairMetric;
+	// Receives each warning once a pair and cause; prints to stderr by default; empty = silent (lastStep() has it
+	// still).
+	std::function<void(const std::string& message)> warn;
+
+	StepStatistics lastStep() const;
+	// Visits the live pairs, oldest first.
+	void forEachPair(const std::function<void(const PairReport&)>& visit) const;
+
+private:
+	friend class PairState;
+	friend class ::btClodCollisionAlgorithm;
+	void add(const PairReport* report);
+	void remove(const PairReport* report);
+	void say(const std::string& message) const;
+	mutable std::mutex m_mutex;
+	std::vector<const PairReport*> m_pairs;
+	std::vector<std::unique_ptr<btCollisionAlgorithmCreateFunc>> m_createFunctions;  // one set a registration
+};
+}  // namespace clod

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Zlib
+#include "clod/bullet/Manifolds.h"
+
+#include <algorithm>
+
+namespace clod
+{
+namespace
+{
+btVector3 toBullet(const Vec3& v)
+{
+	return {btScalar(v.x), btScalar(v.y), btScalar(v.z)};
+}
+
+// Part of a feature id: the level, or the child's index where the body is a compound.
+int partOf(const btCollisionObjectWrapper& wrapper, std::uint32_t level)
+{
+	return wrapper.m_parent ? wrapper.m_index : int(level);
+}
+}  // namespace
+
+ManifoldSet::ManifoldSet(btDispatcher& dispatcher, btPersistentManifold* shared)
+	: m_dispatcher(dispatcher), m_shared(shared)
+{
+}
+
+ManifoldSet::~ManifoldSet()
+{
+	for (Slot& slot : m_slots)
+		if (slot.manifold) m_dispatcher.releaseManifold(slot.manifold);
+}
+
+void ManifoldSet::append(btManifoldArray& manifolds) const
+{
+	for (const Slot& slot : m_slots)
+		if (slot.manifold) manifolds.push_back(slot.manifold);
+}
+
+void ManifoldSet::readImpulses(ClusterSet& written)
+{
+	m_found = {};
+	for (std::size_t i = 0; i < m_slots.size(); ++i)
+	{
+		const Slot& slot = m_slots[i];
+		for (std::size_t j = 0; j < std::size_t(slot.count); ++j)
+		{
+			const std::size_t index = i * kClusterPoints + j;
+			for (int k = 0; k < slot.manifold->getNumContacts() && !m_found[index]; ++k)
+			{
+				const btManifoldPoint& point = slot.manifold->getContactPoint(k);
+				if (!(point.m_localPointA == slot.localPointA[j])) continue;
+				m_old[index] = point;
+				m_found[index] = true;
+			}
+			written.slots[i].points[j].impulse = m_found[index] ? double(m_old[index].m_appliedImpulse) : 0;
+		}
+	}
+}
+
+// Points that live on elsewhere keep their user data: it moves with the copy.
+void ManifoldSet::beginWrite(const ClusterSet& clusters)
+{
+	for (const ContactCluster& cluster : clusters.slots)
+		for (int i = 0; i < cluster.count; ++i)
+		{
+			const std::uint32_t from = cluster.points[std::size_t(i)].previous;
+			if (from == kNone || !m_found[from]) continue;
+			btPersistentManifold& manifold = *m_slots[from / kClusterPoints].manifold;
+			for (int k = 0; k < manifold.getNumContacts(); ++k)
+				if (manifold.getContactPoint(k).m_localPointA == m_old[from].m_localPointA)
+					manifold.getContactPoint(k).m_userPersistentData = nullptr;
+		}
+}
+
+bool ManifoldSet::openSlot(int index, const ContactCluster& cluster, const WorldFrame& frame, btManifoldResult& out)
+{
+	Slot& slot = m_slots[std::size_t(index)];
+	if (cluster.count == 0)
+	{
+		// Kept for later and emptied: releasing during a dispatch breaks Bullet's threaded dispatcher.
+		if (slot.manifold && slot.manifold->getNumContacts() > 0) slot.manifold->clearManifold();
+		slot.count = 0;
+		return false;
+	}
+	if (!slot.manifold && !m_shared)
+		slot.manifold = m_dispatcher.getNewManifold(frame.a->getCollisionObject(), frame.b->getCollisionObject());
+	m_target = m_shared ? m_shared : slot.manifold;
+	out.setPersistentManifold(m_target);
+	m_freshCount = 0;
+	if (m_shared) return true;
+	double highest = 0;
+	for (int i = 0; i < cluster.count; ++i) highest = std::max(highest, cluster.points[std::size_t(i)].point.height);
+	m_target->setContactBreakingThreshold(btScalar(frame.breakingThreshold + 1.01 * highest * frame.scale));
+	m_wasEmpty = m_target->getNumContacts() == 0;
+	for (int k = 0; k < m_target->getNumContacts(); ++k) m_target->clearUserCache(m_target->getContactPoint(k));
+	return true;
+}
+
+void ManifoldSet::writePoint(const ClusterPoint& clusterPoint, const WorldFrame& frame, btManifoldResult& out)
+{
+	const ContactPoint& point = clusterPoint.point;
+	const bool aIsManifoldBody0 = m_target->getBody0() == frame.a->getCollisionObject();
+	const bool aIsResultBody0 = out.getBody0Internal() == frame.a->getCollisionObject();
+	const int partA = partOf(*frame.a, frame.levelA), partB = partOf(*frame.b, frame.levelB);
+	out.setShapeIdentifiersA(aIsResultBody0 ? partA : partB, int(aIsResultBody0 ? point.faceA : point.faceB));
+	out.setShapeIdentifiersB(aIsResultBody0 ? partB : partA, int(aIsResultBody0 ? point.faceB : point.faceA));
+
+	const Vec3 normal = frame.worldFromA.rotation * point.normal;
+	const Vec3 onB = frame.worldFromA * (frame.scale * point.pointOnB);
+	const double depth = point.height * frame.scale;
+	const Vec3 onManifoldBody1 = aIsManifoldBody0 ? onB : onB + depth * normal;
+
+	// One real point at a time: a far-away stand-in keeps Bullet from matching it to its neighbours, and from taking
+	// every point for the beginning of a contact.
+	const int place = m_shared ? -1 : (m_wasEmpty && m_freshCount == 0 ? 0 : 1);
+	if (place >= 0) m_target->setNumContacts(place);
+	if (place == 1)
+	{
+		m_target->getContactPoint(0) = btManifoldPoint();
+		m_target->getContactPoint(0).m_localPointA.setValue(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
+		m_target->getContactPoint(0).m_userPersistentData = nullptr;
+	}
+	out.addContactPoint(toBullet(aIsManifoldBody0 ? normal : -normal), toBullet(onManifoldBody1), btScalar(depth));
+	if (place < 0 || m_target->getNumContacts() <= place) return;
+	btManifoldPoint& fresh = m_fresh[std::size_t(m_freshCount++)];
+	fresh = m_target->getContactPoint(place);
+	m_target->getContactPoint(place).m_userPersistentData = nullptr;
+	const std::uint32_t from = clusterPoint.previous;
+	if (from == kNone || !m_found[from]) return;
+	const btManifoldPoint& old = m_old[from];
+	if (!fresh.m_userPersistentData) fresh.m_userPersistentData = old.m_userPersistentData;
+	fresh.m_appliedImpulse = old.m_appliedImpulse;
+	fresh.m_prevRHS = old.m_prevRHS;
+	fresh.m_appliedImpulseLateral1 = old.m_appliedImpulseLateral1;
+	fresh.m_appliedImpulseLateral2 = old.m_appliedImpulseLateral2;
+	fresh.m_lifeTime = old.m_lifeTime;
+}
+
+void ManifoldSet::closeSlot(int index, btManifoldResult& out)
+{
+	if (m_shared) return;
+	Slot& slot = m_slots[std::size_t(index)];
+	m_target->setNumContacts(m_freshCount);
+	slot.count = m_freshCount;
+	for (int i = 0; i < m_freshCount; ++i)
+	{
+		m_target->getContactPoint(i) = m_fresh[std::size_t(i)];
+		slot.localPointA[std::size_t(i)] = m_fresh[std::size_t(i)].m_localPointA;
+	}
+	out.refreshContactPoints();
+}
+}  // namespace clod

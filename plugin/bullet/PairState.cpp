@@ -1,0 +1,332 @@
+// SPDX-License-Identifier: Zlib
+#include "clod/bullet/PairState.h"
+
+#include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
+#include <BulletCollision/CollisionShapes/btTriangleCallback.h>
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+#include <algorithm>
+#include <chrono>
+
+namespace clod
+{
+namespace
+{
+constexpr int kLeakRounds = 3;            // reductions after dropping leaking points
+constexpr double kBreakingShare = 0.003;  // of the length: drift that refreshContactPoints tolerates
+constexpr double kSameScale = 1e-6;       // scales whose ratio differs by less are equal
+
+Vec3 toVec3(const btVector3& v)
+{
+	return {double(v.x()), double(v.y()), double(v.z())};
+}
+
+// Bullet's rotation, orthonormal again to double rounding.
+Transform toTransform(const btTransform& t)
+{
+	const btMatrix3x3& m = t.getBasis();
+	const Vec3 x = normalized(toVec3(m.getColumn(0)));
+	const Vec3 roughY = toVec3(m.getColumn(1));
+	const Vec3 y = normalized(roughY - dot(roughY, x) * x);
+	return {transposed({{x, y, cross(x, y)}}), toVec3(t.getOrigin())};
+}
+
+bool isFinite(const Transform& t)
+{
+	return isFinite(t.translation) && isFinite(t.rotation.row[0]) && isFinite(t.rotation.row[1]) &&
+		   isFinite(t.rotation.row[2]);
+}
+
+// World velocity field of a collision object: v(p) = linear + angular x p (linear at the world's origin).
+RelativeMotion worldMotion(const btCollisionObject& object)
+{
+	const btRigidBody* body = btRigidBody::upcast(&object);
+	const Vec3 linear = toVec3(body ? body->getLinearVelocity() : object.getInterpolationLinearVelocity());
+	const Vec3 angular = toVec3(body ? body->getAngularVelocity() : object.getInterpolationAngularVelocity());
+	if (object.isStaticObject()) return {};
+	return {linear - cross(angular, toVec3(object.getWorldTransform().getOrigin())), angular, 0};
+}
+
+double microsecondsSince(std::chrono::steady_clock::time_point start)
+{
+	return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
+}
+
+Vec3 sphereCenter(const Hierarchy& hierarchy)
+{
+	const float* c = hierarchy.asset().sphereCenter;
+	return {double(c[0]), double(c[1]), double(c[2])};
+}
+
+// Hands an engine mesh's triangles to the clipper, in A's frame and unit.
+struct TriangleSink : btTriangleCallback
+{
+	ForeignClipper& clipper;
+	const Hierarchy& hierarchy;
+	const Metric& metric;
+	const PointRules& rules;
+	Transform aFromB;
+	double unit;
+	std::vector<ContactPoint>& points;
+	ForeignStats& stats;
+	TriangleSink(ForeignClipper& c, const Hierarchy& h, const Metric& m, const PointRules& r, const Transform& t,
+				 double u, std::vector<ContactPoint>& p, ForeignStats& s)
+		: clipper(c), hierarchy(h), metric(m), rules(r), aFromB(t), unit(u), points(p), stats(s)
+	{
+	}
+	void processTriangle(btVector3* corners, int part, int index) override
+	{
+		Triangle triangle;
+		for (std::size_t i = 0; i < 3; ++i) triangle[i] = aFromB * ((1 / unit) * toVec3(corners[i]));
+		clipper.clipTriangle(hierarchy, triangle, std::uint32_t(part), std::uint32_t(index), metric, rules, points,
+							 stats);
+	}
+};
+}  // namespace
+
+PairState::PairState(Context& context, btDispatcher& dispatcher, btPersistentManifold* shared, bool isClosestPoints)
+	: m_context(context), m_manifolds(dispatcher, shared), m_isClosestPoints(isClosestPoints)
+{
+	m_context.add(&m_report);
+}
+
+PairState::~PairState()
+{
+	m_context.remove(&m_report);
+}
+
+// Which body is A? The one whose content hashes lower, so that Bullet's order of a pair changes nothing but signs.
+bool PairState::chooseBodies(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1)
+{
+	const auto* shape0 = dynamic_cast<const btClodShape*>(body0.getCollisionShape());
+	const auto* shape1 = dynamic_cast<const btClodShape*>(body1.getCollisionShape());
+	if (!shape0 && !shape1) return false;
+	const bool bothClod = shape0 && shape1;
+	const bool firstIsA =
+		bothClod ? shape0->hierarchy().contentHash() <= shape1->hierarchy().contentHash() : shape0 != nullptr;
+	m_a = firstIsA ? &body0 : &body1;
+	m_b = firstIsA ? &body1 : &body0;
+	m_shapeA = firstIsA ? shape0 : shape1;
+	m_shapeB = firstIsA ? shape1 : shape0;
+	const btCollisionShape* partner = m_b->getCollisionShape();
+	const bool sameScale = bothClod && std::abs(m_shapeA->scale() / m_shapeB->scale() - 1) < kSameScale;
+	m_partner = sameScale                                           ? Partner::Clod
+				: partner->getShapeType() == STATIC_PLANE_PROXYTYPE ? Partner::Plane
+				: partner->isConcave()                              ? Partner::Concave
+																	: Partner::None;
+	// Shapes can change under a live pair.
+	const int revisions = m_shapeA->revision() + (m_shapeB ? 65536 * m_shapeB->revision() : 0);
+	if (m_seenA != m_shapeA || m_seenB != partner || m_seenRevisions != revisions)
+	{
+		m_cache.clear();
+		m_clusters.clear();
+		m_seenA = m_shapeA;
+		m_seenB = partner;
+		m_seenRevisions = revisions;
+	}
+	return m_partner != Partner::None;
+}
+
+void PairState::chooseMetric()
+{
+	ContactMetric metric = m_context.worldMetric;
+	const btClodShape* partner = m_partner == Partner::Clod ? m_shapeB : nullptr;
+	const bool hasA = m_shapeA->metric().has_value(), hasB = partner && partner->metric().has_value();
+	if (hasA) metric = *m_shapeA->metric();
+	if (hasB) metric = hasA ? stricter(metric, *partner->metric()) : *partner->metric();
+	if (m_context.pairMetric)
+	{
+		ContactMetric answer;
+		if (m_context.pairMetric(*m_a->getCollisionObject(), *m_b->getCollisionObject(), answer)) metric = answer;
+	}
+	m_report.metric = metric.resolve(m_rules.length);
+}
+
+// Tolerance = resting height + what the step's relative motion can close, bounded over the smaller body.
+void PairState::setMotion(double timeStep, double closestPoints)
+{
+	const double scale = m_shapeA->scale();
+	const RelativeMotion a = worldMotion(*m_a->getCollisionObject()), b = worldMotion(*m_b->getCollisionObject());
+	const RelativeMotion world{a.linear - b.linear, a.angular - b.angular, 0};
+	m_rules.motion = inFrame(world, m_worldFromA);
+	m_rules.motion.linear = (1 / scale) * m_rules.motion.linear;
+	m_rules.motion.timeStep = m_isClosestPoints ? 0 : timeStep;
+
+	m_rules.margin = double(m_shapeA->getMargin()) / scale;
+	if (m_shapeB) m_rules.margin += double(m_shapeB->getMargin()) / scale;
+	m_rules.resting = std::max(kRestingShare * m_rules.length, closestPoints / scale);
+
+	const bool bIsSmaller =
+		m_partner == Partner::Clod && m_shapeB->hierarchy().asset().radius < m_shapeA->hierarchy().asset().radius;
+	const Hierarchy& smaller = bIsSmaller ? m_shapeB->hierarchy() : m_shapeA->hierarchy();
+	const Vec3 center = bIsSmaller ? m_aFromB * sphereCenter(smaller) : sphereCenter(smaller);
+	const double speed =
+		length(m_rules.motion.velocity(center)) + length(m_rules.motion.angular) * double(smaller.asset().radius);
+	m_report.motion = speed * m_rules.motion.timeStep;
+	m_report.tolerance = m_rules.margin + m_rules.resting + kPredictionSlack * m_report.motion;
+}
+
+bool PairState::prepare(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+						const btDispatcherInfo& info, double closestPoints)
+{
+	if (!chooseBodies(body0, body1)) return false;
+	const double scale = m_shapeA->scale();
+	const btTransform& poseA = m_a->getWorldTransform();
+	m_worldFromA = toTransform(poseA);
+	m_aFromB = inverse(m_worldFromA) * toTransform(m_b->getWorldTransform());
+	m_aFromB.translation = (1 / scale) * m_aFromB.translation;
+	if (!isFinite(m_worldFromA) || !isFinite(m_aFromB)) return false;
+
+	m_rules.length = double(m_shapeA->hierarchy().asset().radius);
+	if (m_partner == Partner::Clod)
+		m_rules.length = std::min(m_rules.length, double(m_shapeB->hierarchy().asset().radius));
+	chooseMetric();
+	setMotion(double(info.m_timeStep), closestPoints);
+	m_report.objectA = m_a->getCollisionObject();
+	m_report.objectB = m_b->getCollisionObject();
+	m_report.hierarchyA = &m_shapeA->hierarchy();
+	m_report.hierarchyB = m_partner == Partner::Clod ? &m_shapeB->hierarchy() : nullptr;
+	m_report.result = &m_result;
+	m_report.clusters = &m_clusters;
+	return isFinite(m_rules.motion.linear) && isFinite(m_rules.motion.angular);
+}
+
+void PairState::clipForeign()
+{
+	const Hierarchy& hierarchy = m_shapeA->hierarchy();
+	const double scale = m_shapeA->scale();
+	m_result.clear();
+	m_foreignStats = {};
+	if (m_partner == Partner::Plane)
+	{
+		const auto& plane = static_cast<const btStaticPlaneShape&>(*m_b->getCollisionShape());
+		const Vec3 local = toVec3(plane.getPlaneNormal());
+		const Vec3 onPlane = m_aFromB * ((double(plane.getPlaneConstant()) / scale) * local);
+		const Vec3 normal = normalized(m_aFromB.rotation * local);
+		m_foreign.clipPlane(hierarchy, normal, dot(normal, onPlane), m_report.metric, m_rules, m_points,
+							m_foreignStats);
+	}
+	else
+	{
+		const auto& concave = static_cast<const btConcaveShape&>(*m_b->getCollisionShape());
+		TriangleSink sink(m_foreign, hierarchy, m_report.metric, m_rules, m_aFromB, scale, m_points, m_foreignStats);
+		const btTransform bFromA = m_b->getWorldTransform().inverse() * m_a->getWorldTransform();
+		btVector3 low, high;
+		m_shapeA->getAabb(bFromA, low, high);
+		const btScalar grow = btScalar(m_report.tolerance * scale);
+		concave.processAllTriangles(&sink, low - btVector3(grow, grow, grow), high + btVector3(grow, grow, grow));
+	}
+	m_result.errorBound = m_foreignStats.errorBound;
+	m_result.stats.boxTests = m_foreignStats.boxTests;
+	m_result.stats.finestLevel = m_foreignStats.nodes ? m_foreignStats.finestLevel : 0;
+	m_result.stats.coarsestLevel = m_foreignStats.coarsestLevel;
+	for (const ContactPoint& point : m_points)
+		m_result.minDistance = std::min(m_result.minDistance, point.height + m_rules.margin);
+}
+
+void PairState::findPoints()
+{
+	m_points.clear();
+	const auto start = std::chrono::steady_clock::now();
+	if (m_partner != Partner::Clod)
+	{
+		m_report.queryMicroseconds = 0;
+		clipForeign();
+		return;
+	}
+	Settings settings;
+	settings.metric = m_report.metric;
+	settings.tolerance = m_report.tolerance;
+	query(m_shapeA->hierarchy(), m_shapeB->hierarchy(), m_aFromB, settings, m_cache, m_result);
+	m_report.queryMicroseconds = microsecondsSince(start);
+	m_clipper.clip(m_shapeA->hierarchy(), m_shapeB->hierarchy(), m_aFromB, m_result.contacts, m_rules, m_points);
+}
+
+// Clusters; chosen points that turn out to be leaks are dropped and the choice made again.
+void PairState::reduce()
+{
+	ClusterRules rules;
+	rules.length = m_rules.length;
+	rules.tolerance = m_rules.resting / m_rules.length;
+	m_excluded.assign(m_points.size(), 0);
+	m_previous = m_clusters;
+	m_report.leaks = 0;
+	m_reducer.reduce(m_points, m_excluded, m_previous, rules, m_clusters);
+	if (m_partner != Partner::Clod || m_points.empty()) return;
+	m_leakCheck.prepare(m_result.contacts);
+	for (int round = 0; round < kLeakRounds; ++round)
+	{
+		std::uint32_t leaks = 0;
+		for (int slot = 0; slot < kMaxClusters; ++slot)
+			for (int i = 0; i < m_clusters.slots[std::size_t(slot)].count; ++i)
+			{
+				const ContactPoint& point = m_clusters.slots[std::size_t(slot)].points[std::size_t(i)].point;
+				if (!m_leakCheck.leaks(m_shapeA->hierarchy(), m_shapeB->hierarchy(), m_aFromB, point, m_rules.margin))
+					continue;
+				m_excluded[m_reducer.candidateOf(slot, i)] = 1;
+				++leaks;
+			}
+		if (leaks == 0) return;
+		m_report.leaks += leaks;
+		m_reducer.reduce(m_points, m_excluded, m_previous, rules, m_clusters);
+	}
+}
+
+void PairState::warnOnce(bool now, unsigned bit, const char* cause)
+{
+	if (!now || (m_warned & bit) != 0) return;
+	m_warned |= bit;
+	m_context.say(std::string(cause) + " (radius " + std::to_string(m_rules.length) + ", motion of a step " +
+				  std::to_string(m_report.motion) + ", hierarchy unit)");
+}
+
+void PairState::judge()
+{
+	m_report.candidates = std::uint32_t(m_points.size());
+	m_report.points = std::uint32_t(m_clusters.pointCount());
+	m_report.clusterCount = 0;
+	for (const ContactCluster& cluster : m_clusters.slots) m_report.clusterCount += cluster.count > 0 ? 1 : 0;
+	m_report.errorBound = m_result.errorBound;
+	m_report.finestLevel = m_result.stats.finestLevel;
+	m_report.coarsestLevel = m_result.stats.coarsestLevel;
+	double wall = double(m_shapeA->hierarchy().asset().thinnestWall);
+	if (m_partner == Partner::Clod) wall = std::min(wall, double(m_shapeB->hierarchy().asset().thinnestWall));
+	const bool unanswered = m_report.points == 0 && m_result.minDistance < -m_rules.resting;
+	m_report.deep = m_result.deep || unanswered;
+	m_report.fast = wall > 0 && m_report.motion > wall;
+	m_report.loose = wall > 0 && std::isfinite(m_report.errorBound) && m_report.errorBound > wall;
+	if (m_isClosestPoints) return;
+	warnOnce(m_report.deep, 1, "two bodies overlap deeper than their contacts can prove");
+	warnOnce(m_report.fast, 2, "a step moves two bodies farther than their thinnest wall: use smaller steps");
+	warnOnce(m_report.loose, 4, "the contact error bound exceeds the thinnest wall: use a stricter metric");
+}
+
+void PairState::process(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+						const btDispatcherInfo& info, btManifoldResult& out)
+{
+	m_manifolds.readImpulses(m_clusters);
+	WorldFrame frame;
+	if (prepare(body0, body1, info, double(out.m_closestPointDistanceThreshold)))
+	{
+		findPoints();
+		const auto start = std::chrono::steady_clock::now();
+		reduce();
+		judge();
+		m_report.contactMicroseconds = microsecondsSince(start);
+		frame.a = m_a;
+		frame.b = m_b;
+		frame.worldFromA = m_worldFromA;
+		frame.scale = m_shapeA->scale();
+		frame.breakingThreshold =
+			kBreakingShare * m_rules.length * frame.scale + double(out.m_closestPointDistanceThreshold);
+	}
+	else
+		m_clusters.clear();
+	const auto levelOf = [this](const ContactPoint& point, std::uint32_t& levelA, std::uint32_t& levelB)
+	{
+		levelA = m_shapeA->hierarchy().node(point.nodeA).level;
+		levelB = m_partner == Partner::Clod ? m_shapeB->hierarchy().node(point.nodeB).level : point.nodeB;
+	};
+	m_manifolds.write(m_clusters, frame, levelOf, out);
+}
+}  // namespace clod

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Zlib
+// All state of one Bullet pair, behind one pointer of the (tiny) collision algorithm: the query's caches, last step's
+// clusters and their manifolds, and the report the context reads. Life of a contact: update = poses in double, query,
+// candidate points, clusters; write = manifolds.
+#pragma once
+#include <BulletCollision/BroadphaseCollision/btDispatcher.h>
+
+#include "clod/bullet/Manifolds.h"
+#include "clod/bullet/btClodShape.h"
+#include "clod/query/ContactPointsForeign.h"
+#include "clod/query/ContactPointsSurface.h"
+
+class btConcaveShape;
+
+namespace clod
+{
+class PairState
+{
+public:
+	// A pair made for contactTest and the like predicts nothing: it answers for the poses as they are.
+	PairState(Context& context, btDispatcher& dispatcher, btPersistentManifold* shared, bool isClosestPoints);
+	~PairState();
+	PairState(const PairState&) = delete;
+	PairState& operator=(const PairState&) = delete;
+
+	void process(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+				 const btDispatcherInfo& info, btManifoldResult& out);
+	void append(btManifoldArray& manifolds) const { m_manifolds.append(manifolds); }
+
+private:
+	enum class Partner
+	{
+		Clod,
+		Plane,
+		Concave,
+		None
+	};
+	bool prepare(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+				 const btDispatcherInfo& info, double closestPoints);
+	bool chooseBodies(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1);
+	void chooseMetric();
+	void setMotion(double timeStep, double closestPoints);
+	void findPoints();
+	void clipForeign();
+	void reduce();
+	void judge();
+	void warnOnce(bool now, unsigned bit, const char* cause);
+
+	Context& m_context;
+	ManifoldSet m_manifolds;
+	bool m_isClosestPoints;
+	// This dispatch.
+	Partner m_partner = Partner::None;
+	const btCollisionObjectWrapper* m_a = nullptr;
+	const btCollisionObjectWrapper* m_b = nullptr;
+	const btClodShape* m_shapeA = nullptr;
+	const btClodShape* m_shapeB = nullptr;  // null unless Partner::Clod
+	Transform m_worldFromA;                 // world lengths
+	Transform m_aFromB;                     // hierarchy unit
+	PointRules m_rules;
+	// From dispatch to dispatch.
+	const void* m_seenA = nullptr;
+	const void* m_seenB = nullptr;
+	int m_seenRevisions = -1;
+	PairCache m_cache;
+	QueryResult m_result;
+	ForeignStats m_foreignStats;
+	ClusterSet m_clusters, m_previous;
+	PairReport m_report;
+	unsigned m_warned = 0;
+	// Buffers.
+	PointClipper m_clipper;
+	ForeignClipper m_foreign;
+	LeakCheck m_leakCheck;
+	ContactReducer m_reducer;
+	std::vector<ContactPoint> m_points;
+	std::vector<char> m_excluded;
+};
+}  // namespace clod

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Zlib
+#include "clod/bullet/btClodCollisionAlgorithm.h"
+
+#include <BulletCollision/CollisionDispatch/btCollisionConfiguration.h>
+#include <LinearMath/btPoolAllocator.h>
+#include <LinearMath/btQuickprof.h>
+
+#include <new>
+
+#include "clod/bullet/PairState.h"
+
+namespace
+{
+struct CreateFunction : btCollisionAlgorithmCreateFunc
+{
+	clod::Context& context;
+	bool isClosestPoints;
+	CreateFunction(clod::Context& c, bool closest) : context(c), isClosestPoints(closest) {}
+	btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,
+												   const btCollisionObjectWrapper* body0,
+												   const btCollisionObjectWrapper* body1) override
+	{
+		void* memory = info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(btClodCollisionAlgorithm));
+		return new (memory) btClodCollisionAlgorithm(info, body0, body1, context, isClosestPoints);
+	}
+};
+
+// Types this algorithm takes over against its own. Bullet's entry for EMPTY does nothing and stays; the number of
+// btSdfCollisionShape is also the one programs use for their own concave shapes, which give triangles as all others do.
+bool takesOver(int type)
+{
+	return btBroadphaseProxy::isConcave(type) && type != EMPTY_SHAPE_PROXYTYPE;
+}
+
+std::string reasonAgainst(btCollisionDispatcher* dispatcher, const clod::Context* context, int shapeType)
+{
+	if (!dispatcher) return "registerAlgorithm: the dispatcher is null";
+	if (!context) return "registerAlgorithm: the context is null";
+	if (!takesOver(shapeType) || shapeType == STATIC_PLANE_PROXYTYPE)
+		return "registerAlgorithm: shape type " + std::to_string(shapeType) + " is not a concave mesh type";
+	const bool isDouble = sizeof(btScalar) == sizeof(double);
+	if (bool(btIsDoublePrecision()) != isDouble) return "registerAlgorithm: Bullet and this plugin differ in precision";
+	const int room = dispatcher->getCollisionConfiguration()->getCollisionAlgorithmPool()->getElementSize();
+	if (room < int(sizeof(btClodCollisionAlgorithm)))
+		return "registerAlgorithm: the pool's elements hold " + std::to_string(room) + " bytes, " +
+			   std::to_string(sizeof(btClodCollisionAlgorithm)) + " are needed";
+	return "";
+}
+}  // namespace
+
+btClodCollisionAlgorithm::btClodCollisionAlgorithm(const btCollisionAlgorithmConstructionInfo& info,
+												   const btCollisionObjectWrapper* body0,
+												   const btCollisionObjectWrapper* body1, clod::Context& context,
+												   bool isClosestPoints)
+	: btActivatingCollisionAlgorithm(info, body0, body1),
+	  m_state(std::make_unique<clod::PairState>(context, *info.m_dispatcher1, info.m_manifold, isClosestPoints))
+{
+}
+
+btClodCollisionAlgorithm::~btClodCollisionAlgorithm() = default;
+
+void btClodCollisionAlgorithm::processCollision(const btCollisionObjectWrapper* body0,
+												const btCollisionObjectWrapper* body1, const btDispatcherInfo& info,
+												btManifoldResult* out)
+{
+	BT_PROFILE("btClodCollisionAlgorithm::processCollision");
+	m_state->process(*body0, *body1, info, *out);
+}
+
+btScalar btClodCollisionAlgorithm::calculateTimeOfImpact(btCollisionObject*, btCollisionObject*,
+														 const btDispatcherInfo&, btManifoldResult*)
+{
+	return btScalar(1);
+}
+
+void btClodCollisionAlgorithm::getAllContactManifolds(btManifoldArray& manifolds)
+{
+	m_state->append(manifolds);
+}
+
+clod::Result<int> btClodCollisionAlgorithm::registerAlgorithm(btCollisionDispatcher* dispatcher, clod::Context* context,
+															  int shapeType)
+{
+	clod::requireMatchingBullet();
+	const std::string reason = reasonAgainst(dispatcher, context, shapeType);
+	if (!reason.empty()) return clod::Error{reason};
+	auto contacts = std::make_unique<CreateFunction>(*context, false);
+	auto closestPoints = std::make_unique<CreateFunction>(*context, true);
+	int count = 0;
+	for (int type = 0; type < MAX_BROADPHASE_COLLISION_TYPES; ++type)
+	{
+		if (!takesOver(type)) continue;
+		dispatcher->registerCollisionCreateFunc(shapeType, type, contacts.get());
+		dispatcher->registerCollisionCreateFunc(type, shapeType, contacts.get());
+		dispatcher->registerClosestPointsCreateFunc(shapeType, type, closestPoints.get());
+		dispatcher->registerClosestPointsCreateFunc(type, shapeType, closestPoints.get());
+		++count;
+	}
+	context->m_createFunctions.push_back(std::move(contacts));
+	context->m_createFunctions.push_back(std::move(closestPoints));
+	return count;
+}

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Zlib
+// Bullet's view of a pair with at least one btClodShape: a tiny object, its state behind one pointer (Bullet's pool
+// does not check sizes).
+#pragma once
+#include <BulletCollision/CollisionDispatch/btActivatingCollisionAlgorithm.h>
+#include <BulletCollision/CollisionDispatch/btCollisionCreateFunc.h>
+#include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
+
+#include <memory>
+
+#include "clod/bullet/Context.h"
+#include "clod/bullet/btClodShape.h"
+
+namespace clod
+{
+class PairState;
+}
+
+class btClodCollisionAlgorithm : public btActivatingCollisionAlgorithm
+{
+public:
+	// Registers shape type `shapeType` against itself, static planes and Bullet's concave shapes, in both dispatch
+	// tables and both orders. Convex shapes, compounds and soft bodies keep Bullet's entries, which call ours or
+	// processAllTriangles. Call before the first pair exists and after any other registration; the context must outlive
+	// the dispatcher's pairs. Several dispatchers may share one context. Value: how many pairs of types were set.
+	static clod::Result<int> registerAlgorithm(btCollisionDispatcher* dispatcher, clod::Context* context,
+											   int shapeType = FAST_CONCAVE_MESH_PROXYTYPE);
+
+	btClodCollisionAlgorithm(const btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* body0,
+							 const btCollisionObjectWrapper* body1, clod::Context& context, bool isClosestPoints);
+	~btClodCollisionAlgorithm() override;
+
+	void processCollision(const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1,
+						  const btDispatcherInfo& info, btManifoldResult* out) override;
+	// No continuous detection: contacts are speculative over one step instead.
+	btScalar calculateTimeOfImpact(btCollisionObject* body0, btCollisionObject* body1, const btDispatcherInfo& info,
+								   btManifoldResult* out) override;
+	void getAllContactManifolds(btManifoldArray& manifolds) override;
+
+private:
+	std::unique_ptr<clod::PairState> m_state;
+};

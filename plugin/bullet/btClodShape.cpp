@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Zlib
+#include "clod/bullet/btClodShape.h"
+
+#include <BulletCollision/CollisionShapes/btTriangleCallback.h>
+#include <BulletCollision/NarrowPhaseCollision/btRaycastCallback.h>
+#include <LinearMath/btAabbUtil2.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <vector>
+
+namespace
+{
+using clod::CullBox;
+using clod::Hierarchy;
+using clod::Vec3;
+
+constexpr double kBreakingShare = 0.003;  // of the radius: remembered points drift no farther
+
+Vec3 toVec3(const float (&v)[3])
+{
+	return {double(v[0]), double(v[1]), double(v[2])};
+}
+btVector3 scaled(const Vec3& v, double scale)
+{
+	return {btScalar(v.x * scale), btScalar(v.y * scale), btScalar(v.z * scale)};
+}
+
+// The box in the hierarchy's unit; bounds beyond any body are cut so that nothing overflows.
+struct Query
+{
+	Vec3 center, half;
+	bool separated(const CullBox& box) const
+	{
+		const Vec3 boxCenter = toVec3(box.center);
+		for (int axis = 0; axis < 3; ++axis)
+		{
+			double extent = 0;
+			for (int i = 0; i < 3; ++i) extent += double(box.half[i]) * std::abs(double(box.axis[i][axis]));
+			if (std::abs(boxCenter[axis] - center[axis]) > extent + half[axis]) return true;
+		}
+		return false;
+	}
+};
+
+Query boxQuery(const btVector3& low, const btVector3& high, double scale)
+{
+	Query query;
+	for (int i = 0; i < 3; ++i)
+	{
+		const double from = std::max(double(low[i]) / scale, -1e30), to = std::min(double(high[i]) / scale, 1e30);
+		query.center[i] = 0.5 * (from + to);
+		query.half[i] = std::max(0.0, 0.5 * (to - from)) + 1e-6 * (std::abs(from) + std::abs(to));
+	}
+	return query;
+}
+
+// Segment from `from` to `to` (hierarchy unit) against a box, slab by slab in the box's own axes.
+bool misses(const CullBox& box, const Vec3& from, const Vec3& to)
+{
+	double enter = 0, leave = 1;
+	const Vec3 start = from - toVec3(box.center), path = to - from;
+	for (int i = 0; i < 3; ++i)
+	{
+		const Vec3 axis = toVec3(box.axis[i]);
+		const double at = dot(axis, start), along = dot(axis, path);
+		const double half = double(box.half[i]) * (1 + 1e-6) + 1e-6 * (std::abs(at) + std::abs(along));
+		if (along == 0)
+		{
+			if (std::abs(at) > half) return true;
+			continue;
+		}
+		const double first = (-half - at) / along, second = (half - at) / along;
+		enter = std::max(enter, std::min(first, second));
+		leave = std::min(leave, std::max(first, second));
+		if (enter > leave) return true;
+	}
+	return false;
+}
+
+// Walks the tree to the input surface; `skip` cuts branches, `visit` gets the level-0 nodes.
+template <class Skip, class Visit>
+void walk(const Hierarchy& hierarchy, const Skip& skip, const Visit& visit)
+{
+	std::vector<std::uint32_t> stack(1, hierarchy.root());
+	while (!stack.empty())
+	{
+		const std::uint32_t index = stack.back();
+		stack.pop_back();
+		if (skip(hierarchy.cullBox(index))) continue;
+		const clod::Node& node = hierarchy.node(index);
+		if (node.level == 0) visit(node);
+		const clod::Span<std::uint32_t> children = hierarchy.children(node);
+		for (std::size_t i = node.primaryChildCount; i-- > 0;) stack.push_back(children[i]);
+	}
+}
+}  // namespace
+
+btClodShape::btClodShape(std::shared_ptr<const clod::Hierarchy> hierarchy, int shapeType)
+	: m_hierarchy(std::move(hierarchy)), m_scaling(1, 1, 1)
+{
+	clod::requireMatchingBullet();
+	m_shapeType = shapeType;
+	m_collisionMargin = 0;
+	updateBounds();
+}
+
+void btClodShape::updateBounds()
+{
+	const clod::Asset& asset = m_hierarchy->asset();
+	for (int i = 0; i < 3; ++i)
+	{
+		// One step outward for the product's rounding.
+		m_localMin[i] = std::nextafter(btScalar(double(asset.boxMin[i]) * m_scale), -BT_LARGE_FLOAT);
+		m_localMax[i] = std::nextafter(btScalar(double(asset.boxMax[i]) * m_scale), BT_LARGE_FLOAT);
+	}
+}
+
+void btClodShape::setLocalScaling(const btVector3& scaling)
+{
+	const double scale = double(scaling.x());
+	const double spread = std::max(std::abs(double(scaling.y()) - scale), std::abs(double(scaling.z()) - scale));
+	if (!(scale > 0) || !std::isfinite(scale) || !(spread <= 1e-6 * scale))
+	{
+		std::fprintf(stderr, "btClodShape: scaling (%g, %g, %g) refused, it must be uniform and positive; kept %g\n",
+					 double(scaling.x()), double(scaling.y()), double(scaling.z()), m_scale);
+		return;
+	}
+	m_scaling = scaling;
+	m_scale = scale;
+	++m_revision;
+	updateBounds();
+}
+
+btTransform btClodShape::meshFromBody() const
+{
+	const double* origin = m_hierarchy->asset().meshFromBody;
+	return btTransform(btQuaternion::getIdentity(), scaled({origin[0], origin[1], origin[2]}, m_scale));
+}
+
+btTransform btClodShape::bodyFromPrincipal() const
+{
+	const double* q = m_hierarchy->asset().principal;
+	return btTransform(btQuaternion(btScalar(q[0]), btScalar(q[1]), btScalar(q[2]), btScalar(q[3])));
+}
+
+btVector3 btClodShape::principalInertia(btScalar mass) const
+{
+	const clod::Asset& asset = m_hierarchy->asset();
+	const double* q = asset.principal;
+	const double* t = asset.inertia;
+	const clod::Mat3 rotation = clod::rotationFromQuaternion(q[0], q[1], q[2], q[3]);
+	const clod::Mat3 tensor = {{{t[0], t[3], t[4]}, {t[3], t[1], t[5]}, {t[4], t[5], t[2]}}};
+	Vec3 moments;
+	for (int i = 0; i < 3; ++i) moments[i] = dot(rotation.column(i), tensor * rotation.column(i));
+	return scaled(moments, double(mass) / asset.volume * m_scale * m_scale);
+}
+
+void btClodShape::calculateLocalInertia(btScalar mass, btVector3& inertia) const
+{
+	const clod::Asset& asset = m_hierarchy->asset();
+	inertia =
+		scaled({asset.inertia[0], asset.inertia[1], asset.inertia[2]}, double(mass) / asset.volume * m_scale * m_scale);
+}
+
+void btClodShape::getAabb(const btTransform& worldFromBody, btVector3& aabbMin, btVector3& aabbMax) const
+{
+	btTransformAabb(m_localMin, m_localMax, m_collisionMargin, worldFromBody, aabbMin, aabbMax);
+}
+
+btScalar btClodShape::getContactBreakingThreshold(btScalar defaultFactor) const
+{
+	const btScalar fine = btScalar(kBreakingShare * double(m_hierarchy->asset().radius) * m_scale);
+	return btMin(btConcaveShape::getContactBreakingThreshold(defaultFactor), fine);
+}
+
+void btClodShape::processAllTriangles(btTriangleCallback* callback, const btVector3& aabbMin,
+									  const btVector3& aabbMax) const
+{
+	const Hierarchy& hierarchy = *m_hierarchy;
+	const Query query = boxQuery(aabbMin, aabbMax, m_scale);
+	const auto* ray = dynamic_cast<const btTriangleRaycastCallback*>(callback);
+	const auto inUnit = [this](const btVector3& v) {
+		return (1 / m_scale) * Vec3{double(v.x()), double(v.y()), double(v.z())};
+	};
+	const auto skip = [&](const CullBox& box)
+	{
+		if (query.separated(box)) return true;
+		if (!ray) return false;
+		const Vec3 from = inUnit(ray->m_from);
+		return misses(box, from, from + double(ray->m_hitFraction) * (inUnit(ray->m_to) - from));
+	};
+	const auto visit = [&](const clod::Node& node)
+	{
+		const clod::HullView hull = hierarchy.hull(node);
+		for (std::uint32_t i = 0; i < node.faceCount; ++i)
+		{
+			const clod::Face& face = hierarchy.faces()[node.firstFace + i];
+			btVector3 corners[3];
+			for (int k = 0; k < 3; ++k) corners[k] = scaled(hull.vertex(face.vertex[k]), m_scale);
+			if (TestTriangleAgainstAabb2(corners, aabbMin, aabbMax))
+				callback->processTriangle(corners, 0, int(node.firstFace + i));
+		}
+	};
+	walk(hierarchy, skip, visit);
+}

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Zlib
+// A rigid, possibly moving, triangle solid with contact levels of detail, as a Bullet shape. Many shapes share one
+// hierarchy; the hierarchy is never changed and may be used by many threads.
+//
+// Frame: the hierarchy's body frame, that is the mesh's axes with the origin at the centre of mass. Give Bullet
+//   worldFromBody = worldFromMesh * shape.meshFromBody().
+// Unit: the hierarchy's times the shape's scale. Bullet's own constants (0.02 breaking threshold, 0.04 split-impulse
+// threshold, sleeping speeds) suit bodies of about one unit: scale small things up (100 for tableware in metres).
+#pragma once
+#include <BulletCollision/CollisionShapes/btConcaveShape.h>
+#include <LinearMath/btTransform.h>
+
+#include <memory>
+#include <optional>
+
+#include "clod/bullet/Context.h"
+
+ATTRIBUTE_ALIGNED16(class)
+btClodShape : public btConcaveShape
+{
+public:
+	BT_DECLARE_ALIGNED_ALLOCATOR();
+	// The type must be the one registerAlgorithm was given. Margin 0.
+	explicit btClodShape(std::shared_ptr<const clod::Hierarchy> hierarchy, int shapeType = FAST_CONCAVE_MESH_PROXYTYPE);
+
+	const clod::Hierarchy& hierarchy() const
+	{
+		return *m_hierarchy;
+	}
+	const std::shared_ptr<const clod::Hierarchy>& sharedHierarchy() const
+	{
+		return m_hierarchy;
+	}
+
+	// Thresholds of every pair this shape takes part in; none = the context's. Takes effect at the next dispatch.
+	void setMetric(const clod::ContactMetric& metric)
+	{
+		m_metric = metric;
+	}
+	void clearMetric()
+	{
+		m_metric.reset();
+	}
+	const std::optional<clod::ContactMetric>& metric() const
+	{
+		return m_metric;
+	}
+
+	// Uniform positive scales only. Anything else is refused: the old scale stays and a message is printed.
+	void setLocalScaling(const btVector3& scaling) override;
+	const btVector3& getLocalScaling() const override
+	{
+		return m_scaling;
+	}
+	double scale() const
+	{
+		return m_scale;
+	}
+	// Changes with every accepted setLocalScaling, so that pairs notice.
+	int revision() const
+	{
+		return m_revision;
+	}
+
+	// Pose of the body frame in the frame of the mesh's vertices (a translation, scaled).
+	btTransform meshFromBody() const;
+	// Where off-diagonal inertia matters: the pose of the principal frame in the body frame, to put this shape into a
+	// btCompoundShape with the inverse as its child's transform, and the inertia to go with it.
+	btTransform bodyFromPrincipal() const;
+	btVector3 principalInertia(btScalar mass) const;
+
+	void getAabb(const btTransform& worldFromBody, btVector3& aabbMin, btVector3& aabbMax) const override;
+	// The diagonal of the exact inertia of the input solid, about the body frame's axes.
+	void calculateLocalInertia(btScalar mass, btVector3 & inertia) const override;
+	// The input surface's triangles that meet the box, as (part 0, face index); rays visit only what they cross.
+	void processAllTriangles(btTriangleCallback * callback, const btVector3& aabbMin, const btVector3& aabbMax)
+		const override;
+	btScalar getContactBreakingThreshold(btScalar defaultFactor) const override;
+	const char* getName() const override
+	{
+		return "Clod";
+	}
+
+private:
+	std::shared_ptr<const clod::Hierarchy> m_hierarchy;
+	std::optional<clod::ContactMetric> m_metric;
+	btVector3 m_scaling, m_localMin, m_localMax;
+	double m_scale = 1;
+	int m_revision = 0;
+	void updateBounds();
+};
