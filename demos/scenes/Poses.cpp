@@ -151,14 +151,20 @@ Result<std::vector<PoseRow>> readPoses(const std::string& path)
 	return parsePoses(text, path);
 }
 
+std::string formatPose(const PoseRow& row)
+{
+	std::string text = std::to_string(row.step);
+	appendPose(text, row.a);
+	appendPose(text, row.b);
+	return text;
+}
+
 std::string formatPoses(const std::vector<PoseRow>& rows)
 {
 	std::string text = std::string(kPosesHeader) + "\n";
 	for (const PoseRow& row : rows)
 	{
-		text += std::to_string(row.step);
-		appendPose(text, row.a);
-		appendPose(text, row.b);
+		text += formatPose(row);
 		text += '\n';
 	}
 	return text;

@@ -35,6 +35,8 @@ inline constexpr double kQuaternionTolerance = 1e-4;
 // finite numbers. Fails with the file's name, line and column otherwise.
 Result<std::vector<PoseRow>> readPoses(const std::string& path);
 Result<std::vector<PoseRow>> parsePoses(std::string_view text, const std::string& name);
+// One row without its line ending.
+std::string formatPose(const PoseRow& row);
 std::string formatPoses(const std::vector<PoseRow>& rows);
 
 // worldFromMesh as a rigid transform.

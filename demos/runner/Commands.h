@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Zlib
+// The subcommands of clod-bench. Each adds itself to the program; what it does runs as CLI11's callback and ends with
+// cli::Failure where it fails.
+#pragma once
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "demos/cli/Program.h"
+#include "demos/runner/HierarchyCache.h"
+
+namespace clod::demo
+{
+void addModelCommand(CLI::App& program);
+void addListCommand(CLI::App& program);
+void addRunCommand(CLI::App& program);
+void addReplayCommand(CLI::App& program);
+
+// --cache-dir and --no-cache.
+void addCache(CLI::App& command, CacheOptions& options);
+
+// A benchmark model as its OBJ file would hold it; 0 triangles: the paper's count.
+MeshSource modelSource(const std::string& name, std::size_t triangles);
+
+// The first fields of every report: schema, program, command, machine.
+nlohmann::ordered_json startReport(const std::string& command);
+// Name, triangles, patches, radius, bytes and hash of a hierarchy.
+nlohmann::ordered_json describeHierarchy(const Hierarchy& hierarchy, const std::string& name);
+
+// Throw cli::Failure (1) when the file cannot be written; do nothing for an empty path; "-" is stdout.
+void writeReport(const std::string& path, const nlohmann::ordered_json& report);
+void writeText(const std::string& path, const std::string& text);
+}  // namespace clod::demo

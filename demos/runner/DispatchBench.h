@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Zlib
+// Whole collision dispatches of Bullet at recorded poses, for our shape and for Bullet's btGImpactMeshShape on the same
+// meshes: what a user's simulation pays, clustering and manifolds included. Compiled once per Bullet precision.
+#pragma once
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "demos/runner/HierarchyCache.h"
+#include "demos/runner/Replay.h"
+
+namespace clod::demo
+{
+// Times both shapes and returns their spreads and ratios, over all rows and over the moving contact rows of `rows`.
+nlohmann::ordered_json comparePeer(const HierarchyPointer& a, const HierarchyPointer& b,
+								   const std::vector<PoseRow>& poses, const std::vector<ReplayRow>& rows,
+								   const ReplayOptions& options);
+void printPeer(const nlohmann::ordered_json& peer);
+}  // namespace clod::demo

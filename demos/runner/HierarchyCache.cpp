@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Zlib
+// Cache of built hierarchies. The builder is another process: this program links none of it.
+#include "demos/runner/HierarchyCache.h"
+
+#include <fmt/format.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+
+#include "demos/cli/Files.h"
+#include "demos/cli/Program.h"
+
+namespace clod::demo
+{
+namespace
+{
+namespace fs = std::filesystem;
+using cli::ExitCode;
+using cli::Failure;
+
+constexpr std::size_t kMeshSizeLimit = std::size_t(4) << 30;
+constexpr std::size_t kBuilderSizeLimit = std::size_t(1) << 30;
+constexpr int kExecFailed = 127;
+
+std::string defaultDirectory()
+{
+	if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg && xdg[0] == '/') return std::string(xdg) + "/clod";
+	if (const char* home = std::getenv("HOME"); home && home[0]) return std::string(home) + "/.cache/clod";
+	return {};
+}
+
+void hash(XXH3_state_t* state, const void* data, std::size_t size)
+{
+	const std::uint64_t length = size;  // between the parts, so that no two lists of parts run together
+	XXH3_128bits_update(state, &length, sizeof length);
+	XXH3_128bits_update(state, data, size);
+}
+
+// Replaces this process by the builder; only async-signal-safe calls. Should its parent die, the builder is told.
+[[noreturn]] void becomeBuilder(const char* program, char* const* arguments)
+{
+	prctl(PR_SET_PDEATHSIG, SIGTERM);
+	dup2(STDERR_FILENO, STDOUT_FILENO);  // our stdout is for our own results
+	execv(program, arguments);
+	_exit(kExecFailed);
+}
+
+int waitFor(pid_t child)
+{
+	int status = 0;
+	while (waitpid(child, &status, 0) < 0)
+		if (errno != EINTR) return -1;
+	return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+}
+
+int runProgram(const std::vector<std::string>& words)
+{
+	std::vector<char*> arguments;
+	for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
+	arguments.push_back(nullptr);
+	const pid_t child = fork();
+	if (child < 0) throw Failure(ExitCode::failure, fmt::format("cannot start {}: {}", words[0], std::strerror(errno)));
+	if (child == 0) becomeBuilder(arguments[0], arguments.data());
+	return waitFor(child);
+}
+
+// A mesh in memory as a file for the builder; gone with this object, or when the program is interrupted.
+class TemporaryMesh
+{
+public:
+	explicit TemporaryMesh(const MeshSource& mesh)
+		: m_file(fmt::format("{}/clod-bench-mesh{}", temporaryDirectory(), mesh.extension))
+	{
+		const std::string problem = cli::writeFile(m_file.temporaryPath(), mesh.bytes);
+		if (!problem.empty()) throw Failure(ExitCode::failure, problem);
+	}
+	const std::string& path() const { return m_file.temporaryPath(); }
+
+private:
+	cli::PartialFile m_file;  // never committed
+};
+}  // namespace
+
+std::string temporaryDirectory()
+{
+	std::error_code error;
+	const fs::path path = fs::temp_directory_path(error);
+	return error ? std::string("/tmp") : path.string();
+}
+
+std::string builderPath()
+{
+	std::error_code error;
+	const fs::path self = fs::read_symlink("/proc/self/exe", error);
+	return (error ? fs::path(".") : self.parent_path()) / "clod-build";
+}
+
+HierarchyCache::HierarchyCache(CacheOptions options) : m_options(std::move(options))
+{
+	if (!m_options.enabled)
+		m_options.directory.clear();
+	else if (m_options.directory.empty())
+		m_options.directory = defaultDirectory();
+}
+
+std::string HierarchyCache::entryPath(const MeshSource& mesh, bool paper) const
+{
+	const Result<std::vector<std::byte>> builder = cli::readFile(builderPath(), kBuilderSizeLimit);
+	if (!builder)
+		throw Failure(
+			ExitCode::failure,
+			fmt::format("no builder beside this program: {}\n  Build the target clod-build, or give .clod files "
+						"instead of meshes.",
+						builder.error()));
+	XXH3_state_t* state = XXH3_createState();
+	XXH3_128bits_reset(state);
+	hash(state, mesh.bytes.data(), mesh.bytes.size());
+	hash(state, mesh.extension.data(), mesh.extension.size());
+	hash(state, &paper, 1);
+	hash(state, builder.value().data(), builder.value().size());
+	const XXH128_hash_t digest = XXH3_128bits_digest(state);
+	XXH3_freeState(state);
+	return fmt::format("{}/{:016x}{:016x}.clod", m_options.directory, digest.high64, digest.low64);
+}
+
+void HierarchyCache::runBuilder(const std::string& meshPath, const std::string& output, bool paper) const
+{
+	std::vector<std::string> words = {builderPath(), "build", meshPath, "-o", output};
+	if (paper) words.push_back("--paper");
+	if (m_options.quiet) words.push_back("--quiet");
+	const int code = runProgram(words);
+	if (code == 0) return;
+	if (code == int(ExitCode::badInput))
+		throw Failure(ExitCode::badInput, meshPath + ": the builder refused this mesh (its reason is above)");
+	if (code == int(ExitCode::limitReached)) throw Failure(ExitCode::limitReached, meshPath + ": the builder gave up");
+	if (code == kExecFailed) throw Failure(ExitCode::failure, "cannot run " + words[0]);
+	throw Failure(
+		ExitCode::failure,
+		fmt::format("{} {} {}", words[0], code < 0 ? "was ended by signal" : "failed with exit code", std::abs(code)));
+}
+
+HierarchyPointer HierarchyCache::buildInto(const std::string& entry, const MeshSource& mesh, bool paper, bool keep)
+{
+	std::error_code error;
+	fs::create_directories(fs::path(entry).parent_path(), error);
+	if (error)
+		throw Failure(ExitCode::failure, fmt::format("cannot create the cache directory {}: {}",
+													 fs::path(entry).parent_path().string(), error.message()));
+	cli::PartialFile partial(entry);
+	if (mesh.path.empty())
+		runBuilder(TemporaryMesh(mesh).path(), partial.temporaryPath(), paper);
+	else
+		runBuilder(mesh.path, partial.temporaryPath(), paper);
+	Result<HierarchyPointer> hierarchy = Hierarchy::load(partial.temporaryPath());
+	if (!hierarchy)
+		throw Failure(ExitCode::failure, mesh.name + ": the builder wrote a bad file: " + hierarchy.error());
+	if (keep)
+		if (const std::string problem = partial.commit(); !problem.empty()) throw Failure(ExitCode::failure, problem);
+	++m_built;
+	return hierarchy.value();
+}
+
+HierarchyPointer HierarchyCache::build(const MeshSource& mesh, bool paper)
+{
+	// A .gltf file refers to others, which the key would not see.
+	const bool keep = !m_options.directory.empty() && mesh.extension != ".gltf";
+	if (!keep) return buildInto(temporaryDirectory() + "/clod-bench.clod", mesh, paper, false);
+	const std::string entry = entryPath(mesh, paper);
+	if (fs::exists(entry))
+	{
+		Result<HierarchyPointer> hierarchy = Hierarchy::load(entry);
+		if (hierarchy)
+		{
+			++m_found;
+			return hierarchy.value();
+		}
+		if (!m_options.quiet)
+			fmt::print(stderr, "the cached hierarchy of {} is damaged and is built again: {}\n", mesh.name,
+					   hierarchy.error());
+	}
+	else if (!m_options.quiet)
+		fmt::print(stderr, "building the hierarchy of {} (kept as {})\n", mesh.name, entry);
+	return buildInto(entry, mesh, paper, true);
+}
+
+HierarchyPointer HierarchyCache::open(const std::string& path, bool paper)
+{
+	const std::string extension = fs::path(path).extension().string();
+	if (extension == ".clod")
+	{
+		Result<HierarchyPointer> hierarchy = Hierarchy::load(path);
+		if (!hierarchy) throw Failure(ExitCode::badInput, path + ": " + hierarchy.error());
+		if (paper && !hierarchy.value()->isPaperBuild())
+			throw Failure(ExitCode::usage, path + ": --paper needs a file built with `clod-build build --paper`");
+		return hierarchy.value();
+	}
+	Result<std::vector<std::byte>> bytes = cli::readFile(path, kMeshSizeLimit);
+	if (!bytes) throw Failure(ExitCode::badInput, bytes.error());
+	return build({path, extension, std::move(bytes.value()), path}, paper);
+}
+}  // namespace clod::demo

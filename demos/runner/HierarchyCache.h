@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Zlib
+// Hierarchies by mesh: runs the clod-build that lies beside this program, and keeps what it built.
+//
+// An entry's name is the hash of the mesh's bytes, the parameters and the builder's own bytes, so a changed mesh,
+// option or builder never meets an old entry. Entries are written aside and renamed; one that does not load is built
+// again.
+#pragma once
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "clod/hierarchy/Hierarchy.h"
+
+namespace clod::demo
+{
+using HierarchyPointer = std::shared_ptr<const Hierarchy>;
+
+struct CacheOptions
+{
+	std::string directory;  // empty: $XDG_CACHE_HOME/clod, else ~/.cache/clod
+	bool enabled = true;    // false: build into a temporary file and keep nothing
+	bool quiet = false;     // the builder's progress
+};
+
+// A mesh as a file would hold it.
+struct MeshSource
+{
+	std::string name;       // for messages
+	std::string extension;  // ".obj", ... : how the bytes are to be read
+	std::vector<std::byte> bytes;
+	std::string path;  // where the bytes lie already; empty: in memory only
+};
+
+class HierarchyCache
+{
+public:
+	explicit HierarchyCache(CacheOptions options);
+
+	// The hierarchy of a mesh in memory, built where the cache has none. Throws cli::Failure: bad input (3) with the
+	// builder's reason on stderr, or failure (1) where the builder is missing or broken.
+	HierarchyPointer build(const MeshSource& mesh, bool paper);
+	// A .clod file is loaded; any other file is a mesh. A .clod file that contradicts `paper` is a usage error (2).
+	HierarchyPointer open(const std::string& path, bool paper);
+
+	// Entries built by this object, and those found whole in the cache.
+	int built() const { return m_built; }
+	int found() const { return m_found; }
+	// Where entries lie; empty when disabled.
+	const std::string& directory() const { return m_options.directory; }
+
+private:
+	std::string entryPath(const MeshSource& mesh, bool paper) const;
+	HierarchyPointer buildInto(const std::string& entry, const MeshSource& mesh, bool paper, bool keep);
+	void runBuilder(const std::string& meshPath, const std::string& output, bool paper) const;
+
+	CacheOptions m_options;
+	int m_built = 0, m_found = 0;
+};
+
+// $TMPDIR or /tmp.
+std::string temporaryDirectory();
+// The clod-build beside this executable.
+std::string builderPath();
+}  // namespace clod::demo

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Zlib
+// clod-bench: the headless benchmark runner.
+#include "demos/cli/Program.h"
+#include "demos/runner/Commands.h"
+
+int main(int argc, char** argv)
+{
+	CLI::App app("Contact levels of detail: models, scenes and measurements", CLOD_PROGRAM_NAME);
+	clod::cli::setUpProgram(
+		app, "Licence: Zlib. Uses Bullet (" CLOD_BULLET_PRECISION_NAME " precision), CLI11, fmt, nlohmann-json.");
+	app.footer("Example: clod-bench run spoon-cup --size 3.5 --frames frames");
+	clod::demo::addModelCommand(app);
+	clod::demo::addListCommand(app);
+	clod::demo::addRunCommand(app);
+	clod::demo::addReplayCommand(app);
+	return clod::cli::runProgram(app, argc, argv);
+}

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Zlib
+// clod-bench model, clod-bench list, and what the commands share.
+#include <fmt/format.h>
+
+#include <cstdio>
+
+#include "demos/cli/Progress.h"
+#include "demos/cli/Suggestion.h"
+#include "demos/models/Models.h"
+#include "demos/runner/Commands.h"
+#include "demos/runner/Statistics.h"
+#include "demos/scenes/Scene.h"
+
+namespace clod::demo
+{
+namespace
+{
+using cli::ExitCode;
+using cli::Failure;
+
+constexpr std::size_t kLargestModel = 100'000'000;
+constexpr std::size_t kModelSizeLimit = std::size_t(64) << 30;
+constexpr int kSchema = 1;
+
+struct ModelOptions
+{
+	cli::CommonOptions common;
+	std::string name, output;
+	std::size_t triangles = 0;
+};
+
+std::vector<std::string> allModels()
+{
+	std::vector<std::string> names = modelNames();
+	names.insert(names.end(), testShapeNames().begin(), testShapeNames().end());
+	return names;
+}
+
+ModelMesh makeOrFail(const std::string& name, std::size_t triangles)
+{
+	Result<ModelMesh> mesh = makeModel(name, triangles);
+	if (!mesh) throw Failure(ExitCode::usage, mesh.error());
+	return std::move(mesh.value());
+}
+
+void runModel(const ModelOptions& options)
+{
+	const ModelMesh mesh = makeOrFail(options.name, options.triangles);
+	const Result<std::size_t> bytes = writeObj(options.output, mesh);
+	if (!bytes) throw Failure(ExitCode::failure, bytes.error());
+	if (options.common.textOnStdout() && !options.common.quiet)
+		fmt::print("{}: {} triangles, {} vertices, {} bytes in {}\n", options.name, mesh.triangles.size(),
+				   mesh.vertices.size(), bytes.value(), options.output);
+	nlohmann::ordered_json report = startReport("model");
+	report["model"] = options.name;
+	report["requested_triangles"] = options.triangles;
+	report["triangles"] = mesh.triangles.size();
+	report["vertices"] = mesh.vertices.size();
+	report["output"] = options.output;
+	report["bytes"] = bytes.value();
+	writeReport(options.common.json, report);
+}
+
+void runList(const cli::CommonOptions& common)
+{
+	nlohmann::ordered_json report = startReport("list");
+	for (const SceneInfo& scene : scenes())
+	{
+		if (common.textOnStdout()) fmt::print("{:<14} {}\n", scene.name, scene.summary);
+		report["scenes"].push_back({{"name", scene.name},
+									{"summary", scene.summary},
+									{"steps", scene.steps},
+									{"dt", scene.dt},
+									{"models", {scene.modelA, scene.modelB}}});
+	}
+	writeReport(common.json, report);
+}
+}  // namespace
+
+void addModelCommand(CLI::App& program)
+{
+	auto options = std::make_shared<ModelOptions>();
+	CLI::App* command = program.add_subcommand("model", "Write a benchmark model as a Wavefront OBJ file");
+	std::string models;
+	for (const std::string& name : allModels()) models += (models.empty() ? "" : ", ") + name;
+	command->footer("Models: " + models + ".\nExample: clod-bench model cup --triangles 6400 -o cup.obj");
+	const auto check = [](const std::string& word) -> std::string
+	{
+		for (const std::string& name : allModels())
+			if (name == word) return {};
+		return fmt::format("unknown model '{}'{}", word, cli::didYouMean(word, allModels()));
+	};
+	command->add_option("name", options->name, "Which model")->type_name("NAME")->required()->check(check);
+	command->add_option("--triangles", options->triangles, "About how many triangles (default: the paper's Table 1)")
+		->type_name("N")
+		->check(CLI::Range(std::size_t(1), kLargestModel));
+	command->add_option("-o,--output", options->output, "The file to write")->type_name("OUT.obj")->required();
+	cli::addQuiet(*command, options->common);
+	cli::addJson(*command, options->common);
+	command->callback([options] { runModel(*options); });
+}
+
+void addListCommand(CLI::App& program)
+{
+	auto common = std::make_shared<cli::CommonOptions>();
+	CLI::App* command = program.add_subcommand("list", "List the scenes");
+	command->footer("Example: clod-bench list");
+	cli::addJson(*command, *common);
+	cli::addQuiet(*command, *common);
+	command->callback([common] { runList(*common); });
+}
+
+void addCache(CLI::App& command, CacheOptions& options)
+{
+	command
+		.add_option("--cache-dir", options.directory,
+					"Where built hierarchies are kept (default $XDG_CACHE_HOME/clod, else ~/.cache/clod)")
+		->type_name("DIR");
+	command.add_flag_callback(
+		"--no-cache", [&options] { options.enabled = false; }, "Build anew and keep nothing");
+}
+
+MeshSource modelSource(const std::string& name, std::size_t triangles)
+{
+	const ModelMesh mesh = makeOrFail(name, triangles);
+	const cli::PartialFile file(temporaryDirectory() + "/clod-bench-model.obj");  // never committed
+	const Result<std::size_t> written = writeObj(file.temporaryPath(), mesh);
+	if (!written) throw Failure(ExitCode::failure, written.error());
+	Result<std::vector<std::byte>> bytes = cli::readFile(file.temporaryPath(), kModelSizeLimit);
+	if (!bytes) throw Failure(ExitCode::failure, bytes.error());
+	return {fmt::format("{} ({} triangles)", name, mesh.triangles.size()), ".obj", std::move(bytes.value()), ""};
+}
+
+nlohmann::ordered_json startReport(const std::string& command)
+{
+	return {{"schema", kSchema}, {"program", "clod-bench"}, {"command", command}, {"machine", machine()}};
+}
+
+nlohmann::ordered_json describeHierarchy(const Hierarchy& hierarchy, const std::string& name)
+{
+	const Asset& asset = hierarchy.asset();
+	return {{"name", name},
+			{"triangles", asset.triangleCount},
+			{"patches", hierarchy.levels()[0].nodeCount},
+			{"levels", hierarchy.coarsestClodLevel() + 1},
+			{"radius", asset.radius},
+			{"thinnest_wall", asset.thinnestWall},
+			{"bytes", hierarchy.bytes().size()},
+			{"paper", hierarchy.isPaperBuild()},
+			{"hash", fmt::format("{:016x}", hierarchy.contentHash())}};
+}
+
+void writeReport(const std::string& path, const nlohmann::ordered_json& report)
+{
+	if (path.empty()) return;
+	if (const std::string problem = cli::writeJson(path, report); !problem.empty())
+		throw Failure(ExitCode::failure, problem);
+}
+
+void writeText(const std::string& path, const std::string& text)
+{
+	if (path.empty()) return;
+	if (path == "-")
+	{
+		std::fwrite(text.data(), 1, text.size(), stdout);
+		return;
+	}
+	if (const std::string problem = cli::writeFile(path, text); !problem.empty())
+		throw Failure(ExitCode::failure, problem);
+}
+}  // namespace clod::demo

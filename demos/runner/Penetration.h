@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Zlib
+// How deep two closed triangle meshes are inside each other, measured without any of the plugin's code: every vertex of
+// either mesh against the other's surface (nearest triangle by a tree of boxes, sign by the angle-weighted normal of
+// the nearest face, edge or vertex).
+//
+// Based on: Baerentzen & Aanaes, "Signed Distance Computation Using the Angle Weighted Pseudonormal", TVCG 2005.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "clod/hierarchy/Vector.h"
+#include "demos/models/Models.h"
+
+namespace clod::demo
+{
+using Surface = ModelMesh;  // closed, counter-clockwise from outside
+
+// Signed distance to the solid a surface bounds; negative inside.
+class SignedDistance
+{
+public:
+	explicit SignedDistance(Surface surface);
+	double operator()(const Vec3& point) const;
+	const Surface& surface() const { return m_surface; }
+
+private:
+	struct Box
+	{
+		Vec3 low, high;
+		std::uint32_t first, count;  // triangles of a leaf; count 0: children are the next box and `first`
+	};
+	struct Nearest;
+	std::uint32_t addBox(std::uint32_t first, std::uint32_t count);
+	void visit(const Vec3& point, std::uint32_t triangle, Nearest& nearest) const;
+	Vec3 normalAt(const Nearest& nearest) const;
+	void addNormals();
+
+	Surface m_surface;
+	std::vector<std::uint32_t> m_order;
+	std::vector<Box> m_boxes;
+	std::vector<Vec3> m_faceNormals, m_vertexNormals;
+	std::vector<std::array<Vec3, 3>> m_edgeNormals;  // of edge (i, i+1) of each triangle
+};
+
+// Deepest vertex over a sequence of relative poses. A vertex that was d outside is not looked at again before the
+// bodies may have moved by d, so following all steps of a simulation costs little more than the first.
+class PenetrationMeter
+{
+public:
+	PenetrationMeter(Surface a, Surface b);
+	// Depth (>= 0) of the deepest vertex of either mesh inside the other; aFromB relates the *mesh* frames.
+	double depth(const Transform& aFromB);
+
+private:
+	SignedDistance m_a, m_b;
+	std::vector<double> m_clearA, m_clearB;  // travel at which a vertex must be looked at again
+	double m_radiusB = 0;                    // of B's vertices around B's origin
+	double m_travel = 0;
+	bool m_started = false;
+	Transform m_previous;
+};
+}  // namespace clod::demo

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Zlib
+// clod-bench run: simulates a scene.
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "demos/cli/Progress.h"
+#include "demos/cli/Suggestion.h"
+#include "demos/models/Models.h"
+#include "demos/runner/Commands.h"
+#include "demos/runner/Penetration.h"
+#include "demos/runner/SceneRun.h"
+#include "demos/runner/Selection.h"
+#include "demos/runner/Statistics.h"
+#include "demos/scenes/Scene.h"
+
+namespace clod::demo
+{
+namespace
+{
+using cli::ExitCode;
+using cli::Failure;
+
+// Interpenetration that an exact run may show, as a share of the thinner wall.
+constexpr double kPenetrationShare = 0.01;
+
+struct RunOptions
+{
+	cli::CommonOptions common;
+	CacheOptions cache;
+	Selection selection;
+	std::string scene, csv, poses;
+	int steps = 0;
+	double dt = 0;
+	double resolution = 1;
+	bool verifyPenetration = false;
+};
+
+std::size_t trianglesOf(const std::string& model, double resolution)
+{
+	return std::size_t(double(paperTriangleCount(model)) * resolution);
+}
+
+HierarchyPointer buildModel(HierarchyCache& cache, const std::string& model, const RunOptions& options)
+{
+	return cache.build(modelSource(model, trianglesOf(model, options.resolution)), options.selection.paper);
+}
+
+SceneRunOptions setUp(const RunOptions& options, const SceneInfo& info, HierarchyCache& cache)
+{
+	SceneRunOptions run;
+	run.scene.a = buildModel(cache, info.modelA, options);
+	run.scene.b = buildModel(cache, info.modelB, options);
+	run.scene.query.metric = toMetric(options.selection, smallerRadius(*run.scene.a, *run.scene.b));
+	run.scene.query.paper = options.selection.paper;
+	run.scene.dt = options.dt > 0 ? options.dt : info.dt;
+	run.tolerance = info.tolerance;
+	run.steps = options.steps > 0 ? options.steps : info.steps;
+	run.fresh = options.selection.fresh;
+	Settings settings = run.scene.query;
+	settings.tolerance = run.tolerance;
+	const std::string problem = settingsError(*run.scene.a, *run.scene.b, settings);
+	if (!problem.empty()) throw Failure(ExitCode::usage, problem);
+	return run;
+}
+
+// The deepest interpenetration of the full meshes over all steps, against what the selection allows.
+nlohmann::ordered_json verifyPenetration(const RunOptions& options, const SceneInfo& info,
+										 const std::vector<SceneRow>& rows, cli::Progress& progress)
+{
+	Result<ModelMesh> a = makeModel(info.modelA, trianglesOf(info.modelA, options.resolution));
+	Result<ModelMesh> b = makeModel(info.modelB, trianglesOf(info.modelB, options.resolution));
+	if (!a || !b) throw Failure(ExitCode::failure, a ? b.error() : a.error());
+	PenetrationMeter meter(std::move(a.value()), std::move(b.value()));
+	double deepest = 0, bound = 0;
+	std::int64_t where = 0;
+	for (std::size_t i = 0; i < rows.size(); ++i)
+	{
+		const PoseRow& poses = rows[i].state.poses;
+		const double depth = meter.depth(relativePose(poses, {}, {}));
+		if (depth > deepest) deepest = depth, where = poses.step;
+		if (!std::isinf(rows[i].query.errorBound)) bound = std::max(bound, rows[i].query.errorBound);
+		progress.update("interpenetration", double(i + 1) / double(rows.size()));
+	}
+	const double limit = kPenetrationShare * info.thinnerWall + (options.selection.exact ? 0 : bound);
+	return {{"deepest", deepest},
+			{"step", where},
+			{"share_of_thinner_wall", deepest / info.thinnerWall},
+			{"certified_bound_in_use", bound},
+			{"limit", limit},
+			{"within_limit", deepest <= limit}};
+}
+
+nlohmann::ordered_json describeConstants(const Scene& scene)
+{
+	nlohmann::ordered_json constants;
+	for (const SceneConstant& constant : scene.constants())
+		constants[constant.name] = {{"value", constant.value}, {"unit", constant.unit}};
+	return constants;
+}
+
+// The poses, and beside them their checksum as xxhsum prints and checks it.
+nlohmann::ordered_json recordPoses(const std::string& path, const std::vector<PoseRow>& poses)
+{
+	const std::string text = formatPoses(poses);
+	const std::string checksum = fmt::format("{:016x}", XXH64(text.data(), text.size(), 0));
+	writeText(path, text);
+	if (path != "-") writeText(path + ".xxh64", checksum + "  " + path.substr(path.find_last_of('/') + 1) + "\n");
+	return {{"file", path}, {"rows", poses.size()}, {"xxh64", checksum}};
+}
+
+void print(const RunOptions& options, const nlohmann::ordered_json& report)
+{
+	if (!options.common.textOnStdout() || options.csv == "-" || options.poses == "-") return;
+	const auto& summary = report["summary"];
+	const auto share = [&](const char* key) { return 100 * summary[key].get<double>(); };
+	fmt::print("{}: {} steps, selection {}\n", options.scene, summary["rows"].get<std::size_t>(),
+			   report["selection"]["description"].get<std::string>());
+	fmt::print("rows within the tolerance {:.1f} %, moving {:.1f} %, at rest {:.1f} %\n",
+			   share("share_within_tolerance"), share("share_moving"), share("share_at_rest"));
+	fmt::print("at the end {}, {}; fastest point {:.4f} radii/s\n", summary["stays_in_place"] ? "in place" : "GONE",
+			   summary["end"]["at_rest"] ? "at rest" : "not at rest",
+			   summary["end"]["largest_speed_radii_per_s"].get<double>());
+	fmt::print("median query {:.1f} us, dispatch {:.1f} us, whole step {:.1f} us\n",
+			   summary["queries"]["all_rows"]["query_us"]["median"].get<double>(),
+			   summary["dispatch_us"]["median"].get<double>(), summary["step_us"]["median"].get<double>());
+	if (report.contains("interpenetration"))
+		fmt::print("deepest interpenetration of the full meshes {:.6f} mm at step {} (limit {:.6f} mm)\n",
+				   1000 * report["interpenetration"]["deepest"].get<double>(),
+				   report["interpenetration"]["step"].get<std::int64_t>(),
+				   1000 * report["interpenetration"]["limit"].get<double>());
+	fmt::print("trajectory_hash {}\n", report["trajectory_hash"].get<std::string>());
+}
+
+void runRun(const RunOptions& options)
+{
+	const SceneInfo& info = *findScene(options.scene);
+	CacheOptions cacheOptions = options.cache;
+	cacheOptions.quiet = options.common.quiet;
+	HierarchyCache cache(cacheOptions);
+	const SceneRunOptions run = setUp(options, info, cache);
+	const std::unique_ptr<Scene> scene = makeScene(info.name, run.scene);
+	cli::Progress progress(options.common.quiet);
+	const auto rows = runScene(*scene, run, [&](double fraction) { progress.update("simulation", fraction); });
+
+	nlohmann::ordered_json report = startReport("run");
+	report["scene"] = info.name;
+	report["models"] = {describeHierarchy(*run.scene.a, info.modelA), describeHierarchy(*run.scene.b, info.modelB)};
+	report["selection"] = toJson(options.selection, smallerRadius(*run.scene.a, *run.scene.b));
+	report["constants"] = describeConstants(*scene);
+	report["steps"] = run.steps;
+	report["dt"] = run.scene.dt;
+	report["trajectory_hash"] = trajectoryHash(posesOf(rows));
+	report["summary"] = summarizeScene(rows, run.tolerance);
+	if (!options.poses.empty()) report["poses"] = recordPoses(options.poses, posesOf(rows));
+	writeText(options.csv, formatSceneRows(rows));
+	if (options.verifyPenetration) report["interpenetration"] = verifyPenetration(options, info, rows, progress);
+	progress.finish();
+	print(options, report);
+	writeReport(options.common.json, report);
+	if (options.verifyPenetration && !report["interpenetration"]["within_limit"])
+		throw Failure(ExitCode::verificationFailed, "the full meshes interpenetrate deeper than the selection allows");
+}
+
+std::string checkScene(const std::string& name)
+{
+	if (findScene(name)) return {};
+	std::vector<std::string> names;
+	for (const SceneInfo& scene : scenes()) names.push_back(scene.name);
+	return fmt::format("unknown scene '{}'{}; `clod-bench list` shows them", name, cli::didYouMean(name, names));
+}
+}  // namespace
+
+void addRunCommand(CLI::App& program)
+{
+	auto options = std::make_shared<RunOptions>();
+	CLI::App* command = program.add_subcommand("run", "Simulate a scene");
+	command->footer("Example: clod-bench run spoon-cup --size 3.5 --frames frames --csv steps.csv --json -");
+	command->add_option("SCENE", options->scene, "Which scene, see `clod-bench list`")->required()->check(checkScene);
+	command->add_option("--steps", options->steps, "How many steps (default: the scene's)")
+		->type_name("N")
+		->check(CLI::Range(1, 10'000'000));
+	command->add_option("--dt", options->dt, "Seconds a step (default: the scene's)")
+		->type_name("SECONDS")
+		->check(CLI::Range(1e-6, 1.0));
+	command
+		->add_option("--resolution", options->resolution, "Triangles of the models, as a share of the paper's counts")
+		->type_name("SHARE")
+		->check(CLI::Range(0.001, 1000.0))
+		->capture_default_str();
+	command->add_option("--csv", options->csv, "A row a step; - is stdout")->type_name("FILE");
+	command->add_option("--poses", options->poses, "Record the poses as POSES.csv, with a checksum beside it")
+		->type_name("FILE");
+	command->add_flag("--verify-penetration", options->verifyPenetration,
+					  "Measure the full meshes' interpenetration by independent code; exit 4 beyond the limit");
+	addSelection(*command, options->selection);
+	addCache(*command, options->cache);
+	cli::addQuiet(*command, options->common);
+	cli::addJson(*command, options->common);
+	command->callback([options] { runRun(*options); });
+}
+}  // namespace clod::demo

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Zlib
+// The loop of clod-bench run, its rows and its summary.
+#include "demos/runner/SceneRun.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <set>
+
+#include "demos/cli/Program.h"
+#include "demos/runner/Statistics.h"
+
+namespace clod::demo
+{
+namespace
+{
+// The last rows, over which "comes to rest" is judged.
+constexpr std::size_t kEndRows = 24;
+
+void requireFinite(const SceneState& state)
+{
+	double sum = 0;
+	for (const Pose* pose : {&state.poses.a, &state.poses.b})
+	{
+		for (int i = 0; i < 3; ++i) sum += pose->position[i];
+		for (const double component : pose->quaternion) sum += component;
+	}
+	if (!std::isfinite(sum) || !isFinite(state.velocity) || !isFinite(state.turning))
+		throw cli::Failure(cli::ExitCode::failure,
+						   fmt::format("step {}: a pose or velocity is not finite", state.poses.step));
+}
+
+ReplayRow queryAt(const SceneState& state, const SceneRunOptions& options, PairCache& cache, QueryResult& result)
+{
+	using Clock = std::chrono::steady_clock;
+	const Hierarchy &a = *options.scene.a, &b = *options.scene.b;
+	Settings settings = options.scene.query;
+	settings.tolerance = options.tolerance;
+	if (options.fresh) cache.clear();
+	const Transform aFromB = relativePose(state.poses, meshFromBody(a), meshFromBody(b));
+	const auto start = Clock::now();
+	query(a, b, aFromB, settings, cache, result);
+	const std::chrono::duration<double, std::micro> elapsed = Clock::now() - start;
+	return measure(state.poses.step, result, elapsed.count());
+}
+
+double share(const std::vector<SceneRow>& rows, bool (*holds)(const SceneRow&, double), double tolerance)
+{
+	const auto count = std::count_if(rows.begin(), rows.end(), [&](const SceneRow& r) { return holds(r, tolerance); });
+	return double(count) / double(rows.size());
+}
+
+std::vector<double> column(const std::vector<SceneRow>& rows, double (*value)(const SceneRow&))
+{
+	std::vector<double> values;
+	std::transform(rows.begin(), rows.end(), std::back_inserter(values), value);
+	return values;
+}
+
+nlohmann::ordered_json warningsOf(const std::vector<SceneRow>& rows)
+{
+	std::set<std::string> seen;
+	nlohmann::ordered_json warnings = nlohmann::ordered_json::array();
+	for (const SceneRow& row : rows)
+		for (const std::string& warning : row.state.warnings)
+			if (seen.insert(warning).second) warnings.push_back({{"step", row.state.poses.step}, {"warning", warning}});
+	return warnings;
+}
+
+nlohmann::ordered_json endOf(const std::vector<SceneRow>& rows)
+{
+	const std::vector<SceneRow> last(rows.end() - std::min(rows.size(), kEndRows), rows.end());
+	const double speed = quantile(column(last, [](const SceneRow& r) { return r.query.speed; }), 1);
+	const double linear = quantile(column(last, [](const SceneRow& r) { return length(r.state.velocity); }), 1);
+	return {{"rows", last.size()},
+			{"largest_speed_radii_per_s", speed},
+			{"largest_speed_m_per_s", linear},
+			{"at_rest", classify(speed) == Motion::rest}};
+}
+}  // namespace
+
+std::vector<SceneRow> runScene(Scene& scene, const SceneRunOptions& options,
+							   const std::function<void(double)>& progress)
+{
+	std::vector<SceneRow> rows;
+	PairCache cache;
+	QueryResult result;
+	for (int step = 0; step < options.steps; ++step)
+	{
+		scene.step();
+		SceneRow row{scene.state(), {}};
+		requireFinite(row.state);
+		row.query = queryAt(row.state, options, cache, result);
+		rows.push_back(std::move(row));
+		progress(double(step + 1) / options.steps);
+	}
+	const std::vector<double> speeds =
+		relativeSpeeds(*options.scene.a, *options.scene.b, posesOf(rows), options.scene.dt);
+	for (std::size_t i = 0; i < rows.size(); ++i) rows[i].query.speed = speeds[i];
+	return rows;
+}
+
+std::vector<PoseRow> posesOf(const std::vector<SceneRow>& rows)
+{
+	std::vector<PoseRow> poses;
+	for (const SceneRow& row : rows) poses.push_back(row.state.poses);
+	return poses;
+}
+
+std::string formatSceneRows(const std::vector<SceneRow>& rows)
+{
+	std::string text = std::string(kPosesHeader) +
+					   ",time,gap,error_bound,contacts,points,manifolds,finest_level,coarsest_level,front,hull_tests,"
+					   "query_us,dispatch_us,step_us,speed_m_per_s,turning_rad_per_s,speed_radii_per_s,motion,deep\n";
+	for (const SceneRow& row : rows)
+	{
+		const SceneState& s = row.state;
+		const ReplayRow& q = row.query;
+		text += formatPose(s.poses);
+		text += fmt::format(",{},{},{},{},{},{},{},{},{},{},{:.3f},{:.3f},{:.3f},{:.6g},{:.6g},{:.5g},{},{}\n",
+							number(s.time), number(q.minDistance), number(q.errorBound), q.contacts, s.points.size(),
+							s.manifolds, q.stats.finestLevel, q.stats.coarsestLevel, q.stats.front, q.tests(),
+							q.queryMicroseconds, s.dispatchMicroseconds, s.stepMicroseconds, length(s.velocity),
+							length(s.turning), q.speed, name(q.motion()), int(q.deep));
+	}
+	return text;
+}
+
+nlohmann::ordered_json summarizeScene(const std::vector<SceneRow>& rows, double tolerance)
+{
+	const auto touching = [](const SceneRow& r, double limit) { return r.query.contact(limit); };
+	const auto moving = [](const SceneRow& r, double) { return r.query.motion() == Motion::moving; };
+	const auto resting = [](const SceneRow& r, double) { return r.query.motion() == Motion::rest; };
+	const auto misplaced = std::find_if(rows.begin(), rows.end(), [](const SceneRow& r) { return !r.state.inPlace; });
+	std::vector<ReplayRow> queries;
+	for (const SceneRow& row : rows) queries.push_back(row.query);
+	nlohmann::ordered_json summary = {
+		{"rows", rows.size()},
+		{"share_within_tolerance", share(rows, touching, tolerance)},
+		{"share_moving", share(rows, moving, tolerance)},
+		{"share_at_rest", share(rows, resting, tolerance)},
+		{"moving_speed_radii_per_s", kMovingSpeed},
+		{"rest_speed_radii_per_s", kRestSpeed},
+		{"stays_in_place", misplaced == rows.end()},
+		{"end", endOf(rows)},
+		{"points", spread(column(rows, [](const SceneRow& r) { return double(r.state.points.size()); }))},
+		{"dispatch_us", spread(column(rows, [](const SceneRow& r) { return r.state.dispatchMicroseconds; }))},
+		{"step_us", spread(column(rows, [](const SceneRow& r) { return r.state.stepMicroseconds; }))},
+		{"queries", summarize(queries, tolerance)},
+		{"warnings", warningsOf(rows)}};
+	if (misplaced != rows.end()) summary["left_place_at_step"] = misplaced->state.poses.step;
+	return summary;
+}
+}  // namespace clod::demo
