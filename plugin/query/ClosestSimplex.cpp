@@ -3,6 +3,7 @@
 // outside of.
 #include "clod/query/ClosestSimplex.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace clod
@@ -11,6 +12,7 @@ namespace
 {
 // Below this share of the product of its sides an area or volume is rounding noise of the corners.
 constexpr double kDegenerate = 1e-13;
+constexpr double kResidual = 1e-14;  // of an enclosure, relative to the farthest corner
 
 SimplexPoint atCorner(const Vec3* corner, int i)
 {
@@ -73,13 +75,38 @@ SimplexPoint onTriangle(const Vec3* corner, int i, int j, int k)
 	return best;
 }
 
+constexpr int kFaces[4][4] = {{1, 2, 3, 0}, {0, 3, 2, 1}, {0, 1, 3, 2}, {0, 2, 1, 3}};  // three corners, opposite one
+
+// Weights that reproduce the origin to rounding prove that a tetrahedron encloses it. gradient[i] is that of weight i.
+// Those of a sliver are noise at first: two steps of iterative refinement. Negative weights left: not enclosed.
+SimplexPoint enclosure(const Vec3* corner, const Vec3* gradient, SimplexPoint first)
+{
+	for (int step = 0; step < 3; ++step)
+	{
+		first.nearest = Vec3{};
+		for (int i = 0; i < 4; ++i) first.nearest += first.weight[i] * corner[i];
+		if (step == 2) break;
+		double sum = 0;
+		for (int i = 0; i < 4; ++i)
+		{
+			first.weight[i] = std::max(0.0, first.weight[i] - dot(gradient[i], first.nearest));
+			sum += first.weight[i];
+		}
+		for (double& weight : first.weight) weight /= sum;
+	}
+	first.squared = lengthSquared(first.nearest);
+	double size = 0;
+	for (int i = 0; i < 4; ++i) size = std::max(size, lengthSquared(corner[i]));
+	first.inside = first.squared <= kResidual * kResidual * size;
+	return first;
+}
+
 SimplexPoint inTetrahedron(const Vec3* corner)
 {
-	constexpr int kFaces[4][4] = {
-		{1, 2, 3, 0}, {0, 3, 2, 1}, {0, 1, 3, 2}, {0, 2, 1, 3}};  // three corners, opposite one
 	SimplexPoint best, enclosed;
 	best.squared = std::numeric_limits<double>::infinity();
 	bool inside = true;
+	Vec3 gradient[4];
 	for (const auto& face : kFaces)
 	{
 		const Vec3& base = corner[face[0]];
@@ -89,21 +116,16 @@ SimplexPoint inTetrahedron(const Vec3* corner)
 		const bool flat =
 			ofOpposite * ofOpposite <= kDegenerate * kDegenerate * lengthSquared(normal) * lengthSquared(toOpposite);
 		enclosed.weight[face[3]] = flat ? 0 : ofOrigin / ofOpposite;
+		if (!flat) gradient[face[3]] = (1 / ofOpposite) * normal;
 		if (!flat && enclosed.weight[face[3]] > 0) continue;
 		inside = false;
 		best = nearer(best, onTriangle(corner, face[0], face[1], face[2]));
 	}
 	if (!inside) return best;
-
-	const double sum = enclosed.weight[0] + enclosed.weight[1] + enclosed.weight[2] + enclosed.weight[3];
-	for (int i = 0; i < 4; ++i)
-	{
-		enclosed.weight[i] /= sum;
-		enclosed.nearest += enclosed.weight[i] * corner[i];
-	}
-	enclosed.squared = lengthSquared(enclosed.nearest);
-	enclosed.inside = true;
-	return enclosed;
+	enclosed = enclosure(corner, gradient, enclosed);
+	if (enclosed.inside) return enclosed;
+	for (const auto& face : kFaces) best = nearer(best, onTriangle(corner, face[0], face[1], face[2]));
+	return best;
 }
 }  // namespace
 

@@ -161,7 +161,7 @@ struct Verdict
 	bool bracketHolds = true, signRight = true, overlapping = false;
 };
 
-Verdict judge(const Pair& pair, const HullDistance& ours)
+Verdict judge(const Pair& pair, const RelativePose& pose, const HullDistance& ours)
 {
 	const auto p = pair.a.points(Transform{}), q = pair.b.points(pair.aFromB);
 	ExactDistance exact(p.begin(), p.end(), q.begin(), q.end());
@@ -172,7 +172,7 @@ Verdict judge(const Pair& pair, const HullDistance& ours)
 	verdict.overlapping = truth == 0;
 	verdict.error = std::abs(ours.upper - truth) / size;
 	verdict.width = (ours.upper - ours.lower) / size;
-	const double rounding = 1e-14 * size;
+	const double rounding = 2 * pose.rounding;
 	verdict.bracketHolds = ours.lower <= truth + rounding && truth <= ours.upper + rounding;
 	verdict.signRight = truth > 1e-5 * size ? !ours.overlap : truth > 0 || ours.overlap || ours.upper < 1e-9 * size;
 	return verdict;
@@ -195,7 +195,7 @@ TEST(HullDistance, AgreesWithExactArithmetic)
 		const Pair pair = makePair(random);
 		const RelativePose pose(pair.aFromB, std::max(pair.a.reach(), pair.b.reach()));
 		const HullDistance ours = hullDistance(pair.a.hull(), pair.b.hull(), pose, -pair.aFromB.translation, 1e300);
-		const Verdict verdict = judge(pair, ours);
+		const Verdict verdict = judge(pair, pose, ours);
 		EXPECT_LE(verdict.error, 2e-5) << "pair " << i;
 		EXPECT_LE(verdict.width, kHullDistanceAccuracy)
 			<< "pair " << i << " upper " << ours.upper << " n " << ours.iterations;
@@ -225,13 +225,13 @@ TEST(HullDistance, TheOracleSeesPlantedFaults)
 		++tried;
 		HullDistance fault = ours;
 		fault.upper = 1.001 * ours.upper;
-		missed += judge(pair, fault).error < 1e-9;
+		missed += judge(pair, pose, fault).error < 1e-9;
 		fault.upper = fault.lower = 0;
 		fault.overlap = true;
-		wrongSign += judge(pair, fault).signRight;
+		wrongSign += judge(pair, pose, fault).signRight;
 		fault = ours;
 		fault.lower = 1.0001 * ours.upper;
-		loose += judge(pair, fault).bracketHolds;
+		loose += judge(pair, pose, fault).bracketHolds;
 	}
 	EXPECT_GT(tried, 50);
 	EXPECT_EQ(missed + wrongSign + loose, 0);

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Zlib
+// Turns accepted pairs into contacts, and keeps what the certificate needs of the pairs that are no contacts.
+#pragma once
+#include <vector>
+
+#include "clod/query/PairFront.h"
+#include "clod/query/QueryContext.h"
+
+namespace clod
+{
+// A pair is a contact iff the lower bound of its hull distance, evaluated from the canonical start, is within the
+// tolerance. Cached values reject a pair only where they exceed the tolerance by more than the accuracy of that
+// evaluation.
+class ContactSink
+{
+public:
+	ContactSink(const QueryContext& context, double tolerance, bool exact, std::vector<Contact>& contacts,
+				QueryStats& stats)
+		: m_context(context), m_tolerance(tolerance), m_exact(exact), m_contacts(contacts), m_stats(stats)
+	{
+	}
+
+	// In exact mode a pair that is no contact leaves no trace, near or far.
+	bool skips(const FrontEntry& old, double motion) const { return m_exact && provenApart(old, motion); }
+
+	void answer(FrontEntry& entry, double motion);
+
+	// max over the pairs that are near by their boxes, but no contacts, of cover_a + cover_b.
+	double largestCover() const { return m_largestCover; }
+
+private:
+	bool provenApart(const FrontEntry& entry, double motion) const
+	{
+		return entry.hullKnown && entry.hullLower - (motion - entry.hullStamp) > m_tolerance + room(entry);
+	}
+	double room(const FrontEntry& entry) const;
+	void keepBound(FrontEntry& entry, double motion, double lower, const Vec3& direction) const;
+
+	const QueryContext& m_context;
+	const double m_tolerance;
+	const bool m_exact;
+	std::vector<Contact>& m_contacts;
+	QueryStats& m_stats;
+	double m_largestCover = 0;
+};
+}  // namespace clod

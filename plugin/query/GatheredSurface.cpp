@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Zlib
+// Gathering of contact partners and nearest-face scans over them.
+#include "clod/query/GatheredSurface.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace clod
+{
+namespace
+{
+std::uint32_t nodeOf(const Contact& contact, bool isA)
+{
+	return isA ? contact.nodeA : contact.nodeB;
+}
+
+std::uint32_t slotOf(const ContactSide& side, std::uint32_t node)
+{
+	const auto found = std::lower_bound(side.slots.begin(), side.slots.end(), node,
+										[](const ContactSide::Slot& slot, std::uint32_t n) { return slot.node < n; });
+	return std::uint32_t(found - side.slots.begin());
+}
+
+void collectSlots(const std::vector<Contact>& contacts, bool isA, ContactSide& side)
+{
+	side.order.resize(contacts.size());
+	for (std::uint32_t i = 0; i < contacts.size(); ++i) side.order[i] = i;
+	if (!isA)
+		std::sort(side.order.begin(), side.order.end(),
+				  [&](std::uint32_t l, std::uint32_t r)
+				  { return contacts[l].nodeB != contacts[r].nodeB ? contacts[l].nodeB < contacts[r].nodeB : l < r; });
+	side.slots.clear();
+	side.faces.clear();
+	for (std::uint32_t i = 0; i < side.order.size(); ++i)
+	{
+		const Contact& contact = contacts[side.order[i]];
+		const std::uint32_t node = nodeOf(contact, isA);
+		if (side.slots.empty() || side.slots.back().node != node)
+			side.slots.push_back({node, i, 0, 0, 0, side.order[i], false, false});
+		ContactSide::Slot& slot = side.slots.back();
+		++slot.partnerCount;
+		slot.overlaps |= contact.upper <= 0;
+		if (contact.upper < contacts[slot.nearest].upper) slot.nearest = side.order[i];
+	}
+}
+}  // namespace
+
+void ContactSide::gather(Slot& slot)
+{
+	const Node& owner = hierarchy->node(slot.node);
+	slot.gathered = true;
+	slot.firstFace = std::uint32_t(faces.size());
+	slot.faceCount = owner.faceCount;
+	for (std::uint32_t i = 0; i < owner.faceCount; ++i)
+	{
+		GatheredFace face;
+		face.triangle = triangleOf(*hierarchy, owner, hierarchy->faces(owner)[i]);
+		face.level = owner.level;
+		face.face = owner.firstFace + i;
+		const Vec3* corner = face.triangle.corner;
+		face.center = (1.0 / 3) * (corner[0] + corner[1] + corner[2]);
+		double squared = 0;
+		for (int k = 0; k < 3; ++k) squared = std::max(squared, lengthSquared(corner[k] - face.center));
+		face.radius = std::sqrt(squared);
+		faces.push_back(face);
+	}
+}
+
+void gatherSides(const QueryContext& context, const std::vector<Contact>& contacts, ContactSide& a, ContactSide& b)
+{
+	a.hierarchy = &context.a;
+	b.hierarchy = &context.b;
+	collectSlots(contacts, true, a);
+	collectSlots(contacts, false, b);
+	a.partners.resize(contacts.size());
+	b.partners.resize(contacts.size());
+	for (std::uint32_t i = 0; i < contacts.size(); ++i)
+	{
+		a.partners[i] = slotOf(b, contacts[a.order[i]].nodeB);
+		b.partners[i] = slotOf(a, contacts[b.order[i]].nodeA);
+	}
+}
+
+void GatheredSurface::scan(ContactSide::Slot& slot, const Vec3& point)
+{
+	if (!slot.gathered) m_other.gather(slot);
+	for (std::uint32_t i = slot.firstFace; i < slot.firstFace + slot.faceCount; ++i)
+	{
+		const GatheredFace& face = m_other.faces[i];
+		const double reach = m_distance + face.radius;
+		if (lengthSquared(point - face.center) > reach * reach) continue;
+		const NearestOnTriangle here = nearestOnTriangle(face.triangle, point);
+		if (here.squared >= m_distance * m_distance) continue;
+		m_distance = std::sqrt(here.squared);
+		m_point = here.point;
+		m_face = i;
+		m_feature = here.feature;
+	}
+}
+
+SignedDistance GatheredSurface::signedDistance(std::uint32_t group, const Vec3& point)
+{
+	++m_stats.pointQueries;
+	m_distance = std::numeric_limits<double>::infinity();
+	const ContactSide::Slot& own = m_own.slots[group];
+	for (std::uint32_t i = 0; i < own.partnerCount; ++i)
+		scan(m_other.slots[m_own.partners[own.firstPartner + i]], point);
+	const GatheredFace& nearest = m_other.faces[m_face];
+	const Vec3 normal = pseudonormal(*m_other.hierarchy, nearest.level, nearest.face, m_feature);
+	return {dot(point - m_point, normal) >= 0 ? m_distance : -m_distance, m_face, m_feature};
+}
+
+double GatheredSurface::distanceToAll(const Vec3& point)
+{
+	++m_stats.pointQueries;
+	m_distance = std::numeric_limits<double>::infinity();
+	for (ContactSide::Slot& slot : m_other.slots) scan(slot, point);
+	return m_distance;
+}
+}  // namespace clod

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Zlib
+// One probe a connected component, and a quick rejection by extreme points.
+#include "clod/query/InsideTest.h"
+
+#include <algorithm>
+
+namespace clod
+{
+namespace
+{
+// One corner of each connected component of the input surface.
+std::vector<Vec3> componentPoints(const Hierarchy& hierarchy)
+{
+	const Level& level = hierarchy.levels()[0];
+	std::vector<Vec3> points;
+	std::vector<bool> seen(level.faceCount, false);
+	std::vector<std::uint32_t> stack;
+	for (std::uint32_t first = 0; first < level.faceCount; ++first)
+	{
+		if (seen[first]) continue;
+		const std::uint32_t face = level.firstFace + first;
+		const Node& owner = hierarchy.node(ownerOf(hierarchy, 0, face));
+		points.push_back(triangleOf(hierarchy, owner, hierarchy.faces()[face]).corner[0]);
+		seen[first] = true;
+		stack.push_back(first);
+		while (!stack.empty())
+		{
+			const Face& top = hierarchy.faces()[level.firstFace + stack.back()];
+			stack.pop_back();
+			for (const std::uint32_t neighbour : top.neighbour)
+			{
+				if (neighbour == kNone || seen[neighbour - level.firstFace]) continue;
+				seen[neighbour - level.firstFace] = true;
+				stack.push_back(neighbour - level.firstFace);
+			}
+		}
+		if (points.size() == hierarchy.asset().componentCount) break;
+	}
+	return points;
+}
+}  // namespace
+
+void InsideProbes::prepare(const Hierarchy& hierarchy)
+{
+	if (!m_probes.empty()) return;
+	for (const Vec3& point : componentPoints(hierarchy)) m_probes.push_back({point});
+	m_extremes.clear();
+	if (m_probes.size() != 1) return;
+	const Level& level = hierarchy.levels()[hierarchy.coarsestClodLevel()];
+	m_slack = level.maxProtrude;
+	m_extremes.assign(6, m_probes[0].point);
+	for (std::uint32_t n = level.firstNode; n < level.firstNode + level.nodeCount; ++n)
+	{
+		const HullView hull = hierarchy.hull(hierarchy.node(n));
+		for (std::uint32_t i = 0; i < hull.count; ++i)
+			for (int k = 0; k < 6; ++k)
+			{
+				const double sign = k < 3 ? 1 : -1;
+				if (sign * hull.vertex(i)[k % 3] > sign * m_extremes[std::size_t(k)][k % 3])
+					m_extremes[std::size_t(k)] = hull.vertex(i);
+			}
+	}
+}
+
+double InsideProbes::depthInside(const Hierarchy& other, const Transform& intoOther, double motion, QueryStats& stats)
+{
+	const PlacedBox around = placeInA(other.cullBox(other.root()));
+	// A single body with a point outside everything the other one occupies is not inside it.
+	for (const Vec3& extreme : m_extremes)
+		if (boxDistance(around, intoOther * extreme) > m_slack) return 0;
+	double depth = 0;
+	for (Probe& probe : m_probes)
+	{
+		const Vec3 point = intoOther * probe.point;
+		if (boxDistance(around, point) > 0) continue;
+		// The sign holds until the body has moved by the distance; how deep inside is measured anew.
+		if (probe.distance > 0 && motion - probe.stamp < 0.999 * probe.distance)
+		{
+			++stats.skippedBySlack;
+			continue;
+		}
+		++stats.pointQueries;
+		probe.distance = distanceToInput(other, point, stats.boxTests).distance;
+		probe.stamp = motion;
+		depth = std::max(depth, -probe.distance);
+	}
+	return depth;
+}
+}  // namespace clod

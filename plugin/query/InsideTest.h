@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Zlib
+// Is one body, or a component of it, wholly inside the other? Asked only when no contact hulls overlap: the surfaces
+// are then apart, and one point of each component tells.
+#pragma once
+#include <vector>
+
+#include "clod/query/QueryContext.h"
+#include "clod/query/SurfaceFaces.h"
+
+namespace clod
+{
+// What the test needs of one hierarchy, gathered at the first test: it reads level 0.
+class InsideProbes
+{
+public:
+	void prepare(const Hierarchy& hierarchy);
+	void clear() { m_probes.clear(); }
+
+	// The deepest of the probes inside `other`, as a depth > 0; 0 when all of them are outside. intoOther maps the own
+	// body frame into that of `other`; motion as in PairFront.
+	double depthInside(const Hierarchy& other, const Transform& intoOther, double motion, QueryStats& stats);
+
+private:
+	struct Probe
+	{
+		Vec3 point;                      // a vertex of one component
+		double distance = 0, stamp = 0;  // of the last test
+	};
+	std::vector<Probe> m_probes;   // one a component
+	std::vector<Vec3> m_extremes;  // of the coarsest level that may answer, single components only
+	double m_slack = 0;            // how far an extreme may lie outside the solid
+};
+}  // namespace clod

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Zlib
+// How far any point of one body has moved relative to the other between two poses: what a cached distance may be wrong
+// by.
+//
+// A point p of B, |p| <= r_B, is seen from A at R p + t. Between poses 1 and 2 it moves by at most
+// |t2 - t1| + |R2 - R1| r_B; the norm of the difference of two rotations is 2 sin(angle / 2) = |R2 - R1|_Frobenius /
+// sqrt 2. Separating axes fixed to B see the points of A move, hence the same bound the other way round; the larger one
+// counts.
+//
+// Based on: conservative advancement (Mirtich 1996), as in Bullet's btConvexSeparatingDistanceUtil.
+#pragma once
+#include <algorithm>
+
+#include "clod/query/HullDistance.h"
+
+namespace clod
+{
+inline double motionBound(const RelativePose& from, const RelativePose& to, double reachA, double reachB)
+{
+	double turn = 0;
+	for (int i = 0; i < 3; ++i) turn += lengthSquared(to.rotation.row[i] - from.rotation.row[i]);
+	turn = std::sqrt(0.5 * turn);
+	const double ofB = length(to.translation - from.translation) + turn * reachB;
+	const Vec3 originFrom = from.inverseRotation * from.translation, originTo = to.inverseRotation * to.translation;
+	const double ofA = length(originTo - originFrom) + turn * reachA;
+	// Rounding of the two poses and of the axes of the boxes (BoxSeparation.cpp).
+	return (1 + 4e-6) * std::max(ofA, ofB) + from.rounding + to.rounding;
+}
+}  // namespace clod

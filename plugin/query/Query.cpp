@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: Zlib
+// One query from pose to result: traversal, contacts, gap, certificate. README.md tells its life.
+#include "clod/query/Query.h"
+
+#include <algorithm>
+#include <string>
+
+#include "clod/query/ClosestPair.h"
+#include "clod/query/ContactSink.h"
+#include "clod/query/GapCertificate.h"
+#include "clod/query/InsideTest.h"
+#include "clod/query/MotionBound.h"
+#include "clod/query/Traversal.h"
+
+namespace clod
+{
+struct PairCache::State
+{
+	const Hierarchy* a = nullptr;
+	const Hierarchy* b = nullptr;
+	std::uint64_t hashA = 0, hashB = 0;
+	bool filled = false;
+	Transform aFromB;
+	Settings settings;
+	double maxError = 0;  // of the rule that the front was made with
+	RelativePose pose;
+	PairFront front;
+	InsideProbes probesA, probesB;
+	ClosestPairScratch closest;
+	PenetrationScratch penetration;
+	std::vector<std::uint32_t> order;
+	std::vector<Contact> unsorted;
+	QueryResult last;
+};
+
+PairCache::PairCache() : m_state(std::make_unique<State>()) {}
+PairCache::~PairCache() = default;
+PairCache::PairCache(PairCache&&) noexcept = default;
+PairCache& PairCache::operator=(PairCache&&) noexcept = default;
+void PairCache::clear()
+{
+	m_state = std::make_unique<State>();
+}
+
+void QueryResult::clear()
+{
+	contacts.clear();
+	minDistance = std::numeric_limits<double>::infinity();
+	errorBound = 0;
+	deep = false;
+	stats = QueryStats{};
+}
+
+namespace
+{
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kDepthAccuracy = 1e-6;  // of the smaller radius: how exactly a depth is searched at least
+
+bool same(const Metric& l, const Metric& r)
+{
+	return l.exact == r.exact && l.weightedDeviation == r.weightedDeviation && l.maxError == r.maxError;
+}
+bool same(const Settings& l, const Settings& r)
+{
+	return same(l.metric, r.metric) && l.tolerance == r.tolerance && l.distance == r.distance && l.paper == r.paper;
+}
+bool same(const Transform& l, const Transform& r)
+{
+	for (int i = 0; i < 3; ++i)
+		if (l.rotation.row[i] != r.rotation.row[i]) return false;
+	return l.translation == r.translation;
+}
+
+// One query in progress.
+class Evaluation
+{
+public:
+	Evaluation(const QueryContext& context, const Settings& settings, PairCache::State& state, QueryResult& result)
+		: m_context(context), m_settings(settings), m_state(state), m_result(result)
+	{
+	}
+
+	void run()
+	{
+		double limit = m_settings.metric.maxError;
+		for (std::uint32_t restarts = 0;; ++restarts)
+		{
+			m_result.contacts.clear();
+			m_result.deep = false;
+			once(limit);
+			m_result.stats.restarts = restarts;
+			const double error = m_result.errorBound;
+			if (!(error > m_settings.metric.maxError) || error == kInfinity || m_inputOnly) break;
+			// Halve the limit, or more where the bound asks for it; three passes reach the input surface.
+			limit = restarts < 2 ? 0.5 * limit * m_settings.metric.maxError / error : 0;
+		}
+		levelStatistics();
+	}
+
+private:
+	void once(double limit)
+	{
+		const double largestCover = traverse(limit, m_settings.tolerance);
+		sortContacts();
+		const bool overlap = std::any_of(m_result.contacts.begin(), m_result.contacts.end(),
+										 [](const Contact& contact) { return contact.upper <= 0; });
+		const double inside = overlap ? 0 : depthInside();
+		if (overlap || inside > 0)
+			overlapping(overlap, inside);
+		else if (!m_result.contacts.empty())
+			set(gapApart(m_context, m_result.contacts, m_settings.tolerance, largestCover));
+		else if (m_settings.distance)
+			farApart(limit);
+		else
+			set({kInfinity, largestCover, false});
+		m_inputOnly = m_inputOnly && largestCover == 0;
+	}
+
+	// Returns the largest cover_a + cover_b of the accepted pairs that are no contacts.
+	double traverse(double limit, double tolerance)
+	{
+		const bool sameRule =
+			m_state.filled && same(m_state.settings.metric, m_settings.metric) && m_state.maxError == limit;
+		const TraversalSettings settings{StopRule(m_settings.metric, limit), tolerance, m_settings.paper, sameRule};
+		ContactSink sink(m_context, tolerance, m_settings.metric.exact, m_result.contacts, m_result.stats);
+		m_result.stats.front = m_result.stats.frontInner = 0;
+		Traversal<ContactSink>(m_context, settings, m_state.front, sink).run(m_result.stats);
+		m_state.maxError = limit;
+		m_state.settings = m_settings;
+		m_state.filled = true;
+		return sink.largestCover();
+	}
+
+	void sortContacts()
+	{
+		std::vector<Contact>& contacts = m_result.contacts;
+		const auto before = [](const Contact& l, const Contact& r)
+		{ return l.nodeA != r.nodeA ? l.nodeA < r.nodeA : l.nodeB < r.nodeB; };
+		m_state.order.resize(contacts.size());
+		for (std::uint32_t i = 0; i < contacts.size(); ++i) m_state.order[i] = i;
+		std::sort(m_state.order.begin(), m_state.order.end(),
+				  [&](std::uint32_t l, std::uint32_t r) { return before(contacts[l], contacts[r]); });
+		m_state.unsorted.swap(contacts);
+		contacts.clear();
+		for (const std::uint32_t i : m_state.order) contacts.push_back(m_state.unsorted[i]);
+		m_inputOnly = true;
+		for (const Contact& contact : contacts)
+			m_inputOnly = m_inputOnly && m_context.a.node(contact.nodeA).childCount == 0 &&
+						  m_context.b.node(contact.nodeB).childCount == 0;
+	}
+
+	// > 0: a component of one body is inside the other by so much at one of its points.
+	double depthInside()
+	{
+		if (m_state.front.entries[0].state == PairState::kSeparated) return 0;
+		m_state.probesA.prepare(m_context.a);
+		m_state.probesB.prepare(m_context.b);
+		const RelativePose& pose = m_context.pose;
+		const Transform aFromB{pose.rotation, pose.translation};
+		const double motion = m_state.front.motion;
+		const double ofA = m_state.probesA.depthInside(m_context.b, inverse(aFromB), motion, m_result.stats);
+		return std::max(ofA, m_state.probesB.depthInside(m_context.a, aFromB, motion, m_result.stats));
+	}
+
+	void overlapping(bool hullsOverlap, double inside)
+	{
+		const double radius = std::min(m_context.a.asset().radius, m_context.b.asset().radius);
+		// The last per cent of a depth is not worth its cost, unless a hard limit asks for it.
+		DepthAccuracy accuracy;
+		accuracy.absolute = kDepthAccuracy * radius;
+		if (m_settings.metric.maxError < kInfinity)
+			accuracy = {std::max(accuracy.absolute, 0.5 * m_settings.metric.maxError), 0};
+		if (hullsOverlap)
+		{
+			const Penetration near =
+				nearPenetration(m_context, m_result.contacts, accuracy, m_state.penetration, m_result.stats);
+			set(gapOverlapping(m_context, m_result.contacts, m_settings.tolerance, near, m_state.penetration,
+							   m_result.stats));
+			if (!m_result.deep) return;
+		}
+		if (m_settings.distance)
+		{
+			const Penetration whole = wholePenetration(m_context, accuracy, m_state.penetration, m_result.stats);
+			set(gapBetween(-whole.upper, -whole.lower));
+			m_result.deep = true;
+			return;
+		}
+		if (!hullsOverlap) set({-inside, kInfinity, true});
+	}
+
+	// Nothing within the tolerance: the closest accepted pair, then the certificate within its distance.
+	void farApart(double limit)
+	{
+		const StopRule rule(m_settings.metric, limit);
+		const double distance = closestDistance(m_context, rule, m_settings.paper, m_state.closest, m_result.stats);
+		const double largestCover = traverse(limit, distance);
+		sortContacts();
+		set(gapApart(m_context, m_result.contacts, distance, largestCover));
+		m_result.contacts.clear();
+	}
+
+	void set(const Gap& gap)
+	{
+		m_result.minDistance = gap.value;
+		m_result.errorBound = gap.errorBound;
+		m_result.deep = gap.deep;
+	}
+
+	void levelStatistics()
+	{
+		if (m_result.contacts.empty()) return;
+		std::uint32_t finest = kNone, coarsest = 0;
+		for (const Contact& contact : m_result.contacts)
+		{
+			const std::uint32_t levelA = m_context.a.node(contact.nodeA).level,
+								levelB = m_context.b.node(contact.nodeB).level;
+			finest = std::min({finest, levelA, levelB});
+			coarsest = std::max({coarsest, levelA, levelB});
+		}
+		m_result.stats.finestLevel = finest;
+		m_result.stats.coarsestLevel = coarsest;
+	}
+
+	const QueryContext& m_context;
+	const Settings& m_settings;
+	PairCache::State& m_state;
+	QueryResult& m_result;
+	bool m_inputOnly = true;  // every accepted pair is of level 0: nothing finer exists
+};
+
+// Drops what was cached for other hierarchies or another kind of traversal, then adds the motion since the last query.
+void followMotion(const QueryContext& context, const Settings& settings, PairCache::State& state)
+{
+	const bool sameBodies = state.a == &context.a && state.b == &context.b && state.hashA == context.a.contentHash() &&
+							state.hashB == context.b.contentHash();
+	if (!sameBodies)
+	{
+		state.front.clear();
+		state.probesA.clear();
+		state.probesB.clear();
+		state.closest.clear();
+		state.a = &context.a;
+		state.b = &context.b;
+		state.hashA = context.a.contentHash();
+		state.hashB = context.b.contentHash();
+		state.filled = false;
+	}
+	else if (state.filled)
+	{
+		state.front.motion += motionBound(state.pose, context.pose, context.reachA, context.reachB);
+		const bool otherTree =
+			state.settings.metric.exact != settings.metric.exact || state.settings.paper != settings.paper;
+		if (otherTree || !(state.front.motion < 1e5 * context.size))
+		{
+			state.front.clear();
+			state.probesA.clear();
+			state.probesB.clear();
+		}
+	}
+	state.pose = context.pose;
+}
+}  // namespace
+
+void query(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const Settings& settings, PairCache& cache,
+		   QueryResult& result)
+{
+	PairCache::State& state = cache.state();
+	const bool sameBodies =
+		state.a == &a && state.b == &b && state.hashA == a.contentHash() && state.hashB == b.contentHash();
+	if (state.filled && sameBodies && same(state.settings, settings) && same(state.aFromB, aFromB))
+	{
+		result = state.last;
+		return;
+	}
+	const QueryContext context(a, b, aFromB);
+	followMotion(context, settings, state);
+	result.clear();
+	Evaluation(context, settings, state, result).run();
+	state.aFromB = aFromB;
+	state.last = result;
+}
+
+std::string settingsError(const Hierarchy& a, const Hierarchy& b, const Settings& settings)
+{
+	const auto text = [](const char* field, double value)
+	{ return std::string(field) + " is " + std::to_string(value); };
+	if (!(settings.tolerance >= 0) || settings.tolerance == kInfinity)
+		return text("tolerance", settings.tolerance) + ", but must be a finite length >= 0";
+	if (!(settings.metric.weightedDeviation >= 0))
+		return text("metric.weightedDeviation", settings.metric.weightedDeviation) + ", but must be a length >= 0";
+	if (!(settings.metric.maxError >= 0))
+		return text("metric.maxError", settings.metric.maxError) + ", but must be a length >= 0";
+	if (settings.paper && !(a.isPaperBuild() && b.isPaperBuild()))
+		return std::string("paper is set, but hierarchy ") + (a.isPaperBuild() ? "b" : "a") +
+			   " was not built with --paper";
+	return {};
+}
+}  // namespace clod

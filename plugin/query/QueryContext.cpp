@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Zlib
+#include "clod/query/QueryContext.h"
+
+#include <algorithm>
+
+namespace clod
+{
+namespace
+{
+// The root's box and the asset's box enclose everything: their farthest corner from the body's origin is at R. The
+// corners of a box that fits what it encloses along each of its axes are then within sqrt(3) R.
+double reachOf(const Hierarchy& hierarchy)
+{
+	const CullBox& root = hierarchy.cullBox(hierarchy.root());
+	const double half = std::sqrt(double(root.half[0]) * root.half[0] + double(root.half[1]) * root.half[1] +
+								  double(root.half[2]) * root.half[2]);
+	const Vec3 center{double(root.center[0]), double(root.center[1]), double(root.center[2])};
+	double squared = 0;
+	for (int i = 0; i < 3; ++i)
+	{
+		const double far = std::max(std::abs(hierarchy.asset().boxMin[i]), std::abs(hierarchy.asset().boxMax[i]));
+		squared += far * far;
+	}
+	return 1.7321 * std::max(std::sqrt(squared), length(center) + std::max(half, double(root.radius)));
+}
+
+Vec3 centerOf(const CullBox& box)
+{
+	return {double(box.center[0]), double(box.center[1]), double(box.center[2])};
+}
+}  // namespace
+
+QueryContext::QueryContext(const Hierarchy& hierarchyA, const Hierarchy& hierarchyB, const Transform& aFromB)
+	: a(hierarchyA),
+	  b(hierarchyB),
+	  reachA(reachOf(hierarchyA)),
+	  reachB(reachOf(hierarchyB)),
+	  pose(aFromB, std::max(reachA, reachB)),
+	  size(reachA + reachB + length(aFromB.translation))
+{
+}
+
+HullDistance canonicalDistance(const QueryContext& context, std::uint32_t a, std::uint32_t b, double stopAbove)
+{
+	const Vec3 start = centerOf(context.a.cullBox(a)) - context.pose.apply(centerOf(context.b.cullBox(b)));
+	return hullDistance(contactHull(context.a, context.a.node(a)), contactHull(context.b, context.b.node(b)),
+						context.pose, start, stopAbove);
+}
+
+double paperSeparation(const QueryContext& context, std::uint32_t a, std::uint32_t b, double stopAbove)
+{
+	const double drift = double(context.a.node(a).hausdorff) + double(context.b.node(b).hausdorff);
+	return canonicalDistance(context, a, b, stopAbove + drift).lower - drift;
+}
+}  // namespace clod

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Zlib
+// Nearest point on a triangle, pseudonormals, and the nearest face of the input surface.
+#include "clod/query/SurfaceFaces.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "clod/query/BoxSeparation.h"
+
+namespace clod
+{
+namespace
+{
+NearestOnTriangle nearestFeature(const Vec3& from, const Vec3& point, int feature)
+{
+	return {point, lengthSquared(from - point), feature};
+}
+
+// Angle of a triangle at corner i.
+double angleAt(const Triangle& triangle, int i)
+{
+	const Vec3 u = normalized(triangle.corner[(i + 1) % 3] - triangle.corner[i]);
+	const Vec3 v = normalized(triangle.corner[(i + 2) % 3] - triangle.corner[i]);
+	return std::acos(std::max(-1.0, std::min(1.0, dot(u, v))));
+}
+
+Vec3 normalOf(const Face& face)
+{
+	return {double(face.normal[0]), double(face.normal[1]), double(face.normal[2])};
+}
+
+// The edge of `face` whose neighbour is `from`, searched so that walking round a corner stays on that corner.
+int cornerAt(const Triangle& triangle, const Vec3& position)
+{
+	for (int i = 0; i < 3; ++i)
+		if (triangle.corner[i] == position) return i;
+	return -1;
+}
+
+Vec3 normalRoundCorner(const Hierarchy& hierarchy, std::uint32_t level, std::uint32_t first, int corner)
+{
+	constexpr int kMostFaces = 4096;  // round one corner; more means a corner shared by several fans
+	Vec3 sum;
+	std::uint32_t index = first;
+	Vec3 position;
+	for (int i = 0; i < kMostFaces; ++i)
+	{
+		const Face& face = hierarchy.faces()[index];
+		const Triangle triangle = triangleOf(hierarchy, hierarchy.node(ownerOf(hierarchy, level, index)), face);
+		if (i == 0) position = triangle.corner[corner];
+		const int at = cornerAt(triangle, position);
+		if (at < 0) break;
+		sum += angleAt(triangle, at) * normalOf(face);
+		index = face.neighbour[(at + 2) % 3];  // across the edge that ends in the corner
+		if (index == first || index == kNone) break;
+	}
+	return sum;
+}
+}  // namespace
+
+std::uint32_t ownerOf(const Hierarchy& hierarchy, std::uint32_t level, std::uint32_t face)
+{
+	const Level& nodes = hierarchy.levels()[level];
+	std::uint32_t low = nodes.firstNode, high = nodes.firstNode + nodes.nodeCount;
+	while (high - low > 1)
+	{
+		const std::uint32_t middle = low + (high - low) / 2;
+		(hierarchy.node(middle).firstFace <= face ? low : high) = middle;
+	}
+	return low;
+}
+
+NearestOnTriangle nearestOnTriangle(const Triangle& triangle, const Vec3& from)
+{
+	const Vec3 &a = triangle.corner[0], &b = triangle.corner[1], &c = triangle.corner[2];
+	const Vec3 ab = b - a, ac = c - a, ap = from - a;
+	const double d1 = dot(ab, ap), d2 = dot(ac, ap);
+	if (d1 <= 0 && d2 <= 0) return nearestFeature(from, a, 0);
+	const Vec3 bp = from - b;
+	const double d3 = dot(ab, bp), d4 = dot(ac, bp);
+	if (d3 >= 0 && d4 <= d3) return nearestFeature(from, b, 1);
+	const double ofC = d1 * d4 - d3 * d2;
+	if (ofC <= 0 && d1 >= 0 && d3 <= 0) return nearestFeature(from, a + (d1 / (d1 - d3)) * ab, 3);
+	const Vec3 cp = from - c;
+	const double d5 = dot(ab, cp), d6 = dot(ac, cp);
+	if (d6 >= 0 && d5 <= d6) return nearestFeature(from, c, 2);
+	const double ofB = d5 * d2 - d1 * d6;
+	if (ofB <= 0 && d2 >= 0 && d6 <= 0) return nearestFeature(from, a + (d2 / (d2 - d6)) * ac, 5);
+	const double ofA = d3 * d6 - d5 * d4;
+	if (ofA <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0)
+		return nearestFeature(from, b + ((d4 - d3) / ((d4 - d3) + (d5 - d6))) * (c - b), 4);
+	const double scale = 1 / (ofA + ofB + ofC);
+	return nearestFeature(from, a + (ofB * scale) * ab + (ofC * scale) * ac, 6);
+}
+
+Vec3 pseudonormal(const Hierarchy& hierarchy, std::uint32_t level, std::uint32_t face, int feature)
+{
+	const Face& nearest = hierarchy.faces()[face];
+	if (feature == 6) return normalOf(nearest);
+	if (feature < 3) return normalRoundCorner(hierarchy, level, face, feature);
+	const std::uint32_t across = nearest.neighbour[feature - 3];
+	return across == kNone ? normalOf(nearest) : normalOf(nearest) + normalOf(hierarchy.faces()[across]);
+}
+
+SignedDistance distanceToInput(const Hierarchy& hierarchy, const Vec3& point, std::uint32_t& visited)
+{
+	struct Candidate
+	{
+		double distance;
+		std::uint32_t node;
+	};
+	constexpr int kDepth = 256;
+	thread_local std::vector<Candidate> stack;
+	stack.clear();
+	stack.reserve(kDepth);
+	stack.push_back({0, hierarchy.root()});
+	double best = std::numeric_limits<double>::infinity();
+	SignedDistance result{best, 0, 6};
+	Vec3 nearest;
+	while (!stack.empty())
+	{
+		const Candidate candidate = stack.back();
+		stack.pop_back();
+		if (candidate.distance * candidate.distance >= best) continue;
+		const Node& node = hierarchy.node(candidate.node);
+		for (std::uint32_t i = 0; node.childCount == 0 && i < node.faceCount; ++i)
+		{
+			const Face& face = hierarchy.faces(node)[i];
+			const NearestOnTriangle here = nearestOnTriangle(triangleOf(hierarchy, node, face), point);
+			if (here.squared >= best) continue;
+			best = here.squared;
+			nearest = here.point;
+			result.face = node.firstFace + i;
+			result.feature = here.feature;
+		}
+		// Nearest child on top of the stack.
+		const std::size_t first = stack.size();
+		for (std::uint32_t i = 0; i < node.primaryChildCount; ++i)
+		{
+			const std::uint32_t child = hierarchy.children(node)[i];
+			const double distance = boxDistance(placeInA(hierarchy.cullBox(child)), point);
+			++visited;
+			if (distance * distance < best) stack.push_back({distance, child});
+		}
+		std::sort(stack.begin() + std::ptrdiff_t(first), stack.end(),
+				  [](const Candidate& l, const Candidate& r)
+				  { return l.distance != r.distance ? l.distance > r.distance : l.node > r.node; });
+	}
+	const Vec3 normal = pseudonormal(hierarchy, 0, result.face, result.feature);
+	result.distance = dot(point - nearest, normal) >= 0 ? std::sqrt(best) : -std::sqrt(best);
+	return result;
+}
+}  // namespace clod
