@@ -16,6 +16,7 @@ void addModelCommand(CLI::App& program);
 void addListCommand(CLI::App& program);
 void addRunCommand(CLI::App& program);
 void addReplayCommand(CLI::App& program);
+void addPaperCommand(CLI::App& program);
 
 // --cache-dir and --no-cache.
 void addCache(CLI::App& command, CacheOptions& options);

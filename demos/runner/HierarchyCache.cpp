@@ -3,20 +3,16 @@
 #include "demos/runner/HierarchyCache.h"
 
 #include <fmt/format.h>
-#include <sys/prctl.h>
-#include <sys/wait.h>
 #include <unistd.h>
 #include <xxhash.h>
 
-#include <cerrno>
-#include <csignal>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <system_error>
 
 #include "demos/cli/Files.h"
 #include "demos/cli/Program.h"
+#include "demos/runner/Process.h"
 
 namespace clod::demo
 {
@@ -28,7 +24,6 @@ using cli::Failure;
 
 constexpr std::size_t kMeshSizeLimit = std::size_t(4) << 30;
 constexpr std::size_t kBuilderSizeLimit = std::size_t(1) << 30;
-constexpr int kExecFailed = 127;
 
 std::string defaultDirectory()
 {
@@ -42,34 +37,6 @@ void hash(XXH3_state_t* state, const void* data, std::size_t size)
 	const std::uint64_t length = size;  // between the parts, so that no two lists of parts run together
 	XXH3_128bits_update(state, &length, sizeof length);
 	XXH3_128bits_update(state, data, size);
-}
-
-// Replaces this process by the builder; only async-signal-safe calls. Should its parent die, the builder is told.
-[[noreturn]] void becomeBuilder(const char* program, char* const* arguments)
-{
-	prctl(PR_SET_PDEATHSIG, SIGTERM);
-	dup2(STDERR_FILENO, STDOUT_FILENO);  // our stdout is for our own results
-	execv(program, arguments);
-	_exit(kExecFailed);
-}
-
-int waitFor(pid_t child)
-{
-	int status = 0;
-	while (waitpid(child, &status, 0) < 0)
-		if (errno != EINTR) return -1;
-	return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
-}
-
-int runProgram(const std::vector<std::string>& words)
-{
-	std::vector<char*> arguments;
-	for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
-	arguments.push_back(nullptr);
-	const pid_t child = fork();
-	if (child < 0) throw Failure(ExitCode::failure, fmt::format("cannot start {}: {}", words[0], std::strerror(errno)));
-	if (child == 0) becomeBuilder(arguments[0], arguments.data());
-	return waitFor(child);
 }
 
 // A mesh in memory as a file for the builder; gone with this object, or when the program is interrupted.
@@ -141,7 +108,7 @@ void HierarchyCache::runBuilder(const std::string& meshPath, const std::string& 
 	if (code == int(ExitCode::badInput))
 		throw Failure(ExitCode::badInput, meshPath + ": the builder refused this mesh (its reason is above)");
 	if (code == int(ExitCode::limitReached)) throw Failure(ExitCode::limitReached, meshPath + ": the builder gave up");
-	if (code == kExecFailed) throw Failure(ExitCode::failure, "cannot run " + words[0]);
+	if (code == kProgramMissing) throw Failure(ExitCode::failure, "cannot run " + words[0]);
 	throw Failure(
 		ExitCode::failure,
 		fmt::format("{} {} {}", words[0], code < 0 ? "was ended by signal" : "failed with exit code", std::abs(code)));

@@ -13,5 +13,6 @@ int main(int argc, char** argv)
 	clod::demo::addListCommand(app);
 	clod::demo::addRunCommand(app);
 	clod::demo::addReplayCommand(app);
+	clod::demo::addPaperCommand(app);
 	return clod::cli::runProgram(app, argc, argv);
 }

@@ -11,6 +11,7 @@
 #include "demos/models/Models.h"
 #include "demos/runner/Commands.h"
 #include "demos/runner/Penetration.h"
+#include "demos/runner/SceneFrames.h"
 #include "demos/runner/SceneRun.h"
 #include "demos/runner/Selection.h"
 #include "demos/runner/Statistics.h"
@@ -36,11 +37,19 @@ struct RunOptions
 	double dt = 0;
 	double resolution = 1;
 	bool verifyPenetration = false;
+	SceneFrameOptions frames;
 };
 
 std::size_t trianglesOf(const std::string& model, double resolution)
 {
 	return std::size_t(double(paperTriangleCount(model)) * resolution);
+}
+
+ModelMesh meshOf(const std::string& model, const RunOptions& options)
+{
+	Result<ModelMesh> mesh = makeModel(model, trianglesOf(model, options.resolution));
+	if (!mesh) throw Failure(ExitCode::failure, mesh.error());
+	return std::move(mesh.value());
 }
 
 HierarchyPointer buildModel(HierarchyCache& cache, const std::string& model, const RunOptions& options)
@@ -70,10 +79,7 @@ SceneRunOptions setUp(const RunOptions& options, const SceneInfo& info, Hierarch
 nlohmann::ordered_json verifyPenetration(const RunOptions& options, const SceneInfo& info,
 										 const std::vector<SceneRow>& rows, cli::Progress& progress)
 {
-	Result<ModelMesh> a = makeModel(info.modelA, trianglesOf(info.modelA, options.resolution));
-	Result<ModelMesh> b = makeModel(info.modelB, trianglesOf(info.modelB, options.resolution));
-	if (!a || !b) throw Failure(ExitCode::failure, a ? b.error() : a.error());
-	PenetrationMeter meter(std::move(a.value()), std::move(b.value()));
+	PenetrationMeter meter(meshOf(info.modelA, options), meshOf(info.modelB, options));
 	double deepest = 0, bound = 0;
 	std::int64_t where = 0;
 	for (std::size_t i = 0; i < rows.size(); ++i)
@@ -91,6 +97,26 @@ nlohmann::ordered_json verifyPenetration(const RunOptions& options, const SceneI
 			{"certified_bound_in_use", bound},
 			{"limit", limit},
 			{"within_limit", deepest <= limit}};
+}
+
+nlohmann::ordered_json paintFrames(const RunOptions& options, const SceneInfo& info, const SceneRunOptions& run,
+								   const std::vector<SceneRow>& rows, cli::Progress& progress)
+{
+	FrameSubject subject;
+	subject.title = fmt::format("{}: {}", info.name, info.summary);
+	subject.a = run.scene.a;
+	subject.b = run.scene.b;
+	subject.meshA = meshOf(info.modelA, options);
+	subject.meshB = meshOf(info.modelB, options);
+	subject.closeUp = info.closeUp;
+	subject.closeUpRadius = info.closeUpRadius;
+	subject.overview =
+		options.frames.camera ? *options.frames.camera : orbitCamera(info.overview, info.overviewRadius, 20, 28);
+	subject.steps = run.steps;
+	subject.dt = run.scene.dt;
+	const std::string selection = describe(options.selection, smallerRadius(*run.scene.a, *run.scene.b));
+	return paintScene(options.frames, subject, {rows, run, selection},
+					  [&](double fraction) { progress.update("frames", fraction); });
 }
 
 nlohmann::ordered_json describeConstants(const Scene& scene)
@@ -131,6 +157,8 @@ void print(const RunOptions& options, const nlohmann::ordered_json& report)
 				   1000 * report["interpenetration"]["deepest"].get<double>(),
 				   report["interpenetration"]["step"].get<std::int64_t>(),
 				   1000 * report["interpenetration"]["limit"].get<double>());
+	if (report.contains("frames"))
+		for (const auto& file : report["frames"]["files"]) fmt::print("wrote {}\n", file.get<std::string>());
 	fmt::print("trajectory_hash {}\n", report["trajectory_hash"].get<std::string>());
 }
 
@@ -157,6 +185,7 @@ void runRun(const RunOptions& options)
 	if (!options.poses.empty()) report["poses"] = recordPoses(options.poses, posesOf(rows));
 	writeText(options.csv, formatSceneRows(rows));
 	if (options.verifyPenetration) report["interpenetration"] = verifyPenetration(options, info, rows, progress);
+	if (!options.frames.directory.empty()) report["frames"] = paintFrames(options, info, run, rows, progress);
 	progress.finish();
 	print(options, report);
 	writeReport(options.common.json, report);
@@ -195,6 +224,7 @@ void addRunCommand(CLI::App& program)
 		->type_name("FILE");
 	command->add_flag("--verify-penetration", options->verifyPenetration,
 					  "Measure the full meshes' interpenetration by independent code; exit 4 beyond the limit");
+	addFrames(*command, options->frames);
 	addSelection(*command, options->selection);
 	addCache(*command, options->cache);
 	cli::addQuiet(*command, options->common);

@@ -26,6 +26,11 @@ struct SceneInfo
 	double dt = 0;
 	int steps = 0;
 	double worldScale = 1;
+	// What pictures look at: a ball in the world, and one in the frame of mesh B for the close-up.
+	Vec3 overview;
+	double overviewRadius = 1;
+	Vec3 closeUp;
+	double closeUpRadius = 1;
 };
 
 // One named constant of a scene, as its report prints it.

@@ -242,14 +242,20 @@ std::vector<SceneConstant> SpoonCup::constants() const
 
 SceneInfo spoonCupInfo()
 {
-	return {"spoon-cup",
-			"a spoon drops into a cup, is stirred, comes to rest",
-			"cup",
-			"spoon",
-			constant::tolerance,
-			constant::spoonWall,
-			constant::stepSize,
-			constant::steps,
-			constant::worldScale};
+	SceneInfo info;
+	info.name = "spoon-cup";
+	info.summary = "a spoon drops into a cup, is stirred by tilting gravity, comes to rest";
+	info.modelA = "cup";
+	info.modelB = "spoon";
+	info.tolerance = constant::tolerance;
+	info.thinnerWall = constant::spoonWall;
+	info.dt = constant::stepSize;
+	info.steps = constant::steps;
+	info.worldScale = constant::worldScale;
+	info.overview = {0.005, 0.066, 0};
+	info.overviewRadius = 0.095;
+	info.closeUp = {0.020, -0.004, 0};
+	info.closeUpRadius = 0.03;
+	return info;
 }
 }  // namespace clod::demo

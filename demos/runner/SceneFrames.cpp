@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Zlib
+// Which frames of a run are painted, and from what.
+#include "demos/runner/SceneFrames.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "demos/cli/Program.h"
+#include "demos/runner/Film.h"
+
+namespace clod::demo
+{
+namespace
+{
+// The threshold that an exact run is compared with: the paper's, as a share of the smaller radius.
+constexpr double kComparedSize = 0.035;
+
+// Answers at chosen poses of a run under one metric.
+class Answers
+{
+public:
+	Answers(const FinishedRun& run, const Metric& metric, std::string selection)
+		: m_run(run), m_settings(run.options.scene.query), m_selection(std::move(selection))
+	{
+		m_settings.metric = metric;
+		m_settings.tolerance = run.options.tolerance;
+	}
+	// Times of warm queries over all rows; without this call, the run's own.
+	void measureAll()
+	{
+		const SceneSettings& scene = m_run.options.scene;
+		m_rows = replay(*scene.a, *scene.b, posesOf(m_run.rows), {m_settings, 1, false, scene.dt}, [](double) {});
+	}
+	FrameAnswer at(std::size_t row)
+	{
+		const SceneSettings& scene = m_run.options.scene;
+		const PoseRow& poses = m_run.rows[row].state.poses;
+		query(*scene.a, *scene.b, relativePose(poses, meshFromBody(*scene.a), meshFromBody(*scene.b)), m_settings,
+			  m_cache, m_result);
+		return {m_selection, &m_result, m_rows.empty() ? m_run.rows[row].query : m_rows[row]};
+	}
+
+private:
+	const FinishedRun& m_run;
+	Settings m_settings;
+	std::string m_selection;
+	std::vector<ReplayRow> m_rows;
+	PairCache m_cache;
+	QueryResult m_result;
+};
+
+std::vector<FrameContact> pointsOf(const SceneState& state)
+{
+	std::vector<FrameContact> contacts;
+	for (const ScenePoint& point : state.points) contacts.push_back({point.position, point.normal});
+	return contacts;
+}
+
+// ex,ey,ez,tx,ty,tz,fovy
+std::string parseCamera(const std::string& text, std::optional<Camera>& camera)
+{
+	double v[7];
+	int end = 0;
+	const int read =
+		std::sscanf(text.c_str(), "%lf,%lf,%lf,%lf,%lf,%lf,%lf%n", v, v + 1, v + 2, v + 3, v + 4, v + 5, v + 6, &end);
+	if (read != 7 || std::size_t(end) != text.size()) return "'" + text + "' is not ex,ey,ez,tx,ty,tz,fovy";
+	for (const double value : v)
+		if (!std::isfinite(value)) return "'" + text + "' holds a number that is not finite";
+	const Vec3 eye{v[0], v[1], v[2]}, target{v[3], v[4], v[5]};
+	if (eye == target) return "the camera's eye is its target";
+	if (!(v[6] > 0 && v[6] < 180)) return "the camera's fovy is not between 0 and 180 degrees";
+	camera = Camera{eye, target, v[6]};
+	return {};
+}
+
+Metric exactMetric()
+{
+	Metric metric;
+	metric.exact = true;
+	return metric;
+}
+}  // namespace
+
+void addFrames(CLI::App& command, SceneFrameOptions& options)
+{
+	CLI::Option* frames = command.add_option("--frames", options.directory,
+											 "Write PNG frames, a contact sheet and, with ffmpeg, a film into DIR");
+	frames->type_name("DIR");
+	command.add_option("--frame-every", options.every, "Steps between frames")
+		->type_name("N")
+		->check(CLI::Range(1, 1'000'000))
+		->capture_default_str()
+		->needs(frames);
+	command
+		.add_flag("--compare", options.compare, "Frames show exact beside the selection (beside 3.5 % in an exact run)")
+		->needs(frames);
+	std::optional<Camera>& camera = options.camera;
+	command.add_option("--camera", "The frames' camera: eye, target, vertical field of view in degrees")
+		->type_name("ex,ey,ez,tx,ty,tz,fovy")
+		->check([&camera](const std::string& text) { return parseCamera(text, camera); });
+}
+
+nlohmann::ordered_json paintScene(const SceneFrameOptions& options, const FrameSubject& subject, const FinishedRun& run,
+								  const std::function<void(double)>& progress)
+{
+	const Metric own = run.options.scene.query.metric;
+	Metric coarse = own;
+	std::string coarseName = run.selection;
+	if (own.exact)
+	{
+		coarse = Metric{};
+		coarse.weightedDeviation = kComparedSize * smallerRadius(*subject.a, *subject.b);
+		coarseName = "paper's threshold 3.5 % of the radius";
+	}
+	Answers answers(run, own, run.selection), exact(run, exactMetric(), "exact: full resolution"),
+		other(run, coarse, coarseName);
+	if (options.compare) exact.measureAll(), other.measureAll();
+
+	const std::size_t every = std::size_t(options.every), count = (run.rows.size() + every - 1) / every;
+	FramePainter painter(subject);
+	FrameFolder folder(options.directory, subject.title, count);
+	for (std::size_t row = every - 1; folder.frames() < count; row = std::min(row + every, run.rows.size() - 1))
+	{
+		row = std::min(row, run.rows.size() - 1);
+		const SceneState& state = run.rows[row].state;
+		const Image image = options.compare ? painter.paintComparison(state.poses, exact.at(row), other.at(row))
+											: painter.paint(state.poses, answers.at(row), pointsOf(state));
+		folder.add(image, fmt::format("step {}", state.poses.step));
+		progress(double(folder.frames()) / double(count));
+	}
+	const std::vector<std::string> files = folder.finish();
+	return {{"directory", options.directory}, {"frames", folder.frames()}, {"every", options.every}, {"files", files}};
+}
+}  // namespace clod::demo

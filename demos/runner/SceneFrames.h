@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Zlib
+// The frames of a run, painted after it from its recorded poses: the query is a pure function of them.
+#pragma once
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "demos/runner/Frames.h"
+#include "demos/runner/SceneRun.h"
+
+namespace clod::demo
+{
+struct SceneFrameOptions
+{
+	std::string directory;  // empty: no frames
+	int every = 8;          // steps between frames: a film of 30 frames a second at 240 steps a second
+	bool compare = false;   // exact beside the selection, at the same poses
+	std::optional<Camera> camera;
+};
+
+// --frames, --frame-every, --compare, --camera.
+void addFrames(CLI::App& command, SceneFrameOptions& options);
+
+struct FinishedRun
+{
+	const std::vector<SceneRow>& rows;
+	const SceneRunOptions& options;
+	std::string selection;  // in words
+};
+
+// Writes the frames, the contact sheet and the film; value: what was written, for the report.
+nlohmann::ordered_json paintScene(const SceneFrameOptions& options, const FrameSubject& subject, const FinishedRun& run,
+								  const std::function<void(double)>& progress);
+}  // namespace clod::demo

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// clod-bench from outside, as users and scripts run it: exit codes, columns, the cache, and the short scene twice in
+// both precisions.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "demos/scenes/Poses.h"
+
+namespace
+{
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr const char* kColumns =
+	"step,query_us,front,hull_tests,contacts,min_distance,error_bound,finest_level,coarsest_level";
+// A scene that builds and runs in seconds.
+const std::string kSmallScene = "run spoon-cup --resolution 0.03 --steps 40 --quiet";
+
+std::string readAll(const fs::path& path)
+{
+	std::ifstream file(path, std::ios::binary);
+	return {std::istreambuf_iterator<char>(file), {}};
+}
+
+struct Outcome
+{
+	int code;
+	std::string out, err;
+};
+
+// One folder for the whole program, so that all tests share one cache.
+class RunnerCommand : public testing::Test
+{
+protected:
+	static void SetUpTestSuite()
+	{
+		s_folder = fs::temp_directory_path() / ("clod-runner-test-" + std::to_string(getpid()));
+		fs::create_directories(s_folder);
+	}
+	static void TearDownTestSuite() { fs::remove_all(s_folder); }
+
+	static std::string path(const std::string& name) { return (s_folder / name).string(); }
+	static std::string cache() { return " --cache-dir " + path("cache"); }
+	static Outcome runProgram(const std::string& program, const std::string& words)
+	{
+		const std::string command = program + " " + words + " >" + path("out") + " 2>" + path("err");
+		const int status = std::system(command.c_str());
+		return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, readAll(path("out")), readAll(path("err"))};
+	}
+	static Outcome bench(const std::string& words) { return runProgram(CLOD_BENCH, words); }
+	static json report(const std::string& name) { return json::parse(readAll(path(name))); }
+
+	// A recorded run of the small scene and its meshes, made once.
+	static void needRecording()
+	{
+		if (fs::exists(path("poses.csv"))) return;
+		const Outcome run = bench(kSmallScene + " --exact --poses " + path("poses.csv") + cache());
+		ASSERT_EQ(run.code, 0) << run.err;
+		ASSERT_EQ(bench("model cup --triangles 1920 --quiet -o " + path("cup.obj")).code, 0);
+		ASSERT_EQ(bench("model spoon --triangles 2580 --quiet -o " + path("spoon.obj")).code, 0);
+	}
+	static std::string replayWords()
+	{
+		return "replay " + path("cup.obj") + " " + path("spoon.obj") + " " + path("poses.csv");
+	}
+
+	static fs::path s_folder;
+};
+fs::path RunnerCommand::s_folder;
+
+// The rows of a csv without the times in column 1.
+std::string withoutTimes(const std::string& csv)
+{
+	std::istringstream lines(csv);
+	std::string result;
+	for (std::string line; std::getline(lines, line);)
+	{
+		const std::size_t first = line.find(','), second = line.find(',', first + 1);
+		result += line.substr(0, first) + line.substr(second) + "\n";
+	}
+	return result;
+}
+
+// The first nine columns without the time: what must not depend on caches, but for front and tests.
+std::string answers(const std::string& csv)
+{
+	std::istringstream lines(csv);
+	std::string result;
+	for (std::string line; std::getline(lines, line);)
+	{
+		std::istringstream fields(line);
+		std::string field;
+		for (int column = 0; column < 9 && std::getline(fields, field, ','); ++column)
+			if (column == 0 || column >= 4) result += field + ",";
+		result += "\n";
+	}
+	return result;
+}
+
+TEST_F(RunnerCommand, ModelWritesTheSameBytesTwice)
+{
+	ASSERT_EQ(bench("model torus --triangles 800 -o " + path("one.obj")).code, 0);
+	ASSERT_EQ(bench("model torus --triangles 800 -o " + path("two.obj")).code, 0);
+	EXPECT_FALSE(readAll(path("one.obj")).empty());
+	EXPECT_EQ(readAll(path("one.obj")), readAll(path("two.obj")));
+}
+
+TEST_F(RunnerCommand, ListNamesTheScenes)
+{
+	const Outcome list = bench("list");
+	EXPECT_EQ(list.code, 0);
+	EXPECT_EQ(list.out.rfind("spoon-cup", 0), 0u);
+}
+
+TEST_F(RunnerCommand, UsageErrorsExitWith2AndTheNearestMatch)
+{
+	const std::pair<const char*, const char*> cases[] = {
+		{"model cupp -o x.obj", "did you mean cup"},
+		{"model cup", "--output"},
+		{"run spoon-cub", "did you mean spoon-cup"},
+		{"run spoon-cup --exat", "did you mean --exact"},
+		{"rum spoon-cup", "did you mean run"},
+		{"run spoon-cup --steps 0", "--steps"},
+		{"run spoon-cup --dt nan", "--dt"},
+		{"run spoon-cup --velocity 1", "--velocity is not available in this version"},
+		{"run spoon-cup --view 2", "--view is not available in this version"},
+		{"run spoon-cup --budget-tests 5", "--budget-tests is not available in this version"},
+		{"run spoon-cup --budget-us 5", "--budget-us is not available in this version"},
+		{"run spoon-cup --combine relaxed", "not available in this version"},
+		{"run spoon-cup --size 3mm", "per cent"},
+		{"run spoon-cup --max-error -1", "negative"},
+		{"run spoon-cup --exact --size 3", "excludes"},
+		{"run spoon-cup --frames x --camera 1,2,3", "fovy"},
+		{"replay a.obj b.obj", "POSES"},
+		{"replay a.obj b.obj p.csv --repeat 0", "--repeat"},
+		{"replay a.obj b.obj p.csv --peer coal", "gimpact"}};
+	for (const auto& [words, part] : cases)
+	{
+		const Outcome outcome = bench(words);
+		EXPECT_EQ(outcome.code, 2) << words << "\n" << outcome.err;
+		EXPECT_NE(outcome.err.find(part), std::string::npos) << words << "\n" << outcome.err;
+	}
+}
+
+TEST_F(RunnerCommand, BadInputExitsWith3)
+{
+	needRecording();
+	std::ofstream(path("bad.csv")) << clod::demo::kPosesHeader << "\n1,2\n";
+	std::ofstream(path("bad.clod")) << "not a hierarchy";
+	std::ofstream(path("bad.obj")) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+	const std::string cup = path("cup.obj") + " ", spoon = path("spoon.obj") + " ";
+	const Outcome poses = bench("replay --quiet " + cup + spoon + path("bad.csv") + cache());
+	EXPECT_EQ(poses.code, 3);
+	EXPECT_NE(poses.err.find("line 2: 2 fields"), std::string::npos) << poses.err;
+	EXPECT_EQ(bench("replay --quiet " + path("bad.clod ") + spoon + path("poses.csv") + cache()).code, 3);
+	EXPECT_EQ(bench("replay --quiet " + path("bad.obj ") + spoon + path("poses.csv") + cache()).code, 3);
+	EXPECT_EQ(bench("replay --quiet " + path("none.obj ") + spoon + path("poses.csv") + cache()).code, 3);
+}
+
+TEST_F(RunnerCommand, ReplayAnswersTheSameWarmAndFreshAndTwice)
+{
+	needRecording();
+	for (const char* selection : {" --exact", " --size 3.5", ""})
+	{
+		const std::string words = replayWords() + cache() + " --quiet" + selection;
+		ASSERT_EQ(bench(words + " --repeat 2 --csv " + path("warm.csv")).code, 0);
+		ASSERT_EQ(bench(words + " --csv " + path("again.csv")).code, 0);
+		ASSERT_EQ(bench(words + " --fresh --csv " + path("fresh.csv")).code, 0);
+		const std::string warm = readAll(path("warm.csv"));
+		EXPECT_EQ(warm.rfind(kColumns, 0), 0u) << warm.substr(0, 200);
+		EXPECT_EQ(withoutTimes(warm), withoutTimes(readAll(path("again.csv")))) << selection;
+		EXPECT_EQ(answers(warm), answers(readAll(path("fresh.csv")))) << selection;
+		EXPECT_NE(answers(warm), answers(warm.substr(0, warm.size() / 2)));
+	}
+}
+
+TEST_F(RunnerCommand, DistanceReportsAFiniteGapWhereTheToleranceDoesNot)
+{
+	needRecording();
+	std::ofstream(path("apart.csv")) << clod::demo::kPosesHeader << "\n0,0,0,0,0,0,0,1,1,0,0,0,0,0,1\n";
+	const std::string words =
+		"replay " + path("cup.obj ") + path("spoon.obj ") + path("apart.csv") + cache() + " --quiet --csv -";
+	EXPECT_NE(bench(words).out.find(",inf,"), std::string::npos);
+	const Outcome distance = bench(words + " --distance --exact");
+	ASSERT_EQ(distance.code, 0) << distance.err;
+	EXPECT_EQ(distance.out.find("inf"), std::string::npos) << distance.out;
+}
+
+TEST_F(RunnerCommand, ADamagedCacheEntryIsBuiltAgain)
+{
+	needRecording();
+	const std::string words = replayWords() + cache() + " --exact --csv ";
+	ASSERT_EQ(bench(words + path("before.csv")).code, 0);
+	int damaged = 0;
+	for (const auto& entry : fs::directory_iterator(path("cache")))
+	{
+		std::fstream file(entry.path(), std::ios::in | std::ios::out | std::ios::binary);
+		file.seekp(std::streamoff(entry.file_size() / 2));
+		file.put('\x5a').put('\x5a').put('\x5a');
+		++damaged;
+	}
+	ASSERT_GT(damaged, 0);
+	const Outcome again = bench(words + path("after.csv"));
+	EXPECT_EQ(again.code, 0);
+	EXPECT_NE(again.err.find("damaged"), std::string::npos) << again.err;
+	EXPECT_EQ(withoutTimes(readAll(path("before.csv"))), withoutTimes(readAll(path("after.csv"))));
+	const Outcome third = bench(words + path("after.csv"));
+	EXPECT_EQ(third.err.find("damaged"), std::string::npos) << third.err;
+	for (const auto& entry : fs::directory_iterator(path("cache")))
+		EXPECT_EQ(entry.path().filename().string().find("partial"), std::string::npos);
+}
+
+TEST_F(RunnerCommand, ShortSceneTwiceHasOneTrajectoryInEachPrecision)
+{
+	for (const char* program : {CLOD_BENCH, CLOD_BENCH_FLOAT64})
+	{
+		std::string hashes[2];
+		for (std::string& hash : hashes)
+		{
+			const Outcome run =
+				runProgram(program, kSmallScene + " --json " + path("run.json") + " --csv " + path("steps.csv") +
+										" --poses " + path("run-poses.csv") + cache());
+			ASSERT_EQ(run.code, 0) << run.err;
+			const json summary = report("run.json");
+			hash = summary["trajectory_hash"];
+			EXPECT_EQ(summary["schema"], 1);
+			EXPECT_EQ(summary["constants"]["solver_iterations"]["value"], 30);
+			EXPECT_TRUE(summary["summary"]["stays_in_place"].get<bool>());
+			EXPECT_EQ(summary["machine"]["precision"], program == std::string(CLOD_BENCH) ? "float32" : "float64");
+			const auto poses = clod::demo::readPoses(path("run-poses.csv"));
+			ASSERT_TRUE(poses) << poses.error();
+			EXPECT_EQ(poses.value().size(), 40u);
+			const std::string checksum = summary["poses"]["xxh64"];
+			EXPECT_EQ(readAll(path("run-poses.csv.xxh64")), checksum + "  run-poses.csv\n");
+		}
+		EXPECT_EQ(hashes[0], hashes[1]) << program;
+	}
+}
+}  // namespace
