@@ -81,5 +81,12 @@ struct Float3
 	float x = 0, y = 0, z = 0;
 };
 inline Vec3 toVec3(const Float3& v) { return {double(v.x), double(v.y), double(v.z)}; }
-inline Float3 toFloat3(const Vec3& v) { return {float(v.x), float(v.y), float(v.z)}; }
+// GCC 12 at -O2 pairs float conversions into vectors and then cancels (double)(float)x as if it were exact: the volatile
+// keeps the rounding, which every stored bound relies on.
+inline float roundToFloat(double x)
+{
+	const volatile float rounded = float(x);
+	return rounded;
+}
+inline Float3 toFloat3(const Vec3& v) { return {roundToFloat(v.x), roundToFloat(v.y), roundToFloat(v.z)}; }
 }  // namespace clod
