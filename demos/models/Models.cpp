@@ -14,7 +14,7 @@ namespace clod::demo
 namespace
 {
 constexpr size_t MAX_TRIANGLES = 20000000;
-constexpr size_t DIGIT_TRIANGLES = 1080;
+constexpr size_t DIGIT_TRIANGLES = 1080, DIGIT_MIN_TRIANGLES = 500;
 
 struct Entry
 {
@@ -34,7 +34,7 @@ Entry findEntry(const std::string& name)
 	for (const Entry& e : TEST_SHAPES)
 		if (name == e.name) return e;
 	const bool isDigit = name.size() == 7 && name.compare(0, 6, "number") == 0 && name[6] >= '0' && name[6] <= '9';
-	return isDigit ? Entry{"number", DIGIT_TRIANGLES, 200} : Entry{nullptr, 0, 0};
+	return isDigit ? Entry{"number", DIGIT_TRIANGLES, DIGIT_MIN_TRIANGLES} : Entry{nullptr, 0, 0};
 }
 
 ModelMesh makeShape(const std::string& name, size_t triangles)

@@ -12,7 +12,7 @@ namespace clod::demo
 namespace
 {
 constexpr double PI = 3.14159265358979323846;
-constexpr double BOWL_MIDDLE = 0.023, BOWL_FRONT = 0.023, BOWL_BACK = 0.027;  // along x; half lengths before and behind
+constexpr double BOWL_MIDDLE = 0.023, BOWL_FRONT = 0.023, BOWL_BACK = 0.031;  // along x; half lengths before and behind
 constexpr double BOWL_HALF_WIDTH = 0.0145, BOWL_DEPTH = 0.0075;
 constexpr double NECK_HALF_WIDTH = 0.0022, END_HALF_WIDTH = 0.005;
 constexpr double NECK_HALF_THICKNESS = 0.0014, END_HALF_THICKNESS = 0.0010;
@@ -36,15 +36,29 @@ double bowlCoordinate(double x)
 	return (x - BOWL_MIDDLE) / (x < BOWL_MIDDLE ? BOWL_FRONT : BOWL_BACK);
 }
 
+// Square of the outline's half width over BOWL_HALF_WIDTH, and its slope: an ellipse in front, drawn out towards the
+// handle behind; it goes on below zero beyond the bowl.
+struct Outline
+{
+	double square, slope;
+};
+
+Outline bowlOutline(double x)
+{
+	const double xi = bowlCoordinate(x), ellipse = 1 - xi * xi;
+	if (xi < 0) return {ellipse, -2 * xi / BOWL_FRONT};
+	const double root = std::sqrt(std::fabs(ellipse));
+	return {ellipse * root, -3 * xi * root / BOWL_BACK};
+}
+
 double halfWidth(double x)
 {
-	const double xi = bowlCoordinate(x);
-	const double bowl = BOWL_HALF_WIDTH * std::sqrt(std::max(0.0, 1 - xi * xi));
+	const double bowl = BOWL_HALF_WIDTH * std::sqrt(std::max(0.0, bowlOutline(x).square));
 	const double grown = NECK_HALF_WIDTH + (END_HALF_WIDTH - NECK_HALF_WIDTH) * smoothStep(0.055, 0.125, x);
 	const double end = std::max(0.0, x - (SPOON_LENGTH - END_HALF_WIDTH)) / END_HALF_WIDTH;
 	const double handle = grown * smoothStep(0.020, 0.045, x) * std::sqrt(std::max(0.0, 1 - end * end));
 	// Smooth maximum: a fillet where the bowl's outline meets the handle's.
-	const double blend = 0.005 * smoothStep(0.020, 0.035, x) * (1 - smoothStep(0.060, 0.070, x));
+	const double blend = 0.008 * smoothStep(0.020, 0.036, x) * (1 - smoothStep(0.058, 0.080, x));
 	const double overlap = blend > 0 ? std::max(0.0, 1 - std::fabs(bowl - handle) / blend) : 0;
 	return std::max(bowl, handle) + 0.25 * blend * overlap * overlap;
 }
@@ -65,13 +79,12 @@ struct MiddlePoint
 
 MiddlePoint middleSurface(double x, double z)
 {
-	const double xi = bowlCoordinate(x), zeta = z / BOWL_HALF_WIDTH;
-	const double q = 1 - xi * xi - zeta * zeta;
+	const Outline outline = bowlOutline(x);
+	const double zeta = z / BOWL_HALF_WIDTH, q = outline.square - zeta * zeta;
 	const double root = std::sqrt(q * q + SOFTNESS * SOFTNESS);
 	const double depth = BOWL_DEPTH * 0.5 * (q + root), slope = BOWL_DEPTH * 0.5 * (1 + q / root);
 	const double y = HANDLE_RISE * smoothStep(0.030, SPOON_LENGTH, x) - depth;
-	const double yx = HANDLE_RISE * smoothStepSlope(0.030, SPOON_LENGTH, x) +
-					  slope * 2 * xi / (x < BOWL_MIDDLE ? BOWL_FRONT : BOWL_BACK);
+	const double yx = HANDLE_RISE * smoothStepSlope(0.030, SPOON_LENGTH, x) - slope * outline.slope;
 	const double yz = slope * 2 * zeta / BOWL_HALF_WIDTH;
 	return {{x, y, z}, normalized({-yx, 1, -yz})};
 }
