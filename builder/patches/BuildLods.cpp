@@ -61,7 +61,7 @@ public:
 	{
 		decompose(m_mesh, m_validity, m_progress);
 		cut();
-		m_collapser.emplace(m_mesh, m_validity, m_config.paper ? nullptr : &m_guard, m_config);
+		m_collapser.emplace(m_mesh, m_validity, m_guard, m_config);
 		m_firstFaces = m_mesh.faceCount;
 		if (m_config.paper)
 			runPaper();
@@ -93,11 +93,9 @@ private:
 	std::size_t m_attempts = 0;
 };
 
-// Paper mode: no control of the deviation; the last cut is the one before Table 1's coarsest share is passed.
 bool Simplifier::isFinished() const
 {
-	if (m_mesh.patchCount <= 1) return true;
-	return m_config.paper && m_sequence.lods.size() > 8;
+	return m_mesh.patchCount <= 1;
 }
 
 void Simplifier::cut()
@@ -205,8 +203,10 @@ std::size_t Simplifier::drainQueue()
 	return done;
 }
 
+// No control of the deviation but its end: without one, a surface of genus 0 runs down to a tetrahedron.
 void Simplifier::runPaper()
 {
+	m_guard.bound = m_config.stopDeviation * m_mesh.radius;
 	do pushAll();
 	while (drainQueue() > 0 && !isFinished());
 }

@@ -28,7 +28,7 @@ bool sharesVertex(const std::array<std::uint32_t, 3>& a, const std::array<std::u
 }
 }  // namespace
 
-Collapser::Collapser(PatchMesh& mesh, Validity& validity, DeviationGuard* guard, const BuildConfig& config)
+Collapser::Collapser(PatchMesh& mesh, Validity& validity, DeviationGuard& guard, const BuildConfig& config)
 	: m_mesh(mesh), m_validity(validity), m_guard(guard), m_config(config), m_quadrics(mesh.positions.size())
 {
 	for (std::uint32_t f = 0; f < mesh.faces.size(); ++f)
@@ -176,8 +176,7 @@ bool Collapser::accepts(const Vec3& position)
 	if (!facesAreSound()) return false;
 	for (const std::uint32_t patch : m_patches)
 		if (!m_validity.keepsConvex(patch)) return false;
-	if (m_guard &&
-		(!m_guard->surfaceIsNear(position, m_starPoints) || !m_guard->inputIsNear(m_oldFaces, m_star, m_starPoints)))
+	if (!m_guard.surfaceIsNear(position, m_starPoints) || !m_guard.inputIsNear(m_oldFaces, m_star, m_starPoints))
 	{
 		m_outOfBound = true;
 		return false;

@@ -26,8 +26,8 @@ enum class Outcome
 class Collapser
 {
 public:
-	// guard may be null: no control of the deviation. The paper's placement filters and bisects.
-	Collapser(PatchMesh& mesh, Validity& validity, DeviationGuard* guard, const BuildConfig& config);
+	// The paper's placement (config.paper) filters and bisects.
+	Collapser(PatchMesh& mesh, Validity& validity, DeviationGuard& guard, const BuildConfig& config);
 
 	// 1 / length of the edge projected along the mean normal of the faces round it (Otaduy & Lin, SIGGRAPH 2003).
 	double resolution(std::uint32_t u, std::uint32_t w) const;
@@ -60,7 +60,7 @@ private:
 
 	PatchMesh& m_mesh;
 	Validity& m_validity;
-	DeviationGuard* m_guard;
+	DeviationGuard& m_guard;
 	const BuildConfig& m_config;
 	std::vector<Quadric> m_quadrics;
 

@@ -147,7 +147,7 @@ void Collapser::relink(std::uint32_t removed)
 
 void Collapser::commit(const Vec3& position)
 {
-	if (m_guard) m_guard->commit(m_oldFaces);
+	m_guard.commit(m_oldFaces);
 	const double r = resolution(m_u, m_w);
 	for (const std::uint32_t patch : m_vanishing) vanish(patch);
 	for (const std::uint32_t f : m_removed)

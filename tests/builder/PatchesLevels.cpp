@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Decomposition and levels on small meshes, judged by an independent slow oracle that is itself shown to see faults.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/builder/PatchesMeshes.h"
+#include "tests/builder/PatchesOracle.h"
+
+namespace clod::builder
+{
+namespace
+{
+using namespace clod::builder::test;
+
+LodSequence build(const Mesh& mesh, bool paper = false)
+{
+	BuildConfig config;
+	config.paper = paper;
+	return buildLods(mesh, config, {});
+}
+
+struct NamedMesh
+{
+	const char* name;
+	Mesh mesh;
+};
+std::vector<NamedMesh> smallMeshes()
+{
+	return {{"icosphere", icosphere(2)},
+			{"box", gridBox({1, 0.6, 0.4}, 4)},
+			{"L-plate", lPlate(0.3, 4)},
+			{"torus", wrinkledTorus(40, 20, 0, 0)},
+			{"wrinkled torus", wrinkledTorus(60, 16, 0.1, 12)},
+			{"thick cup", thickCup(32, 6, 0.12)},
+			{"thin cup", thickCup(24, 6, 0.02)},
+			{"slab", gridBox({4, 0.1, 4}, 6)}};
+}
+
+bool isSameMesh(const Mesh& a, const Mesh& b)
+{
+	return a.triangles == b.triangles && a.vertices.size() == b.vertices.size() &&
+		   std::equal(a.vertices.begin(), a.vertices.end(), b.vertices.begin());
+}
+
+TEST(Decomposition, AClosedConvexSurfaceIsOnePatch)
+{
+	for (const Mesh& mesh : {icosphere(3), gridBox({1, 1, 1}, 1), gridBox({1, 1, 1}, 12), gridBox({3, 0.05, 2}, 9)})
+	{
+		const LodSequence sequence = build(mesh);
+		ASSERT_EQ(sequence.lods.size(), 1u);
+		EXPECT_EQ(sequence.lods[0].patchCount, 1u);
+	}
+}
+
+TEST(Decomposition, TwoSeparateConvexSurfacesAreTwoPatches)
+{
+	Mesh mesh = gridBox({1, 1, 1}, 3);
+	const Mesh second = gridBox({1, 1, 1}, 2);
+	const auto offset = std::uint32_t(mesh.vertices.size());
+	for (const Vec3& v : second.vertices) mesh.vertices.push_back(v + Vec3{2, 0, 0});
+	for (const auto& t : second.triangles) mesh.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
+	const LodSequence sequence = build(mesh);
+	EXPECT_EQ(sequence.lods[0].patchCount, 2u);
+	EXPECT_EQ(faultOfPatches(sequence.lods[0]), "");
+}
+
+TEST(Decomposition, CountsStayNearThePrototypes)
+{
+	const std::uint32_t torus = build(wrinkledTorus(40, 20, 0, 0)).lods[0].patchCount;
+	EXPECT_GE(torus, 35u);
+	EXPECT_LE(torus, 60u);
+	EXPECT_GE(build(lPlate(0.3, 4)).lods[0].patchCount, 2u);
+}
+
+TEST(Levels, EveryLevelOfEverySmallMeshIsValid)
+{
+	for (const bool paper : {false, true})
+		for (const NamedMesh& input : smallMeshes())
+		{
+			SCOPED_TRACE(std::string(input.name) + (paper ? ", paper" : ""));
+			const LodSequence sequence = build(input.mesh, paper);
+			EXPECT_EQ(faultOfSurface(input.mesh), "");
+			EXPECT_TRUE(isSameMesh(sequence.lods[0].mesh, input.mesh));
+			EXPECT_EQ(faultOfSequence(sequence), "");
+			for (std::size_t k = 0; k < sequence.lods.size(); ++k)
+			{
+				SCOPED_TRACE("level " + std::to_string(k));
+				EXPECT_EQ(faultOfSurface(sequence.lods[k].mesh), "");
+				EXPECT_EQ(faultOfPatches(sequence.lods[k]), "");
+				EXPECT_EQ(eulerCharacteristic(sequence.lods[k].mesh), eulerCharacteristic(input.mesh));
+			}
+		}
+}
+
+TEST(Levels, DeviationStaysWithinTheStop)
+{
+	for (const NamedMesh& input : smallMeshes())
+	{
+		SCOPED_TRACE(input.name);
+		const LodSequence sequence = build(input.mesh);
+		const double limit = 0.125 * boundingRadius(input.mesh);  // 10 % at the samples, some more between them
+		for (const Lod& lod : sequence.lods)
+		{
+			EXPECT_LE(deviation(lod.mesh, input.mesh), limit);
+			EXPECT_LE(deviation(input.mesh, lod.mesh), limit);
+			EXPECT_LE(lod.patchTolerance, 0.25 * limit);
+		}
+	}
+}
+
+TEST(Levels, TheOracleSeesPlantedFaults)
+{
+	const LodSequence sequence = build(wrinkledTorus(60, 16, 0.1, 12));
+	ASSERT_GE(sequence.lods.size(), 3u);
+	for (const Lod& lod : sequence.lods)
+	{
+		const double radius = boundingRadius(lod.mesh);
+		ASSERT_EQ(faultOfPatches(lod), "");
+		Lod moved = lod;
+		Vec3& v = moved.mesh.vertices[moved.mesh.vertices.size() / 2];
+		v = v - (0.2 * radius / length(v)) * v;
+		EXPECT_NE(faultOfPatches(moved), "") << lod.patchCount;
+		Lod swapped = lod;
+		swapped.patchOfTriangle[0] = swapped.patchOfTriangle[lod.patchOfTriangle.size() / 2];
+		EXPECT_NE(faultOfPatches(swapped), "");
+		Lod flipped = lod;
+		std::swap(flipped.mesh.triangles[0][0], flipped.mesh.triangles[0][1]);
+		EXPECT_NE(faultOfSurface(flipped.mesh), "");
+		Lod opened = lod;
+		opened.mesh.triangles.pop_back();
+		EXPECT_NE(faultOfSurface(opened.mesh), "");
+	}
+	LodSequence wrong = sequence;
+	wrong.lods[0].parentPatch[0] = wrong.lods[1].patchCount;
+	EXPECT_NE(faultOfSequence(wrong), "");
+	wrong = sequence;
+	wrong.lods[1].patchCount = wrong.lods[0].patchCount;
+	EXPECT_NE(faultOfSequence(wrong), "");
+	wrong = sequence;
+	for (double& r : wrong.lods[2].patchResolution) r = 1e9;
+	EXPECT_NE(faultOfSequence(wrong), "");
+}
+
+TEST(Levels, AFlatPatchMustNotSpanANotch)
+{
+	// The whole top of an L in one patch: convex edges, no volume, but its hull spans the notch.
+	Lod lod;
+	lod.mesh = lPlate(0.3, 2);
+	lod.patchTolerance = 1e-6;
+	for (const auto& t : lod.mesh.triangles)
+	{
+		bool top = true;
+		for (const std::uint32_t v : t) top = top && lod.mesh.vertices[v].z > 0.2;
+		lod.patchOfTriangle.push_back(top ? 0 : lod.patchCount + 1);
+		if (!top) ++lod.patchCount;
+	}
+	++lod.patchCount;
+	lod.patchResolution.assign(lod.patchCount, 0);
+	EXPECT_NE(faultOfPatches(lod).find("notch"), std::string::npos);
+}
+
+TEST(Levels, SameResultForAnyThreadCountAndEveryTime)
+{
+	const Mesh mesh = thickCup(32, 6, 0.12);
+	BuildConfig config;
+	config.threads = 1;
+	const LodSequence first = buildLods(mesh, config, {});
+	config.threads = 3;
+	const LodSequence second = buildLods(mesh, config, {});
+	ASSERT_EQ(first.lods.size(), second.lods.size());
+	for (std::size_t k = 0; k < first.lods.size(); ++k)
+	{
+		EXPECT_TRUE(isSameMesh(first.lods[k].mesh, second.lods[k].mesh));
+		EXPECT_EQ(first.lods[k].patchOfTriangle, second.lods[k].patchOfTriangle);
+		EXPECT_EQ(first.lods[k].patchResolution, second.lods[k].patchResolution);
+		EXPECT_EQ(first.lods[k].parentPatch, second.lods[k].parentPatch);
+	}
+}
+
+TEST(Levels, ScalingByAPowerOfTwoChangesNothing)
+{
+	const Mesh mesh = wrinkledTorus(60, 16, 0.1, 12);
+	const LodSequence expected = build(mesh);
+	for (const double scale : {std::ldexp(1.0, -12), std::ldexp(1.0, 12)})
+	{
+		Mesh scaled = mesh;
+		for (Vec3& v : scaled.vertices) v = scale * v;
+		const LodSequence found = build(scaled);
+		ASSERT_EQ(found.lods.size(), expected.lods.size());
+		for (std::size_t k = 0; k < found.lods.size(); ++k)
+		{
+			EXPECT_EQ(found.lods[k].patchOfTriangle, expected.lods[k].patchOfTriangle);
+			EXPECT_EQ(found.lods[k].mesh.triangles, expected.lods[k].mesh.triangles);
+		}
+	}
+}
+
+TEST(Levels, AQuarterTurnKeepsTheDecomposition)
+{
+	const Mesh mesh = thickCup(32, 6, 0.12);
+	Mesh turned = mesh;
+	for (Vec3& v : turned.vertices) v = {v.y, v.z, v.x};
+	EXPECT_EQ(build(turned).lods[0].patchCount, build(mesh).lods[0].patchCount);
+}
+
+TEST(Levels, CancelStopsTheBuild)
+{
+	EXPECT_THROW(buildLods(wrinkledTorus(60, 16, 0.1, 12), {}, [](const char*, double) { return false; }), Cancelled);
+}
+}  // namespace
+}  // namespace clod::builder
