@@ -86,7 +86,7 @@ CullBox fitCullBox(const std::vector<Vec3>& points, const Vec3& normal)
 	for (int i = 0; i < 3; ++i)
 	{
 		box.center[i] = stored[i];
-		for (int k = 0; k < 3; ++k) box.axis[i][k] = float(axes.row[i][k]);
+		for (int k = 0; k < 3; ++k) box.axis[i][k] = roundToFloat(axes.row[i][k]);
 		box.half[i] = roundUp(half[i] + margin);
 	}
 	box.radius = roundUp(radius + margin);

@@ -52,7 +52,7 @@ inline double distanceSquared(const Vec3& p, const Triangle& t)
 // The smallest float that is at least v, and the largest that is at most v.
 inline float roundUp(double v)
 {
-	const float f = float(v);
+	const float f = roundToFloat(v);
 	return double(f) < v ? std::nextafter(f, std::numeric_limits<float>::infinity()) : f;
 }
 inline float roundDown(double v)

@@ -88,6 +88,7 @@ HullShape hullShape(const std::vector<Vec3>& input, double minimum)
 		int k = 0;
 		for (const auto v : mesh.vertices_around_face(mesh.halfedge(f)))
 			if (k < 3) corner[k++] = toVec3(mesh.point(v));
+		shape.facets.push_back({corner[0], corner[1], corner[2]});
 		const Vec3 n = normalized(cross(corner[1] - corner[0], corner[2] - corner[0]));
 		const auto same = [&n](const Plane& p) { return lengthSquared(p.normal - n) < 1e-20; };
 		if (n != Vec3{} && std::none_of(shape.planes.begin(), shape.planes.end(), same)) shape.planes.push_back({n, 0});

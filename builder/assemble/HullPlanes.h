@@ -3,7 +3,7 @@
 #pragma once
 #include <vector>
 
-#include "clod/hierarchy/Vector.h"
+#include "builder/assemble/Geometry.h"
 
 namespace clod::builder
 {
@@ -17,6 +17,7 @@ struct HullShape
 {
 	std::vector<Plane> planes;
 	std::vector<Vec3> corners;  // the vertices that span the hull
+	std::vector<Triangle> facets;
 };
 
 // The convex hull of points. A set without volume is first thickened by `minimum` along its thinnest direction (both

@@ -26,9 +26,11 @@ void print(const Hierarchy& h)
 			area += double(n.contactArea);
 		}
 		const double r = double(h.asset().radius) / 100;
-		std::printf("%2zu %6u nodes %6u faces %5.2f ch thick %.2f  h %.4f cover %.4f protrude %.5f surf %.4f dev %.4f D %.3g\n", i, l.nodeCount,
-					l.faceCount, double(children) / l.nodeCount, thick / l.nodeCount, double(l.maxHausdorff) / r, double(l.maxCover) / r,
-					double(l.maxProtrude) / r, double(l.maxSurf) / r, double(l.maxDeviation) / r, area / l.nodeCount/(r*r*1e4));
+		std::printf(
+			"%2zu %6u nodes %6u faces %5.2f ch thick %.2f  h %.4f cover %.4f protrude %.5f surf %.4f dev %.4f D %.3g\n",
+			i, l.nodeCount, l.faceCount, double(children) / l.nodeCount, thick / l.nodeCount,
+			double(l.maxHausdorff) / r, double(l.maxCover) / r, double(l.maxProtrude) / r, double(l.maxSurf) / r,
+			double(l.maxDeviation) / r, area / l.nodeCount / (r * r * 1e4));
 	}
 }
 

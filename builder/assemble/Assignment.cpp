@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "builder/assemble/Assignment.h"
+
+#include <algorithm>
+#include <tuple>
+
+#include "builder/assemble/Parallel.h"
+
+namespace clod::builder
+{
+namespace
+{
+// The four children of the midpoint split; child k of code interval [first, first + 4 size) starts at first + k size.
+Triangle childTriangle(const Triangle& t, std::uint32_t k)
+{
+	const Vec3 ab = 0.5 * (t.a + t.b), bc = 0.5 * (t.b + t.c), ca = 0.5 * (t.c + t.a);
+	switch (k)
+	{
+		case 0:
+			return {t.a, ab, ca};
+		case 1:
+			return {ab, t.b, bc};
+		case 2:
+			return {ca, bc, t.c};
+		default:
+			return {ab, bc, ca};
+	}
+}
+
+double longestEdge(const Triangle& t)
+{
+	return std::max({length(t.b - t.a), length(t.c - t.b), length(t.a - t.c)});
+}
+
+struct Lookup
+{
+	std::uint32_t patch;
+	double distance;
+};
+
+class NearestPatches
+{
+public:
+	NearestPatches(const Lod& lod) : m_lod(lod), m_tree(lod.mesh), m_faces(lod.patchCount)
+	{
+		for (std::uint32_t i = 0; i < lod.mesh.triangles.size(); ++i)
+		{
+			m_normals.push_back(areaVector(m_tree.triangle(i)));
+			m_faces[lod.patchOfTriangle[i]].push_back(i);
+		}
+	}
+
+	// Faces turned away count only where the nearest turned the same way is more than twice as far.
+	Lookup at(const Vec3& p, const Vec3& normal) const
+	{
+		const TriangleTree::Nearest any = m_tree.nearest(p);
+		const double distance = std::sqrt(any.distanceSquared);
+		if (dot(m_normals[any.triangle], normal) > 0) return {m_lod.patchOfTriangle[any.triangle], distance};
+		const auto same = [&](std::uint32_t i) { return dot(m_normals[i], normal) > 0; };
+		const TriangleTree::Nearest facing = m_tree.nearest(p, same, 4 * any.distanceSquared * (1 + 1e-9) + 1e-300);
+		if (facing.triangle == kNone) return {m_lod.patchOfTriangle[any.triangle], distance};
+		return {m_lod.patchOfTriangle[facing.triangle], std::sqrt(facing.distanceSquared)};
+	}
+
+	double distanceTo(std::uint32_t patch, const Vec3& p) const
+	{
+		double best = std::numeric_limits<double>::infinity();
+		for (std::uint32_t i : m_faces[patch]) best = std::min(best, distanceSquared(p, m_tree.triangle(i)));
+		return std::sqrt(best);
+	}
+
+	Vec3 middleOf(std::uint32_t patch, Vec3& normal) const
+	{
+		Vec3 sum;
+		double area = 0;
+		for (std::uint32_t i : m_faces[patch])
+		{
+			const double a = length(m_normals[i]);
+			sum += a * centroid(m_tree.triangle(i));
+			normal += m_normals[i];
+			area += a;
+		}
+		return area > 0 ? (1 / area) * sum : centroid(m_tree.triangle(m_faces[patch][0]));
+	}
+
+private:
+	const Lod& m_lod;
+	TriangleTree m_tree;
+	std::vector<std::vector<std::uint32_t>> m_faces;
+	std::vector<Vec3> m_normals;
+};
+
+struct SplitRule
+{
+	double tolerance;     // added distance that does not deserve a split
+	double smallestEdge;  // pieces with shorter edges are not split
+};
+
+class FaceSplitter
+{
+public:
+	FaceSplitter(const NearestPatches& nearest, const SplitRule& rule, std::uint32_t face, const Vec3& normal,
+				 std::vector<Piece>& out)
+		: m_nearest(nearest), m_rule(rule), m_face(face), m_normal(normal), m_out(out)
+	{
+	}
+
+	void split(const Triangle& t, std::uint32_t first, std::uint32_t count)
+	{
+		Lookup at[4];
+		for (int i = 0; i < 3; ++i) at[i] = m_nearest.at(t[i], m_normal);
+		at[3] = m_nearest.at(centroid(t), m_normal);
+		double excess = 0;
+		const std::uint32_t owner = bestOwner(t, at, excess);
+		if (excess <= m_rule.tolerance || count == 1 || longestEdge(t) <= m_rule.smallestEdge)
+		{
+			m_out.push_back({m_face, std::uint16_t(first), std::uint16_t(count), owner});
+			return;
+		}
+		for (std::uint32_t k = 0; k < 4; ++k) split(childTriangle(t, k), first + k * (count / 4), count / 4);
+	}
+
+private:
+	// The candidate whose faces are nearest to the farthest corner; excess: what it costs over each corner's own
+	// nearest.
+	std::uint32_t bestOwner(const Triangle& t, const Lookup* at, double& excess) const
+	{
+		std::uint32_t owner = at[3].patch;
+		double least = std::numeric_limits<double>::infinity();
+		for (int k : {3, 0, 1, 2})
+		{
+			if (k != 3 && (at[k].patch == owner || at[k].patch == at[3].patch)) continue;
+			double most = 0;
+			for (int i = 0; i < 3; ++i)
+				if (at[k].patch != at[i].patch)
+					most = std::max(most, m_nearest.distanceTo(at[k].patch, t[i]) - at[i].distance);
+			if (most < least) least = most, owner = at[k].patch;
+			if (least <= m_rule.tolerance) break;
+		}
+		excess = least;
+		return owner;
+	}
+
+	const NearestPatches& m_nearest;
+	const SplitRule m_rule;
+	const std::uint32_t m_face;
+	const Vec3 m_normal;
+	std::vector<Piece>& m_out;
+};
+
+// How far the level typically is from the input: the 90th percentile over a sample of face centroids.
+double typicalDistance(const TriangleTree& input, const NearestPatches& nearest)
+{
+	constexpr std::size_t kSamples = 2000;
+	const std::size_t step = std::max<std::size_t>(1, input.size() / kSamples);
+	std::vector<double> distances;
+	for (std::size_t i = 0; i < input.size(); i += step)
+	{
+		const Triangle& t = input.triangle(std::uint32_t(i));
+		distances.push_back(nearest.at(centroid(t), areaVector(t)).distance);
+	}
+	std::sort(distances.begin(), distances.end());
+	return distances[distances.size() * 9 / 10];
+}
+
+// The smallest piece of the input surface next to a patch's middle.
+Piece pieceNextTo(const TriangleTree& input, const NearestPatches& nearest, std::uint32_t patch)
+{
+	Vec3 normal;
+	const Vec3 middle = nearest.middleOf(patch, normal);
+	const auto same = [&](std::uint32_t i) { return dot(areaVector(input.triangle(i)), normal) > 0; };
+	TriangleTree::Nearest found = input.nearest(middle, same, std::numeric_limits<double>::infinity());
+	if (found.triangle == kNone) found = input.nearest(middle);
+	Triangle t = input.triangle(found.triangle);
+	std::uint32_t first = 0, count = Piece::kCodes;
+	while (count > 1)
+	{
+		std::uint32_t best = 0;
+		for (std::uint32_t k = 1; k < 4; ++k)
+			if (distanceSquared(middle, childTriangle(t, k)) < distanceSquared(middle, childTriangle(t, best)))
+				best = k;
+		t = childTriangle(t, best);
+		count /= 4;
+		first += best * count;
+	}
+	return {found.triangle, std::uint16_t(first), std::uint16_t(count), patch};
+}
+}  // namespace
+
+Triangle pieceTriangle(const Triangle& face, const Piece& piece)
+{
+	Triangle t = face;
+	for (std::uint32_t count = Piece::kCodes / 4, rest = piece.first; count >= piece.count; count /= 4)
+	{
+		t = childTriangle(t, rest / count);
+		rest %= count;
+	}
+	return t;
+}
+
+LevelAssignment assignByLabel(const std::vector<std::uint32_t>& patchOfFace)
+{
+	LevelAssignment result;
+	for (std::uint32_t i = 0; i < patchOfFace.size(); ++i)
+	{
+		result.pieces.push_back({i, 0, std::uint16_t(Piece::kCodes), patchOfFace[i]});
+	}
+	return result;
+}
+
+LevelAssignment assignToNearest(const TriangleTree& input, const Lod& lod, double radius, unsigned threads)
+{
+	const NearestPatches nearest(lod);
+	const double typical = typicalDistance(input, nearest);
+	const SplitRule rule{std::max(0.2 * typical, 2e-5 * radius), std::max(0.5 * typical, 5e-4 * radius)};
+	std::vector<std::vector<Piece>> perFace(input.size());
+	parallelFor(input.size(), threads,
+				[&](std::size_t i)
+				{
+					const Triangle& t = input.triangle(std::uint32_t(i));
+					FaceSplitter(nearest, rule, std::uint32_t(i), areaVector(t), perFace[i]).split(t, 0, Piece::kCodes);
+				});
+	LevelAssignment result;
+	std::vector<bool> used(lod.patchCount, false);
+	for (const std::vector<Piece>& pieces : perFace)
+		for (const Piece& piece : pieces)
+		{
+			result.pieces.push_back(piece);
+			used[piece.owner] = true;
+		}
+	for (std::uint32_t patch = 0; patch < lod.patchCount; ++patch)
+		if (!used[patch]) result.extra.push_back(pieceNextTo(input, nearest, patch));
+	return result;
+}
+
+namespace
+{
+struct Join
+{
+	std::vector<Overlap> found;
+	void add(const TriangleTree& input, const Piece& fine, const Piece& coarse)
+	{
+		const double share = double(std::min(fine.count, coarse.count)) / double(Piece::kCodes);
+		found.push_back({coarse.owner, fine.owner, share * length(areaVector(input.triangle(fine.face)))});
+	}
+};
+
+bool intersects(const Piece& a, const Piece& b)
+{
+	return a.face == b.face && a.first < b.first + b.count && b.first < a.first + a.count;
+}
+
+bool endsBefore(const Piece& a, const Piece& b)
+{
+	return a.face < b.face || (a.face == b.face && a.first + a.count <= b.first);
+}
+
+// First of the sorted pieces that does not end before the given one.
+std::size_t firstMeeting(const std::vector<Piece>& pieces, const Piece& other)
+{
+	return std::size_t(std::lower_bound(pieces.begin(), pieces.end(), other, endsBefore) - pieces.begin());
+}
+
+std::vector<Overlap> summed(std::vector<Overlap> list)
+{
+	std::stable_sort(list.begin(), list.end(),
+					 [](const Overlap& a, const Overlap& b)
+					 { return std::tie(a.coarse, a.fine) < std::tie(b.coarse, b.fine); });
+	std::vector<Overlap> result;
+	for (const Overlap& o : list)
+	{
+		if (!result.empty() && result.back().coarse == o.coarse && result.back().fine == o.fine)
+			result.back().area += o.area;
+		else
+			result.push_back(o);
+	}
+	return result;
+}
+}  // namespace
+
+std::vector<Overlap> overlaps(const TriangleTree& input, const LevelAssignment& fine, const LevelAssignment& coarse)
+{
+	Join join;
+	std::size_t c = 0;
+	for (const Piece& f : fine.pieces)
+	{
+		while (c < coarse.pieces.size() && endsBefore(coarse.pieces[c], f)) ++c;
+		for (std::size_t k = c; k < coarse.pieces.size() && intersects(coarse.pieces[k], f); ++k)
+			join.add(input, f, coarse.pieces[k]);
+	}
+	for (const Piece& f : fine.extra)
+		for (std::size_t k = firstMeeting(coarse.pieces, f);
+			 k < coarse.pieces.size() && intersects(coarse.pieces[k], f); ++k)
+			join.add(input, f, coarse.pieces[k]);
+	for (const Piece& e : coarse.extra)
+		for (std::size_t k = firstMeeting(fine.pieces, e); k < fine.pieces.size() && intersects(fine.pieces[k], e); ++k)
+			join.add(input, fine.pieces[k], e);
+	return summed(std::move(join.found));
+}
+}  // namespace clod::builder

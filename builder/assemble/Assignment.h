@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Which node of each level answers for which piece of the input surface.
+//
+// A piece is a triangle of an input face's midpoint-split tree, named by the interval of base-4 codes it covers at the
+// deepest split. Every level's pieces cover every input face, so each point of the surface has an owner in every level,
+// and owners of the same point in neighbouring levels are parent and child: that is the graph.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "builder/Lod.h"
+#include "builder/assemble/TriangleTree.h"
+
+namespace clod::builder
+{
+struct Piece
+{
+	static constexpr int kDepth = 4;
+	static constexpr std::uint32_t kCodes = 1u << (2 * kDepth);
+	std::uint32_t face;   // input triangle
+	std::uint16_t first;  // interval of codes
+	std::uint16_t count;  // a power of 4
+	std::uint32_t owner;  // patch of the level
+};
+
+// The piece's triangle (closed; midpoints in double).
+Triangle pieceTriangle(const Triangle& face, const Piece& piece);
+
+struct LevelAssignment
+{
+	std::vector<Piece> pieces;  // sorted by face and first code; they cover every face exactly once
+	std::vector<Piece> extra;   // for patches that no piece chose: the bit of surface next to them, answered for twice
+};
+
+// Level 0: every face belongs to its own patch. Label inheritance: to the patch its level-0 patch was merged into.
+LevelAssignment assignByLabel(const std::vector<std::uint32_t>& patchOfFace);
+
+// Nearest patch, preferring faces turned the same way; faces that straddle patches are split (at most kDepth times)
+// while that shortens the distance to the owner's faces noticeably.
+LevelAssignment assignToNearest(const TriangleTree& input, const Lod& lod, double radius, unsigned threads);
+
+struct Overlap
+{
+	std::uint32_t coarse, fine;
+	double area;
+};
+// All pairs of patches that share a piece of surface, sorted by (coarse, fine), with the area they share.
+std::vector<Overlap> overlaps(const TriangleTree& input, const LevelAssignment& fine, const LevelAssignment& coarse);
+}  // namespace clod::builder

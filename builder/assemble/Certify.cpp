@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// surf and reach by overlay: a polygon is compared with one triangle t of the target (the lemma at its corners); where
+// that is not tight, the part that projects onto t is cut out along t's edges and bounded by t, and the rest goes on
+// with its own nearest triangles. The number of parts follows the two meshes, not the tolerance.
+#include "builder/assemble/Certify.h"
+
+#include <algorithm>
+
+namespace clod::builder
+{
+namespace
+{
+constexpr int kPartBudget = 400;  // parts of one triangle before the bound at hand is taken
+
+using Polygon = std::vector<Vec3>;
+
+struct Part
+{
+	Polygon polygon;
+	int halvings = 0;
+};
+
+Vec3 middle(const Polygon& p)
+{
+	Vec3 sum;
+	for (const Vec3& v : p) sum += v;
+	return (1 / double(p.size())) * sum;
+}
+
+// Both sides of the plane; a side without area stays empty.
+void cut(const Polygon& p, const Vec3& normal, double offset, Polygon& below, Polygon& above)
+{
+	below.clear();
+	above.clear();
+	for (std::size_t i = 0; i < p.size(); ++i)
+	{
+		const Vec3 &u = p[i], &v = p[(i + 1) % p.size()];
+		const double a = dot(normal, u) - offset, b = dot(normal, v) - offset;
+		if (a <= 0) below.push_back(u);
+		if (a >= 0) above.push_back(u);
+		if ((a < 0 && b > 0) || (a > 0 && b < 0))
+		{
+			const Vec3 w = u + (a / (a - b)) * (v - u);
+			below.push_back(w);
+			above.push_back(w);
+		}
+	}
+	if (below.size() < 3) below.clear();
+	if (above.size() < 3) above.clear();
+}
+
+double largestDistance(const Polygon& p, const Triangle& t)
+{
+	double most = 0;
+	for (const Vec3& v : p) most = std::max(most, distanceSquared(v, t));
+	return std::sqrt(most);
+}
+
+double reachFrom(const Polygon& p, const Vec3& c)
+{
+	double most = 0;
+	for (const Vec3& v : p) most = std::max(most, length(v - c));
+	return most;
+}
+
+void halve(const Part& part, std::vector<Part>& stack)
+{
+	const Polygon& p = part.polygon;
+	std::size_t from = 0, to = 0;
+	for (std::size_t i = 0; i < p.size(); ++i)
+		for (std::size_t j = i + 1; j < p.size(); ++j)
+			if (lengthSquared(p[i] - p[j]) > lengthSquared(p[from] - p[to])) from = i, to = j;
+	const Vec3 normal = normalized(p[to] - p[from]);
+	Part first{{}, part.halvings + 1}, second{{}, part.halvings + 1};
+	cut(p, normal, dot(normal, 0.5 * (p[from] + p[to])), first.polygon, second.polygon);
+	for (Part* half : {&first, &second})
+		if (!half->polygon.empty()) stack.push_back(std::move(*half));
+}
+
+// Nearest: Vec3 -> (triangle, distance). Bounds one triangle's supremum into `sup`.
+template <class Nearest>
+class Overlay
+{
+public:
+	Overlay(const Nearest& nearest, const Tolerance& tolerance, Supremum& sup)
+		: m_nearest(nearest), m_tolerance(tolerance), m_sup(sup)
+	{
+	}
+
+	void add(const Triangle& t)
+	{
+		m_normal = normalized(areaVector(t));
+		m_parts = 1;
+		m_stack.push_back({{t.a, t.b, t.c}, 0});
+		while (!m_stack.empty())
+		{
+			const Part part = std::move(m_stack.back());
+			m_stack.pop_back();
+			visit(part);
+		}
+	}
+
+private:
+	bool good(double bound) const { return bound <= m_tolerance.accepted(m_sup.lower, m_sup.upper); }
+	void take(double bound) { m_sup.upper = std::max(m_sup.upper, bound); }
+
+	void visit(const Part& part)
+	{
+		const Vec3 c = middle(part.polygon);
+		const auto found = m_nearest(c);
+		const double byCorners = largestDistance(part.polygon, found.first);
+		const double bound = std::min(byCorners, found.second + reachFrom(part.polygon, c));
+		m_sup.lower = std::max(m_sup.lower, found.second);
+		if (good(bound)) return take(bound);
+		if (++m_parts > kPartBudget || part.halvings > 12) return take(bound);
+		cutOut(part, found.first);
+	}
+
+	// The part of the polygon that projects onto t along the polygon's normal, bounded by t; the rest is stacked.
+	void cutOut(const Part& part, const Triangle& t)
+	{
+		const double turned = dot(areaVector(t), m_normal) >= 0 ? 1 : -1;
+		Polygon rest = part.polygon, inside, outside;
+		std::vector<Part> aside;
+		for (int e = 0; e < 3; ++e)
+		{
+			const Vec3 side = normalized(turned * cross(t[(e + 1) % 3] - t[e], m_normal));
+			if (side == Vec3{} || rest.empty()) continue;
+			cut(rest, side, dot(side, t[e]), inside, outside);
+			if (!outside.empty()) aside.push_back({outside, part.halvings});
+			rest = inside;
+		}
+		const bool cutAnything = !rest.empty() && !aside.empty();
+		if (!cutAnything) return halve(part, m_stack);
+		const double bound = largestDistance(rest, t);
+		if (good(bound))
+			take(bound);
+		else
+			halve({rest, part.halvings}, m_stack);
+		for (Part& p : aside) m_stack.push_back(std::move(p));
+	}
+
+	const Nearest& m_nearest;
+	const Tolerance m_tolerance;
+	Supremum& m_sup;
+	Vec3 m_normal;
+	int m_parts = 0;
+	std::vector<Part> m_stack;
+};
+
+template <class Nearest>
+Supremum supremum(const std::vector<Triangle>& triangles, const Nearest& nearest, const Tolerance& tolerance)
+{
+	Supremum sup;
+	for (const Triangle& t : triangles)
+		for (int k = 0; k < 3; ++k) sup.lower = std::max(sup.lower, nearest(t[k]).second);
+	sup.upper = sup.lower;
+	Overlay<Nearest> overlay(nearest, tolerance, sup);
+	for (const Triangle& t : triangles) overlay.add(t);
+	return sup;
+}
+}  // namespace
+
+double coverOf(const NodeDraft& node)
+{
+	const ConvexSet hull = node.hull();
+	double most = 0;
+	for (const Triangle& piece : node.pieces)
+		for (int k = 0; k < 3; ++k)
+		{
+			const double d = distanceBound(piece[k], hull, most);
+			most = std::max(most, d);
+		}
+	return most;
+}
+
+Supremum reachOf(const NodeDraft& node, const Tolerance& tolerance)
+{
+	std::vector<Triangle> faces;
+	for (std::size_t i = 0; i < node.faces.size(); ++i) faces.push_back(node.face(i));
+	const auto nearest = [&faces](const Vec3& p)
+	{
+		std::size_t best = 0;
+		double least = std::numeric_limits<double>::infinity();
+		for (std::size_t i = 0; i < faces.size(); ++i)
+		{
+			const double d = distanceSquared(p, faces[i]);
+			if (d < least) least = d, best = i;
+		}
+		return std::pair<Triangle, double>(faces[best], std::sqrt(least));
+	};
+	return supremum(node.pieces, nearest, tolerance);
+}
+
+Supremum surfOf(const NodeDraft& node, const TriangleTree& input, const Tolerance& tolerance)
+{
+	std::vector<Triangle> faces;
+	for (std::size_t i = 0; i < node.faces.size(); ++i) faces.push_back(node.face(i));
+	const auto nearest = [&input](const Vec3& p)
+	{
+		const TriangleTree::Nearest n = input.nearest(p);
+		return std::pair<Triangle, double>(input.triangle(n.triangle), std::sqrt(n.distanceSquared));
+	};
+	return supremum(faces, nearest, tolerance);
+}
+}  // namespace clod::builder

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "builder/assemble/Walls.h"
+
+#include <algorithm>
+
+namespace clod::builder
+{
+namespace
+{
+constexpr std::size_t kWallSamples = 16;
+
+double wallOf(const NodeDraft& node, const Solid& solid)
+{
+	double wall = std::numeric_limits<double>::infinity();
+	const std::size_t step = std::max<std::size_t>(1, node.pieces.size() / kWallSamples);
+	for (std::size_t i = 0; i < node.pieces.size(); i += step)
+	{
+		if (dot(areaVector(node.pieces[i]), node.inward) >= 0) continue;
+		wall = std::min(wall, solid.tree().exitDistance(centroid(node.pieces[i]), node.inward, 0));
+	}
+	return wall;
+}
+
+Protrusion measured(const NodeDraft& node, const Solid& solid, const ProtrusionScale& scale)
+{
+	ConvexBody body{node.hullPoints(), {}};
+	for (std::size_t i = 0; i < node.faces.size(); ++i) body.realNormals.push_back(areaVector(node.face(i)));
+	return protrusion(solid, body, scale);
+}
+}  // namespace
+
+double wallBehind(const Solid& solid, const Vec3& p, const Vec3& direction)
+{
+	return solid.tree().exitDistance(solid.tree().nearest(p).closest.point, direction, 0);
+}
+
+void thicken(NodeDraft& node, const Solid& solid, const ProtrusionScale& scale)
+{
+	double attained = scale.rounding;
+	for (const Vec3& v : node.vertices) attained = std::max(attained, solid.distance(v));
+	const double wall = node.coneCosine > 0 ? wallOf(node, solid) : 0;
+	const double half = std::isfinite(wall) ? 0.5 * wall : 0;
+	Protrusion thin{-1, -1};
+	for (double share : {1.0, 0.6, 0.3, 0.1})
+	{
+		node.thickness = double(roundToFloat(share * half));
+		if (node.thickness <= scale.rounding) break;
+		const Protrusion thick = measured(node, solid, scale);
+		node.bounds.protrude = thick.upper;
+		if (thick.upper <= 1.5 * attained) return;
+		if (thin.upper < 0)
+		{
+			NodeDraft flat = node;
+			flat.thickness = 0;
+			thin = measured(flat, solid, scale);
+		}
+		if (thick.upper <= 1.1 * thin.upper) return;
+	}
+	node.thickness = 0;
+	node.bounds.protrude = thin.upper >= 0 ? thin.upper : measured(node, solid, scale).upper;
+}
+}  // namespace clod::builder
