@@ -83,7 +83,11 @@ bool ManifoldSet::openSlot(int index, const ContactCluster& cluster, const World
 		return false;
 	}
 	if (!slot.manifold && !m_shared)
-		slot.manifold = m_dispatcher.getNewManifold(frame.a->getCollisionObject(), frame.b->getCollisionObject());
+	{
+		const btCollisionObject* first = (frame.aIsFirst ? frame.a : frame.b)->getCollisionObject();
+		const btCollisionObject* second = (frame.aIsFirst ? frame.b : frame.a)->getCollisionObject();
+		slot.manifold = m_dispatcher.getNewManifold(first, second);
+	}
 	m_target = m_shared ? m_shared : slot.manifold;
 	out.setPersistentManifold(m_target);
 	m_freshCount = 0;

@@ -19,6 +19,7 @@ struct WorldFrame
 {
 	const btCollisionObjectWrapper* a = nullptr;
 	const btCollisionObjectWrapper* b = nullptr;
+	bool aIsFirst = true;  // Bullet's order of the pair, which is the manifolds'
 	Transform worldFromA;  // translation in world lengths
 	double scale = 1;      // world lengths a hierarchy unit
 	std::uint32_t levelA = 0, levelB = 0;

@@ -14,6 +14,7 @@ namespace
 {
 constexpr int kLeakRounds = 3;            // reductions after dropping leaking points
 constexpr double kBreakingShare = 0.003;  // of the length: drift that refreshContactPoints tolerates
+constexpr double kUnansweredShare = 2;    // depth found over depth answered by points that is reported as deep
 constexpr double kSameScale = 1e-6;       // scales whose ratio differs by less are equal
 
 Vec3 toVec3(const btVector3& v)
@@ -280,6 +281,16 @@ void PairState::warnOnce(bool now, unsigned bit, const char* cause)
 				  std::to_string(m_report.motion) + ", hierarchy unit)");
 }
 
+// Does the inside test find a depth that the chosen points do not answer?
+bool PairState::deeperThanPoints() const
+{
+	double answered = 0;
+	for (const ContactCluster& cluster : m_clusters.slots)
+		for (int i = 0; i < cluster.count; ++i)
+			answered = std::max(answered, -cluster.points[std::size_t(i)].point.height);
+	return -m_result.minDistance > kUnansweredShare * answered + m_rules.resting;
+}
+
 void PairState::judge()
 {
 	m_report.candidates = std::uint32_t(m_points.size());
@@ -291,8 +302,7 @@ void PairState::judge()
 	m_report.coarsestLevel = m_result.stats.coarsestLevel;
 	double wall = double(m_shapeA->hierarchy().asset().thinnestWall);
 	if (m_partner == Partner::Clod) wall = std::min(wall, double(m_shapeB->hierarchy().asset().thinnestWall));
-	const bool unanswered = m_report.points == 0 && m_result.minDistance < -m_rules.resting;
-	m_report.deep = m_result.deep || unanswered;
+	m_report.deep = deeperThanPoints();
 	m_report.fast = wall > 0 && m_report.motion > wall;
 	m_report.loose = wall > 0 && std::isfinite(m_report.errorBound) && m_report.errorBound > wall;
 	if (m_isClosestPoints) return;
@@ -315,6 +325,7 @@ void PairState::process(const btCollisionObjectWrapper& body0, const btCollision
 		m_report.contactMicroseconds = microsecondsSince(start);
 		frame.a = m_a;
 		frame.b = m_b;
+		frame.aIsFirst = m_a == &body0;
 		frame.worldFromA = m_worldFromA;
 		frame.scale = m_shapeA->scale();
 		frame.breakingThreshold =

@@ -44,6 +44,7 @@ private:
 	void clipForeign();
 	void reduce();
 	void judge();
+	bool deeperThanPoints() const;
 	void warnOnce(bool now, unsigned bit, const char* cause);
 
 	Context& m_context;

@@ -57,6 +57,13 @@ Bounds boundsOf(const Hierarchy& hierarchy, const Node& node)
 	return bounds;
 }
 
+double deepest(const Hierarchy& hierarchy, const Node& node)
+{
+	double thickness = 0;
+	for (const Face& face : hierarchy.faces(node)) thickness = std::max(thickness, double(face.thickness));
+	return thickness;
+}
+
 // Moves the node's real faces into the reference's frame and keeps those that meet the box `near`.
 void movePatch(const Hierarchy& hierarchy, const Node& node, const Transform& referenceFromOther, const Bounds& near,
 			   MovedPatch& moved)
@@ -164,7 +171,7 @@ void PointClipper::clipPair(const Side& reference, const Side& other, std::vecto
 	const Vec3 otherCenter = referenceFromOther * toVec3(otherBox.center);
 	const double reach = speculativeReach(filter, otherCenter, double(otherBox.radius));
 	Bounds near = boundsOf(reference.hierarchy, node);
-	near.grow(reach);
+	near.grow(std::max(reach, deepest(reference.hierarchy, node)));
 	movePatch(other.hierarchy, other.hierarchy.node(other.node), referenceFromOther, near, m_other);
 	if (m_other.faces.empty()) return;
 

@@ -169,19 +169,26 @@ void ForeignClipper::clipPlane(const Hierarchy& hierarchy, const Vec3& normal, d
 	const auto sink = [&](std::uint32_t index, const Node& node)
 	{
 		const HullView hull = hierarchy.hull(node);
-		for (std::uint32_t i = 0; i < hull.count; ++i)
+		m_met.assign(hull.count, 0);
+		for (std::uint32_t i = 0; i < node.faceCount; ++i)
 		{
-			ContactPoint point{};
-			point.pointOnA = hull.vertex(i);
-			point.height = plane.heightOf(point.pointOnA) - rules.margin;
-			if (point.height > reach || !filter.keep(plane, point.pointOnA, under, point.predicted)) continue;
-			point.pointOnB = point.pointOnA - (point.height + rules.margin) * normal;
-			point.normal = normal;
-			point.nodeA = index;
-			point.faceA = node.firstFace;
-			point.nodeB = 0;
-			point.faceB = 0;
-			points.push_back(point);
+			const Face& face = hierarchy.faces()[node.firstFace + i];
+			if (dot(normal, toVec3(face.normal)) >= kOpposingCosine) continue;
+			for (const std::uint16_t vertex : face.vertex)
+			{
+				ContactPoint point{};
+				point.pointOnA = hull.vertex(vertex);
+				const double height = plane.heightOf(point.pointOnA);
+				if (m_met[vertex] || height > reach) continue;
+				m_met[vertex] = 1;
+				if (!filter.keep(plane, point.pointOnA, under, point.predicted)) continue;
+				point.height = height - rules.margin;
+				point.pointOnB = point.pointOnA - height * normal;
+				point.normal = normal;
+				point.nodeA = index;
+				point.faceA = node.firstFace + i;
+				points.push_back(point);
+			}
 		}
 	};
 	visit(hierarchy, metric, apart, sink, stats);

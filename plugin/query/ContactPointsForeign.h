@@ -32,6 +32,7 @@ private:
 	void visit(const Hierarchy& hierarchy, const Metric& metric, const Separated& separated, const Sink& sink,
 			   ForeignStats& stats);
 	std::vector<std::uint32_t> m_stack, m_visited;
+	std::vector<char> m_met;
 	std::uint32_t m_visit = 0;
 };
 }  // namespace clod

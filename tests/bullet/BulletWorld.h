@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A Bullet world with the plugin registered, and what tests look at. Units: the bodies' (about one).
+#pragma once
+#include <btBulletDynamicsCommon.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "clod/bullet/btClodCollisionAlgorithm.h"
+
+namespace clod::test
+{
+struct BulletWorld
+{
+	btDefaultCollisionConfiguration configuration;
+	btCollisionDispatcher dispatcher{&configuration};
+	btDbvtBroadphase broadphase;
+	btSequentialImpulseConstraintSolver solver;
+	Context context;
+	std::vector<std::string> warnings;
+	btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
+	std::vector<std::unique_ptr<btCollisionShape>> shapes;
+	std::vector<std::unique_ptr<btRigidBody>> bodies;
+	double timeStep = 1.0 / 240;
+
+	BulletWorld()
+	{
+		context.warn = [this](const std::string& message) { warnings.push_back(message); };
+		if (!btClodCollisionAlgorithm::registerAlgorithm(&dispatcher, &context)) std::abort();
+		world.setGravity(btVector3(0, btScalar(-9.81), 0));
+		world.getSolverInfo().m_numIterations = 30;
+		world.getDispatchInfo().m_deterministicOverlappingPairs = true;
+	}
+	~BulletWorld()
+	{
+		for (const auto& body : bodies)
+			if (body->isInWorld()) world.removeRigidBody(body.get());
+	}
+
+	template <class Shape>
+	Shape& add(std::unique_ptr<Shape> shape)
+	{
+		Shape& added = *shape;
+		shapes.push_back(std::move(shape));
+		return added;
+	}
+	btClodShape& addShape(const std::shared_ptr<const Hierarchy>& hierarchy)
+	{
+		return add(std::make_unique<btClodShape>(hierarchy));
+	}
+	// Mass 0 is static. Friction 0.6, no restitution, never sleeps.
+	btRigidBody& addBody(btCollisionShape& shape, double mass, const Vec3& position,
+						 const btQuaternion& rotation = btQuaternion::getIdentity())
+	{
+		btVector3 inertia(0, 0, 0);
+		if (mass > 0) shape.calculateLocalInertia(btScalar(mass), inertia);
+		btRigidBody::btRigidBodyConstructionInfo info(btScalar(mass), nullptr, &shape, inertia);
+		info.m_startWorldTransform.setOrigin(
+			btVector3(btScalar(position.x), btScalar(position.y), btScalar(position.z)));
+		info.m_startWorldTransform.setRotation(rotation);
+		info.m_friction = btScalar(0.6);
+		bodies.push_back(std::make_unique<btRigidBody>(info));
+		bodies.back()->setActivationState(DISABLE_DEACTIVATION);
+		world.addRigidBody(bodies.back().get());
+		return *bodies.back();
+	}
+	void step(int count = 1)
+	{
+		for (int i = 0; i < count; ++i) world.stepSimulation(btScalar(timeStep), 0);
+	}
+	int contacts() const
+	{
+		int count = 0;
+		for (int i = 0; i < dispatcher.getNumManifolds(); ++i)
+			count += const_cast<btCollisionDispatcher&>(dispatcher).getManifoldByIndexInternal(i)->getNumContacts();
+		return count;
+	}
+};
+inline double heightOf(const btRigidBody& body)
+{
+	return double(body.getWorldTransform().getOrigin().y());
+}
+}  // namespace clod::test

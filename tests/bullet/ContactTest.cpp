@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Bodies rest where they should, against every kind of partner; queries answer; signs follow Bullet.
+#include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "tests/bullet/BulletWorld.h"
+#include "tests/bullet/PatchHierarchy.h"
+
+namespace clod::test
+{
+namespace
+{
+std::shared_ptr<const Hierarchy> cube()
+{
+	return patchHierarchy(boxMesh({1, 1, 1}, {2, 2, 2}, 1));
+}
+std::shared_ptr<const Hierarchy> slab()
+{
+	return patchHierarchy(boxMesh({10, 1, 10}, {20, 1, 20}, 2));
+}
+
+// A cube dropped from 0.1 above a partner whose top is at 0 must lie on it.
+void expectRest(BulletWorld& scene, btCollisionShape& falling, double restHeight, double speed = 0.01)
+{
+	const btRigidBody& body = scene.addBody(falling, 1, {0.013, restHeight + 0.1, 0.027});
+	scene.step(360);
+	EXPECT_NEAR(heightOf(body), restHeight, 0.005);
+	EXPECT_LT(double(body.getLinearVelocity().length()), speed);
+	EXPECT_LT(double(body.getAngularVelocity().length()), 2 * speed);
+}
+
+std::unique_ptr<btTriangleMesh> floorTriangles(int cells, bool upward)
+{
+	auto mesh = std::make_unique<btTriangleMesh>();
+	const auto corner = [cells](int i, int j)
+	{ return btVector3(btScalar(10.0 * i / cells - 5), 0, btScalar(10.0 * j / cells - 5)); };
+	for (int i = 0; i < cells; ++i)
+		for (int j = 0; j < cells; ++j)
+			for (int half = 0; half < 2; ++half)
+			{
+				const btVector3 a = corner(i + half, j + half), b = corner(i, j + 1), c = corner(i + 1, j);
+				const bool swap = (half == 1) == upward;
+				mesh->addTriangle(a, swap ? c : b, swap ? b : c);
+			}
+	return mesh;
+}
+}  // namespace
+
+TEST(Rest, OnAStaticPlane)
+{
+	BulletWorld scene;
+	scene.addBody(scene.add(std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), btScalar(0))), 0, {});
+	expectRest(scene, scene.addShape(cube()), 0.5);
+}
+
+TEST(Rest, OnATiltedAndShiftedPlane)
+{
+	BulletWorld scene;
+	const btVector3 normal = btVector3(1, 2, 0).normalized();
+	scene.world.setGravity(btScalar(-9.81) * normal);
+	auto& plane = scene.add(std::make_unique<btStaticPlaneShape>(normal, btScalar(0.25)));
+	scene.addBody(plane, 0, {0, 1, 0});
+	const btQuaternion rotation = shortestArcQuat(btVector3(0, 1, 0), normal);
+	const btVector3 at = btVector3(0, 1, 0) + normal * btScalar(0.25 + 0.5 + 0.02);
+	const btRigidBody& body =
+		scene.addBody(scene.addShape(cube()), 1, {double(at.x()), double(at.y()), double(at.z())}, rotation);
+	scene.step(240);
+	const double height = double((body.getWorldTransform().getOrigin() - btVector3(0, 1, 0)).dot(normal));
+	EXPECT_NEAR(height, 0.75, 0.005);
+}
+
+TEST(Rest, OnItsOwnKind)
+{
+	BulletWorld scene;
+	scene.addBody(scene.addShape(slab()), 0, {0, -0.5, 0});
+	expectRest(scene, scene.addShape(cube()), 0.5);
+}
+
+TEST(Rest, OnItsOwnKindAtAnotherScale)
+{
+	BulletWorld scene;
+	btClodShape& ground = scene.addShape(patchHierarchy(boxMesh({1, 0.1, 1}, {8, 1, 8}, 2)));
+	ground.setLocalScaling(btVector3(10, 10, 10));
+	scene.addBody(ground, 0, {0, -0.5, 0});
+	expectRest(scene, scene.addShape(cube()), 0.5);
+}
+
+TEST(Rest, OnATriangleMeshOfEitherWinding)
+{
+	for (const bool upward : {true, false})
+	{
+		BulletWorld scene;
+		const auto mesh = floorTriangles(20, upward);
+		auto& ground = scene.add(std::make_unique<btBvhTriangleMeshShape>(mesh.get(), true));
+		scene.addBody(ground, 0, {});
+		expectRest(scene, scene.addShape(cube()), 0.5);
+	}
+}
+
+TEST(Rest, OnAScaledTriangleMesh)
+{
+	BulletWorld scene;
+	const auto mesh = floorTriangles(10, true);
+	auto& ground = scene.add(std::make_unique<btBvhTriangleMeshShape>(mesh.get(), true));
+	auto& scaled = scene.add(std::make_unique<btScaledBvhTriangleMeshShape>(&ground, btVector3(2, 1, 2)));
+	scene.addBody(scaled, 0, {});
+	expectRest(scene, scene.addShape(cube()), 0.5);
+}
+
+TEST(Rest, OnAHeightfield)
+{
+	BulletWorld scene;
+	const std::vector<float> heights(16 * 16, 0.0f);
+	auto& ground = scene.add(std::make_unique<btHeightfieldTerrainShape>(
+		16, 16, heights.data(), btScalar(1), btScalar(-1), btScalar(1), 1, PHY_FLOAT, false));
+	scene.addBody(ground, 0, {});
+	expectRest(scene, scene.addShape(cube()), 0.5);
+}
+
+TEST(Rest, InsideACompound)
+{
+	for (const bool ownKind : {true, false})
+	{
+		BulletWorld scene;
+		if (ownKind)
+			scene.addBody(scene.addShape(slab()), 0, {0, -0.5, 0});
+		else
+			scene.addBody(scene.add(std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), btScalar(0))), 0, {});
+		btClodShape& child = scene.addShape(cube());
+		auto& compound = scene.add(std::make_unique<btCompoundShape>());
+		for (const double x : {-1.0, 1.0})
+			compound.addChildShape(btTransform(btQuaternion::getIdentity(), btVector3(btScalar(x), btScalar(0.25), 0)),
+								   &child);
+		expectRest(scene, compound, 0.25);
+	}
+}
+
+TEST(Rest, BulletsConvexShapesOnOurs)
+{
+	BulletWorld scene;
+	scene.addBody(scene.addShape(slab()), 0, {0, -0.5, 0});
+	auto& box = scene.add(std::make_unique<btBoxShape>(btVector3(btScalar(0.5), btScalar(0.5), btScalar(0.5))));
+	expectRest(scene, box, 0.5, 0.1);  // Bullet's own triangle path jitters more
+}
+
+TEST(Rest, OursOnBulletsConvexShapes)
+{
+	BulletWorld scene;
+	auto& box = scene.add(std::make_unique<btBoxShape>(btVector3(5, btScalar(0.5), 5)));
+	scene.addBody(box, 0, {0, -0.5, 0});
+	expectRest(scene, scene.addShape(cube()), 0.5);
+}
+
+TEST(Rest, AtAHundredTimesTheUnit)
+{
+	BulletWorld scene;
+	scene.world.setGravity(btVector3(0, btScalar(-981), 0));
+	btClodShape& ground = scene.addShape(patchHierarchy(boxMesh({0.1, 0.01, 0.1}, {20, 1, 20}, 2)));
+	btClodShape& small = scene.addShape(patchHierarchy(boxMesh({0.01, 0.01, 0.01}, {2, 2, 2}, 1)));
+	for (btClodShape* shape : {&ground, &small}) shape->setLocalScaling(btVector3(100, 100, 100));
+	scene.addBody(ground, 0, {0, -0.5, 0});
+	expectRest(scene, small, 0.5);
+}
+
+TEST(Rest, MarginsKeepBodiesApart)
+{
+	BulletWorld scene;
+	btClodShape& ground = scene.addShape(slab());
+	btClodShape& falling = scene.addShape(cube());
+	ground.setMargin(btScalar(0.05));
+	falling.setMargin(btScalar(0.02));
+	scene.addBody(ground, 0, {0, -0.5, 0});
+	expectRest(scene, falling, 0.57);
+}
+
+namespace
+{
+struct Collected : btCollisionWorld::ContactResultCallback
+{
+	std::vector<btManifoldPoint> points;
+	std::vector<bool> firstIsBody;
+	const btCollisionObject* body = nullptr;
+	btScalar addSingleResult(btManifoldPoint& point, const btCollisionObjectWrapper* wrapper0, int, int,
+							 const btCollisionObjectWrapper*, int, int) override
+	{
+		points.push_back(point);
+		firstIsBody.push_back(wrapper0->getCollisionObject() == body);
+		return 0;
+	}
+};
+}  // namespace
+
+TEST(ContactPairTest, FindsPointsOfItsOwnKindAndOfAPlane)
+{
+	for (const bool ownKind : {true, false})
+	{
+		BulletWorld scene;
+		btRigidBody& ground =
+			ownKind ? scene.addBody(scene.addShape(slab()), 0, {0, -0.5, 0})
+					: scene.addBody(scene.add(std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), btScalar(0))), 0,
+									{});
+		btRigidBody& body = scene.addBody(scene.addShape(cube()), 1, {0, 0.49, 0});
+		Collected touching;
+		scene.world.contactPairTest(&body, &ground, touching);
+		EXPECT_GE(touching.points.size(), 4u);
+		for (const btManifoldPoint& point : touching.points) EXPECT_NEAR(double(point.getDistance()), -0.01, 1e-4);
+
+		body.getWorldTransform().setOrigin(btVector3(0, btScalar(1.5), 0));
+		Collected apart, within;
+		scene.world.contactPairTest(&body, &ground, apart);
+		EXPECT_TRUE(apart.points.empty());
+		within.m_closestDistanceThreshold = 2;
+		scene.world.contactPairTest(&body, &ground, within);
+		ASSERT_GE(within.points.size(), 4u);
+		for (const btManifoldPoint& point : within.points) EXPECT_NEAR(double(point.getDistance()), 1, 1e-4);
+		EXPECT_EQ(scene.dispatcher.getNumManifolds(), 0);
+	}
+}
+
+TEST(ContactPairTest, SwappedBodiesNegateTheNormalAndKeepTheDistance)
+{
+	BulletWorld scene;
+	btRigidBody& ground = scene.addBody(scene.addShape(slab()), 0, {0, -0.5, 0});
+	btRigidBody& body = scene.addBody(scene.addShape(cube()), 1, {0.1, 0.49, 0.2});
+	Collected forward, backward;
+	forward.body = backward.body = &body;
+	scene.world.contactPairTest(&body, &ground, forward);
+	scene.world.contactPairTest(&ground, &body, backward);
+	ASSERT_EQ(forward.points.size(), backward.points.size());
+	ASSERT_FALSE(forward.points.empty());
+	for (std::size_t i = 0; i < forward.points.size(); ++i)
+	{
+		// Bullet: the normal points to body 0 of the result.
+		EXPECT_TRUE(forward.firstIsBody[i]);
+		EXPECT_FALSE(backward.firstIsBody[i]);
+		EXPECT_NEAR(double(forward.points[i].m_normalWorldOnB.y()), 1, 1e-5);
+		EXPECT_NEAR(double(backward.points[i].m_normalWorldOnB.y()), -1, 1e-5);
+		EXPECT_NEAR(double(forward.points[i].getDistance()), double(backward.points[i].getDistance()), 1e-6);
+		const btVector3 onB = forward.points[i].getPositionWorldOnB(), onA = backward.points[i].getPositionWorldOnA();
+		EXPECT_LT(double((onB - onA).length()), 1e-5);
+		EXPECT_NEAR(double(onB.y()), 0, 1e-5);
+	}
+}
+
+TEST(ContactTest, FindsEveryPartner)
+{
+	BulletWorld scene;
+	scene.addBody(scene.addShape(slab()), 0, {0, -0.5, 0});
+	btRigidBody& body = scene.addBody(scene.addShape(cube()), 1, {0.1, 0.495, 0.2});
+	Collected all;
+	scene.world.contactTest(&body, all);
+	EXPECT_GE(all.points.size(), 4u);
+}
+
+TEST(RayTest, HitsOursAloneAndInACompound)
+{
+	BulletWorld scene;
+	btClodShape& child = scene.addShape(cube());
+	auto& compound = scene.add(std::make_unique<btCompoundShape>());
+	compound.addChildShape(btTransform(btQuaternion::getIdentity(), btVector3(3, 0, 0)), &child);
+	scene.addBody(child, 0, {});
+	scene.addBody(compound, 0, {});
+	scene.world.updateAabbs();
+	for (const btScalar x : {btScalar(0.1), btScalar(3.1)})
+	{
+		const btVector3 from(x, 5, btScalar(0.1)), to(x, -5, btScalar(0.1));
+		btCollisionWorld::ClosestRayResultCallback hit(from, to);
+		scene.world.rayTest(from, to, hit);
+		ASSERT_TRUE(hit.hasHit());
+		EXPECT_NEAR(double(hit.m_hitPointWorld.y()), 0.5, 1e-4);
+	}
+}
+
+TEST(SweepTest, AConvexShapeMeetsOurs)
+{
+	BulletWorld scene;
+	scene.addBody(scene.addShape(cube()), 0, {});
+	scene.world.updateAabbs();
+	const btSphereShape ball(btScalar(0.25));
+	const btTransform from(btQuaternion::getIdentity(), btVector3(0, 3, 0)),
+		to(btQuaternion::getIdentity(), btVector3(0, -3, 0));
+	btCollisionWorld::ClosestConvexResultCallback hit(from.getOrigin(), to.getOrigin());
+	scene.world.convexSweepTest(&ball, from, to, hit);
+	ASSERT_TRUE(hit.hasHit());
+	EXPECT_NEAR(double(hit.m_hitPointWorld.y()), 0.5, 0.01);
+}
+}  // namespace clod::test

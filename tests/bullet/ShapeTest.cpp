@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// btClodShape as Bullet sees it, alone.
+#include <BulletCollision/NarrowPhaseCollision/btRaycastCallback.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <random>
+#include <set>
+
+#include "clod/bullet/btClodShape.h"
+#include "tests/bullet/BulletWorld.h"
+#include "tests/bullet/PatchHierarchy.h"
+
+namespace clod::test
+{
+namespace
+{
+struct Collector : btTriangleCallback
+{
+	std::multiset<int> indices;
+	bool finite = true;
+	void processTriangle(btVector3* corners, int, int index) override
+	{
+		indices.insert(index);
+		for (int i = 0; i < 3; ++i) finite = finite && std::isfinite(double(corners[i].length2()));
+	}
+};
+
+// All triangles whose own box meets the given box, without any tree.
+std::multiset<int> bruteForce(const btClodShape& shape, const btVector3& low, const btVector3& high)
+{
+	std::multiset<int> indices;
+	const Hierarchy& hierarchy = shape.hierarchy();
+	for (const Node& node : hierarchy.nodes())
+		for (std::uint32_t i = 0; node.level == 0 && i < node.faceCount; ++i)
+		{
+			const Face& face = hierarchy.faces()[node.firstFace + i];
+			btVector3 corners[3];
+			for (int k = 0; k < 3; ++k)
+			{
+				const Vec3 v = shape.scale() * hierarchy.hull(node).vertex(face.vertex[k]);
+				corners[k] = btVector3(btScalar(v.x), btScalar(v.y), btScalar(v.z));
+			}
+			if (TestTriangleAgainstAabb2(corners, low, high)) indices.insert(int(node.firstFace + i));
+		}
+	return indices;
+}
+
+struct RayHit : btTriangleRaycastCallback
+{
+	double fraction = 2;
+	int visited = 0;
+	using btTriangleRaycastCallback::btTriangleRaycastCallback;
+	void processTriangle(btVector3* corners, int part, int index) override
+	{
+		++visited;
+		btTriangleRaycastCallback::processTriangle(corners, part, index);
+	}
+	btScalar reportHit(const btVector3&, btScalar hit, int, int) override
+	{
+		fraction = std::min(fraction, double(hit));
+		return hit;
+	}
+};
+}  // namespace
+
+TEST(ClodShape, TrianglesInABoxAreThoseOfBruteForce)
+{
+	const btClodShape shape(patchHierarchy(boxMesh({4, 2, 3}, {8, 4, 6}, 2)));
+	std::mt19937 random(7);
+	std::uniform_real_distribution<double> place(-3, 3), size(0, 2);
+	int hits = 0;
+	for (int i = 0; i < 200; ++i)
+	{
+		const btVector3 low(btScalar(place(random)), btScalar(place(random)), btScalar(place(random)));
+		const btVector3 high = low + btVector3(btScalar(size(random)), btScalar(size(random)), btScalar(size(random)));
+		Collector found;
+		shape.processAllTriangles(&found, low, high);
+		EXPECT_EQ(found.indices, bruteForce(shape, low, high));
+		hits += found.indices.empty() ? 0 : 1;
+	}
+	EXPECT_GT(hits, 40);
+	EXPECT_LT(hits, 160);
+}
+
+TEST(ClodShape, ADebugDrawersEndlessBoxGivesEveryTriangle)
+{
+	const btClodShape shape(patchHierarchy(ballMesh(1, 2)));
+	Collector found;
+	const btVector3 everything(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
+	shape.processAllTriangles(&found, -everything, everything);
+	EXPECT_EQ(found.indices.size(), 320u);
+	EXPECT_TRUE(found.finite);
+}
+
+TEST(ClodShape, RaysHitAsBruteForceDoesAndVisitFewTriangles)
+{
+	const btClodShape shape(patchHierarchy(boxMesh({40, 2, 40}, {80, 1, 80}, 1)));
+	std::mt19937 random(11);
+	std::uniform_real_distribution<double> place(-30, 30);
+	int hits = 0;
+	for (int i = 0; i < 100; ++i)
+	{
+		const btVector3 from(btScalar(place(random)), 25, btScalar(place(random)));
+		const btVector3 to(btScalar(place(random)), -25, btScalar(place(random)));
+		btVector3 low = from, high = from;
+		low.setMin(to);
+		high.setMax(to);
+		RayHit fast(from, to), slow(from, to);
+		shape.processAllTriangles(&fast, low, high);  // the box of a long diagonal ray holds most triangles
+		const Hierarchy& hierarchy = shape.hierarchy();
+		for (const Node& node : hierarchy.nodes())
+			for (std::uint32_t f = 0; node.level == 0 && f < node.faceCount; ++f)
+			{
+				btVector3 corners[3];
+				for (int k = 0; k < 3; ++k)
+				{
+					const Vec3 v = hierarchy.hull(node).vertex(hierarchy.faces()[node.firstFace + f].vertex[k]);
+					corners[k] = btVector3(btScalar(v.x), btScalar(v.y), btScalar(v.z));
+				}
+				slow.btTriangleRaycastCallback::processTriangle(corners, 0, 0);
+			}
+		EXPECT_EQ(fast.fraction, slow.fraction);
+		EXPECT_LT(fast.visited, 100);  // of 25,600
+		hits += fast.fraction <= 1 ? 1 : 0;
+	}
+	EXPECT_GT(hits, 30);
+	EXPECT_LT(hits, 80);
+}
+
+TEST(ClodShape, InertiaIsThatOfTheSolid)
+{
+	btClodShape box(patchHierarchy(boxMesh({4, 2, 3}, {8, 4, 6}, 2)));
+	btVector3 inertia;
+	box.calculateLocalInertia(12, inertia);
+	EXPECT_NEAR(double(inertia.x()), 4 + 9, 1e-4);
+	EXPECT_NEAR(double(inertia.y()), 16 + 9, 1e-4);
+	EXPECT_NEAR(double(inertia.z()), 16 + 4, 1e-4);
+	box.setLocalScaling(btVector3(2, 2, 2));
+	box.calculateLocalInertia(12, inertia);
+	EXPECT_NEAR(double(inertia.x()), 4 * 13, 1e-3);
+	const btVector3 principal = box.principalInertia(12);
+	EXPECT_NEAR(double(principal.y()), 4 * 25, 1e-3);
+}
+
+TEST(ClodShape, OnlyUniformPositiveScalesAreTaken)
+{
+	btClodShape shape(patchHierarchy(boxMesh({4, 2, 3}, {1, 1, 1}, 1)));
+	const int before = shape.revision();
+	const btScalar nan = std::numeric_limits<btScalar>::quiet_NaN();
+	for (const btVector3& bad :
+		 {btVector3(1, 2, 1), btVector3(-1, -1, -1), btVector3(0, 0, 0), btVector3(nan, nan, nan)})
+	{
+		shape.setLocalScaling(bad);
+		EXPECT_EQ(shape.scale(), 1);
+	}
+	EXPECT_EQ(shape.revision(), before);
+	shape.setLocalScaling(btVector3(100, 100, 100));
+	EXPECT_EQ(shape.scale(), 100);
+	EXPECT_NE(shape.revision(), before);
+	btVector3 low, high;
+	shape.getAabb(btTransform::getIdentity(), low, high);
+	EXPECT_LE(double(low.x()), -200);
+	EXPECT_NEAR(double(high.y()), 100, 0.01);
+	EXPECT_GE(double(high.y()), 100);
+}
+
+TEST(ClodShape, MarginWidensTheAabbOnly)
+{
+	btClodShape shape(patchHierarchy(boxMesh({2, 2, 2}, {1, 1, 1}, 1)));
+	EXPECT_EQ(double(shape.getMargin()), 0);
+	shape.setMargin(btScalar(0.5));
+	btVector3 low, high;
+	shape.getAabb(btTransform::getIdentity(), low, high);
+	EXPECT_NEAR(double(high.x()), 1.5, 1e-5);
+}
+
+// Bullet's 2 % of the radius would merge neighbouring teeth.
+TEST(ClodShape, BreakingThresholdIsFine)
+{
+	const btClodShape shape(patchHierarchy(ballMesh(1, 2)));
+	EXPECT_LE(double(shape.getContactBreakingThreshold(btScalar(0.02))), 0.0031);
+	EXPECT_GT(double(shape.getContactBreakingThreshold(btScalar(0.02))), 0);
+}
+
+TEST(ClodShape, MeshFromBodyIsTheCentreOfMass)
+{
+	PatchedMesh mesh = boxMesh({4, 2, 3}, {1, 1, 1}, 1);
+	for (Vec3& v : mesh.vertices) v += Vec3{1, 2, 3};
+	btClodShape shape(patchHierarchy(mesh));
+	shape.setLocalScaling(btVector3(10, 10, 10));
+	EXPECT_NEAR(double(shape.meshFromBody().getOrigin().z()), 30, 1e-4);
+}
+
+// A shape keeps its hands off the fields that belong to the user.
+TEST(ClodShape, UserFieldsAreUntouched)
+{
+	btClodShape shape(patchHierarchy(ballMesh(1, 1)));
+	EXPECT_EQ(shape.getUserPointer(), nullptr);
+	EXPECT_EQ(shape.getUserIndex(), -1);
+	EXPECT_STREQ(shape.getName(), "Clod");
+	EXPECT_FALSE(shape.isNonMoving() && shape.isConvex());
+}
+}  // namespace clod::test

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Ghost forces at patch borders: a body sliding without friction over a flat slab of many patches must feel nothing.
+// The bound on vertical speed is 1e-3 sqrt(g L), L the body's size; forward speed must not change.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/bullet/BulletWorld.h"
+#include "tests/bullet/PatchHierarchy.h"
+
+namespace clod::test
+{
+namespace
+{
+constexpr double kGravity = 981;  // centimetres
+constexpr double kSpeed = 50;
+
+struct Ride
+{
+	double vertical = 0, spin = 0, forward = 0;
+};
+
+Ride slide(const PatchedMesh& bodyMesh, double height, bool slabFirst)
+{
+	BulletWorld scene;
+	scene.world.setGravity(btVector3(0, btScalar(-kGravity), 0));
+	btClodShape& slab = scene.addShape(patchHierarchy(boxMesh({80, 2, 20}, {85, 2, 8}, 1)));  // 1,714 patches
+	btClodShape& shape = scene.addShape(patchHierarchy(bodyMesh));
+	const auto addSlab = [&] { scene.addBody(slab, 0, {0, -1, 0}).setFriction(0); };
+	if (slabFirst) addSlab();
+	btRigidBody& body = scene.addBody(shape, 1, {-35.03, height, 0.017});
+	if (!slabFirst) addSlab();
+	body.setFriction(0);
+	body.setLinearVelocity(btVector3(btScalar(kSpeed), 0, 0));
+	Ride ride;
+	for (int i = 0; i < 300; ++i)
+	{
+		scene.step();
+		if (i < 24) continue;  // the first contact
+		ride.vertical = std::max(ride.vertical, std::abs(double(body.getLinearVelocity().y())));
+		ride.spin = std::max(ride.spin, double(body.getAngularVelocity().length()));
+	}
+	ride.forward = double(body.getLinearVelocity().x());
+	return ride;
+}
+
+void expectSmooth(const Ride& ride, double size)
+{
+	EXPECT_LT(ride.vertical, 1e-3 * std::sqrt(kGravity * size));
+	EXPECT_NEAR(ride.forward, kSpeed, 1e-3 * kSpeed);
+	EXPECT_LT(ride.spin, 0.05);
+}
+}  // namespace
+
+TEST(Slider, BallOfOnePatch)
+{
+	for (const bool slabFirst : {true, false}) expectSmooth(slide(ballMesh(2, 3), 2, slabFirst), 4);
+}
+
+TEST(Slider, BallWhoseTrianglesAreAllPatches)
+{
+	for (const bool slabFirst : {true, false}) expectSmooth(slide(singleTriangles(ballMesh(2, 3)), 2, slabFirst), 4);
+}
+
+TEST(Slider, Box)
+{
+	for (const bool slabFirst : {true, false}) expectSmooth(slide(boxMesh({4, 2, 3}, {1, 1, 1}, 1), 1, slabFirst), 2);
+}
+
+TEST(Slider, BoxOfManyPatches)
+{
+	for (const bool slabFirst : {true, false}) expectSmooth(slide(boxMesh({4, 2, 3}, {8, 4, 6}, 2), 1, slabFirst), 2);
+}
+
+// Over Bullet's own triangle mesh as well.
+TEST(Slider, BallAndBoxOverATriangleMesh)
+{
+	for (const bool ball : {true, false})
+	{
+		BulletWorld scene;
+		scene.world.setGravity(btVector3(0, btScalar(-kGravity), 0));
+		btTriangleMesh mesh;
+		for (int i = 0; i < 80; ++i)
+			for (int j = 0; j < 20; ++j)
+			{
+				const btVector3 a(btScalar(i - 40), 0, btScalar(j - 10)), x(1, 0, 0), z(0, 0, 1);
+				mesh.addTriangle(a, a + z, a + x);
+				mesh.addTriangle(a + x + z, a + x, a + z);
+			}
+		auto& ground = scene.add(std::make_unique<btBvhTriangleMeshShape>(&mesh, true));
+		scene.addBody(ground, 0, {}).setFriction(0);
+		const PatchedMesh bodyMesh = ball ? ballMesh(2, 3) : boxMesh({4, 2, 3}, {1, 1, 1}, 1);
+		btRigidBody& body =
+			scene.addBody(scene.addShape(patchHierarchy(bodyMesh)), 1, {-35.03, ball ? 2.0 : 1.0, 0.017});
+		body.setFriction(0);
+		body.setLinearVelocity(btVector3(btScalar(kSpeed), 0, 0));
+		Ride ride;
+		for (int i = 0; i < 300; ++i)
+		{
+			scene.step();
+			if (i >= 24) ride.vertical = std::max(ride.vertical, std::abs(double(body.getLinearVelocity().y())));
+		}
+		ride.forward = double(body.getLinearVelocity().x());
+		expectSmooth(ride, 2);
+	}
+}
+}  // namespace clod::test
