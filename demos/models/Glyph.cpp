@@ -28,6 +28,39 @@ double smoothMinimum(double a, double b)
 	const double h = std::max(0.0, 1 - std::fabs(a - b) / JOIN);
 	return std::min(a, b) - 0.25 * JOIN * h * h;
 }
+
+// Where a contour crosses a grid edge: the edge's lower corner, and 0 along x or 1 along y.
+using Crossing = std::array<int, 3>;
+
+struct DepthGrid
+{
+	int columns = int((GLYPH_WIDTH + 2 * GRID_MARGIN) / CELL), rows = int((GLYPH_HEIGHT + 2 * GRID_MARGIN) / CELL);
+	std::vector<double> values;  // depth over the contour's level, row by row
+	static GlyphPoint corner(int i, int j) { return {i * CELL - GRID_MARGIN, j * CELL - GRID_MARGIN}; }
+	double at(int i, int j) const { return values[size_t(j * (columns + 1) + i)]; }
+	GlyphPoint point(const Crossing& c) const
+	{
+		const int i = c[0] + (c[2] == 0 ? 1 : 0), j = c[1] + (c[2] == 0 ? 0 : 1);
+		const GlyphPoint a = corner(c[0], c[1]), b = corner(i, j);
+		const double t = at(c[0], c[1]) / (at(c[0], c[1]) - at(i, j));
+		return {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
+	}
+};
+
+// Adds the contour's pieces in a cell, from crossing to crossing with the ink on their left.
+void linkCell(const DepthGrid& grid, int i, int j, std::map<Crossing, Crossing>& next)
+{
+	const bool ink[4] = {grid.at(i, j) > 0, grid.at(i + 1, j) > 0, grid.at(i + 1, j + 1) > 0, grid.at(i, j + 1) > 0};
+	const Crossing edges[4] = {{i, j, 0}, {i + 1, j, 1}, {i, j + 1, 0}, {i, j, 1}};
+	// Round the cell counter-clockwise: a piece leads from where ink ends back to where that ink began.
+	for (int end = 0; end < 4; ++end)
+	{
+		if (!ink[end] || ink[(end + 1) % 4]) continue;
+		int begin = end;
+		while (ink[begin]) begin = (begin + 3) % 4;
+		next[edges[end]] = edges[begin];
+	}
+}
 }  // namespace
 
 void Glyph::arc(GlyphPoint centre, GlyphPoint radius, double from, double to, std::vector<GlyphPoint> tail)
@@ -126,52 +159,21 @@ GlyphPoint Glyph::moved(GlyphPoint p, double level) const
 
 std::vector<std::vector<GlyphPoint>> Glyph::contours(double level) const
 {
-	const int columns = int((GLYPH_WIDTH + 2 * GRID_MARGIN) / CELL),
-			  rows = int((GLYPH_HEIGHT + 2 * GRID_MARGIN) / CELL);
-	const auto corner = [](int i, int j) { return GlyphPoint{i * CELL - GRID_MARGIN, j * CELL - GRID_MARGIN}; };
-	std::vector<double> value(size_t(columns + 1) * size_t(rows + 1));
-	const auto at = [&](int i, int j) -> double& { return value[size_t(j * (columns + 1) + i)]; };
-	for (int j = 0; j <= rows; ++j)
-		for (int i = 0; i <= columns; ++i) at(i, j) = depth(corner(i, j)) - level;
-	// A crossing is named by its grid edge: lower corner and direction. next: from crossing to crossing, ink on the
-	// left.
-	using Crossing = std::array<int, 3>;
+	DepthGrid grid;
+	for (int j = 0; j <= grid.rows; ++j)
+		for (int i = 0; i <= grid.columns; ++i) grid.values.push_back(depth(DepthGrid::corner(i, j)) - level);
 	std::map<Crossing, Crossing> next;
-	for (int j = 0; j < rows; ++j)
-		for (int i = 0; i < columns; ++i)
-		{
-			const std::array<std::array<int, 2>, 4> corners = {{{i, j}, {i + 1, j}, {i + 1, j + 1}, {i, j + 1}}};
-			const std::array<Crossing, 4> edges = {{{i, j, 0}, {i + 1, j, 1}, {i, j + 1, 0}, {i, j, 1}}};
-			// Walking round the cell counter-clockwise: where ink ends a curve comes in, where it begins one leaves.
-			std::vector<size_t> ends, begins;
-			for (size_t k = 0; k < 4; ++k)
-			{
-				const bool here = at(corners[k][0], corners[k][1]) > 0;
-				const bool there = at(corners[(k + 1) % 4][0], corners[(k + 1) % 4][1]) > 0;
-				if (here && !there) ends.push_back(k);
-				if (!here && there) begins.push_back(k);
-			}
-			for (const size_t e : ends)
-			{
-				// The ink between begin and end, going round: the nearest begin before the end.
-				size_t best = begins[0];
-				for (const size_t b : begins)
-					if ((e + 4 - b) % 4 < (e + 4 - best) % 4) best = b;
-				next[edges[e]] = edges[best];
-			}
-		}
+	for (int j = 0; j < grid.rows; ++j)
+		for (int i = 0; i < grid.columns; ++i) linkCell(grid, i, j, next);
 	std::vector<std::vector<GlyphPoint>> loops;
 	while (!next.empty())
 	{
 		std::vector<GlyphPoint> loop;
-		Crossing c = next.begin()->first;
-		for (auto step = next.find(c); step != next.end(); step = next.find(c))
+		Crossing crossing = next.begin()->first;
+		for (auto step = next.find(crossing); step != next.end(); step = next.find(crossing))
 		{
-			const GlyphPoint a = corner(c[0], c[1]), b = c[2] == 0 ? corner(c[0] + 1, c[1]) : corner(c[0], c[1] + 1);
-			const double va = at(c[0], c[1]), vb = c[2] == 0 ? at(c[0] + 1, c[1]) : at(c[0], c[1] + 1);
-			const double t = va / (va - vb);
-			loop.push_back({a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)});
-			c = step->second;
+			loop.push_back(grid.point(crossing));
+			crossing = step->second;
 			next.erase(step);
 		}
 		loops.push_back(loop);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Order of drawing: background, ground, shadows, opaque bodies, coloured patches and markers (first their hidden parts,
-// faintly, then the visible ones), transparent bodies.
+// faintly, then the visible ones), transparent bodies, patches and markers half over those.
 #include "demos/render/Renderer.h"
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace clod::demo
 namespace
 {
 constexpr double PI = 3.14159265358979323846;
-constexpr float HIDDEN_ALPHA = 0.35f, SHADOW_ALPHA = 0.20f, THIN_SHADOW_ALPHA = 0.09f, VEIL = 0.75f;
+constexpr float HIDDEN_ALPHA = 0.35f, SHADOW_ALPHA = 0.20f, THIN_SHADOW_ALPHA = 0.09f, VEIL = 0.75f, VEIL_ALPHA = 0.6f;
 const Color SKY_TOP = {0.865f, 0.885f, 0.92f, 1}, SKY_BOTTOM = {0.955f, 0.96f, 0.968f, 1};
 
 Matrix4 matrixOf(const Transform& t)
@@ -100,7 +100,13 @@ struct Renderer::Implementation
 	void drawInstance(const Instance& instance) const;
 	void drawTransparent(const Frame& frame) const;
 	std::vector<Layer> upload(const Frame& frame) const;
-	void drawLayers(const std::vector<Layer>& layers, bool hiddenParts) const;
+	enum class Pass
+	{
+		Hidden,  // the parts behind opaque bodies, faintly
+		Visible,
+		ThroughVeil  // the visible parts once more over transparent bodies, so that these hardly tint the colours
+	};
+	void drawLayers(const std::vector<Layer>& layers, Pass pass) const;
 };
 
 void Renderer::Implementation::drawBackground(const Camera& camera, const Ground& ground,
@@ -204,9 +210,10 @@ std::vector<Renderer::Implementation::Layer> Renderer::Implementation::upload(co
 	return layers;
 }
 
-void Renderer::Implementation::drawLayers(const std::vector<Layer>& layers, bool hiddenParts) const
+void Renderer::Implementation::drawLayers(const std::vector<Layer>& layers, Pass pass) const
 {
-	if (hiddenParts)
+	const bool isHidden = pass == Pass::Hidden;
+	if (isHidden)
 	{
 		// One faint layer a pixel, behind what has been drawn.
 		glClear(GL_STENCIL_BUFFER_BIT);
@@ -218,12 +225,12 @@ void Renderer::Implementation::drawLayers(const std::vector<Layer>& layers, bool
 	}
 	solid->set("useVertexColor", true);
 	solid->set("veil", 0.0f);
-	solid->set("baseColor", Color{0, 0, 0, hiddenParts ? HIDDEN_ALPHA : 1.0f});
+	solid->set("baseColor", Color{0, 0, 0, isHidden ? HIDDEN_ALPHA : pass == Pass::Visible ? 1.0f : VEIL_ALPHA});
 	glEnable(GL_POLYGON_OFFSET_FILL);
 	for (size_t i = layers.size(); i-- > 0;)  // markers first: they win the faint pixel
 	{
 		const Layer& layer = layers[i];
-		if (hiddenParts && !layer.isSeenThrough) continue;
+		if (isHidden && !layer.isSeenThrough) continue;
 		glPolygonOffset(layer.isPatch ? -1.0f : 0.0f, layer.isPatch ? -8.0f : 0.0f);
 		solid->set("flatness", layer.flatness);
 		solid->set("worldFromMesh", matrixOf(layer.worldFromMesh));
@@ -305,9 +312,10 @@ Image Renderer::render(const Frame& frame)
 	for (const Instance& instance : frame.instances)
 		if (!instance.isTransparent) r.drawInstance(instance);
 	const std::vector<Implementation::Layer> layers = r.upload(frame);
-	r.drawLayers(layers, true);
-	r.drawLayers(layers, false);
+	r.drawLayers(layers, Implementation::Pass::Hidden);
+	r.drawLayers(layers, Implementation::Pass::Visible);
 	r.drawTransparent(frame);
+	r.drawLayers(layers, Implementation::Pass::ThroughVeil);
 	return reduced(r.context->pixels(), r.supersampling);
 }
 }  // namespace clod::demo
