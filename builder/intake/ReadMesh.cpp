@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "builder/intake/ReadMesh.h"
+
+#include <fmt/format.h>
+
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+
+namespace clod::builder
+{
+namespace
+{
+std::string readBytes(const std::string& path)
+{
+	std::error_code error;
+	const auto status = std::filesystem::status(path, error);
+	if (error || !std::filesystem::exists(status)) throw Refused(Reason::unreadable, fmt::format("no file {}", path));
+	if (!std::filesystem::is_regular_file(status))
+		throw Refused(Reason::unreadable, fmt::format("{} is not a regular file", path));
+	const auto size = std::filesystem::file_size(path, error);
+	if (!error && size > kFileLimit)
+		throw Refused(Reason::limit, fmt::format("{} has {} bytes; the limit is {}", path, size, kFileLimit));
+	std::ifstream file(path, std::ios::binary);
+	std::string bytes(error ? 0 : std::size_t(size), '\0');
+	file.read(bytes.data(), std::streamsize(bytes.size()));
+	if (error || !file) throw Refused(Reason::unreadable, fmt::format("cannot read {}", path));
+	return bytes;
+}
+
+std::string lowerCaseEnding(const std::string& path)
+{
+	std::string ending = std::filesystem::path(path).extension().string();
+	for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
+	return ending;
+}
+}  // namespace
+
+Soup readMesh(const std::string& path)
+{
+	const std::string ending = lowerCaseEnding(path);
+	if (ending != ".obj" && ending != ".off" && ending != ".ply" && ending != ".stl" && ending != ".gltf" &&
+		ending != ".glb")
+		throw Refused(Reason::unreadable,
+					  fmt::format("{} does not end in .obj, .off, .ply, .stl, .gltf or .glb", path));
+	const std::string bytes = readBytes(path);
+	if (ending == ".obj") return parseObj(bytes);
+	if (ending == ".off") return parseOff(bytes);
+	if (ending == ".ply") return parsePly(bytes);
+	if (ending == ".stl") return parseStl(bytes);
+	return parseGltf(bytes, std::filesystem::path(path).parent_path().string());
+}
+}  // namespace clod::builder
