@@ -11,6 +11,9 @@ namespace clod::builder
 namespace
 {
 constexpr int kPartBudget = 400;  // parts of one triangle before the bound at hand is taken
+// Parts narrower than this share of the triangle are rounding of a cut: every point of one lies that close to its
+// neighbour part, which the slack of the stored bounds covers.
+constexpr double kSliver = 1e-13;
 
 using Polygon = std::vector<Vec3>;
 
@@ -18,6 +21,7 @@ struct Part
 {
 	Polygon polygon;
 	int halvings = 0;
+	bool isCut = true;
 };
 
 Vec3 middle(const Polygon& p)
@@ -49,6 +53,13 @@ void cut(const Polygon& p, const Vec3& normal, double offset, Polygon& below, Po
 	if (above.size() < 3) above.clear();
 }
 
+double area(const Polygon& p)
+{
+	Vec3 sum;
+	for (std::size_t i = 2; i < p.size(); ++i) sum += 0.5 * cross(p[i - 1] - p[0], p[i] - p[0]);
+	return length(sum);
+}
+
 double largestDistance(const Polygon& p, const Triangle& t)
 {
 	double most = 0;
@@ -71,7 +82,7 @@ void halve(const Part& part, std::vector<Part>& stack)
 		for (std::size_t j = i + 1; j < p.size(); ++j)
 			if (lengthSquared(p[i] - p[j]) > lengthSquared(p[from] - p[to])) from = i, to = j;
 	const Vec3 normal = normalized(p[to] - p[from]);
-	Part first{{}, part.halvings + 1}, second{{}, part.halvings + 1};
+	Part first{{}, part.halvings + 1, true}, second{{}, part.halvings + 1, true};
 	cut(p, normal, dot(normal, 0.5 * (p[from] + p[to])), first.polygon, second.polygon);
 	for (Part* half : {&first, &second})
 		if (!half->polygon.empty()) stack.push_back(std::move(*half));
@@ -91,7 +102,8 @@ public:
 	{
 		m_normal = normalized(areaVector(t));
 		m_parts = 1;
-		m_stack.push_back({{t.a, t.b, t.c}, 0});
+		m_size = reachFrom({t.a, t.b, t.c}, centroid(t));
+		m_stack.push_back({{t.a, t.b, t.c}, 0, false});
 		while (!m_stack.empty())
 		{
 			const Part part = std::move(m_stack.back());
@@ -107,6 +119,7 @@ private:
 	void visit(const Part& part)
 	{
 		const Vec3 c = middle(part.polygon);
+		if (part.isCut && area(part.polygon) <= kSliver * m_size * reachFrom(part.polygon, c)) return;
 		const auto found = m_nearest(c);
 		const double byCorners = largestDistance(part.polygon, found.first);
 		const double bound = std::min(byCorners, found.second + reachFrom(part.polygon, c));
@@ -127,16 +140,16 @@ private:
 			const Vec3 side = normalized(turned * cross(t[(e + 1) % 3] - t[e], m_normal));
 			if (side == Vec3{} || rest.empty()) continue;
 			cut(rest, side, dot(side, t[e]), inside, outside);
-			if (!outside.empty()) aside.push_back({outside, part.halvings});
+			if (!outside.empty()) aside.push_back({outside, part.halvings, true});
 			rest = inside;
 		}
-		const bool cutAnything = !rest.empty() && !aside.empty();
-		if (!cutAnything) return halve(part, m_stack);
+		constexpr double kWorthwhile = 0.02;  // of the polygon's area
+		if (aside.empty() || area(rest) <= kWorthwhile * area(part.polygon)) return halve(part, m_stack);
 		const double bound = largestDistance(rest, t);
 		if (good(bound))
 			take(bound);
 		else
-			halve({rest, part.halvings}, m_stack);
+			halve({rest, part.halvings, true}, m_stack);
 		for (Part& p : aside) m_stack.push_back(std::move(p));
 	}
 
@@ -144,6 +157,7 @@ private:
 	const Tolerance m_tolerance;
 	Supremum& m_sup;
 	Vec3 m_normal;
+	double m_size = 0;
 	int m_parts = 0;
 	std::vector<Part> m_stack;
 };

@@ -14,7 +14,7 @@ struct Tolerance
 	double absolute;  // and so is one this much above it
 	double accepted(double lower, double upper) const
 	{
-		return std::fmax(upper, std::fmax((1 + relative) * lower, lower + absolute));
+		return std::max(upper, std::max((1 + relative) * lower, lower + absolute));
 	}
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Points, triangles and directed rounding: what every step of the assembly shares.
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -69,8 +70,8 @@ struct Box
 	{
 		for (int i = 0; i < 3; ++i)
 		{
-			low[i] = std::fmin(low[i], p[i]);
-			high[i] = std::fmax(high[i], p[i]);
+			low[i] = std::min(low[i], p[i]);
+			high[i] = std::max(high[i], p[i]);
 		}
 	}
 	void add(const Box& b)
@@ -100,7 +101,7 @@ inline double distanceSquared(const Vec3& p, const Box& b)
 	double sum = 0;
 	for (int i = 0; i < 3; ++i)
 	{
-		const double d = std::fmax(std::fmax(b.low[i] - p[i], p[i] - b.high[i]), 0.0);
+		const double d = std::max(std::max(b.low[i] - p[i], p[i] - b.high[i]), 0.0);
 		sum += d * d;
 	}
 	return sum;

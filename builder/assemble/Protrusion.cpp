@@ -158,8 +158,9 @@ double boundOf(const Solid& solid, const std::array<Vec3, 4>& corner, double& lo
 {
 	const Vec3 c = 0.25 * (corner[0] + corner[1] + corner[2] + corner[3]);
 	double reach = 0, toTriangle = 0;
-	const double d = solid.signedDistance(c);
-	const Triangle& t = solid.tree().triangle(solid.tree().nearest(c).triangle);
+	std::uint32_t nearest = 0;
+	const double d = solid.signedDistance(c, nearest);
+	const Triangle& t = solid.tree().triangle(nearest);
 	for (const Vec3& p : corner)
 	{
 		reach = std::max(reach, length(p - c));
@@ -171,7 +172,7 @@ double boundOf(const Solid& solid, const std::array<Vec3, 4>& corner, double& lo
 
 Protrusion byBranching(const Solid& solid, const HullShape& shape, const Vec3& center, double lower, double tolerance)
 {
-	constexpr int kBudget = 1500;
+	constexpr int kBudget = 400;
 	std::priority_queue<Tetrahedron> queue;
 	for (const Triangle& f : shape.facets)
 	{

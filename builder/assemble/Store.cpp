@@ -59,7 +59,7 @@ private:
 		}
 	}
 
-	float bound(double value) const { return roundUp(value * (1 + 1e-12) + 1e-13 * m_sphere.radius); }
+	float bound(double value) const { return roundUp(value * (1 + 1e-12) + 1e-11 * m_sphere.radius); }
 
 	void addLevel(std::uint32_t index)
 	{

@@ -78,8 +78,8 @@ bool rayMeets(const Vec3& origin, const Vec3& direction, const Box& b, double li
 			continue;
 		}
 		const double s = (b.low[i] - origin[i]) / direction[i], t = (b.high[i] - origin[i]) / direction[i];
-		low = std::fmax(low, std::fmin(s, t));
-		high = std::fmin(high, std::fmax(s, t));
+		low = std::max(low, std::min(s, t));
+		high = std::min(high, std::max(s, t));
 	}
 	return low <= high;
 }
@@ -166,9 +166,10 @@ Solid::Solid(const Mesh& mesh) : m_tree(mesh), m_normals(mesh.triangles.size())
 	}
 }
 
-double Solid::signedDistance(const Vec3& p) const
+double Solid::signedDistance(const Vec3& p, std::uint32_t& triangle) const
 {
 	const TriangleTree::Nearest n = m_tree.nearest(p);
+	triangle = n.triangle;
 	const double d = std::sqrt(n.distanceSquared);
 	const Vec3& normal = m_normals[n.triangle][std::size_t(n.closest.feature)];
 	return dot(normal, p - n.closest.point) < 0 ? -d : d;

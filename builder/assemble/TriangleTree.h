@@ -113,9 +113,14 @@ class Solid
 public:
 	explicit Solid(const Mesh& mesh);
 	const TriangleTree& tree() const { return m_tree; }
-	// Negative inside.
-	double signedDistance(const Vec3& p) const;
-	double distance(const Vec3& p) const { return std::fmax(0.0, signedDistance(p)); }
+	// Negative inside; `triangle` receives the nearest one.
+	double signedDistance(const Vec3& p, std::uint32_t& triangle) const;
+	double signedDistance(const Vec3& p) const
+	{
+		std::uint32_t triangle;
+		return signedDistance(p, triangle);
+	}
+	double distance(const Vec3& p) const { return std::max(0.0, signedDistance(p)); }
 
 private:
 	TriangleTree m_tree;
