@@ -8,21 +8,6 @@ namespace clod::builder
 {
 namespace
 {
-// Convex polygon with at most 3 + planes vertices, clipped in place.
-void clipBelow(std::vector<Vec3>& polygon, const Plane& plane, double depth, std::vector<Vec3>& scratch)
-{
-	scratch.clear();
-	for (std::size_t i = 0; i < polygon.size(); ++i)
-	{
-		const Vec3& p = polygon[i];
-		const Vec3& q = polygon[i + 1 < polygon.size() ? i + 1 : 0];
-		const double hp = plane.height(p) + depth, hq = plane.height(q) + depth;
-		if (hp < 0) scratch.push_back(p);
-		if ((hp < 0) != (hq < 0)) scratch.push_back(p + (hp / (hp - hq)) * (q - p));
-	}
-	polygon.swap(scratch);
-}
-
 // Whether the open segment p, q passes through the triangle, judged by exact signs; touching counts.
 bool segmentCrosses(const Vec3& p, const Vec3& q, const TrianglePoints& t)
 {
@@ -55,6 +40,20 @@ double cross2(const Point2& a, const Point2& b, const Point2& c)
 	return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 }  // namespace
+
+void clipBelow(std::vector<Vec3>& polygon, const Plane& plane, double depth, std::vector<Vec3>& scratch)
+{
+	scratch.clear();
+	for (std::size_t i = 0; i < polygon.size(); ++i)
+	{
+		const Vec3& p = polygon[i];
+		const Vec3& q = polygon[i + 1 < polygon.size() ? i + 1 : 0];
+		const double hp = plane.height(p) + depth, hq = plane.height(q) + depth;
+		if (hp < 0) scratch.push_back(p);
+		if ((hp < 0) != (hq < 0)) scratch.push_back(p + (hp / (hp - hq)) * (q - p));
+	}
+	polygon.swap(scratch);
+}
 
 bool entersHull(const TrianglePoints& triangle, const std::vector<Plane>& planes, double depth)
 {

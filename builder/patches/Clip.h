@@ -11,6 +11,9 @@ namespace clod::builder
 {
 using TrianglePoints = std::array<Vec3, 3>;
 
+// Keeps the part of a convex polygon that lies deeper than depth below the plane.
+void clipBelow(std::vector<Vec3>& polygon, const Plane& plane, double depth, std::vector<Vec3>& scratch);
+
 // Whether some point of the triangle lies deeper than depth below every plane. A separating plane is looked for first.
 bool entersHull(const TrianglePoints& triangle, const std::vector<Plane>& planes, double depth);
 

@@ -3,6 +3,7 @@
 #include "builder/patches/Validity.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace clod::builder
 {
@@ -321,19 +322,27 @@ bool Validity::frontIsCovered(std::size_t reference)
 	return covered >= needed || covered + foreignCover(plane, outline, box) >= needed;
 }
 
+// Area of the front that lies inside the solid or just outside: over such a point one more face leaves the solid than
+// enters it. Faces higher than the front is wide are left out, which can only make the result smaller.
 double Validity::foreignCover(const Plane& plane, const std::vector<Point2>& front, const Box& box) const
 {
-	const double slab = 2 * kBlind * tolerance;
-	// Same frame as the caller's up to its origin, which the outline fixes: coordinates are taken from its first face.
 	const PlaneFrame frame(plane, m_facePoints[std::size_t(&plane - m_facePlanes.data())][0]);
+	const double slab = 2 * kBlind * tolerance;
+	const double reach = slab + length(box.high - box.low);
+	Box searched = box;
+	searched.include(Box{box.low + reach * plane.normal, box.high + reach * plane.normal});
 	double covered = 0;
-	searchForeign(box.grownBy(slab),
+	searchForeign(searched.grownBy(slab),
 				  [&](std::uint32_t, const TrianglePoints& t)
 				  {
-					  if (dot(cross(t[1] - t[0], t[2] - t[0]), plane.normal) <= 0) return true;
-					  for (const Vec3& p : t)
-						  if (std::fabs(plane.height(p)) > slab) return true;
-					  covered += areaOf(clipped({frame(t[0]), frame(t[1]), frame(t[2])}, front));
+					  const bool leaves = dot(cross(t[1] - t[0], t[2] - t[0]), plane.normal) > 0;
+					  static thread_local std::vector<Vec3> polygon, scratch;
+					  polygon.assign(t.begin(), t.end());
+					  clipBelow(polygon, {-plane.normal, -plane.offset}, leaves ? -slab : 0, scratch);
+					  clipBelow(polygon, plane, -reach, scratch);
+					  std::vector<Point2> projected;
+					  for (const Vec3& p : polygon) projected.push_back(frame(p));
+					  covered += areaOf(clipped(std::move(projected), front));
 					  return true;
 				  });
 	return covered;
