@@ -85,6 +85,8 @@ public:
 	ContactMetric worldMetric = ContactMetric::errorShare(0.005);
 	// Returns true and fills the metric to decide a pair. Called once a pair and dispatch, maybe from several threads.
 	std::function<bool(const btCollisionObject& a, const btCollisionObject& b, ContactMetric& metric)> pairMetric;
+	// Search the signed gap of touching bodies too (PairReport::result then has it, certified). Costs milliseconds.
+	bool searchGap = false;
 	// Receives each warning once a pair and cause; prints to stderr by default; empty = silent (lastStep() has it
 	// still).
 	std::function<void(const std::string& message)> warn;

@@ -238,6 +238,7 @@ void PairState::findPoints()
 	Settings settings;
 	settings.metric = m_report.metric;
 	settings.tolerance = m_report.tolerance;
+	settings.contactsOnly = !m_context.searchGap;
 	query(m_shapeA->hierarchy(), m_shapeB->hierarchy(), m_aFromB, settings, m_cache, m_result);
 	m_report.queryMicroseconds = microsecondsSince(start);
 	m_clipper.clip(m_shapeA->hierarchy(), m_shapeB->hierarchy(), m_aFromB, m_result.contacts, m_rules, m_points);
@@ -281,14 +282,46 @@ void PairState::warnOnce(bool now, unsigned bit, const char* cause)
 				  std::to_string(m_report.motion) + ", hierarchy unit)");
 }
 
-// Does the inside test find a depth that the chosen points do not answer?
-bool PairState::deeperThanPoints() const
+// Is there a depth that the chosen points do not answer? A component inside the other body, a chosen point where its
+// face's stored thickness ends, or hulls that overlap without any point: then the gap is searched after all.
+bool PairState::deeperThanPoints()
 {
 	double answered = 0;
+	bool atBottom = false;
 	for (const ContactCluster& cluster : m_clusters.slots)
 		for (int i = 0; i < cluster.count; ++i)
-			answered = std::max(answered, -cluster.points[std::size_t(i)].point.height);
-	return -m_result.minDistance > kUnansweredShare * answered + m_rules.resting;
+		{
+			const ContactPoint& point = cluster.points[std::size_t(i)].point;
+			answered = std::max(answered, -point.height);
+			atBottom = atBottom || point.atBottom;
+		}
+	if (m_result.deep && !m_context.searchGap) return true;
+	const bool overlap = std::any_of(m_result.contacts.begin(), m_result.contacts.end(),
+									 [](const Contact& contact) { return contact.upper <= 0; });
+	double depth = -m_result.minDistance;
+	if (overlap && m_report.points == 0 && !m_context.searchGap && m_partner == Partner::Clod)
+	{
+		Settings settings;
+		settings.metric = m_report.metric;
+		settings.tolerance = m_report.tolerance;
+		query(m_shapeA->hierarchy(), m_shapeB->hierarchy(), m_aFromB, settings, m_cache, m_searched);
+		depth = -m_searched.minDistance;
+	}
+	return atBottom || depth > kUnansweredShare * answered + m_rules.resting;
+}
+
+// Certified width of the nodes in contact: the true gap of a pair is within it of the hulls' distance.
+double PairState::widthOfContacts() const
+{
+	if (m_partner != Partner::Clod) return m_foreignStats.errorBound;
+	double width = 0;
+	for (const Contact& contact : m_result.contacts)
+	{
+		const Node& a = m_shapeA->hierarchy().node(contact.nodeA);
+		const Node& b = m_shapeB->hierarchy().node(contact.nodeB);
+		width = std::max({width, double(a.cover) + double(b.cover), double(a.protrude) + double(b.protrude)});
+	}
+	return width;
 }
 
 void PairState::judge()
@@ -297,7 +330,7 @@ void PairState::judge()
 	m_report.points = std::uint32_t(m_clusters.pointCount());
 	m_report.clusterCount = 0;
 	for (const ContactCluster& cluster : m_clusters.slots) m_report.clusterCount += cluster.count > 0 ? 1 : 0;
-	m_report.errorBound = m_result.errorBound;
+	m_report.errorBound = widthOfContacts();
 	m_report.finestLevel = m_result.stats.finestLevel;
 	m_report.coarsestLevel = m_result.stats.coarsestLevel;
 	double wall = double(m_shapeA->hierarchy().asset().thinnestWall);

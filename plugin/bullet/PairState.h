@@ -44,7 +44,8 @@ private:
 	void clipForeign();
 	void reduce();
 	void judge();
-	bool deeperThanPoints() const;
+	bool deeperThanPoints();
+	double widthOfContacts() const;
 	void warnOnce(bool now, unsigned bit, const char* cause);
 
 	Context& m_context;
@@ -64,7 +65,7 @@ private:
 	const void* m_seenB = nullptr;
 	int m_seenRevisions = -1;
 	PairCache m_cache;
-	QueryResult m_result;
+	QueryResult m_result, m_searched;
 	ForeignStats m_foreignStats;
 	ClusterSet m_clusters, m_previous;
 	PairReport m_report;

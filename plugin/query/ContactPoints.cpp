@@ -202,6 +202,7 @@ void PointClipper::clipPair(const Side& reference, const Side& other, std::vecto
 				out.height = height - m_rules->margin;
 				out.predicted = predicted;
 				out.referenceIsA = reference.isA;
+				out.atBottom = atBottom(prism, height);
 				out.pointOnA = reference.isA ? onReference : m_aFromB * point;
 				out.pointOnB = reference.isA ? point : m_aFromB * onReference;
 				out.normal = reference.isA ? -normal : m_aFromB.rotation * normal;

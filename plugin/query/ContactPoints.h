@@ -25,6 +25,7 @@ struct ContactPoint
 	std::uint32_t nodeA, nodeB;
 	std::uint32_t faceA, faceB;  // global face indices; kNone where there is none (a plane)
 	bool referenceIsA;
+	bool atBottom;  // where the reference face's stored thickness ends: the true depth may be larger
 };
 
 // Velocity field of A's material relative to B's, in some frame: velocity(p) = linear + angular x p.
@@ -68,6 +69,12 @@ struct FacePrism
 	double top = 0, bottom = 0;  // heights, bottom <= top
 	double heightOf(const Vec3& p) const { return dot(normal, p) - offset; }
 };
+
+// Is a height that came out of clipToPrism the prism's bottom?
+inline bool atBottom(const FacePrism& prism, double height)
+{
+	return height <= prism.bottom * (1 - 1e-9);
+}
 
 using Triangle = std::array<Vec3, 3>;
 

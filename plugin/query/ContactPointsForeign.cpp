@@ -83,6 +83,7 @@ void clipFaceToTriangle(FacePrism prism, const Face& face, const Triangle& corne
 		named.pointOnB = point - height * prism.normal;
 		named.normal = prism.normal;
 		named.referenceIsA = false;
+		named.atBottom = atBottom(prism, height);
 		points.push_back(named);
 	}
 }
@@ -106,6 +107,7 @@ void clipTriangleToFace(FacePrism prism, const Triangle& triangle, const Vec3& t
 		named.pointOnB = point;
 		named.normal = -prism.normal;
 		named.referenceIsA = true;
+		named.atBottom = atBottom(prism, height);
 		points.push_back(named);
 	}
 }

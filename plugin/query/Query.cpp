@@ -62,7 +62,8 @@ bool same(const Metric& l, const Metric& r)
 }
 bool same(const Settings& l, const Settings& r)
 {
-	return same(l.metric, r.metric) && l.tolerance == r.tolerance && l.distance == r.distance && l.paper == r.paper;
+	return same(l.metric, r.metric) && l.tolerance == r.tolerance && l.distance == r.distance &&
+		   l.contactsOnly == r.contactsOnly && l.paper == r.paper;
 }
 bool same(const Transform& l, const Transform& r)
 {
@@ -164,6 +165,11 @@ private:
 
 	void overlapping(bool hullsOverlap, double inside)
 	{
+		if (hullsOverlap && m_settings.contactsOnly)
+		{
+			set({0, kInfinity, false});
+			return;
+		}
 		const double radius = std::min(m_context.a.asset().radius, m_context.b.asset().radius);
 		// The last per cent of a depth is not worth its cost, unless a hard limit asks for it.
 		DepthAccuracy accuracy;

@@ -31,6 +31,9 @@ struct Settings
 	double tolerance = 0;    // report accepted pairs whose hull distance is <= tolerance; >= 0
 	bool distance = false;   // signed gap at any separation (the tolerance then only limits the contact list)
 	bool paper = false;      // paper's culling (d + h_a + h_b), witness D; needs isPaperBuild() on both
+	// Contacts without the signed gap: where hulls overlap no depth is searched (minDistance 0, errorBound inf); deep then
+	// tells only of a component wholly inside the other body. For callers that make their own contact points.
+	bool contactsOnly = false;
 };
 
 // An accepted node pair within the tolerance.
