@@ -198,7 +198,7 @@ private:
 					[&](std::size_t i)
 					{
 						std::vector<Vec3> points;
-						Box box;
+						AxisBox box;
 						std::vector<std::uint32_t> open{top.firstNode + std::uint32_t(i)};
 						while (!open.empty())
 						{

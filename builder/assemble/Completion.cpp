@@ -19,13 +19,13 @@ constexpr std::size_t kCornerLimit = 64;
 
 using Pairs = std::vector<std::array<std::uint32_t, 2>>;  // the second may be kNone
 
-double surface(const Box& b)
+double surface(const AxisBox& b)
 {
 	const Vec3 e = b.extent();
 	return e.x * e.y + e.y * e.z + e.z * e.x;
 }
 
-Pairs pairGreedily(const std::vector<Box>& boxes)
+Pairs pairGreedily(const std::vector<AxisBox>& boxes)
 {
 	struct Candidate
 	{
@@ -36,7 +36,7 @@ Pairs pairGreedily(const std::vector<Box>& boxes)
 	for (std::uint32_t i = 0; i < boxes.size(); ++i)
 		for (std::uint32_t j = i + 1; j < boxes.size(); ++j)
 		{
-			Box both = boxes[i];
+			AxisBox both = boxes[i];
 			both.add(boxes[j]);
 			candidates.push_back({surface(both), i, j});
 		}
@@ -56,12 +56,12 @@ Pairs pairGreedily(const std::vector<Box>& boxes)
 	return pairs;
 }
 
-void orderByHalving(const std::vector<Box>& boxes, std::vector<std::uint32_t>& order, std::size_t first,
+void orderByHalving(const std::vector<AxisBox>& boxes, std::vector<std::uint32_t>& order, std::size_t first,
 					std::size_t count)
 {
 	if (count <= 2) return;
 	const auto center = [&boxes](std::uint32_t i, int axis) { return boxes[i].low[axis] + boxes[i].high[axis]; };
-	Box centers;
+	AxisBox centers;
 	for (std::size_t k = first; k < first + count; ++k)
 		centers.add(Vec3{center(order[k], 0), center(order[k], 1), center(order[k], 2)});
 	const Vec3 e = centers.extent();
@@ -75,7 +75,7 @@ void orderByHalving(const std::vector<Box>& boxes, std::vector<std::uint32_t>& o
 	orderByHalving(boxes, order, first + half, count - half);
 }
 
-Pairs pairByOrder(const std::vector<Box>& boxes)
+Pairs pairByOrder(const std::vector<AxisBox>& boxes)
 {
 	std::vector<std::uint32_t> order(boxes.size());
 	std::iota(order.begin(), order.end(), 0u);
@@ -112,7 +112,7 @@ std::vector<Vec3> modestHull(const std::vector<Vec3>& corners, double size)
 	for (std::size_t i : chosen) points.push_back(corners[i]);
 	for (const Vec3& p : points) middle += (1 / double(points.size())) * p;
 	double scale = 1;
-	for (const Plane& plane : hullShape(points, 1e-6 * size).planes)
+	for (const HalfSpace& plane : hullShape(points, 1e-6 * size).planes)
 	{
 		const double room = plane.offset - dot(plane.normal, middle);
 		for (const Vec3& p : corners)
@@ -138,7 +138,7 @@ void completeToRoot(HierarchyDraft& draft, std::vector<std::vector<Vec3>> corner
 	while (draft.levels.back().nodeCount > 1)
 	{
 		const LevelDraft below = draft.levels.back();
-		std::vector<Box> boxes(below.nodeCount);
+		std::vector<AxisBox> boxes(below.nodeCount);
 		for (std::uint32_t i = 0; i < below.nodeCount; ++i)
 			for (const Vec3& p : corners[i]) boxes[i].add(p);
 		const Pairs pairs = below.nodeCount <= kGreedyLimit ? pairGreedily(boxes) : pairByOrder(boxes);
@@ -154,7 +154,7 @@ void completeToRoot(HierarchyDraft& draft, std::vector<std::vector<Vec3>> corner
 							points.insert(points.end(), corners[child].begin(), corners[child].end());
 							nodes[k].children.push_back(below.firstNode + child);
 						}
-						Box box;
+						AxisBox box;
 						for (const Vec3& p : points) box.add(p);
 						const double size = length(box.extent());
 						merged[k] = hullShape(points, 1e-6 * size).corners;

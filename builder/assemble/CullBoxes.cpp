@@ -12,14 +12,14 @@ namespace clod::builder
 {
 namespace
 {
-Box boundsIn(const Mat3& axes, const std::vector<Vec3>& points)
+AxisBox boundsIn(const Mat3& axes, const std::vector<Vec3>& points)
 {
-	Box box;
+	AxisBox box;
 	for (const Vec3& p : points) box.add(axes * p);
 	return box;
 }
 
-double surface(const Box& b)
+double surface(const AxisBox& b)
 {
 	const Vec3 e = b.extent();
 	return e.x * e.y + e.y * e.z + e.z * e.x;
@@ -69,7 +69,7 @@ CullBox fitCullBox(const std::vector<Vec3>& points, const Vec3& normal)
 {
 	Mat3 axes = bestAxes(points, normal);
 	for (Vec3& row : axes.row) row = toVec3(toFloat3(row));
-	const Box bounds = boundsIn(axes, points);
+	const AxisBox bounds = boundsIn(axes, points);
 	const Vec3 middle = 0.5 * (bounds.low + bounds.high);
 	const Float3 center = toFloat3(transposed(axes) * middle);
 	CullBox box{};

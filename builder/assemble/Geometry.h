@@ -61,7 +61,7 @@ inline float roundDown(double v)
 	return -roundUp(-v);
 }
 
-struct Box
+struct AxisBox
 {
 	Vec3 low{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(),
 			 std::numeric_limits<double>::infinity()};
@@ -74,7 +74,7 @@ struct Box
 			high[i] = std::max(high[i], p[i]);
 		}
 	}
-	void add(const Box& b)
+	void add(const AxisBox& b)
 	{
 		add(b.low);
 		add(b.high);
@@ -82,21 +82,21 @@ struct Box
 	Vec3 extent() const { return high - low; }
 };
 
-inline Box boxOf(const Triangle& t)
+inline AxisBox boxOf(const Triangle& t)
 {
-	Box box;
+	AxisBox box;
 	for (int i = 0; i < 3; ++i) box.add(t[i]);
 	return box;
 }
 
-inline bool overlaps(const Box& a, const Box& b)
+inline bool overlaps(const AxisBox& a, const AxisBox& b)
 {
 	for (int i = 0; i < 3; ++i)
 		if (a.low[i] > b.high[i] || b.low[i] > a.high[i]) return false;
 	return true;
 }
 
-inline double distanceSquared(const Vec3& p, const Box& b)
+inline double distanceSquared(const Vec3& p, const AxisBox& b)
 {
 	double sum = 0;
 	for (int i = 0; i < 3; ++i)

@@ -39,9 +39,9 @@ Mat3 directions(const std::vector<Vec3>& points)
 	return eigenFrame(s).axes;
 }
 
-void measureOffsets(std::vector<Plane>& planes, const std::vector<Vec3>& points)
+void measureOffsets(std::vector<HalfSpace>& planes, const std::vector<Vec3>& points)
 {
-	for (Plane& plane : planes)
+	for (HalfSpace& plane : planes)
 	{
 		plane.offset = dot(plane.normal, points[0]);
 		for (const Vec3& p : points) plane.offset = std::max(plane.offset, dot(plane.normal, p));
@@ -90,7 +90,7 @@ HullShape hullShape(const std::vector<Vec3>& input, double minimum)
 			if (k < 3) corner[k++] = toVec3(mesh.point(v));
 		shape.facets.push_back({corner[0], corner[1], corner[2]});
 		const Vec3 n = normalized(cross(corner[1] - corner[0], corner[2] - corner[0]));
-		const auto same = [&n](const Plane& p) { return lengthSquared(p.normal - n) < 1e-20; };
+		const auto same = [&n](const HalfSpace& p) { return lengthSquared(p.normal - n) < 1e-20; };
 		if (n != Vec3{} && std::none_of(shape.planes.begin(), shape.planes.end(), same)) shape.planes.push_back({n, 0});
 	}
 	measureOffsets(shape.planes, points);

@@ -7,7 +7,7 @@
 
 namespace clod::builder
 {
-struct Plane
+struct HalfSpace
 {
 	Vec3 normal;    // unit, outward
 	double offset;  // the hull lies in dot(normal, x) <= offset
@@ -15,7 +15,7 @@ struct Plane
 
 struct HullShape
 {
-	std::vector<Plane> planes;
+	std::vector<HalfSpace> planes;
 	std::vector<Vec3> corners;  // the vertices that span the hull
 	std::vector<Triangle> facets;
 };

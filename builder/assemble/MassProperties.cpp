@@ -12,7 +12,7 @@ namespace
 {
 Vec3 boxCenter(const Mesh& mesh)
 {
-	Box box;
+	AxisBox box;
 	for (const Vec3& v : mesh.vertices) box.add(v);
 	return 0.5 * (box.low + box.high);
 }

@@ -27,13 +27,13 @@ double largest(const Displacement& d, const std::vector<Vec3>& points)
 }
 
 // What is left of a triangle inside all half-spaces; at most 3 + planes corners.
-bool meetsInterior(const Triangle& t, const std::vector<Plane>& planes, double slack)
+bool meetsInterior(const Triangle& t, const std::vector<HalfSpace>& planes, double slack)
 {
-	for (const Plane& plane : planes)
+	for (const HalfSpace& plane : planes)
 		if (std::min({dot(plane.normal, t.a), dot(plane.normal, t.b), dot(plane.normal, t.c)}) > plane.offset + slack)
 			return false;
 	std::vector<Vec3> polygon{t.a, t.b, t.c}, next;
-	for (const Plane& plane : planes)
+	for (const HalfSpace& plane : planes)
 	{
 		next.clear();
 		for (std::size_t i = 0; i < polygon.size(); ++i)
@@ -76,7 +76,7 @@ public:
 		for (bool clear = false; !clear;)
 		{
 			clear = true;
-			std::vector<Plane> planes = moved(displacement, amount / speed);
+			std::vector<HalfSpace> planes = moved(displacement, amount / speed);
 			for (const Triangle& t : m_near)
 				while (meetsInterior(t, planes, kSlack * m_scale.radius))
 				{
@@ -93,10 +93,10 @@ public:
 private:
 	static constexpr double kSlack = 1e-13;
 
-	std::vector<Plane> moved(const Displacement& d, double amount) const
+	std::vector<HalfSpace> moved(const Displacement& d, double amount) const
 	{
-		std::vector<Plane> planes = m_shape.planes;
-		for (Plane& p : planes)
+		std::vector<HalfSpace> planes = m_shape.planes;
+		for (HalfSpace& p : planes)
 			p.offset += amount * (dot(p.normal, d.shift) + d.pull * (dot(p.normal, d.center) - p.offset));
 		return planes;
 	}
@@ -106,7 +106,7 @@ private:
 		if (limit <= m_gathered) return;
 		m_gathered = limit;
 		m_near.clear();
-		Box box;
+		AxisBox box;
 		for (const Vec3& p : m_shape.corners) box.add(p);
 		box.low = box.low - Vec3{limit, limit, limit};
 		box.high = box.high + Vec3{limit, limit, limit};

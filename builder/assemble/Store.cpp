@@ -266,7 +266,7 @@ private:
 		double radius = 0;
 		for (const Vec3& v : mesh.vertices) radius = std::max(radius, length(v - toVec3(toFloat3(m_sphere.center))));
 		asset.radius = roundUp(radius * (1 + 1e-12));
-		Box box;
+		AxisBox box;
 		for (const NodeDraft& node : m_draft.nodes)
 			for (const Vec3& p : storedHullPoints(node)) box.add(p);
 		for (int i = 0; i < 3; ++i)

@@ -22,7 +22,7 @@ TriangleTree::TriangleTree(const Mesh& mesh)
 void TriangleTree::build(std::uint32_t node, std::uint32_t first, std::uint32_t count)
 {
 	constexpr std::uint32_t kLeafSize = 4;
-	Box box, centers;
+	AxisBox box, centers;
 	for (std::uint32_t k = first; k < first + count; ++k)
 	{
 		box.add(boxOf(m_triangles[m_order[k]]));
@@ -67,7 +67,7 @@ double crossing(const Vec3& origin, const Vec3& direction, const Triangle& t)
 	return s;
 }
 
-bool rayMeets(const Vec3& origin, const Vec3& direction, const Box& b, double limit)
+bool rayMeets(const Vec3& origin, const Vec3& direction, const AxisBox& b, double limit)
 {
 	double low = 0, high = limit;
 	for (int i = 0; i < 3; ++i)

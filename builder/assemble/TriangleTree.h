@@ -59,7 +59,7 @@ public:
 
 	// Calls visitor(index) for every triangle whose box overlaps b, until it returns false; says whether none did.
 	template <class Visitor>
-	bool forEachIn(const Box& b, const Visitor& visitor) const
+	bool forEachIn(const AxisBox& b, const Visitor& visitor) const
 	{
 		std::uint32_t stack[64];
 		int top = 0;
@@ -87,7 +87,7 @@ public:
 private:
 	struct TreeNode
 	{
-		Box box;
+		AxisBox box;
 		std::uint32_t first = 0;  // triangle (leaf) or left child; the right one follows it
 		std::uint32_t count = 0;  // triangles of a leaf, 0 for an inner node
 	};
