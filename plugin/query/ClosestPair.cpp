@@ -21,18 +21,16 @@ public:
 	double run()
 	{
 		m_scratch.stack.clear();
-		if (m_scratch.lastA != kNone && m_rule.accepts(nodeA(m_scratch.lastA), nodeB(m_scratch.lastB)))
-			measure(m_scratch.lastA, m_scratch.lastB);
-		push(m_context.a.root(), m_context.b.root());
+		push(m_context.a.root(), m_context.b.root(), 0);
 		while (!m_scratch.stack.empty())
 		{
 			const ClosestPairScratch::Candidate top = m_scratch.stack.back();
 			m_scratch.stack.pop_back();
 			if (top.separation > m_best) continue;
 			if (m_rule.accepts(nodeA(top.a), nodeB(top.b)))
-				measure(top.a, top.b);
+				measure(top);
 			else
-				open(top.a, top.b);
+				open(top);
 		}
 		return m_best;
 	}
@@ -41,8 +39,9 @@ private:
 	const Node& nodeA(std::uint32_t a) const { return m_context.a.node(a); }
 	const Node& nodeB(std::uint32_t b) const { return m_context.b.node(b); }
 
-	void open(std::uint32_t a, std::uint32_t b)
+	void open(const ClosestPairScratch::Candidate& pair)
 	{
+		const std::uint32_t a = pair.a, b = pair.b;
 		const bool opensA = m_rule.opensA(m_context.a, a, m_context.b, b);
 		const Hierarchy& side = opensA ? m_context.a : m_context.b;
 		const Node& node = side.node(opensA ? a : b);
@@ -51,29 +50,26 @@ private:
 		for (std::uint32_t i = 0; i < count; ++i)
 		{
 			const std::uint32_t child = side.children(node)[i];
-			opensA ? push(child, b) : push(a, child);
+			opensA ? push(child, b, pair.separation) : push(a, child, pair.separation);
 		}
 		std::sort(m_scratch.stack.begin() + std::ptrdiff_t(first), m_scratch.stack.end(),
 				  [](const auto& l, const auto& r) { return l.separation > r.separation; });
 	}
 
-	void push(std::uint32_t a, std::uint32_t b)
+	void push(std::uint32_t a, std::uint32_t b, double above)
 	{
 		++m_stats.boxTests;
 		const double separation =
 			m_paper ? paperSeparation(m_context, a, b, m_best)
 					: boxSeparation(placeInA(m_context.a.cullBox(a)), placeInA(m_context.b.cullBox(b), m_context.pose));
-		if (separation <= m_best) m_scratch.stack.push_back({separation, a, b});
+		if (separation <= m_best) m_scratch.stack.push_back({std::max(above, separation), a, b});
 	}
 
-	void measure(std::uint32_t a, std::uint32_t b)
+	void measure(const ClosestPairScratch::Candidate& pair)
 	{
 		++m_stats.hullTests;
-		const HullDistance distance = canonicalDistance(m_context, a, b, m_best);
-		if (distance.lower > m_best || distance.upper >= m_best) return;
-		m_best = distance.upper;
-		m_scratch.lastA = a;
-		m_scratch.lastB = b;
+		const HullDistance distance = canonicalDistance(m_context, pair.a, pair.b, m_best);
+		if (distance.lower <= m_best) m_best = std::min(m_best, std::max(pair.separation, distance.upper));
 	}
 
 	const QueryContext& m_context;

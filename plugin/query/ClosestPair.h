@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// The smallest hull distance over all accepted pairs, at any separation: nearest pairs first. The number is the same
-// whatever the search starts from; only the work differs.
+// The smallest tolerance at which a traversal reports a contact: over all accepted pairs and the ways to them, the
+// smallest max(hull distance, culling separations on the way). That is the smallest hull distance, but for pairs met
+// through shared children only, whose parents' boxes need not enclose their hulls. Nearest pairs first.
 #pragma once
 #include <vector>
 
@@ -13,15 +14,13 @@ struct ClosestPairScratch
 {
 	struct Candidate
 	{
-		double separation;
+		double separation;  // largest on the way from the roots
 		std::uint32_t a, b;
 	};
 	std::vector<Candidate> stack;
-	std::uint32_t lastA = kNone, lastB = kNone;  // the closest pair of the last search: a first upper bound
-	void clear() { lastA = lastB = kNone; }
 };
 
-// Upper end of the certified bracket, evaluated from the canonical start.
+// Hull distances are upper ends of the certified bracket from the canonical start.
 double closestDistance(const QueryContext& context, const StopRule& rule, bool paper, ClosestPairScratch& scratch,
 					   QueryStats& stats);
 }  // namespace clod

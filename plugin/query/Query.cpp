@@ -244,7 +244,6 @@ void followMotion(const QueryContext& context, const Settings& settings, PairCac
 		state.front.clear();
 		state.probesA.clear();
 		state.probesB.clear();
-		state.closest.clear();
 		state.a = &context.a;
 		state.b = &context.b;
 		state.hashA = context.a.contentHash();

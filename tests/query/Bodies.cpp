@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/query/Bodies.h"
+
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+
+#include "builder/Lod.h"
+#include "demos/models/Models.h"
+
+namespace clod::test
+{
+namespace
+{
+[[noreturn]] void fail(const std::string& message)
+{
+	std::fprintf(stderr, "%s\n", message.c_str());
+	std::abort();
+}
+
+// The mesh with its centre of mass at the origin, vertices rounded to float.
+builder::Mesh bodyMesh(const demo::ModelMesh& model)
+{
+	Vec3 center;
+	double volume = 0;
+	for (const auto& t : model.triangles)
+	{
+		const Vec3 &p = model.vertices[t[0]], &q = model.vertices[t[1]], &r = model.vertices[t[2]];
+		const double six = dot(p, cross(q, r));
+		volume += six;
+		center += 0.25 * six * (p + q + r);
+	}
+	center = (1 / volume) * center;
+	builder::Mesh mesh;
+	for (const Vec3& v : model.vertices) mesh.vertices.push_back(toVec3(toFloat3(v - center)));
+	mesh.triangles.assign(model.triangles.begin(), model.triangles.end());
+	return mesh;
+}
+
+Body build(const std::string& name, std::size_t triangles)
+{
+	auto model = demo::makeModel(name, triangles);
+	if (!model) fail(model.error());
+	const auto progress = [](const char*, double) { return true; };
+	const builder::BuildConfig config;
+	const auto content =
+		builder::assembleHierarchy(builder::buildLods(bodyMesh(*model), config, progress), config, progress);
+	auto hierarchy = Hierarchy::fromBytes(encode(content));
+	if (!hierarchy) fail(name + ": " + hierarchy.error());
+	Body result{name, *hierarchy, {}};
+	const Level& input = result.hierarchy->levels()[0];
+	for (std::uint32_t n = input.firstNode; n < input.firstNode + input.nodeCount; ++n)
+	{
+		const Node& node = result.hierarchy->node(n);
+		const HullView hull = result.hierarchy->hull(node);
+		for (const Face& face : result.hierarchy->faces(node))
+			result.triangles.push_back(
+				{hull.vertex(face.vertex[0]), hull.vertex(face.vertex[1]), hull.vertex(face.vertex[2])});
+	}
+	return result;
+}
+}  // namespace
+
+const Body& body(const std::string& model, std::size_t triangles)
+{
+	static std::map<std::pair<std::string, std::size_t>, Body> bodies;
+	const auto key = std::make_pair(model, triangles);
+	auto found = bodies.find(key);
+	if (found == bodies.end()) found = bodies.emplace(key, build(model, triangles)).first;
+	return found->second;
+}
+
+double uniform(Random& random, double low, double high)
+{
+	return low + (high - low) * double(random() >> 11) * 0x1p-53;
+}
+
+Vec3 randomDirection(Random& random)
+{
+	for (;;)
+	{
+		const Vec3 v{uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1)};
+		if (lengthSquared(v) > 1e-3 && lengthSquared(v) < 1) return normalized(v);
+	}
+}
+
+Mat3 randomRotation(Random& random, double largestAngle)
+{
+	const Vec3 axis = randomDirection(random);
+	const double half = 0.5 * uniform(random, 0, largestAngle), s = std::sin(half);
+	return rotationFromQuaternion(s * axis.x, s * axis.y, s * axis.z, std::cos(half));
+}
+
+Transform poseWithGap(Random& random, const Body& a, const Body& b, double gap)
+{
+	const double radiusA = a.hierarchy->asset().radius, radiusB = b.hierarchy->asset().radius;
+	Transform pose{randomRotation(random), 4 * (radiusA + radiusB) * randomDirection(random)};
+	Settings settings;
+	settings.metric.exact = true;
+	settings.distance = true;
+	// Aim at a point of A, not always at its middle; then close in along that line until the bodies touch.
+	const Vec3 target = uniform(random, 0, 0.8) * radiusA * randomDirection(random);
+	const Vec3 way = normalized(target - pose.translation);
+	PairCache cache;
+	QueryResult result;
+	for (int i = 0; i < 200; ++i)
+	{
+		query(*a.hierarchy, *b.hierarchy, pose, settings, cache, result);
+		if (result.minDistance < 1e-4 * smallerRadius(a, b) || result.contacts.size() > 1000000) break;
+		if (dot(pose.translation - target, way) > 0) break;
+		pose.translation += result.minDistance * way;
+	}
+	pose.translation += -gap * smallerRadius(a, b) * way;
+	return pose;
+}
+}  // namespace clod::test

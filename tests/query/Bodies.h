@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Bodies for query tests: small benchmark models through the real builder, and their input triangles read back.
+#pragma once
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "clod/query/Query.h"
+
+namespace clod::test
+{
+struct Body
+{
+	std::string name;
+	std::shared_ptr<const Hierarchy> hierarchy;
+	std::vector<std::array<Vec3, 3>> triangles;  // level 0, body frame
+};
+
+// Builds once per process and model.
+const Body& body(const std::string& model, std::size_t triangles);
+
+using Random = std::mt19937_64;
+double uniform(Random& random, double low, double high);
+Vec3 randomDirection(Random& random);
+Mat3 randomRotation(Random& random, double largestAngle = 3.14159265358979);
+
+// A random pose whose gap is `gap` of the smaller radius to within the hull distance (apart), or the depth reached by
+// pushing B that far beyond first contact (gap < 0).
+Transform poseWithGap(Random& random, const Body& a, const Body& b, double gap);
+
+inline double smallerRadius(const Body& a, const Body& b)
+{
+	return std::min(double(a.hierarchy->asset().radius), double(b.hierarchy->asset().radius));
+}
+}  // namespace clod::test

@@ -1,0 +1,414 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The query against brute force: leaf pairs, signed gap, certificate, cache, pruning, monotony, allocation.
+// CLOD_WALK_STEPS and CLOD_POSES lengthen the random tests.
+#include "clod/query/Query.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <cstring>
+#include <set>
+
+#include "clod/query/MotionBound.h"
+#include "clod/query/QueryContext.h"
+#include "tests/query/Bodies.h"
+#include "tests/query/TriangleGap.h"
+
+namespace
+{
+using namespace clod;
+using namespace clod::test;
+
+int setting(const char* name, int standard)
+{
+	const char* text = std::getenv(name);
+	return text ? std::atoi(text) : standard;
+}
+
+struct BodyPair
+{
+	const Body& a;
+	const Body& b;
+};
+
+std::vector<BodyPair> pairs()
+{
+	return {{body("torus", 900), body("torus", 900)},
+			{body("number8", 600), body("sphere", 300)},
+			{body("box", 12), body("torus", 900)}};
+}
+
+Settings exactSettings(double tolerance)
+{
+	Settings settings;
+	settings.metric.exact = true;
+	settings.tolerance = tolerance;
+	return settings;
+}
+
+QueryResult fresh(const BodyPair& pair, const Transform& pose, const Settings& settings)
+{
+	PairCache cache;
+	QueryResult result;
+	query(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache, result);
+	return result;
+}
+
+// Gap of the smaller radius: a third apart, a third within 1 %, a third overlapping.
+double stratifiedGap(Random& random, int i)
+{
+	if (i % 3 == 0) return uniform(random, 0.011, 0.3);
+	if (i % 3 == 1) return uniform(random, 0, 0.01);
+	return -uniform(random, 0, i % 2 ? 0.01 : 0.1);
+}
+
+bool sameBits(const Contact& l, const Contact& r)
+{
+	const double lv[] = {l.lower,      l.upper,      l.pointOnA.x, l.pointOnA.y, l.pointOnA.z, l.pointOnB.x,
+						 l.pointOnB.y, l.pointOnB.z, l.normal.x,   l.normal.y,   l.normal.z};
+	const double rv[] = {r.lower,      r.upper,      r.pointOnA.x, r.pointOnA.y, r.pointOnA.z, r.pointOnB.x,
+						 r.pointOnB.y, r.pointOnB.z, r.normal.x,   r.normal.y,   r.normal.z};
+	return l.nodeA == r.nodeA && l.nodeB == r.nodeB && std::memcmp(lv, rv, sizeof(lv)) == 0;
+}
+
+std::string difference(const QueryResult& l, const QueryResult& r)
+{
+	if (l.contacts.size() != r.contacts.size())
+		return std::to_string(l.contacts.size()) + " contacts instead of " + std::to_string(r.contacts.size());
+	for (std::size_t i = 0; i < l.contacts.size(); ++i)
+		if (!sameBits(l.contacts[i], r.contacts[i])) return "contact " + std::to_string(i);
+	if (std::memcmp(&l.minDistance, &r.minDistance, sizeof(double)) != 0) return "minDistance";
+	if (std::memcmp(&l.errorBound, &r.errorBound, sizeof(double)) != 0) return "errorBound";
+	return l.deep != r.deep ? "deep" : "";
+}
+
+TEST(Query, ExactEqualsBruteForceOverAllLeafPairs)
+{
+	Random random(1);
+	std::size_t contacts = 0;
+	for (const BodyPair& pair : pairs())
+		for (int i = 0; i < 9; ++i)
+		{
+			const Transform pose = poseWithGap(random, pair.a, pair.b, stratifiedGap(random, i));
+			const double tolerance = uniform(random, 0, 0.05) * smallerRadius(pair.a, pair.b);
+			const QueryResult result = fresh(pair, pose, exactSettings(tolerance));
+			const QueryContext context(*pair.a.hierarchy, *pair.b.hierarchy, pose);
+			std::size_t found = 0;
+			for (std::uint32_t a = 0; a < pair.a.hierarchy->levels()[0].nodeCount; ++a)
+				for (std::uint32_t b = 0; b < pair.b.hierarchy->levels()[0].nodeCount; ++b)
+				{
+					const HullDistance distance = canonicalDistance(context, a, b, tolerance);
+					if (distance.lower > tolerance) continue;
+					ASSERT_LT(found, result.contacts.size());
+					const Contact expected{
+						a, b, distance.lower, distance.upper, distance.pointOnA, distance.pointOnB, distance.normal};
+					EXPECT_TRUE(sameBits(expected, result.contacts[found])) << pair.a.name << " " << a << "," << b;
+					++found;
+				}
+			EXPECT_EQ(found, result.contacts.size());
+			contacts += found;
+		}
+	EXPECT_GT(contacts, 100u);
+}
+
+// The certificate, against triangles. Returns a reason, or nothing.
+std::string broken(const QueryResult& result, const GapInterval& truth, double tolerance)
+{
+	if (result.errorBound == std::numeric_limits<double>::infinity()) return {};
+	if (result.minDistance == std::numeric_limits<double>::infinity())
+		return truth.high > tolerance - result.errorBound - 1e-9 ? "" : "said to be beyond the tolerance";
+	if (result.minDistance - result.errorBound > truth.high + 1e-8) return "gap is smaller than certified";
+	if (result.minDistance + result.errorBound < truth.low - 1e-8) return "gap is larger than certified";
+	return {};
+}
+
+struct BoundCounts
+{
+	int apart = 0, near = 0, overlapping = 0, unproven = 0, broken = 0;
+};
+
+void checkBounds(const Settings& settings, std::uint64_t seed, BoundCounts& counts)
+{
+	Random random(seed);
+	const int poses = setting("CLOD_POSES", 12);
+	for (const BodyPair& pair : pairs())
+		for (int i = 0; i < poses; ++i)
+		{
+			const double radius = smallerRadius(pair.a, pair.b);
+			const Transform pose = poseWithGap(random, pair.a, pair.b, stratifiedGap(random, i));
+			Settings scaled = settings;
+			scaled.tolerance = 0.01 * radius;
+			scaled.metric.weightedDeviation *= radius;
+			scaled.metric.maxError *= radius;
+			const QueryResult result = fresh(pair, pose, scaled);
+			const GapInterval truth = triangleGap(pair.a.triangles, pair.b.triangles, pose, 1e-3 * radius);
+			const std::string reason = broken(result, truth, scaled.tolerance);
+			EXPECT_EQ(reason, "") << pair.a.name << "-" << pair.b.name << " pose " << i << ": "
+								  << result.minDistance / radius << " +- " << result.errorBound / radius << ", truth "
+								  << truth.low / radius << " to " << truth.high / radius << " of the radius, contacts "
+								  << result.contacts.size();
+			++(truth.high <= 0 ? counts.overlapping : truth.low > scaled.tolerance ? counts.apart : counts.near);
+			counts.unproven += result.errorBound == std::numeric_limits<double>::infinity();
+			EXPECT_TRUE(result.deep || result.errorBound <= scaled.metric.maxError)
+				<< result.errorBound / radius << " after " << result.stats.restarts << " restarts";
+			if (result.deep && !scaled.distance && scaled.metric.exact)
+			{
+				EXPECT_LT(truth.low, -0.98 * scaled.tolerance);
+			}
+			if (scaled.metric.exact && scaled.distance)
+			{
+				EXPECT_LE(result.errorBound, 0.01 * std::abs(result.minDistance) + 1e-5 * radius);
+			}
+		}
+	std::printf("apart %d, near %d, overlapping %d, unproven %d\n", counts.apart, counts.near, counts.overlapping,
+				counts.unproven);
+	EXPECT_GT(counts.apart, 0);
+	EXPECT_GT(counts.near, 0);
+	EXPECT_GT(counts.overlapping, 0);
+}
+
+TEST(Certificate, HoldsInExactMode)
+{
+	BoundCounts counts;
+	checkBounds(exactSettings(0), 2, counts);
+}
+TEST(Certificate, HoldsInExactModeAtAnyDistanceAndDepth)
+{
+	BoundCounts counts;
+	Settings settings = exactSettings(0);
+	settings.distance = true;
+	checkBounds(settings, 3, counts);
+	EXPECT_EQ(counts.unproven, 0);
+}
+TEST(Certificate, HoldsWithWeightedDeviation)
+{
+	for (const double s0 : {0.035, 0.0035, 1.0})
+	{
+		BoundCounts counts;
+		Settings settings;
+		settings.metric.weightedDeviation = s0;
+		checkBounds(settings, 4, counts);
+	}
+}
+TEST(Certificate, HoldsWithMaxError)
+{
+	for (const double limit : {0.05, 0.005})
+	{
+		BoundCounts counts;
+		Settings settings;
+		settings.metric.maxError = limit;
+		checkBounds(settings, 5, counts);
+	}
+}
+
+TEST(Certificate, TheCheckSeesPlantedFaults)
+{
+	QueryResult result;
+	result.minDistance = 1;
+	result.errorBound = 0.1;
+	EXPECT_EQ(broken(result, {0.95, 0.95}, 0.5), "");
+	EXPECT_NE(broken(result, {0.85, 0.85}, 0.5), "");
+	EXPECT_NE(broken(result, {1.15, 1.15}, 0.5), "");
+	result.minDistance = std::numeric_limits<double>::infinity();
+	EXPECT_NE(broken(result, {-0.2, 0.2}, 0.5), "");
+	EXPECT_EQ(broken(result, {0.45, 0.45}, 0.5), "");
+}
+
+TEST(TriangleGap, KnowsTwoBoxes)
+{
+	const Body& box = body("box", 12);
+	const Vec3 half =
+		toVec3({box.hierarchy->asset().boxMax[0], box.hierarchy->asset().boxMax[1], box.hierarchy->asset().boxMax[2]});
+	Transform pose;
+	pose.translation = {2 * half.x + 0.25 * half.x, 0, 0};
+	const double accuracy = 1e-3 * half.x;
+	EXPECT_NEAR(triangleGap(box.triangles, box.triangles, pose, accuracy).low, 0.25 * half.x, 1e-5 * half.x);
+	pose.translation = {2 * half.x - 0.1 * half.x, 0.3 * half.y, 0.2 * half.z};
+	const GapInterval deep = triangleGap(box.triangles, box.triangles, pose, accuracy);
+	EXPECT_LE(deep.low, -0.1 * half.x + 1e-5 * half.x);
+	EXPECT_GE(deep.high, -0.1 * half.x - 1e-5 * half.x);
+	EXPECT_LT(deep.high - deep.low, 3 * accuracy);
+}
+
+TEST(Query, CachedEqualsFreshBitForBit)
+{
+	Random random(6);
+	const int steps = setting("CLOD_WALK_STEPS", 500);
+	int withContacts = 0, deep = 0;
+	std::uint64_t cachedTests = 0, freshTests = 0;
+	for (const BodyPair& pair : pairs())
+	{
+		const double radius = smallerRadius(pair.a, pair.b);
+		PairCache cache;
+		QueryResult result;
+		Settings settings = exactSettings(0.01 * radius);
+		Transform pose = poseWithGap(random, pair.a, pair.b, 0);
+		for (int step = 0; step < steps; ++step)
+		{
+			const double size = std::pow(10, uniform(random, -6, -1));
+			if (random() % 40 == 0)
+				pose = poseWithGap(random, pair.a, pair.b, uniform(random, -0.05, 0.05));
+			else if (random() % 10)
+			{
+				pose.rotation = randomRotation(random, size) * pose.rotation;
+				pose.translation += size * radius * randomDirection(random);
+			}
+			if (random() % 30 == 0)
+			{
+				settings = Settings{};
+				settings.tolerance = uniform(random, 0, 0.03) * radius;
+				settings.metric.exact = random() % 3 == 0;
+				if (random() % 2) settings.metric.weightedDeviation = std::pow(10, uniform(random, -4, 0)) * radius;
+				if (random() % 3 == 0) settings.metric.maxError = std::pow(10, uniform(random, -3, -1)) * radius;
+				settings.distance = random() % 3 == 0;
+			}
+			if (random() % 100 == 0) cache.clear();
+			query(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache, result);
+			const QueryResult expected = fresh(pair, pose, settings);
+			ASSERT_EQ(difference(result, expected), "")
+				<< pair.a.name << " step " << step << ": " << result.minDistance << " +- " << result.errorBound
+				<< " deep " << result.deep << ", fresh " << expected.minDistance << " +- " << expected.errorBound
+				<< ", contacts " << result.contacts.size() << ", exact " << settings.metric.exact << ", distance "
+				<< settings.distance << ", restarts " << result.stats.restarts << "," << expected.stats.restarts
+				<< ", point queries " << result.stats.pointQueries << "," << expected.stats.pointQueries;
+			withContacts += !result.contacts.empty();
+			deep += result.deep;
+			cachedTests += result.stats.boxTests;
+			freshTests += expected.stats.boxTests;
+		}
+	}
+	std::printf("%d steps with contacts, %d deep, box tests %.0f %% of fresh\n", withContacts, deep,
+				100.0 * double(cachedTests) / double(freshTests));
+	EXPECT_GT(withContacts, steps);
+	EXPECT_LT(cachedTests, freshTests);
+}
+
+TEST(Query, TheComparisonSeesOneBit)
+{
+	const BodyPair pair = pairs()[0];
+	Random random(7);
+	const Transform pose = poseWithGap(random, pair.a, pair.b, -0.001);
+	const QueryResult result = fresh(pair, pose, exactSettings(0.01 * smallerRadius(pair.a, pair.b)));
+	ASSERT_FALSE(result.contacts.empty());
+	QueryResult fault = result;
+	fault.contacts.back().upper = std::nextafter(fault.contacts.back().upper, 1e300);
+	EXPECT_EQ(difference(result, result), "");
+	EXPECT_NE(difference(result, fault), "");
+	fault = result;
+	fault.contacts.pop_back();
+	EXPECT_NE(difference(result, fault), "");
+}
+
+TEST(BoxSeparation, IsALowerBoundAndLipschitz)
+{
+	Random random(8);
+	for (const BodyPair& pair : pairs())
+	{
+		const Hierarchy &a = *pair.a.hierarchy, &b = *pair.b.hierarchy;
+		for (int i = 0; i < 300; ++i)
+		{
+			Transform pose{randomRotation(random),
+						   uniform(random, 0, 2) * smallerRadius(pair.a, pair.b) * randomDirection(random)};
+			const std::uint32_t n = std::uint32_t(random() % a.nodes().size),
+								m = std::uint32_t(random() % b.nodes().size);
+			const QueryContext here(a, b, pose);
+			const double before = boxSeparation(placeInA(a.cullBox(n)), placeInA(b.cullBox(m), here.pose));
+			EXPECT_LE(before, canonicalDistance(here, n, m, 1e300).upper);
+			// The real faces of every node below lie in the box.
+			pose.rotation = randomRotation(random, 0.05) * pose.rotation;
+			pose.translation += 0.02 * smallerRadius(pair.a, pair.b) * randomDirection(random);
+			const QueryContext there(a, b, pose);
+			const double after = boxSeparation(placeInA(a.cullBox(n)), placeInA(b.cullBox(m), there.pose));
+			EXPECT_LE(std::abs(after - before), motionBound(here.pose, there.pose, here.reachA, here.reachB));
+		}
+	}
+}
+
+TEST(Query, PrunesNothingWithinTheTolerance)
+{
+	// Whatever is within the tolerance by brute force over the nodes of each single level is found there too.
+	Random random(9);
+	for (const BodyPair& pair : pairs())
+		for (int i = 0; i < 6; ++i)
+		{
+			const Transform pose = poseWithGap(random, pair.a, pair.b, stratifiedGap(random, i));
+			const double tolerance = 0.02 * smallerRadius(pair.a, pair.b);
+			const QueryContext context(*pair.a.hierarchy, *pair.b.hierarchy, pose);
+			double nearest = 1e300;
+			for (const auto& s : pair.a.triangles)
+				for (const auto& t : pair.b.triangles)
+				{
+					if (length(s[0] - pose * t[0]) > 3 * smallerRadius(pair.a, pair.b)) continue;
+					nearest = std::min(nearest, triangleDistance(s, {pose * t[0], pose * t[1], pose * t[2]}));
+				}
+			for (const double s0 : {0.0, 0.01, 0.1})
+			{
+				Settings settings;
+				settings.tolerance = tolerance;
+				settings.metric.weightedDeviation = s0 * smallerRadius(pair.a, pair.b);
+				const QueryResult result = fresh(pair, pose, settings);
+				double lowest = tolerance;
+				for (const Contact& contact : result.contacts)
+					lowest = std::min(lowest, contact.lower - double(pair.a.hierarchy->node(contact.nodeA).cover) -
+												  double(pair.b.hierarchy->node(contact.nodeB).cover));
+				if (result.contacts.empty() && result.minDistance > 0) lowest = tolerance - result.errorBound;
+				EXPECT_LE(lowest, nearest + 1e-9) << pair.a.name << " s0 " << s0;
+			}
+		}
+}
+
+TEST(Query, LargerThresholdNeverOpensMore)
+{
+	Random random(10);
+	for (const BodyPair& pair : pairs())
+		for (int i = 0; i < 6; ++i)
+		{
+			const double radius = smallerRadius(pair.a, pair.b);
+			const Transform pose = poseWithGap(random, pair.a, pair.b, stratifiedGap(random, i));
+			std::uint32_t opened = kNone;
+			for (double s0 = 1e-5; s0 < 10; s0 *= 2)
+			{
+				Settings settings;
+				settings.tolerance = 0.01 * radius;
+				settings.metric.weightedDeviation = s0 * radius;
+				const QueryResult result = fresh(pair, pose, settings);
+				EXPECT_LE(result.stats.frontInner, opened);
+				opened = result.stats.frontInner;
+			}
+			EXPECT_LE(opened, fresh(pair, pose, exactSettings(0.01 * radius)).stats.frontInner);
+		}
+}
+
+TEST(Query, OneBodyInsideTheOtherIsNeverApart)
+{
+	const Body &large = body("sphere", 300), &small = body("number8", 600);
+	const double radius = large.hierarchy->asset().radius;
+	if (small.hierarchy->asset().radius > 0.5 * radius) GTEST_SKIP() << "sphere is too small";
+	for (const bool distance : {false, true})
+	{
+		Settings settings = exactSettings(0.001 * radius);
+		settings.distance = distance;
+		const QueryResult result = fresh({large, small}, Transform{}, settings);
+		EXPECT_LT(result.minDistance, 0);
+		EXPECT_TRUE(result.deep);
+		EXPECT_EQ(std::isfinite(result.errorBound), distance);
+	}
+}
+
+TEST(Query, RefusesBadSettings)
+{
+	const Hierarchy& h = *body("box", 12).hierarchy;
+	Settings settings = exactSettings(0.1);
+	EXPECT_EQ(settingsError(h, h, settings), "");
+	settings.tolerance = -1;
+	EXPECT_NE(settingsError(h, h, settings).find("tolerance"), std::string::npos);
+	settings.tolerance = std::nan("");
+	EXPECT_NE(settingsError(h, h, settings).find("tolerance"), std::string::npos);
+	settings.tolerance = 0;
+	settings.paper = true;
+	EXPECT_NE(settingsError(h, h, settings).find("paper"), std::string::npos);
+	settings.paper = false;
+	settings.metric.maxError = -1;
+	EXPECT_NE(settingsError(h, h, settings).find("maxError"), std::string::npos);
+}
+}  // namespace
