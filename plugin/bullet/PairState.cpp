@@ -252,6 +252,8 @@ void PairState::reduce()
 	rules.tolerance = m_rules.resting / m_rules.length;
 	m_excluded.assign(m_points.size(), 0);
 	m_previous = m_clusters;
+	carryWithB(m_previous, m_aFromB * inverse(m_oldAFromB));
+	m_oldAFromB = m_aFromB;
 	m_report.leaks = 0;
 	m_reducer.reduce(m_points, m_excluded, m_previous, rules, m_clusters);
 	if (m_partner != Partner::Clod || m_points.empty()) return;

@@ -64,6 +64,7 @@ private:
 	const void* m_seenA = nullptr;
 	const void* m_seenB = nullptr;
 	int m_seenRevisions = -1;
+	Transform m_oldAFromB;
 	PairCache m_cache;
 	QueryResult m_result, m_searched;
 	ForeignStats m_foreignStats;

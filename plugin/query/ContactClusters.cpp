@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace clod
 {
@@ -32,6 +33,18 @@ int ClusterSet::pointCount() const
 	int count = 0;
 	for (const ContactCluster& cluster : slots) count += cluster.count;
 	return count;
+}
+
+void carryWithB(ClusterSet& set, const Transform& bodyMotion)
+{
+	for (ContactCluster& cluster : set.slots)
+		for (int i = 0; i < cluster.count; ++i)
+		{
+			ClusterPoint& old = cluster.points[std::size_t(i)];
+			// Compared with points on A, so the gap between the surfaces is kept along the normal.
+			old.normalWithB = bodyMotion.rotation * old.point.normal;
+			old.placeWithB = bodyMotion * old.point.pointOnB + old.point.height * old.normalWithB;
+		}
 }
 
 void ContactReducer::binCandidates()
@@ -122,18 +135,33 @@ void ContactReducer::assign()
 	}
 }
 
-std::uint32_t ContactReducer::nearestTo(const ContactPoint& old) const
+// Squared: how far the point is from the old one, on A or on B, turned normals counted as length; infinite when too
+// far.
+double ContactReducer::mismatch(const ClusterPoint& old, const ContactPoint& point) const
 {
-	const double limit = m_rules.matchRadius * m_rules.length, normalWeight = m_rules.matchNormal * m_rules.length;
+	const double limit = m_rules.matchRadius * m_rules.length, weight = m_rules.matchNormal * m_rules.length;
+	double best = std::numeric_limits<double>::infinity();
+	const auto compare = [&](const Vec3& place, const Vec3& normal)
+	{
+		const double placeSquared = lengthSquared(point.pointOnA - place);
+		if (placeSquared > limit * limit || dot(point.normal, normal) < m_rules.matchCosine) return;
+		best = std::min(best, placeSquared + weight * weight * lengthSquared(point.normal - normal));
+	};
+	compare(old.point.pointOnA, old.point.normal);
+	compare(old.placeWithB, old.normalWithB);
+	return best;
+}
+
+std::uint32_t ContactReducer::nearestTo(const ClusterPoint& old) const
+{
+	const double limit = m_rules.matchRadius * m_rules.length;
 	double bestSquared = limit * limit;
 	std::uint32_t best = kNone;
 	for (std::uint32_t i = 0; i < m_candidates->size(); ++i)
 	{
-		const ContactPoint& point = (*m_candidates)[i];
-		const double placeSquared = lengthSquared(point.pointOnA - old.pointOnA);
-		if (placeSquared >= bestSquared || (*m_excluded)[i] || m_taken[i]) continue;
-		const double squared = placeSquared + normalWeight * normalWeight * lengthSquared(point.normal - old.normal);
-		if (squared >= bestSquared || dot(point.normal, old.normal) < m_rules.matchCosine) continue;
+		if ((*m_excluded)[i] || m_taken[i]) continue;
+		const double squared = mismatch(old, (*m_candidates)[i]);
+		if (squared >= bestSquared) continue;
 		best = i;
 		bestSquared = squared;
 	}
@@ -150,7 +178,7 @@ void ContactReducer::remember(const Seed& seed, const ClusterSet& previous, std:
 					 { return old.points[std::size_t(i)].impulse > old.points[std::size_t(j)].impulse; });
 	for (int i = 0; i < old.count; ++i)
 	{
-		const std::uint32_t match = nearestTo(old.points[std::size_t(order[std::size_t(i)])].point);
+		const std::uint32_t match = nearestTo(old.points[std::size_t(order[std::size_t(i)])]);
 		if (match == kNone) continue;
 		m_taken[match] = 1;
 		kept.push_back(match);
@@ -231,7 +259,6 @@ void ContactReducer::link(const ClusterSet& previous, ClusterSet& next) const
 		std::uint32_t from, to;
 	};
 	std::vector<Pair> pairs;
-	const double limit = m_rules.matchRadius * m_rules.length;
 	for (std::uint32_t i = 0; i < kMaxClusters * kClusterPoints; ++i)
 	{
 		const ContactCluster& to = next.slots[i / kClusterPoints];
@@ -241,10 +268,8 @@ void ContactReducer::link(const ClusterSet& previous, ClusterSet& next) const
 		{
 			const ContactCluster& from = previous.slots[j / kClusterPoints];
 			if (int(j % kClusterPoints) >= from.count) continue;
-			const ContactPoint& oldPoint = from.points[j % kClusterPoints].point;
-			const double squared = lengthSquared(newPoint.pointOnA - oldPoint.pointOnA);
-			if (squared <= limit * limit && dot(newPoint.normal, oldPoint.normal) >= m_rules.matchCosine)
-				pairs.push_back({squared, j, i});
+			const double squared = mismatch(from.points[j % kClusterPoints], newPoint);
+			if (squared < std::numeric_limits<double>::infinity()) pairs.push_back({squared, j, i});
 		}
 	}
 	std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& p, const Pair& q) { return p.squared < q.squared; });

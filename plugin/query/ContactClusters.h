@@ -20,7 +20,9 @@ struct ClusterPoint
 {
 	ContactPoint point{};
 	std::uint32_t previous = kNone;  // cluster * kClusterPoints + index in the previous set; kNone = a new point
-	double impulse = 0;              // set by the owner before the next reduction: strong points are remembered first
+	double impulse = 0;  // set by the owner before the next reduction: strong points are remembered first
+	// Where last step's point would be had it moved with body B (see carryWithB), in frame A.
+	Vec3 placeWithB, normalWithB;
 };
 
 struct ContactCluster
@@ -37,6 +39,10 @@ struct ClusterSet
 	void clear() { slots = {}; }
 	int pointCount() const;
 };
+
+// Fills placeWithB and normalWithB: a corner of B that slides over A is the same point although it moves in A's frame.
+// bodyMotion maps B's material of the last step to now, both in frame A.
+void carryWithB(ClusterSet& set, const Transform& bodyMotion);
 
 // All shares of PointRules::length unless named otherwise.
 struct ClusterRules
@@ -78,7 +84,8 @@ private:
 	void fill(const Seed& seed, std::vector<std::uint32_t>& kept) const;
 	void link(const ClusterSet& previous, ClusterSet& next) const;
 	bool belongs(const Seed& seed, const ContactPoint& point, double& score) const;
-	std::uint32_t nearestTo(const ContactPoint& old) const;
+	double mismatch(const ClusterPoint& old, const ContactPoint& point) const;
+	std::uint32_t nearestTo(const ClusterPoint& old) const;
 
 	const std::vector<ContactPoint>* m_candidates = nullptr;
 	const std::vector<char>* m_excluded = nullptr;

@@ -352,6 +352,18 @@ PatchedMesh boxMesh(const Vec3& size, const std::array<int, 3>& n, int cells)
 	return mesh;
 }
 
+namespace
+{
+// Turns the mesh so that the face looks down: a ball on a corner would topple.
+void layOnFace(PatchedMesh& mesh, const std::array<std::uint32_t, 3>& face)
+{
+	const Vec3 down = normalized(mesh.vertices[face[0]] + mesh.vertices[face[1]] + mesh.vertices[face[2]]);
+	const Vec3 side = normalized(cross(down, Vec3{0.3, 0.5, 0.8}));
+	const Mat3 rotation = {{side, -down, cross(side, -down)}};
+	for (Vec3& v : mesh.vertices) v = rotation * v;
+}
+}  // namespace
+
 PatchedMesh ballMesh(double radius, int steps)
 {
 	PatchedMesh mesh;
@@ -383,6 +395,7 @@ PatchedMesh ballMesh(double radius, int steps)
 		mesh.triangles = finer;
 	}
 	for (Vec3& v : mesh.vertices) v = radius * normalized(v);
+	layOnFace(mesh, mesh.triangles.back());
 	mesh.patch.assign(mesh.triangles.size(), 0);
 	mesh.wall = 2 * radius;
 	return mesh;

@@ -21,7 +21,7 @@ struct PatchedMesh
 
 // A box of n[0] x n[1] x n[2] cells, two triangles a cell side; patches of `cells` x `cells` cells of one side.
 PatchedMesh boxMesh(const Vec3& size, const std::array<int, 3>& n, int cells);
-// An icosahedron divided `steps` times; one patch, as it is convex.
+// An icosahedron divided `steps` times; one patch, as it is convex. Lies on a face.
 PatchedMesh ballMesh(double radius, int steps);
 // The same with every triangle its own patch.
 PatchedMesh singleTriangles(PatchedMesh mesh);

