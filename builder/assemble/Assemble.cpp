@@ -31,7 +31,7 @@ public:
 		  m_progress(progress),
 		  m_solid(m_lods.front().mesh),
 		  m_sphere(boundingSphere(m_lods.front().mesh.vertices)),
-		  m_scale{m_sphere.radius, 8 * std::ldexp(m_sphere.radius, -24)}
+		  m_scale{m_sphere.radius, 8 * std::ldexp(m_sphere.radius, -24), 0}
 	{
 	}
 

@@ -2,7 +2,6 @@
 #include "builder/assemble/Protrusion.h"
 
 #include <algorithm>
-#include <queue>
 
 #include "builder/assemble/HullPlanes.h"
 
@@ -146,103 +145,175 @@ double byDisplacement(Cell& cell, const std::vector<Vec3>& normals, double start
 	return best;
 }
 
-// Branch and bound over tetrahedra (Lipschitz constant 1).
+// A corner of a cell, and where the cell's map takes it: a little below the surface, or nowhere if it is deeper
+// already.
+struct Corner
+{
+	Vec3 point, image;
+	double distance;  // to the solid
+	double moved;     // infinity: no place in the solid was found
+};
+
 struct Tetrahedron
 {
-	std::array<Vec3, 4> corner;
-	double bound;
+	std::array<std::uint32_t, 4> corner;
+	double bound;  // holds whatever happens
 	bool operator<(const Tetrahedron& other) const { return bound < other.bound; }
 };
 
-double boundOf(const Solid& solid, const std::array<Vec3, 4>& corner, double& lower)
+// The body cut into tetrahedra, each with its own affine map given by the images of its corners.
+class Mapping
 {
-	const Vec3 c = 0.25 * (corner[0] + corner[1] + corner[2] + corner[3]);
-	double reach = 0, toTriangle = 0;
-	std::uint32_t nearest = 0;
-	const double d = solid.signedDistance(c, nearest);
-	const Triangle& t = solid.tree().triangle(nearest);
-	for (const Vec3& p : corner)
+public:
+	Mapping(const Solid& solid, const HullShape& shape, const Vec3& center, const ProtrusionScale& scale,
+			Protrusion known)
+		: m_solid(solid), m_scale(scale), m_known(known)
 	{
-		reach = std::max(reach, length(p - c));
-		toTriangle = std::max(toTriangle, std::sqrt(distanceSquared(p, t)));
+		m_result.lower = known.lower;
+		for (const Triangle& f : shape.facets)
+			for (int k = 0; k < 3; ++k) m_result.lower = std::max(m_result.lower, solid.distance(f[k]));
+		m_depth = std::max(0.1 * m_result.lower, 1e-5 * scale.radius);
+		m_result.upper = m_result.lower;
+		const std::uint32_t apex = add(center);
+		for (const Triangle& f : shape.facets) m_cells.push_back({{apex, add(f.a), add(f.b), add(f.c)}, known.upper});
 	}
-	lower = std::max(lower, d);
-	return std::max(0.0, std::min(d + reach, d < -reach ? 0.0 : toTriangle));
-}
 
-Protrusion byBranching(const Solid& solid, const HullShape& shape, const Vec3& center, double lower, double tolerance)
-{
-	constexpr int kBudget = 400;
-	std::priority_queue<Tetrahedron> queue;
-	for (const Triangle& f : shape.facets)
+	// The cell with the largest bound first, so that what is left when the budget ends is bounded well.
+	Protrusion run()
 	{
-		const std::array<Vec3, 4> corner{center, f.a, f.b, f.c};
-		queue.push({corner, boundOf(solid, corner, lower)});
+		for (int i = 0; !m_cells.empty() && m_cells.front().bound > accepted(); ++i)
+		{
+			std::pop_heap(m_cells.begin(), m_cells.end());
+			const Tetrahedron cell = m_cells.back();
+			m_cells.pop_back();
+			const double moved = largestMove(cell);
+			if (moved <= accepted() && imageIsInside(cell))
+				m_result.upper = std::max(m_result.upper, moved);
+			else if (i < m_scale.budget)
+				split(cell);
+			else
+				m_result.upper = std::max(m_result.upper, cell.bound);
+		}
+		m_result.upper = std::max(m_result.upper, m_cells.empty() ? 0 : m_cells.front().bound);
+		m_result.upper = std::min(std::max(m_result.upper, m_result.lower), m_known.upper);
+		return m_result;
 	}
-	for (int i = 0; i < kBudget && queue.top().bound > std::max(1.15 * lower, lower + tolerance); ++i)
+
+private:
+	double accepted() const
 	{
-		const Tetrahedron t = queue.top();
-		queue.pop();
+		return std::max({m_result.upper, 1.2 * m_result.lower, m_result.lower + 3e-5 * m_scale.radius});
+	}
+
+	std::uint32_t add(const Vec3& p)
+	{
+		Corner corner{p, p, 0, 0};
+		const double d = m_solid.signedDistance(p);
+		corner.distance = std::max(0.0, d);
+		m_result.lower = std::max(m_result.lower, corner.distance);
+		if (d > -m_depth)
+		{
+			const TriangleTree::Nearest near = m_solid.tree().nearest(p);
+			const Vec3 inward = -normalized(m_solid.normal(near));
+			corner.moved = std::numeric_limits<double>::infinity();
+			for (double depth : {m_depth, 0.3 * m_depth})
+			{
+				corner.image = near.closest.point + depth * inward;
+				if (m_solid.signedDistance(corner.image) >= 0) continue;
+				corner.moved = length(corner.image - p);
+				break;
+			}
+		}
+		m_corners.push_back(corner);
+		return std::uint32_t(m_corners.size() - 1);
+	}
+
+	double largestMove(const Tetrahedron& cell) const
+	{
+		double most = 0;
+		for (std::uint32_t c : cell.corner) most = std::max(most, m_corners[c].moved);
+		return most;
+	}
+
+	// The distance to the solid has Lipschitz constant 1.
+	double lipschitz(const Tetrahedron& cell) const
+	{
+		double least = std::numeric_limits<double>::infinity();
+		for (std::uint32_t c : cell.corner)
+		{
+			double reach = 0;
+			for (std::uint32_t other : cell.corner)
+				reach = std::max(reach, length(m_corners[c].point - m_corners[other].point));
+			least = std::min(least, m_corners[c].distance + reach);
+		}
+		return least;
+	}
+
+	// No input triangle meets the image's interior. A flat image is held by its box besides its faces.
+	bool imageIsInside(const Tetrahedron& cell) const
+	{
+		constexpr int kFaces[4][3] = {{0, 1, 2}, {0, 1, 3}, {0, 2, 3}, {1, 2, 3}};
+		std::array<Vec3, 4> v;
+		AxisBox box;
+		for (std::size_t i = 0; i < 4; ++i) box.add(v[i] = m_corners[cell.corner[i]].image);
+		std::vector<HalfSpace> planes;
+		for (int f = 0; f < 4; ++f)
+		{
+			const Vec3& a = v[std::size_t(kFaces[f][0])];
+			Vec3 n = normalized(cross(v[std::size_t(kFaces[f][1])] - a, v[std::size_t(kFaces[f][2])] - a));
+			if (n == Vec3{}) continue;
+			if (dot(n, v[std::size_t(3 - f)] - a) > 0) n = -n;
+			planes.push_back({n, 0});
+		}
+		for (int axis = 0; axis < 3; ++axis)
+			for (double sign : {1.0, -1.0})
+			{
+				Vec3 n;
+				n[axis] = sign;
+				planes.push_back({n, 0});
+			}
+		for (HalfSpace& plane : planes)
+			plane.offset = std::max(
+				{dot(plane.normal, v[0]), dot(plane.normal, v[1]), dot(plane.normal, v[2]), dot(plane.normal, v[3])});
+		const double slack = 1e-13 * m_scale.radius;
+		return m_solid.tree().forEachIn(
+			box, [&](std::uint32_t i) { return !meetsInterior(m_solid.tree().triangle(i), planes, slack); });
+	}
+
+	void push(Tetrahedron cell)
+	{
+		cell.bound = std::min(cell.bound, lipschitz(cell));
+		m_cells.push_back(cell);
+		std::push_heap(m_cells.begin(), m_cells.end());
+	}
+
+	void split(const Tetrahedron& cell)
+	{
 		std::size_t from = 0, to = 1;
+		double longest = 0;
 		for (std::size_t a = 0; a < 4; ++a)
 			for (std::size_t b = a + 1; b < 4; ++b)
-				if (lengthSquared(t.corner[a] - t.corner[b]) > lengthSquared(t.corner[from] - t.corner[to]))
-					from = a, to = b;
-		const Vec3 middle = 0.5 * (t.corner[from] + t.corner[to]);
+			{
+				const double l = lengthSquared(m_corners[cell.corner[a]].point - m_corners[cell.corner[b]].point);
+				if (l > longest) longest = l, from = a, to = b;
+			}
+		const std::uint32_t middle = add(0.5 * (m_corners[cell.corner[from]].point + m_corners[cell.corner[to]].point));
 		for (std::size_t replaced : {from, to})
 		{
-			std::array<Vec3, 4> half = t.corner;
-			half[replaced] = middle;
-			queue.push({half, std::min(t.bound, boundOf(solid, half, lower))});
+			Tetrahedron half = cell;
+			half.corner[replaced] = middle;
+			push(half);
 		}
 	}
-	return {lower, std::max(queue.top().bound, lower)};
-}
 
-// Facet groups whose normals lie within 45 degrees of the group's first; each spans a cell with the body's centre.
-std::vector<std::vector<Triangle>> facetGroups(const HullShape& shape)
-{
-	constexpr double kCosine = 0.7;
-	std::vector<std::vector<Triangle>> groups;
-	std::vector<Vec3> heads;
-	for (const Triangle& f : shape.facets)
-	{
-		const Vec3 n = normalized(areaVector(f));
-		std::size_t g = 0;
-		while (g < heads.size() && dot(heads[g], n) < kCosine) ++g;
-		if (g == heads.size())
-		{
-			heads.push_back(n);
-			groups.emplace_back();
-		}
-		groups[g].push_back(f);
-	}
-	return groups;
-}
-
-Protrusion byCells(const Solid& solid, const HullShape& shape, const Vec3& center, const ProtrusionScale& scale,
-				   const Protrusion& known)
-{
-	Protrusion result{known.lower, known.lower};
-	for (const std::vector<Triangle>& group : facetGroups(shape))
-	{
-		std::vector<Vec3> points{center}, normals;
-		for (const Triangle& f : group)
-		{
-			for (int k = 0; k < 3; ++k) points.push_back(f[k]);
-			normals.push_back(areaVector(f));
-		}
-		Cell cell(solid, points, scale);
-		const double start = std::max(result.upper, scale.rounding);
-		double upper = byDisplacement(cell, normals, start, known.upper);
-		if (!(upper <= std::max(2 * start, start + 1e-3 * scale.radius)))
-			upper = std::min(upper,
-							 byBranching(solid, cell.shape(), cell.center(), result.lower, 1e-4 * scale.radius).upper);
-		result.upper = std::max(result.upper, upper);
-	}
-	result.upper = std::min(result.upper, known.upper);
-	return result;
-}
+	const Solid& m_solid;
+	const ProtrusionScale m_scale;
+	const Protrusion m_known;
+	double m_depth = 0;
+	Protrusion m_result;
+	std::vector<Corner> m_corners;
+	std::vector<Tetrahedron> m_cells;
+};
 }  // namespace
 
 Protrusion protrusion(const Solid& solid, const ConvexBody& body, const ProtrusionScale& scale)
@@ -260,6 +331,6 @@ Protrusion protrusion(const Solid& solid, const ConvexBody& body, const Protrusi
 		for (const Vec3& p : whole.shape().corners)
 			result.upper = std::max(result.upper, std::sqrt(distanceSquared(p, t)));
 	}
-	return byCells(solid, whole.shape(), whole.center(), scale, result);
+	return Mapping(solid, whole.shape(), whole.center(), scale, result).run();
 }
 }  // namespace clod::builder

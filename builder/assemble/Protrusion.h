@@ -23,6 +23,7 @@ struct ProtrusionScale
 {
 	double radius;    // of the whole object
 	double rounding;  // below this nothing is measured: the answer is at least that
+	int budget;       // cells that may be cut
 };
 
 struct Protrusion

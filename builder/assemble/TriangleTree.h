@@ -120,6 +120,11 @@ public:
 		std::uint32_t triangle;
 		return signedDistance(p, triangle);
 	}
+	// The pseudonormal where the nearest point lies; not of unit length.
+	const Vec3& normal(const TriangleTree::Nearest& nearest) const
+	{
+		return m_normals[nearest.triangle][std::size_t(nearest.closest.feature)];
+	}
 	double distance(const Vec3& p) const { return std::max(0.0, signedDistance(p)); }
 
 private:
