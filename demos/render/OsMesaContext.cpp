@@ -3,6 +3,14 @@
 
 #include "demos/render/OffscreenContext.h"
 
+#ifdef __SANITIZE_ADDRESS__
+// The leak checker's list of what is not ours: OSMesa and fontconfig (under cairo) keep some memory to the end.
+extern "C" const char* __lsan_default_suppressions()
+{
+	return "leak:libOSMesa\nleak:libfontconfig\n";
+}
+#endif
+
 namespace clod::demo
 {
 namespace
