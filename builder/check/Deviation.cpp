@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// surf and protrude against the input surface.
+//
+// surf: over a triangle the distance to one input triangle is convex, hence largest at a corner; triangles are
+// quartered until that settles it. protrude: the hull, moved by an affine map that shifts no point farther than the
+// bound, meets no input face and has a point inside, so it lies in the solid; where no map of a small family does that,
+// tetrahedra are halved under the Lipschitz bound. A sample beyond the bound is a violation; a node settled by neither
+// is undecided.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <queue>
+
+#include "builder/check/InputSolid.h"
+
+namespace clod::check
+{
+namespace
+{
+enum class Verdict
+{
+	holds,
+	broken,
+	undecided
+};
+struct Finding
+{
+	Verdict verdict = Verdict::holds;
+	double excess = 0;
+};
+
+// Distance from a triangle to the surface against `bound`, by quartering.
+Finding judgeTriangle(const TriangleTree& surface, const Triangle& whole, double bound, double slack)
+{
+	constexpr int kBudget = 4000;
+	std::vector<Triangle> open = {whole};
+	for (int i = 0; !open.empty(); ++i)
+	{
+		if (i == kBudget) return {Verdict::undecided, 0};
+		const Triangle t = open.back();
+		open.pop_back();
+		const Vec3 center = (1.0 / 3) * (t[0] + t[1] + t[2]);
+		bool settled = false;
+		for (const Vec3& from : {center, t[0], t[1], t[2]})
+		{
+			const TriangleTree::Nearest nearest = surface.nearest(from);
+			if (nearest.distance > bound + slack) return {Verdict::broken, nearest.distance - bound};
+			const Triangle& other = surface.triangles()[nearest.triangle];
+			settled = std::max({distance(other, t[0]), distance(other, t[1]), distance(other, t[2])}) <= bound + slack;
+			if (!settled && &from == &t[0]) continue;
+			const double reach = std::max({length(t[0] - from), length(t[1] - from), length(t[2] - from)});
+			settled = settled || nearest.distance + reach <= bound + slack;
+			if (settled) break;
+		}
+		if (settled) continue;
+		const Vec3 a = 0.5 * (t[0] + t[1]), b = 0.5 * (t[1] + t[2]), c = 0.5 * (t[2] + t[0]);
+		for (const Triangle& part :
+			 {Triangle{t[0], a, c}, Triangle{a, t[1], b}, Triangle{c, b, t[2]}, Triangle{a, b, c}})
+			open.push_back(part);
+	}
+	return {};
+}
+
+// Planes of the hull moved by x -> x + amount * (shift + pull * (center - x)).
+struct Map
+{
+	Vec3 shift;
+	double pull;
+};
+
+class Body
+{
+public:
+	Body(const InputSolid& solid, const std::vector<Vec3>& points, double bound, double slack)
+		: m_solid(solid), m_points(points), m_hull(hullOf(points, slack)), m_bound(bound), m_slack(slack)
+	{
+		for (const Vec3& p : points) m_center += (1 / double(points.size())) * p;
+		for (const Vec3& p : points) m_reach = std::max(m_reach, length(p - m_center));
+		Box box = boxOf(points);
+		box.grow(bound + slack);
+		m_near = solid.surface().overlapping(box);
+	}
+	Finding judge(const Vec3& inward) const
+	{
+		const double outside = sampledDistance();
+		if (outside > m_bound + m_slack) return {Verdict::broken, outside - m_bound};
+		if (!m_hull.solid) return judgeFlat();
+		for (const double pull : {0.05, 0.3, 1.0, 3.0})
+			if (fitsInside({inward, pull})) return {};
+		if (fitsInside({Vec3{}, 1})) return {};
+		return branch();
+	}
+
+private:
+	double sampledDistance() const
+	{
+		double most = m_solid.distanceTo(m_center);
+		for (const Vec3& p : m_points) most = std::max(most, m_solid.distanceTo(p));
+		for (const Triangle& t : m_hull.facets)
+			most = std::max(most, m_solid.distanceTo((1.0 / 3) * (t[0] + t[1] + t[2])));
+		return most;
+	}
+	// A hull in a plane: as a fan of triangles round its centre, every pair of points (more than its area, never less).
+	Finding judgeFlat() const
+	{
+		if (m_points.size() > 40) return {Verdict::undecided, 0};
+		Finding worst;
+		for (std::size_t i = 0; i < m_points.size(); ++i)
+			for (std::size_t k = i + 1; k < m_points.size(); ++k)
+			{
+				const Finding found =
+					judgeTriangle(m_solid.surface(), {m_center, m_points[i], m_points[k]}, m_bound, m_slack);
+				if (found.verdict != Verdict::holds) worst.verdict = Verdict::undecided;  // it may lie inside the solid
+			}
+		return worst;
+	}
+	bool fitsInside(const Map& map) const
+	{
+		const Vec3 pullCenter = m_center;
+		const double scale = m_reach > 0 ? map.pull / m_reach : 0;
+		const auto velocity = [&](const Vec3& x) { return map.shift + scale * (pullCenter - x); };
+		double fastest = 0;
+		for (const Vec3& p : m_points) fastest = std::max(fastest, length(velocity(p)));
+		const double amount = fastest > 0 ? m_bound / fastest : 0;
+		if (amount * scale >= 1) return m_solid.holds(pullCenter + amount * map.shift);
+		std::vector<Plane> planes = m_hull.planes;
+		for (Plane& p : planes)
+			p.offset += amount * (dot(p.normal, map.shift) + scale * (dot(p.normal, pullCenter) - p.offset));
+		for (const std::uint32_t f : m_near)
+			if (enters(m_solid.surface().triangles()[f], planes, m_slack)) return false;
+		return m_solid.holds(m_center + amount * velocity(m_center));
+	}
+	struct Cell
+	{
+		std::array<Vec3, 4> corner;
+		double bound;
+		bool operator<(const Cell& other) const { return bound < other.bound; }
+	};
+	double boundOf(const std::array<Vec3, 4>& corner, double& attained) const
+	{
+		const Vec3 c = 0.25 * (corner[0] + corner[1] + corner[2] + corner[3]);
+		const TriangleTree::Nearest nearest = m_solid.surface().nearest(c);
+		double reach = 0, toTriangle = 0;
+		for (const Vec3& p : corner)
+		{
+			reach = std::max(reach, length(p - c));
+			toTriangle = std::max(toTriangle, distance(m_solid.surface().triangles()[nearest.triangle], p));
+		}
+		const bool inside = m_solid.holds(c);
+		if (!inside) attained = std::max(attained, nearest.distance);
+		const double lipschitz = std::max(0.0, (inside ? -nearest.distance : nearest.distance) + reach);
+		return std::min(lipschitz, toTriangle);
+	}
+	Finding branch() const
+	{
+		constexpr int kBudget = 1500;
+		std::priority_queue<Cell> open;
+		double attained = 0;
+		for (const Triangle& t : m_hull.facets)
+		{
+			const std::array<Vec3, 4> corner{m_center, t[0], t[1], t[2]};
+			open.push({corner, boundOf(corner, attained)});
+		}
+		for (int i = 0; i < kBudget && open.top().bound > m_bound + m_slack; ++i)
+		{
+			if (attained > m_bound + m_slack) return {Verdict::broken, attained - m_bound};
+			const Cell cell = open.top();
+			open.pop();
+			std::size_t from = 0, to = 1;
+			for (std::size_t a = 0; a < 4; ++a)
+				for (std::size_t b = a + 1; b < 4; ++b)
+					if (length(cell.corner[a] - cell.corner[b]) > length(cell.corner[from] - cell.corner[to]))
+					{
+						from = a;
+						to = b;
+					}
+			for (const std::size_t moved : {from, to})
+			{
+				std::array<Vec3, 4> half = cell.corner;
+				half[moved] = 0.5 * (cell.corner[from] + cell.corner[to]);
+				open.push({half, std::min(cell.bound, boundOf(half, attained))});
+			}
+		}
+		if (attained > m_bound + m_slack) return {Verdict::broken, attained - m_bound};
+		return {open.top().bound <= m_bound + m_slack ? Verdict::holds : Verdict::undecided, 0};
+	}
+
+	const InputSolid& m_solid;
+	const std::vector<Vec3>& m_points;
+	Hull m_hull;
+	Vec3 m_center;
+	double m_reach = 0, m_bound, m_slack;
+	std::vector<std::uint32_t> m_near;
+};
+
+void record(Tally& tally, std::uint64_t element, const Finding& found, const std::string& what)
+{
+	if (found.verdict == Verdict::undecided)
+		tally.undecided();
+	else
+		tally.add(element, found.excess, what);
+}
+}  // namespace
+
+Invariants checkDeviation(const Subject& s)
+{
+	const InputSolid solid(s);
+	Tally surf("surf"), protrude("protrude");
+	const Level& first = s.h.levels()[0];
+	s.forEach("surf", s.h.faces().size - first.faceCount,
+			  [&](std::size_t i)
+			  {
+				  const std::uint32_t f = first.faceCount + std::uint32_t(i);
+				  const double bound = double(s.h.node(s.ownerOfFace[f]).surf);
+				  const Finding found = judgeTriangle(solid.surface(), s.triangle(f), bound, s.slack);
+				  record(surf, f, found,
+						 fmt::format("face {} of node {} is {:.3g} farther from the input surface than surf {:.6g}", f,
+									 s.ownerOfFace[f], found.excess, bound));
+			  });
+	s.forEach("protrude", s.h.nodes().size,
+			  [&](std::size_t i)
+			  {
+				  const std::uint32_t node = std::uint32_t(i);
+				  if (!s.isContact(node)) return;
+				  const Node& n = s.h.node(node);
+				  const std::vector<Vec3> points = s.thickHull(node);
+				  const Vec3 inward{double(n.inward[0]), double(n.inward[1]), double(n.inward[2])};
+				  const double bound = double(n.protrude);
+				  const Finding found = Body(solid, points, bound, s.slack).judge(inward);
+				  record(protrude, node, found,
+						 fmt::format("the hull of node {} reaches {:.3g} farther out of the solid than protrude {:.6g}",
+									 node, found.excess, bound));
+			  });
+	return {surf.result(), protrude.result()};
+}
+}  // namespace clod::check

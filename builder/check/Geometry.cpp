@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "builder/check/Geometry.h"
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Surface_mesh.h>
+#include <CGAL/convex_hull_3.h>
+
+#include <algorithm>
+#include <numeric>
+
+namespace clod::check
+{
+namespace
+{
+// The point nearest to the origin on the hull of at most four points, and which of them carry it.
+struct Carrier
+{
+	std::vector<Vec3> points;
+	Vec3 nearest;
+};
+
+Vec3 nearestOnSegment(const Vec3& a, const Vec3& b)
+{
+	const Vec3 d = b - a;
+	const double l = lengthSquared(d);
+	return l > 0 ? a + std::clamp(-dot(a, d) / l, 0.0, 1.0) * d : a;
+}
+
+// Tries every face of the simplex; a tetrahedron that holds the origin gives zero.
+Carrier reduce(const std::vector<Vec3>& points)
+{
+	Carrier best{{points[0]}, points[0]};
+	const auto consider = [&](std::vector<Vec3> carrier, const Vec3& nearest)
+	{
+		if (lengthSquared(nearest) < lengthSquared(best.nearest)) best = {std::move(carrier), nearest};
+	};
+	for (std::size_t i = 0; i < points.size(); ++i)
+	{
+		consider({points[i]}, points[i]);
+		for (std::size_t j = i + 1; j < points.size(); ++j)
+		{
+			consider({points[i], points[j]}, nearestOnSegment(points[i], points[j]));
+			for (std::size_t k = j + 1; k < points.size(); ++k)
+				consider({points[i], points[j], points[k]}, nearestOn({points[i], points[j], points[k]}, Vec3{}));
+		}
+	}
+	if (points.size() < 4) return best;
+	const double whole = dot(points[1] - points[0], cross(points[2] - points[0], points[3] - points[0]));
+	bool inside = whole != 0;
+	for (std::size_t i = 0; i < 4; ++i)
+	{
+		std::array<Vec3, 4> replaced = {points[0], points[1], points[2], points[3]};
+		replaced[i] = Vec3{};
+		const double part = dot(replaced[1] - replaced[0], cross(replaced[2] - replaced[0], replaced[3] - replaced[0]));
+		if (part * whole < 0) inside = false;
+	}
+	return inside ? Carrier{points, Vec3{}} : best;
+}
+}  // namespace
+
+Vec3 nearestOn(const Triangle& t, const Vec3& p)
+{
+	const Vec3 ab = t[1] - t[0], ac = t[2] - t[0], ap = p - t[0];
+	const double d1 = dot(ab, ap), d2 = dot(ac, ap);
+	if (d1 <= 0 && d2 <= 0) return t[0];
+	const Vec3 bp = p - t[1];
+	const double d3 = dot(ab, bp), d4 = dot(ac, bp);
+	if (d3 >= 0 && d4 <= d3) return t[1];
+	const Vec3 cp = p - t[2];
+	const double d5 = dot(ab, cp), d6 = dot(ac, cp);
+	if (d6 >= 0 && d5 <= d6) return t[2];
+	const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
+	if (vc <= 0 && d1 >= 0 && d3 <= 0) return t[0] + (d1 / (d1 - d3)) * ab;
+	if (vb <= 0 && d2 >= 0 && d6 <= 0) return t[0] + (d2 / (d2 - d6)) * ac;
+	if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) return t[1] + ((d4 - d3) / ((d4 - d3) + (d5 - d6))) * (t[2] - t[1]);
+	const double sum = va + vb + vc;
+	return t[0] + (vb / sum) * ab + (vc / sum) * ac;
+}
+
+double distanceToHull(const std::vector<Vec3>& points, const Vec3& p, double tolerance, double enough)
+{
+	constexpr int kMostSteps = 200;
+	Carrier carrier{{points[0] - p}, points[0] - p};
+	for (int step = 0; step < kMostSteps; ++step)
+	{
+		const Vec3& x = carrier.nearest;
+		const double upper = length(x);
+		if (upper <= enough || upper <= tolerance) return upper;
+		std::size_t support = 0;
+		double least = std::numeric_limits<double>::infinity();
+		for (std::size_t i = 0; i < points.size(); ++i)
+		{
+			const double along = dot(x, points[i] - p);
+			if (along >= least) continue;
+			least = along;
+			support = i;
+		}
+		if (upper - least / upper <= tolerance) return upper;
+		std::vector<Vec3> simplex = carrier.points;
+		if (simplex.size() == 4) return upper;
+		simplex.push_back(points[support] - p);
+		Carrier next = reduce(simplex);
+		if (lengthSquared(next.nearest) >= lengthSquared(x)) return upper;
+		carrier = std::move(next);
+	}
+	return length(carrier.nearest);
+}
+
+Hull hullOf(const std::vector<Vec3>& points, double least)
+{
+	using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+	using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
+	std::vector<Kernel::Point_3> input;
+	for (const Vec3& p : points) input.emplace_back(p.x, p.y, p.z);
+	Hull hull;
+	if (input.size() < 4) return hull;
+	Mesh mesh;
+	CGAL::convex_hull_3(input.begin(), input.end(), mesh);
+	hull.solid = mesh.number_of_faces() > 3 && CGAL::is_closed(mesh);
+	if (!hull.solid) return hull;
+	for (const auto face : mesh.faces())
+	{
+		Triangle t;
+		std::size_t corner = 0;
+		for (const auto vertex : CGAL::vertices_around_face(mesh.halfedge(face), mesh))
+		{
+			const auto& p = mesh.point(vertex);
+			t[corner++ % 3] = {p.x(), p.y(), p.z()};
+		}
+		hull.facets.push_back(t);
+		const Vec3 normal = cross(t[1] - t[0], t[2] - t[0]);
+		const double longest =
+			std::max({lengthSquared(t[1] - t[0]), lengthSquared(t[2] - t[0]), lengthSquared(t[2] - t[1])});
+		if (length(normal) <= least * std::sqrt(longest)) continue;
+		const Vec3 unit = normalized(normal);
+		hull.planes.push_back({unit, std::max({dot(unit, t[0]), dot(unit, t[1]), dot(unit, t[2])})});
+	}
+	return hull;
+}
+
+bool enters(const Triangle& t, const std::vector<Plane>& planes, double depth)
+{
+	for (const Plane& plane : planes)
+		if (std::min({dot(plane.normal, t[0]), dot(plane.normal, t[1]), dot(plane.normal, t[2])}) >=
+			plane.offset - depth)
+			return false;
+	std::vector<Vec3> polygon(t.begin(), t.end()), next;
+	for (const Plane& plane : planes)
+	{
+		next.clear();
+		for (std::size_t i = 0; i < polygon.size(); ++i)
+		{
+			const Vec3 &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
+			const double a = dot(plane.normal, p) - plane.offset + depth;
+			const double b = dot(plane.normal, q) - plane.offset + depth;
+			if (a < 0) next.push_back(p);
+			if ((a < 0) != (b < 0)) next.push_back(p + (a / (a - b)) * (q - p));
+		}
+		polygon.swap(next);
+		if (polygon.empty()) return false;
+	}
+	return true;
+}
+
+void Box::add(const Vec3& p)
+{
+	for (int i = 0; i < 3; ++i)
+	{
+		low[i] = std::min(low[i], p[i]);
+		high[i] = std::max(high[i], p[i]);
+	}
+}
+
+void Box::grow(double by)
+{
+	low = low - Vec3{by, by, by};
+	high = high + Vec3{by, by, by};
+}
+
+bool Box::overlaps(const Box& other) const
+{
+	for (int i = 0; i < 3; ++i)
+		if (low[i] > other.high[i] || other.low[i] > high[i]) return false;
+	return true;
+}
+
+double Box::distance(const Vec3& p) const
+{
+	Vec3 d;
+	for (int i = 0; i < 3; ++i) d[i] = std::max({low[i] - p[i], p[i] - high[i], 0.0});
+	return length(d);
+}
+
+Box boxOf(const std::vector<Vec3>& points)
+{
+	Box box;
+	for (const Vec3& p : points) box.add(p);
+	return box;
+}
+
+TriangleTree::TriangleTree(std::vector<Triangle> triangles)
+	: m_triangles(std::move(triangles)), m_order(m_triangles.size())
+{
+	std::iota(m_order.begin(), m_order.end(), 0u);
+	if (!m_order.empty()) build(0, std::uint32_t(m_order.size()));
+}
+
+// Depth is the logarithm of the count: halves are equal.
+std::uint32_t TriangleTree::build(std::uint32_t begin, std::uint32_t end)
+{
+	constexpr std::uint32_t kLeaf = 4;
+	const std::uint32_t index = std::uint32_t(m_cells.size());
+	Box box, centers;
+	const auto center = [this](std::uint32_t i)
+	{ return (1.0 / 3) * (m_triangles[i][0] + m_triangles[i][1] + m_triangles[i][2]); };
+	for (std::uint32_t i = begin; i < end; ++i)
+	{
+		for (const Vec3& p : m_triangles[m_order[i]]) box.add(p);
+		centers.add(center(m_order[i]));
+	}
+	m_cells.push_back({box, begin, end, 0});
+	if (end - begin <= kLeaf) return index;
+	const Vec3 size = centers.high - centers.low;
+	const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+	const std::uint32_t middle = begin + (end - begin) / 2;
+	std::nth_element(m_order.begin() + begin, m_order.begin() + middle, m_order.begin() + end,
+					 [&](std::uint32_t a, std::uint32_t b)
+					 {
+						 const double pa = center(a)[axis], pb = center(b)[axis];
+						 return pa != pb ? pa < pb : a < b;
+					 });
+	build(begin, middle);
+	const std::uint32_t right = build(middle, end);
+	m_cells[index].right = right;
+	return index;
+}
+
+std::vector<std::uint32_t> TriangleTree::overlapping(const Box& box) const
+{
+	std::vector<std::uint32_t> found, open;
+	if (!m_cells.empty()) open.push_back(0);
+	while (!open.empty())
+	{
+		const std::uint32_t index = open.back();
+		const Cell& cell = m_cells[index];
+		open.pop_back();
+		if (!cell.box.overlaps(box)) continue;
+		if (cell.right != 0)
+		{
+			open.push_back(cell.right);
+			open.push_back(index + 1);
+			continue;
+		}
+		for (std::uint32_t i = cell.begin; i < cell.end; ++i)
+		{
+			const Triangle& t = m_triangles[m_order[i]];
+			if (boxOf({t[0], t[1], t[2]}).overlaps(box)) found.push_back(m_order[i]);
+		}
+	}
+	std::sort(found.begin(), found.end());
+	return found;
+}
+
+TriangleTree::Nearest TriangleTree::nearest(const Vec3& p, double limit) const
+{
+	Nearest best{limit, kNone};
+	std::array<std::uint32_t, 128> open;
+	std::size_t count = 0;
+	if (!m_cells.empty()) open[count++] = 0;
+	while (count > 0)
+	{
+		const std::uint32_t index = open[--count];
+		const Cell& cell = m_cells[index];
+		if (cell.box.distance(p) >= best.distance) continue;
+		if (cell.right == 0)
+		{
+			for (std::uint32_t i = cell.begin; i < cell.end; ++i)
+			{
+				const double d = distance(m_triangles[m_order[i]], p);
+				if (d < best.distance) best = {d, m_order[i]};
+			}
+			continue;
+		}
+		const bool leftFirst = m_cells[index + 1].box.distance(p) <= m_cells[cell.right].box.distance(p);
+		open[count++] = leftFirst ? cell.right : index + 1;
+		open[count++] = leftFirst ? index + 1 : cell.right;
+	}
+	return best;
+}
+}  // namespace clod::check

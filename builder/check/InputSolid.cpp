@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "builder/check/InputSolid.h"
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Polygon_mesh_processing/polygon_soup_to_polygon_mesh.h>
+#include <CGAL/Side_of_triangle_mesh.h>
+#include <CGAL/Surface_mesh.h>
+
+#include <map>
+#include <tuple>
+
+namespace clod::check
+{
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
+
+struct InputSolid::Inside
+{
+	Mesh mesh;
+	std::unique_ptr<CGAL::Side_of_triangle_mesh<Mesh, Kernel>> side;
+};
+
+InputSolid::InputSolid(const Subject& subject)
+	: m_surface(subject.levelTriangles(subject.h.levels()[0])), m_inside(std::make_unique<Inside>())
+{
+	std::map<std::tuple<double, double, double>, std::size_t> number;
+	std::vector<Kernel::Point_3> points;
+	std::vector<std::vector<std::size_t>> polygons;
+	for (const Triangle& t : m_surface.triangles())
+	{
+		std::vector<std::size_t> corners;
+		for (const Vec3& p : t)
+		{
+			const auto [entry, isNew] = number.emplace(std::tuple(p.x, p.y, p.z), points.size());
+			if (isNew) points.emplace_back(p.x, p.y, p.z);
+			corners.push_back(entry->second);
+		}
+		polygons.push_back(corners);
+	}
+	CGAL::Polygon_mesh_processing::polygon_soup_to_polygon_mesh(points, polygons, m_inside->mesh);
+	m_inside->side = std::make_unique<CGAL::Side_of_triangle_mesh<Mesh, Kernel>>(m_inside->mesh);
+	(*m_inside->side)(points.front());  // builds its tree before threads share it
+}
+
+InputSolid::~InputSolid() = default;
+
+bool InputSolid::holds(const Vec3& p) const
+{
+	return (*m_inside->side)(Kernel::Point_3(p.x, p.y, p.z)) != CGAL::ON_UNBOUNDED_SIDE;
+}
+}  // namespace clod::check

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// clod-build check FILE [--mesh MESH]
+#include <fmt/format.h>
+
+#include "builder/check/Check.h"
+#include "builder/cli/Commands.h"
+#include "builder/intake/ReadMesh.h"
+#include "demos/cli/Program.h"
+#include "demos/cli/Progress.h"
+
+namespace clod::builder
+{
+namespace
+{
+using cli::ExitCode;
+using cli::Failure;
+
+struct CheckOptions : cli::CommonOptions
+{
+	std::string file, mesh;
+};
+
+// The mesh as the reader of the builder sees it: only the syntax is trusted, the geometry is compared.
+check::GivenMesh readGiven(const std::string& path)
+{
+	try
+	{
+		const Soup soup = readMesh(path);
+		check::GivenMesh given;
+		given.vertices = soup.vertices;
+		for (std::size_t p = 0; p < soup.polygonCount(); ++p)
+			given.polygons.emplace_back(soup.corners.begin() + std::ptrdiff_t(soup.polygonBegin(p)),
+										soup.corners.begin() + std::ptrdiff_t(soup.polygonEnd[p]));
+		return given;
+	}
+	catch (const Refused& refused)
+	{
+		throw Failure(ExitCode::badInput, path + ": " + refused.what());
+	}
+}
+
+nlohmann::ordered_json describe(const std::vector<check::Invariant>& invariants)
+{
+	nlohmann::ordered_json report = {{"schema", 1}};
+	report["invariants"] = nlohmann::ordered_json::array();
+	for (const check::Invariant& i : invariants)
+	{
+		nlohmann::ordered_json entry = {
+			{"name", i.name}, {"checked", i.checked}, {"violations", i.violations}, {"worst", i.worst}};
+		if (i.violations > 0) entry["first_violation"] = i.firstViolation;
+		report["invariants"].push_back(entry);
+	}
+	return report;
+}
+
+void run(const CheckOptions& options)
+{
+	const auto hierarchy = loadHierarchy(options.file);
+	check::Options settings;
+	settings.threads = options.threads;
+	cli::Progress bar(options.quiet);
+	settings.progress = [&bar](const std::string& name, double fraction) { bar.update(name, fraction); };
+	check::GivenMesh given;
+	if (!options.mesh.empty())
+	{
+		given = readGiven(options.mesh);
+		settings.given = &given;
+	}
+	const std::vector<check::Invariant> invariants = check::checkHierarchy(*hierarchy, settings);
+	bar.finish();
+	if (!options.json.empty()) writeReport(options.json, describe(invariants));
+	for (const check::Invariant& i : invariants)
+		if (options.textOnStdout())
+			fmt::print("{} {:<28} {:>10} checked, {:>4} broken, worst {:.4g}\n", i.violations == 0 ? "ok  " : "FAIL",
+					   i.name, i.checked, i.violations, i.worst);
+	for (const check::Invariant& i : invariants)
+		if (i.violations > 0)
+			throw Failure(ExitCode::verificationFailed,
+						  fmt::format("{}: {}: {}", options.file, i.name, i.firstViolation));
+}
+}  // namespace
+
+void addCheckCommand(CLI::App& program)
+{
+	const auto options = std::make_shared<CheckOptions>();
+	CLI::App& command =
+		*program.add_subcommand("check", "Re-prove every invariant of a .clod file with code of its own");
+	command.add_option("file", options->file, "The .clod file")->required()->type_name("FILE");
+	command.add_option("--mesh", options->mesh, "The mesh it was built from: level 0 must equal it")->type_name("MESH");
+	cli::addThreads(command, *options);
+	cli::addJson(command, *options);
+	cli::addQuiet(command, *options);
+	command.footer("Example: clod-build check cup.clod --mesh cup.obj");
+	command.callback([options] { run(*options); });
+}
+}  // namespace clod::builder

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The subcommands of clod-build. Each adds itself to the program and keeps its options alive in the callback.
+#pragma once
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include <clod/hierarchy/Hierarchy.h>
+
+namespace clod::builder
+{
+void addBuildCommand(CLI::App& program);
+void addInfoCommand(CLI::App& program);
+void addCheckCommand(CLI::App& program);
+void addExportCommand(CLI::App& program);
+
+// Loads and validates a .clod file; a refusal ends the program with the exit code for bad input.
+std::shared_ptr<const Hierarchy> loadHierarchy(const std::string& path);
+
+// What `info` knows: the report, and the same as text. buildSeconds < 0: not known (files do not carry it, so that
+// every run writes the same bytes).
+nlohmann::ordered_json describe(const Hierarchy& hierarchy, double buildSeconds);
+std::string describeAsText(const Hierarchy& hierarchy);
+
+// Writes a report and ends the program with a failure where that is impossible.
+void writeReport(const std::string& path, const nlohmann::ordered_json& report);
+}  // namespace clod::builder

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// clod-build info FILE, and what commands share.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "builder/cli/Commands.h"
+#include "demos/cli/Files.h"
+#include "demos/cli/Program.h"
+
+namespace clod::builder
+{
+namespace
+{
+using cli::ExitCode;
+using cli::Failure;
+
+struct InfoOptions : cli::CommonOptions
+{
+	std::string file;
+};
+
+bool isContactLevel(const Level& level)
+{
+	return (level.flags & kClodNode) != 0;
+}
+
+std::size_t contactLevelCount(const Hierarchy& hierarchy)
+{
+	return std::size_t(std::count_if(hierarchy.levels().begin(), hierarchy.levels().end(), isContactLevel));
+}
+
+nlohmann::ordered_json describeLevel(const Level& level, std::size_t index)
+{
+	return {{"level", index},
+			{"triangles", level.faceCount},
+			{"patches", level.nodeCount},
+			{"max_h", level.maxHausdorff},
+			{"max_s", level.maxDeviation},
+			{"max_cover", level.maxCover},
+			{"max_protrude", level.maxProtrude},
+			{"max_surf", level.maxSurf},
+			{"patch_tolerance", level.patchTolerance},
+			{"clod", isContactLevel(level)}};
+}
+
+void run(const InfoOptions& options)
+{
+	const auto hierarchy = loadHierarchy(options.file);
+	if (!options.json.empty()) writeReport(options.json, describe(*hierarchy, -1));
+	if (options.textOnStdout()) fmt::print("{}", describeAsText(*hierarchy));
+}
+}  // namespace
+
+std::shared_ptr<const Hierarchy> loadHierarchy(const std::string& path)
+{
+	const auto hierarchy = Hierarchy::load(path);
+	if (!hierarchy) throw Failure(ExitCode::badInput, path + ": " + hierarchy.error());
+	return hierarchy.value();
+}
+
+void writeReport(const std::string& path, const nlohmann::ordered_json& report)
+{
+	const std::string error = cli::writeJson(path, report);
+	if (!error.empty()) throw Failure(ExitCode::failure, error);
+}
+
+nlohmann::ordered_json describe(const Hierarchy& hierarchy, double buildSeconds)
+{
+	const Asset& a = hierarchy.asset();
+	nlohmann::ordered_json report = {{"schema", 1}, {"triangles", a.triangleCount}};
+	report["levels"] = nlohmann::ordered_json::array();
+	for (std::size_t i = 0; i < hierarchy.levels().size; ++i)
+		report["levels"].push_back(describeLevel(hierarchy.levels()[i], i));
+	report["clods"] = contactLevelCount(hierarchy);
+	report["lods"] = hierarchy.levels().size;
+	report["bytes"] = hierarchy.bytes().size();
+	report["volume"] = a.volume;
+	report["center_of_mass"] = {a.meshFromBody[0], a.meshFromBody[1], a.meshFromBody[2]};
+	const double* const m = a.inertia;
+	report["inertia"] = {{m[0], m[3], m[4]}, {m[3], m[1], m[5]}, {m[4], m[5], m[2]}};
+	report["build_seconds"] = buildSeconds < 0 ? nlohmann::ordered_json() : nlohmann::ordered_json(buildSeconds);
+	report["radius"] = a.radius;
+	report["thinnest_wall"] = a.thinnestWall;
+	report["components"] = a.componentCount;
+	report["nodes"] = hierarchy.nodes().size;
+	report["paper"] = hierarchy.isPaperBuild();
+	report["content_hash"] = fmt::format("{:016x}", hierarchy.contentHash());
+	return report;
+}
+
+std::string describeAsText(const Hierarchy& hierarchy)
+{
+	const Asset& a = hierarchy.asset();
+	std::string text = fmt::format("{:>5} {:>10} {:>9} {:>11} {:>11} {:>11} {:>11}  {}\n", "level", "triangles",
+								   "patches", "max h", "max s", "max cover", "protrude", "contact");
+	for (std::size_t i = 0; i < hierarchy.levels().size; ++i)
+	{
+		const Level& level = hierarchy.levels()[i];
+		text += fmt::format("{:>5} {:>10} {:>9} {:>11.4g} {:>11.4g} {:>11.4g} {:>11.4g}  {}\n", i, level.faceCount,
+							level.nodeCount, level.maxHausdorff, level.maxDeviation, level.maxCover, level.maxProtrude,
+							isContactLevel(level) ? "yes" : "no");
+	}
+	text += fmt::format("{} levels, {} of them for contact; {} triangles, {} nodes, {} bytes{}\n",
+						hierarchy.levels().size, contactLevelCount(hierarchy), a.triangleCount, hierarchy.nodes().size,
+						hierarchy.bytes().size(), hierarchy.isPaperBuild() ? "; built with --paper" : "");
+	text += fmt::format("radius {:.6g}, volume {:.6g}, centre of mass ({:.6g}, {:.6g}, {:.6g}), thinnest wall {:.4g}\n",
+						a.radius, a.volume, a.meshFromBody[0], a.meshFromBody[1], a.meshFromBody[2], a.thinnestWall);
+	return text;
+}
+
+void addInfoCommand(CLI::App& program)
+{
+	const auto options = std::make_shared<InfoOptions>();
+	CLI::App& command = *program.add_subcommand("info", "Show the levels and totals of a .clod file");
+	command.add_option("file", options->file, "The .clod file")->required()->type_name("FILE");
+	cli::addJson(command, *options);
+	command.footer("Example: clod-build info cup.clod --json -");
+	command.callback([options] { run(*options); });
+}
+}  // namespace clod::builder

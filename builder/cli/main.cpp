@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// clod-build: from mesh to dual hierarchy, and what can be said about one.
+#include "builder/cli/Commands.h"
+#include "demos/cli/Program.h"
+
+int main(int argc, char** argv)
+{
+	CLI::App program{"Builds and examines dual hierarchies (contact levels of detail) of triangle meshes.",
+					 "clod-build"};
+	clod::cli::setUpProgram(program,
+							"licence GPL-3.0-or-later (links CGAL); the files it writes carry no licence of ours");
+	clod::builder::addBuildCommand(program);
+	clod::builder::addInfoCommand(program);
+	clod::builder::addCheckCommand(program);
+	clod::builder::addExportCommand(program);
+	program.footer("Example: clod-build build cup.obj -o cup.clod && clod-build info cup.clod");
+	return clod::cli::runProgram(program, argc, argv);
+}
