@@ -58,13 +58,13 @@ private:
 		if (m_progress && !m_progress(phase, fraction)) throw Cancelled{};
 	}
 
-	LevelAssignment assignmentOf(std::size_t level)
+	LevelAssignment assignmentOf(std::size_t level, const LevelAssignment& below)
 	{
 		if (level == 0) m_label = m_lods[0].patchOfTriangle;
 		if (level > 0 && m_config.paper)
 			for (std::uint32_t& label : m_label) label = m_lods[level - 1].parentPatch[label];
 		if (level == 0 || m_config.paper) return assignByLabel(m_label);
-		return assignToNearest(m_solid.tree(), m_lods[level], m_scale.radius, m_config.threads);
+		return assignToNearest(m_solid.tree(), m_lods[level], below, {m_scale.radius, m_config.threads});
 	}
 
 	void addLevels()
@@ -76,7 +76,7 @@ private:
 			LevelDraft record{std::uint32_t(m_draft.nodes.size()), lod.patchCount, true, lod.patchTolerance};
 			for (NodeDraft& node : patchNodes(lod, level)) m_draft.nodes.push_back(std::move(node));
 			m_draft.levels.push_back(record);
-			LevelAssignment here = assignmentOf(level);
+			LevelAssignment here = assignmentOf(level, below);
 			for (const std::vector<Piece>* list : {&here.pieces, &here.extra})
 				for (const Piece& piece : *list)
 				{
@@ -119,11 +119,13 @@ private:
 		for (std::size_t level = 0; level < m_lods.size(); ++level)
 		{
 			const LevelDraft record = m_draft.levels[level];
+			ProtrusionScale scale = m_scale;
+			scale.budget = std::clamp(int(2000000 / record.nodeCount), 1000, 15000);
 			parallelFor(record.nodeCount, m_config.threads,
 						[&](std::size_t i)
 						{
 							NodeDraft& node = m_draft.nodes[record.firstNode + i];
-							thicken(node, m_solid, m_scale);
+							thicken(node, m_solid, scale);
 							if (level == 0) return;
 							node.bounds.cover = coverOf(node);
 							node.bounds.reach = std::max(node.bounds.cover, reachOf(node, tolerance).upper);

@@ -93,15 +93,16 @@ private:
 struct SplitRule
 {
 	double tolerance;     // added distance that does not deserve a split
+	double loyalty;       // added distance for which a piece stays with the patch its owner below goes to
 	double smallestEdge;  // pieces with shorter edges are not split
 };
 
 class FaceSplitter
 {
 public:
-	FaceSplitter(const NearestPatches& nearest, const SplitRule& rule, std::uint32_t face, const Vec3& normal,
-				 std::vector<Piece>& out)
-		: m_nearest(nearest), m_rule(rule), m_face(face), m_normal(normal), m_out(out)
+	FaceSplitter(const NearestPatches& nearest, const SplitRule& rule, std::uint32_t preferred, std::uint32_t face,
+				 const Vec3& normal, std::vector<Piece>& out)
+		: m_nearest(nearest), m_rule(rule), m_preferred(preferred), m_face(face), m_normal(normal), m_out(out)
 	{
 	}
 
@@ -111,8 +112,9 @@ public:
 		for (int i = 0; i < 3; ++i) at[i] = m_nearest.at(t[i], m_normal);
 		at[3] = m_nearest.at(centroid(t), m_normal);
 		double excess = 0;
-		const std::uint32_t owner = bestOwner(t, at, excess);
-		if (excess <= m_rule.tolerance || count == 1 || longestEdge(t) <= m_rule.smallestEdge)
+		const bool loyal = m_preferred != kNone && excessOf(m_preferred, t, at) <= m_rule.loyalty;
+		const std::uint32_t owner = loyal ? m_preferred : bestOwner(t, at, excess);
+		if (loyal || excess <= m_rule.tolerance || count == 1 || longestEdge(t) <= m_rule.smallestEdge)
 		{
 			m_out.push_back({m_face, std::uint16_t(first), std::uint16_t(count), owner});
 			return;
@@ -130,10 +132,7 @@ private:
 		for (int k : {3, 0, 1, 2})
 		{
 			if (k != 3 && (at[k].patch == owner || at[k].patch == at[3].patch)) continue;
-			double most = 0;
-			for (int i = 0; i < 3; ++i)
-				if (at[k].patch != at[i].patch)
-					most = std::max(most, m_nearest.distanceTo(at[k].patch, t[i]) - at[i].distance);
+			const double most = excessOf(at[k].patch, t, at);
 			if (most < least) least = most, owner = at[k].patch;
 			if (least <= m_rule.tolerance) break;
 		}
@@ -141,8 +140,18 @@ private:
 		return owner;
 	}
 
+	// What it costs over each corner's own nearest patch.
+	double excessOf(std::uint32_t patch, const Triangle& t, const Lookup* at) const
+	{
+		double most = 0;
+		for (int i = 0; i < 3; ++i)
+			if (patch != at[i].patch) most = std::max(most, m_nearest.distanceTo(patch, t[i]) - at[i].distance);
+		return most;
+	}
+
 	const NearestPatches& m_nearest;
 	const SplitRule m_rule;
+	const std::uint32_t m_preferred;
 	const std::uint32_t m_face;
 	const Vec3 m_normal;
 	std::vector<Piece>& m_out;
@@ -208,17 +217,74 @@ LevelAssignment assignByLabel(const std::vector<std::uint32_t>& patchOfFace)
 	return result;
 }
 
-LevelAssignment assignToNearest(const TriangleTree& input, const Lod& lod, double radius, unsigned threads)
+namespace
 {
-	const NearestPatches nearest(lod);
-	const double typical = typicalDistance(input, nearest);
-	const SplitRule rule{std::max(0.2 * typical, 2e-5 * radius), std::max(0.5 * typical, 5e-4 * radius)};
-	std::vector<std::vector<Piece>> perFace(input.size());
+std::vector<Overlap> summed(std::vector<Overlap> list)
+{
+	std::stable_sort(list.begin(), list.end(),
+					 [](const Overlap& a, const Overlap& b)
+					 { return std::tie(a.coarse, a.fine) < std::tie(b.coarse, b.fine); });
+	std::vector<Overlap> result;
+	for (const Overlap& o : list)
+	{
+		if (!result.empty() && result.back().coarse == o.coarse && result.back().fine == o.fine)
+			result.back().area += o.area;
+		else
+			result.push_back(o);
+	}
+	return result;
+}
+
+// For each input face: the patch that most of the surface of the face's owner in the level below goes to.
+std::vector<std::uint32_t> preferredPatches(const TriangleTree& input, const NearestPatches& nearest,
+											const LevelAssignment& below, unsigned threads)
+{
+	std::vector<std::uint32_t> byFace(input.size()), ownerBelow(input.size(), kNone);
 	parallelFor(input.size(), threads,
 				[&](std::size_t i)
 				{
 					const Triangle& t = input.triangle(std::uint32_t(i));
-					FaceSplitter(nearest, rule, std::uint32_t(i), areaVector(t), perFace[i]).split(t, 0, Piece::kCodes);
+					byFace[i] = nearest.at(centroid(t), areaVector(t)).patch;
+				});
+	std::vector<Overlap> votes;
+	for (const Piece& piece : below.pieces)
+	{
+		const double area = length(areaVector(input.triangle(piece.face))) * piece.count;
+		votes.push_back({piece.owner, byFace[piece.face], area});
+		if (ownerBelow[piece.face] == kNone || piece.count == Piece::kCodes) ownerBelow[piece.face] = piece.owner;
+	}
+	std::vector<std::uint32_t> favourite;
+	std::vector<double> most;
+	for (const Overlap& vote : summed(std::move(votes)))
+	{
+		if (vote.coarse >= favourite.size())
+		{
+			favourite.resize(vote.coarse + 1, kNone);
+			most.resize(vote.coarse + 1, -1);
+		}
+		if (vote.area > most[vote.coarse]) most[vote.coarse] = vote.area, favourite[vote.coarse] = vote.fine;
+	}
+	for (std::size_t i = 0; i < byFace.size(); ++i) byFace[i] = favourite[ownerBelow[i]];
+	return byFace;
+}
+}  // namespace
+
+LevelAssignment assignToNearest(const TriangleTree& input, const Lod& lod, const LevelAssignment& below,
+								const AssignmentScale& scale)
+{
+	const NearestPatches nearest(lod);
+	const double typical = typicalDistance(input, nearest);
+	const double radius = scale.radius;
+	const SplitRule rule{std::max(0.2 * typical, 2e-5 * radius), std::max(0.5 * typical, 1e-4 * radius),
+						 std::max(0.5 * typical, 5e-4 * radius)};
+	const std::vector<std::uint32_t> preferred = preferredPatches(input, nearest, below, scale.threads);
+	std::vector<std::vector<Piece>> perFace(input.size());
+	parallelFor(input.size(), scale.threads,
+				[&](std::size_t i)
+				{
+					const Triangle& t = input.triangle(std::uint32_t(i));
+					FaceSplitter(nearest, rule, preferred[i], std::uint32_t(i), areaVector(t), perFace[i])
+						.split(t, 0, Piece::kCodes);
 				});
 	LevelAssignment result;
 	std::vector<bool> used(lod.patchCount, false);
@@ -261,21 +327,6 @@ std::size_t firstMeeting(const std::vector<Piece>& pieces, const Piece& other)
 	return std::size_t(std::lower_bound(pieces.begin(), pieces.end(), other, endsBefore) - pieces.begin());
 }
 
-std::vector<Overlap> summed(std::vector<Overlap> list)
-{
-	std::stable_sort(list.begin(), list.end(),
-					 [](const Overlap& a, const Overlap& b)
-					 { return std::tie(a.coarse, a.fine) < std::tie(b.coarse, b.fine); });
-	std::vector<Overlap> result;
-	for (const Overlap& o : list)
-	{
-		if (!result.empty() && result.back().coarse == o.coarse && result.back().fine == o.fine)
-			result.back().area += o.area;
-		else
-			result.push_back(o);
-	}
-	return result;
-}
 }  // namespace
 
 std::vector<Overlap> overlaps(const TriangleTree& input, const LevelAssignment& fine, const LevelAssignment& coarse)

@@ -35,9 +35,17 @@ struct LevelAssignment
 // Level 0: every face belongs to its own patch. Label inheritance: to the patch its level-0 patch was merged into.
 LevelAssignment assignByLabel(const std::vector<std::uint32_t>& patchOfFace);
 
+struct AssignmentScale
+{
+	double radius;
+	unsigned threads;
+};
+
 // Nearest patch, preferring faces turned the same way; faces that straddle patches are split (at most kDepth times)
-// while that shortens the distance to the owner's faces noticeably.
-LevelAssignment assignToNearest(const TriangleTree& input, const Lod& lod, double radius, unsigned threads);
+// while that shortens the distance to the owner's faces noticeably. Where it costs little, a face goes to the patch
+// that most of its owner in the level below goes to: fewer nodes then have several parents.
+LevelAssignment assignToNearest(const TriangleTree& input, const Lod& lod, const LevelAssignment& below,
+								const AssignmentScale& scale);
 
 struct Overlap
 {

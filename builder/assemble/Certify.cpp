@@ -10,7 +10,7 @@ namespace clod::builder
 {
 namespace
 {
-constexpr int kPartBudget = 400;  // parts of one triangle before the bound at hand is taken
+constexpr int kPartBudget = 20000;  // parts of one triangle before the bound at hand is taken
 // Parts narrower than this share of the triangle are rounding of a cut: every point of one lies that close to its
 // neighbour part, which the slack of the stored bounds covers.
 constexpr double kSliver = 1e-13;
