@@ -8,6 +8,7 @@
 #include <CGAL/convex_hull_3.h>
 
 #include <algorithm>
+#include <tuple>
 
 #include "builder/assemble/Geometry.h"
 #include "builder/assemble/MassProperties.h"
@@ -22,6 +23,18 @@ using HullMesh = CGAL::Surface_mesh<Kernel::Point_3>;
 Vec3 toVec3(const Kernel::Point_3& p)
 {
 	return {p.x(), p.y(), p.z()};
+}
+
+bool precedes(const Vec3& a, const Vec3& b)
+{
+	return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+}
+
+bool facetPrecedes(const Triangle& f, const Triangle& g)
+{
+	for (int k = 0; k < 3; ++k)
+		if (f[k] != g[k]) return precedes(f[k], g[k]);
+	return false;
 }
 
 // Principal directions of the points, the thinnest first.
@@ -84,12 +97,19 @@ HullShape hullShape(const std::vector<Vec3>& input, double minimum)
 	for (const auto v : mesh.vertices()) shape.corners.push_back(toVec3(mesh.point(v)));
 	for (const auto f : mesh.faces())
 	{
-		Vec3 corner[3];
-		int k = 0;
+		std::array<Vec3, 3> corner;
+		std::size_t k = 0;
 		for (const auto v : mesh.vertices_around_face(mesh.halfedge(f)))
 			if (k < 3) corner[k++] = toVec3(mesh.point(v));
+		std::rotate(corner.begin(), std::min_element(corner.begin(), corner.end(), precedes), corner.end());
 		shape.facets.push_back({corner[0], corner[1], corner[2]});
-		const Vec3 n = normalized(cross(corner[1] - corner[0], corner[2] - corner[0]));
+	}
+	// CGAL's order follows addresses in memory; bytes must not.
+	std::sort(shape.corners.begin(), shape.corners.end(), precedes);
+	std::sort(shape.facets.begin(), shape.facets.end(), facetPrecedes);
+	for (const Triangle& f : shape.facets)
+	{
+		const Vec3 n = normalized(areaVector(f));
 		const auto same = [&n](const HalfSpace& p) { return lengthSquared(p.normal - n) < 1e-20; };
 		if (n != Vec3{} && std::none_of(shape.planes.begin(), shape.planes.end(), same)) shape.planes.push_back({n, 0});
 	}
