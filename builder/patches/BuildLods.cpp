@@ -2,7 +2,8 @@
 // The simplification loop: collapse, merge, cut a level whenever the number of patches has halved.
 // Source: the paper, sec. 4.2 and fig. 3. Where the default mode departs from it, README.md says why.
 #include <algorithm>
-#include <cmath>
+#include <optional>
+#include <utility>
 
 #include "builder/Lod.h"
 #include "builder/patches/Collapse.h"
@@ -76,6 +77,8 @@ private:
 	std::size_t drainQueue();
 	void pushAll();
 	void pushAround(std::uint32_t vertex);
+	void retryRing(std::uint32_t centre);
+	bool isEdge(std::uint32_t u, std::uint32_t w) const;
 	void joinAround();
 	void cut();
 	void cutIfHalved();
@@ -166,38 +169,43 @@ void Simplifier::joinAround()
 	}
 }
 
+// Edges of the ring that were blocked may have become possible.
+void Simplifier::retryRing(std::uint32_t centre)
+{
+	for (const std::uint32_t f : m_mesh.star[centre])
+	{
+		const std::uint32_t p = m_mesh.faces[f][std::size_t((m_mesh.cornerOf(f, centre) + 1) % 3)];
+		for (const std::uint32_t g : m_mesh.star[p])
+		{
+			const std::uint32_t q = m_mesh.faces[g][std::size_t((m_mesh.cornerOf(g, p) + 1) % 3)];
+			if (q == centre || m_queue.isWaiting(p, q)) continue;
+			if (m_queue.retries(p, q)++ < kRetries) m_queue.push(p, q, m_collapser->resolution(p, q));
+		}
+	}
+}
+
+bool Simplifier::isEdge(std::uint32_t u, std::uint32_t w) const
+{
+	for (const std::uint32_t f : m_mesh.star[u])
+		if (m_mesh.cornerOf(f, w) >= 0) return true;
+	return false;
+}
+
 std::size_t Simplifier::drainQueue()
 {
 	std::size_t done = 0;
 	EdgeQueue::Edge edge;
 	while (!isFinished() && m_queue.pop(edge))
 	{
-		const auto [u, w] = edge;
-		const auto& star = m_mesh.star[u];
-		const bool exists =
-			std::any_of(star.begin(), star.end(), [&, w = w](std::uint32_t f) { return m_mesh.cornerOf(f, w) >= 0; });
-		if (!exists) continue;
+		if (!isEdge(edge.first, edge.second)) continue;
 		if (++m_attempts % 512 == 0 && m_progress &&
 			!m_progress("simplify", 1 - double(m_mesh.faceCount) / double(m_firstFaces)))
 			throw Cancelled{};
-		if (m_collapser->attempt(u, w) != Outcome::Done) continue;
+		if (m_collapser->attempt(edge.first, edge.second) != Outcome::Done) continue;
 		++done;
 		joinAround();
-		pushAround(u);
-		const std::vector<std::uint32_t> star2 = m_mesh.star[u];
-		for (const std::uint32_t f : star2)
-		{
-			const auto& t = m_mesh.faces[f];
-			const std::uint32_t p = t[std::size_t((m_mesh.cornerOf(f, u) + 1) % 3)];
-			for (const std::uint32_t g : m_mesh.star[p])
-			{
-				const auto& s = m_mesh.faces[g];
-				const std::uint32_t q = s[std::size_t((m_mesh.cornerOf(g, p) + 1) % 3)];
-				if (q == u || m_queue.isWaiting(p, q)) continue;
-				std::uint32_t& retries = m_queue.retries(p, q);
-				if (retries++ < kRetries) m_queue.push(p, q, m_collapser->resolution(p, q));
-			}
-		}
+		pushAround(edge.first);
+		retryRing(edge.first);
 		cutIfHalved();
 	}
 	return done;

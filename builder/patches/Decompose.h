@@ -12,7 +12,7 @@ namespace clod::builder
 constexpr std::size_t kFaceLimit = 64;
 
 // Grows patches from the faces in index order, breadth first, then joins what can be joined; a whole component that is
-// one convex patch becomes one, whatever its size.
+// convex becomes one patch, whatever its size.
 void decompose(PatchMesh& mesh, Validity& validity, const Progress& progress);
 
 // Joins two patches where the union is valid and small enough.

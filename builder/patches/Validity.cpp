@@ -252,8 +252,8 @@ bool Validity::isInside(const SmallHull& hull)
 {
 	hull.planes(minimumHeight(), m_hullPlanes);
 	if (m_hullPlanes.empty()) return true;
-	return searchForeign(
-		m_box, [&](std::uint32_t, const TrianglePoints& t) { return !entersHull(t, m_hullPlanes, 4 * tolerance); });
+	return searchForeign(m_box, [&](std::uint32_t, const TrianglePoints& t)
+						 { return !entersHull(t, m_hullPlanes, kDepth * tolerance); });
 }
 
 bool Validity::isCovered()
@@ -327,7 +327,7 @@ bool Validity::frontIsCovered(std::size_t reference)
 double Validity::foreignCover(const Plane& plane, const std::vector<Point2>& front, const Box& box) const
 {
 	const PlaneFrame frame(plane, m_facePoints[std::size_t(&plane - m_facePlanes.data())][0]);
-	const double slab = 2 * kBlind * tolerance;
+	const double slab = kBlind * tolerance;
 	const double reach = slab + length(box.high - box.low);
 	Box searched = box;
 	searched.include(Box{box.low + reach * plane.normal, box.high + reach * plane.normal});

@@ -3,9 +3,8 @@
 //   edges   the far corners at an interior edge lie at most eps above the other face;
 //   G1      every vertex of the patch lies at most 2 eps above every face's plane;
 //   G2      no other face enters the hull of the patch deeper than 4 eps;
-//   cover   where the hull is thinner than that (8 eps under a face's plane), its front is covered by the patch itself
-//   or
-//           by other faces that are coplanar and turned the same way: a flat hull must not span a notch.
+//   cover   where the hull is thinner than that (8 eps under a face's plane), its front is the patch itself or lies
+//           inside the solid, within 8 eps: a flat hull must not span a notch.
 // Sources: Ehmann & Lin 2001 (the convexity constraints); the paper, sec. 4.1. The last rule is ours.
 #pragma once
 #include <cstdint>
@@ -49,7 +48,8 @@ public:
 	TrianglePoints points(std::uint32_t face) const;
 
 private:
-	static constexpr double kBlind = 8;                            // thinner hulls, in eps, are judged by their cover
+	static constexpr double kDepth = 4;                            // eps: how deep a hull may be entered
+	static constexpr double kBlind = 2 * kDepth;                   // eps: thinner hulls are judged by their cover
 	double minimumHeight() const { return 1e-9 * m_mesh.radius; }  // of hull triangles whose planes are used
 	void load(const std::vector<std::uint32_t>& faces);
 	void addFace(std::uint32_t face);

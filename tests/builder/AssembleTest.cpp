@@ -1,9 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The assembled hierarchy against independent references: sampled lower bounds, closed forms, chains of owners.
 #include <gtest/gtest.h>
 
-#include <chrono>
-#include <cstdio>
+#include <cmath>
+#include <random>
 
+#include "builder/assemble/Assignment.h"
+#include "builder/assemble/BoundingSphere.h"
+#include "builder/assemble/ContactArea.h"
+#include "builder/assemble/ConvexDistance.h"
+#include "builder/assemble/MassProperties.h"
+#include "builder/assemble/Protrusion.h"
 #include "tests/support/LeafHierarchy.h"
 #include "tests/support/Meshes.h"
 
@@ -11,48 +18,230 @@ namespace clod::test
 {
 namespace
 {
-void print(const Hierarchy& h)
+using namespace clod::builder;
+const double kPi = std::acos(-1.0);
+
+std::shared_ptr<const Hierarchy> torus(bool paper, unsigned threads = 0)
 {
-	for (std::size_t i = 0; i < h.levels().size; ++i)
+	BuildConfig config;
+	config.paper = paper;
+	config.threads = threads;
+	return loaded(assembleHierarchy(torusLods(1, 0.4, 32, 16, 3), config, nullptr));
+}
+
+Vec3 randomIn(const Triangle& t, std::mt19937_64& random)
+{
+	std::uniform_real_distribution<double> unit(0, 1);
+	double u = unit(random), v = unit(random);
+	if (u + v > 1) u = 1 - u, v = 1 - v;
+	return t.a + u * (t.b - t.a) + v * (t.c - t.a);
+}
+
+Triangle faceOf(const Hierarchy& h, const Node& n, std::uint32_t i)
+{
+	const Face& f = h.faces(n)[i];
+	return {h.hull(n).vertex(f.vertex[0]), h.hull(n).vertex(f.vertex[1]), h.hull(n).vertex(f.vertex[2])};
+}
+
+std::vector<Vec3> verticesOf(const Hierarchy& h, const Node& n)
+{
+	std::vector<Vec3> points;
+	for (std::uint32_t i = 0; i < n.vertexCount; ++i) points.push_back(h.hull(n).vertex(i));
+	return points;
+}
+
+Vec3 sweepOf(const Node& n)
+{
+	return double(n.thickness) * Vec3{double(n.inward[0]), double(n.inward[1]), double(n.inward[2])};
+}
+
+TEST(AssembleMass, BoxAndTorusMatchClosedForms)
+{
+	const MassProperties box = massProperties(boxMesh({1, 2, 3}, 2));
+	EXPECT_NEAR(box.volume, 48, 1e-12);
+	EXPECT_NEAR(box.inertia[0], 48.0 / 3 * (4 + 9), 1e-10);
+	EXPECT_NEAR(box.moments[0], 48.0 / 3 * (1 + 4), 1e-10);
+	EXPECT_NEAR(length(box.center), 0, 1e-12);
+	const MassProperties ring = massProperties(torusMesh(1, 0.25, 400, 200));
+	const double volume = 2 * kPi * kPi * 0.0625;
+	EXPECT_NEAR(ring.volume / volume, 1, 5e-4);
+	EXPECT_NEAR(ring.inertia[1] / (volume * (1 + 0.75 * 0.0625)), 1, 1e-3);
+	const Mat3 axes =
+		rotationFromQuaternion(ring.principal[0], ring.principal[1], ring.principal[2], ring.principal[3]);
+	EXPECT_NEAR(std::fabs(axes.column(2).y), 1, 1e-9);
+}
+
+TEST(AssembleSphere, ContainsAllAndIsTightOnABox)
+{
+	const Sphere s = boundingSphere(boxMesh({1, 2, 3}, 3).vertices);
+	EXPECT_NEAR(s.radius, std::sqrt(14.0), 1e-6);
+	EXPECT_NEAR(length(s.center), 0, 1e-5);
+}
+
+TEST(AssembleDistance, AgreesWithABoxAndNeverUnderestimates)
+{
+	const std::vector<Vec3> points = boxMesh({1, 2, 3}, 1).vertices;
+	const ConvexSet set{points.data(), points.size(), {}};
+	std::mt19937_64 random(1);
+	std::uniform_real_distribution<double> where(-6, 6);
+	for (int i = 0; i < 20000; ++i)
 	{
-		const Level& l = h.levels()[i];
-		std::size_t children = 0;
-		double thick = 0, area = 0;
-		for (std::uint32_t k = 0; k < l.nodeCount; ++k)
+		const Vec3 p{where(random), where(random), where(random)};
+		double exact = 0;
+		for (int k = 0; k < 3; ++k) exact += std::pow(std::max(std::fabs(p[k]) - (k + 1), 0.0), 2);
+		exact = std::sqrt(exact);
+		const double d = distanceBound(p, set);
+		ASSERT_GE(d, exact * (1 - 1e-12) - 1e-12);
+		ASSERT_LE(d, exact * 1.001 + 1e-9);
+	}
+}
+
+TEST(AssembleArea, PlaneIsTheCappedDiscAndSphereIsTheCap)
+{
+	const Mesh slab = boxMesh({1, 0.2, 1}, 40);
+	const ContactArea onPlane(slab, 0.01, 0.25);
+	const TriangleTree tree(slab);
+	const auto top = tree.nearest({0.011, 0.2, 0.007});
+	EXPECT_NEAR(onPlane.at(top.triangle, {0, double(0.2f), 0}, {0, 1, 0}) / (kPi * 0.0625), 1, 1e-3);
+	const Mesh ball = sphereMesh(1, 200, 100);
+	const ContactArea onSphere(ball, 0.01, 0.5);
+	const TriangleTree ballTree(ball);
+	const Vec3 origin = centroid(ballTree.triangle(10000));
+	EXPECT_NEAR(onSphere.at(10000, origin, normalized(origin)) / (2 * kPi * 0.01), 1, 0.05);
+}
+
+TEST(AssembleProtrusion, BoxAboveAPlateIsBoundedAndTight)
+{
+	const Solid plate(boxMesh({4, 1, 4}, 8));
+	const ProtrusionScale scale{5, 1e-6, 3000};
+	const auto lifted = [&](double height)
+	{
+		ConvexBody body;
+		for (Vec3 v : boxMesh({1, 0.25, 1}, 1).vertices) body.points.push_back(v + Vec3{0.3, 0.75 + height, 0.2});
+		body.realNormals = {{0, 1, 0}};
+		return protrusion(plate, body, scale);
+	};
+	for (double height : {0.0, 0.001, 0.05, 0.2})
+	{
+		const Protrusion p = lifted(height);
+		EXPECT_GE(p.upper, height);
+		EXPECT_LE(p.upper, std::max(1.3 * height, 3e-4)) << height;
+	}
+}
+
+TEST(Assemble, LeavesAndLevelsAreValid)
+{
+	EXPECT_EQ(loaded(leafHierarchy(torusMesh(1, 0.4, 24, 12)))->levels()[0].nodeCount, 576u);
+	EXPECT_EQ(loaded(leafHierarchy(boxMesh({1, 1, 1}, 1)))->levels()[0].nodeCount, 12u);
+	EXPECT_EQ(torus(false)->coarsestClodLevel(), 2u);
+	EXPECT_TRUE(torus(true)->isPaperBuild());
+}
+
+TEST(Assemble, SameBytesForAnyNumberOfThreads)
+{
+	const auto one = torus(false, 1);
+	EXPECT_EQ(one->bytes(), torus(false, 2)->bytes());
+	EXPECT_EQ(one->bytes(), torus(false, 3)->bytes());
+}
+
+TEST(Assemble, SampledSurfAndProtrudeNeverExceedTheirBounds)
+{
+	const auto h = torus(false);
+	const Solid solid(torusMesh(1, 0.4, 32, 16));
+	std::mt19937_64 random(7);
+	std::uniform_real_distribution<double> unit(0, 1);
+	double tightestSurf = 0, tightestProtrude = 0;
+	for (const Node& n : h->nodes())
+	{
+		if (n.level == 0 || n.flags == 0) continue;
+		for (std::uint32_t f = 0; f < n.faceCount; ++f)
+			for (int i = 0; i < 100; ++i)
+			{
+				const double d = std::fabs(solid.signedDistance(randomIn(faceOf(*h, n, f), random)));
+				ASSERT_LE(d, double(n.surf));
+				tightestSurf = std::max(tightestSurf, d / double(n.surf));
+			}
+		const std::vector<Vec3> points = verticesOf(*h, n);
+		for (int i = 0; i < 300; ++i)
 		{
-			const Node& n = h.node(l.firstNode + k);
-			children += n.childCount;
-			thick += n.thickness > 0;
-			area += double(n.contactArea);
+			Vec3 p = unit(random) * sweepOf(n);
+			double total = 0;
+			std::vector<double> weight;
+			for (std::size_t v = 0; v < points.size(); ++v)
+				total += weight.emplace_back(-std::log(unit(random) + 1e-300));
+			for (std::size_t v = 0; v < points.size(); ++v) p += (weight[v] / total) * points[v];
+			const double d = solid.distance(p);
+			ASSERT_LE(d, double(n.protrude));
+			tightestProtrude = std::max(tightestProtrude, d / double(n.protrude));
 		}
-		const double r = double(h.asset().radius) / 100;
-		std::printf(
-			"%2zu %6u nodes %6u faces %5.2f ch thick %.2f  h %.4f cover %.4f protrude %.5f surf %.4f dev %.4f D %.3g\n",
-			i, l.nodeCount, l.faceCount, double(children) / l.nodeCount, thick / l.nodeCount,
-			double(l.maxHausdorff) / r, double(l.maxCover) / r, double(l.maxProtrude) / r, double(l.maxSurf) / r,
-			double(l.maxDeviation) / r, area / l.nodeCount / (r * r * 1e4));
 	}
+	EXPECT_GT(tightestSurf, 0.8);  // the bound is met somewhere, so a bound half as large would have failed
+	EXPECT_GT(tightestProtrude, 0.5);
 }
 
-TEST(Assemble, LeafHierarchyOfATorusIsValid)
+// Every point of the input has a chain leaf .. root whose contact nodes cover it and whose culling boxes contain it.
+bool hasChain(const Hierarchy& h, std::uint32_t node, const Vec3& p,
+			  const std::vector<std::vector<std::uint32_t>>& parents)
 {
-	const auto start = std::chrono::steady_clock::now();
-	const auto h = loaded(leafHierarchy(torusMesh(1, 0.4, 64, 32)));
-	print(*h);
-	std::printf("%.2f s\n", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+	const Node& n = h.node(node);
+	const CullBox& box = h.cullBox(node);
+	Vec3 d = p;
+	for (int k = 0; k < 3; ++k) d[k] -= double(box.center[k]);
+	for (int i = 0; i < 3; ++i)
+		if (std::fabs(dot(d, {double(box.axis[i][0]), double(box.axis[i][1]), double(box.axis[i][2])})) >
+			double(box.half[i]))
+			return false;
+	const std::vector<Vec3> points = verticesOf(h, n);
+	const double gap = distanceBound(p, {points.data(), points.size(), sweepOf(n)});
+	if (n.flags != 0 && gap * (1 - 2e-3) > double(n.cover) + 1e-6) return false;
+	if (node == h.root()) return true;
+	for (std::uint32_t parent : parents[node])
+		if (hasChain(h, parent, p, parents)) return true;
+	return false;
 }
 
-TEST(Assemble, TorusLevelsAreValid)
+std::size_t pointsWithoutChain(const Hierarchy& h)
 {
-	for (bool paper : {false, true})
+	std::vector<std::vector<std::uint32_t>> parents(h.nodes().size);
+	for (std::uint32_t i = 0; i < h.nodes().size; ++i)
+		for (std::uint32_t c : h.children(h.node(i))) parents[c].push_back(i);
+	std::mt19937_64 random(3);
+	std::size_t missing = 0;
+	for (std::uint32_t i = 0; i < h.levels()[0].nodeCount; ++i)
+		for (std::uint32_t f = 0; f < h.node(i).faceCount; ++f)
+			for (int k = 0; k < 5; ++k) missing += !hasChain(h, i, randomIn(faceOf(h, h.node(i), f), random), parents);
+	return missing;
+}
+
+TEST(Assemble, EveryInputPointHasAChainThatCoversIt)
+{
+	EXPECT_EQ(pointsWithoutChain(*torus(false)), 0u);
+	EXPECT_EQ(pointsWithoutChain(*torus(true)), 0u);
+	EXPECT_EQ(pointsWithoutChain(*loaded(leafHierarchy(torusMesh(1, 0.4, 24, 12)))), 0u);
+}
+
+TEST(Assemble, PaperHausdorffIsThatOfAllDescendants)
+{
+	const auto h = torus(true);
+	double tightest = 0;
+	for (const Node& n : h->nodes())
 	{
-		builder::BuildConfig config;
-		config.paper = paper;
-		const auto start = std::chrono::steady_clock::now();
-		const auto h = loaded(builder::assembleHierarchy(torusLods(1, 0.4, 64, 32, 4), config, nullptr));
-		print(*h);
-		std::printf("%.2f s\n", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+		const std::vector<Vec3> own = verticesOf(*h, n);
+		std::vector<std::uint32_t> open(h->children(n).begin(), h->children(n).end());
+		while (!open.empty())
+		{
+			const Node& below = h->node(open.back());
+			open.pop_back();
+			open.insert(open.end(), h->children(below).begin(), h->children(below).end());
+			for (const Vec3& v : verticesOf(*h, below))
+			{
+				const double d = distanceBound(v, {own.data(), own.size(), sweepOf(n)}) * (1 - 2e-3);
+				ASSERT_LE(d, double(n.hausdorff) + 1e-6);
+				if (n.level > 0 && n.flags != 0) tightest = std::max(tightest, d / double(n.hausdorff));
+			}
+		}
 	}
+	EXPECT_GT(tightest, 0.95);
 }
 }  // namespace
 }  // namespace clod::test
