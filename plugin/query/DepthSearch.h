@@ -3,12 +3,17 @@
 //
 // depth(x) = -sd(x), the distance to the surface where x is inside. For a triangle T with corners v,
 //   (1) depth on T <= min over surface faces t of max over v of dist(v, t), as the distance to a convex set is convex;
+//   (1') the same for each part of T, cut along the prism over a face t: the part over t against t, the part beyond an
+//   edge
+//       of t against the face across that edge. Where a flat or nearly flat surface is met, (1) alone would cut cells
+//       down to the depth's own size all along every edge.
 //   (2) depth on T <= depth(v) + max over w of |v - w| for each v, as sd is 1-Lipschitz;
 //   (3) depth(v) of a corner is reached.
 // Cells are halved across their longest edge until the largest upper bound exceeds the best depth by no more than the
 // accuracy asked for. (2) removes what is outside without looking at it twice.
 #pragma once
 #include <algorithm>
+#include <limits>
 #include <vector>
 
 #include "clod/query/SurfaceFaces.h"
@@ -34,10 +39,12 @@ struct DepthBound
 struct DepthAccuracy
 {
 	double absolute = 0, relative = 0.01;
-	std::size_t cellLimit = 200000;  // of one search; the bounds stay true when it is met
+	std::size_t cellLimit = 4000;                             // of one search; the bounds stay true when it is met
+	double enough = std::numeric_limits<double>::infinity();  // a depth that need not be known better
 };
 
-// Surface: SignedDistance signedDistance(group, point); double distanceToFace(group, point, face).
+// Surface: SignedDistance signedDistance(group, point); Triangle triangle(face); faces are numbered by the surface;
+//          std::uint32_t across(face, edge): the face beyond an edge, kNone where it is not known.
 template <class Surface>
 class DepthSearch
 {
@@ -63,6 +70,9 @@ public:
 		return m_best.lower + std::max(m_accuracy.absolute, m_accuracy.relative * m_best.lower);
 	}
 
+	// Is the best depth so large that no better one is asked for?
+	bool enough() const { return m_best.lower >= m_accuracy.enough; }
+
 	DepthBound run()
 	{
 		std::size_t cells = 0;
@@ -73,7 +83,7 @@ public:
 			const DepthCell cell = m_heap.back();
 			m_heap.pop_back();
 			upper = std::max(m_best.lower, cell.upper);
-			if (cell.upper <= threshold() || ++cells > m_accuracy.cellLimit) break;
+			if (cell.upper <= threshold() || enough() || ++cells > m_accuracy.cellLimit) break;
 			halve(cell);
 			upper = m_best.lower;
 		}
@@ -136,17 +146,67 @@ private:
 		upper = std::min(upper, -cell.distance[2].distance + std::max(edge[1], edge[2]));
 		for (int i = 0; i < 3 && upper > threshold(); ++i)
 		{
-			double farthest = std::abs(cell.distance[i].distance);
-			for (int j = 0; j < 3 && farthest < upper; ++j)
-				if (j != i && cell.distance[j].face != cell.distance[i].face)
-					farthest =
-						std::max(farthest, m_surface.distanceToFace(cell.group, corner[j], cell.distance[i].face));
-				else
-					farthest = std::max(farthest, std::abs(cell.distance[j].distance));
-			upper = std::min(upper, farthest);
+			const std::uint32_t face = cell.distance[i].face;
+			if ((i > 0 && face == cell.distance[0].face) || (i > 1 && face == cell.distance[1].face)) continue;
+			upper = std::min(upper, overPrism(cell.triangle, face, upper));
 		}
 		return upper;
 	}
+
+	// Upper bound (1'), never above that of (1) for the same face. Stops once it is no better than `useful`.
+	double overPrism(const Triangle& cell, std::uint32_t face, double useful)
+	{
+		const Triangle base = m_surface.triangle(face);
+		const Vec3 normal = cross(base.corner[1] - base.corner[0], base.corner[2] - base.corner[0]);
+		Polygon over(cell);
+		double upper = 0;
+		for (int edge = 0; edge < 3; ++edge)
+		{
+			const Vec3 outward = cross(base.corner[(edge + 1) % 3] - base.corner[edge], normal);
+			const double offset = dot(outward, base.corner[edge]);
+			const Polygon beyond = Polygon(cell).clipped(outward, offset);
+			over = over.clipped(-outward, -offset);
+			if (beyond.count == 0) continue;
+			const std::uint32_t across = m_surface.across(face, edge);
+			double farthest = beyond.farthestFrom(base);
+			if (across != kNone) farthest = std::min(farthest, beyond.farthestFrom(m_surface.triangle(across)));
+			upper = std::max(upper, farthest);
+			if (upper >= useful) return useful;
+		}
+		return std::max(upper, over.farthestFrom(base));
+	}
+
+	// A convex polygon: a triangle cut by at most three planes.
+	struct Polygon
+	{
+		Polygon() = default;
+		explicit Polygon(const Triangle& triangle) : count(3) { std::copy_n(triangle.corner, 3, corner); }
+
+		// The part with dot(normal, x) >= offset.
+		Polygon clipped(const Vec3& normal, double offset) const
+		{
+			Polygon part;
+			for (int i = 0; i < count; ++i)
+			{
+				const Vec3 &here = corner[i], &next = corner[(i + 1) % count];
+				const double side = dot(normal, here) - offset, nextSide = dot(normal, next) - offset;
+				if (side >= 0) part.corner[part.count++] = here;
+				if ((side < 0) != (nextSide < 0))
+					part.corner[part.count++] = here + (side / (side - nextSide)) * (next - here);
+			}
+			return part;
+		}
+
+		double farthestFrom(const Triangle& triangle) const
+		{
+			double squared = 0;
+			for (int i = 0; i < count; ++i) squared = std::max(squared, nearestOnTriangle(triangle, corner[i]).squared);
+			return std::sqrt(squared);
+		}
+
+		Vec3 corner[8];
+		int count = 0;
+	};
 
 	Surface& m_surface;
 	const DepthAccuracy m_accuracy;

@@ -110,6 +110,19 @@ SignedDistance GatheredSurface::signedDistance(std::uint32_t group, const Vec3& 
 	return {dot(point - m_point, normal) >= 0 ? m_distance : -m_distance, m_face, m_feature};
 }
 
+std::uint32_t GatheredSurface::across(std::uint32_t face, int edge) const
+{
+	const GatheredFace& here = m_other.faces[face];
+	const std::uint32_t neighbour = m_other.hierarchy->faces()[here.face].neighbour[edge];
+	if (neighbour == kNone) return kNone;
+	const std::uint32_t owner = ownerOf(*m_other.hierarchy, here.level, neighbour);
+	const std::uint32_t index = slotOf(m_other, owner);
+	if (index >= m_other.slots.size()) return kNone;
+	const ContactSide::Slot& slot = m_other.slots[index];
+	if (slot.node != owner || !slot.gathered) return kNone;
+	return slot.firstFace + (neighbour - m_other.hierarchy->node(owner).firstFace);
+}
+
 double GatheredSurface::distanceToAll(const Vec3& point)
 {
 	++m_stats.pointQueries;

@@ -51,10 +51,9 @@ public:
 	{
 	}
 	SignedDistance signedDistance(std::uint32_t group, const Vec3& point);
-	double distanceToFace(std::uint32_t, const Vec3& point, std::uint32_t face) const
-	{
-		return std::sqrt(nearestOnTriangle(m_other.faces[face].triangle, point).squared);
-	}
+	const Triangle& triangle(std::uint32_t face) const { return m_other.faces[face].triangle; }
+	// Only faces of slots that were gathered: their surf is part of the certificate.
+	std::uint32_t across(std::uint32_t face, int edge) const;
 	// Distance to the faces of every slot, whoever's partner it is.
 	double distanceToAll(const Vec3& point);
 

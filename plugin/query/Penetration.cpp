@@ -41,7 +41,7 @@ void merge(const DepthBound& side, bool onA, Penetration& result)
 DepthBound searchNear(const ContactSide& own, bool ownIsA, const std::vector<Contact>& contacts, const Mover& intoOther,
 					  GatheredSurface& surface, DepthSearch<GatheredSurface>& search)
 {
-	for (std::uint32_t i = 0; i < own.slots.size(); ++i)
+	for (std::uint32_t i = 0; i < own.slots.size() && !search.enough(); ++i)
 	{
 		const ContactSide::Slot& slot = own.slots[i];
 		if (!slot.overlaps)
@@ -67,11 +67,11 @@ public:
 		++m_stats.pointQueries;
 		return distanceToInput(m_hierarchy, point, m_stats.boxTests);
 	}
-	double distanceToFace(std::uint32_t, const Vec3& point, std::uint32_t face) const
+	Triangle triangle(std::uint32_t face) const
 	{
-		const Node& owner = m_hierarchy.node(ownerOf(m_hierarchy, 0, face));
-		return std::sqrt(nearestOnTriangle(triangleOf(m_hierarchy, owner, m_hierarchy.faces()[face]), point).squared);
+		return triangleOf(m_hierarchy, m_hierarchy.node(ownerOf(m_hierarchy, 0, face)), m_hierarchy.faces()[face]);
 	}
+	std::uint32_t across(std::uint32_t face, int edge) const { return m_hierarchy.faces()[face].neighbour[edge]; }
 
 private:
 	const Hierarchy& m_hierarchy;

@@ -175,17 +175,23 @@ private:
 		DepthAccuracy accuracy;
 		accuracy.absolute = kDepthAccuracy * radius;
 		if (m_settings.metric.maxError < kInfinity)
-			accuracy = {std::max(accuracy.absolute, 0.5 * m_settings.metric.maxError), 0};
+		{
+			accuracy.absolute = std::max(accuracy.absolute, 0.5 * m_settings.metric.maxError);
+			accuracy.relative = 0;
+		}
 		if (hullsOverlap)
 		{
+			DepthAccuracy shallow = accuracy;
+			shallow.enough = m_settings.tolerance;
 			const Penetration near =
-				nearPenetration(m_context, m_result.contacts, accuracy, m_state.penetration, m_result.stats);
+				nearPenetration(m_context, m_result.contacts, shallow, m_state.penetration, m_result.stats);
 			set(gapOverlapping(m_context, m_result.contacts, m_settings.tolerance, near, m_state.penetration,
 							   m_result.stats));
 			if (!m_result.deep) return;
 		}
 		if (m_settings.distance)
 		{
+			accuracy.cellLimit *= 10;
 			const Penetration whole = wholePenetration(m_context, accuracy, m_state.penetration, m_result.stats);
 			set(gapBetween(-whole.upper, -whole.lower));
 			m_result.deep = true;

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <map>
+#include <tuple>
 
 #include "builder/Lod.h"
 #include "demos/models/Models.h"
@@ -19,7 +20,7 @@ namespace
 }
 
 // The mesh with its centre of mass at the origin, vertices rounded to float.
-builder::Mesh bodyMesh(const demo::ModelMesh& model)
+builder::Mesh bodyMesh(const demo::ModelMesh& model, double scale)
 {
 	Vec3 center;
 	double volume = 0;
@@ -32,19 +33,20 @@ builder::Mesh bodyMesh(const demo::ModelMesh& model)
 	}
 	center = (1 / volume) * center;
 	builder::Mesh mesh;
-	for (const Vec3& v : model.vertices) mesh.vertices.push_back(toVec3(toFloat3(v - center)));
+	for (const Vec3& v : model.vertices) mesh.vertices.push_back(toVec3(toFloat3(scale * (v - center))));
 	mesh.triangles.assign(model.triangles.begin(), model.triangles.end());
 	return mesh;
 }
 
-Body build(const std::string& name, std::size_t triangles)
+Body build(const std::string& name, std::size_t triangles, const BodyOptions& options)
 {
 	auto model = demo::makeModel(name, triangles);
 	if (!model) fail(model.error());
 	const auto progress = [](const char*, double) { return true; };
-	const builder::BuildConfig config;
-	const auto content =
-		builder::assembleHierarchy(builder::buildLods(bodyMesh(*model), config, progress), config, progress);
+	builder::BuildConfig config;
+	config.paper = options.paper;
+	const auto content = builder::assembleHierarchy(
+		builder::buildLods(bodyMesh(*model, options.scale), config, progress), config, progress);
 	auto hierarchy = Hierarchy::fromBytes(encode(content));
 	if (!hierarchy) fail(name + ": " + hierarchy.error());
 	Body result{name, *hierarchy, {}};
@@ -61,12 +63,12 @@ Body build(const std::string& name, std::size_t triangles)
 }
 }  // namespace
 
-const Body& body(const std::string& model, std::size_t triangles)
+const Body& body(const std::string& model, std::size_t triangles, const BodyOptions& options)
 {
-	static std::map<std::pair<std::string, std::size_t>, Body> bodies;
-	const auto key = std::make_pair(model, triangles);
+	static std::map<std::tuple<std::string, std::size_t, double, bool>, Body> bodies;
+	const auto key = std::make_tuple(model, triangles, options.scale, options.paper);
 	auto found = bodies.find(key);
-	if (found == bodies.end()) found = bodies.emplace(key, build(model, triangles)).first;
+	if (found == bodies.end()) found = bodies.emplace(key, build(model, triangles, options)).first;
 	return found->second;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Bodies for query tests: small benchmark models through the real builder, and their input triangles read back.
 #pragma once
+#include <array>
 #include <memory>
 #include <random>
 #include <string>
@@ -17,8 +18,13 @@ struct Body
 	std::vector<std::array<Vec3, 3>> triangles;  // level 0, body frame
 };
 
-// Builds once per process and model.
-const Body& body(const std::string& model, std::size_t triangles);
+// Builds once per process, model and options.
+struct BodyOptions
+{
+	double scale = 1;
+	bool paper = false;
+};
+const Body& body(const std::string& model, std::size_t triangles, const BodyOptions& options = {});
 
 using Random = std::mt19937_64;
 double uniform(Random& random, double low, double high);
