@@ -40,6 +40,7 @@ bool isConvexComponent(const PatchMesh& mesh, const std::vector<std::uint32_t>& 
 	for (const std::uint32_t f : faces)
 		for (const std::uint32_t v : mesh.faces[f])
 			if (mesh.star[v][0] == f) corners.push_back(mesh.positions[v]);
+	if (corners.size() > kVertexLimit) return false;
 	for (const std::uint32_t f : faces)
 		for (const Vec3& p : corners)
 			if (mesh.planes[f].height(p) > 2 * tolerance) return false;

@@ -10,6 +10,8 @@ namespace clod::builder
 {
 // Most faces a patch may have: keeps hulls small enough for brute-force support and for fast tests.
 constexpr std::size_t kFaceLimit = 64;
+// Most vertices the patch of a convex component may have: hull vertices are counted in 16 bits.
+constexpr std::size_t kVertexLimit = 65535;
 
 // Grows patches from the faces in index order, breadth first, then joins what can be joined; a whole component that is
 // convex becomes one patch, whatever its size.
