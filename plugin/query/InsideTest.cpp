@@ -21,6 +21,7 @@ std::vector<Vec3> componentPoints(const Hierarchy& hierarchy)
 		const std::uint32_t face = level.firstFace + first;
 		const Node& owner = hierarchy.node(ownerOf(hierarchy, 0, face));
 		points.push_back(triangleOf(hierarchy, owner, hierarchy.faces()[face]).corner[0]);
+		if (points.size() == hierarchy.asset().componentCount) break;
 		seen[first] = true;
 		stack.push_back(first);
 		while (!stack.empty())
@@ -34,7 +35,6 @@ std::vector<Vec3> componentPoints(const Hierarchy& hierarchy)
 				stack.push_back(neighbour - level.firstFace);
 			}
 		}
-		if (points.size() == hierarchy.asset().componentCount) break;
 	}
 	return points;
 }
