@@ -2,9 +2,7 @@
 // Patches are convex and do not poke out through their virtual faces, within the level's stored tolerance eps:
 //   G1  no vertex of a patch lies more than 2 eps above a face of it (exact: double with an error bound, then
 //   rationals); G2  no other face of the level enters the hull deeper than 4 eps under all its planes (hull by CGAL).
-// Completion nodes: the hull holds every child's hull (exact predicates).
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -107,33 +105,11 @@ void noForeignFace(const Subject& s, std::uint32_t node, const TriangleTree& fac
 			  fmt::format("face {} enters the hull of node {} by {:.3g} or more", intruder, node, excess));
 }
 
-// Corners of the children (with their thickness 0: completion hulls have none) against every facet of the hull.
-void holdsChildren(const Subject& s, std::uint32_t node, Tally& tally)
-{
-	using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-	const auto toPoint = [](const Vec3& v) { return Kernel::Point_3(v.x, v.y, v.z); };
-	const Node& n = s.h.node(node);
-	std::vector<Vec3> points;
-	for (std::uint32_t v = 0; v < n.vertexCount; ++v) points.push_back(s.h.hull(n).vertex(v));
-	const Hull hull = hullOf(points, 0);
-	double excess = 0;
-	for (const std::uint32_t child : s.h.children(n))
-		for (std::uint32_t v = 0; v < s.h.node(child).vertexCount; ++v)
-		{
-			const Vec3 p = s.h.hull(s.h.node(child)).vertex(v);
-			if (!hull.solid) excess = std::max(excess, distanceToHull(points, p, s.slack, s.slack) - 2 * s.slack);
-			for (const Triangle& t : hull.facets)
-				if (CGAL::orientation(toPoint(t[0]), toPoint(t[1]), toPoint(t[2]), toPoint(p)) == CGAL::POSITIVE)
-					excess = std::max({excess, heightAbove(t, p), 1e-300});
-		}
-	tally.add(node, excess,
-			  fmt::format("a child's vertex lies {:.3g} outside the hull of completion node {}", excess, node));
-}
 }  // namespace
 
 Invariants checkConvexity(const Subject& s)
 {
-	Tally edges("edges-convex"), planes("faces-on-hull"), foreign("no-foreign-face"), completion("completion-hulls");
+	Tally edges("edges-convex"), planes("faces-on-hull"), foreign("no-foreign-face");
 	for (const Level& level : s.h.levels())
 	{
 		const double eps = toleranceOf(s, level) * (1 + 1e-6);
@@ -142,12 +118,12 @@ Invariants checkConvexity(const Subject& s)
 				  [&](std::size_t i)
 				  {
 					  const std::uint32_t node = level.firstNode + std::uint32_t(i);
-					  if (!s.isContact(node)) return holdsChildren(s, node, completion);
+					  if (!s.isContact(node)) return;
 					  localConvexity(s, node, eps, edges);
 					  facesOnHull(s, node, 2 * eps, planes);
 					  noForeignFace(s, node, faces, eps, foreign);
 				  });
 	}
-	return {edges.result(), planes.result(), foreign.result(), completion.result()};
+	return {edges.result(), planes.result(), foreign.result()};
 }
 }  // namespace clod::check

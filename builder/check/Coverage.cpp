@@ -79,7 +79,7 @@ private:
 			{
 				if (std::find(seen.begin(), seen.end(), parent) != seen.end()) continue;
 				seen.push_back(parent);
-				if (isLink(node, parent, piece, demand, given)) open.push_back(parent);
+				if (isLink(parent, piece, demand, given)) open.push_back(parent);
 			}
 		}
 		return false;
@@ -91,13 +91,10 @@ private:
 						   [&](const Vec3& p) { return outsideBox(m_s.h.cullBox(node), p) <= given; });
 	}
 
-	bool isLink(std::uint32_t child, std::uint32_t node, const Triangle& piece, const Demand& demand,
-				double given) const
+	bool isLink(std::uint32_t node, const Triangle& piece, const Demand& demand, double given) const
 	{
 		const Node& n = m_s.h.node(node);
 		if (demand.box && !inBox(node, piece, given)) return false;
-		// A completion hull holds its completion children's hulls (shown before), so it is no farther.
-		if (!m_s.isContact(node) && !m_s.isContact(child)) return true;
 		const double cover = double(n.cover) + given, reach = double(n.reach) + given;
 		if (!m_s.isContact(node)) return !demand.cover || withinHull(node, piece, cover);
 		const double toFaces = distanceToFaces(node, piece, demand.cover ? cover : reach);

@@ -52,7 +52,7 @@ Invariants checkGraph(const Subject& subject);      // tree, levels, monotone nu
 Invariants checkSurfaces(const Subject& subject);   // closed manifold levels, connected patches, face records
 Invariants checkAsset(const Subject& subject);      // bounds, mass properties
 Invariants checkGiven(const Subject& subject);      // level 0 against the mesh
-Invariants checkConvexity(const Subject& subject);  // edges, G1, G2, completion hulls
+Invariants checkConvexity(const Subject& subject);  // edges, G1, G2
 Invariants checkCulling(const Subject& subject);    // culling boxes and Hausdorff distances down the primary tree
 Invariants checkDeviation(const Subject& subject);  // surf, protrude, thickness
 Invariants checkCoverage(const Subject& subject);   // chains of cover, reach and culling boxes

@@ -45,8 +45,11 @@ nlohmann::ordered_json describe(const std::vector<check::Invariant>& invariants)
 	report["invariants"] = nlohmann::ordered_json::array();
 	for (const check::Invariant& i : invariants)
 	{
-		nlohmann::ordered_json entry = {
-			{"name", i.name}, {"checked", i.checked}, {"violations", i.violations}, {"worst", i.worst}};
+		nlohmann::ordered_json entry = {{"name", i.name},
+										{"checked", i.checked},
+										{"violations", i.violations},
+										{"worst", i.worst},
+										{"undecided", i.undecided}};
 		if (i.violations > 0) entry["first_violation"] = i.firstViolation;
 		report["invariants"].push_back(entry);
 	}
@@ -71,8 +74,8 @@ void run(const CheckOptions& options)
 	if (!options.json.empty()) writeReport(options.json, describe(invariants));
 	for (const check::Invariant& i : invariants)
 		if (options.textOnStdout())
-			fmt::print("{} {:<28} {:>10} checked, {:>4} broken, worst {:.4g}\n", i.violations == 0 ? "ok  " : "FAIL",
-					   i.name, i.checked, i.violations, i.worst);
+			fmt::print("{} {:<20} {:>9} checked, {:>4} broken, {:>4} undecided, worst {:.4g}\n",
+					   i.violations == 0 ? "ok  " : "FAIL", i.name, i.checked, i.violations, i.undecided, i.worst);
 	for (const check::Invariant& i : invariants)
 		if (i.violations > 0)
 			throw Failure(ExitCode::verificationFailed,
