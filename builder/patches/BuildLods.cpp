@@ -74,6 +74,7 @@ public:
 private:
 	void runPaper();
 	void runGuarded();
+	void raiseTolerance(double tolerance);
 	std::size_t drainQueue();
 	void pushAll();
 	void pushAround(std::uint32_t vertex);
@@ -219,12 +220,27 @@ void Simplifier::runPaper()
 	while (drainQueue() > 0 && !isFinished());
 }
 
+// Which patches lean on others depends on the tolerance.
+void Simplifier::raiseTolerance(double tolerance)
+{
+	if (tolerance <= m_validity.tolerance) return;
+	m_validity.tolerance = tolerance;
+	for (std::uint32_t p = 0; p < m_mesh.patches.size(); ++p)
+	{
+		if (m_mesh.patches[p].faces.empty()) continue;
+		const bool isCovered = m_validity.keepsCovered(p);
+		// A front that only the wider tolerance leaves uncovered is inside by the narrower one: no reason to block
+		// others.
+		m_mesh.setHull(p, std::move(m_mesh.patches[p].hull), isCovered && m_validity.leans());
+	}
+}
+
 void Simplifier::runGuarded()
 {
 	for (double bound = kFirstBound; !isFinished(); bound = std::min(kBoundGrowth * bound, m_config.stopDeviation))
 	{
 		m_guard.bound = bound * m_mesh.radius;
-		m_validity.tolerance = std::max(m_validity.tolerance, kToleranceShare * m_guard.reached());
+		raiseTolerance(kToleranceShare * m_guard.reached());
 		pushAll();
 		drainQueue();
 		joinEverywhere(m_mesh, m_validity);

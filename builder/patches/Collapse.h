@@ -52,6 +52,7 @@ private:
 	bool accepts(const Vec3& position);
 	bool facesAreSound();
 	bool staysOutOfOtherHulls() const;
+	bool keepsOthersCovered();
 	bool doesNotCross() const;
 	void commit(const Vec3& position);
 	void relink(std::uint32_t removed);
@@ -76,6 +77,7 @@ private:
 	std::vector<HalfSpace> m_rows;
 	std::vector<TrianglePoints> m_starPoints;
 	std::vector<std::vector<Plane>> m_newHulls;
+	std::vector<char> m_newLeans;
 	bool m_outOfBound = false;
 };
 }  // namespace clod::builder

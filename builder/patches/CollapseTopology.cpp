@@ -178,7 +178,7 @@ void Collapser::commit(const Vec3& position)
 	{
 		Patch& patch = m_mesh.patches[m_patches[i]];
 		patch.resolution = patch.resolution > 0 ? std::min(patch.resolution, r) : r;
-		m_mesh.setHull(m_patches[i], std::move(m_newHulls[i]));
+		m_mesh.setHull(m_patches[i], std::move(m_newHulls[i]), m_newLeans[i] != 0);
 	}
 }
 
@@ -212,6 +212,7 @@ void Collapser::vanish(std::uint32_t patch)
 		heir.resolution = lost.resolution;
 	lost.kids.clear();
 	lost.hull.clear();
+	lost.leans = false;
 	m_mesh.patchTree.update(patch, Box{});
 	lost.box = {};
 	--m_mesh.patchCount;

@@ -62,7 +62,7 @@ bool isFreeOfOthers(const PatchMesh& mesh, const std::vector<std::uint32_t>& fac
 		box, [&](std::uint32_t face) { return own[face] || !entersHull(mesh.points(face), planes, 4 * tolerance); });
 }
 
-void adopt(PatchMesh& mesh, const std::vector<std::uint32_t>& faces, std::vector<Plane> hull)
+void adopt(PatchMesh& mesh, const std::vector<std::uint32_t>& faces, std::vector<Plane> hull, bool leans)
 {
 	const std::uint32_t patch = faces[0];
 	for (const std::uint32_t f : faces)
@@ -71,6 +71,7 @@ void adopt(PatchMesh& mesh, const std::vector<std::uint32_t>& faces, std::vector
 		mesh.patches[f].faces.clear();
 		mesh.patches[f].box = {};
 	}
+	mesh.patches[patch].leans = leans;
 	mesh.patches[patch].faces = faces;
 	mesh.patches[patch].hull = std::move(hull);
 	mesh.patches[patch].box = mesh.boxOfPatch(patch);
@@ -116,7 +117,7 @@ void decompose(PatchMesh& mesh, Validity& validity, const Progress& progress)
 		{
 			std::vector<Plane> planes;
 			for (const std::uint32_t f : component) planes.push_back(mesh.planes[f]);
-			adopt(mesh, component, std::move(planes));
+			adopt(mesh, component, std::move(planes), false);
 			for (const std::uint32_t f : component) taken[f] = 1;
 		}
 	std::vector<std::uint32_t> triedFor(mesh.faces.size(), kNone);
@@ -127,7 +128,9 @@ void decompose(PatchMesh& mesh, Validity& validity, const Progress& progress)
 		if (taken[seed]) continue;
 		const auto faces = growFrom(mesh, validity, seed, triedFor, taken);
 		for (const std::uint32_t f : faces) taken[f] = 1;
-		adopt(mesh, faces, validity.grownHull());
+		std::vector<Plane> hull = validity.grownHull();
+		validity.isValid(faces);
+		adopt(mesh, faces, std::move(hull), validity.leans());
 	}
 	mesh.rebuildTrees();
 	joinEverywhere(mesh, validity);
@@ -137,7 +140,7 @@ bool tryJoin(PatchMesh& mesh, Validity& validity, std::uint32_t a, std::uint32_t
 {
 	if (mesh.patches[a].faces.size() + mesh.patches[b].faces.size() > kFaceLimit) return false;
 	if (!validity.canJoin(a, b)) return false;
-	mesh.join(a, b, validity.hull());
+	mesh.join(a, b, validity.hull(), validity.leans());
 	return true;
 }
 

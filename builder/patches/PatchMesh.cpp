@@ -72,17 +72,18 @@ Box PatchMesh::boxOfPatch(std::uint32_t patch) const
 {
 	Box box;
 	for (const std::uint32_t f : patches[patch].faces) box.include(boxOf(points(f)));
-	return box;
+	return patches[patch].leans ? box.grownBy(length(box.high - box.low)) : box;
 }
 
-void PatchMesh::setHull(std::uint32_t patch, std::vector<Plane> hull)
+void PatchMesh::setHull(std::uint32_t patch, std::vector<Plane> hull, bool leans)
 {
 	patches[patch].hull = std::move(hull);
+	patches[patch].leans = leans;
 	patches[patch].box = boxOfPatch(patch);
 	patchTree.update(patch, patches[patch].box);
 }
 
-void PatchMesh::join(std::uint32_t into, std::uint32_t from, std::vector<Plane> hull)
+void PatchMesh::join(std::uint32_t into, std::uint32_t from, std::vector<Plane> hull, bool leans)
 {
 	Patch &a = patches[into], &b = patches[from];
 	for (const std::uint32_t f : b.faces) label[f] = into;
@@ -91,7 +92,7 @@ void PatchMesh::join(std::uint32_t into, std::uint32_t from, std::vector<Plane> 
 	if (b.resolution > 0 && (a.resolution == 0 || b.resolution < a.resolution)) a.resolution = b.resolution;
 	b = Patch{};
 	patchTree.update(from, b.box);
-	setHull(into, std::move(hull));
+	setHull(into, std::move(hull), leans);
 	--patchCount;
 }
 

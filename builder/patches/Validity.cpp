@@ -208,6 +208,12 @@ bool Validity::keepsInside(std::uint32_t patch)
 	return isInside(m_hull) && isCovered();
 }
 
+bool Validity::keepsCovered(std::uint32_t patch)
+{
+	load(m_mesh.patches[patch].faces);
+	return isCovered();
+}
+
 bool Validity::isConnected() const
 {
 	if (m_faces.empty()) return false;
@@ -259,6 +265,7 @@ bool Validity::isInside(const SmallHull& hull)
 bool Validity::isCovered()
 {
 	m_covered.assign(m_faces.size(), 0);
+	m_leans = false;
 	for (std::size_t i = 0; i < m_faces.size(); ++i)
 		if (!m_covered[i] && !frontIsCovered(i)) return false;
 	return true;
@@ -319,7 +326,9 @@ bool Validity::frontIsCovered(std::size_t reference)
 		const TrianglePoints& t = m_facePoints[partial[k]];
 		covered += areaOf(clipped({frame(t[0]), frame(t[1]), frame(t[2])}, outline));
 	}
-	return covered >= needed || covered + foreignCover(plane, outline, box) >= needed;
+	if (covered >= needed) return true;
+	m_leans = true;
+	return covered + foreignCover(plane, outline, box) >= needed;
 }
 
 // Area of the front that lies inside the solid or just outside: over such a point one more face leaves the solid than

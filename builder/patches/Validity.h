@@ -41,10 +41,14 @@ public:
 	// Whether a patch that was valid keeps its edges and G1 under the move; then whether it keeps G2 and cover as well.
 	bool keepsConvex(std::uint32_t patch);
 	bool keepsInside(std::uint32_t patch);
+	// Cover alone, for a patch whose own faces do not move.
+	bool keepsCovered(std::uint32_t patch);
 	// Everything from scratch, edge-connectedness included.
 	bool isValid(const std::vector<std::uint32_t>& faces);
 
 	const std::vector<Plane>& hull() const { return m_hullPlanes; }
+	// Whether the last cover needed faces of other patches: moving those can uncover the patch.
+	bool leans() const { return m_leans; }
 	TrianglePoints points(std::uint32_t face) const;
 
 private:
@@ -79,6 +83,7 @@ private:
 	std::vector<Plane> m_facePlanes;
 	std::vector<Vec3> m_points;
 	Box m_box;
+	bool m_leans = false;
 	SmallHull m_hull, m_trial;
 	std::vector<Plane> m_hullPlanes;
 	std::vector<char> m_covered;  // per face of the patch: judged with an earlier coplanar face

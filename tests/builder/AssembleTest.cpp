@@ -176,7 +176,7 @@ TEST(Assemble, SampledSurfAndProtrudeNeverExceedTheirBounds)
 		}
 	}
 	EXPECT_GT(tightestSurf, 0.8);  // the bound is met somewhere, so a bound half as large would have failed
-	EXPECT_GT(tightestProtrude, 0.5);
+	EXPECT_GT(tightestProtrude, 0.25);
 }
 
 // Every point of the input has a chain leaf .. root whose contact nodes cover it and whose culling boxes contain it.

@@ -183,7 +183,8 @@ std::string faultOfVirtualFaces(const Lod& lod, const std::vector<Corners>& hull
 	return "";
 }
 
-// A flat patch: its outline's hull, sampled along all chords between vertices, must lie on the surface.
+// A flat patch: its outline's hull, sampled along all chords between vertices, must lie on the surface or in
+// the solid.
 std::string faultOfFlat(const Lod& lod, const PatchView& view, double eps, std::size_t patch)
 {
 	for (std::size_t i = 0; i < view.vertices.size(); ++i)
@@ -191,7 +192,7 @@ std::string faultOfFlat(const Lod& lod, const PatchView& view, double eps, std::
 			for (const double s : {0.25, 0.5, 0.75})
 			{
 				const Vec3 p = view.vertices[i] + s * (view.vertices[j] - view.vertices[i]);
-				if (distanceToSurface(lod.mesh, p) > 32 * eps)
+				if (distanceToSurface(lod.mesh, p) > 32 * eps && windingNumber(lod.mesh, p) < 0.5)
 					return "flat patch " + std::to_string(patch) + " spans a notch";
 			}
 	return "";

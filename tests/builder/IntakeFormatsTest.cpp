@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The same solid in every format is the same mesh to the last bit; damaged files are refused.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "builder/intake/Intake.h"
+#include "builder/intake/ReadMesh.h"
+#include "tests/support/Meshes.h"
+
+namespace clod::test
+{
+namespace
+{
+using builder::Mesh;
+using builder::Soup;
+
+const Mesh& solid()
+{
+	static const Mesh mesh = boxMesh({0.5, 0.25, 1}, 2);
+	return mesh;
+}
+
+template <class T>
+void append(std::string& bytes, T value, bool bigEndian = false)
+{
+	std::string raw(reinterpret_cast<const char*>(&value), sizeof(T));
+	if (bigEndian) std::reverse(raw.begin(), raw.end());
+	bytes += raw;
+}
+
+std::string words(const Vec3& v)
+{
+	return std::to_string(v.x) + " " + std::to_string(v.y) + " " + std::to_string(v.z) + "\n";
+}
+
+std::string asObj()
+{
+	std::string text;
+	for (const Vec3& v : solid().vertices) text += "v " + words(v);
+	for (const auto& t : solid().triangles)
+		text +=
+			"f " + std::to_string(t[0] + 1) + " " + std::to_string(t[1] + 1) + " " + std::to_string(t[2] + 1) + "\n";
+	return text;
+}
+
+std::string faceLines()
+{
+	std::string text;
+	for (const auto& t : solid().triangles)
+		text += "3 " + std::to_string(t[0]) + " " + std::to_string(t[1]) + " " + std::to_string(t[2]) + "\n";
+	return text;
+}
+
+std::string asOff()
+{
+	std::string text =
+		"OFF\n" + std::to_string(solid().vertices.size()) + " " + std::to_string(solid().triangles.size()) + " 0\n";
+	for (const Vec3& v : solid().vertices) text += words(v);
+	return text + faceLines();
+}
+
+std::string plyHeader(const std::string& format)
+{
+	return "ply\nformat " + format + " 1.0\nelement vertex " + std::to_string(solid().vertices.size()) +
+		   "\nproperty double x\nproperty float y\nproperty float z\nproperty uchar red\nelement face " +
+		   std::to_string(solid().triangles.size()) + "\nproperty list uchar int vertex_indices\nend_header\n";
+}
+
+std::string asPlyText()
+{
+	std::string text = plyHeader("ascii");
+	for (const Vec3& v : solid().vertices)
+		text += std::to_string(v.x) + " " + std::to_string(v.y) + " " + std::to_string(v.z) + " 7\n";
+	return text + faceLines();
+}
+
+std::string asPlyBinary(bool bigEndian)
+{
+	std::string bytes = plyHeader(bigEndian ? "binary_big_endian" : "binary_little_endian");
+	for (const Vec3& v : solid().vertices)
+	{
+		append(bytes, v.x, bigEndian);
+		append(bytes, float(v.y), bigEndian);
+		append(bytes, float(v.z), bigEndian);
+		append(bytes, std::uint8_t(7));
+	}
+	for (const auto& t : solid().triangles)
+	{
+		append(bytes, std::uint8_t(3));
+		for (const std::uint32_t v : t) append(bytes, std::int32_t(v), bigEndian);
+	}
+	return bytes;
+}
+
+std::string asStlBinary()
+{
+	std::string bytes(80, ' ');
+	append(bytes, std::uint32_t(solid().triangles.size()));
+	for (const auto& t : solid().triangles)
+	{
+		bytes += std::string(12, '\0');
+		for (const std::uint32_t v : t)
+			for (int i = 0; i < 3; ++i) append(bytes, float(solid().vertices[v][i]));
+		append(bytes, std::uint16_t(0));
+	}
+	return bytes;
+}
+
+std::string asStlText()
+{
+	std::string text = "solid some name\n";
+	for (const auto& t : solid().triangles)
+	{
+		text += "facet normal 0 0 0\n outer loop\n";
+		for (const std::uint32_t v : t) text += "  vertex " + words(solid().vertices[v]);
+		text += " endloop\nendfacet\n";
+	}
+	return text + "endsolid some name\n";
+}
+
+std::string asGlb()
+{
+	std::string data;
+	for (const Vec3& v : solid().vertices)
+		for (int i = 0; i < 3; ++i) append(data, float(v[i]));
+	const std::size_t positions = data.size();
+	for (const auto& t : solid().triangles)
+		for (const std::uint32_t v : t) append(data, std::uint16_t(v));
+	data.resize((data.size() + 3) / 4 * 4, '\0');
+	nlohmann::json scene = {
+		{"asset", {{"version", "2.0"}}},
+		{"scene", 0},
+		{"scenes", {{{"nodes", {0}}}}},
+		{"nodes", {{{"mesh", 0}}}},
+		{"meshes", {{{"primitives", {{{"attributes", {{"POSITION", 0}}}, {"indices", 1}}}}}}},
+		{"accessors",
+		 {{{"bufferView", 0}, {"componentType", 5126}, {"count", solid().vertices.size()}, {"type", "VEC3"}},
+		  {{"bufferView", 1}, {"componentType", 5123}, {"count", 3 * solid().triangles.size()}, {"type", "SCALAR"}}}},
+		{"bufferViews",
+		 {{{"buffer", 0}, {"byteOffset", 0}, {"byteLength", positions}},
+		  {{"buffer", 0}, {"byteOffset", positions}, {"byteLength", data.size() - positions}}}},
+		{"buffers", {{{"byteLength", data.size()}}}}};
+	std::string json = scene.dump();
+	json.resize((json.size() + 3) / 4 * 4, ' ');
+	std::string file = "glTF";
+	append(file, std::uint32_t(2));
+	append(file, std::uint32_t(12 + 8 + json.size() + 8 + data.size()));
+	append(file, std::uint32_t(json.size()));
+	file += "JSON" + json;
+	append(file, std::uint32_t(data.size()));
+	return file + std::string("BIN\0", 4) + data;
+}
+
+Soup parseGlb(std::string_view bytes)
+{
+	return builder::parseGltf(bytes, ".");
+}
+
+struct Format
+{
+	const char* name;
+	std::string bytes;
+	Soup (*parse)(std::string_view);
+};
+
+std::vector<Format> formats()
+{
+	return {{"off", asOff(), builder::parseOff},
+			{"ply ascii", asPlyText(), builder::parsePly},
+			{"ply little", asPlyBinary(false), builder::parsePly},
+			{"ply big", asPlyBinary(true), builder::parsePly},
+			{"stl binary", asStlBinary(), builder::parseStl},
+			{"stl ascii", asStlText(), builder::parseStl},
+			{"glb", asGlb(), parseGlb}};
+}
+}  // namespace
+
+TEST(IntakeFormats, AgreeToTheBit)
+{
+	const builder::Intake expected = builder::intake(builder::parseObj(asObj()));
+	for (const Format& format : formats())
+	{
+		const builder::Intake found = builder::intake(format.parse(format.bytes));
+		EXPECT_EQ(found.mesh.vertices, expected.mesh.vertices) << format.name;
+		EXPECT_EQ(found.mesh.triangles, expected.mesh.triangles) << format.name;
+		EXPECT_EQ(found.meshFromBody, expected.meshFromBody) << format.name;
+	}
+}
+
+// Every shorter file is refused or is, by chance of where text was cut, still the whole solid.
+TEST(IntakeFormats, TruncatedFilesAreRefused)
+{
+	const std::size_t triangles = solid().triangles.size();
+	for (const Format& format : formats())
+		for (std::size_t size = 0; size + 2 < format.bytes.size(); size += 7) try
+			{
+				const builder::Intake found =
+					builder::intake(format.parse(std::string_view(format.bytes).substr(0, size)));
+				EXPECT_EQ(found.mesh.triangles.size(), triangles) << format.name << " cut at " << size;
+			}
+			catch (const builder::Refused&)
+			{
+			}
+}
+
+TEST(IntakeFormats, CountsBeyondTheFileAreRefusedBeforeAnythingIsAllocated)
+{
+	EXPECT_THROW(builder::parseOff("OFF\n4000000000 1 0\n0 0 0\n"), builder::Refused);
+	EXPECT_THROW(
+		builder::parsePly("ply\nformat ascii 1.0\nelement vertex 4000000000000\nproperty float x\nproperty float "
+						  "y\nproperty float z\nend_header\n0 0 0\n"),
+		builder::Refused);
+	std::string list =
+		"ply\nformat binary_little_endian 1.0\nelement face 1\nproperty list uint int vertex_indices\nend_header\n";
+	append(list, std::uint32_t(0xFFFFFFFF));
+	EXPECT_THROW(builder::parsePly(list), builder::Refused);
+	std::string stl(80, ' ');
+	append(stl, std::uint32_t(0xFFFFFFFF));
+	EXPECT_THROW(builder::parseStl(stl), builder::Refused);
+}
+}  // namespace clod::test
