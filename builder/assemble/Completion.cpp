@@ -131,6 +131,13 @@ void store(NodeDraft& node, const std::vector<Vec3>& points)
 		node.hausdorff = std::max(node.hausdorff, length(node.vertices.back() - p));
 	}
 }
+// A completion child's stored hull may reach beyond what it encloses, and beyond this hull: h accounts for it.
+void include(NodeDraft& node, const NodeDraft& child)
+{
+	if (!child.faces.empty()) return;
+	for (const Vec3& v : child.vertices)
+		node.hausdorff = std::max(node.hausdorff, child.hausdorff + distanceBound(v, node.hull()));
+}
 }  // namespace
 
 void completeToRoot(HierarchyDraft& draft, std::vector<std::vector<Vec3>> corners, unsigned threads)
@@ -160,6 +167,7 @@ void completeToRoot(HierarchyDraft& draft, std::vector<std::vector<Vec3>> corner
 						merged[k] = hullShape(points, 1e-6 * size).corners;
 						nodes[k].primaryChildren = std::uint32_t(nodes[k].children.size());
 						store(nodes[k], modestHull(merged[k], size));
+						for (std::uint32_t child : nodes[k].children) include(nodes[k], draft.nodes[child]);
 					});
 		corners = std::move(merged);
 		draft.levels.push_back({std::uint32_t(draft.nodes.size()), std::uint32_t(nodes.size()), false, 0});

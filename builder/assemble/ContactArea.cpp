@@ -4,7 +4,6 @@
 #include "builder/assemble/ContactArea.h"
 
 #include <algorithm>
-#include <set>
 
 namespace clod::builder
 {
@@ -61,7 +60,21 @@ ContactArea::ContactArea(const Mesh& mesh, double delta, double cap)
 double ContactArea::at(std::uint32_t start, const Vec3& origin, const Vec3& normal) const
 {
 	const auto planes = slab(normal, m_delta, m_cap);
-	std::set<std::uint32_t> seen{start};
+	// Faces wholly inside the slab and the cap's inscribed circle need no clipping.
+	const double inner = planes.back().second;
+	const auto isInside = [&](const Vec3& p)
+	{
+		const double height = dot(p, normal);
+		return std::fabs(height) <= m_delta && lengthSquared(p) - height * height <= inner * inner;
+	};
+	thread_local std::vector<std::uint32_t> seenIn;  // the flood that last met a face; floods of a thread are numbered
+	thread_local std::uint32_t flood = 0;
+	if (seenIn.size() != m_mesh.triangles.size() || flood == kNone)
+	{
+		seenIn.assign(m_mesh.triangles.size(), 0);
+		flood = 0;
+	}
+	seenIn[start] = ++flood;
 	std::vector<std::uint32_t> open{start};
 	double area = 0;
 	std::vector<Vec3> polygon;
@@ -71,13 +84,17 @@ double ContactArea::at(std::uint32_t start, const Vec3& origin, const Vec3& norm
 		open.pop_back();
 		polygon.clear();
 		for (std::uint32_t v : m_mesh.triangles[face]) polygon.push_back(m_mesh.vertices[v] - origin);
+		const bool whole = isInside(polygon[0]) && isInside(polygon[1]) && isInside(polygon[2]);
 		for (const auto& plane : planes)
-			if (!polygon.empty()) clip(polygon, plane.first, plane.second);
+			if (!whole && !polygon.empty()) clip(polygon, plane.first, plane.second);
 		if (polygon.empty()) continue;
 		area += projectedArea(polygon, normal);
 		for (std::uint32_t other : m_neighbours[face])
-			if (other != kNone && dot(m_normals[other], normal) > kFacing && seen.insert(other).second)
-				open.push_back(other);
+		{
+			if (other == kNone || seenIn[other] == flood || dot(m_normals[other], normal) <= kFacing) continue;
+			seenIn[other] = flood;
+			open.push_back(other);
+		}
 	}
 	return std::max(area, 4 * m_delta * m_delta);
 }
