@@ -19,10 +19,12 @@ constexpr int kPanel = 720;  // pixels, each way
 constexpr Color kCupColor = {0.45f, 0.62f, 0.78f, 0.22f};
 constexpr Color kSpoonColor = {0.72f, 0.74f, 0.77f, 1};
 constexpr Color kContactColor = {0.85f, 0.1f, 0.1f, 1};
+// Arrows point from A to B: the way A pushes B.
 constexpr double kMarkerSpacing = 0.004;
 constexpr std::size_t kLargestMarkers = 40;
 constexpr const char* kFootnote =
-	"Coloured: the surface patches that answered, by level of detail. Red: contact points and normals.";
+	"Coloured: the surface patches that answered, by level of detail. Red: contact points, and how the spoon is pushed "
+	"there.";
 
 Result<MeshId> upload(Renderer& renderer, const ModelMesh& mesh)
 {
@@ -62,14 +64,19 @@ std::string millimetres(double metres)
 	return fmt::format(std::fabs(mm) < 0.01 ? "{:.5f} mm" : "{:.3f} mm", mm);
 }
 
+std::string gapInWords(const ReplayRow& row)
+{
+	if (!std::isfinite(row.minDistance)) return "not in contact";
+	if (!std::isfinite(row.errorBound)) return "overlapping; the depth is not proved";
+	return "gap " + millimetres(row.minDistance) + ", certified to within " + millimetres(row.errorBound);
+}
+
 std::vector<std::string> figures(const FrameAnswer& answer)
 {
 	const ReplayRow& row = answer.row;
 	std::vector<std::string> lines;
 	lines.push_back("selection: " + answer.selection);
-	lines.push_back(std::isfinite(row.minDistance)
-						? "gap " + millimetres(row.minDistance) + ", certified to within " + millimetres(row.errorBound)
-						: "not in contact");
+	lines.push_back(gapInWords(row));
 	lines.push_back(fmt::format("{} touching pairs of patches", row.contacts));
 	lines.push_back(fmt::format("query {:.0f} µs, front of {} pairs", row.queryMicroseconds, row.stats.front));
 	return lines;
@@ -134,7 +141,7 @@ void FramePainter::addContacts(Frame& frame, const std::vector<FrameContact>& co
 	{
 		frame.markers.push_back({contact.position, 0.016 * size, kContactColor});
 		frame.arrows.push_back(
-			{contact.position, contact.position + (0.25 * size) * contact.normal, 0.007 * size, kContactColor});
+			{contact.position, contact.position - (0.25 * size) * contact.normal, 0.007 * size, kContactColor});
 	}
 }
 

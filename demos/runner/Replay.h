@@ -23,7 +23,8 @@ struct ReplayOptions
 struct ReplayRow
 {
 	std::int64_t step = 0;
-	double queryMicroseconds = 0;
+	double queryMicroseconds = 0;  // up to the contact list
+	double gapMicroseconds = 0;    // contact list, signed gap and its certificate
 	std::size_t contacts = 0;
 	double minDistance = 0, errorBound = 0;
 	bool deep = false;
@@ -39,8 +40,26 @@ struct ReplayRow
 std::vector<ReplayRow> replay(const Hierarchy& a, const Hierarchy& b, const std::vector<PoseRow>& poses,
 							  const ReplayOptions& options, const std::function<void(double)>& progress);
 
-// What one query answered.
-ReplayRow measure(std::int64_t step, const QueryResult& result, double microseconds);
+// Answers one pose after another: a query up to the contact list, which is timed as such, then one with the signed gap.
+// Each has its own caches.
+class MeasuredQuery
+{
+public:
+	MeasuredQuery(const Hierarchy& a, const Hierarchy& b, const Settings& settings, bool fresh)
+		: m_a(a), m_b(b), m_settings(settings), m_fresh(fresh)
+	{
+	}
+	ReplayRow at(const PoseRow& poses);
+
+private:
+	double timed(const Transform& aFromB, const Settings& settings, PairCache& cache, QueryResult& result) const;
+
+	const Hierarchy &m_a, &m_b;
+	Settings m_settings;
+	bool m_fresh;
+	PairCache m_contactCache, m_gapCache;
+	QueryResult m_contacts, m_gap;
+};
 
 // Speed of B's fastest point seen from A before each row, in smaller radii a second.
 std::vector<double> relativeSpeeds(const Hierarchy& a, const Hierarchy& b, const std::vector<PoseRow>& poses,

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <set>
 
@@ -30,20 +29,6 @@ void requireFinite(const SceneState& state)
 	if (!std::isfinite(sum) || !isFinite(state.velocity) || !isFinite(state.turning))
 		throw cli::Failure(cli::ExitCode::failure,
 						   fmt::format("step {}: a pose or velocity is not finite", state.poses.step));
-}
-
-ReplayRow queryAt(const SceneState& state, const SceneRunOptions& options, PairCache& cache, QueryResult& result)
-{
-	using Clock = std::chrono::steady_clock;
-	const Hierarchy &a = *options.scene.a, &b = *options.scene.b;
-	Settings settings = options.scene.query;
-	settings.tolerance = options.tolerance;
-	if (options.fresh) cache.clear();
-	const Transform aFromB = relativePose(state.poses, meshFromBody(a), meshFromBody(b));
-	const auto start = Clock::now();
-	query(a, b, aFromB, settings, cache, result);
-	const std::chrono::duration<double, std::micro> elapsed = Clock::now() - start;
-	return measure(state.poses.step, result, elapsed.count());
 }
 
 double share(const std::vector<SceneRow>& rows, bool (*holds)(const SceneRow&, double), double tolerance)
@@ -85,14 +70,15 @@ std::vector<SceneRow> runScene(Scene& scene, const SceneRunOptions& options,
 							   const std::function<void(double)>& progress)
 {
 	std::vector<SceneRow> rows;
-	PairCache cache;
-	QueryResult result;
+	Settings settings = options.scene.query;
+	settings.tolerance = options.tolerance;
+	MeasuredQuery measured(*options.scene.a, *options.scene.b, settings, options.fresh);
 	for (int step = 0; step < options.steps; ++step)
 	{
 		scene.step();
 		SceneRow row{scene.state(), {}};
 		requireFinite(row.state);
-		row.query = queryAt(row.state, options, cache, result);
+		row.query = measured.at(row.state.poses);
 		rows.push_back(std::move(row));
 		progress(double(step + 1) / options.steps);
 	}
@@ -111,19 +97,20 @@ std::vector<PoseRow> posesOf(const std::vector<SceneRow>& rows)
 
 std::string formatSceneRows(const std::vector<SceneRow>& rows)
 {
-	std::string text = std::string(kPosesHeader) +
-					   ",time,gap,error_bound,contacts,points,manifolds,finest_level,coarsest_level,front,hull_tests,"
-					   "query_us,dispatch_us,step_us,speed_m_per_s,turning_rad_per_s,speed_radii_per_s,motion,deep\n";
+	std::string text =
+		std::string(kPosesHeader) +
+		",time,gap,error_bound,contacts,points,manifolds,finest_level,coarsest_level,front,hull_tests,"
+		"query_us,gap_us,dispatch_us,step_us,speed_m_per_s,turning_rad_per_s,speed_radii_per_s,motion,deep\n";
 	for (const SceneRow& row : rows)
 	{
 		const SceneState& s = row.state;
 		const ReplayRow& q = row.query;
 		text += formatPose(s.poses);
-		text += fmt::format(",{},{},{},{},{},{},{},{},{},{},{:.3f},{:.3f},{:.3f},{:.6g},{:.6g},{:.5g},{},{}\n",
+		text += fmt::format(",{},{},{},{},{},{},{},{},{},{},{:.3f},{:.3f},{:.3f},{:.3f},{:.6g},{:.6g},{:.5g},{},{}\n",
 							number(s.time), number(q.minDistance), number(q.errorBound), q.contacts, s.points.size(),
 							s.manifolds, q.stats.finestLevel, q.stats.coarsestLevel, q.stats.front, q.tests(),
-							q.queryMicroseconds, s.dispatchMicroseconds, s.stepMicroseconds, length(s.velocity),
-							length(s.turning), q.speed, name(q.motion()), int(q.deep));
+							q.queryMicroseconds, q.gapMicroseconds, s.dispatchMicroseconds, s.stepMicroseconds,
+							length(s.velocity), length(s.turning), q.speed, name(q.motion()), int(q.deep));
 	}
 	return text;
 }

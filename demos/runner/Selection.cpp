@@ -15,7 +15,11 @@ void addRefused(CLI::App& command, const std::string& name, const std::string& t
 {
 	const auto refuse = [name](const std::string&) -> std::string
 	{ return name + " is not available in this version"; };
-	command.add_option(name)->type_name(type)->description("Not available in this version")->check(refuse)->group("Not available in this version");
+	command.add_option(name)
+		->type_name(type)
+		->description("Not available in this version")
+		->check(refuse)
+		->group("Not available in this version");
 }
 
 std::string checkCombine(const std::string& word)

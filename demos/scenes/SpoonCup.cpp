@@ -40,7 +40,7 @@ constexpr int solverIterations = 30;
 constexpr double splitImpulsePenetrationThreshold = 0;
 constexpr double erp = 0.2, erp2 = 0.2;
 // Time course, in seconds: drop and settle, stir, rest.
-constexpr double stirBegins = 0.5, stirEnds = 4.6, ramp = 0.25;
+constexpr double stirBegins = 0.35, stirEnds = 4.5, ramp = 0.25;
 constexpr double stirTilt = 0.5;       // radians between gravity and down
 constexpr double stirFrequency = 0.8;  // turns a second
 // How the spoon starts: bowl down, its tip `dropHeight` over the cup's bottom, leaning by `lean` radians.
