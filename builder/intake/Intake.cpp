@@ -15,9 +15,7 @@ namespace clod::builder
 {
 namespace
 {
-// Volumes of features, f = s/r^2, must fit a float: extents outside are refused.
-constexpr double kSmallestExtent = 1e-10, kLargestExtent = 1e10;
-// Below this share of the cube of the extent a volume is rounding.
+// A volume below this share of extent times surface is rounding.
 constexpr double kLeastVolume = 1e-12;
 
 struct Box
@@ -39,30 +37,21 @@ Box boundsOf(const std::vector<Vec3>& vertices)
 	return box;
 }
 
-void checkExtent(const Box& box)
-{
-	const double extent = box.extent();
-	if (extent == 0) throw Refused(Reason::zeroVolume, "all vertices are at the same place");
-	if (!(extent >= kSmallestExtent && extent <= kLargestExtent))
-		throw Refused(Reason::limit, fmt::format("the mesh is {} long; the limits are {} and {}; scale it", extent,
-												 kSmallestExtent, kLargestExtent));
-}
-
 // Volume integrals relative to the box centre, so that a far origin costs no digits.
 Vec3 centerOfMass(const WeldedMesh& mesh, const Box& box)
 {
 	const Vec3 origin = box.center();
-	double volume = 0;
+	double volume = 0, area = 0;
 	Vec3 moment;
 	for (const auto& t : mesh.triangles)
 	{
 		const Vec3 a = mesh.vertices[t[0]] - origin, b = mesh.vertices[t[1]] - origin, c = mesh.vertices[t[2]] - origin;
 		const double sixfold = dot(a, cross(b, c));
 		volume += sixfold;
+		area += 0.5 * length(cross(b - a, c - a));
 		moment += sixfold * (a + b + c);
 	}
-	const double extent = box.extent();
-	if (std::abs(volume) <= 6 * kLeastVolume * extent * extent * extent)
+	if (std::abs(volume) <= 6 * kLeastVolume * box.extent() * area)
 		throw Refused(Reason::zeroVolume, fmt::format("the mesh encloses a volume of {}", volume / 6));
 	if (volume < 0)
 		throw Refused(Reason::inverted, fmt::format("the mesh is inside out from face {} on: its volume is {}",
@@ -96,7 +85,6 @@ Intake intake(const Soup& soup)
 {
 	const WeldedMesh welded = weldAndTriangulate(soup);
 	const Box box = boundsOf(welded.vertices);
-	checkExtent(box);
 	checkTopology(welded);
 	Intake result;
 	result.meshFromBody = centerOfMass(welded, box);

@@ -46,6 +46,7 @@ void readFace(TextCursor& cursor, Soup& soup)
 {
 	for (std::string_view word = cursor.word(); !word.empty(); word = cursor.word())
 	{
+		if (word[0] == '#') break;  // after a continuation the comment is still there
 		const bool continued = word == "\\";
 		if (!continued)
 			readCorner(cursor, word, soup);

@@ -34,6 +34,25 @@ void checkSoup(const Soup& soup)
 																   polygon, soup.corners[c], soup.vertices.size()));
 }
 
+// Volumes of features must fit a float: meshes longer or shorter than this are refused.
+constexpr double kSmallestExtent = 1e-10, kLargestExtent = 1e10;
+
+void checkExtent(const Soup& soup)
+{
+	Vec3 low = soup.vertices[soup.corners[0]], high = low;
+	for (const std::uint32_t corner : soup.corners)
+		for (int i = 0; i < 3; ++i)
+		{
+			low[i] = std::min(low[i], soup.vertices[corner][i]);
+			high[i] = std::max(high[i], soup.vertices[corner][i]);
+		}
+	const double extent = std::max({high.x - low.x, high.y - low.y, high.z - low.z});
+	if (extent == 0) throw Refused(Reason::zeroVolume, "all vertices are at the same place");
+	if (!(extent >= kSmallestExtent && extent <= kLargestExtent))
+		throw Refused(Reason::limit, fmt::format("the mesh is {} long; the limits are {} and {}; scale it", extent,
+												 kSmallestExtent, kLargestExtent));
+}
+
 // For each vertex of the file the first one at the same place.
 std::vector<std::uint32_t> firstAtSamePlace(const std::vector<Vec3>& vertices)
 {
@@ -185,6 +204,7 @@ private:
 WeldedMesh weldAndTriangulate(const Soup& soup)
 {
 	checkSoup(soup);
+	checkExtent(soup);
 	Welder welder(soup);
 	for (std::size_t polygon = 0; polygon < soup.polygonCount(); ++polygon) welder.add(polygon);
 	return welder.finish();

@@ -145,7 +145,6 @@ TEST(Intake, BodyFrameIsCentredOnTheCentreOfMass)
 
 TEST(Intake, FarOffsetChangesNothing)
 {
-	std::string far;
 	const builder::Soup soup = builder::parseObj(kCube);
 	builder::Soup moved = soup;
 	for (Vec3& v : moved.vertices) v += Vec3{1048576, -2097152, 4194304};

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// clod-build as people and scripts use it: exit codes, streams, nothing half written; and the helpers both programs
+// share.
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "demos/cli/Files.h"
+#include "demos/cli/Length.h"
+#include "demos/cli/Suggestion.h"
+#include "tests/support/Meshes.h"
+
+namespace clod::test
+{
+namespace
+{
+namespace fs = std::filesystem;
+
+std::string readText(const fs::path& path)
+{
+	std::ifstream file(path, std::ios::binary);
+	return {std::istreambuf_iterator<char>(file), {}};
+}
+
+// An empty folder of its own for each test, removed at the end.
+class Cli : public ::testing::Test
+{
+protected:
+	void SetUp() override
+	{
+		m_folder = fs::temp_directory_path() / ("clod-cli-" + std::to_string(getpid()) + "-" +
+												::testing::UnitTest::GetInstance()->current_test_info()->name());
+		fs::create_directories(m_folder);
+		writeMesh("torus.obj", torusMesh(1, 0.4, 24, 12));
+	}
+	void TearDown() override { fs::remove_all(m_folder); }
+
+	std::string path(const std::string& name) const { return (m_folder / name).string(); }
+	void writeText(const std::string& name, const std::string& text) const { std::ofstream(path(name)) << text; }
+	void writeMesh(const std::string& name, const builder::Mesh& mesh) const
+	{
+		std::ofstream file(path(name));
+		file.precision(17);
+		for (const Vec3& v : mesh.vertices) file << "v " << v.x << ' ' << v.y << ' ' << v.z << '\n';
+		for (const auto& t : mesh.triangles) file << "f " << t[0] + 1 << ' ' << t[1] + 1 << ' ' << t[2] + 1 << '\n';
+	}
+	pid_t start(std::vector<std::string> arguments)
+	{
+		arguments.insert(arguments.begin(), CLOD_BUILD_PROGRAM);
+		std::fflush(nullptr);  // or the child prints it again
+		const pid_t child = fork();
+		if (child != 0) return child;
+		std::vector<char*> raw;
+		for (std::string& a : arguments) raw.push_back(a.data());
+		raw.push_back(nullptr);
+		const bool redirected = std::freopen(path("stdout").c_str(), "w", stdout) != nullptr &&
+								std::freopen(path("stderr").c_str(), "w", stderr) != nullptr;
+		if (redirected) execv(raw[0], raw.data());
+		_exit(127);
+	}
+	static int exitCode(pid_t child)
+	{
+		int status = 0;
+		waitpid(child, &status, 0);
+		return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+	}
+	int run(std::vector<std::string> arguments) { return exitCode(start(std::move(arguments))); }
+	std::string out() const { return readText(path("stdout")); }
+	std::string err() const { return readText(path("stderr")); }
+	std::size_t filesBesides(const std::string& prefix) const
+	{
+		std::size_t count = 0;
+		for (const auto& entry : fs::directory_iterator(m_folder))
+			count += entry.path().filename().string().rfind(prefix, 0) == 0 ? 1 : 0;
+		return count;
+	}
+	fs::path m_folder;
+};
+}  // namespace
+
+TEST_F(Cli, BuildInfoCheckExport)
+{
+	ASSERT_EQ(run({"build", path("torus.obj"), "-o", path("a.clod"), "--quiet", "--json", path("build.json")}), 0)
+		<< err();
+	EXPECT_EQ(err(), "");
+	const auto built = nlohmann::json::parse(readText(path("build.json")));
+	EXPECT_GT(built["build_seconds"].get<double>(), 0);
+	ASSERT_EQ(run({"info", path("a.clod"), "--json", "-"}), 0);
+	const auto info = nlohmann::json::parse(out());
+	for (const char* key : {"schema", "triangles", "levels", "clods", "lods", "bytes", "volume", "center_of_mass",
+							"inertia", "build_seconds"})
+		EXPECT_TRUE(info.contains(key)) << key;
+	for (const char* key : {"level", "triangles", "patches", "max_h", "max_s", "max_cover", "max_protrude", "clod"})
+		EXPECT_TRUE(info["levels"][0].contains(key)) << key;
+	EXPECT_EQ(info["triangles"], 576);
+	EXPECT_EQ(info["bytes"], fs::file_size(path("a.clod")));
+	EXPECT_EQ(run({"check", path("a.clod"), "--mesh", path("torus.obj"), "--quiet", "--json", path("check.json")}), 0)
+		<< err();
+	const auto check = nlohmann::json::parse(readText(path("check.json")));
+	for (const auto& invariant : check["invariants"]) EXPECT_EQ(invariant["violations"], 0) << invariant;
+}
+
+TEST_F(Cli, SameBytesForAnyNumberOfThreads)
+{
+	ASSERT_EQ(run({"build", path("torus.obj"), "-o", path("1.clod"), "--threads", "1", "--quiet"}), 0) << err();
+	ASSERT_EQ(run({"build", path("torus.obj"), "-o", path("3.clod"), "--threads", "3", "--quiet"}), 0) << err();
+	EXPECT_EQ(readText(path("1.clod")), readText(path("3.clod")));
+}
+
+// What is exported of level 0 builds the same file again.
+TEST_F(Cli, ExportedSurfaceBuildsAgain)
+{
+	ASSERT_EQ(run({"build", path("torus.obj"), "-o", path("a.clod"), "--quiet"}), 0) << err();
+	for (const char* format : {"e.ply", "e.obj", "e.glb"})
+	{
+		ASSERT_EQ(run({"export", path("a.clod"), "--level", "0", "-o", path(format)}), 0) << err();
+		EXPECT_EQ(run({"check", path("a.clod"), "--mesh", path(format), "--quiet"}), 0) << format << err();
+	}
+	EXPECT_EQ(run({"export", path("a.clod"), "--all-levels", "-o", path("all.ply")}), 0) << err();
+	EXPECT_TRUE(fs::exists(path("all.0.ply")));
+}
+
+TEST_F(Cli, UsageErrorsNameTheNearestMatch)
+{
+	EXPECT_EQ(run({"biuld"}), 2);
+	EXPECT_NE(err().find("did you mean build?"), std::string::npos) << err();
+	EXPECT_EQ(run({"build", path("torus.obj"), "-o", path("a.clod"), "--papr"}), 2);
+	EXPECT_NE(err().find("did you mean --paper?"), std::string::npos) << err();
+	EXPECT_EQ(run({"build", path("torus.obj"), "-o", path("a.clod"), "--threads", "many"}), 2);
+	EXPECT_EQ(run({"build", path("torus.obj")}), 2);
+	EXPECT_EQ(run({}), 2);
+	EXPECT_FALSE(fs::exists(path("a.clod")));
+	EXPECT_EQ(run({"--help"}), 0);
+	EXPECT_EQ(run({"build", "--help"}), 0);
+	EXPECT_NE(out().find("Example:"), std::string::npos);
+	EXPECT_EQ(run({"--version"}), 0);
+	EXPECT_NE(out().find("GPL-3.0-or-later"), std::string::npos);
+}
+
+TEST_F(Cli, BadInputIsExitCode3AndWritesNothing)
+{
+	writeText("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+	EXPECT_EQ(run({"build", path("open.obj"), "-o", path("a.clod")}), 3);
+	EXPECT_NE(err().find("open boundary: edge (0, 1) of face 0"), std::string::npos) << err();
+	EXPECT_EQ(run({"build", path("none.obj"), "-o", path("a.clod")}), 3);
+	EXPECT_EQ(run({"build", m_folder.string(), "-o", path("a.clod")}), 3);
+	writeText("bad.clod", "not a hierarchy");
+	EXPECT_EQ(run({"info", path("bad.clod")}), 3);
+	EXPECT_EQ(run({"check", path("bad.clod")}), 3);
+	EXPECT_EQ(run({"export", path("bad.clod"), "--level", "0", "-o", path("a.ply")}), 3);
+	EXPECT_EQ(filesBesides("a."), 0u);
+}
+
+TEST_F(Cli, TooLargeIsExitCode5)
+{
+	writeText("huge.obj", "v 0 0 0\nv 1e30 0 0\nv 0 1e30 0\nv 0 0 1e30\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+	EXPECT_EQ(run({"build", path("huge.obj"), "-o", path("a.clod")}), 5);
+}
+
+TEST_F(Cli, UnwritableOutputIsExitCode1)
+{
+	EXPECT_EQ(run({"build", path("torus.obj"), "-o", path("no/such/folder/a.clod"), "--quiet"}), 1);
+}
+
+TEST_F(Cli, ExportRefusesLevelsWithoutASurface)
+{
+	ASSERT_EQ(run({"build", path("torus.obj"), "-o", path("a.clod"), "--quiet"}), 0) << err();
+	EXPECT_EQ(run({"export", path("a.clod"), "--level", "99", "-o", path("e.ply")}), 2);
+	EXPECT_EQ(run({"export", path("a.clod"), "--level", "0", "-o", path("e.xyz")}), 2);
+	EXPECT_EQ(filesBesides("e."), 0u);
+}
+
+TEST_F(Cli, WrongMeshIsExitCode4)
+{
+	ASSERT_EQ(run({"build", path("torus.obj"), "-o", path("a.clod"), "--quiet"}), 0) << err();
+	writeMesh("other.obj", torusMesh(1, 0.41, 24, 12));
+	EXPECT_EQ(run({"check", path("a.clod"), "--mesh", path("other.obj"), "--quiet"}), 4);
+	EXPECT_NE(err().find("equals-mesh"), std::string::npos) << err();
+}
+
+TEST_F(Cli, InterruptionLeavesNothing)
+{
+	writeMesh("large.obj", wrinkledTorusMesh(1, 0.35, 0.05, 30, 200, 60));
+	const pid_t child = start({"build", path("large.obj"), "-o", path("a.clod")});
+	std::this_thread::sleep_for(std::chrono::milliseconds(500));
+	kill(child, SIGINT);
+	EXPECT_EQ(exitCode(child), 130);
+	EXPECT_EQ(filesBesides("a."), 0u);
+}
+
+TEST_F(Cli, FilesAppearWholeOrNotAtAll)
+{
+	{
+		const cli::PartialFile partial(path("p.txt"));
+		std::ofstream(partial.temporaryPath()) << "half";
+	}
+	EXPECT_EQ(filesBesides("p"), 0u);
+	EXPECT_EQ(cli::writeFile(path("p.txt"), std::string("whole")), "");
+	EXPECT_EQ(readText(path("p.txt")), "whole");
+	EXPECT_EQ(filesBesides("p"), 1u);
+	EXPECT_EQ(cli::writeFile("/dev/null", std::string("x")), "");
+	EXPECT_TRUE(fs::is_character_file("/dev/null"));
+}
+
+TEST(CliLength, IsReadAsWritten)
+{
+	EXPECT_EQ(cli::parseLength("0.5mm").value().inMeshUnit(7), 0.0005);
+	EXPECT_EQ(cli::parseLength("0.0005").value().inMeshUnit(7), 0.0005);
+	EXPECT_EQ(cli::parseLength("1%").value().inMeshUnit(7), 0.07);
+	for (const char* bad : {"", "mm", "1 mm", "-1mm", "nan", "inf", "1parsec", "1,5mm", "0x1"})
+		EXPECT_FALSE(bool(cli::parseLength(bad))) << bad;
+}
+
+TEST(CliSuggestion, FindsTheNearest)
+{
+	EXPECT_EQ(cli::nearest("biuld", {"info", "build", "check"}), "build");
+	EXPECT_EQ(cli::nearest("entirely-different", {"info", "build"}), "");
+}
+}  // namespace clod::test
