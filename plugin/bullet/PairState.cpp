@@ -38,13 +38,20 @@ bool isFinite(const Transform& t)
 		   isFinite(t.rotation.row[2]);
 }
 
-// World velocity field of a collision object: v(p) = linear + angular x p (linear at the world's origin).
-RelativeMotion worldMotion(const btCollisionObject& object)
+// World velocity field of a collision object, v(p) = linear + angular x p, as the solver will start from: forces and
+// gravity of the coming step included.
+RelativeMotion worldMotion(const btCollisionObject& object, double timeStep)
 {
-	const btRigidBody* body = btRigidBody::upcast(&object);
-	const Vec3 linear = toVec3(body ? body->getLinearVelocity() : object.getInterpolationLinearVelocity());
-	const Vec3 angular = toVec3(body ? body->getAngularVelocity() : object.getInterpolationAngularVelocity());
 	if (object.isStaticObject()) return {};
+	Vec3 linear = toVec3(object.getInterpolationLinearVelocity());
+	Vec3 angular = toVec3(object.getInterpolationAngularVelocity());
+	if (const btRigidBody* body = btRigidBody::upcast(&object))
+	{
+		const double impulse = timeStep * double(body->getInvMass());
+		linear = toVec3(body->getLinearVelocity()) + impulse * toVec3(body->getTotalForce() * body->getLinearFactor());
+		angular = toVec3(body->getAngularVelocity()) +
+				  timeStep * toVec3(body->getInvInertiaTensorWorld() * body->getTotalTorque());
+	}
 	return {linear - cross(angular, toVec3(object.getWorldTransform().getOrigin())), angular, 0};
 }
 
@@ -147,11 +154,13 @@ void PairState::chooseMetric()
 void PairState::setMotion(double timeStep, double closestPoints)
 {
 	const double scale = m_shapeA->scale();
-	const RelativeMotion a = worldMotion(*m_a->getCollisionObject()), b = worldMotion(*m_b->getCollisionObject());
+	const double predicted = m_isClosestPoints ? 0 : timeStep;
+	const RelativeMotion a = worldMotion(*m_a->getCollisionObject(), predicted),
+						 b = worldMotion(*m_b->getCollisionObject(), predicted);
 	const RelativeMotion world{a.linear - b.linear, a.angular - b.angular, 0};
 	m_rules.motion = inFrame(world, m_worldFromA);
 	m_rules.motion.linear = (1 / scale) * m_rules.motion.linear;
-	m_rules.motion.timeStep = m_isClosestPoints ? 0 : timeStep;
+	m_rules.motion.timeStep = predicted;
 
 	m_rules.margin = double(m_shapeA->getMargin()) / scale;
 	if (m_shapeB) m_rules.margin += double(m_shapeB->getMargin()) / scale;

@@ -20,7 +20,7 @@ struct ClusterPoint
 {
 	ContactPoint point{};
 	std::uint32_t previous = kNone;  // cluster * kClusterPoints + index in the previous set; kNone = a new point
-	double impulse = 0;  // set by the owner before the next reduction: strong points are remembered first
+	double impulse = 0;              // set by the owner before the next reduction: strong points are remembered first
 	// Where last step's point would be had it moved with body B (see carryWithB), in frame A.
 	Vec3 placeWithB, normalWithB;
 };

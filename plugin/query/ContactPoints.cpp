@@ -190,15 +190,10 @@ void PointClipper::clipPair(const Side& reference, const Side& other, std::vecto
 		for (std::size_t j = 0; j < m_other.faces.size(); ++j)
 		{
 			if (dot(normal, m_other.normals[j]) >= kOpposingCosine) continue;
-			const ClippedPolygon polygon = clipToPrism(prism, m_other.triangles[j]);
-			for (int k = 0; k < polygon.count; ++k)
+			const auto emit = [&](const Vec3& point, double height, double predicted)
 			{
-				const Vec3& point = polygon.vertex[std::size_t(k)];
-				double predicted = 0;
-				if (!filter.keep(prism, point, under, predicted)) continue;
-				const double height = prism.heightOf(point);
+				ContactPoint out{};
 				const Vec3 onReference = point - height * normal;
-				ContactPoint out;
 				out.height = height - m_rules->margin;
 				out.predicted = predicted;
 				out.referenceIsA = reference.isA;
@@ -211,7 +206,8 @@ void PointClipper::clipPair(const Side& reference, const Side& other, std::vecto
 				out.faceA = reference.isA ? node.firstFace + i : m_other.faces[j];
 				out.faceB = reference.isA ? m_other.faces[j] : node.firstFace + i;
 				points.push_back(out);
-			}
+			};
+			filter.visit(prism, m_other.triangles[j], under, emit);
 		}
 	}
 }

@@ -68,6 +68,12 @@ struct FacePrism
 	std::array<double, 3> sideOffset{};
 	double top = 0, bottom = 0;  // heights, bottom <= top
 	double heightOf(const Vec3& p) const { return dot(normal, p) - offset; }
+	bool sidesHold(const Vec3& p) const
+	{
+		for (std::size_t i = 0; i < 3; ++i)
+			if (dot(side[i], p) > sideOffset[i]) return false;
+		return true;
+	}
 };
 
 // Is a height that came out of clipToPrism the prism's bottom?
@@ -116,14 +122,34 @@ private:
 	Transform m_aFromB;
 };
 
-// Highest point, and prediction, that the motion allows over one reference face (all in the reference's frame; motion
-// is the other body's relative to the reference). `under` lists the planes of the whole reference patch.
+// Which points of a clipped triangle count, all in the reference's frame; otherMotion is the other body's relative to
+// the reference.
 struct PointFilter
 {
 	const PointRules* rules;
 	RelativeMotion otherMotion;
 	double topFor(const FacePrism& prism, const Vec3& near, double reach) const;
-	// False drops the point; predicted receives its height at the end of the step.
+
+	// Calls emit(point, height, predicted) for every point of the triangle that is in touch with the face under the
+	// prism, or will be by the end of the step:
+	//  - in the prism and at most the resting height over the face;
+	//  - in the prism, higher, and carried under all planes of the reference patch (`under`);
+	//  - beside the prism and carried into it, under its face: a body that slides towards a concave edge.
+	template <class Planes, class Emit>
+	void visit(const FacePrism& prism, const Triangle& triangle, const Planes& under, const Emit& emit) const
+	{
+		const ClippedPolygon here = clipToPrism(prism, triangle);
+		for (int i = 0; i < here.count; ++i)
+		{
+			const Vec3& point = here.vertex[std::size_t(i)];
+			double predicted = 0;
+			if (keep(prism, point, under, predicted)) emit(point, prism.heightOf(point), predicted);
+		}
+		if (prism.top <= rules->margin + rules->resting) return;  // nothing moves
+		visitCarried(prism, triangle, emit);
+	}
+
+	// False drops a point over the face; predicted receives its height at the end of the step, margins taken off.
 	template <class Planes>
 	bool keep(const FacePrism& prism, const Vec3& point, const Planes& under, double& predicted) const
 	{
@@ -138,6 +164,26 @@ struct PointFilter
 		for (const auto& face : under)
 			if (dot(face.first, moved) - face.second > slack) return false;
 		return true;
+	}
+
+private:
+	template <class Emit>
+	void visitCarried(const FacePrism& prism, const Triangle& triangle, const Emit& emit) const
+	{
+		Triangle moved = triangle;
+		for (Vec3& corner : moved) corner += otherMotion.timeStep * otherMotion.velocity(corner);
+		FacePrism arrival = prism;
+		arrival.top = rules->margin + kUnderPatchShare * rules->length;
+		const ClippedPolygon there = clipToPrism(arrival, moved);
+		for (int i = 0; i < there.count; ++i)
+		{
+			const Vec3& end = there.vertex[std::size_t(i)];
+			const Vec3 point = end - otherMotion.timeStep * otherMotion.velocity(end);
+			const double height = prism.heightOf(point);
+			// Under the face's plane already, or in the prism: the face's own points tell.
+			if (height < rules->margin || prism.sidesHold(point)) continue;
+			emit(point, height, prism.heightOf(end) - rules->margin);
+		}
 	}
 };
 }  // namespace clod

@@ -72,20 +72,18 @@ void clipFaceToTriangle(FacePrism prism, const Face& face, const Triangle& corne
 	prism.top = filter.topFor(prism, middle, length(corners[0] - middle));
 	prism.bottom = -double(face.thickness);
 	const std::array<std::pair<Vec3, double>, 1> under = {{{prism.normal, prism.offset}}};
-	const ClippedPolygon polygon = clipToPrism(prism, corners);
-	for (int i = 0; i < polygon.count; ++i)
+	named.normal = prism.normal;
+	named.referenceIsA = false;
+	const auto emit = [&](const Vec3& point, double height, double predicted)
 	{
-		const Vec3& point = polygon.vertex[std::size_t(i)];
-		if (!filter.keep(prism, point, under, named.predicted)) continue;
-		const double height = prism.heightOf(point);
 		named.height = height - rules.margin;
+		named.predicted = predicted;
+		named.atBottom = atBottom(prism, height);
 		named.pointOnA = point;
 		named.pointOnB = point - height * prism.normal;
-		named.normal = prism.normal;
-		named.referenceIsA = false;
-		named.atBottom = atBottom(prism, height);
 		points.push_back(named);
-	}
+	};
+	filter.visit(prism, corners, under, emit);
 }
 
 // Points of one triangle against one hierarchy face, the face being the reference.
@@ -96,20 +94,18 @@ void clipTriangleToFace(FacePrism prism, const Triangle& triangle, const Vec3& t
 	if (std::abs(dot(prism.normal, triangleNormal)) < -kOpposingCosine) return;
 	const Vec3 middle = (1.0 / 3) * (triangle[0] + triangle[1] + triangle[2]);
 	prism.top = filter.topFor(prism, middle, length(triangle[0] - middle));
-	const ClippedPolygon polygon = clipToPrism(prism, triangle);
-	for (int i = 0; i < polygon.count; ++i)
+	named.normal = -prism.normal;
+	named.referenceIsA = true;
+	const auto emit = [&](const Vec3& point, double height, double predicted)
 	{
-		const Vec3& point = polygon.vertex[std::size_t(i)];
-		if (!filter.keep(prism, point, under, named.predicted)) continue;
-		const double height = prism.heightOf(point);
 		named.height = height - rules.margin;
+		named.predicted = predicted;
+		named.atBottom = atBottom(prism, height);
 		named.pointOnA = point - height * prism.normal;
 		named.pointOnB = point;
-		named.normal = -prism.normal;
-		named.referenceIsA = true;
-		named.atBottom = atBottom(prism, height);
 		points.push_back(named);
-	}
+	};
+	filter.visit(prism, triangle, under, emit);
 }
 }  // namespace
 
