@@ -168,7 +168,8 @@ std::uint32_t ContactReducer::nearestTo(const ClusterPoint& old) const
 	return best;
 }
 
-void ContactReducer::remember(const Seed& seed, const ClusterSet& previous, std::vector<std::uint32_t>& kept)
+void ContactReducer::remember(const Seed& seed, const ClusterSet& previous, double spacing,
+							  std::vector<std::uint32_t>& kept)
 {
 	const ContactCluster& old = previous.slots[std::size_t(seed.slot)];
 	std::array<int, kClusterPoints> order{};
@@ -180,22 +181,35 @@ void ContactReducer::remember(const Seed& seed, const ClusterSet& previous, std:
 	{
 		const std::uint32_t match = nearestTo(old.points[std::size_t(order[std::size_t(i)])]);
 		if (match == kNone) continue;
+		const Vec3& place = (*m_candidates)[match].pointOnA;
+		const bool crowded =
+			std::any_of(kept.begin(), kept.end(),
+						[&](std::uint32_t other) { return length((*m_candidates)[other].pointOnA - place) < spacing; });
+		if (crowded) continue;  // remembered points that drifted together hold nothing
 		m_taken[match] = 1;
 		kept.push_back(match);
 	}
 }
 
+// Least distance between two points of a cluster: a share of how far its lowest candidates reach.
+double ContactReducer::spacingOf(const Seed& seed) const
+{
+	const std::vector<ContactPoint>& candidates = *m_candidates;
+	const ContactPoint& first = candidates[seed.members.front()];
+	double extent = 0;
+	for (const std::uint32_t i : seed.members)
+		if (candidates[i].predicted < first.predicted + m_rules.tolerance * m_rules.length)
+			extent = std::max(extent, length(candidates[i].pointOnA - first.pointOnA));
+	return std::max(m_rules.spacing * m_rules.length, m_rules.spacingOfExtent * extent);
+}
+
 // Adds candidates far from those kept, preferring low ones, until the cluster is full.
-void ContactReducer::fill(const Seed& seed, std::vector<std::uint32_t>& kept) const
+void ContactReducer::fill(const Seed& seed, double spacing, std::vector<std::uint32_t>& kept) const
 {
 	const std::vector<ContactPoint>& candidates = *m_candidates;
 	const double tolerance = m_rules.tolerance * m_rules.length;
-	double lowest = 1e300, extent = 0;
+	double lowest = 1e300;
 	for (const std::uint32_t i : kept) lowest = std::min(lowest, candidates[i].predicted);
-	for (const std::uint32_t i : seed.members)
-		if (candidates[i].predicted < lowest + tolerance)
-			extent = std::max(extent, length(candidates[i].pointOnA - candidates[kept.front()].pointOnA));
-	const double spacing = std::max(m_rules.spacing * m_rules.length, m_rules.spacingOfExtent * extent);
 	while (kept.size() < std::size_t(kClusterPoints))
 	{
 		std::uint32_t best = kNone;
@@ -222,7 +236,8 @@ void ContactReducer::choose(const Seed& seed, const ClusterSet& previous, Cluste
 	const std::vector<ContactPoint>& candidates = *m_candidates;
 	std::vector<std::uint32_t> kept;
 	kept.reserve(kClusterPoints + 1);
-	remember(seed, previous, kept);
+	const double spacing = spacingOf(seed);
+	remember(seed, previous, spacing, kept);
 	// The lowest candidate enters if it is clearly lower than everything remembered.
 	const std::uint32_t lowest = seed.members.front();
 	const double clear = m_rules.enterShare * m_rules.tolerance * m_rules.length;
@@ -235,7 +250,7 @@ void ContactReducer::choose(const Seed& seed, const ClusterSet& previous, Cluste
 		kept.push_back(lowest);
 	}
 	if (kept.empty()) return;
-	fill(seed, kept);
+	fill(seed, spacing, kept);
 
 	ContactCluster& cluster = next.slots[std::size_t(seed.slot)];
 	for (const std::uint32_t i : kept)

@@ -80,8 +80,9 @@ private:
 	void findSeeds(const ClusterSet& previous);
 	void assign();
 	void choose(const Seed& seed, const ClusterSet& previous, ClusterSet& next);
-	void remember(const Seed& seed, const ClusterSet& previous, std::vector<std::uint32_t>& kept);
-	void fill(const Seed& seed, std::vector<std::uint32_t>& kept) const;
+	double spacingOf(const Seed& seed) const;
+	void remember(const Seed& seed, const ClusterSet& previous, double spacing, std::vector<std::uint32_t>& kept);
+	void fill(const Seed& seed, double spacing, std::vector<std::uint32_t>& kept) const;
 	void link(const ClusterSet& previous, ClusterSet& next) const;
 	bool belongs(const Seed& seed, const ContactPoint& point, double& score) const;
 	double mismatch(const ClusterPoint& old, const ContactPoint& point) const;
