@@ -125,7 +125,7 @@ private:
 		const double bound = std::min(byCorners, found.second + reachFrom(part.polygon, c));
 		m_sup.lower = std::max(m_sup.lower, found.second);
 		if (good(bound)) return take(bound);
-		if (++m_parts > kPartBudget || part.halvings > 12) return take(bound);
+		if (++m_parts > kPartBudget || part.halvings > 40) return take(bound);
 		cutOut(part, found.first);
 	}
 
