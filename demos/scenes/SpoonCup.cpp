@@ -32,16 +32,16 @@ constexpr double spoonWall = 0.0015;                // of its bowl: the thinner 
 constexpr double tolerance = 0.01 * openingRadius;  // contacts are reported up to this gap
 constexpr double gravity = 9.81;
 constexpr double spoonMass = 0.040;
-constexpr double friction = 0.3;  // of each body; Bullet multiplies the two
+constexpr double friction = 0.6;  // of each body; Bullet multiplies the two
 constexpr double restitution = 0;
 constexpr double margin = 0;
-constexpr double linearDamping = 0, angularDamping = 0.05;
+constexpr double linearDamping = 0, angularDamping = 0.9;
 constexpr int solverIterations = 30;
 constexpr double splitImpulsePenetrationThreshold = 0;
-constexpr double erp = 0.2, erp2 = 0.2;
+constexpr double erp = 0.2, erp2 = 0.8;
 // Time course, in seconds: drop and settle, stir, rest.
-constexpr double stirBegins = 0.35, stirEnds = 4.5, ramp = 0.25;
-constexpr double stirTilt = 0.5;       // radians between gravity and down
+constexpr double stirBegins = 0.35, stirEnds = 4.1, ramp = 0.25;
+constexpr double stirTilt = 0.35;      // radians between gravity and down
 constexpr double stirFrequency = 0.8;  // turns a second
 // How the spoon starts: bowl down, its tip `dropHeight` over the cup's bottom, leaning by `lean` radians.
 constexpr double cupBottom = 0.003, dropHeight = 0.012, tipOffset = -0.012, lean = 0.38;
