@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The README's example runs, and refuses what is not there.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "tests/bullet/PatchHierarchy.h"
+
+namespace clod::test
+{
+namespace
+{
+struct Output
+{
+	int status = -1;
+	std::string text;
+};
+
+Output run(const std::string& command)
+{
+	Output output;
+	FILE* pipe = popen((command + " 2>&1").c_str(), "r");
+	std::array<char, 256> line;
+	while (pipe && std::fgets(line.data(), int(line.size()), pipe)) output.text += line.data();
+	output.status = pipe ? pclose(pipe) : -1;
+	return output;
+}
+}  // namespace
+
+TEST(Example, TwoModelsComeToRestOnEachOther)
+{
+	const std::filesystem::path file = std::filesystem::temp_directory_path() / "clod_example_test.clod";
+	const auto model = patchHierarchy(boxMesh({0.04, 0.02, 0.03}, {8, 4, 6}, 2));
+	std::ofstream(file, std::ios::binary)
+		.write(reinterpret_cast<const char*>(model->bytes().data()), std::streamsize(model->bytes().size()));
+	const Output output = run(CLOD_EXAMPLE " " + file.string());
+	std::filesystem::remove(file);
+	EXPECT_EQ(output.status, 0) << output.text;
+	// The radius is 1, so half the height is 0.01 / 0.02693 of it.
+	EXPECT_NE(output.text.find("step 480: heights  0.371  1.114"), std::string::npos) << output.text;
+}
+
+TEST(Example, AMissingFileIsAnError)
+{
+	const Output output = run(CLOD_EXAMPLE " /nonexistent/model.clod");
+	EXPECT_NE(output.status, 0);
+	EXPECT_NE(output.text.find("/nonexistent/model.clod"), std::string::npos) << output.text;
+}
+}  // namespace clod::test
