@@ -228,10 +228,8 @@ void Simplifier::raiseTolerance(double tolerance)
 	for (std::uint32_t p = 0; p < m_mesh.patches.size(); ++p)
 	{
 		if (m_mesh.patches[p].faces.empty()) continue;
-		const bool isCovered = m_validity.keepsCovered(p);
-		// A front that only the wider tolerance leaves uncovered is inside by the narrower one: no reason to block
-		// others.
-		m_mesh.setHull(p, std::move(m_mesh.patches[p].hull), isCovered && m_validity.leans());
+		// A front that only the wider tolerance leaves uncovered is inside by the narrower one: it blocks nobody.
+		if (m_validity.keepsCovered(p)) m_mesh.lean(p, m_validity.supports());
 	}
 }
 

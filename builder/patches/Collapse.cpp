@@ -183,12 +183,14 @@ bool Collapser::accepts(const Vec3& position)
 	}
 	if (!staysOutOfOtherHulls()) return false;
 	m_newHulls.clear();
-	m_newLeans.clear();
+	m_leaning.clear();
+	m_supports.clear();
 	for (const std::uint32_t patch : m_patches)
 	{
 		if (!m_validity.keepsInside(patch)) return false;
 		m_newHulls.push_back(m_validity.hull());
-		m_newLeans.push_back(m_validity.leans());
+		m_leaning.push_back(patch);
+		m_supports.push_back(m_validity.supports());
 	}
 	return doesNotCross() && keepsOthersCovered();
 }
@@ -225,17 +227,18 @@ bool Collapser::staysOutOfOtherHulls() const
 // Faces that move away may have covered the front of a patch that is not theirs.
 bool Collapser::keepsOthersCovered()
 {
-	Box old;
-	for (const std::uint32_t f : m_oldFaces) old.include(boxOf(m_mesh.points(f)));
-	return m_mesh.patchTree.search(
-		old,
-		[&](std::uint32_t patch)
+	for (const std::uint32_t f : m_oldFaces)
+		for (const std::uint32_t patch : m_mesh.leaning[f])
 		{
-			if (!m_mesh.patches[patch].leans) return true;
-			const bool isOwn = std::find(m_patches.begin(), m_patches.end(), patch) != m_patches.end() ||
-							   std::find(m_vanishing.begin(), m_vanishing.end(), patch) != m_vanishing.end();
-			return isOwn || m_validity.keepsCovered(patch);
-		});
+			const bool isKnown = std::find(m_leaning.begin(), m_leaning.end(), patch) != m_leaning.end();
+			const bool isGone = m_mesh.patches[patch].faces.empty() ||
+								std::find(m_vanishing.begin(), m_vanishing.end(), patch) != m_vanishing.end();
+			if (isKnown || isGone) continue;
+			if (!m_validity.keepsCovered(patch)) return false;
+			m_leaning.push_back(patch);
+			m_supports.push_back(m_validity.supports());
+		}
+	return true;
 }
 
 // Walls thinner than the hulls behind them are flat patches, which the hull tests cannot see: no moved face may cross

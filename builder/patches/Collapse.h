@@ -77,7 +77,8 @@ private:
 	std::vector<HalfSpace> m_rows;
 	std::vector<TrianglePoints> m_starPoints;
 	std::vector<std::vector<Plane>> m_newHulls;
-	std::vector<char> m_newLeans;
+	std::vector<std::uint32_t> m_leaning;  // patches, own and others, with their supports after the move
+	std::vector<std::vector<std::uint32_t>> m_supports;
 	bool m_outOfBound = false;
 };
 }  // namespace clod::builder

@@ -174,11 +174,12 @@ void Collapser::commit(const Vec3& position)
 	}
 	m_mesh.star[m_u] = m_star;
 	m_mesh.star[m_w].clear();
+	for (std::size_t i = 0; i < m_leaning.size(); ++i) m_mesh.lean(m_leaning[i], m_supports[i]);
 	for (std::size_t i = 0; i < m_patches.size(); ++i)
 	{
 		Patch& patch = m_mesh.patches[m_patches[i]];
 		patch.resolution = patch.resolution > 0 ? std::min(patch.resolution, r) : r;
-		m_mesh.setHull(m_patches[i], std::move(m_newHulls[i]), m_newLeans[i] != 0);
+		m_mesh.setHull(m_patches[i], std::move(m_newHulls[i]));
 	}
 }
 
@@ -212,7 +213,6 @@ void Collapser::vanish(std::uint32_t patch)
 		heir.resolution = lost.resolution;
 	lost.kids.clear();
 	lost.hull.clear();
-	lost.leans = false;
 	m_mesh.patchTree.update(patch, Box{});
 	lost.box = {};
 	--m_mesh.patchCount;

@@ -62,7 +62,7 @@ bool isFreeOfOthers(const PatchMesh& mesh, const std::vector<std::uint32_t>& fac
 		box, [&](std::uint32_t face) { return own[face] || !entersHull(mesh.points(face), planes, 4 * tolerance); });
 }
 
-void adopt(PatchMesh& mesh, const std::vector<std::uint32_t>& faces, std::vector<Plane> hull, bool leans)
+void adopt(PatchMesh& mesh, const std::vector<std::uint32_t>& faces, std::vector<Plane> hull)
 {
 	const std::uint32_t patch = faces[0];
 	for (const std::uint32_t f : faces)
@@ -71,7 +71,6 @@ void adopt(PatchMesh& mesh, const std::vector<std::uint32_t>& faces, std::vector
 		mesh.patches[f].faces.clear();
 		mesh.patches[f].box = {};
 	}
-	mesh.patches[patch].leans = leans;
 	mesh.patches[patch].faces = faces;
 	mesh.patches[patch].hull = std::move(hull);
 	mesh.patches[patch].box = mesh.boxOfPatch(patch);
@@ -117,7 +116,7 @@ void decompose(PatchMesh& mesh, Validity& validity, const Progress& progress)
 		{
 			std::vector<Plane> planes;
 			for (const std::uint32_t f : component) planes.push_back(mesh.planes[f]);
-			adopt(mesh, component, std::move(planes), false);
+			adopt(mesh, component, std::move(planes));
 			for (const std::uint32_t f : component) taken[f] = 1;
 		}
 	std::vector<std::uint32_t> triedFor(mesh.faces.size(), kNone);
@@ -130,7 +129,8 @@ void decompose(PatchMesh& mesh, Validity& validity, const Progress& progress)
 		for (const std::uint32_t f : faces) taken[f] = 1;
 		std::vector<Plane> hull = validity.grownHull();
 		validity.isValid(faces);
-		adopt(mesh, faces, std::move(hull), validity.leans());
+		adopt(mesh, faces, std::move(hull));
+		mesh.lean(seed, validity.supports());
 	}
 	mesh.rebuildTrees();
 	joinEverywhere(mesh, validity);
@@ -140,7 +140,8 @@ bool tryJoin(PatchMesh& mesh, Validity& validity, std::uint32_t a, std::uint32_t
 {
 	if (mesh.patches[a].faces.size() + mesh.patches[b].faces.size() > kFaceLimit) return false;
 	if (!validity.canJoin(a, b)) return false;
-	mesh.join(a, b, validity.hull(), validity.leans());
+	mesh.join(a, b, validity.hull());
+	mesh.lean(a, validity.supports());
 	return true;
 }
 

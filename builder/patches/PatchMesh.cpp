@@ -21,6 +21,7 @@ PatchMesh::PatchMesh(const Mesh& mesh)
 	  planes(mesh.triangles.size()),
 	  star(mesh.vertices.size()),
 	  label(mesh.triangles.size()),
+	  leaning(mesh.triangles.size()),
 	  patches(mesh.triangles.size()),
 	  faceCount(mesh.triangles.size()),
 	  patchCount(mesh.triangles.size())
@@ -72,18 +73,17 @@ Box PatchMesh::boxOfPatch(std::uint32_t patch) const
 {
 	Box box;
 	for (const std::uint32_t f : patches[patch].faces) box.include(boxOf(points(f)));
-	return patches[patch].leans ? box.grownBy(length(box.high - box.low)) : box;
+	return box;
 }
 
-void PatchMesh::setHull(std::uint32_t patch, std::vector<Plane> hull, bool leans)
+void PatchMesh::setHull(std::uint32_t patch, std::vector<Plane> hull)
 {
 	patches[patch].hull = std::move(hull);
-	patches[patch].leans = leans;
 	patches[patch].box = boxOfPatch(patch);
 	patchTree.update(patch, patches[patch].box);
 }
 
-void PatchMesh::join(std::uint32_t into, std::uint32_t from, std::vector<Plane> hull, bool leans)
+void PatchMesh::join(std::uint32_t into, std::uint32_t from, std::vector<Plane> hull)
 {
 	Patch &a = patches[into], &b = patches[from];
 	for (const std::uint32_t f : b.faces) label[f] = into;
@@ -92,8 +92,15 @@ void PatchMesh::join(std::uint32_t into, std::uint32_t from, std::vector<Plane> 
 	if (b.resolution > 0 && (a.resolution == 0 || b.resolution < a.resolution)) a.resolution = b.resolution;
 	b = Patch{};
 	patchTree.update(from, b.box);
-	setHull(into, std::move(hull), leans);
+	setHull(into, std::move(hull));
 	--patchCount;
+}
+
+// Entries are never removed: a stale one costs a test.
+void PatchMesh::lean(std::uint32_t patch, const std::vector<std::uint32_t>& supports)
+{
+	for (const std::uint32_t f : supports)
+		if (std::find(leaning[f].begin(), leaning[f].end(), patch) == leaning[f].end()) leaning[f].push_back(patch);
 }
 
 void PatchMesh::refreshFace(std::uint32_t face)

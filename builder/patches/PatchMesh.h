@@ -17,10 +17,9 @@ struct Patch
 {
 	std::vector<std::uint32_t> faces;  // empty: the patch no longer exists
 	std::vector<Plane> hull;           // outward; empty where all vertices lie in one plane
-	Box box;                           // of its vertices, grown by its diagonal where it leans
-	bool leans = false;                // its front is covered by faces of other patches as well: see Validity.h
-	double resolution = 0;             // smallest resolution of an edge collapsed here, 0 = none yet
-	std::vector<std::uint32_t> kids;   // patches of the previous cut
+	Box box;
+	double resolution = 0;            // smallest resolution of an edge collapsed here, 0 = none yet
+	std::vector<std::uint32_t> kids;  // patches of the previous cut
 };
 
 class PatchMesh
@@ -35,6 +34,7 @@ public:
 	std::vector<Plane> planes;
 	std::vector<std::vector<std::uint32_t>> star;  // faces round a vertex; empty for a removed vertex
 	std::vector<std::uint32_t> label;
+	std::vector<std::vector<std::uint32_t>> leaning;  // patches whose front may be covered by this face of another one
 	std::vector<Patch> patches;
 	BoxTree faceTree, patchTree;
 	double radius = 0;  // half the diagonal of the bounding box
@@ -62,11 +62,12 @@ public:
 	// How far the edge k of the face is from convex: the higher of each far corner over the other face's plane.
 	double edgeHeight(std::uint32_t face, int k) const;
 	// Faces of `from` go to `into`; hull, box and trees of both follow. O(faces).
-	void join(std::uint32_t into, std::uint32_t from, std::vector<Plane> hull, bool leans);
-	void setHull(std::uint32_t patch, std::vector<Plane> hull, bool leans);
+	void join(std::uint32_t into, std::uint32_t from, std::vector<Plane> hull);
+	void setHull(std::uint32_t patch, std::vector<Plane> hull);
 	// Recomputes plane and box of a face after a move.
 	void refreshFace(std::uint32_t face);
 	void rebuildTrees();
+	void lean(std::uint32_t patch, const std::vector<std::uint32_t>& supports);
 	Box boxOfPatch(std::uint32_t patch) const;
 
 private:

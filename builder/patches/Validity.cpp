@@ -265,7 +265,7 @@ bool Validity::isInside(const SmallHull& hull)
 bool Validity::isCovered()
 {
 	m_covered.assign(m_faces.size(), 0);
-	m_leans = false;
+	m_supports.clear();
 	for (std::size_t i = 0; i < m_faces.size(); ++i)
 		if (!m_covered[i] && !frontIsCovered(i)) return false;
 	return true;
@@ -326,14 +326,12 @@ bool Validity::frontIsCovered(std::size_t reference)
 		const TrianglePoints& t = m_facePoints[partial[k]];
 		covered += areaOf(clipped({frame(t[0]), frame(t[1]), frame(t[2])}, outline));
 	}
-	if (covered >= needed) return true;
-	m_leans = true;
-	return covered + foreignCover(plane, outline, box) >= needed;
+	return covered >= needed || covered + foreignCover(plane, outline, box) >= needed;
 }
 
 // Area of the front that lies inside the solid or just outside: over such a point one more face leaves the solid than
 // enters it. Faces higher than the front is wide are left out, which can only make the result smaller.
-double Validity::foreignCover(const Plane& plane, const std::vector<Point2>& front, const Box& box) const
+double Validity::foreignCover(const Plane& plane, const std::vector<Point2>& front, const Box& box)
 {
 	const PlaneFrame frame(plane, m_facePoints[std::size_t(&plane - m_facePlanes.data())][0]);
 	const double slab = kBlind * tolerance;

@@ -47,8 +47,8 @@ public:
 	bool isValid(const std::vector<std::uint32_t>& faces);
 
 	const std::vector<Plane>& hull() const { return m_hullPlanes; }
-	// Whether the last cover needed faces of other patches: moving those can uncover the patch.
-	bool leans() const { return m_leans; }
+	// Faces of other patches that the last cover needed: moving them can uncover the patch.
+	const std::vector<std::uint32_t>& supports() const { return m_supports; }
 	TrianglePoints points(std::uint32_t face) const;
 
 private:
@@ -69,7 +69,7 @@ private:
 	bool isInside(const SmallHull& hull);
 	bool isCovered();
 	bool frontIsCovered(std::size_t reference);
-	double foreignCover(const Plane& plane, const std::vector<Point2>& front, const Box& box) const;
+	double foreignCover(const Plane& plane, const std::vector<Point2>& front, const Box& box);
 	// visit(face, points) -> bool for every face of the mesh, under the move, that meets the box and is not in the
 	// patch.
 	template <class Visit>
@@ -83,7 +83,7 @@ private:
 	std::vector<Plane> m_facePlanes;
 	std::vector<Vec3> m_points;
 	Box m_box;
-	bool m_leans = false;
+	std::vector<std::uint32_t> m_supports;
 	SmallHull m_hull, m_trial;
 	std::vector<Plane> m_hullPlanes;
 	std::vector<char> m_covered;  // per face of the patch: judged with an earlier coplanar face
