@@ -32,15 +32,16 @@ constexpr double spoonWall = 0.0015;                // of its bowl: the thinner 
 constexpr double tolerance = 0.01 * openingRadius;  // contacts are reported up to this gap
 constexpr double gravity = 9.81;
 constexpr double spoonMass = 0.040;
-constexpr double friction = 0.6;  // of each body; Bullet multiplies the two
+constexpr double friction = 0.6;                                     // of each body; Bullet multiplies the two
+constexpr double rollingFriction = 0.0003, spinningFriction = 0.0003;  // lever arms, in metres
 constexpr double restitution = 0;
 constexpr double margin = 0;
-constexpr double linearDamping = 0, angularDamping = 0.9;
+constexpr double linearDamping = 0, angularDamping = 0.5;
 constexpr int solverIterations = 30;
 constexpr double splitImpulsePenetrationThreshold = 0;
 constexpr double erp = 0.2, erp2 = 0.8;
 // Time course, in seconds: drop and settle, stir, rest.
-constexpr double stirBegins = 0.35, stirEnds = 4.1, ramp = 0.25;
+constexpr double stirBegins = 0.35, stirEnds = 4.5, ramp = 0.25;
 constexpr double stirTilt = 0.35;      // radians between gravity and down
 constexpr double stirFrequency = 0.8;  // turns a second
 // How the spoon starts: bowl down, its tip `dropHeight` over the cup's bottom, leaning by `lean` radians.
@@ -145,6 +146,8 @@ void SpoonCup::addBody(int index, const std::shared_ptr<const Hierarchy>& hierar
 	btRigidBody::btRigidBodyConstructionInfo info(btScalar(mass), nullptr, shape.get(), inertia);
 	info.m_startWorldTransform = bodyTransform(start, centerOf(*hierarchy), constant::worldScale);
 	info.m_friction = btScalar(constant::friction);
+	info.m_rollingFriction = btScalar(constant::rollingFriction * constant::worldScale);
+	info.m_spinningFriction = btScalar(constant::spinningFriction * constant::worldScale);
 	info.m_restitution = btScalar(constant::restitution);
 	info.m_linearDamping = btScalar(constant::linearDamping);
 	info.m_angularDamping = btScalar(constant::angularDamping);
@@ -220,6 +223,8 @@ std::vector<SceneConstant> SpoonCup::constants() const
 			{"cup_mass", 0, "kg (0: static)"},
 			{"spoon_mass", spoonMass, "kg"},
 			{"friction", friction, "each body"},
+			{"rolling_friction", rollingFriction, "m"},
+			{"spinning_friction", spinningFriction, "m"},
 			{"restitution", restitution, ""},
 			{"margin", margin, "m"},
 			{"linear_damping", linearDamping, ""},
