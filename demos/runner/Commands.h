@@ -21,6 +21,9 @@ void addPaperCommand(CLI::App& program);
 // --cache-dir and --no-cache.
 void addCache(CLI::App& command, CacheOptions& options);
 
+// A finite number in [low, high]; unlike CLI::Range, it refuses "nan".
+CLI::Validator between(double low, double high);
+
 // A benchmark model as its OBJ file would hold it; 0 triangles: the paper's count.
 MeshSource modelSource(const std::string& name, std::size_t triangles);
 

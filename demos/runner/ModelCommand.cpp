@@ -120,6 +120,17 @@ void addCache(CLI::App& command, CacheOptions& options)
 		"--no-cache", [&options] { options.enabled = false; }, "Build anew and keep nothing");
 }
 
+CLI::Validator between(double low, double high)
+{
+	const auto check = [low, high](std::string& text) -> std::string
+	{
+		double value = 0;
+		const bool isInside = CLI::detail::lexical_cast(text, value) && value >= low && value <= high;
+		return isInside ? std::string() : fmt::format("'{}' is not between {} and {}", text, low, high);
+	};
+	return CLI::Validator(check, fmt::format("in [{} - {}]", low, high), "between");
+}
+
 MeshSource modelSource(const std::string& name, std::size_t triangles)
 {
 	const ModelMesh mesh = makeOrFail(name, triangles);

@@ -121,7 +121,7 @@ void addReplayCommand(CLI::App& program)
 		->capture_default_str();
 	command->add_option("--dt", options->dt, "Seconds between rows, for their speeds")
 		->type_name("SECONDS")
-		->check(CLI::Range(1e-9, 1e9));
+		->check(between(1e-9, 1e9));
 	cli::addChoice(*command, "--peer", options->peer, {"gimpact"},
 				   "Time Bullet's own shape on the same meshes and poses in the same run");
 	command->add_option("--csv", options->csv, "A row a pose; - is stdout")->type_name("FILE");

@@ -213,11 +213,11 @@ void addRunCommand(CLI::App& program)
 		->check(CLI::Range(1, 10'000'000));
 	command->add_option("--dt", options->dt, "Seconds a step (default: the scene's)")
 		->type_name("SECONDS")
-		->check(CLI::Range(1e-6, 1.0));
+		->check(between(1e-6, 1.0));
 	command
 		->add_option("--resolution", options->resolution, "Triangles of the models, as a share of the paper's counts")
 		->type_name("SHARE")
-		->check(CLI::Range(0.001, 1000.0))
+		->check(between(0.001, 1000.0))
 		->capture_default_str();
 	command->add_option("--csv", options->csv, "A row a step; - is stdout")->type_name("FILE");
 	command->add_option("--poses", options->poses, "Record the poses as POSES.csv, with a checksum beside it")
