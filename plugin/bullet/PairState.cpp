@@ -164,6 +164,7 @@ void PairState::setMotion(double timeStep, double closestPoints)
 
 	m_rules.margin = double(m_shapeA->getMargin()) / scale;
 	if (m_shapeB) m_rules.margin += double(m_shapeB->getMargin()) / scale;
+	if (!m_isClosestPoints) m_rules.margin += kSkinShare * m_rules.length;
 	m_rules.resting = std::max(kRestingShare * m_rules.length, closestPoints / scale);
 
 	const bool bIsSmaller =

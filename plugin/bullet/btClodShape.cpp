@@ -166,7 +166,9 @@ void btClodShape::calculateLocalInertia(btScalar mass, btVector3& inertia) const
 
 void btClodShape::getAabb(const btTransform& worldFromBody, btVector3& aabbMin, btVector3& aabbMax) const
 {
-	btTransformAabb(m_localMin, m_localMax, m_collisionMargin, worldFromBody, aabbMin, aabbMax);
+	// Compounds drop a child's pair, and its memory, as soon as these boxes part: they must hold every resting contact.
+	const double resting = (clod::kRestingShare + clod::kSkinShare) * double(m_hierarchy->asset().radius) * m_scale;
+	btTransformAabb(m_localMin, m_localMax, m_collisionMargin + btScalar(resting), worldFromBody, aabbMin, aabbMax);
 }
 
 btScalar btClodShape::getContactBreakingThreshold(btScalar defaultFactor) const
