@@ -65,11 +65,12 @@ double protrudeAround(const Hierarchy& hierarchy, const ContactSide& side, const
 double provenHigh(const QueryContext& context, const Margins& margins, const Penetration& penetration,
 				  PenetrationScratch& scratch, QueryStats& stats)
 {
+	constexpr double kEverything = std::numeric_limits<double>::infinity();
 	const bool onA = penetration.deepestOnA;
 	const double reach = onA ? margins.reachB : margins.reachA, surf = onA ? margins.surfA : margins.surfB;
 	if (!penetration.found || penetration.lower <= reach + surf) return margins.common;
 	ContactSide &own = onA ? scratch.a : scratch.b, &other = onA ? scratch.b : scratch.a;
-	const double depth = GatheredSurface(own, other, stats).distanceToAll(penetration.witness);
+	const double depth = GatheredSurface(own, other, kEverything, stats).distanceToAll(penetration.witness);
 	const double protrude = protrudeAround(onA ? context.b : context.a, other, penetration.witness);
 	return depth > reach + protrude ? std::min(margins.common, -(depth - reach - surf)) : margins.common;
 }

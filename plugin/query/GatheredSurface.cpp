@@ -107,7 +107,10 @@ SignedDistance GatheredSurface::signedDistance(std::uint32_t group, const Vec3& 
 		scan(m_other.slots[m_own.partners[own.firstPartner + i]], point);
 	const GatheredFace& nearest = m_other.faces[m_face];
 	const Vec3 normal = pseudonormal(*m_other.hierarchy, nearest.level, nearest.face, m_feature);
-	return {dot(point - m_point, normal) >= 0 ? m_distance : -m_distance, m_face, m_feature};
+	const bool outside = dot(point - m_point, normal) >= 0;
+	if (!outside && m_distance >= m_tolerance)
+		return {distanceToInput(*m_other.hierarchy, point, m_stats.boxTests).distance, m_face, m_feature};
+	return {outside ? m_distance : -m_distance, m_face, m_feature};
 }
 
 std::uint32_t GatheredSurface::across(std::uint32_t face, int edge) const

@@ -46,10 +46,13 @@ void gatherSides(const QueryContext& context, const std::vector<Contact>& contac
 class GatheredSurface
 {
 public:
-	GatheredSurface(const ContactSide& own, ContactSide& other, QueryStats& stats)
-		: m_own(own), m_other(other), m_stats(stats)
+	// tolerance: of the contact list.
+	GatheredSurface(const ContactSide& own, ContactSide& other, double tolerance, QueryStats& stats)
+		: m_own(own), m_other(other), m_tolerance(tolerance), m_stats(stats)
 	{
 	}
+	// A point that looks inside by the tolerance or more may only be far from the few faces gathered: the input surface
+	// decides, and gives the distance.
 	SignedDistance signedDistance(std::uint32_t group, const Vec3& point);
 	const Triangle& triangle(std::uint32_t face) const { return m_other.faces[face].triangle; }
 	// Only faces of slots that were gathered: their surf is part of the certificate.
@@ -62,6 +65,7 @@ private:
 
 	const ContactSide& m_own;
 	ContactSide& m_other;
+	const double m_tolerance;
 	QueryStats& m_stats;
 	double m_distance = 0;
 	Vec3 m_point;

@@ -121,7 +121,8 @@ Penetration nearPenetration(const QueryContext& context, const std::vector<Conta
 {
 	gatherSides(context, contacts, scratch.a, scratch.b);
 	Penetration result;
-	GatheredSurface ofB(scratch.a, scratch.b, stats), ofA(scratch.b, scratch.a, stats);
+	GatheredSurface ofB(scratch.a, scratch.b, accuracy.enough, stats),
+		ofA(scratch.b, scratch.a, accuracy.enough, stats);
 	DepthSearch<GatheredSurface> searchA(ofB, accuracy, scratch.heap);
 	const DepthBound boundA = searchNear(scratch.a, true, contacts, intoB(context.pose), ofB, searchA);
 	merge(boundA, true, result);

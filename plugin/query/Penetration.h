@@ -31,7 +31,7 @@ struct PenetrationScratch
 	std::vector<TreeCell> tree;
 };
 
-// Contacts sorted by (nodeA, nodeB), not empty.
+// Contacts sorted by (nodeA, nodeB), not empty, all within accuracy.enough, the tolerance.
 Penetration nearPenetration(const QueryContext& context, const std::vector<Contact>& contacts,
 							const DepthAccuracy& accuracy, PenetrationScratch& scratch, QueryStats& stats);
 

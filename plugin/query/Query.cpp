@@ -91,9 +91,10 @@ public:
 			once(limit);
 			m_result.stats.restarts = restarts;
 			const double error = m_result.errorBound;
-			if (!(error > m_settings.metric.maxError) || error == kInfinity || m_inputOnly) break;
+			const bool unproved = error == kInfinity && (m_settings.contactsOnly || m_result.contacts.empty());
+			if (!(error > m_settings.metric.maxError) || unproved || m_inputOnly) break;
 			// Halve the limit, or more where the bound asks for it; three passes reach the input surface.
-			limit = restarts < 2 ? 0.5 * limit * m_settings.metric.maxError / error : 0;
+			limit = restarts < 2 ? 0.5 * limit * std::max(0.125, m_settings.metric.maxError / error) : 0;
 		}
 		levelStatistics();
 	}
@@ -176,7 +177,9 @@ private:
 		accuracy.absolute = kDepthAccuracy * radius;
 		if (m_settings.metric.maxError < kInfinity)
 		{
-			accuracy.absolute = std::max(accuracy.absolute, 0.5 * m_settings.metric.maxError);
+			// A coarser answer could not be told from one deeper than the tolerance.
+			const double coarse = std::min(0.5 * m_settings.metric.maxError, 0.2 * m_settings.tolerance);
+			accuracy.absolute = std::max(accuracy.absolute, coarse);
 			accuracy.relative = 0;
 		}
 		if (hullsOverlap)
