@@ -112,7 +112,7 @@ TEST(Rest, OnAScaledTriangleMesh)
 TEST(Rest, OnAHeightfield)
 {
 	BulletWorld scene;
-	const std::vector<float> heights(16 * 16, 0.0f);
+	const std::vector<btScalar> heights(16 * 16, 0);  // this constructor reads scalars
 	auto& ground = scene.add(std::make_unique<btHeightfieldTerrainShape>(
 		16, 16, heights.data(), btScalar(1), btScalar(-1), btScalar(1), 1, PHY_FLOAT, false));
 	scene.addBody(ground, 0, {});
