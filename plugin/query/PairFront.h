@@ -82,7 +82,7 @@ private:
 	Slot& find(std::uint32_t a, std::uint32_t b)
 	{
 		const std::uint64_t key = (std::uint64_t(a) << 32 | b) * 0x9E3779B97F4A7C15u;
-		std::size_t i = std::size_t(key >> 20) & (m_slots.size() - 1);
+		std::size_t i = std::size_t(key >> 40) & (m_slots.size() - 1);  // bits that depend on both indices
 		while (m_slots[i].epoch == m_epoch && !(m_slots[i].a == a && m_slots[i].b == b))
 			i = (i + 1) & (m_slots.size() - 1);
 		return m_slots[i];
