@@ -32,7 +32,7 @@ constexpr double spoonWall = 0.0015;                // of its bowl: the thinner 
 constexpr double tolerance = 0.01 * openingRadius;  // contacts are reported up to this gap
 constexpr double gravity = 9.81;
 constexpr double spoonMass = 0.040;
-constexpr double friction = 0.6;                                     // of each body; Bullet multiplies the two
+constexpr double friction = 0.3;                                       // of each body; Bullet multiplies the two
 constexpr double rollingFriction = 0.0003, spinningFriction = 0.0003;  // lever arms, in metres
 constexpr double restitution = 0;
 constexpr double margin = 0;
@@ -42,7 +42,7 @@ constexpr double splitImpulsePenetrationThreshold = 0;
 constexpr double erp = 0.2, erp2 = 0.8;
 // Time course, in seconds: drop and settle, stir, rest.
 constexpr double stirBegins = 0.35, stirEnds = 4.5, ramp = 0.25;
-constexpr double stirTilt = 0.35;      // radians between gravity and down
+constexpr double stirTilt = 0.5;       // radians between gravity and down
 constexpr double stirFrequency = 0.8;  // turns a second
 // How the spoon starts: bowl down, its tip `dropHeight` over the cup's bottom, leaning by `lean` radians.
 constexpr double cupBottom = 0.003, dropHeight = 0.012, tipOffset = -0.012, lean = 0.38;
@@ -115,6 +115,8 @@ SpoonCup::SpoonCup(const SceneSettings& settings) : m_settings(settings), m_bull
 	if (!registered) throw std::runtime_error(registered.error());
 	btContactSolverInfo& solver = bullet.world.getSolverInfo();
 	solver.m_numIterations = constant::solverIterations;
+	// One friction direction along the slip lets a leaning spoon creep sideways for ever; two hold it.
+	solver.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
 	solver.m_splitImpulse = true;
 	solver.m_splitImpulsePenetrationThreshold = btScalar(constant::splitImpulsePenetrationThreshold);
 	solver.m_erp = btScalar(constant::erp);
@@ -230,6 +232,7 @@ std::vector<SceneConstant> SpoonCup::constants() const
 			{"linear_damping", linearDamping, ""},
 			{"angular_damping", angularDamping, ""},
 			{"solver_iterations", solverIterations, ""},
+			{"friction_directions", 2, ""},
 			{"split_impulse", 1, ""},
 			{"split_impulse_penetration_threshold", splitImpulsePenetrationThreshold, "Bullet's length"},
 			{"erp", erp, ""},
