@@ -117,7 +117,10 @@ private:
 		node.resolution = inner ? roundDown(draft.resolution) : 0;
 		node.contactArea = roundDown(draft.contactArea);
 		const double most = double(std::numeric_limits<float>::max());
-		node.featureVolume = inner ? roundUp(std::min(draft.featureVolume * (1 + 1e-6), most)) : 0;
+		// Of the stored deviation, whose rounding slack is all there is of the smallest ones.
+		const double r = double(node.resolution), own = r > 0 ? double(node.deviation) / (r * r) : 0;
+		const double volume = std::max(draft.featureVolume, own) * (1 + 1e-6);
+		node.featureVolume = inner ? roundUp(std::min(volume, most)) : 0;
 		if (node.flags == 0) node.featureVolume = std::numeric_limits<float>::infinity();
 	}
 
