@@ -37,21 +37,6 @@ bool facetPrecedes(const Triangle& f, const Triangle& g)
 	return false;
 }
 
-// Principal directions of the points, the thinnest first.
-Mat3 directions(const std::vector<Vec3>& points)
-{
-	Vec3 mean;
-	for (const Vec3& p : points) mean += (1.0 / double(points.size())) * p;
-	std::array<double, 6> s{};
-	for (const Vec3& p : points)
-	{
-		const Vec3 d = p - mean;
-		s[0] += d.x * d.x, s[1] += d.y * d.y, s[2] += d.z * d.z;
-		s[3] += d.x * d.y, s[4] += d.x * d.z, s[5] += d.y * d.z;
-	}
-	return eigenFrame(s).axes;
-}
-
 void measureOffsets(std::vector<HalfSpace>& planes, const std::vector<Vec3>& points)
 {
 	for (HalfSpace& plane : planes)
@@ -64,7 +49,7 @@ void measureOffsets(std::vector<HalfSpace>& planes, const std::vector<Vec3>& poi
 // Every point moved by +-minimum along each principal direction in which the set is thinner than that.
 std::vector<Vec3> thickened(const std::vector<Vec3>& points, double minimum)
 {
-	const Mat3 axes = directions(points);
+	const Mat3 axes = principalAxes(points);
 	std::vector<Vec3> result = points;
 	for (const Vec3& axis : axes.row)
 	{

@@ -123,4 +123,18 @@ MassProperties massProperties(const Mesh& mesh)
 	m.principal = quaternion(frame.axes);
 	return m;
 }
+
+Mat3 principalAxes(const std::vector<Vec3>& points)
+{
+	Vec3 mean;
+	for (const Vec3& p : points) mean += (1.0 / double(points.size())) * p;
+	std::array<double, 6> s{};
+	for (const Vec3& p : points)
+	{
+		const Vec3 d = p - mean;
+		s[0] += d.x * d.x, s[1] += d.y * d.y, s[2] += d.z * d.z;
+		s[3] += d.x * d.y, s[4] += d.x * d.z, s[5] += d.y * d.z;
+	}
+	return eigenFrame(s).axes;
+}
 }  // namespace clod::builder

@@ -2,6 +2,7 @@
 // Exact volume integrals of a closed triangle mesh, density 1.
 #pragma once
 #include <array>
+#include <vector>
 
 #include "builder/Lod.h"
 
@@ -28,4 +29,7 @@ struct EigenFrame
 	Mat3 axes;
 };
 EigenFrame eigenFrame(const std::array<double, 6>& symmetric);  // xx, yy, zz, xy, xz, yz
+
+// Principal directions of the points, the thinnest first.
+Mat3 principalAxes(const std::vector<Vec3>& points);
 }  // namespace clod::builder
