@@ -8,47 +8,6 @@
 
 namespace clod
 {
-ContactMetric ContactMetric::exactly()
-{
-	ContactMetric metric;
-	metric.exact = true;
-	return metric;
-}
-
-ContactMetric ContactMetric::deviationShare(double share)
-{
-	ContactMetric metric;
-	metric.weightedDeviationShare = share;
-	return metric;
-}
-
-ContactMetric ContactMetric::errorShare(double share)
-{
-	ContactMetric metric;
-	metric.maxErrorShare = share;
-	return metric;
-}
-
-Metric ContactMetric::resolve(double radius) const
-{
-	Metric metric;
-	metric.exact = exact;
-	metric.weightedDeviation = std::min(weightedDeviation, weightedDeviationShare * radius);
-	metric.maxError = std::min(maxError, maxErrorShare * radius);
-	return metric;
-}
-
-ContactMetric stricter(const ContactMetric& a, const ContactMetric& b)
-{
-	ContactMetric metric;
-	metric.exact = a.exact || b.exact;
-	metric.weightedDeviation = std::min(a.weightedDeviation, b.weightedDeviation);
-	metric.weightedDeviationShare = std::min(a.weightedDeviationShare, b.weightedDeviationShare);
-	metric.maxError = std::min(a.maxError, b.maxError);
-	metric.maxErrorShare = std::min(a.maxErrorShare, b.maxErrorShare);
-	return metric;
-}
-
 Context::Context() : warn([](const std::string& message) { std::fprintf(stderr, "clod: %s\n", message.c_str()); }) {}
 Context::~Context() = default;
 
@@ -101,6 +60,7 @@ StepStatistics Context::lastStep() const
 			sum.deepPairs += pair.deep ? 1 : 0;
 			sum.fastPairs += pair.fast ? 1 : 0;
 			sum.loosePairs += pair.loose ? 1 : 0;
+			if (!pair.metricError.empty()) sum.warnings.push_back(name + ": exact, as " + pair.metricError);
 			if (pair.deep) sum.warnings.push_back(name + ": penetration deeper than the contacts can prove");
 			if (pair.fast) sum.warnings.push_back(name + ": one step moves farther than the thinnest wall");
 			if (pair.loose) sum.warnings.push_back(name + ": the error bound exceeds the thinnest wall");

@@ -10,11 +10,13 @@
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "clod/bullet/Abi.h"
 #include "clod/query/ContactClusters.h"
+#include "clod/query/ContactMetric.h"
 #include "clod/query/Query.h"
 
 class btCollisionObject;
@@ -23,24 +25,6 @@ struct btCollisionAlgorithmCreateFunc;
 
 namespace clod
 {
-// How coarse contacts may be. A threshold can be a length, a share of the pair's smaller bounding radius, or both: the
-// stricter holds. Everything infinite and exact = false lets the coarsest contact level answer.
-struct ContactMetric
-{
-	bool exact = false;                                                  // the input surface only
-	double weightedDeviation = std::numeric_limits<double>::infinity();  // the paper's s0, a length
-	double weightedDeviationShare = std::numeric_limits<double>::infinity();
-	double maxError = std::numeric_limits<double>::infinity();  // certified, a hard limit; a length
-	double maxErrorShare = std::numeric_limits<double>::infinity();
-
-	static ContactMetric exactly();
-	static ContactMetric deviationShare(double share);  // the paper's s0 as a share of the radius, e.g. 0.035
-	static ContactMetric errorShare(double share);      // certified, e.g. 0.005
-	Metric resolve(double radius) const;
-};
-// Each threshold the smaller of both; exact if either is.
-ContactMetric stricter(const ContactMetric& a, const ContactMetric& b);
-
 // A pair as of its last dispatch. Valid until the next dispatch.
 struct PairReport
 {
@@ -50,7 +34,8 @@ struct PairReport
 	const Hierarchy* hierarchyB = nullptr;  // null: a plane or an engine's own mesh
 	const QueryResult* result = nullptr;    // accepted node pairs; empty against a plane or an engine's own mesh
 	const ClusterSet* clusters = nullptr;   // frame A, hierarchy unit
-	Metric metric;                          // as used
+	Metric metric;                          // as used; exact where the user's could not be used
+	std::string metricError;                // empty, or why the user's metric could not be used
 	double tolerance = 0;                   // contact distance used, hierarchy unit
 	double motion = 0;                      // bound on the relative motion of one step, hierarchy unit
 	double errorBound = 0;                  // see QueryResult
@@ -81,10 +66,14 @@ public:
 	Context(const Context&) = delete;
 	Context& operator=(const Context&) = delete;
 
-	// Precedence: the pair callback if it answers, else the stricter of the shapes' own metrics, else the world's.
+	// Precedence: the pair callback if it answers, else the stricter of the shapes' own metrics, else the world's. All
+	// may change between steps. A metric that cannot be used (contactMetricError) makes its pairs exact and is warned
+	// of.
 	ContactMetric worldMetric = ContactMetric::errorShare(0.005);
 	// Returns true and fills the metric to decide a pair. Called once a pair and dispatch, maybe from several threads.
 	std::function<bool(const btCollisionObject& a, const btCollisionObject& b, ContactMetric& metric)> pairMetric;
+	// The eye of view metrics; none: a pair with a view metric is exact and warned of.
+	std::optional<ViewCamera> camera;
 	// Search the signed gap of touching bodies too (PairReport::result then has it, certified). Costs milliseconds.
 	bool searchGap = false;
 	// Receives each warning once a pair and cause; prints to stderr by default; empty = silent (lastStep() has it

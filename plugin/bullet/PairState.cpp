@@ -3,10 +3,11 @@
 
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
 #include <BulletCollision/CollisionShapes/btTriangleCallback.h>
-#include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <algorithm>
 #include <chrono>
+
+#include "clod/bullet/BodyState.h"
 
 namespace clod
 {
@@ -16,44 +17,6 @@ constexpr int kLeakRounds = 3;            // reductions after dropping leaking p
 constexpr double kBreakingShare = 0.003;  // of the length: drift that refreshContactPoints tolerates
 constexpr double kUnansweredShare = 2;    // depth found over depth answered by points that is reported as deep
 constexpr double kSameScale = 1e-6;       // scales whose ratio differs by less are equal
-
-Vec3 toVec3(const btVector3& v)
-{
-	return {double(v.x()), double(v.y()), double(v.z())};
-}
-
-// Bullet's rotation, orthonormal again to double rounding.
-Transform toTransform(const btTransform& t)
-{
-	const btMatrix3x3& m = t.getBasis();
-	const Vec3 x = normalized(toVec3(m.getColumn(0)));
-	const Vec3 roughY = toVec3(m.getColumn(1));
-	const Vec3 y = normalized(roughY - dot(roughY, x) * x);
-	return {transposed({{x, y, cross(x, y)}}), toVec3(t.getOrigin())};
-}
-
-bool isFinite(const Transform& t)
-{
-	return isFinite(t.translation) && isFinite(t.rotation.row[0]) && isFinite(t.rotation.row[1]) &&
-		   isFinite(t.rotation.row[2]);
-}
-
-// World velocity field of a collision object, v(p) = linear + angular x p, as the solver will start from: forces and
-// gravity of the coming step included.
-RelativeMotion worldMotion(const btCollisionObject& object, double timeStep)
-{
-	if (object.isStaticObject()) return {};
-	Vec3 linear = toVec3(object.getInterpolationLinearVelocity());
-	Vec3 angular = toVec3(object.getInterpolationAngularVelocity());
-	if (const btRigidBody* body = btRigidBody::upcast(&object))
-	{
-		const double impulse = timeStep * double(body->getInvMass());
-		linear = toVec3(body->getLinearVelocity()) + impulse * toVec3(body->getTotalForce() * body->getLinearFactor());
-		angular = toVec3(body->getAngularVelocity()) +
-				  timeStep * toVec3(body->getInvInertiaTensorWorld() * body->getTotalTorque());
-	}
-	return {linear - cross(angular, toVec3(object.getWorldTransform().getOrigin())), angular, 0};
-}
 
 double microsecondsSince(std::chrono::steady_clock::time_point start)
 {
@@ -95,6 +58,7 @@ struct TriangleSink : btTriangleCallback
 PairState::PairState(Context& context, btDispatcher& dispatcher, btPersistentManifold* shared, bool isClosestPoints)
 	: m_context(context), m_manifolds(dispatcher, shared), m_isClosestPoints(isClosestPoints)
 {
+	m_own = [this](const Place& place) { return (*m_ownThreshold)(inWorld(place, m_frame)) * m_frame.radius; };
 	m_context.add(&m_report);
 }
 
@@ -135,19 +99,38 @@ bool PairState::chooseBodies(const btCollisionObjectWrapper& body0, const btColl
 	return m_partner != Partner::None;
 }
 
+// A metric that cannot be used makes the pair exact, and is warned of.
 void PairState::chooseMetric()
 {
-	ContactMetric metric = m_context.worldMetric;
+	const ViewCamera* camera = m_context.camera ? &*m_context.camera : nullptr;
 	const btClodShape* partner = m_partner == Partner::Clod ? m_shapeB : nullptr;
 	const bool hasA = m_shapeA->metric().has_value(), hasB = partner && partner->metric().has_value();
-	if (hasA) metric = *m_shapeA->metric();
-	if (hasB) metric = hasA ? stricter(metric, *partner->metric()) : *partner->metric();
-	if (m_context.pairMetric)
+	ContactMetric metric = m_context.worldMetric;
+	if (hasA || hasB) metric = hasA ? *m_shapeA->metric() : *partner->metric();
+	std::string error = contactMetricError(metric, camera);
+	if (hasA && hasB)
 	{
-		ContactMetric answer;
-		if (m_context.pairMetric(*m_a->getCollisionObject(), *m_b->getCollisionObject(), answer)) metric = answer;
+		if (error.empty()) error = contactMetricError(*partner->metric(), camera);
+		metric = stricter(metric, *partner->metric());
 	}
-	m_report.metric = metric.resolve(m_rules.length);
+	ContactMetric answer;
+	if (m_context.pairMetric && m_context.pairMetric(*m_a->getCollisionObject(), *m_b->getCollisionObject(), answer))
+	{
+		metric = answer;
+		error = contactMetricError(metric, camera);
+	}
+	m_frame.radius = m_rules.length;
+	m_frame.scale = m_shapeA->scale();
+	m_frame.worldFromA = m_worldFromA;
+	m_frame.camera = camera;
+	if (error.empty()) error = metricError(m_report.metric = resolve(metric, m_frame));
+	m_ownThreshold = metric.own;
+	if (error.empty() && metric.own) m_report.metric.own = &m_own;
+	m_report.metricError = error;
+	if (error.empty()) return;
+	warnOnce(true, 8, ("a pair's metric cannot be used, its contacts are exact: " + error).c_str());
+	m_report.metric = Metric{};
+	m_report.metric.exact = true;
 }
 
 // Tolerance = resting height + what the step's relative motion can close, bounded over the smaller body.
@@ -161,6 +144,12 @@ void PairState::setMotion(double timeStep, double closestPoints)
 	m_rules.motion = inFrame(world, m_worldFromA);
 	m_rules.motion.linear = (1 / scale) * m_rules.motion.linear;
 	m_rules.motion.timeStep = predicted;
+	// What is seen to move does so already; a body at rest gains speed from gravity in every step, and loses it again.
+	const RelativeMotion nowA = worldMotion(*m_a->getCollisionObject(), 0),
+						 nowB = worldMotion(*m_b->getCollisionObject(), 0);
+	m_frame.motion = inFrame({nowA.linear - nowB.linear, nowA.angular - nowB.angular, 0}, m_worldFromA);
+	m_frame.motion.linear = (1 / scale) * m_frame.motion.linear;
+	m_frame.motion.timeStep = predicted;
 
 	m_rules.margin = double(m_shapeA->getMargin()) / scale;
 	if (m_shapeB) m_rules.margin += double(m_shapeB->getMargin()) / scale;
@@ -191,15 +180,16 @@ bool PairState::prepare(const btCollisionObjectWrapper& body0, const btCollision
 	m_rules.length = double(m_shapeA->hierarchy().asset().radius);
 	if (m_partner == Partner::Clod)
 		m_rules.length = std::min(m_rules.length, double(m_shapeB->hierarchy().asset().radius));
-	chooseMetric();
 	setMotion(double(info.m_timeStep), closestPoints);
+	if (!isFinite(m_rules.motion.linear) || !isFinite(m_rules.motion.angular)) return false;
+	chooseMetric();
 	m_report.objectA = m_a->getCollisionObject();
 	m_report.objectB = m_b->getCollisionObject();
 	m_report.hierarchyA = &m_shapeA->hierarchy();
 	m_report.hierarchyB = m_partner == Partner::Clod ? &m_shapeB->hierarchy() : nullptr;
 	m_report.result = &m_result;
 	m_report.clusters = &m_clusters;
-	return isFinite(m_rules.motion.linear) && isFinite(m_rules.motion.angular);
+	return true;
 }
 
 void PairState::clipForeign()

@@ -60,6 +60,9 @@ private:
 	Transform m_worldFromA;                 // world lengths
 	Transform m_aFromB;                     // hierarchy unit
 	PointRules m_rules;
+	MetricFrame m_frame;
+	std::shared_ptr<const ContactThreshold> m_ownThreshold;  // of the user's metric
+	OwnThreshold m_own;                                      // the same as the query calls it
 	// From dispatch to dispatch.
 	const void* m_seenA = nullptr;
 	const void* m_seenB = nullptr;

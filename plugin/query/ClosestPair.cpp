@@ -27,7 +27,7 @@ public:
 			const ClosestPairScratch::Candidate top = m_scratch.stack.back();
 			m_scratch.stack.pop_back();
 			if (top.separation > m_best) continue;
-			if (m_rule.accepts(nodeA(top.a), nodeB(top.b)))
+			if (m_rule.accepts(top.a, top.b))
 				measure(top);
 			else
 				open(top);
@@ -36,13 +36,10 @@ public:
 	}
 
 private:
-	const Node& nodeA(std::uint32_t a) const { return m_context.a.node(a); }
-	const Node& nodeB(std::uint32_t b) const { return m_context.b.node(b); }
-
 	void open(const ClosestPairScratch::Candidate& pair)
 	{
 		const std::uint32_t a = pair.a, b = pair.b;
-		const bool opensA = m_rule.opensA(m_context.a, a, m_context.b, b);
+		const bool opensA = m_rule.opensA(a, b);
 		const Hierarchy& side = opensA ? m_context.a : m_context.b;
 		const Node& node = side.node(opensA ? a : b);
 		const std::uint32_t count = m_rule.followsSharedChildren() ? node.childCount : node.primaryChildCount;

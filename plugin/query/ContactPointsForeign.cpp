@@ -39,6 +39,41 @@ bool separated(const CullBox& box, const Triangle& triangle, const Vec3& normal,
 	return low - offset > distance || offset - high > distance;
 }
 
+// When may a node answer against an exact partner? The rule of StopRule.h with f = 0 and D = inf on the other side; the
+// place of a contact is in the node's own culling box.
+class ForeignRule
+{
+public:
+	ForeignRule(const Hierarchy& hierarchy, const Metric& metric)
+		: m_hierarchy(hierarchy), m_metric(metric), m_threshold(metric, fastest(hierarchy, metric))
+	{
+	}
+
+	bool accepts(std::uint32_t index, const Node& node) const
+	{
+		if (node.level == 0) return true;
+		if (m_metric.exact || (node.flags & kClodNode) == 0) return false;
+		const CullBox& box = m_hierarchy.cullBox(index);
+		const double s0 = m_threshold.isConstant() ? m_threshold.constant()
+												   : m_threshold.at({toVec3(box.center), double(box.radius)});
+		const double deviation = node.featureVolume > 0 ? double(node.featureVolume) / double(node.contactArea) : 0;
+		return deviation <= s0 && std::max(double(node.cover), double(node.protrude)) <= m_metric.maxError;
+	}
+
+private:
+	static double fastest(const Hierarchy& hierarchy, const Metric& metric)
+	{
+		const Asset& asset = hierarchy.asset();
+		const Vec3& turning = metric.velocity.angular;
+		return length(metric.velocity.linear + cross(turning, toVec3(asset.sphereCenter))) +
+			   length(turning) * double(asset.radius);
+	}
+
+	const Hierarchy& m_hierarchy;
+	const Metric& m_metric;
+	const Threshold m_threshold;
+};
+
 PointFilter partnerFilter(const PointRules& rules)
 {
 	return {&rules, {-rules.motion.linear, -rules.motion.angular, rules.motion.timeStep}};
@@ -109,15 +144,6 @@ void clipTriangleToFace(FacePrism prism, const Triangle& triangle, const Vec3& t
 }
 }  // namespace
 
-bool mayAnswer(const Hierarchy& hierarchy, const Node& node, const Metric& metric)
-{
-	(void)hierarchy;
-	if (node.level == 0) return true;
-	if (metric.exact || (node.flags & kClodNode) == 0) return false;
-	if (double(node.featureVolume) / double(node.contactArea) > metric.weightedDeviation) return false;
-	return std::max(double(node.cover), double(node.protrude)) <= metric.maxError;
-}
-
 // Nodes that answer and are not separated, each once. Exact answers follow the tree, others the whole graph.
 template <class Separated, class Sink>
 void ForeignClipper::visit(const Hierarchy& hierarchy, const Metric& metric, const Separated& apart, const Sink& sink,
@@ -129,6 +155,7 @@ void ForeignClipper::visit(const Hierarchy& hierarchy, const Metric& metric, con
 		m_visit = 0;
 	}
 	++m_visit;
+	const ForeignRule rule(hierarchy, metric);
 	m_stack.assign(1, hierarchy.root());
 	while (!m_stack.empty())
 	{
@@ -139,7 +166,7 @@ void ForeignClipper::visit(const Hierarchy& hierarchy, const Metric& metric, con
 		++stats.boxTests;
 		if (apart(hierarchy.cullBox(index))) continue;
 		const Node& node = hierarchy.node(index);
-		if (mayAnswer(hierarchy, node, metric))
+		if (rule.accepts(index, node))
 		{
 			++stats.nodes;
 			stats.finestLevel = std::min(stats.finestLevel, node.level);

@@ -7,9 +7,6 @@
 
 namespace clod
 {
-// May this node answer against an exact partner?
-bool mayAnswer(const Hierarchy& hierarchy, const Node& node, const Metric& metric);
-
 struct ForeignStats
 {
 	std::uint32_t boxTests = 0, nodes = 0, finestLevel = kNone, coarsestLevel = 0;

@@ -22,7 +22,7 @@ struct PairCache::State
 	bool filled = false;
 	Transform aFromB;
 	Settings settings;
-	double maxError = 0;  // of the rule that the front was made with
+	double threshold = 0, maxError = 0;  // of the rule that the front was made with; StopRule::constantThreshold
 	RelativePose pose;
 	PairFront front;
 	InsideProbes probesA, probesB;
@@ -56,10 +56,6 @@ namespace
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kDepthAccuracy = 1e-6;  // of the smaller radius: how exactly a depth is searched at least
 
-bool same(const Metric& l, const Metric& r)
-{
-	return l.exact == r.exact && l.weightedDeviation == r.weightedDeviation && l.maxError == r.maxError;
-}
 bool same(const Settings& l, const Settings& r)
 {
 	return same(l.metric, r.metric) && l.tolerance == r.tolerance && l.distance == r.distance &&
@@ -121,12 +117,14 @@ private:
 	// Returns the largest cover_a + cover_b of the accepted pairs that are no contacts.
 	double traverse(double limit, double tolerance)
 	{
-		const bool sameRule =
-			m_state.filled && same(m_state.settings.metric, m_settings.metric) && m_state.maxError == limit;
-		const TraversalSettings settings{StopRule(m_settings.metric, limit), tolerance, m_settings.paper, sameRule};
+		const StopRule rule(m_context, m_settings.metric, limit);
+		const bool sameRule = m_state.filled && m_state.settings.metric.exact == m_settings.metric.exact &&
+							  m_state.threshold == rule.constantThreshold() && m_state.maxError == limit;
+		const TraversalSettings settings{rule, tolerance, m_settings.paper, sameRule};
 		ContactSink sink(m_context, tolerance, m_settings.metric.exact, m_result.contacts, m_result.stats);
 		m_result.stats.front = m_result.stats.frontInner = 0;
 		Traversal<ContactSink>(m_context, settings, m_state.front, sink).run(m_result.stats);
+		m_state.threshold = rule.constantThreshold();
 		m_state.maxError = limit;
 		m_state.settings = m_settings;
 		m_state.filled = true;
@@ -206,7 +204,7 @@ private:
 	// Nothing within the tolerance: the closest accepted pair, then the certificate within its distance.
 	void farApart(double limit)
 	{
-		const StopRule rule(m_settings.metric, limit);
+		const StopRule rule(m_context, m_settings.metric, limit);
 		const double distance = closestDistance(m_context, rule, m_settings.paper, m_state.closest, m_result.stats);
 		const double largestCover = traverse(limit, distance);
 		sortContacts();
@@ -300,10 +298,7 @@ std::string settingsError(const Hierarchy& a, const Hierarchy& b, const Settings
 	{ return std::string(field) + " is " + std::to_string(value); };
 	if (!(settings.tolerance >= 0) || settings.tolerance == kInfinity)
 		return text("tolerance", settings.tolerance) + ", but must be a finite length >= 0";
-	if (!(settings.metric.weightedDeviation >= 0))
-		return text("metric.weightedDeviation", settings.metric.weightedDeviation) + ", but must be a length >= 0";
-	if (!(settings.metric.maxError >= 0))
-		return text("metric.maxError", settings.metric.maxError) + ", but must be a length >= 0";
+	if (const std::string error = metricError(settings.metric); !error.empty()) return error;
 	if (settings.paper && !(a.isPaperBuild() && b.isPaperBuild()))
 		return std::string("paper is set, but hierarchy ") + (a.isPaperBuild() ? "b" : "a") +
 			   " was not built with --paper";

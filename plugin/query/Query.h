@@ -13,18 +13,10 @@
 #include <vector>
 
 #include "clod/hierarchy/Hierarchy.h"
+#include "clod/query/Metric.h"
 
 namespace clod
 {
-// When may a pair of nodes answer? Evaluated in this order (design 12): a pair of level-0 nodes always answers; a
-// completion node never does; then every enabled threshold must allow it ("strict").
-struct Metric
-{
-	bool exact = false;                                          // level 0 only
-	double weightedDeviation = std::numeric_limits<double>::infinity();  // s0: max(f_a, f_b) / D_ab <= s0
-	double maxError = std::numeric_limits<double>::infinity();           // certified: errorBound <= maxError, a hard limit
-};
-
 struct Settings
 {
 	Metric metric;

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Zlib
-// When a pair of nodes answers, and which of its two nodes is opened when it may not. Both are fixed functions of the
-// two nodes and the settings: no pose, no history. The set of pairs a query visits is then a function of the pose
-// alone, whatever the order, and a larger threshold never opens more.
+// When a pair of nodes answers, and which of its two nodes is opened when it may not. The latter is a fixed function of
+// the two nodes and the settings; the former too, unless a metric asks for the place of the contact (Metric.h), then of
+// the pose as well: no history. The set of pairs a query visits is a function of the pose and the settings alone,
+// whatever the order, and a larger threshold never opens more.
 //
 // Based on: Otaduy & Lin 2003, sec. 3.3, eq. 2 and 3. Departs from it: the contact area D of a pair is the harmonic
 // combination of node constants, not interpolated at the witness points (outside paper mode there is no witness yet).
 #pragma once
 #include <algorithm>
+#include <limits>
 
-#include "clod/query/Query.h"
+#include "clod/query/QueryContext.h"
 
 namespace clod
 {
@@ -28,15 +30,28 @@ class StopRule
 {
 public:
 	// maxError replaces the one of the metric: restarts tighten it.
-	StopRule(const Metric& metric, double maxError) : m_metric(metric), m_maxError(maxError) {}
-
-	bool accepts(const Node& a, const Node& b) const
+	StopRule(const QueryContext& context, const Metric& metric, double maxError)
+		: m_context(&context),
+		  m_threshold(metric, fastest(context, metric)),
+		  m_isExact(metric.exact),
+		  m_maxError(maxError)
 	{
+	}
+
+	bool accepts(std::uint32_t i, std::uint32_t j) const
+	{
+		const Node &a = m_context->a.node(i), &b = m_context->b.node(j);
 		if (a.childCount == 0 && b.childCount == 0) return true;
-		if (!(a.flags & b.flags & kClodNode) || m_metric.exact) return false;
-		if (std::isfinite(m_metric.weightedDeviation) && !(weightedDeviation(a, b) <= m_metric.weightedDeviation))
-			return false;
+		if (!(a.flags & b.flags & kClodNode) || m_isExact) return false;
+		const double s0 = m_threshold.isConstant() ? m_threshold.constant() : m_threshold.at(placeOf(i, j));
+		if (s0 < kOff && !(weightedDeviation(a, b) <= s0)) return false;
 		return !std::isfinite(m_maxError) || certifiedError(a, b) <= m_maxError;
+	}
+
+	// What a front was made with: equal constants and maxError make equal rules. Not a number where the place counts.
+	double constantThreshold() const
+	{
+		return m_threshold.isConstant() ? m_threshold.constant() : std::numeric_limits<double>::quiet_NaN();
 	}
 
 	// s*_ab = max(f_a, f_b) / D_ab with 1 / D_ab = 1 / D_a + 1 / D_b (eq. 3).
@@ -48,27 +63,46 @@ public:
 
 	// Precondition: the pair is not accepted. A leaf is never opened, a completion node first; then, where nodes may
 	// answer, the one with the larger number of the metric; ties and the rest by size.
-	bool opensA(const Hierarchy& a, std::uint32_t i, const Hierarchy& b, std::uint32_t j) const
+	bool opensA(std::uint32_t i, std::uint32_t j) const
 	{
-		const Node &nodeA = a.node(i), &nodeB = b.node(j);
+		const Node &nodeA = m_context->a.node(i), &nodeB = m_context->b.node(j);
 		if (nodeA.childCount == 0) return false;
 		if (nodeB.childCount == 0) return true;
 		const bool clodA = (nodeA.flags & kClodNode) != 0, clodB = (nodeB.flags & kClodNode) != 0;
 		if (clodA != clodB) return clodB;
-		if (clodA && !m_metric.exact)
+		if (clodA && !m_isExact)
 		{
-			const bool volume = std::isfinite(m_metric.weightedDeviation);
+			const bool volume = !m_threshold.isConstant() || m_threshold.constant() < kOff;
 			const float errorA = volume ? nodeA.featureVolume : nodeA.deviation;
 			const float errorB = volume ? nodeB.featureVolume : nodeB.deviation;
 			if (errorA != errorB) return errorA > errorB;
 		}
-		return a.cullBox(i).radius >= b.cullBox(j).radius;
+		return m_context->a.cullBox(i).radius >= m_context->b.cullBox(j).radius;
 	}
 
-	bool followsSharedChildren() const { return !m_metric.exact; }
+	bool followsSharedChildren() const { return !m_isExact; }
 
 private:
-	Metric m_metric;
+	// The ball round the smaller culling box: it holds the hull of its node, hence a witness point of every contact.
+	Place placeOf(std::uint32_t i, std::uint32_t j) const
+	{
+		const CullBox &a = m_context->a.cullBox(i), &b = m_context->b.cullBox(j);
+		const bool isA = a.radius <= b.radius;
+		const CullBox& box = isA ? a : b;
+		const Vec3 center{double(box.center[0]), double(box.center[1]), double(box.center[2])};
+		return {isA ? center : m_context->pose.apply(center), double(box.radius)};
+	}
+	static double fastest(const QueryContext& context, const Metric& metric)
+	{
+		const Vec3 &linear = metric.velocity.linear, &angular = metric.velocity.angular;
+		const double turning = length(angular);
+		return std::max(length(linear) + turning * context.reachA,
+						length(linear + cross(angular, context.pose.translation)) + turning * context.reachB);
+	}
+
+	const QueryContext* m_context;
+	Threshold m_threshold;
+	bool m_isExact;
 	double m_maxError;
 };
 }  // namespace clod

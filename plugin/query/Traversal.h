@@ -104,8 +104,8 @@ private:
 	{
 		if (m_settings.sameRule && before != PairState::kSeparated) return before;
 		const StopRule& rule = m_settings.rule;
-		if (rule.accepts(m_context.a.node(entry.a), m_context.b.node(entry.b))) return PairState::kAnswer;
-		return rule.opensA(m_context.a, entry.a, m_context.b, entry.b) ? PairState::kOpenA : PairState::kOpenB;
+		if (rule.accepts(entry.a, entry.b)) return PairState::kAnswer;
+		return rule.opensA(entry.a, entry.b) ? PairState::kOpenA : PairState::kOpenB;
 	}
 
 	void open(const FrontEntry& entry, std::uint32_t index, std::uint32_t oldChild)

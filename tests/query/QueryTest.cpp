@@ -6,12 +6,11 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
-#include <cstring>
 #include <set>
 
 #include "clod/query/MotionBound.h"
 #include "clod/query/QueryContext.h"
-#include "tests/query/Bodies.h"
+#include "tests/query/Answers.h"
 #include "tests/query/TriangleGap.h"
 
 namespace
@@ -24,12 +23,6 @@ int setting(const char* name, int standard)
 	const char* text = std::getenv(name);
 	return text ? std::atoi(text) : standard;
 }
-
-struct BodyPair
-{
-	const Body& a;
-	const Body& b;
-};
 
 std::vector<BodyPair> pairs()
 {
@@ -46,40 +39,12 @@ Settings exactSettings(double tolerance)
 	return settings;
 }
 
-QueryResult fresh(const BodyPair& pair, const Transform& pose, const Settings& settings)
-{
-	PairCache cache;
-	QueryResult result;
-	query(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache, result);
-	return result;
-}
-
 // Gap of the smaller radius: a third apart, a third within 1 %, a third overlapping.
 double stratifiedGap(Random& random, int i)
 {
 	if (i % 3 == 0) return uniform(random, 0.011, 0.3);
 	if (i % 3 == 1) return uniform(random, 0, 0.01);
 	return -uniform(random, 0, i % 2 ? 0.01 : 0.1);
-}
-
-bool sameBits(const Contact& l, const Contact& r)
-{
-	const double lv[] = {l.lower,      l.upper,      l.pointOnA.x, l.pointOnA.y, l.pointOnA.z, l.pointOnB.x,
-						 l.pointOnB.y, l.pointOnB.z, l.normal.x,   l.normal.y,   l.normal.z};
-	const double rv[] = {r.lower,      r.upper,      r.pointOnA.x, r.pointOnA.y, r.pointOnA.z, r.pointOnB.x,
-						 r.pointOnB.y, r.pointOnB.z, r.normal.x,   r.normal.y,   r.normal.z};
-	return l.nodeA == r.nodeA && l.nodeB == r.nodeB && std::memcmp(lv, rv, sizeof(lv)) == 0;
-}
-
-std::string difference(const QueryResult& l, const QueryResult& r)
-{
-	if (l.contacts.size() != r.contacts.size())
-		return std::to_string(l.contacts.size()) + " contacts instead of " + std::to_string(r.contacts.size());
-	for (std::size_t i = 0; i < l.contacts.size(); ++i)
-		if (!sameBits(l.contacts[i], r.contacts[i])) return "contact " + std::to_string(i);
-	if (std::memcmp(&l.minDistance, &r.minDistance, sizeof(double)) != 0) return "minDistance";
-	if (std::memcmp(&l.errorBound, &r.errorBound, sizeof(double)) != 0) return "errorBound";
-	return l.deep != r.deep ? "deep" : "";
 }
 
 TEST(Query, ExactEqualsBruteForceOverAllLeafPairs)

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Zlib
+#include "clod/bullet/BodyState.h"
+
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+namespace clod
+{
+Vec3 toVec3(const btVector3& v)
+{
+	return {double(v.x()), double(v.y()), double(v.z())};
+}
+
+Transform toTransform(const btTransform& t)
+{
+	const btMatrix3x3& m = t.getBasis();
+	const Vec3 x = normalized(toVec3(m.getColumn(0)));
+	const Vec3 roughY = toVec3(m.getColumn(1));
+	const Vec3 y = normalized(roughY - dot(roughY, x) * x);
+	return {transposed({{x, y, cross(x, y)}}), toVec3(t.getOrigin())};
+}
+
+bool isFinite(const Transform& t)
+{
+	return isFinite(t.translation) && isFinite(t.rotation.row[0]) && isFinite(t.rotation.row[1]) &&
+		   isFinite(t.rotation.row[2]);
+}
+
+RelativeMotion worldMotion(const btCollisionObject& object, double timeStep)
+{
+	if (object.isStaticObject()) return {};
+	Vec3 linear = toVec3(object.getInterpolationLinearVelocity());
+	Vec3 angular = toVec3(object.getInterpolationAngularVelocity());
+	if (const btRigidBody* body = btRigidBody::upcast(&object))
+	{
+		const double impulse = timeStep * double(body->getInvMass());
+		linear = toVec3(body->getLinearVelocity()) + impulse * toVec3(body->getTotalForce() * body->getLinearFactor());
+		angular = toVec3(body->getAngularVelocity()) +
+				  timeStep * toVec3(body->getInvInertiaTensorWorld() * body->getTotalTorque());
+	}
+	return {linear - cross(angular, toVec3(object.getWorldTransform().getOrigin())), angular, 0};
+}
+}  // namespace clod

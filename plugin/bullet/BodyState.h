@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Zlib
+// A collision object's pose and velocity as the query takes them: in double.
+#pragma once
+#include <BulletCollision/CollisionDispatch/btCollisionObject.h>
+
+#include "clod/query/ContactPoints.h"
+
+namespace clod
+{
+Vec3 toVec3(const btVector3& v);
+// Bullet's rotation, orthonormal again to double rounding.
+Transform toTransform(const btTransform& t);
+bool isFinite(const Transform& t);
+
+// World velocity field of a collision object, v(p) = linear + angular x p, as the solver will start from: forces and
+// gravity of the coming step included. With timeStep 0: as it moves now.
+RelativeMotion worldMotion(const btCollisionObject& object, double timeStep);
+}  // namespace clod
