@@ -163,7 +163,7 @@ private:
 		return most;
 	}
 
-	// D of a leaf: at the face nearest to the patch's middle.
+	// D of a leaf: at the face nearest to the patch's middle. Coarser ones: the minimum with `paper` (closeNode).
 	void addAreas()
 	{
 		const Mesh& mesh = m_lods.front().mesh;
@@ -189,6 +189,7 @@ private:
 						node.contactArea = area.at(node.triangles[best], closestPoint(middle, face).point,
 												   normalized(areaVector(face)));
 					});
+		if (!m_config.paper) averageContactAreas(m_draft, m_lods.size());
 	}
 
 	// For each node of the coarsest contact level: the hull corners of it and of everything below.

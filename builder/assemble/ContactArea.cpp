@@ -98,4 +98,29 @@ double ContactArea::at(std::uint32_t start, const Vec3& origin, const Vec3& norm
 	}
 	return std::max(area, 4 * m_delta * m_delta);
 }
+
+void averageContactAreas(HierarchyDraft& draft, std::size_t levels)
+{
+	const std::size_t count = draft.levels[levels - 1].firstNode + draft.levels[levels - 1].nodeCount;
+	std::vector<double> surface(count, 0), inverseSquares(count, 0);
+	for (std::size_t i = 0; i < count; ++i)
+	{
+		NodeDraft& node = draft.nodes[i];
+		if (node.children.empty())
+		{
+			for (std::size_t f = 0; f < node.faces.size(); ++f) surface[i] += length(areaVector(node.face(f)));
+			inverseSquares[i] = surface[i] / (node.contactArea * node.contactArea);
+			continue;
+		}
+		for (std::uint32_t k = 0; k < node.primaryChildren; ++k)
+		{
+			surface[i] += surface[node.children[k]];
+			inverseSquares[i] += inverseSquares[node.children[k]];
+		}
+		node.contactArea = std::sqrt(surface[i] / inverseSquares[i]);
+	}
+	for (std::size_t i = count; i-- > 0;)
+		for (const std::uint32_t child : draft.nodes[i].children)
+			draft.nodes[child].contactArea = std::max(draft.nodes[child].contactArea, draft.nodes[i].contactArea);
+}
 }  // namespace clod::builder

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How much area a body touches a plane with when it is pressed to the depth delta at one place: the slab flood fill.
 #pragma once
+#include "builder/assemble/Draft.h"
 #include "builder/assemble/TriangleTree.h"
 
 namespace clod::builder
@@ -20,4 +21,9 @@ private:
 	std::vector<std::array<std::uint32_t, 3>> m_neighbours;
 	std::vector<Vec3> m_normals;
 };
+
+// D of every contact node above level 0 from its leaves': 1 / D is the root mean square of theirs, weighted by surface.
+// Then raised where a parent has more, so that D never rises towards the root. The first `levels` levels are contact
+// levels; those of level 0 are set.
+void averageContactAreas(HierarchyDraft& draft, std::size_t levels);
 }  // namespace clod::builder
