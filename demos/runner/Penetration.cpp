@@ -184,34 +184,24 @@ double SignedDistance::operator()(const Vec3& point) const
 PenetrationMeter::PenetrationMeter(Surface a, Surface b)
 	: m_a(std::move(a)),
 	  m_b(std::move(b)),
-	  m_clearA(m_a.surface().vertices.size(), 0),
-	  m_clearB(m_b.surface().vertices.size(), 0)
+	  m_looksA(m_a.surface().vertices.size()),
+	  m_looksB(m_b.surface().vertices.size())
 {
-	for (const Vec3& p : m_b.surface().vertices) m_radiusB = std::max(m_radiusB, length(p));
 }
 
 double PenetrationMeter::depth(const Transform& aFromB)
 {
-	// No point of B moves farther in A's frame than its origin does plus the turn's largest arm.
-	if (m_started)
-	{
-		double turned = 0;
-		for (int i = 0; i < 3; ++i) turned += lengthSquared(aFromB.rotation.row[i] - m_previous.rotation.row[i]);
-		m_travel += length(aFromB.translation - m_previous.translation) + std::sqrt(turned) * m_radiusB;
-	}
-	m_started = true;
-	m_previous = aFromB;
 	const Transform bFromA = inverse(aFromB);
 	double deepest = 0;
-	const auto look = [&](const SignedDistance& solid, const Vec3& point, double& clear)
+	const auto look = [&](const SignedDistance& solid, const Vec3& point, Look& last)
 	{
-		if (clear > m_travel) return;
+		if (lengthSquared(point - last.place) < last.clear * last.clear) return;
 		const double distance = solid(point);
 		deepest = std::max(deepest, -distance);
-		clear = m_travel + std::max(0.0, distance);
+		last = {point, std::max(0.0, distance)};
 	};
-	for (std::size_t i = 0; i < m_clearA.size(); ++i) look(m_b, bFromA * m_a.surface().vertices[i], m_clearA[i]);
-	for (std::size_t i = 0; i < m_clearB.size(); ++i) look(m_a, aFromB * m_b.surface().vertices[i], m_clearB[i]);
+	for (std::size_t i = 0; i < m_looksA.size(); ++i) look(m_b, bFromA * m_a.surface().vertices[i], m_looksA[i]);
+	for (std::size_t i = 0; i < m_looksB.size(); ++i) look(m_a, aFromB * m_b.surface().vertices[i], m_looksB[i]);
 	return deepest;
 }
 }  // namespace clod::demo

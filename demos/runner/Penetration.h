@@ -43,8 +43,8 @@ private:
 	std::vector<std::array<Vec3, 3>> m_edgeNormals;  // of edge (i, i+1) of each triangle
 };
 
-// Deepest vertex over a sequence of relative poses. A vertex that was d outside is not looked at again before the
-// bodies may have moved by d, so following all steps of a simulation costs little more than the first.
+// Deepest vertex over a sequence of relative poses. A vertex that was d outside is not looked at again before it is d
+// away from where it was then, so following all steps of a simulation costs little more than the first.
 class PenetrationMeter
 {
 public:
@@ -53,11 +53,13 @@ public:
 	double depth(const Transform& aFromB);
 
 private:
+	// Where a vertex was in the other's frame when it was last looked at, and its distance from the other then.
+	struct Look
+	{
+		Vec3 place;
+		double clear = 0;
+	};
 	SignedDistance m_a, m_b;
-	std::vector<double> m_clearA, m_clearB;  // travel at which a vertex must be looked at again
-	double m_radiusB = 0;                    // of B's vertices around B's origin
-	double m_travel = 0;
-	bool m_started = false;
-	Transform m_previous;
+	std::vector<Look> m_looksA, m_looksB;
 };
 }  // namespace clod::demo

@@ -128,13 +128,15 @@ std::string formatReplay(const std::vector<ReplayRow>& rows)
 {
 	std::string text =
 		"step,query_us,front,hull_tests,contacts,min_distance,error_bound,finest_level,coarsest_level,"
-		"gap_us,box_tests,gjk_runs,skipped_by_slack,point_queries,restarts,deep,speed_radii_per_s,motion\n";
+		"gap_us,box_tests,gjk_runs,skipped_by_slack,point_queries,restarts,deep,speed_radii_per_s,motion,front_inner,"
+		"duplicates\n";
 	for (const ReplayRow& r : rows)
-		text += fmt::format("{},{:.3f},{},{},{},{},{},{},{},{:.3f},{},{},{},{},{},{},{:.5g},{}\n", r.step,
+		text += fmt::format("{},{:.3f},{},{},{},{},{},{},{},{:.3f},{},{},{},{},{},{},{:.5g},{},{},{}\n", r.step,
 							r.queryMicroseconds, r.stats.front, r.tests(), r.contacts, number(r.minDistance),
 							number(r.errorBound), r.stats.finestLevel, r.stats.coarsestLevel, r.gapMicroseconds,
 							r.stats.boxTests, r.stats.hullTests, r.stats.skippedBySlack, r.stats.pointQueries,
-							r.stats.restarts, int(r.deep), r.speed, name(r.motion()));
+							r.stats.restarts, int(r.deep), r.speed, name(r.motion()), r.stats.frontInner,
+							r.stats.duplicates);
 	return text;
 }
 

@@ -133,7 +133,7 @@ void PairState::chooseMetric()
 	m_report.metric.exact = true;
 }
 
-// Tolerance = resting height + what the step's relative motion can close, bounded over the smaller body.
+// Motion of the step, resting height and margins, and how far apart two bodies may be to need contacts.
 void PairState::setMotion(double timeStep, double closestPoints)
 {
 	const double scale = m_shapeA->scale();
@@ -163,7 +163,16 @@ void PairState::setMotion(double timeStep, double closestPoints)
 	const double speed =
 		length(m_rules.motion.velocity(center)) + length(m_rules.motion.angular) * double(smaller.asset().radius);
 	m_report.motion = speed * m_rules.motion.timeStep;
-	m_report.tolerance = m_rules.margin + m_rules.resting + kPredictionSlack * m_report.motion;
+	// A query of two hierarchies looks ahead along the motion (sweepOfStep); other shapes are met in all directions.
+	m_report.tolerance = m_rules.margin + m_rules.resting;
+	if (m_partner != Partner::Clod) m_report.tolerance += kPredictionSlack * m_report.motion;
+}
+
+// B's motion relative to A in the step, as far ahead as speculative points may lie.
+Sweep PairState::sweepOfStep() const
+{
+	const double ahead = -kPredictionSlack * m_rules.motion.timeStep;
+	return {ahead * m_rules.motion.linear, ahead * m_rules.motion.angular};
 }
 
 bool PairState::prepare(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
@@ -238,6 +247,7 @@ void PairState::findPoints()
 	Settings settings;
 	settings.metric = m_report.metric;
 	settings.tolerance = m_report.tolerance;
+	settings.sweep = sweepOfStep();
 	settings.contactsOnly = !m_context.searchGap;
 	query(m_shapeA->hierarchy(), m_shapeB->hierarchy(), m_aFromB, settings, m_cache, m_result);
 	m_report.queryMicroseconds = microsecondsSince(start);

@@ -40,6 +40,7 @@ private:
 	bool chooseBodies(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1);
 	void chooseMetric();
 	void setMotion(double timeStep, double closestPoints);
+	Sweep sweepOfStep() const;
 	void findPoints();
 	void clipForeign();
 	void reduce();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// How far two culling boxes are apart at least: separating axes over the six face normals, and the two spheres.
+// How far two culling boxes are apart at least, now and while one moves through the coming step: separating axes over
+// the six face normals, and the two spheres. In float, four lanes wide, rounded down.
 //
 // The nine edge-edge axes are left out. Each of the seven numbers changes by no more than the points of one body move
 // relative to the other, so their maximum does too: that is what lets a result be carried over to a later pose
@@ -8,24 +9,30 @@
 // Based on: Gottschalk, Lin & Manocha, "OBBTree", 1996, sec. 5.
 #pragma once
 #include "clod/query/HullDistance.h"
+#include "clod/query/Sweep.h"
 
 namespace clod
 {
-// A culling box in frame A, in double.
+// A culling box in frame A.
 struct PlacedBox
 {
-	Vec3 center, axis[3];
-	double half[3];
-	double radius;  // of the sphere round center
+	Vec3 center;
+	Vec3 move;           // displacement of the centre in the step
+	double spread;       // no point's displacement differs from it by more
+	double radius;       // of the sphere round center
+	alignas(16) float axis[3][4];  // [c][i]: component c of axis i; [c][3] is 0
+	alignas(16) float half[4];     // half[3] is 0
 };
 
 PlacedBox placeInA(const CullBox& boxOfA);
-PlacedBox placeInA(const CullBox& boxOfB, const RelativePose& pose);
+PlacedBox placeInA(const CullBox& boxOfB, const RelativePose& pose, const Sweep& sweep = {});
 
-// Lower bound of the distance of everything the two boxes enclose, rounded down; negative where none of the axes
-// separates them.
+// Lower bound of the distance of everything the two boxes enclose, at any time of the step, rounded down; negative where
+// none of the axes separates them.
 double boxSeparation(const PlacedBox& a, const PlacedBox& b);
+// A bound of what rounding takes off a separation, for pairs of boxes no larger and no farther apart than `size`.
+double boxRounding(double size);
 
-// Lower bound of the distance from a point to everything the box encloses, rounded down; 0 inside.
-double boxDistance(const PlacedBox& box, const Vec3& point);
+// Lower bound of the distance from a point to everything the box encloses, rounded down; 0 inside. Of the box at rest.
+double boxDistance(const CullBox& box, const Vec3& point);
 }  // namespace clod

@@ -3,56 +3,58 @@
 #include "clod/query/ContactSink.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace clod
 {
-double ContactSink::room(const FrontEntry& entry) const
+namespace
 {
-	const double size = double(m_context.a.cullBox(entry.a).radius) + double(m_context.b.cullBox(entry.b).radius);
-	return 10 * kHullDistanceAccuracy * (size + m_tolerance) + 4 * m_context.pose.rounding;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 }
 
-void ContactSink::keepBound(FrontEntry& entry, double motion, double lower, const Vec3& direction) const
+double ContactSink::room(const FrontEntry& pair) const
 {
-	entry.hullKnown = true;
-	entry.hullLower = lower;
-	entry.hullStamp = motion;
-	for (int i = 0; i < 3; ++i) entry.axis[i] = float(direction[i]);
+	const double size = double(m_context.a.cullBox(pair.a).radius) + double(m_context.b.cullBox(pair.b).radius);
+	return 10 * kHullDistanceAccuracy * (size + m_tolerance + m_context.longestMove) + 4 * m_context.pose.rounding;
 }
 
-void ContactSink::answer(FrontEntry& entry, double motion)
+// The pair is no contact.
+void ContactSink::keepBound(HullMemory& memory, const FrontEntry& pair, double lower, const Vec3& direction)
 {
-	const Node &nodeA = m_context.a.node(entry.a), &nodeB = m_context.b.node(entry.b);
-	const double cover = double(nodeA.cover) + double(nodeB.cover);
-	if (provenApart(entry, motion))
+	memory.lower = lowerAfter(float(lower), 0);
+	for (int i = 0; i < 3; ++i) memory.axis[i] = float(direction[i]);
+	const Node &nodeA = m_context.a.node(pair.a), &nodeB = m_context.b.node(pair.b);
+	m_largestCover = std::max(m_largestCover, double(nodeA.cover) + double(nodeB.cover));
+}
+
+void ContactSink::answer(const FrontEntry& pair, HullMemory& memory)
+{
+	const Vec3 axis{double(memory.axis[0]), double(memory.axis[1]), double(memory.axis[2])};
+	if (provenApart(pair, memory))
 	{
 		++m_stats.skippedBySlack;
-		m_largestCover = std::max(m_largestCover, cover);
+		const Node &nodeA = m_context.a.node(pair.a), &nodeB = m_context.b.node(pair.b);
+		m_largestCover = std::max(m_largestCover, double(nodeA.cover) + double(nodeB.cover));
 		return;
 	}
-	if (entry.hullKnown)
+	if (memory.lower > -std::numeric_limits<float>::infinity())
 	{
-		const Vec3 axis{double(entry.axis[0]), double(entry.axis[1]), double(entry.axis[2])};
-		const double lower =
-			separationAlong(contactHull(m_context.a, nodeA), contactHull(m_context.b, nodeB), m_context.pose, axis);
 		++m_stats.hullTests;
-		if (lower > m_tolerance + room(entry))
-		{
-			keepBound(entry, motion, lower, axis);
-			m_largestCover = std::max(m_largestCover, cover);
-			return;
-		}
+		const double lower = sweptSeparationAlong(m_context, pair.a, pair.b, axis);
+		if (lower > m_tolerance + room(pair)) return keepBound(memory, pair, lower, axis);
 	}
-	const HullDistance distance = canonicalDistance(m_context, entry.a, entry.b, m_tolerance);
-	++m_stats.hullTests;
-	entry.hullKnown = false;
-	if (distance.lower > m_tolerance)
+	const bool moves = m_context.longestMove > 0;
+	if (moves)
 	{
-		keepBound(entry, motion, distance.lower, distance.normal);
-		m_largestCover = std::max(m_largestCover, cover);
-		return;
+		++m_stats.hullTests;
+		const SweptBound bound = canonicalSweptBound(m_context, pair.a, pair.b, m_tolerance);
+		if (bound.lower > m_tolerance) return keepBound(memory, pair, bound.lower, bound.normal);
 	}
+	++m_stats.hullTests;
+	const HullDistance distance = canonicalDistance(m_context, pair.a, pair.b, moves ? kInfinity : m_tolerance);
+	if (!moves && distance.lower > m_tolerance) return keepBound(memory, pair, distance.lower, distance.normal);
+	memory.lower = -std::numeric_limits<float>::infinity();
 	m_contacts.push_back(
-		{entry.a, entry.b, distance.lower, distance.upper, distance.pointOnA, distance.pointOnB, distance.normal});
+		{pair.a, pair.b, distance.lower, distance.upper, distance.pointOnA, distance.pointOnB, distance.normal});
 }
 }  // namespace clod

@@ -21,20 +21,20 @@ public:
 	}
 
 	// In exact mode a pair that is no contact leaves no trace, near or far.
-	bool skips(const FrontEntry& old, double motion) const { return m_exact && provenApart(old, motion); }
+	bool skips(const FrontEntry& pair, const HullMemory& memory) const { return m_exact && provenApart(pair, memory); }
 
-	void answer(FrontEntry& entry, double motion);
+	void answer(const FrontEntry& pair, HullMemory& memory);
 
 	// max over the pairs that are near by their boxes, but no contacts, of cover_a + cover_b.
 	double largestCover() const { return m_largestCover; }
 
 private:
-	bool provenApart(const FrontEntry& entry, double motion) const
+	bool provenApart(const FrontEntry& pair, const HullMemory& memory) const
 	{
-		return entry.hullKnown && entry.hullLower - (motion - entry.hullStamp) > m_tolerance + room(entry);
+		return double(memory.lower) > m_tolerance + room(pair);
 	}
-	double room(const FrontEntry& entry) const;
-	void keepBound(FrontEntry& entry, double motion, double lower, const Vec3& direction) const;
+	double room(const FrontEntry& pair) const;
+	void keepBound(HullMemory& memory, const FrontEntry& pair, double lower, const Vec3& direction);
 
 	const QueryContext& m_context;
 	const double m_tolerance;

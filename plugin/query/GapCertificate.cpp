@@ -53,7 +53,7 @@ double protrudeAround(const Hierarchy& hierarchy, const ContactSide& side, const
 	for (const ContactSide::Slot& slot : side.slots)
 	{
 		const Node& node = hierarchy.node(slot.node);
-		if (node.protrude + rounded >= best || boxDistance(placeInA(hierarchy.cullBox(slot.node)), point) > 0) continue;
+		if (node.protrude + rounded >= best || boxDistance(hierarchy.cullBox(slot.node), point) > 0) continue;
 		const ConvexHull hull = contactHull(hierarchy, node);
 		const Vec3 start = single.vertices.vertex(0) - hull.vertices.vertex(0);
 		if (hullDistance(single, hull, same, start, 0).overlap) best = node.protrude + rounded;

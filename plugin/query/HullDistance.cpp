@@ -19,15 +19,16 @@ struct Corner
 {
 	Vec3 onA, onB;  // frame A
 	std::uint32_t indexA, indexB;
-	bool sweptA, sweptB;
+	bool sweptA, sweptB, moved;
 	bool same(const Corner& o) const
 	{
-		return indexA == o.indexA && indexB == o.indexB && sweptA == o.sweptA && sweptB == o.sweptB;
+		return indexA == o.indexA && indexB == o.indexB && sweptA == o.sweptA && sweptB == o.sweptB && moved == o.moved;
 	}
 };
 
 // The corner of a (-) b that is farthest along -direction.
-Corner supportAgainst(const ConvexHull& a, const ConvexHull& b, const RelativePose& pose, const Vec3& direction)
+Corner supportAgainst(const ConvexHull& a, const ConvexHull& b, const RelativePose& pose, const Vec3& direction,
+					  const Vec3& moveB)
 {
 	Corner corner;
 	const Vec3 inB = pose.directionToB(direction);
@@ -40,6 +41,8 @@ Corner supportAgainst(const ConvexHull& a, const ConvexHull& b, const RelativePo
 	if (corner.sweptA) corner.onA += a.sweep;
 	if (corner.sweptB) vertexB += b.sweep;
 	corner.onB = pose.apply(vertexB);
+	corner.moved = dot(moveB, direction) > 0;
+	if (corner.moved) corner.onB += moveB;
 	return corner;
 }
 
@@ -115,15 +118,16 @@ RelativePose::RelativePose(const Transform& aFromB, double reach)
 	rounding = 16 * kUnit * (3 * reach + length(translation));
 }
 
-double separationAlong(const ConvexHull& a, const ConvexHull& b, const RelativePose& pose, const Vec3& direction)
+double separationAlong(const ConvexHull& a, const ConvexHull& b, const RelativePose& pose, const Vec3& direction,
+					   const Vec3& moveB)
 {
 	const Vec3 unit = normalized(direction);
-	const Corner corner = supportAgainst(a, b, pose, unit);
+	const Corner corner = supportAgainst(a, b, pose, unit, moveB);
 	return dot(corner.onA - corner.onB, unit) - pose.rounding;
 }
 
 HullDistance hullDistance(const ConvexHull& a, const ConvexHull& b, const RelativePose& pose, const Vec3& start,
-						  double stopAbove)
+						  double stopAbove, const Vec3& moveB)
 {
 	HullDistance result;
 	result.upper = std::numeric_limits<double>::infinity();
@@ -134,7 +138,7 @@ HullDistance hullDistance(const ConvexHull& a, const ConvexHull& b, const Relati
 	{
 		// The support planes across the current direction bound the distance from below.
 		const Vec3 unit = normalized(towardsA);
-		const Corner corner = supportAgainst(a, b, pose, unit);
+		const Corner corner = supportAgainst(a, b, pose, unit, moveB);
 		const double lower = dot(corner.onA - corner.onB, unit) - pose.rounding;
 		if (lower > result.lower)
 		{

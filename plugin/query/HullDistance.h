@@ -54,10 +54,12 @@ struct HullDistance
 };
 
 // start: any vector from B towards A (frame A), e.g. the difference of two centres. Stops as soon as lower > stopAbove.
+// moveB: hull b is swept along the segment [0, moveB] as well (frame A); pointOnB is then a point of the swept hull.
 HullDistance hullDistance(const ConvexHull& a, const ConvexHull& b, const RelativePose& pose, const Vec3& start,
-						  double stopAbove);
+						  double stopAbove, const Vec3& moveB = {});
 
 // Certified lower bound of the distance from the support planes across one direction (frame A, from B to A); may be
 // negative. O(vertices).
-double separationAlong(const ConvexHull& a, const ConvexHull& b, const RelativePose& pose, const Vec3& direction);
+double separationAlong(const ConvexHull& a, const ConvexHull& b, const RelativePose& pose, const Vec3& direction,
+					   const Vec3& moveB = {});
 }  // namespace clod

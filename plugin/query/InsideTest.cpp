@@ -64,7 +64,7 @@ void InsideProbes::prepare(const Hierarchy& hierarchy)
 
 double InsideProbes::depthInside(const Hierarchy& other, const Transform& intoOther, double motion, QueryStats& stats)
 {
-	const PlacedBox around = placeInA(other.cullBox(other.root()));
+	const CullBox& around = other.cullBox(other.root());
 	// A single body with a point outside everything the other one occupies is not inside it.
 	for (const Vec3& extreme : m_extremes)
 		if (boxDistance(around, intoOther * extreme) > m_slack) return 0;

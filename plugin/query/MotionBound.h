@@ -12,6 +12,7 @@
 #include <algorithm>
 
 #include "clod/query/HullDistance.h"
+#include "clod/query/Sweep.h"
 
 namespace clod
 {
@@ -25,5 +26,21 @@ inline double motionBound(const RelativePose& from, const RelativePose& to, doub
 	const double ofA = length(originTo - originFrom) + turn * reachA;
 	// Rounding of the two poses and of the axes of the boxes (BoxSeparation.cpp).
 	return (1 + 4e-6) * std::max(ofA, ofB) + from.rounding + to.rounding;
+}
+
+// How much the sweep of any point of B, or its share along an axis of either body, can have changed between two queries,
+// m being the motion bound between them: a point p went from q0 to q1, |q1 - q0| <= m, and
+// d1(q1) - d0(q0) = (d1 - d0)(t1) + (w1 - w0) x (q1 - t1) + w0 x (q1 - q0), t1 being where the origin of B is.
+inline double sweepChange(const RelativePose& from, const Sweep& before, const RelativePose& to, const Sweep& now,
+						  double motion, double reachB)
+{
+	if (before.isZero() && now.isZero()) return 0;
+	const double turn = length(now.angular - before.angular);
+	const double longest = length(now.of(to.translation)) + length(now.angular) * reachB;
+	double axes = 0;  // how far axes fixed to B turned
+	for (int i = 0; i < 3; ++i) axes += lengthSquared(to.rotation.row[i] - from.rotation.row[i]);
+	// The spread of a box changes with the angular part as well, hence twice.
+	return (1 + 4e-6) * (length(now.of(to.translation) - before.of(to.translation)) + 2 * turn * reachB +
+						 length(before.angular) * motion + std::sqrt(0.5 * axes) * longest);
 }
 }  // namespace clod

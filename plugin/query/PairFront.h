@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Zlib
-// The bounding volume test tree of one query, kept for the next: every visited pair in preorder, with the last
-// distances and the motion at which they were measured. A cache: see Traversal.h for what it may decide.
+// The bounding volume test tree of one query, kept for the next: every visited pair, breadth first, with bounds of its
+// last distances that are carried on with the motion. A cache: see Traversal.h for what it may decide.
 //
 // Based on: Otaduy & Lin 2003, sec. 3.3 (generalised front tracking of Ehmann & Lin 2001). Departs from it: the whole
-// tree above the front is kept, so that raising the front needs no search, and pairs that cannot have changed are
-// skipped.
+// tree above the front is kept, so that raising the front needs no search, and pairs that cannot have changed are not
+// measured.
 #pragma once
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#include "clod/query/BoxSeparation.h"
+#include "clod/hierarchy/Layout.h"
 
 namespace clod
 {
@@ -19,46 +19,49 @@ enum class PairState : std::uint8_t
 	kSeparated,  // culling volumes are farther apart than the tolerance
 	kOpenA,      // replaced by the children of a
 	kOpenB,      // replaced by the children of b
-	kAnswer,     // accepted by the stop rule, culling volumes within the tolerance
-	kDuplicate   // visited already through another parent
+	kAnswer      // accepted by the stop rule, culling volumes within the tolerance
 };
 
+// Bounds are of the pose of the last finished traversal, in float, rounded outward.
 struct FrontEntry
 {
 	std::uint32_t a, b;
-	std::uint32_t end;  // one past the last entry below this one
+	std::uint32_t link;        // opened: its first child in entries; answer: its place in hulls
+	std::uint16_t childCount;  // entries of its children, without pairs met elsewhere before
+	std::uint16_t slot;        // its number among the children of the node opened above it
+	float low, high;           // the separation of the culling volumes lies between
+	std::uint32_t old;         // its entry in the traversal before, kNone
 	PairState state;
-	bool hullKnown;     // hullLower and axis are set
-	float axis[3];      // frame A: the direction hullLower was measured along
-	double separation;  // of the culling volumes, when the motion was boxStamp
-	double boxStamp;
-	double hullLower;  // lower bound of the hull distance, when the motion was hullStamp
-	double hullStamp;
 };
-static_assert(sizeof(FrontEntry) == 64);
+static_assert(sizeof(FrontEntry) == 32);
 
-// A pair that is being opened.
-struct OpenPair
+// What an answering pair keeps of its hull test.
+struct HullMemory
 {
-	const std::uint32_t* children;
-	std::uint32_t next = 0, count;
-	std::uint32_t entry;     // in PairFront::entries
-	std::uint32_t oldChild;  // in PairFront::previous, of the next child; kNone: none
-	std::uint32_t fixed;     // the node that is not opened
-	bool opensA;
-	bool placed = false;  // fixedBox is set
-	PlacedBox fixedBox;
+	float axis[3];  // frame A: the direction `lower` was measured along
+	float lower;    // lower bound of the hull distance; -inf: unknown
 };
 
-// Set of pairs with an O(1) clear. Open addressing; grows by doubling.
+// A bound from below, or above, that a motion may have made wrong by `moved`.
+inline float lowerAfter(float bound, float moved)
+{
+	return bound - moved - 1.2e-7f * (bound < 0 ? -bound : bound);
+}
+inline float upperAfter(float bound, float moved)
+{
+	return bound + moved + 1.2e-7f * (bound < 0 ? -bound : bound);
+}
+
+// Set of pairs with an O(1) clear. Open addressing; grows by doubling. Node indices are below 2^28.
 class VisitedPairs
 {
 public:
 	void clear()
 	{
-		if (++m_epoch == 0)
+		m_epoch = (m_epoch + 1) % 256;
+		if (m_epoch == 0)
 		{
-			m_slots.assign(m_slots.size(), Slot{});
+			m_slots.assign(m_slots.size(), 0);
 			m_epoch = 1;
 		}
 		m_count = 0;
@@ -67,51 +70,54 @@ public:
 	bool insert(std::uint32_t a, std::uint32_t b)
 	{
 		if (2 * (m_count + 1) > m_slots.size()) grow();
-		Slot& slot = find(a, b);
-		if (slot.epoch == m_epoch) return false;
-		slot = {a, b, m_epoch};
+		const std::uint64_t pair = std::uint64_t(m_epoch) << 56 | std::uint64_t(a) << 28 | b;
+		std::uint64_t& slot = find(pair);
+		if (slot == pair) return false;
+		slot = pair;
 		++m_count;
 		return true;
 	}
 
 private:
-	struct Slot
+	// Where the pair is, or the slot it may take.
+	std::uint64_t& find(std::uint64_t pair)
 	{
-		std::uint32_t a = 0, b = 0, epoch = 0;
-	};
-	Slot& find(std::uint32_t a, std::uint32_t b)
-	{
-		const std::uint64_t key = (std::uint64_t(a) << 32 | b) * 0x9E3779B97F4A7C15u;
-		std::size_t i = std::size_t(key >> 40) & (m_slots.size() - 1);  // bits that depend on both indices
-		while (m_slots[i].epoch == m_epoch && !(m_slots[i].a == a && m_slots[i].b == b))
-			i = (i + 1) & (m_slots.size() - 1);
+		std::size_t i = std::size_t((pair * 0x9E3779B97F4A7C15u) >> 32) & (m_slots.size() - 1);
+		while (m_slots[i] >> 56 == m_epoch && m_slots[i] != pair) i = (i + 1) & (m_slots.size() - 1);
 		return m_slots[i];
 	}
 	void grow()
 	{
-		const std::vector<Slot> old = std::move(m_slots);
-		m_slots.assign(old.empty() ? 1024 : 2 * old.size(), Slot{});
-		for (const Slot& slot : old)
-			if (slot.epoch == m_epoch) find(slot.a, slot.b) = slot;
+		const std::vector<std::uint64_t> old = std::move(m_slots);
+		m_slots.assign(old.empty() ? 1024 : 2 * old.size(), 0);
+		for (const std::uint64_t pair : old)
+			if (pair >> 56 == m_epoch) find(pair) = pair;
 	}
-	std::vector<Slot> m_slots;
+	std::vector<std::uint64_t> m_slots;  // epoch, a, b
 	std::size_t m_count = 0;
-	std::uint32_t m_epoch = 1;
+	std::uint64_t m_epoch = 1;
 };
 
 struct PairFront
 {
-	std::vector<FrontEntry> entries;   // of the last finished traversal, preorder; [0] is the pair of roots
+	std::vector<FrontEntry> entries;   // of the last finished traversal; [0] is the pair of roots, children lie together
 	std::vector<FrontEntry> previous;  // the one before, read while entries is written
-	std::vector<OpenPair> open;        // stack of the running traversal
+	std::vector<HullMemory> hulls, previousHulls;
 	VisitedPairs visited;
-	double motion = 0;  // accumulated bound of the relative motion (MotionBound.h)
+	double motion = 0;   // accumulated bound of the relative motion (MotionBound.h)
+	double pending = 0;  // the part of it since the last finished traversal
 
+	void move(double by)
+	{
+		motion += by;
+		pending += by;
+	}
 	void clear()
 	{
 		entries.clear();
 		previous.clear();
-		motion = 0;
+		hulls.clear();
+		motion = pending = 0;
 	}
 };
 }  // namespace clod

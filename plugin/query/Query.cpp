@@ -59,7 +59,7 @@ constexpr double kDepthAccuracy = 1e-6;  // of the smaller radius: how exactly a
 bool same(const Settings& l, const Settings& r)
 {
 	return same(l.metric, r.metric) && l.tolerance == r.tolerance && l.distance == r.distance &&
-		   l.contactsOnly == r.contactsOnly && l.paper == r.paper;
+		   l.contactsOnly == r.contactsOnly && l.paper == r.paper && l.sweep == r.sweep;
 }
 bool same(const Transform& l, const Transform& r)
 {
@@ -259,7 +259,9 @@ void followMotion(const QueryContext& context, const Settings& settings, PairCac
 	}
 	else if (state.filled)
 	{
-		state.front.motion += motionBound(state.pose, context.pose, context.reachA, context.reachB);
+		const double motion = motionBound(state.pose, context.pose, context.reachA, context.reachB);
+		state.front.move(motion + sweepChange(state.pose, state.settings.sweep, context.pose, context.sweep, motion,
+											  context.reachB));
 		const bool otherTree =
 			state.settings.metric.exact != settings.metric.exact || state.settings.paper != settings.paper;
 		if (otherTree || !(state.front.motion < 1e5 * context.size))
@@ -284,7 +286,7 @@ void query(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, cons
 		result = state.last;
 		return;
 	}
-	const QueryContext context(a, b, aFromB);
+	const QueryContext context(a, b, aFromB, settings.sweep);
 	followMotion(context, settings, state);
 	result.clear();
 	Evaluation(context, settings, state, result).run();
@@ -298,6 +300,7 @@ std::string settingsError(const Hierarchy& a, const Hierarchy& b, const Settings
 	{ return std::string(field) + " is " + std::to_string(value); };
 	if (!(settings.tolerance >= 0) || settings.tolerance == kInfinity)
 		return text("tolerance", settings.tolerance) + ", but must be a finite length >= 0";
+	if (!isFinite(settings.sweep.linear) || !isFinite(settings.sweep.angular)) return "sweep is not finite";
 	if (const std::string error = metricError(settings.metric); !error.empty()) return error;
 	if (settings.paper && !(a.isPaperBuild() && b.isPaperBuild()))
 		return std::string("paper is set, but hierarchy ") + (a.isPaperBuild() ? "b" : "a") +

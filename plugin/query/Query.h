@@ -14,6 +14,7 @@
 
 #include "clod/hierarchy/Hierarchy.h"
 #include "clod/query/Metric.h"
+#include "clod/query/Sweep.h"
 
 namespace clod
 {
@@ -21,6 +22,9 @@ struct Settings
 {
 	Metric metric;
 	double tolerance = 0;    // report accepted pairs whose hull distance is <= tolerance; >= 0
+	// Report, besides, pairs that come within the tolerance while B moves on like this (A held): a caller that steps on
+	// looks ahead along the motion instead of in all directions. Zero: the pose alone. Gap and certificate are the pose's.
+	Sweep sweep;
 	bool distance = false;   // signed gap at any separation (the tolerance then only limits the contact list)
 	bool paper = false;      // paper's culling (d + h_a + h_b), witness D; needs isPaperBuild() on both
 	// Contacts without the signed gap: where hulls overlap no depth is searched (minDistance 0, errorBound inf); deep then

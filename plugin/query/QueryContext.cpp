@@ -30,13 +30,16 @@ Vec3 centerOf(const CullBox& box)
 }
 }  // namespace
 
-QueryContext::QueryContext(const Hierarchy& hierarchyA, const Hierarchy& hierarchyB, const Transform& aFromB)
+QueryContext::QueryContext(const Hierarchy& hierarchyA, const Hierarchy& hierarchyB, const Transform& aFromB,
+						   const Sweep& motion)
 	: a(hierarchyA),
 	  b(hierarchyB),
 	  reachA(reachOf(hierarchyA)),
 	  reachB(reachOf(hierarchyB)),
 	  pose(aFromB, std::max(reachA, reachB)),
-	  size(reachA + reachB + length(aFromB.translation))
+	  sweep(motion),
+	  longestMove(length(sweep.of(aFromB.translation)) + length(sweep.angular) * reachB),
+	  size(reachA + reachB + length(aFromB.translation) + longestMove)
 {
 }
 
@@ -47,9 +50,29 @@ HullDistance canonicalDistance(const QueryContext& context, std::uint32_t a, std
 						context.pose, start, stopAbove);
 }
 
+SweptBound canonicalSweptBound(const QueryContext& context, std::uint32_t a, std::uint32_t b, double stopAbove)
+{
+	const Vec3 centerB = context.pose.apply(centerOf(context.b.cullBox(b)));
+	const Vec3 start = centerOf(context.a.cullBox(a)) - centerB;
+	const double spread = length(context.sweep.angular) * double(context.b.cullBox(b).radius);
+	const HullDistance distance =
+		hullDistance(contactHull(context.a, context.a.node(a)), contactHull(context.b, context.b.node(b)), context.pose,
+					 start, stopAbove + spread, context.sweep.of(centerB));
+	return {distance.lower - spread, distance.normal};
+}
+
+double sweptSeparationAlong(const QueryContext& context, std::uint32_t a, std::uint32_t b, const Vec3& direction)
+{
+	const Vec3 centerB = context.pose.apply(centerOf(context.b.cullBox(b)));
+	const double spread = length(context.sweep.angular) * double(context.b.cullBox(b).radius);
+	return separationAlong(contactHull(context.a, context.a.node(a)), contactHull(context.b, context.b.node(b)),
+						   context.pose, direction, context.sweep.of(centerB)) -
+		   spread;
+}
+
 double paperSeparation(const QueryContext& context, std::uint32_t a, std::uint32_t b, double stopAbove)
 {
 	const double drift = double(context.a.node(a).hausdorff) + double(context.b.node(b).hausdorff);
-	return canonicalDistance(context, a, b, stopAbove + drift).lower - drift;
+	return canonicalSweptBound(context, a, b, stopAbove + drift).lower - drift;
 }
 }  // namespace clod

@@ -8,20 +8,34 @@ namespace clod
 {
 struct QueryContext
 {
-	QueryContext(const Hierarchy& hierarchyA, const Hierarchy& hierarchyB, const Transform& aFromB);
+	QueryContext(const Hierarchy& hierarchyA, const Hierarchy& hierarchyB, const Transform& aFromB,
+				 const Sweep& sweep = {});
 
 	const Hierarchy& a;
 	const Hierarchy& b;
 	double reachA, reachB;  // of everything in either hierarchy from its body's origin, corners of tight boxes included
 	RelativePose pose;
-	double size;  // reach of both bodies and their distance
+	Sweep sweep;
+	double longestMove;  // no point of B moves farther in the step
+	double size;         // reach of both bodies, their distance and the longest way in the step
 };
 
 // Hull distance from the canonical start: a function of the two nodes and the pose, whatever was cached. Stops as soon
 // as lower > stopAbove.
 HullDistance canonicalDistance(const QueryContext& context, std::uint32_t a, std::uint32_t b, double stopAbove);
 
-// dist(hull a, hull b) - h_a - h_b, a lower bound of the distance of everything below (paper eq. 1). Stops as soon as
-// it is > stopAbove.
+// Lower bound of the distance of two hulls at any time of the step, from the canonical start; the direction it was found
+// along. Stops as soon as it is > stopAbove. Without a sweep the hull distance itself.
+struct SweptBound
+{
+	double lower;
+	Vec3 normal;
+};
+SweptBound canonicalSweptBound(const QueryContext& context, std::uint32_t a, std::uint32_t b, double stopAbove);
+// The same from the support planes across one direction: any direction gives a true bound.
+double sweptSeparationAlong(const QueryContext& context, std::uint32_t a, std::uint32_t b, const Vec3& direction);
+
+// dist(hull a, hull b) - h_a - h_b, a lower bound of the distance of everything below (paper eq. 1), at any time
+// of the step. Stops as soon as it is > stopAbove.
 double paperSeparation(const QueryContext& context, std::uint32_t a, std::uint32_t b, double stopAbove);
 }  // namespace clod

@@ -138,7 +138,7 @@ SignedDistance distanceToInput(const Hierarchy& hierarchy, const Vec3& point, st
 		for (std::uint32_t i = 0; i < node.primaryChildCount; ++i)
 		{
 			const std::uint32_t child = hierarchy.children(node)[i];
-			const double distance = boxDistance(placeInA(hierarchy.cullBox(child)), point);
+			const double distance = boxDistance(hierarchy.cullBox(child), point);
 			++visited;
 			if (distance * distance < best) stack.push_back({distance, child});
 		}

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: Zlib
 // The one walk over two hierarchies. Given a stop rule and a sink it visits the pairs of nodes whose culling volumes
-// are within the tolerance, from the roots down, and hands every accepted one to the sink.
+// are within the tolerance, from the roots down and level of the walk by level, and hands every accepted one to the
+// sink.
 //
-// What the cache may decide: a pair's separation s is 1-Lipschitz in the relative motion m (BoxSeparation.h), so a
-// value measured at motion m0 proves s > tolerance while s0 - (m - m0) > tolerance + room, and s <= tolerance while s0
-// + (m - m0) < tolerance - room. Everything else is measured anew. Both proofs decide as a measurement would, hence the
-// set of visited pairs never depends on the cache.
+// What the cache may decide: a pair's separation is 1-Lipschitz in the relative motion (BoxSeparation.h), so a value
+// measured once, less the motion since, proves that it is beyond the tolerance still, and plus the motion that it is
+// within, each with some room for rounding. Everything else is measured anew. Both proofs decide as a measurement
+// would, hence the set of visited pairs never depends on the cache.
 //
 // Exact mode follows primary children only: a tree, each pair once. Otherwise all children: a directed acyclic graph,
 // each pair is opened where it is met first.
 #pragma once
+#include <algorithm>
+#include <limits>
 #include <vector>
 
 #include "clod/query/BoxSeparation.h"
@@ -27,15 +30,21 @@ struct TraversalSettings
 	bool sameRule = false;  // the stop rule is that of the cached front: its states hold
 };
 
-// Sink: bool skips(const FrontEntry& old, double motion) - an accepted pair needs nothing, not even its boxes compared;
-//       void answer(FrontEntry& entry, double motion)    - an accepted pair within the tolerance by its culling
-//       volumes.
+// Sink: bool skips(const FrontEntry& pair, const HullMemory& memory) - an accepted pair needs nothing, not even its boxes
+//         compared;
+//       void answer(const FrontEntry& pair, HullMemory& memory)      - an accepted pair within the tolerance by its
+//         culling volumes.
 template <class Sink>
 class Traversal
 {
 public:
 	Traversal(const QueryContext& context, const TraversalSettings& settings, PairFront& front, Sink& sink)
-		: m_context(context), m_settings(settings), m_front(front), m_sink(sink), m_room(1e-9 * context.size)
+		: m_context(context),
+		  m_settings(settings),
+		  m_front(front),
+		  m_sink(sink),
+		  m_room(1e-9 * context.size + boxRounding(context.size)),
+		  m_moved(float(front.pending) * (1 + 3e-7f))
 	{
 	}
 
@@ -43,61 +52,103 @@ public:
 	{
 		m_stats = &stats;
 		std::swap(m_front.entries, m_front.previous);
+		std::swap(m_front.hulls, m_front.previousHulls);
 		m_front.entries.clear();
+		m_front.hulls.clear();
 		m_front.visited.clear();
-		m_front.open.clear();
-		visit(m_context.a.root(), m_context.b.root(), m_front.previous.empty() ? kNone : 0, nullptr);
-		while (!m_front.open.empty())
+		m_front.pending = 0;
+		Opened none;
+		visit(m_context.a.root(), m_context.b.root(), 0, m_front.previous.empty() ? kNone : 0, none);
+		for (std::uint32_t i = 0; i < m_front.entries.size(); ++i)
 		{
-			OpenPair& open = m_front.open.back();
-			if (open.next == open.count)
-			{
-				m_front.entries[open.entry].end = std::uint32_t(m_front.entries.size());
-				m_front.open.pop_back();
-				continue;
-			}
-			const std::uint32_t child = open.children[open.next++], old = open.oldChild;
-			if (old != kNone) open.oldChild = m_front.previous[old].end;
-			if (open.opensA)
-				visit(child, open.fixed, old, &open);
-			else
-				visit(open.fixed, child, old, &open);
+			const PairState state = m_front.entries[i].state;
+			if (state == PairState::kOpenA || state == PairState::kOpenB) open(i);
 		}
+		m_stats->touchedFinestLevel = std::min(levelOf(m_context.a, m_finestA), levelOf(m_context.b, m_finestB));
 	}
 
 private:
-	const FrontEntry* previousEntry(std::uint32_t old) const { return old == kNone ? nullptr : &m_front.previous[old]; }
-
-	// Appends the pair to the front and, if it is to be opened, to the open pairs (which invalidates parent).
-	void visit(std::uint32_t a, std::uint32_t b, std::uint32_t oldIndex, OpenPair* parent)
+	// A pair that is being opened.
+	struct Opened
 	{
-		const FrontEntry* old = previousEntry(oldIndex);
-		const std::uint32_t index = std::uint32_t(m_front.entries.size());
-		FrontEntry entry{a, b, index + 1, PairState::kDuplicate, false, {0, 0, 0}, 0, -1, 0, 0};
-		if (m_settings.rule.followsSharedChildren() && !m_front.visited.insert(a, b))
+		bool opensA = false;
+		bool placed = false;  // box is set
+		PlacedBox box;        // of the node that is not opened
+	};
+
+	void open(std::uint32_t index)
+	{
+		const FrontEntry pair = m_front.entries[index];
+		Opened opened;
+		opened.opensA = pair.state == PairState::kOpenA;
+		const Hierarchy& side = opened.opensA ? m_context.a : m_context.b;
+		const Node& node = side.node(opened.opensA ? pair.a : pair.b);
+		const bool shared = m_settings.rule.followsSharedChildren();
+		const std::uint32_t count = shared ? node.childCount : node.primaryChildCount;
+		const std::uint32_t* children = side.children(node).data;
+		for (std::uint32_t k = 0; k < count; ++k) __builtin_prefetch(&side.cullBox(children[k]));
+
+		std::uint32_t old = 0, oldEnd = 0;
+		if (pair.old != kNone && m_front.previous[pair.old].state == pair.state)
 		{
-			++m_stats->duplicates;
-			m_front.entries.push_back(entry);
-			return;
+			old = m_front.previous[pair.old].link;
+			oldEnd = old + m_front.previous[pair.old].childCount;
 		}
-		if (old && old->state == PairState::kDuplicate) old = nullptr;
-		if (old) entry = *old;
-		entry.end = index + 1;
-		if (old && m_settings.sameRule && old->state == PairState::kAnswer && m_sink.skips(entry, m_front.motion))
+		const std::uint32_t first = std::uint32_t(m_front.entries.size());
+		for (std::uint32_t k = 0; k < count; ++k)
+		{
+			const std::uint32_t a = opened.opensA ? children[k] : pair.a, b = opened.opensA ? pair.b : children[k];
+			if (shared && !m_front.visited.insert(a, b))
+			{
+				++m_stats->duplicates;
+				continue;
+			}
+			while (old < oldEnd && m_front.previous[old].slot < k) ++old;
+			const bool known = old < oldEnd && m_front.previous[old].slot == k;
+			visit(a, b, std::uint16_t(k), known ? old : kNone, opened);
+		}
+		m_front.entries[index].link = first;
+		m_front.entries[index].childCount = std::uint16_t(m_front.entries.size() - first);
+	}
+
+	void visit(std::uint32_t a, std::uint32_t b, std::uint16_t slot, std::uint32_t oldIndex, Opened& opened)
+	{
+		m_finestA = std::min(m_finestA, a);
+		m_finestB = std::min(m_finestB, b);
+		FrontEntry entry{a, b, kNone, 0, slot, 0, 0, oldIndex, PairState::kSeparated};
+		HullMemory memory{{0, 0, 0}, -std::numeric_limits<float>::infinity()};
+		PairState before = PairState::kSeparated;
+		if (oldIndex != kNone)
+		{
+			const FrontEntry& old = m_front.previous[oldIndex];
+			before = old.state;
+			entry.low = lowerAfter(old.low, m_moved);
+			entry.high = upperAfter(old.high, m_moved);
+			if (before == PairState::kAnswer)
+			{
+				memory = m_front.previousHulls[old.link];
+				memory.lower = lowerAfter(memory.lower, m_moved);
+			}
+		}
+		if (m_settings.sameRule && before == PairState::kAnswer && m_sink.skips(entry, memory))
 		{
 			++m_stats->skippedBySlack;
-			++m_stats->front;
-			m_front.entries.push_back(entry);
-			return;
+			entry.state = before;
 		}
-		const bool apart = separated(entry, old != nullptr, parent);
-		const PairState before = old ? old->state : PairState::kSeparated;
-		entry.state = apart ? PairState::kSeparated : nextState(entry, before);
-		if (entry.state == PairState::kAnswer) m_sink.answer(entry, m_front.motion);
-		const bool opened = entry.state == PairState::kOpenA || entry.state == PairState::kOpenB;
-		++(opened ? m_stats->frontInner : m_stats->front);
+		else
+		{
+			const bool apart = separated(entry, opened);
+			entry.state = apart ? PairState::kSeparated : nextState(entry, before);
+			if (entry.state == PairState::kAnswer) m_sink.answer(entry, memory);
+		}
+		const bool isOpened = entry.state == PairState::kOpenA || entry.state == PairState::kOpenB;
+		++(isOpened ? m_stats->frontInner : m_stats->front);
+		if (entry.state == PairState::kAnswer)
+		{
+			entry.link = std::uint32_t(m_front.hulls.size());
+			m_front.hulls.push_back(memory);
+		}
 		m_front.entries.push_back(entry);
-		if (opened) open(entry, index, before == entry.state ? oldIndex + 1 : kNone);
 	}
 
 	PairState nextState(const FrontEntry& entry, PairState before) const
@@ -108,40 +159,25 @@ private:
 		return rule.opensA(entry.a, entry.b) ? PairState::kOpenA : PairState::kOpenB;
 	}
 
-	void open(const FrontEntry& entry, std::uint32_t index, std::uint32_t oldChild)
+	// Are the culling volumes farther apart than the tolerance? From the cached bounds where they prove it.
+	bool separated(FrontEntry& entry, Opened& opened)
 	{
-		const bool opensA = entry.state == PairState::kOpenA;
-		const Hierarchy& side = opensA ? m_context.a : m_context.b;
-		const Node& node = side.node(opensA ? entry.a : entry.b);
-		OpenPair open;
-		open.entry = index;
-		open.children = side.children(node).data;
-		open.count = m_settings.rule.followsSharedChildren() ? node.childCount : node.primaryChildCount;
-		open.oldChild = oldChild;
-		open.opensA = opensA;
-		open.fixed = opensA ? entry.b : entry.a;
-		m_front.open.push_back(open);
-	}
-
-	// Are the culling volumes farther apart than the tolerance? From the cached value where it proves it.
-	bool separated(FrontEntry& entry, bool cached, OpenPair* parent)
-	{
-		if (cached)
+		if (entry.old != kNone)
 		{
-			const double moved = m_front.motion - entry.boxStamp;
-			const bool far = entry.separation - moved > m_settings.tolerance + m_room;
-			if (far || entry.separation + moved < m_settings.tolerance - m_room)
+			const bool far = double(entry.low) > m_settings.tolerance + m_room;
+			if (far || double(entry.high) < m_settings.tolerance - m_room)
 			{
 				++m_stats->skippedBySlack;
 				return far;
 			}
 		}
-		entry.separation = measure(entry, parent);
-		entry.boxStamp = m_front.motion;
-		return entry.separation > m_settings.tolerance;
+		const double separation = measure(entry, opened);
+		entry.low = lowerAfter(float(separation), 0);
+		entry.high = upperAfter(float(separation), 0);
+		return separation > m_settings.tolerance;
 	}
 
-	double measure(const FrontEntry& entry, OpenPair* parent)
+	double measure(const FrontEntry& entry, Opened& opened)
 	{
 		if (m_settings.paper)
 		{
@@ -149,18 +185,23 @@ private:
 			return paperSeparation(m_context, entry.a, entry.b, m_settings.tolerance);
 		}
 		++m_stats->boxTests;
-		if (!parent) return boxSeparation(placeA(entry.a), placeB(entry.b));
-		if (!parent->placed)
+		if (!opened.placed)
 		{
-			parent->fixedBox = parent->opensA ? placeB(parent->fixed) : placeA(parent->fixed);
-			parent->placed = true;
+			opened.box = opened.opensA ? placeB(entry.b) : placeA(entry.a);
+			opened.placed = true;
 		}
-		return parent->opensA ? boxSeparation(placeA(entry.a), parent->fixedBox)
-							  : boxSeparation(parent->fixedBox, placeB(entry.b));
+		return opened.opensA ? boxSeparation(placeA(entry.a), opened.box) : boxSeparation(opened.box, placeB(entry.b));
 	}
 
 	PlacedBox placeA(std::uint32_t a) const { return placeInA(m_context.a.cullBox(a)); }
-	PlacedBox placeB(std::uint32_t b) const { return placeInA(m_context.b.cullBox(b), m_context.pose); }
+	PlacedBox placeB(std::uint32_t b) const { return placeInA(m_context.b.cullBox(b), m_context.pose, m_context.sweep); }
+
+	static std::uint32_t levelOf(const Hierarchy& hierarchy, std::uint32_t node)
+	{
+		std::uint32_t level = 0;
+		while (node >= hierarchy.levels()[level].firstNode + hierarchy.levels()[level].nodeCount) ++level;
+		return level;
+	}
 
 	const QueryContext& m_context;
 	const TraversalSettings& m_settings;
@@ -168,5 +209,8 @@ private:
 	Sink& m_sink;
 	QueryStats* m_stats = nullptr;
 	const double m_room;  // for the rounding of two measurements
+	const float m_moved;  // since the cached bounds
+	// Finer levels come first.
+	std::uint32_t m_finestA = kNone - 1, m_finestB = kNone - 1;
 };
 }  // namespace clod

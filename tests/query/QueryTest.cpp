@@ -195,6 +195,13 @@ TEST(TriangleGap, KnowsTwoBoxes)
 	EXPECT_LT(deep.high - deep.low, 3 * accuracy);
 }
 
+// Random motion of a step: up to a tenth of the radius, half of it by turning.
+Sweep randomSweep(Random& random, double radius)
+{
+	const double size = std::pow(10, uniform(random, -4, -1));
+	return {size * radius * randomDirection(random), size * randomDirection(random)};
+}
+
 TEST(Query, CachedEqualsFreshBitForBit)
 {
 	Random random(6);
@@ -227,6 +234,9 @@ TEST(Query, CachedEqualsFreshBitForBit)
 				if (random() % 3 == 0) settings.metric.maxError = std::pow(10, uniform(random, -3, -1)) * radius;
 				settings.distance = random() % 3 == 0;
 			}
+			// Half of the steps look ahead, mostly along a motion that changes little.
+			if (random() % 20 == 0) settings.sweep = random() % 2 ? randomSweep(random, radius) : Sweep{};
+			if (!settings.sweep.isZero()) settings.sweep.linear += 1e-3 * length(settings.sweep.linear) * randomDirection(random);
 			if (random() % 100 == 0) cache.clear();
 			query(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache, result);
 			const QueryResult expected = fresh(pair, pose, settings);
@@ -264,29 +274,95 @@ TEST(Query, TheComparisonSeesOneBit)
 	EXPECT_NE(difference(result, fault), "");
 }
 
+// B's frame when a share of the sweep is done: points move on straight lines, so this is no rotation.
+Transform sweptPose(const Transform& pose, const Sweep& sweep, double share)
+{
+	Transform moved = pose;
+	const Mat3 columns = transposed(pose.rotation);
+	Mat3 turned;
+	for (int i = 0; i < 3; ++i) turned.row[i] = columns.row[i] + share * cross(sweep.angular, columns.row[i]);
+	moved.rotation = transposed(turned);
+	moved.translation += share * sweep.of(pose.translation);
+	return moved;
+}
+
 TEST(BoxSeparation, IsALowerBoundAndLipschitz)
 {
 	Random random(8);
 	for (const BodyPair& pair : pairs())
 	{
 		const Hierarchy &a = *pair.a.hierarchy, &b = *pair.b.hierarchy;
-		for (int i = 0; i < 300; ++i)
+		const double radius = smallerRadius(pair.a, pair.b);
+		for (int i = 0; i < 600; ++i)
 		{
-			Transform pose{randomRotation(random),
-						   uniform(random, 0, 2) * smallerRadius(pair.a, pair.b) * randomDirection(random)};
+			Transform pose{randomRotation(random), uniform(random, 0, 2) * radius * randomDirection(random)};
 			const std::uint32_t n = std::uint32_t(random() % a.nodes().size),
 								m = std::uint32_t(random() % b.nodes().size);
-			const QueryContext here(a, b, pose);
-			const double before = boxSeparation(placeInA(a.cullBox(n)), placeInA(b.cullBox(m), here.pose));
-			EXPECT_LE(before, canonicalDistance(here, n, m, 1e300).upper);
-			// The real faces of every node below lie in the box.
+			Sweep sweep = i % 2 ? randomSweep(random, radius) : Sweep{};
+			const auto separation = [&](const QueryContext& context) {
+				return boxSeparation(placeInA(a.cullBox(n)), placeInA(b.cullBox(m), context.pose, context.sweep));
+			};
+			const QueryContext here(a, b, pose, sweep);
+			const double before = separation(here);
+			for (const double share : {0.0, 0.3, 0.7, 1.0})
+			{
+				const QueryContext onTheWay(a, b, sweptPose(pose, sweep, share));
+				EXPECT_LE(before, canonicalDistance(onTheWay, n, m, 1e300).upper) << share;
+			}
+			EXPECT_LE(separation(here), separation(QueryContext(a, b, pose)));
 			pose.rotation = randomRotation(random, 0.05) * pose.rotation;
-			pose.translation += 0.02 * smallerRadius(pair.a, pair.b) * randomDirection(random);
-			const QueryContext there(a, b, pose);
-			const double after = boxSeparation(placeInA(a.cullBox(n)), placeInA(b.cullBox(m), there.pose));
-			EXPECT_LE(std::abs(after - before), motionBound(here.pose, there.pose, here.reachA, here.reachB));
+			pose.translation += 0.02 * radius * randomDirection(random);
+			const Sweep old = sweep;
+			if (i % 2) sweep.linear += 0.1 * length(sweep.linear) * randomDirection(random);
+			if (i % 4 == 3) sweep.angular += 0.1 * length(sweep.angular) * randomDirection(random);
+			const QueryContext there(a, b, pose, sweep);
+			const double motion = motionBound(here.pose, there.pose, here.reachA, here.reachB);
+			const double change = sweepChange(here.pose, old, there.pose, sweep, motion, here.reachB);
+			EXPECT_LE(std::abs(separation(there) - before), motion + change + boxRounding(here.size));
 		}
 	}
+}
+
+// Leaf pairs that come within the tolerance somewhere on B's way, by brute force.
+std::size_t missingOnTheWay(const BodyPair& pair, const Transform& pose, const Settings& settings, const QueryResult& result,
+							std::size_t& onlyOnTheWay)
+{
+	std::size_t missing = 0;
+	for (const double share : {0.0, 0.25, 0.5, 0.75, 1.0})
+	{
+		const QueryContext context(*pair.a.hierarchy, *pair.b.hierarchy, sweptPose(pose, settings.sweep, share));
+		for (std::uint32_t a = 0; a < pair.a.hierarchy->levels()[0].nodeCount; ++a)
+			for (std::uint32_t b = 0; b < pair.b.hierarchy->levels()[0].nodeCount; ++b)
+			{
+				if (canonicalDistance(context, a, b, settings.tolerance).upper > settings.tolerance) continue;
+				const bool found = std::any_of(result.contacts.begin(), result.contacts.end(), [&](const Contact& contact)
+											   { return contact.nodeA == a && contact.nodeB == b; });
+				missing += !found;
+				onlyOnTheWay += found && share > 0;
+			}
+	}
+	return missing;
+}
+
+TEST(Query, SweepFindsEveryPairOnTheWay)
+{
+	Random random(10);
+	std::size_t onlyOnTheWay = 0, missedWithout = 0;
+	for (const BodyPair& pair : pairs())
+		for (int i = 0; i < 20; ++i)
+		{
+			const double radius = smallerRadius(pair.a, pair.b);
+			const Transform pose = poseWithGap(random, pair.a, pair.b, uniform(random, 0, 0.03));
+			Settings settings = exactSettings(0.002 * radius);
+			const QueryResult without = fresh(pair, pose, settings);
+			settings.sweep = {0.03 * radius * randomDirection(random), 0.03 * randomDirection(random)};
+			const QueryResult result = fresh(pair, pose, settings);
+			EXPECT_EQ(missingOnTheWay(pair, pose, settings, result, onlyOnTheWay), 0u) << pair.a.name << " " << i;
+			std::size_t ignored = 0;
+			missedWithout += missingOnTheWay(pair, pose, settings, without, ignored);
+		}
+	EXPECT_GT(onlyOnTheWay, 50u);
+	EXPECT_GT(missedWithout, 50u);  // the brute force sees what a query of the pose alone leaves out
 }
 
 TEST(Query, PrunesNothingWithinTheTolerance)

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Zlib
+// The coming step's motion of body B as seen from body A: what a query looks ahead along.
+#pragma once
+#include "clod/hierarchy/Vector.h"
+
+namespace clod
+{
+// A point p of B (frame A) moves along the segment from p to p + linear + angular x p. Zero: the bodies as they are.
+struct Sweep
+{
+	Vec3 linear;   // a length
+	Vec3 angular;  // radians
+	Vec3 of(const Vec3& point) const { return linear + cross(angular, point); }
+	bool isZero() const { return linear == Vec3{} && angular == Vec3{}; }
+};
+inline bool operator==(const Sweep& l, const Sweep& r)
+{
+	return l.linear == r.linear && l.angular == r.angular;
+}
+}  // namespace clod
