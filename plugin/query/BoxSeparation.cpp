@@ -3,6 +3,7 @@
 #include "clod/query/BoxSeparation.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <cstring>
 
 namespace clod
@@ -15,15 +16,12 @@ constexpr double kAxisRounding = 6e-7;
 constexpr double kRounding = kAxisRounding + 40 * 1.7321 * 5.97e-8;
 constexpr double kFar = 1e15;  // floats could not be squared beyond: the spheres decide
 
-// Four floats; + - * and comparisons go lane by lane.
-using Lanes = float __attribute__((vector_size(16)));
 using Bits = int __attribute__((vector_size(16)));
 
-Lanes load(const float (&value)[4])
+template <int i>
+Lanes spreadLane(Lanes x)
 {
-	Lanes lanes;
-	std::memcpy(&lanes, value, sizeof lanes);
-	return lanes;
+	return __builtin_shuffle(x, Bits{i, i, i, i});
 }
 Lanes absolute(Lanes x)
 {
@@ -62,7 +60,9 @@ Lanes sumOfRows(Lanes row0, Lanes row1, Lanes row2)
 
 double largestOfThree(Lanes x)
 {
-	return double(std::max({x[0], x[1], x[2]}));
+	const Lanes y = spreadLane<1>(x), z = spreadLane<2>(x);
+	const Lanes first = x > y ? x : y;
+	return double((first > z ? first : z)[0]);
 }
 
 // Distance of the origin from the segment between p and p + move.
@@ -73,48 +73,50 @@ double toSegment(const Vec3& p, const Vec3& move)
 	return length(p + share * move);
 }
 
-template <class Row>
-void setAxes(PlacedBox& box, const Row& component, const CullBox& stored)
+// The stored axes, component by component, and the half lengths.
+void unpack(const CullBox& stored, PlacedBox& box)
 {
-	for (int c = 0; c < 3; ++c)
-	{
-		const Lanes lanes = component(c);
-		std::memcpy(box.axis[c], &lanes, sizeof lanes);
-	}
-	const float half[4] = {stored.half[0], stored.half[1], stored.half[2], 0};
-	std::memcpy(box.half, half, sizeof half);
+	static_assert(offsetof(CullBox, half) == offsetof(CullBox, axis) + sizeof(CullBox::axis));
+	Lanes packed[3];
+	std::memcpy(packed, &stored.axis[0][0], sizeof packed);
+	const Lanes low = packed[0], middle = packed[1], high = packed[2];
+	box.axis[0] = __builtin_shuffle(low, middle, Bits{0, 3, 6, 6});
+	box.axis[1] = __builtin_shuffle(low, middle, Bits{1, 4, 7, 7});
+	box.axis[2] = __builtin_shuffle(__builtin_shuffle(low, middle, Bits{2, 5, 2, 2}), high, Bits{0, 1, 4, 4});
+	box.half = __builtin_shuffle(high, Bits{1, 2, 3, 3});
+	box.center = centerOf(stored);
 	box.radius = double(stored.radius);
+	box.move = Vec3{};
+	box.spread = 0;
 }
 
-Lanes componentOf(const CullBox& box, int c)
+// |cosine| of the angle between axis j of b and the axes of a.
+template <int j>
+Lanes cosines(const PlacedBox& a, const PlacedBox& b)
 {
-	return Lanes{box.axis[0][c], box.axis[1][c], box.axis[2][c], 0};
+	return absolute(a.axis[0] * spreadLane<j>(b.axis[0]) + a.axis[1] * spreadLane<j>(b.axis[1]) +
+					a.axis[2] * spreadLane<j>(b.axis[2]));
 }
 }  // namespace
 
 PlacedBox placeInA(const CullBox& stored)
 {
 	PlacedBox box;
-	box.center = centerOf(stored);
-	box.move = Vec3{};
-	box.spread = 0;
-	setAxes(box, [&](int c) { return componentOf(stored, c); }, stored);
+	unpack(stored, box);
 	return box;
 }
 
 PlacedBox placeInA(const CullBox& stored, const RelativePose& pose, const Sweep& sweep)
 {
 	PlacedBox box;
-	box.center = pose.apply(centerOf(stored));
-	const Lanes x = componentOf(stored, 0), y = componentOf(stored, 1), z = componentOf(stored, 2);
-	const auto turned = [&](int c)
+	unpack(stored, box);
+	const Lanes x = box.axis[0], y = box.axis[1], z = box.axis[2];
+	for (int c = 0; c < 3; ++c)
 	{
 		const Vec3& row = pose.rotation.row[c];
-		return x * float(row.x) + y * float(row.y) + z * float(row.z);
-	};
-	setAxes(box, turned, stored);
-	box.move = Vec3{};
-	box.spread = 0;
+		box.axis[c] = x * float(row.x) + y * float(row.y) + z * float(row.z);
+	}
+	box.center = pose.apply(box.center);
 	if (sweep.isZero()) return box;
 	box.move = sweep.of(box.center);
 	box.spread = length(sweep.angular) * box.radius;
@@ -124,28 +126,23 @@ PlacedBox placeInA(const CullBox& stored, const RelativePose& pose, const Sweep&
 double boxSeparation(const PlacedBox& a, const PlacedBox& b)
 {
 	const Vec3 between = b.center - a.center, move = b.move - a.move;
-	const double spread = a.spread + b.spread, radii = a.radius + b.radius;
+	const double radii = a.radius + b.radius;
 	const bool moves = !(move == Vec3{});
 	const double distance = moves ? toSegment(between, move) : length(between);
-	const double spheres = distance - radii;
 	const double size = radii + distance + (moves ? length(move) : 0);
-	if (!(size < kFar)) return spheres - spread - kRounding * size;
+	const double slack = a.spread + b.spread + kRounding * size;
+	if (!(size < kFar)) return distance - radii - slack;
 
-	const Lanes axisA[3] = {load(a.axis[0]), load(a.axis[1]), load(a.axis[2])};
-	const Lanes axisB[3] = {load(b.axis[0]), load(b.axis[1]), load(b.axis[2])};
-	const Lanes halfA = load(a.half), halfB = load(b.half);
-	// Row j: cosines between axis j of b and the axes of a.
-	Lanes cosines[3];
-	for (int j = 0; j < 3; ++j)
-		cosines[j] = absolute(axisA[0] * axisB[0][j] + axisA[1] * axisB[1][j] + axisA[2] * axisB[2][j]);
-	const Lanes reachB = cosines[0] * halfB[0] + cosines[1] * halfB[1] + cosines[2] * halfB[2];
-	const Lanes reachA = sumOfRows(cosines[0] * halfA, cosines[1] * halfA, cosines[2] * halfA);
-	Lanes alongA = along(axisA, between), alongB = along(axisB, between);
-	alongA = moves ? apart(alongA, along(axisA, move)) : absolute(alongA);
-	alongB = moves ? apart(alongB, along(axisB, move)) : absolute(alongB);
-	const Lanes ofA = alongA - halfA - reachB, ofB = alongB - halfB - reachA;
-	const double best = std::max({spheres, largestOfThree(ofA), largestOfThree(ofB)});
-	return best - spread - kRounding * size;
+	const Lanes of0 = cosines<0>(a, b), of1 = cosines<1>(a, b), of2 = cosines<2>(a, b);
+	const Lanes reachB =
+		of0 * spreadLane<0>(b.half) + of1 * spreadLane<1>(b.half) + of2 * spreadLane<2>(b.half);
+	const Lanes reachA = sumOfRows(of0 * a.half, of1 * a.half, of2 * a.half);
+	Lanes alongA = along(a.axis, between), alongB = along(b.axis, between);
+	alongA = moves ? apart(alongA, along(a.axis, move)) : absolute(alongA);
+	alongB = moves ? apart(alongB, along(b.axis, move)) : absolute(alongB);
+	const Lanes ofA = alongA - a.half - reachB, ofB = alongB - b.half - reachA;
+	const double spheres = distance - radii, faces = largestOfThree(ofA > ofB ? ofA : ofB);
+	return (spheres > faces ? spheres : faces) - slack;
 }
 
 double boxRounding(double size)

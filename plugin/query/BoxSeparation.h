@@ -13,15 +13,19 @@
 
 namespace clod
 {
+// Four floats; + - * and comparisons go lane by lane.
+using Lanes = float __attribute__((vector_size(16)));
+
 // A culling box in frame A.
 struct PlacedBox
 {
+	// Lane 3 means nothing.
+	Lanes axis[3];  // [c][i]: component c of axis i
+	Lanes half;
 	Vec3 center;
-	Vec3 move;           // displacement of the centre in the step
-	double spread;       // no point's displacement differs from it by more
-	double radius;       // of the sphere round center
-	alignas(16) float axis[3][4];  // [c][i]: component c of axis i; [c][3] is 0
-	alignas(16) float half[4];     // half[3] is 0
+	double radius;  // of the sphere round center
+	Vec3 move;      // displacement of the centre in the step
+	double spread;  // no point's displacement differs from it by more
 };
 
 PlacedBox placeInA(const CullBox& boxOfA);

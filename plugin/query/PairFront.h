@@ -8,6 +8,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "clod/hierarchy/Layout.h"
@@ -38,8 +39,8 @@ static_assert(sizeof(FrontEntry) == 32);
 // What an answering pair keeps of its hull test.
 struct HullMemory
 {
-	float axis[3];  // frame A: the direction `lower` was measured along
-	float lower;    // lower bound of the hull distance; -inf: unknown
+	float axis[3] = {0, 0, 0};                              // frame A: the direction `lower` was measured along
+	float lower = -std::numeric_limits<float>::infinity();  // lower bound of the hull distance; -inf: unknown
 };
 
 // A bound from below, or above, that a motion may have made wrong by `moved`.
@@ -66,10 +67,14 @@ public:
 		}
 		m_count = 0;
 	}
-	// False when it was there already.
+	// Room for so many more.
+	void reserve(std::size_t more)
+	{
+		while (2 * (m_count + more) > m_slots.size()) grow();
+	}
+	// False when it was there already. Precondition: room.
 	bool insert(std::uint32_t a, std::uint32_t b)
 	{
-		if (2 * (m_count + 1) > m_slots.size()) grow();
 		const std::uint64_t pair = std::uint64_t(m_epoch) << 56 | std::uint64_t(a) << 28 | b;
 		std::uint64_t& slot = find(pair);
 		if (slot == pair) return false;

@@ -12,7 +12,6 @@
 // each pair is opened where it is met first.
 #pragma once
 #include <algorithm>
-#include <limits>
 #include <vector>
 
 #include "clod/query/BoxSeparation.h"
@@ -58,7 +57,9 @@ public:
 		m_front.visited.clear();
 		m_front.pending = 0;
 		Opened none;
-		visit(m_context.a.root(), m_context.b.root(), 0, m_front.previous.empty() ? kNone : 0, none);
+		m_front.entries.push_back({m_context.a.root(), m_context.b.root(), kNone, 0, 0, 0, 0,
+								   m_front.previous.empty() ? kNone : 0, PairState::kSeparated});
+		visit(m_front.entries[0], none);
 		for (std::uint32_t i = 0; i < m_front.entries.size(); ++i)
 		{
 			const PairState state = m_front.entries[i].state;
@@ -94,61 +95,66 @@ private:
 			old = m_front.previous[pair.old].link;
 			oldEnd = old + m_front.previous[pair.old].childCount;
 		}
-		const std::uint32_t first = std::uint32_t(m_front.entries.size());
+		std::vector<FrontEntry>& entries = m_front.entries;
+		const std::uint32_t first = std::uint32_t(entries.size());
+		entries.resize(first + count);
+		if (shared) m_front.visited.reserve(count);
+		FrontEntry* next = entries.data() + first;
 		for (std::uint32_t k = 0; k < count; ++k)
 		{
 			const std::uint32_t a = opened.opensA ? children[k] : pair.a, b = opened.opensA ? pair.b : children[k];
-			if (shared && !m_front.visited.insert(a, b))
-			{
-				++m_stats->duplicates;
-				continue;
-			}
+			if (shared && !m_front.visited.insert(a, b)) continue;
 			while (old < oldEnd && m_front.previous[old].slot < k) ++old;
 			const bool known = old < oldEnd && m_front.previous[old].slot == k;
-			visit(a, b, std::uint16_t(k), known ? old : kNone, opened);
+			*next = FrontEntry{a, b, kNone, 0, std::uint16_t(k), 0, 0, known ? old : kNone, PairState::kSeparated};
+			visit(*next++, opened);
 		}
-		m_front.entries[index].link = first;
-		m_front.entries[index].childCount = std::uint16_t(m_front.entries.size() - first);
+		entries.resize(std::size_t(next - entries.data()));
+		const std::uint32_t kept = std::uint32_t(entries.size()) - first;
+		m_stats->duplicates += count - kept;
+		entries[index].link = first;
+		entries[index].childCount = std::uint16_t(kept);
 	}
 
-	void visit(std::uint32_t a, std::uint32_t b, std::uint16_t slot, std::uint32_t oldIndex, Opened& opened)
+	void visit(FrontEntry& entry, Opened& opened)
 	{
-		m_finestA = std::min(m_finestA, a);
-		m_finestB = std::min(m_finestB, b);
-		FrontEntry entry{a, b, kNone, 0, slot, 0, 0, oldIndex, PairState::kSeparated};
-		HullMemory memory{{0, 0, 0}, -std::numeric_limits<float>::infinity()};
-		PairState before = PairState::kSeparated;
-		if (oldIndex != kNone)
+		m_finestA = std::min(m_finestA, entry.a);
+		m_finestB = std::min(m_finestB, entry.b);
+		if (entry.old == kNone) return decide(entry, PairState::kSeparated, opened, HullMemory{});
+		const FrontEntry& old = m_front.previous[entry.old];
+		entry.low = lowerAfter(old.low, m_moved);
+		entry.high = upperAfter(old.high, m_moved);
+		HullMemory memory;
+		if (old.state == PairState::kAnswer)
 		{
-			const FrontEntry& old = m_front.previous[oldIndex];
-			before = old.state;
-			entry.low = lowerAfter(old.low, m_moved);
-			entry.high = upperAfter(old.high, m_moved);
-			if (before == PairState::kAnswer)
+			memory = m_front.previousHulls[old.link];
+			memory.lower = lowerAfter(memory.lower, m_moved);
+			if (m_settings.sameRule && m_sink.skips(entry, memory))
 			{
-				memory = m_front.previousHulls[old.link];
-				memory.lower = lowerAfter(memory.lower, m_moved);
+				++m_stats->skippedBySlack;
+				return keepAnswer(entry, memory);
 			}
 		}
-		if (m_settings.sameRule && before == PairState::kAnswer && m_sink.skips(entry, memory))
-		{
-			++m_stats->skippedBySlack;
-			entry.state = before;
-		}
-		else
-		{
-			const bool apart = separated(entry, opened);
-			entry.state = apart ? PairState::kSeparated : nextState(entry, before);
-			if (entry.state == PairState::kAnswer) m_sink.answer(entry, memory);
-		}
-		const bool isOpened = entry.state == PairState::kOpenA || entry.state == PairState::kOpenB;
-		++(isOpened ? m_stats->frontInner : m_stats->front);
+		decide(entry, old.state, opened, memory);
+	}
+
+	void decide(FrontEntry& entry, PairState before, Opened& opened, HullMemory memory)
+	{
+		if (!separated(entry, opened)) entry.state = nextState(entry, before);
 		if (entry.state == PairState::kAnswer)
 		{
-			entry.link = std::uint32_t(m_front.hulls.size());
-			m_front.hulls.push_back(memory);
+			m_sink.answer(entry, memory);
+			return keepAnswer(entry, memory);
 		}
-		m_front.entries.push_back(entry);
+		++(entry.state == PairState::kSeparated ? m_stats->front : m_stats->frontInner);
+	}
+
+	void keepAnswer(FrontEntry& entry, const HullMemory& memory)
+	{
+		++m_stats->front;
+		entry.state = PairState::kAnswer;
+		entry.link = std::uint32_t(m_front.hulls.size());
+		m_front.hulls.push_back(memory);
 	}
 
 	PairState nextState(const FrontEntry& entry, PairState before) const
