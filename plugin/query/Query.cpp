@@ -3,6 +3,8 @@
 #include "clod/query/Query.h"
 
 #include <algorithm>
+#include <chrono>
+#include <optional>
 #include <string>
 
 #include "clod/query/ClosestPair.h"
@@ -10,6 +12,7 @@
 #include "clod/query/GapCertificate.h"
 #include "clod/query/InsideTest.h"
 #include "clod/query/MotionBound.h"
+#include "clod/query/Refinement.h"
 #include "clod/query/Traversal.h"
 
 namespace clod
@@ -28,6 +31,9 @@ struct PairCache::State
 	InsideProbes probesA, probesB;
 	ClosestPairScratch closest;
 	PenetrationScratch penetration;
+	Refinement refinement;                // of a query under a budget
+	std::optional<QueryContext> planned;  // of a plan that no query has finished yet: aFromB and settings are its own
+	double microsecondsPerAnswer = 1;     // last seen: from the end of refinement to the end of the query
 	std::vector<std::uint32_t> order;
 	std::vector<Contact> unsorted;
 	QueryResult last;
@@ -48,6 +54,7 @@ void QueryResult::clear()
 	minDistance = std::numeric_limits<double>::infinity();
 	errorBound = 0;
 	deep = false;
+	excess = 0;
 	stats = QueryStats{};
 }
 
@@ -58,8 +65,16 @@ constexpr double kDepthAccuracy = 1e-6;  // of the smaller radius: how exactly a
 
 bool same(const Settings& l, const Settings& r)
 {
-	return same(l.metric, r.metric) && l.tolerance == r.tolerance && l.distance == r.distance &&
+	return l.budget.tests == r.budget.tests && l.budget.microseconds == r.budget.microseconds &&
+		   same(l.metric, r.metric) && l.tolerance == r.tolerance && l.distance == r.distance &&
 		   l.contactsOnly == r.contactsOnly && l.paper == r.paper && l.sweep == r.sweep;
+}
+// A plan's query may have an own threshold: it is the one the plan was made with.
+bool sameButOwn(Settings l, Settings r)
+{
+	if (l.metric.own != r.metric.own) return false;
+	l.metric.own = r.metric.own = nullptr;
+	return same(l, r);
 }
 bool same(const Transform& l, const Transform& r)
 {
@@ -67,6 +82,42 @@ bool same(const Transform& l, const Transform& r)
 		if (l.rotation.row[i] != r.rotation.row[i]) return false;
 	return l.translation == r.translation;
 }
+
+using Clock = std::chrono::steady_clock;
+double microsecondsSince(Clock::time_point start)
+{
+	return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
+}
+
+// Refines as long as the budget pays for it and for the answer.
+void spend(Refinement& walk, const Budget& budget, Clock::time_point start, double microsecondsPerAnswer)
+{
+	const bool timed = budget.microseconds < kInfinity;
+	while (!walk.isComplete() && double(walk.committed() + walk.cost()) <= budget.tests)
+	{
+		const double answer = microsecondsPerAnswer * (double(walk.answers()) + 0.5 * double(walk.cost()));
+		if (timed && microsecondsSince(start) + answer > budget.microseconds) return;
+		walk.refine();
+	}
+}
+
+// Counts boxes that point queries meet in its lifetime as such.
+class PointBoxes
+{
+public:
+	explicit PointBoxes(QueryStats& stats) : m_stats(stats), m_before(stats.boxTests) {}
+	~PointBoxes()
+	{
+		m_stats.pointBoxes += m_stats.boxTests - m_before;
+		m_stats.boxTests = m_before;
+	}
+	PointBoxes(const PointBoxes&) = delete;
+	PointBoxes& operator=(const PointBoxes&) = delete;
+
+private:
+	QueryStats& m_stats;
+	const std::uint32_t m_before;
+};
 
 // One query in progress.
 class Evaluation
@@ -88,11 +139,16 @@ public:
 			m_result.stats.restarts = restarts;
 			const double error = m_result.errorBound;
 			const bool unproved = error == kInfinity && (m_settings.contactsOnly || m_result.contacts.empty());
-			if (!(error > m_settings.metric.maxError) || unproved || m_inputOnly) break;
+			if (!(error > m_settings.metric.maxError) || unproved || m_inputOnly || !paysForRestart()) break;
 			// Halve the limit, or more where the bound asks for it; three passes reach the input surface.
 			limit = restarts < 2 ? 0.5 * limit * std::max(0.125, m_settings.metric.maxError / error) : 0;
 		}
 		levelStatistics();
+		if (!m_settings.budget.isLimited()) return;
+		m_state.refinement.addTo(m_result.stats);
+		m_result.excess = m_state.refinement.excess();
+		m_state.microsecondsPerAnswer =
+			microsecondsSince(m_refined) / double(std::max<std::size_t>(1, m_state.refinement.answers()));
 	}
 
 private:
@@ -118,6 +174,7 @@ private:
 	double traverse(double limit, double tolerance)
 	{
 		const StopRule rule(m_context, m_settings.metric, limit);
+		if (m_settings.budget.isLimited()) return refine(rule, tolerance);
 		const bool sameRule = m_state.filled && m_state.settings.metric.exact == m_settings.metric.exact &&
 							  m_state.threshold == rule.constantThreshold() && m_state.maxError == limit;
 		const TraversalSettings settings{rule, tolerance, m_settings.paper, sameRule};
@@ -129,6 +186,39 @@ private:
 		m_state.settings = m_settings;
 		m_state.filled = true;
 		return sink.largestCover();
+	}
+
+	// The same under a budget: best first, without the front.
+	double refine(const StopRule& rule, double tolerance)
+	{
+		Refinement& walk = m_state.refinement;
+		if (m_answered)
+			walk.tighten(rule);
+		else if (!m_state.planned)
+			walk.start(m_context, rule, tolerance, m_settings.paper);
+		if (m_answered || !m_state.planned) spend(walk, m_settings.budget, m_start, m_state.microsecondsPerAnswer);
+		m_answered = true;
+		m_refined = Clock::now();
+		ContactSink sink(m_context, tolerance, false, m_result.contacts, m_result.stats);
+		walk.answer(sink);
+		m_state.settings = m_settings;
+		m_state.filled = true;
+		return sink.largestCover();
+	}
+
+	// Without a budget always. A planned query leaves the budget to its caller: it has none for a restart.
+	bool paysForRestart() const
+	{
+		if (!m_settings.budget.isLimited()) return true;
+		const Refinement& walk = m_state.refinement;
+		const double cost = double(walk.costToTighten());
+		return walk.isComplete() && !m_state.planned && double(walk.committed()) + cost <= m_settings.budget.tests &&
+			   microsecondsSince(m_start) + m_state.microsecondsPerAnswer * cost <= m_settings.budget.microseconds;
+	}
+	bool rootIsApart() const
+	{
+		return m_settings.budget.isLimited() ? m_state.refinement.rootIsApart()
+											 : m_state.front.entries[0].state == PairState::kSeparated;
 	}
 
 	void sortContacts()
@@ -152,7 +242,8 @@ private:
 	// > 0: a component of one body is inside the other by so much at one of its points.
 	double depthInside()
 	{
-		if (m_state.front.entries[0].state == PairState::kSeparated) return 0;
+		if (rootIsApart()) return 0;
+		const PointBoxes counting(m_result.stats);
 		m_state.probesA.prepare(m_context.a);
 		m_state.probesB.prepare(m_context.b);
 		const RelativePose& pose = m_context.pose;
@@ -164,6 +255,7 @@ private:
 
 	void overlapping(bool hullsOverlap, double inside)
 	{
+		const PointBoxes counting(m_result.stats);
 		if (hullsOverlap && m_settings.contactsOnly)
 		{
 			set({0, kInfinity, false});
@@ -238,7 +330,10 @@ private:
 	const Settings& m_settings;
 	PairCache::State& m_state;
 	QueryResult& m_result;
-	bool m_inputOnly = true;  // every accepted pair is of level 0: nothing finer exists
+	const Clock::time_point m_start = Clock::now();
+	Clock::time_point m_refined;  // the budget is spent, the answer begins
+	bool m_answered = false;      // under a budget: once
+	bool m_inputOnly = true;      // every accepted pair is of level 0: nothing finer exists
 };
 
 // Drops what was cached for other hierarchies or another kind of traversal, then adds the motion since the last query.
@@ -262,8 +357,9 @@ void followMotion(const QueryContext& context, const Settings& settings, PairCac
 		const double motion = motionBound(state.pose, context.pose, context.reachA, context.reachB);
 		state.front.move(motion + sweepChange(state.pose, state.settings.sweep, context.pose, context.sweep, motion,
 											  context.reachB));
-		const bool otherTree =
-			state.settings.metric.exact != settings.metric.exact || state.settings.paper != settings.paper;
+		const bool otherTree = state.settings.metric.exact != settings.metric.exact ||
+							   state.settings.paper != settings.paper ||
+							   state.settings.budget.isLimited() != settings.budget.isLimited();
 		if (otherTree || !(state.front.motion < 1e5 * context.size))
 		{
 			state.front.clear();
@@ -273,25 +369,86 @@ void followMotion(const QueryContext& context, const Settings& settings, PairCac
 	}
 	state.pose = context.pose;
 }
+
+bool isSamePose(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const PairCache::State& state)
+{
+	return state.filled && state.a == &a && state.b == &b && state.hashA == a.contentHash() &&
+		   state.hashB == b.contentHash() && same(state.aFromB, aFromB);
+}
+
+// At the same pose: is the last result that of these settings? One that its budget did not cut short is that of every
+// budget large enough.
+bool answersAgain(const Settings& settings, const PairCache::State& state)
+{
+	if (same(state.settings, settings)) return true;
+	const double needed = double(state.refinement.needed());
+	if (!state.settings.budget.isLimited() || state.last.excess > 0 || state.last.stats.restarts > 0) return false;
+	if (!(settings.budget.tests < kInfinity && settings.budget.tests >= needed)) return false;
+	Settings before = state.settings;
+	before.budget = settings.budget;
+	return same(before, settings);
+}
 }  // namespace
 
 void query(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const Settings& settings, PairCache& cache,
 		   QueryResult& result)
 {
 	PairCache::State& state = cache.state();
-	const bool sameBodies =
-		state.a == &a && state.b == &b && state.hashA == a.contentHash() && state.hashB == b.contentHash();
-	if (state.filled && sameBodies && same(state.settings, settings) && same(state.aFromB, aFromB))
+	const bool samePose = isSamePose(a, b, aFromB, state);
+	if (!(samePose && sameButOwn(state.settings, settings))) state.planned.reset();
+	if (samePose && !state.planned && answersAgain(settings, state))
 	{
+		state.settings = settings;
 		result = state.last;
 		return;
 	}
-	const QueryContext context(a, b, aFromB, settings.sweep);
-	followMotion(context, settings, state);
 	result.clear();
-	Evaluation(context, settings, state, result).run();
+	if (state.planned)
+		Evaluation(*state.planned, settings, state, result).run();
+	else
+	{
+		const QueryContext context(a, b, aFromB, settings.sweep);
+		followMotion(context, settings, state);
+		Evaluation(context, settings, state, result).run();
+	}
+	state.planned.reset();
 	state.aFromB = aFromB;
 	state.last = result;
+}
+
+QueryPlan::QueryPlan(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const Settings& settings,
+					 PairCache& cache)
+	: m_state(cache.state())
+{
+	m_state.planned.reset();
+	if (isSamePose(a, b, aFromB, m_state) && m_state.last.excess == 0 && answersAgain(settings, m_state)) return;
+	m_state.planned.emplace(a, b, aFromB, settings.sweep);
+	followMotion(*m_state.planned, settings, m_state);
+	const StopRule rule(*m_state.planned, settings.metric, settings.metric.maxError);
+	m_state.refinement.start(*m_state.planned, rule, settings.tolerance, settings.paper);
+	m_state.aFromB = aFromB;
+	m_state.settings = settings;
+	m_state.filled = true;
+}
+double QueryPlan::excess() const
+{
+	return m_state.planned ? m_state.refinement.excess() : 0;
+}
+std::uint64_t QueryPlan::committed() const
+{
+	return m_state.planned ? m_state.refinement.committed() : 0;
+}
+std::uint64_t QueryPlan::answers() const
+{
+	return m_state.planned ? m_state.refinement.answers() : 0;
+}
+std::uint64_t QueryPlan::cost() const
+{
+	return m_state.refinement.cost();
+}
+void QueryPlan::refine()
+{
+	m_state.refinement.refine();
 }
 
 std::string settingsError(const Hierarchy& a, const Hierarchy& b, const Settings& settings)
@@ -302,6 +459,11 @@ std::string settingsError(const Hierarchy& a, const Hierarchy& b, const Settings
 		return text("tolerance", settings.tolerance) + ", but must be a finite length >= 0";
 	if (!isFinite(settings.sweep.linear) || !isFinite(settings.sweep.angular)) return "sweep is not finite";
 	if (const std::string error = metricError(settings.metric); !error.empty()) return error;
+	if (!(settings.budget.tests >= 0)) return text("budget.tests", settings.budget.tests) + ", but must be >= 0";
+	if (!(settings.budget.microseconds >= 0))
+		return text("budget.microseconds", settings.budget.microseconds) + ", but must be >= 0";
+	if (settings.budget.isLimited() && settings.distance)
+		return "a budget is set, but distance is too: a gap at any separation cannot be cut short";
 	if (settings.paper && !(a.isPaperBuild() && b.isPaperBuild()))
 		return std::string("paper is set, but hierarchy ") + (a.isPaperBuild() ? "b" : "a") +
 			   " was not built with --paper";

@@ -42,10 +42,27 @@ public:
 	{
 		const Node &a = m_context->a.node(i), &b = m_context->b.node(j);
 		if (a.childCount == 0 && b.childCount == 0) return true;
-		if (!(a.flags & b.flags & kClodNode) || m_isExact) return false;
-		const double s0 = m_threshold.isConstant() ? m_threshold.constant() : m_threshold.at(placeOf(i, j));
+		if (!mayAnswer(i, j) || m_isExact) return false;
+		const double s0 = thresholdOf(i, j);
 		if (s0 < kOff && !(weightedDeviation(a, b) <= s0)) return false;
 		return !std::isfinite(m_maxError) || certifiedError(a, b) <= m_maxError;
+	}
+
+	// Under a budget any pair of contact levels may answer, whatever the metric.
+	bool mayAnswer(std::uint32_t i, std::uint32_t j) const
+	{
+		return (m_context->a.node(i).flags & m_context->b.node(j).flags & kClodNode) != 0;
+	}
+	// By which factor a pair that is not accepted exceeds what the metric asks: s* / s0 (the paper's priority), or the
+	// certified error over its limit. Infinite where the metric asks for no error at all.
+	double excess(std::uint32_t i, std::uint32_t j) const
+	{
+		if (m_isExact) return kOff;
+		const Node &a = m_context->a.node(i), &b = m_context->b.node(j);
+		const auto factor = [](double error, double limit) {
+			return limit == kOff ? 0 : error > 0 ? error / limit : 0;
+		};
+		return std::max(factor(weightedDeviation(a, b), thresholdOf(i, j)), factor(certifiedError(a, b), m_maxError));
 	}
 
 	// What a front was made with: equal constants and maxError make equal rules. Not a number where the place counts.
@@ -83,6 +100,10 @@ public:
 	bool followsSharedChildren() const { return !m_isExact; }
 
 private:
+	double thresholdOf(std::uint32_t i, std::uint32_t j) const
+	{
+		return m_threshold.isConstant() ? m_threshold.constant() : m_threshold.at(placeOf(i, j));
+	}
 	// The ball round the smaller culling box: it holds the hull of its node, hence a witness point of every contact.
 	Place placeOf(std::uint32_t i, std::uint32_t j) const
 	{
