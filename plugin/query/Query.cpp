@@ -35,7 +35,7 @@ struct PairCache::State
 	std::optional<QueryContext> planned;  // of a plan that no query has finished yet: aFromB and settings are its own
 	double microsecondsPerAnswer = 1;     // last seen: from the end of refinement to the end of the query
 	std::vector<std::uint32_t> order;
-	std::vector<Contact> unsorted;
+	std::vector<Contact> unsorted, kept;
 	QueryResult last;
 };
 
@@ -160,7 +160,7 @@ private:
 										 [](const Contact& contact) { return contact.upper <= 0; });
 		const double inside = overlap ? 0 : depthInside();
 		if (overlap || inside > 0)
-			overlapping(overlap, inside);
+			overlapping(overlap, inside, limit);
 		else if (!m_result.contacts.empty())
 			set(gapApart(m_context, m_result.contacts, m_settings.tolerance, largestCover));
 		else if (m_settings.distance)
@@ -253,7 +253,7 @@ private:
 		return std::max(ofA, m_state.probesB.depthInside(m_context.a, aFromB, motion, m_result.stats));
 	}
 
-	void overlapping(bool hullsOverlap, double inside)
+	void overlapping(bool hullsOverlap, double inside, double limit)
 	{
 		const PointBoxes counting(m_result.stats);
 		if (hullsOverlap && m_settings.contactsOnly)
@@ -274,12 +274,8 @@ private:
 		}
 		if (hullsOverlap)
 		{
-			DepthAccuracy shallow = accuracy;
-			shallow.enough = m_settings.tolerance;
-			const Penetration near =
-				nearPenetration(m_context, m_result.contacts, shallow, m_state.penetration, m_result.stats);
-			set(gapOverlapping(m_context, m_result.contacts, m_settings.tolerance, near, m_state.penetration,
-							   m_result.stats));
+			set(shallowGap(m_settings.tolerance, accuracy));
+			if (m_result.deep && m_settings.metric.maxError == kInfinity) lookDeeper(limit, accuracy);
 			if (!m_result.deep) return;
 		}
 		if (m_settings.distance)
@@ -291,6 +287,35 @@ private:
 			return;
 		}
 		if (!hullsOverlap) set({-inside, kInfinity, true});
+	}
+
+	// The gap as far as the contacts within a tolerance prove it.
+	Gap shallowGap(double tolerance, DepthAccuracy accuracy)
+	{
+		accuracy.enough = tolerance;
+		const Penetration near =
+			nearPenetration(m_context, m_result.contacts, accuracy, m_state.penetration, m_result.stats);
+		return gapOverlapping(m_context, m_result.contacts, tolerance, near, m_state.penetration, m_result.stats);
+	}
+
+	// Coarse hulls overlap by up to their deviations where the surfaces are apart: once more with the pairs within as
+	// much. The contact list stays.
+	void lookDeeper(double limit, const DepthAccuracy& accuracy)
+	{
+		double deviation = 0;
+		for (const Contact& contact : m_result.contacts)
+			if (contact.upper <= 0)
+				deviation = std::max(deviation, double(m_context.a.node(contact.nodeA).deviation) +
+													double(m_context.b.node(contact.nodeB).deviation));
+		if (2 * deviation <= m_settings.tolerance) return;
+		m_state.kept = m_result.contacts;
+		m_result.contacts.clear();
+		const double wider = m_settings.tolerance + 2 * deviation;
+		traverse(limit, wider);
+		sortContacts();
+		const Gap gap = shallowGap(wider, accuracy);
+		if (!gap.deep) set(gap);
+		m_result.contacts.swap(m_state.kept);
 	}
 
 	// Nothing within the tolerance: the closest accepted pair, then the certificate within its distance.
