@@ -4,6 +4,7 @@
 #include <BulletCollision/CollisionDispatch/btCollisionCreateFunc.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 namespace clod
@@ -20,7 +21,36 @@ void Context::add(const PairReport* report)
 void Context::remove(const PairReport* report)
 {
 	const std::lock_guard<std::mutex> lock(m_mutex);
+	m_demand -= report->demand;
+	if (!report->isPlanned) m_unplannedDemand -= report->demand;
 	m_pairs.erase(std::find(m_pairs.begin(), m_pairs.end(), report));
+}
+
+void Context::setDemand(PairReport& report, double tests)
+{
+	const std::lock_guard<std::mutex> lock(m_mutex);
+	m_demand += tests - report.demand;
+	// isPlanned is this dispatch's; a pair changes sides only with its shapes.
+	if (!report.isPlanned) m_unplannedDemand += tests - report.demand;
+	report.demand = tests;
+}
+
+// A pair that is new counts as the average of the others.
+Budget Context::shareOf(const PairReport& report) const
+{
+	const std::lock_guard<std::mutex> lock(m_mutex);
+	const double pairs = double(m_pairs.size());
+	const double own = report.demand > 0 ? report.demand : m_demand / std::max(1.0, pairs - 1);
+	const double all = report.demand > 0 ? m_demand : m_demand + own;
+	const double share = all > 0 ? own / all : 1 / pairs;
+	const auto part = [share](double whole) { return whole < kOff ? share * whole : kOff; };
+	return {std::floor(part(budget.tests)), part(budget.microseconds)};
+}
+
+double Context::unplannedShare() const
+{
+	const std::lock_guard<std::mutex> lock(m_mutex);
+	return budget.tests < kOff && m_demand > 0 ? budget.tests * m_unplannedDemand / m_demand : 0;
 }
 
 void Context::say(const std::string& message) const
@@ -53,6 +83,8 @@ StepStatistics Context::lastStep() const
 				sum.nodePairs += std::uint32_t(pair.result->contacts.size());
 				sum.front += pair.result->stats.front;
 				sum.hullTests += pair.result->stats.hullTests;
+				sum.pending += pair.result->stats.pending;
+				sum.excess = std::max(sum.excess, pair.result->excess);
 				sum.boxTests += pair.result->stats.boxTests;
 			}
 			sum.queryMicroseconds += pair.queryMicroseconds;

@@ -41,9 +41,11 @@ struct PairReport
 	double errorBound = 0;                  // see QueryResult
 	std::uint32_t candidates = 0, points = 0, clusterCount = 0, leaks = 0;
 	std::uint32_t finestLevel = 0, coarsestLevel = 0;
-	bool deep = false;   // penetration beyond what the contacts can prove
-	bool fast = false;   // one step moves the bodies farther than the thinnest wall
-	bool loose = false;  // the error bound exceeds the thinnest wall
+	double demand = 0;       // tests that its query took, or would have with a larger budget, as a guess
+	bool isPlanned = false;  // by btClodDispatcher
+	bool deep = false;       // penetration beyond what the contacts can prove
+	bool fast = false;       // one step moves the bodies farther than the thinnest wall
+	bool loose = false;      // the error bound exceeds the thinnest wall
 	double queryMicroseconds = 0, contactMicroseconds = 0;
 };
 
@@ -53,6 +55,8 @@ struct StepStatistics
 	std::uint32_t pairs = 0, pairsInContact = 0;
 	std::uint32_t nodePairs = 0, candidates = 0, points = 0, clusters = 0, leaks = 0;
 	std::uint32_t front = 0, hullTests = 0, boxTests = 0;
+	std::uint32_t pending = 0;  // node pairs that answered coarser than asked, for want of budget
+	double excess = 0;          // by which factor the worst of them exceeds its metric
 	std::uint32_t deepPairs = 0, fastPairs = 0, loosePairs = 0;
 	double queryMicroseconds = 0, contactMicroseconds = 0;
 	std::vector<std::string> warnings;  // one sentence a pair and cause
@@ -70,16 +74,23 @@ public:
 	// may change between steps. A metric that cannot be used (contactMetricError) makes its pairs exact and is warned
 	// of.
 	ContactMetric worldMetric = ContactMetric::errorShare(0.005);
-	// Returns true and fills the metric to decide a pair. Called once a pair and dispatch, maybe from several threads.
+	// Returns true and fills the metric to decide a pair. Called once a pair and dispatch, twice under
+	// a budget, maybe from several threads.
 	std::function<bool(const btCollisionObject& a, const btCollisionObject& b, ContactMetric& metric)> pairMetric;
 	// The eye of view metrics; none: a pair with a view metric is exact and warned of.
 	std::optional<ViewCamera> camera;
+	// What the queries of a step may cost together, tests or time; pairs of two shapes of ours only. btClodDispatcher
+	// holds it over the whole step. Any other dispatcher lets each pair have a share by what it needed last, so that
+	// the sum is near the budget, not under it. A budget that cannot be used is warned of and not used.
+	Budget budget;
 	// Search the signed gap of touching bodies too (PairReport::result then has it, certified). Costs milliseconds.
 	bool searchGap = false;
 	// Receives each warning once a pair and cause; prints to stderr by default; empty = silent (lastStep() has it
 	// still).
 	std::function<void(const std::string& message)> warn;
 
+	// Of the budget of tests, what pairs that btClodDispatcher cannot plan will take.
+	double unplannedShare() const;
 	StepStatistics lastStep() const;
 	// Visits the live pairs, oldest first.
 	void forEachPair(const std::function<void(const PairReport&)>& visit) const;
@@ -87,11 +98,15 @@ public:
 private:
 	friend class PairState;
 	friend class ::btClodCollisionAlgorithm;
+	// A pair's part of the budget; 0 <= demand: tests that it needed last.
+	Budget shareOf(const PairReport& report) const;
+	void setDemand(PairReport& report, double tests);
 	void add(const PairReport* report);
 	void remove(const PairReport* report);
 	void say(const std::string& message) const;
 	mutable std::mutex m_mutex;
 	std::vector<const PairReport*> m_pairs;
+	double m_demand = 0, m_unplannedDemand = 0;  // sums over the pairs; whole numbers
 	std::vector<std::unique_ptr<btCollisionAlgorithmCreateFunc>> m_createFunctions;  // one set a registration
 };
 }  // namespace clod

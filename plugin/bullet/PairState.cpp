@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 
 #include "clod/bullet/BodyState.h"
 
@@ -15,7 +16,7 @@ namespace
 {
 constexpr int kLeakRounds = 3;            // reductions after dropping leaking points
 constexpr double kBreakingShare = 0.003;  // of the length: drift that refreshContactPoints tolerates
-constexpr double kUnansweredShare = 2;    // depth found over depth answered by points that is reported as deep
+constexpr double kTestsPerPending = 8;    // what a pair that was not refined would have taken
 constexpr double kSameScale = 1e-6;       // scales whose ratio differs by less are equal
 
 double microsecondsSince(std::chrono::steady_clock::time_point start)
@@ -234,6 +235,39 @@ void PairState::clipForeign()
 		m_result.minDistance = std::min(m_result.minDistance, point.height + m_rules.margin);
 }
 
+Settings PairState::querySettings() const
+{
+	Settings settings;
+	settings.metric = m_report.metric;
+	settings.tolerance = m_report.tolerance;
+	settings.sweep = sweepOfStep();
+	settings.contactsOnly = !m_context.searchGap;
+	return settings;
+}
+
+// A planned query has spent its part already. What is asked by contactTest and the like is answered in full.
+Budget PairState::chooseBudget()
+{
+	if (m_isClosestPoints || !m_context.budget.isLimited()) return {};
+	if (std::exchange(m_hasPlan, false)) return kSpent;
+	const std::string error = budgetError(m_context.budget);
+	if (error.empty()) return m_context.shareOf(m_report);
+	warnOnce(true, 16, ("the budget cannot be used: " + error).c_str());
+	return {};
+}
+
+std::optional<QueryPlan> PairState::plan(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+										 const btDispatcherInfo& info, double& radius)
+{
+	if (m_isClosestPoints || !prepare(body0, body1, info, 0) || m_partner != Partner::Clod) return {};
+	radius = m_rules.length;
+	m_context.setDemand(m_report, 0);
+	m_report.isPlanned = m_hasPlan = true;
+	Settings settings = querySettings();
+	settings.budget = kSpent;
+	return QueryPlan(m_shapeA->hierarchy(), m_shapeB->hierarchy(), m_aFromB, settings, m_cache);
+}
+
 void PairState::findPoints()
 {
 	m_points.clear();
@@ -244,13 +278,13 @@ void PairState::findPoints()
 		clipForeign();
 		return;
 	}
-	Settings settings;
-	settings.metric = m_report.metric;
-	settings.tolerance = m_report.tolerance;
-	settings.sweep = sweepOfStep();
-	settings.contactsOnly = !m_context.searchGap;
+	Settings settings = querySettings();
+	settings.budget = chooseBudget();
 	query(m_shapeA->hierarchy(), m_shapeB->hierarchy(), m_aFromB, settings, m_cache, m_result);
 	m_report.queryMicroseconds = microsecondsSince(start);
+	const QueryStats& stats = m_result.stats;
+	const double tests = double(stats.boxTests) + stats.hullTests;
+	if (settings.budget.isLimited()) m_context.setDemand(m_report, tests + kTestsPerPending * stats.pending);
 	m_clipper.clip(m_shapeA->hierarchy(), m_shapeB->hierarchy(), m_aFromB, m_result.contacts, m_rules, m_points);
 }
 
@@ -284,76 +318,6 @@ void PairState::reduce()
 		m_report.leaks += leaks;
 		m_reducer.reduce(m_points, m_excluded, m_previous, rules, m_clusters);
 	}
-}
-
-void PairState::warnOnce(bool now, unsigned bit, const char* cause)
-{
-	if (!now || (m_warned & bit) != 0) return;
-	m_warned |= bit;
-	m_context.say(std::string(cause) + " (radius " + std::to_string(m_rules.length) + ", motion of a step " +
-				  std::to_string(m_report.motion) + ", hierarchy unit)");
-}
-
-// Is there a depth that the chosen points do not answer? A component inside the other body, a chosen point where its
-// face's stored thickness ends, or hulls that overlap without any point: then the gap is searched after all.
-bool PairState::deeperThanPoints()
-{
-	double answered = 0;
-	bool atBottom = false;
-	for (const ContactCluster& cluster : m_clusters.slots)
-		for (int i = 0; i < cluster.count; ++i)
-		{
-			const ContactPoint& point = cluster.points[std::size_t(i)].point;
-			answered = std::max(answered, -point.height);
-			atBottom = atBottom || point.atBottom;
-		}
-	if (m_result.deep && !m_context.searchGap) return true;
-	const bool overlap = std::any_of(m_result.contacts.begin(), m_result.contacts.end(),
-									 [](const Contact& contact) { return contact.upper <= 0; });
-	double depth = -m_result.minDistance;
-	if (overlap && m_report.points == 0 && !m_context.searchGap && m_partner == Partner::Clod)
-	{
-		Settings settings;
-		settings.metric = m_report.metric;
-		settings.tolerance = m_report.tolerance;
-		query(m_shapeA->hierarchy(), m_shapeB->hierarchy(), m_aFromB, settings, m_cache, m_searched);
-		depth = -m_searched.minDistance;
-	}
-	return atBottom || depth > kUnansweredShare * answered + m_rules.resting;
-}
-
-// Certified width of the nodes in contact: the true gap of a pair is within it of the hulls' distance.
-double PairState::widthOfContacts() const
-{
-	if (m_partner != Partner::Clod) return m_foreignStats.errorBound;
-	double width = 0;
-	for (const Contact& contact : m_result.contacts)
-	{
-		const Node& a = m_shapeA->hierarchy().node(contact.nodeA);
-		const Node& b = m_shapeB->hierarchy().node(contact.nodeB);
-		width = std::max({width, double(a.cover) + double(b.cover), double(a.protrude) + double(b.protrude)});
-	}
-	return width;
-}
-
-void PairState::judge()
-{
-	m_report.candidates = std::uint32_t(m_points.size());
-	m_report.points = std::uint32_t(m_clusters.pointCount());
-	m_report.clusterCount = 0;
-	for (const ContactCluster& cluster : m_clusters.slots) m_report.clusterCount += cluster.count > 0 ? 1 : 0;
-	m_report.errorBound = widthOfContacts();
-	m_report.finestLevel = m_result.stats.finestLevel;
-	m_report.coarsestLevel = m_result.stats.coarsestLevel;
-	double wall = double(m_shapeA->hierarchy().asset().thinnestWall);
-	if (m_partner == Partner::Clod) wall = std::min(wall, double(m_shapeB->hierarchy().asset().thinnestWall));
-	m_report.deep = deeperThanPoints();
-	m_report.fast = wall > 0 && m_report.motion > wall;
-	m_report.loose = wall > 0 && std::isfinite(m_report.errorBound) && m_report.errorBound > wall;
-	if (m_isClosestPoints) return;
-	warnOnce(m_report.deep, 1, "two bodies overlap deeper than their contacts can prove");
-	warnOnce(m_report.fast, 2, "a step moves two bodies farther than their thinnest wall: use smaller steps");
-	warnOnce(m_report.loose, 4, "the contact error bound exceeds the thinnest wall: use a stricter metric");
 }
 
 void PairState::process(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,

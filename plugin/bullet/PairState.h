@@ -5,6 +5,8 @@
 #pragma once
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 
+#include <optional>
+
 #include "clod/bullet/Manifolds.h"
 #include "clod/bullet/btClodShape.h"
 #include "clod/query/ContactPointsForeign.h"
@@ -14,6 +16,8 @@ class btConcaveShape;
 
 namespace clod
 {
+inline constexpr Budget kSpent = {0, kOff};  // of a query whose budget somebody else has spent
+
 class PairState
 {
 public:
@@ -25,6 +29,9 @@ public:
 
 	void process(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 				 const btDispatcherInfo& info, btManifoldResult& out);
+	// The first part of the coming process() under a budget over many pairs; empty where there is nothing to plan.
+	std::optional<QueryPlan> plan(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+								  const btDispatcherInfo& info, double& radius);
 	void append(btManifoldArray& manifolds) const { m_manifolds.append(manifolds); }
 
 private:
@@ -39,6 +46,8 @@ private:
 				 const btDispatcherInfo& info, double closestPoints);
 	bool chooseBodies(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1);
 	void chooseMetric();
+	Settings querySettings() const;
+	Budget chooseBudget();
 	void setMotion(double timeStep, double closestPoints);
 	Sweep sweepOfStep() const;
 	void findPoints();
@@ -75,6 +84,7 @@ private:
 	ClusterSet m_clusters, m_previous;
 	PairReport m_report;
 	unsigned m_warned = 0;
+	bool m_hasPlan = false;  // made by plan(), for the coming process()
 	// Buffers.
 	PointClipper m_clipper;
 	ForeignClipper m_foreign;

@@ -73,6 +73,13 @@ btScalar btClodCollisionAlgorithm::calculateTimeOfImpact(btCollisionObject*, btC
 	return btScalar(1);
 }
 
+std::optional<clod::QueryPlan> btClodCollisionAlgorithm::plan(const btCollisionObjectWrapper& body0,
+															  const btCollisionObjectWrapper& body1,
+															  const btDispatcherInfo& info, double& radius)
+{
+	return m_state->plan(body0, body1, info, radius);
+}
+
 void btClodCollisionAlgorithm::getAllContactManifolds(btManifoldArray& manifolds)
 {
 	m_state->append(manifolds);

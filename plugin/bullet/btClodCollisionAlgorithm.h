@@ -7,6 +7,7 @@
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 
 #include <memory>
+#include <optional>
 
 #include "clod/bullet/Context.h"
 #include "clod/bullet/btClodShape.h"
@@ -35,6 +36,10 @@ public:
 	// No continuous detection: contacts are speculative over one step instead.
 	btScalar calculateTimeOfImpact(btCollisionObject* body0, btCollisionObject* body1, const btDispatcherInfo& info,
 								   btManifoldResult* out) override;
+	// For budgets over a whole step: the first part of the coming processCollision, at the poses of the two objects.
+	// Empty where there is nothing to plan; radius receives the pair's smaller bounding radius.
+	std::optional<clod::QueryPlan> plan(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+										const btDispatcherInfo& info, double& radius);
 	void getAllContactManifolds(btManifoldArray& manifolds) override;
 
 private:

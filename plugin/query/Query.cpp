@@ -443,37 +443,47 @@ void query(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, cons
 
 QueryPlan::QueryPlan(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const Settings& settings,
 					 PairCache& cache)
-	: m_state(cache.state())
+	: m_state(&cache.state())
 {
-	m_state.planned.reset();
-	if (isSamePose(a, b, aFromB, m_state) && m_state.last.excess == 0 && answersAgain(settings, m_state)) return;
-	m_state.planned.emplace(a, b, aFromB, settings.sweep);
-	followMotion(*m_state.planned, settings, m_state);
-	const StopRule rule(*m_state.planned, settings.metric, settings.metric.maxError);
-	m_state.refinement.start(*m_state.planned, rule, settings.tolerance, settings.paper);
-	m_state.aFromB = aFromB;
-	m_state.settings = settings;
-	m_state.filled = true;
+	m_state->planned.emplace(a, b, aFromB, settings.sweep);
+	followMotion(*m_state->planned, settings, *m_state);
+	const StopRule rule(*m_state->planned, settings.metric, settings.metric.maxError);
+	m_state->refinement.start(*m_state->planned, rule, settings.tolerance, settings.paper);
+	m_state->aFromB = aFromB;
+	m_state->settings = settings;
+	m_state->filled = true;
 }
 double QueryPlan::excess() const
 {
-	return m_state.planned ? m_state.refinement.excess() : 0;
+	return m_state->planned ? m_state->refinement.excess() : 0;
+}
+double QueryPlan::deviation() const
+{
+	return m_state->planned ? m_state->refinement.deviation() : 0;
 }
 std::uint64_t QueryPlan::committed() const
 {
-	return m_state.planned ? m_state.refinement.committed() : 0;
+	return m_state->planned ? m_state->refinement.committed() : 0;
 }
 std::uint64_t QueryPlan::answers() const
 {
-	return m_state.planned ? m_state.refinement.answers() : 0;
+	return m_state->planned ? m_state->refinement.answers() : 0;
 }
 std::uint64_t QueryPlan::cost() const
 {
-	return m_state.refinement.cost();
+	return m_state->refinement.cost();
 }
 void QueryPlan::refine()
 {
-	m_state.refinement.refine();
+	m_state->refinement.refine();
+}
+
+std::string budgetError(const Budget& budget)
+{
+	if (!(budget.tests >= 0)) return "budget.tests is " + std::to_string(budget.tests) + ", but must be >= 0";
+	if (!(budget.microseconds >= 0))
+		return "budget.microseconds is " + std::to_string(budget.microseconds) + ", but must be >= 0";
+	return {};
 }
 
 std::string settingsError(const Hierarchy& a, const Hierarchy& b, const Settings& settings)
@@ -484,9 +494,7 @@ std::string settingsError(const Hierarchy& a, const Hierarchy& b, const Settings
 		return text("tolerance", settings.tolerance) + ", but must be a finite length >= 0";
 	if (!isFinite(settings.sweep.linear) || !isFinite(settings.sweep.angular)) return "sweep is not finite";
 	if (const std::string error = metricError(settings.metric); !error.empty()) return error;
-	if (!(settings.budget.tests >= 0)) return text("budget.tests", settings.budget.tests) + ", but must be >= 0";
-	if (!(settings.budget.microseconds >= 0))
-		return text("budget.microseconds", settings.budget.microseconds) + ", but must be >= 0";
+	if (const std::string error = budgetError(settings.budget); !error.empty()) return error;
 	if (settings.budget.isLimited() && settings.distance)
 		return "a budget is set, but distance is too: a gap at any separation cannot be cut short";
 	if (settings.paper && !(a.isPaperBuild() && b.isPaperBuild()))

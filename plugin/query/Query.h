@@ -28,6 +28,8 @@ struct Budget
 	double microseconds = kOff;
 	bool isLimited() const { return tests < kOff || microseconds < kOff; }
 };
+// Empty, or one sentence naming the first field that cannot be used, and its value.
+std::string budgetError(const Budget& budget);
 
 struct Settings
 {
@@ -116,13 +118,14 @@ public:
 	QueryPlan(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const Settings& settings,
 			  PairCache& cache);
 	double excess() const;            // of the pair that is refined next; 0: none is left
+	double deviation() const;         // its s*, a length
 	std::uint64_t committed() const;  // tests done and, for the answer, still to be done
 	std::uint64_t answers() const;    // pairs of nodes that would answer now
 	std::uint64_t cost() const;       // the most that committed() grows by the next refinement
 	void refine();                    // precondition: excess() > 0
 
 private:
-	PairCache::State& m_state;
+	PairCache::State* m_state;
 };
 
 // Empty when the settings can be used with these hierarchies, otherwise one sentence naming the field and its value.

@@ -62,6 +62,7 @@ public:
 	bool rootIsApart() const { return m_rootIsApart; }
 	// By which factor the worst pending pair exceeds the metric; 0: none is pending.
 	double excess() const { return m_pending.empty() ? 0 : m_pending.front().excess; }
+	double deviation() const { return m_pending.empty() ? 0 : m_pending.front().deviation; }  // its s*
 	std::uint64_t committed() const { return tests() + m_testsPerAnswer * answers(); }
 	std::uint64_t tests() const { return m_spent + m_boxTests + m_hullTests; }
 	// Any budget of at least this many tests would have refined as far.

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Zlib
+#include "clod/bullet/btClodDispatcher.h"
+
+#include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
+#include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
+#include <LinearMath/btQuickprof.h>
+
+#include <algorithm>
+#include <chrono>
+#include <tuple>
+
+#include "clod/bullet/btClodCollisionAlgorithm.h"
+
+namespace
+{
+using Clock = std::chrono::steady_clock;
+double microsecondsSince(Clock::time_point start)
+{
+	return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
+}
+
+bool isClod(const btCollisionObject& object)
+{
+	return dynamic_cast<const btClodShape*>(object.getCollisionShape()) != nullptr;
+}
+btCollisionObject* objectOf(const btBroadphaseProxy* proxy)
+{
+	return static_cast<btCollisionObject*>(proxy->m_clientObject);
+}
+}  // namespace
+
+struct btClodDispatcher::Planned
+{
+	int low, high;  // broadphase ids: Bullet's order of pairs is not always the same
+	clod::QueryPlan plan;
+	double radius;
+	// The heap's front is the worst; ties by s* over the radius, then by id.
+	static bool isBetter(const Planned& l, const Planned& r)
+	{
+		const auto key = [](const Planned& p)
+		{ return std::make_tuple(p.plan.excess(), p.plan.deviation() / p.radius, -p.low, -p.high); };
+		return key(l) < key(r);
+	}
+};
+
+btClodDispatcher::btClodDispatcher(btCollisionConfiguration* configuration, clod::Context* context)
+	: btCollisionDispatcher(configuration), m_context(*context)
+{
+}
+btClodDispatcher::~btClodDispatcher() = default;
+
+void btClodDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache* pairCache, const btDispatcherInfo& info,
+												 btDispatcher* dispatcher)
+{
+	const clod::Budget budget = m_context.budget;
+	if (!budget.isLimited() || !clod::budgetError(budget).empty() ||
+		info.m_dispatchFunc != btDispatcherInfo::DISPATCH_DISCRETE)
+	{
+		btCollisionDispatcher::dispatchAllCollisionPairs(pairCache, info, dispatcher);
+		return;
+	}
+	const Clock::time_point start = Clock::now();
+	m_planned.clear();
+	plan(*pairCache, info);
+	refine(budget, microsecondsSince(start));
+	const Clock::time_point answering = Clock::now();
+	btCollisionDispatcher::dispatchAllCollisionPairs(pairCache, info, dispatcher);
+	std::uint64_t answers = 0;
+	for (const Planned& planned : m_planned) answers += planned.plan.answers();
+	if (answers > 0) m_microsecondsPerAnswer = microsecondsSince(answering) / double(answers);
+	m_planned.clear();
+}
+
+// Every pair of two shapes of ours at its coarsest valid answer.
+void btClodDispatcher::plan(btOverlappingPairCache& pairCache, const btDispatcherInfo& info)
+{
+	BT_PROFILE("btClodDispatcher::plan");
+	btBroadphasePair* pairs = pairCache.getOverlappingPairArrayPtr();
+	for (int i = 0; i < pairCache.getNumOverlappingPairs(); ++i)
+	{
+		btBroadphasePair& pair = pairs[i];
+		btCollisionObject *object0 = objectOf(pair.m_pProxy0), *object1 = objectOf(pair.m_pProxy1);
+		if (!isClod(*object0) || !isClod(*object1) || !needsCollision(object0, object1)) continue;
+		const btCollisionObjectWrapper body0(nullptr, object0->getCollisionShape(), object0,
+											 object0->getWorldTransform(), -1, -1);
+		const btCollisionObjectWrapper body1(nullptr, object1->getCollisionShape(), object1,
+											 object1->getWorldTransform(), -1, -1);
+		if (!pair.m_algorithm) pair.m_algorithm = findAlgorithm(&body0, &body1, nullptr, BT_CONTACT_POINT_ALGORITHMS);
+		auto* algorithm = dynamic_cast<btClodCollisionAlgorithm*>(pair.m_algorithm);
+		if (!algorithm) continue;
+		double radius = 1;
+		if (auto plan = algorithm->plan(body0, body1, info, radius))
+			m_planned.push_back({std::min(pair.m_pProxy0->m_uniqueId, pair.m_pProxy1->m_uniqueId),
+								 std::max(pair.m_pProxy0->m_uniqueId, pair.m_pProxy1->m_uniqueId), *plan, radius});
+	}
+}
+
+// The worst pair of nodes of all pairs, again and again, as long as the budget pays for it and for all answers.
+void btClodDispatcher::refine(const clod::Budget& budget, double already)
+{
+	BT_PROFILE("btClodDispatcher::refine");
+	const Clock::time_point start = Clock::now();
+	const auto isBetter = [this](std::uint32_t l, std::uint32_t r)
+	{ return Planned::isBetter(m_planned[l], m_planned[r]); };
+	const double tests = budget.tests - m_context.unplannedShare();
+	std::uint64_t committed = 0, answers = 0;
+	m_queue.clear();
+	for (std::uint32_t i = 0; i < m_planned.size(); ++i)
+	{
+		committed += m_planned[i].plan.committed();
+		answers += m_planned[i].plan.answers();
+		if (m_planned[i].plan.excess() > 0) m_queue.push_back(i);
+	}
+	std::make_heap(m_queue.begin(), m_queue.end(), isBetter);
+	while (!m_queue.empty())
+	{
+		clod::QueryPlan& plan = m_planned[m_queue.front()].plan;
+		if (double(committed + plan.cost()) > tests) return;
+		const double answer = m_microsecondsPerAnswer * (double(answers) + 0.5 * double(plan.cost()));
+		if (budget.microseconds < clod::kOff && already + microsecondsSince(start) + answer > budget.microseconds)
+			return;
+		committed -= plan.committed();
+		answers -= plan.answers();
+		std::pop_heap(m_queue.begin(), m_queue.end(), isBetter);
+		plan.refine();
+		committed += plan.committed();
+		answers += plan.answers();
+		if (plan.excess() > 0)
+			std::push_heap(m_queue.begin(), m_queue.end(), isBetter);
+		else
+			m_queue.pop_back();
+	}
+}

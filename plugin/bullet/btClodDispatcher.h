@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Zlib
+// A collision dispatcher that spends Context::budget over a whole step: every pair of btClodShapes is first brought to
+// its coarsest valid answer, then one queue over all pairs refines where the metric is exceeded by the largest factor,
+// then Bullet's dispatch makes the contacts. A budget of tests is never exceeded, unless the coarsest answers alone
+// cost more, and gives the same contacts every time; a budget of time is compared with a clock, see Query.h. Without a
+// budget it is a btCollisionDispatcher.
+//
+// Pairs are planned for the poses before dispatch. Not planned are shapes inside compounds and shapes of different
+// scale (the former get shares by what they needed last, see Context; the latter meet as plain triangles, without
+// budgets), and what has no hierarchy. Continuous dispatch is not budgeted.
+//
+// Based on: Otaduy & Lin 2003, sec. 3.3 and 5.2.
+#pragma once
+#include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
+
+#include <vector>
+
+#include "clod/bullet/Context.h"
+
+class btClodDispatcher : public btCollisionDispatcher
+{
+public:
+	// The context must be the one registerAlgorithm is given for this dispatcher, and outlive it.
+	btClodDispatcher(btCollisionConfiguration* configuration, clod::Context* context);
+	~btClodDispatcher() override;
+
+	void dispatchAllCollisionPairs(btOverlappingPairCache* pairCache, const btDispatcherInfo& info,
+								   btDispatcher* dispatcher) override;
+
+private:
+	struct Planned;
+	void plan(btOverlappingPairCache& pairCache, const btDispatcherInfo& info);
+	void refine(const clod::Budget& budget, double already);
+
+	clod::Context& m_context;
+	std::vector<Planned> m_planned;
+	std::vector<std::uint32_t> m_queue;   // a heap of indices into m_planned
+	double m_microsecondsPerAnswer = 10;  // of the last dispatch after planning, a pair of nodes
+};

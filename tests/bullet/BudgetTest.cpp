@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Budgets over whole steps: held by btClodDispatcher, shared out without it.
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <memory>
+
+#include "clod/bullet/btClodCollisionAlgorithm.h"
+#include "clod/bullet/btClodDispatcher.h"
+#include "tests/query/Bodies.h"
+
+#include <btBulletDynamicsCommon.h>
+
+namespace clod::test
+{
+namespace
+{
+// Four toruses, each fallen or falling on a fixed one: four pairs of which some touch more than others.
+class Toruses
+{
+public:
+	explicit Toruses(bool planned)
+	{
+		if (planned)
+			m_dispatcher = std::make_unique<btClodDispatcher>(&m_configuration, &context);
+		else
+			m_dispatcher = std::make_unique<btCollisionDispatcher>(&m_configuration);
+		m_world =
+			std::make_unique<btDiscreteDynamicsWorld>(m_dispatcher.get(), &m_broadphase, &m_solver, &m_configuration);
+		if (!btClodCollisionAlgorithm::registerAlgorithm(m_dispatcher.get(), &context)) std::abort();
+		context.warn = {};
+		context.worldMetric = ContactMetric::deviationShare(0.001);
+		m_world->setGravity(btVector3(0, btScalar(-9.81), 0));
+		m_world->getDispatchInfo().m_deterministicOverlappingPairs = true;
+		const btScalar scale = btScalar(1 / double(m_shape.hierarchy().asset().radius));
+		m_shape.setLocalScaling({scale, scale, scale});
+		for (int i = 0; i < 4; ++i)
+		{
+			addBody(0, btVector3(btScalar(4 * i), 0, 0), 0);
+			addBody(1, btVector3(btScalar(4 * i), btScalar(0.75 + 0.05 * i), btScalar(0.3 * i)), btScalar(0.4 * i));
+		}
+	}
+	~Toruses()
+	{
+		for (const auto& body : m_bodies) m_world->removeRigidBody(body.get());
+	}
+
+	struct Step
+	{
+		std::uint64_t tests = 0, contacts = 0;
+		std::uint32_t pending = 0, coarsest = 0;
+		double excess = 0, least = kOff;  // least: of the pairs that were cut short
+		int cut = 0;
+	};
+	// Collision detection at the poses as they are.
+	Step detect(double tests)
+	{
+		context.budget.tests = tests;
+		m_world->performDiscreteCollisionDetection();
+		return look();
+	}
+	std::uint64_t run(int steps, double tests, double microseconds = kOff)
+	{
+		context.budget = {tests, microseconds};
+		std::uint64_t hash = 0;
+		for (int i = 0; i < steps; ++i)
+		{
+			m_world->stepSimulation(btScalar(1.0 / 240), 0);
+			for (const auto& body : m_bodies)
+				for (int k = 0; k < 3; ++k)
+				{
+					const double at = double(body->getWorldTransform().getOrigin()[k]);
+					std::uint64_t bits;
+					std::memcpy(&bits, &at, sizeof bits);
+					hash = (hash ^ bits) * 0x100000001B3u;
+				}
+		}
+		return hash;
+	}
+	Step look() const
+	{
+		Step step;
+		context.forEachPair(
+			[&step](const PairReport& pair)
+			{
+				step.tests += std::uint64_t(pair.result->stats.boxTests) + pair.result->stats.hullTests;
+				step.contacts += pair.result->contacts.size();
+				step.coarsest = std::max(step.coarsest, pair.coarsestLevel);
+				if (pair.result->excess > 0) step.least = std::min(step.least, pair.result->excess), ++step.cut;
+			});
+		const StepStatistics sums = context.lastStep();
+		step.pending = sums.pending;
+		step.excess = sums.excess;
+		return step;
+	}
+	// Of the body that lies in the middle of another.
+	double height() const { return double(m_bodies[1]->getWorldTransform().getOrigin().y()); }
+
+	Context context;
+
+private:
+	void addBody(btScalar mass, const btVector3& at, btScalar turn)
+	{
+		btVector3 inertia(0, 0, 0);
+		if (mass > 0) m_shape.calculateLocalInertia(mass, inertia);
+		btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, &m_shape, inertia);
+		info.m_startWorldTransform.setOrigin(at);
+		info.m_startWorldTransform.setRotation(btQuaternion(btVector3(0, 1, 0), turn));
+		m_bodies.push_back(std::make_unique<btRigidBody>(info));
+		m_bodies.back()->setActivationState(DISABLE_DEACTIVATION);
+		m_world->addRigidBody(m_bodies.back().get());
+	}
+
+	btClodShape m_shape{test::body("torus", 900).hierarchy};
+	btDefaultCollisionConfiguration m_configuration;
+	std::unique_ptr<btCollisionDispatcher> m_dispatcher;
+	btDbvtBroadphase m_broadphase;
+	btSequentialImpulseConstraintSolver m_solver;
+	std::unique_ptr<btDiscreteDynamicsWorld> m_world;
+	std::vector<std::unique_ptr<btRigidBody>> m_bodies;
+};
+}  // namespace
+
+TEST(BulletBudget, AFullOneGivesTheTrajectoryOfNone)
+{
+	const std::uint64_t none = Toruses(false).run(120, kOff);
+	EXPECT_EQ(Toruses(true).run(120, kOff), none);
+	EXPECT_EQ(Toruses(true).run(120, 1e9), none);
+	EXPECT_EQ(Toruses(true).run(120, 1e9, 1e12), none);
+	EXPECT_EQ(Toruses(false).run(120, 1e9), none);
+	EXPECT_NE(Toruses(true).run(120, 300), none);  // the comparison sees a smaller one
+}
+
+TEST(BulletBudget, TheSameBudgetGivesTheSameTrajectory)
+{
+	EXPECT_EQ(Toruses(true).run(120, 1500), Toruses(true).run(120, 1500));
+}
+
+TEST(BulletBudget, IsNeverExceededByAWholeStep)
+{
+	Toruses scene(true);
+	scene.run(60, kOff);
+	const Toruses::Step none = scene.detect(0), full = scene.detect(1e9);
+	ASSERT_GT(none.contacts, 0u);
+	EXPECT_GT(none.coarsest, 0u);
+	EXPECT_EQ(full.pending, 0u);
+	ASSERT_GT(full.tests, none.tests + 500);
+	double excess = kOff;
+	int cut = 0;
+	for (double tests = double(none.tests) / 2; tests < 1.5 * double(full.tests); tests *= 1.15)
+	{
+		const Toruses::Step step = scene.detect(std::floor(tests));
+		EXPECT_LE(step.tests, std::max(std::uint64_t(tests), none.tests));
+		EXPECT_LE(step.excess, excess);
+		excess = step.excess;
+		cut += step.pending > 0;
+	}
+	EXPECT_GT(cut, 3);
+}
+
+// One queue over all pairs: no pair is refined while another exceeds its metric by more.
+TEST(BulletBudget, GoesToTheWorstPairFirst)
+{
+	Toruses scene(true);
+	scene.run(60, kOff);
+	const Toruses::Step none = scene.detect(0), full = scene.detect(1e9);
+	const Toruses::Step half = scene.detect(std::floor(0.5 * double(none.tests + full.tests)));
+	ASSERT_GT(half.pending, 0u);
+	EXPECT_LT(half.excess, none.excess);
+	Toruses shared(false);
+	shared.run(60, kOff);
+	shared.detect(double(none.tests + full.tests) / 2);
+	const Toruses::Step shares = shared.detect(double(none.tests + full.tests) / 2);
+	EXPECT_LE(half.excess, shares.excess);
+}
+
+TEST(BulletBudget, SharesStayNearTheBudget)
+{
+	Toruses scene(false);
+	scene.run(60, kOff);
+	const Toruses::Step none = scene.detect(0), full = scene.detect(1e9);
+	const double budget = std::floor(0.5 * double(none.tests + full.tests));
+	Toruses::Step step;
+	for (int i = 0; i < 5; ++i) step = scene.detect(budget);
+	EXPECT_LT(double(step.tests), 1.5 * budget);
+	EXPECT_GT(double(step.tests), 0.3 * budget);
+}
+
+TEST(BulletBudget, TheCoarsestAnswersCarryBodiesToo)
+{
+	Toruses exact(true), coarsest(true), hurried(true);
+	exact.run(240, kOff);
+	coarsest.run(240, 0);
+	hurried.run(240, kOff, 0);  // no time at all
+	std::printf("heights %.4f %.4f %.4f\n", exact.height(), coarsest.height(), hurried.height());
+	EXPECT_NEAR(coarsest.height(), exact.height(), 0.1);
+	EXPECT_NEAR(hurried.height(), exact.height(), 0.1);
+}
+
+TEST(BulletBudget, OneThatCannotBeUsedIsSaidAndNotUsed)
+{
+	Toruses scene(true);
+	scene.run(30, kOff);
+	std::vector<std::string> said;
+	scene.context.warn = [&said](const std::string& message) { said.push_back(message); };
+	const Toruses::Step full = scene.detect(1e9), bad = scene.detect(-1);
+	EXPECT_EQ(bad.contacts, full.contacts);
+	ASSERT_FALSE(said.empty());
+	EXPECT_NE(said[0].find("budget.tests"), std::string::npos) << said[0];
+}
+}  // namespace clod::test
