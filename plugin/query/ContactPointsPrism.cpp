@@ -17,11 +17,13 @@ Vec3 toVec3(const float (&v)[3])
 void clipByPlane(ClippedPolygon& polygon, const Vec3& normal, double offset)
 {
 	ClippedPolygon kept;
+	double height[8];
+	for (int i = 0; i < polygon.count; ++i) height[i] = dot(normal, polygon.vertex[std::size_t(i)]) - offset;
 	for (int i = 0; i < polygon.count; ++i)
 	{
-		const Vec3& p = polygon.vertex[std::size_t(i)];
-		const Vec3& q = polygon.vertex[std::size_t(i + 1 == polygon.count ? 0 : i + 1)];
-		const double heightP = dot(normal, p) - offset, heightQ = dot(normal, q) - offset;
+		const int next = i + 1 == polygon.count ? 0 : i + 1;
+		const Vec3 &p = polygon.vertex[std::size_t(i)], &q = polygon.vertex[std::size_t(next)];
+		const double heightP = height[i], heightQ = height[next];
 		const auto push = [&kept](const Vec3& v)
 		{
 			if (kept.count < int(kept.vertex.size())) kept.vertex[std::size_t(kept.count++)] = v;
@@ -87,12 +89,20 @@ ClippedPolygon clipToPrism(const FacePrism& prism, const Triangle& triangle)
 	const double height[3] = {prism.heightOf(triangle[0]), prism.heightOf(triangle[1]), prism.heightOf(triangle[2])};
 	const auto [lowest, highest] = std::minmax_element(height, height + 3);
 	if (*lowest > prism.top || *highest < prism.bottom) return polygon;
+	bool isCut[3];
+	for (std::size_t i = 0; i < 3; ++i)
+	{
+		const auto outside = [&](const Vec3& corner) { return dot(prism.side[i], corner) > prism.sideOffset[i]; };
+		const int out = int(outside(triangle[0])) + int(outside(triangle[1])) + int(outside(triangle[2]));
+		if (out == 3) return polygon;
+		isCut[i] = out > 0;
+	}
 	polygon.count = 3;
 	std::copy(triangle.begin(), triangle.end(), polygon.vertex.begin());
-	for (std::size_t i = 0; i < 3 && polygon.count > 0; ++i) clipByPlane(polygon, prism.side[i], prism.sideOffset[i]);
-	if (polygon.count > 0 && *highest > prism.top) clipByPlane(polygon, prism.normal, prism.offset + prism.top);
-	if (polygon.count > 0 && *lowest < prism.bottom)
-		clipByPlane(polygon, -prism.normal, -(prism.offset + prism.bottom));
+	for (std::size_t i = 0; i < 3; ++i)
+		if (isCut[i]) clipByPlane(polygon, prism.side[i], prism.sideOffset[i]);
+	if (*highest > prism.top) clipByPlane(polygon, prism.normal, prism.offset + prism.top);
+	if (*lowest < prism.bottom) clipByPlane(polygon, -prism.normal, -(prism.offset + prism.bottom));
 	return polygon;
 }
 
