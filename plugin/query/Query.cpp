@@ -310,12 +310,15 @@ private:
 		if (2 * deviation <= m_settings.tolerance) return;
 		m_state.kept = m_result.contacts;
 		m_result.contacts.clear();
+		const std::uint32_t front = m_result.stats.front, frontInner = m_result.stats.frontInner;
 		const double wider = m_settings.tolerance + 2 * deviation;
 		traverse(limit, wider);
 		sortContacts();
 		const Gap gap = shallowGap(wider, accuracy);
 		if (!gap.deep) set(gap);
 		m_result.contacts.swap(m_state.kept);
+		m_result.stats.front = front;
+		m_result.stats.frontInner = frontInner;
 	}
 
 	// Nothing within the tolerance: the closest accepted pair, then the certificate within its distance.
