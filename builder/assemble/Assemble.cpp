@@ -121,15 +121,18 @@ private:
 			const LevelDraft record = m_draft.levels[level];
 			ProtrusionScale scale = m_scale;
 			scale.budget = std::clamp(int(2000000 / record.nodeCount), 1000, 15000);
+			if (m_config.paper) scale.atOnce = 1.5, scale.inParts = 1.2;  // its files keep their bytes
 			parallelFor(record.nodeCount, m_config.threads,
 						[&](std::size_t i)
 						{
 							NodeDraft& node = m_draft.nodes[record.firstNode + i];
-							thicken(node, m_solid, scale);
+							if (level > 0) node.bounds.surf = surfOf(node, m_solid.tree(), tolerance).upper;
+							// With paper as it always was: its files keep their bytes.
+							thicken(node, m_solid, scale,
+									m_config.paper ? SweepRule{1.5, 0} : SweepRule{1.1, node.bounds.surf});
 							if (level == 0) return;
 							node.bounds.cover = coverOf(node);
 							node.bounds.reach = std::max(node.bounds.cover, reachOf(node, tolerance).upper);
-							node.bounds.surf = surfOf(node, m_solid.tree(), tolerance).upper;
 							node.hausdorff = m_config.paper ? exactHausdorff(node) : hausdorffStep(node);
 						});
 			report("certify", double(level + 1) / double(m_lods.size()));

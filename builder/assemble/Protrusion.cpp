@@ -151,7 +151,8 @@ struct Corner
 {
 	Vec3 point, image;
 	double distance;  // to the solid
-	double moved;     // infinity: no place in the solid was found
+	double toSurface;
+	double moved;  // infinity: no place in the solid was found
 };
 
 struct Tetrahedron
@@ -166,16 +167,18 @@ class Mapping
 {
 public:
 	Mapping(const Solid& solid, const HullShape& shape, const Vec3& center, const ProtrusionScale& scale,
-			Protrusion known)
-		: m_solid(solid), m_scale(scale), m_known(known)
+			Protrusion known, double hopeless)
+		: m_solid(solid), m_scale(scale), m_known(known), m_hopeless(hopeless)
 	{
 		m_result.lower = known.lower;
 		for (const Triangle& f : shape.facets)
 			for (int k = 0; k < 3; ++k) m_result.lower = std::max(m_result.lower, solid.distance(f[k]));
 		m_depth = std::max(0.1 * m_result.lower, 1e-5 * scale.radius);
 		m_result.upper = m_result.lower;
-		const std::uint32_t apex = add(center);
-		for (const Triangle& f : shape.facets) m_cells.push_back({{apex, add(f.a), add(f.b), add(f.c)}, known.upper});
+		constexpr double kAnywhere = std::numeric_limits<double>::infinity();
+		const std::uint32_t apex = add(center, kAnywhere);
+		for (const Triangle& f : shape.facets)
+			m_cells.push_back({{apex, add(f.a, kAnywhere), add(f.b, kAnywhere), add(f.c, kAnywhere)}, known.upper});
 	}
 
 	// The cell with the largest bound first, so that what is left when the budget ends is bounded well.
@@ -183,6 +186,7 @@ public:
 	{
 		for (int i = 0; !m_cells.empty() && m_cells.front().bound > accepted(); ++i)
 		{
+			if (m_result.lower > m_hopeless) break;
 			std::pop_heap(m_cells.begin(), m_cells.end());
 			const Tetrahedron cell = m_cells.back();
 			m_cells.pop_back();
@@ -202,24 +206,41 @@ public:
 private:
 	double accepted() const
 	{
-		return std::max({m_result.upper, 1.2 * m_result.lower, m_result.lower + 3e-5 * m_scale.radius});
+		return std::max({m_result.upper, m_scale.inParts * m_result.lower, m_result.lower + 3e-5 * m_scale.radius});
 	}
 
-	std::uint32_t add(const Vec3& p)
+	// The nearest surface point, which lies within the limit.
+	TriangleTree::Nearest nearestWithin(const Vec3& p, double limit) const
 	{
-		Corner corner{p, p, 0, 0};
-		const double d = m_solid.signedDistance(p);
+		const double room = limit * (1 + 1e-6) + 1e-12 * m_scale.radius;
+		const TriangleTree::Nearest near = m_solid.tree().nearest(
+			p, [](std::uint32_t) { return true; }, room * room);
+		return near.triangle == kNone ? m_solid.tree().nearest(p) : near;
+	}
+
+	double signedDistance(const Vec3& p, const TriangleTree::Nearest& near) const
+	{
+		const double d = std::sqrt(near.distanceSquared);
+		return dot(m_solid.normal(near), p - near.closest.point) < 0 ? -d : d;
+	}
+
+	// The surface is known to pass within `limit` of p.
+	std::uint32_t add(const Vec3& p, double limit)
+	{
+		Corner corner{p, p, 0, 0, 0};
+		const TriangleTree::Nearest near = nearestWithin(p, limit);
+		const double d = signedDistance(p, near);
+		corner.toSurface = std::fabs(d);
 		corner.distance = std::max(0.0, d);
 		m_result.lower = std::max(m_result.lower, corner.distance);
 		if (d > -m_depth)
 		{
-			const TriangleTree::Nearest near = m_solid.tree().nearest(p);
 			const Vec3 inward = -normalized(m_solid.normal(near));
 			corner.moved = std::numeric_limits<double>::infinity();
 			for (double depth : {m_depth, 0.3 * m_depth})
 			{
 				corner.image = near.closest.point + depth * inward;
-				if (m_solid.signedDistance(corner.image) >= 0) continue;
+				if (signedDistance(corner.image, nearestWithin(corner.image, depth)) >= 0) continue;
 				corner.moved = length(corner.image - p);
 				break;
 			}
@@ -297,7 +318,9 @@ private:
 				const double l = lengthSquared(m_corners[cell.corner[a]].point - m_corners[cell.corner[b]].point);
 				if (l > longest) longest = l, from = a, to = b;
 			}
-		const std::uint32_t middle = add(0.5 * (m_corners[cell.corner[from]].point + m_corners[cell.corner[to]].point));
+		const Corner &u = m_corners[cell.corner[from]], &v = m_corners[cell.corner[to]];
+		const double limit = std::min(u.toSurface, v.toSurface) + 0.5 * std::sqrt(longest);
+		const std::uint32_t middle = add(0.5 * (u.point + v.point), limit);
 		for (std::size_t replaced : {from, to})
 		{
 			Tetrahedron half = cell;
@@ -309,6 +332,7 @@ private:
 	const Solid& m_solid;
 	const ProtrusionScale m_scale;
 	const Protrusion m_known;
+	const double m_hopeless;
 	double m_depth = 0;
 	Protrusion m_result;
 	std::vector<Corner> m_corners;
@@ -316,14 +340,15 @@ private:
 };
 }  // namespace
 
-Protrusion protrusion(const Solid& solid, const ConvexBody& body, const ProtrusionScale& scale)
+Protrusion protrusion(const Solid& solid, const ConvexBody& body, const ProtrusionScale& scale, double hopeless)
 {
 	Cell whole(solid, body.points, scale);
 	Protrusion result;
 	for (const Vec3& p : whole.shape().corners) result.lower = std::max(result.lower, solid.distance(p));
 	const double start = std::max(result.lower, scale.rounding);
+	if (result.lower > hopeless) return {result.lower, std::numeric_limits<double>::infinity()};
 	result.upper = byDisplacement(whole, body.realNormals, start, std::max(4 * start, start + 0.01 * scale.radius));
-	if (result.upper <= std::max(1.5 * start, start + 1e-4 * scale.radius)) return result;
+	if (result.upper <= std::max(scale.atOnce * start, start + 1e-4 * scale.radius)) return result;
 	if (std::isinf(result.upper))
 	{
 		const Triangle& t = solid.tree().triangle(solid.tree().nearest(whole.center()).triangle);
@@ -331,6 +356,6 @@ Protrusion protrusion(const Solid& solid, const ConvexBody& body, const Protrusi
 		for (const Vec3& p : whole.shape().corners)
 			result.upper = std::max(result.upper, std::sqrt(distanceSquared(p, t)));
 	}
-	return Mapping(solid, whole.shape(), whole.center(), scale, result).run();
+	return Mapping(solid, whole.shape(), whole.center(), scale, result, hopeless).run();
 }
 }  // namespace clod::builder

@@ -21,9 +21,11 @@ struct ConvexBody
 
 struct ProtrusionScale
 {
-	double radius;    // of the whole object
-	double rounding;  // below this nothing is measured: the answer is at least that
-	int budget;       // cells that may be cut
+	double radius;         // of the whole object
+	double rounding;       // below this nothing is measured: the answer is at least that
+	int budget;            // cells that may be cut
+	double atOnce = 1.1;   // times what is attained: good enough for the whole body
+	double inParts = 1.1;  // and for what is cut up
 };
 
 struct Protrusion
@@ -32,5 +34,7 @@ struct Protrusion
 	double upper = 0;
 };
 
-Protrusion protrusion(const Solid& solid, const ConvexBody& body, const ProtrusionScale& scale);
+// Gives up as soon as more than `hopeless` is attained: lower then exceeds it.
+Protrusion protrusion(const Solid& solid, const ConvexBody& body, const ProtrusionScale& scale,
+					  double hopeless = std::numeric_limits<double>::infinity());
 }  // namespace clod::builder

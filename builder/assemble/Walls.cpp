@@ -21,11 +21,11 @@ double wallOf(const NodeDraft& node, const Solid& solid)
 	return wall;
 }
 
-Protrusion measured(const NodeDraft& node, const Solid& solid, const ProtrusionScale& scale)
+Protrusion measured(const NodeDraft& node, const Solid& solid, const ProtrusionScale& scale, double hopeless)
 {
 	ConvexBody body{node.hullPoints(), {}};
 	for (std::size_t i = 0; i < node.faces.size(); ++i) body.realNormals.push_back(areaVector(node.face(i)));
-	return protrusion(solid, body, scale);
+	return protrusion(solid, body, scale, hopeless);
 }
 }  // namespace
 
@@ -34,29 +34,38 @@ double wallBehind(const Solid& solid, const Vec3& p, const Vec3& direction)
 	return solid.tree().exitDistance(solid.tree().nearest(p).closest.point, direction, 0);
 }
 
-void thicken(NodeDraft& node, const Solid& solid, const ProtrusionScale& scale)
+void thicken(NodeDraft& node, const Solid& solid, const ProtrusionScale& scale, const SweepRule& rule)
 {
 	double attained = scale.rounding;
 	for (const Vec3& v : node.vertices) attained = std::max(attained, solid.distance(v));
+	const double harmless = std::max(rule.overVertices * attained, rule.harmless);
 	const double wall = node.coneCosine > 0 ? wallOf(node, solid) : 0;
 	const double half = std::isfinite(wall) ? 0.5 * wall : 0;
-	Protrusion thin{-1, -1};
+	constexpr double kAlways = std::numeric_limits<double>::infinity();
+	double thin = -1, allowed = harmless;
+	const auto measureThin = [&]
+	{
+		NodeDraft flat = node;
+		flat.thickness = 0;
+		thin = measured(flat, solid, scale, kAlways).upper;
+		allowed = std::max(harmless, 1.1 * thin);
+	};
 	for (double share : {1.0, 0.6, 0.3, 0.1})
 	{
 		node.thickness = double(roundToFloat(share * half));
 		if (node.thickness <= scale.rounding) break;
-		const Protrusion thick = measured(node, solid, scale);
-		node.bounds.protrude = thick.upper;
-		if (thick.upper <= 1.5 * attained) return;
-		if (thin.upper < 0)
+		Protrusion thick = measured(node, solid, scale, allowed);
+		if (thick.upper > harmless && thin < 0)
 		{
-			NodeDraft flat = node;
-			flat.thickness = 0;
-			thin = measured(flat, solid, scale);
+			measureThin();
+			const bool gaveUp = thick.lower > harmless;
+			if (gaveUp && thick.lower <= allowed) thick = measured(node, solid, scale, allowed);
 		}
-		if (thick.upper <= 1.1 * thin.upper) return;
+		node.bounds.protrude = thick.upper;
+		if (thick.upper <= allowed) return;
 	}
 	node.thickness = 0;
-	node.bounds.protrude = thin.upper >= 0 ? thin.upper : measured(node, solid, scale).upper;
+	if (thin < 0) measureThin();
+	node.bounds.protrude = thin;
 }
 }  // namespace clod::builder

@@ -9,7 +9,15 @@ namespace clod::builder
 // Distance from the input point nearest to p, into the solid along direction, to the opposite side; infinity if none.
 double wallBehind(const Solid& solid, const Vec3& p, const Vec3& direction);
 
+// A sweep is taken at once where protrude stays below this.
+struct SweepRule
+{
+	double overVertices;  // times the protrusion of the patch's own vertices
+	double harmless;      // absolute: what the deviation is anyway
+};
+
 // Sets thickness (at most half the local wall along inward, measured from the input surface the node answers for) and
-// protrude. The sweep is shortened, to zero if need be, until it does not make the node stick out farther.
-void thicken(NodeDraft& node, const Solid& solid, const ProtrusionScale& scale);
+// protrude. The sweep is shortened, to zero if need be, until it obeys the rule or makes the node stick out no farther
+// than without it.
+void thicken(NodeDraft& node, const Solid& solid, const ProtrusionScale& scale, const SweepRule& rule);
 }  // namespace clod::builder
