@@ -12,48 +12,34 @@ namespace
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 }
 
-double ContactSink::room(const FrontEntry& pair) const
+void ContactSink::noContact(const FrontEntry& pair)
 {
-	const double size = double(m_context.a.cullBox(pair.a).radius) + double(m_context.b.cullBox(pair.b).radius);
-	return 10 * kHullDistanceAccuracy * (size + m_tolerance + m_context.longestMove) + 4 * m_context.pose.rounding;
-}
-
-// The pair is no contact.
-void ContactSink::keepBound(HullMemory& memory, const FrontEntry& pair, double lower, const Vec3& direction)
-{
-	memory.lower = lowerAfter(float(lower), 0);
-	for (int i = 0; i < 3; ++i) memory.axis[i] = float(direction[i]);
 	const Node &nodeA = m_context.a.node(pair.a), &nodeB = m_context.b.node(pair.b);
 	m_largestCover = std::max(m_largestCover, double(nodeA.cover) + double(nodeB.cover));
 }
 
 void ContactSink::answer(const FrontEntry& pair, HullMemory& memory)
 {
-	const Vec3 axis{double(memory.axis[0]), double(memory.axis[1]), double(memory.axis[2])};
-	if (provenApart(pair, memory))
-	{
-		++m_stats.skippedBySlack;
-		const Node &nodeA = m_context.a.node(pair.a), &nodeB = m_context.b.node(pair.b);
-		m_largestCover = std::max(m_largestCover, double(nodeA.cover) + double(nodeB.cover));
-		return;
-	}
-	if (memory.lower > -std::numeric_limits<float>::infinity())
-	{
-		++m_stats.hullTests;
-		const double lower = sweptSeparationAlong(m_context, pair.a, pair.b, axis);
-		if (lower > m_tolerance + room(pair)) return keepBound(memory, pair, lower, axis);
-	}
+	if (m_hulls.isStillApart(pair.a, pair.b, m_tolerance, memory)) return noContact(pair);
 	const bool moves = m_context.longestMove > 0;
 	if (moves)
 	{
 		++m_stats.hullTests;
 		const SweptBound bound = canonicalSweptBound(m_context, pair.a, pair.b, m_tolerance);
-		if (bound.lower > m_tolerance) return keepBound(memory, pair, bound.lower, bound.normal);
+		if (bound.lower > m_tolerance)
+		{
+			HullCull::keep(memory, bound.lower, bound.normal);
+			return noContact(pair);
+		}
 	}
 	++m_stats.hullTests;
 	const HullDistance distance = canonicalDistance(m_context, pair.a, pair.b, moves ? kInfinity : m_tolerance);
-	if (!moves && distance.lower > m_tolerance) return keepBound(memory, pair, distance.lower, distance.normal);
-	memory.lower = -std::numeric_limits<float>::infinity();
+	if (!moves && distance.lower > m_tolerance)
+	{
+		HullCull::keep(memory, distance.lower, distance.normal);
+		return noContact(pair);
+	}
+	memory = HullMemory{};
 	m_contacts.push_back(
 		{pair.a, pair.b, distance.lower, distance.upper, distance.pointOnA, distance.pointOnB, distance.normal});
 }

@@ -3,8 +3,7 @@
 #pragma once
 #include <vector>
 
-#include "clod/query/PairFront.h"
-#include "clod/query/QueryContext.h"
+#include "clod/query/HullCull.h"
 
 namespace clod
 {
@@ -16,12 +15,20 @@ class ContactSink
 public:
 	ContactSink(const QueryContext& context, double tolerance, bool exact, std::vector<Contact>& contacts,
 				QueryStats& stats)
-		: m_context(context), m_tolerance(tolerance), m_exact(exact), m_contacts(contacts), m_stats(stats)
+		: m_context(context),
+		  m_tolerance(tolerance),
+		  m_exact(exact),
+		  m_contacts(contacts),
+		  m_stats(stats),
+		  m_hulls(context, stats)
 	{
 	}
 
 	// In exact mode a pair that is no contact leaves no trace, near or far.
-	bool skips(const FrontEntry& pair, const HullMemory& memory) const { return m_exact && provenApart(pair, memory); }
+	bool skips(const FrontEntry& pair, const HullMemory& memory) const
+	{
+		return m_exact && m_hulls.isProvenApart(pair.a, pair.b, m_tolerance, memory);
+	}
 
 	void answer(const FrontEntry& pair, HullMemory& memory);
 
@@ -29,18 +36,14 @@ public:
 	double largestCover() const { return m_largestCover; }
 
 private:
-	bool provenApart(const FrontEntry& pair, const HullMemory& memory) const
-	{
-		return double(memory.lower) > m_tolerance + room(pair);
-	}
-	double room(const FrontEntry& pair) const;
-	void keepBound(HullMemory& memory, const FrontEntry& pair, double lower, const Vec3& direction);
+	void noContact(const FrontEntry& pair);
 
 	const QueryContext& m_context;
 	const double m_tolerance;
 	const bool m_exact;
 	std::vector<Contact>& m_contacts;
 	QueryStats& m_stats;
+	HullCull m_hulls;
 	double m_largestCover = 0;
 };
 }  // namespace clod

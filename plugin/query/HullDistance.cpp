@@ -127,7 +127,7 @@ double separationAlong(const ConvexHull& a, const ConvexHull& b, const RelativeP
 }
 
 HullDistance hullDistance(const ConvexHull& a, const ConvexHull& b, const RelativePose& pose, const Vec3& start,
-						  double stopAbove, const Vec3& moveB)
+						  double stopAbove, const Vec3& moveB, double stopBelow)
 {
 	HullDistance result;
 	result.upper = std::numeric_limits<double>::infinity();
@@ -160,7 +160,7 @@ HullDistance hullDistance(const ConvexHull& a, const ConvexHull& b, const Relati
 		result.upper = apart + pose.rounding;
 		result.pointOnA = witness.onA;
 		result.pointOnB = witness.onB;
-		if (result.upper - result.lower <= kConverged * size) break;
+		if (result.upper - result.lower <= kConverged * size || result.upper <= stopBelow) break;
 		towardsA = nearest.nearest;
 	}
 	result.lower = std::max(result.lower, 0.0);

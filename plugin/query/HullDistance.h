@@ -12,6 +12,7 @@
 // Based on: Gilbert, Johnson & Keerthi 1988; van den Bergen 2003 sec. 4.3 (lower bound, termination).
 #pragma once
 #include <cstdint>
+#include <limits>
 
 #include "clod/hierarchy/Hierarchy.h"
 
@@ -55,8 +56,10 @@ struct HullDistance
 
 // start: any vector from B towards A (frame A), e.g. the difference of two centres. Stops as soon as lower > stopAbove.
 // moveB: hull b is swept along the segment [0, moveB] as well (frame A); pointOnB is then a point of the swept hull.
+// Stops as well as soon as upper <= stopBelow: lower and normal are then those reached.
 HullDistance hullDistance(const ConvexHull& a, const ConvexHull& b, const RelativePose& pose, const Vec3& start,
-						  double stopAbove, const Vec3& moveB = {});
+						  double stopAbove, const Vec3& moveB = {},
+						  double stopBelow = -std::numeric_limits<double>::infinity());
 
 // Certified lower bound of the distance from the support planes across one direction (frame A, from B to A); may be
 // negative. O(vertices).

@@ -17,30 +17,33 @@ namespace clod
 {
 enum class PairState : std::uint8_t
 {
-	kSeparated,  // culling volumes are farther apart than the tolerance
-	kOpenA,      // replaced by the children of a
-	kOpenB,      // replaced by the children of b
-	kAnswer      // accepted by the stop rule, culling volumes within the tolerance
+	kSeparated,   // culling volumes are farther apart than the tolerance
+	kOpenA,       // replaced by the children of a
+	kOpenB,       // replaced by the children of b
+	kHullsApart,  // not accepted, and nothing the two nodes answer for is within the tolerance (HullCull.h)
+	kAnswer       // accepted by the stop rule, culling volumes within the tolerance
 };
 
 // Bounds are of the pose of the last finished traversal, in float, rounded outward.
 struct FrontEntry
 {
 	std::uint32_t a, b;
-	std::uint32_t link;        // opened: its first child in entries; answer: its place in hulls
+	std::uint32_t link;        // opened: its first child in entries
+	std::uint32_t hull;        // its place in hulls, kNone
 	std::uint16_t childCount;  // entries of its children, without pairs met elsewhere before
 	std::uint16_t slot;        // its number among the children of the node opened above it
 	float low, high;           // the separation of the culling volumes lies between
 	std::uint32_t old;         // its entry in the traversal before, kNone
 	PairState state;
 };
-static_assert(sizeof(FrontEntry) == 32);
+static_assert(sizeof(FrontEntry) == 36);
 
-// What an answering pair keeps of its hull test.
+// What a pair keeps of its hull test.
 struct HullMemory
 {
 	float axis[3] = {0, 0, 0};                              // frame A: the direction `lower` was measured along
-	float lower = -std::numeric_limits<float>::infinity();  // lower bound of the hull distance; -inf: unknown
+	float lower = -std::numeric_limits<float>::infinity();  // bounds of the hull distance; infinite: unknown
+	float upper = std::numeric_limits<float>::infinity();
 };
 
 // A bound from below, or above, that a motion may have made wrong by `moved`.

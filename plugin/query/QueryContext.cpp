@@ -50,15 +50,16 @@ HullDistance canonicalDistance(const QueryContext& context, std::uint32_t a, std
 						context.pose, start, stopAbove);
 }
 
-SweptBound canonicalSweptBound(const QueryContext& context, std::uint32_t a, std::uint32_t b, double stopAbove)
+SweptBound canonicalSweptBound(const QueryContext& context, std::uint32_t a, std::uint32_t b, double stopAbove,
+							   double stopBelow)
 {
 	const Vec3 centerB = context.pose.apply(centerOf(context.b.cullBox(b)));
 	const Vec3 start = centerOf(context.a.cullBox(a)) - centerB;
 	const double spread = length(context.sweep.angular) * double(context.b.cullBox(b).radius);
 	const HullDistance distance =
 		hullDistance(contactHull(context.a, context.a.node(a)), contactHull(context.b, context.b.node(b)), context.pose,
-					 start, stopAbove + spread, context.sweep.of(centerB));
-	return {distance.lower - spread, distance.normal};
+					 start, stopAbove + spread, context.sweep.of(centerB), stopBelow + spread);
+	return {distance.lower - spread, distance.upper - spread, distance.normal};
 }
 
 double sweptSeparationAlong(const QueryContext& context, std::uint32_t a, std::uint32_t b, const Vec3& direction)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // What one query prepares once: the two hierarchies, the relative pose with its rounding, and the scale of the pair.
 #pragma once
+#include <limits>
+
 #include "clod/query/BoxSeparation.h"
 #include "clod/query/Query.h"
 
@@ -24,14 +26,16 @@ struct QueryContext
 // as lower > stopAbove.
 HullDistance canonicalDistance(const QueryContext& context, std::uint32_t a, std::uint32_t b, double stopAbove);
 
-// Lower bound of the distance of two hulls at any time of the step, from the canonical start; the direction it was found
-// along. Stops as soon as it is > stopAbove. Without a sweep the hull distance itself.
+// Bounds of the distance of two hulls at any time of the step, from the canonical start; the direction the lower one was
+// found along. The upper one is of hulls that move with their centre and spread by turning. Stops as soon as lower >
+// stopAbove or upper <= stopBelow. Without a sweep those of the hull distance itself.
 struct SweptBound
 {
-	double lower;
+	double lower, upper;
 	Vec3 normal;
 };
-SweptBound canonicalSweptBound(const QueryContext& context, std::uint32_t a, std::uint32_t b, double stopAbove);
+SweptBound canonicalSweptBound(const QueryContext& context, std::uint32_t a, std::uint32_t b, double stopAbove,
+							   double stopBelow = -std::numeric_limits<double>::infinity());
 // The same from the support planes across one direction: any direction gives a true bound.
 double sweptSeparationAlong(const QueryContext& context, std::uint32_t a, std::uint32_t b, const Vec3& direction);
 

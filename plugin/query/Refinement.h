@@ -7,8 +7,8 @@
 // of the pairs opened never rise, and at any moment those are opened that exceed the metric by more than some factor:
 // what a smaller budget opens a larger one opens too. With nothing pending the accepted pairs are those of Traversal.h.
 //
-// Cost in tests (a box test or a hull distance each), known beforehand: every pair met costs one, every pair that
-// answers one more. committed() holds both, done or still to be done. Nothing is taken from a cache: costs, and what a
+// Cost in tests (a box test or a hull distance each), known beforehand: every pair met costs one, a pair of contact
+// nodes one more before it is opened, every pair that answers one more. committed() holds both, done or still to be done. Nothing is taken from a cache: costs, and what a
 // budget of tests buys, are a function of pose and settings.
 //
 // Based on: Otaduy & Lin 2003, sec. 3.3 and 5.2 ("constant frame-rate"); Hubbard 1994 (time-critical collision
@@ -20,7 +20,7 @@
 #include <optional>
 #include <vector>
 
-#include "clod/query/PairFront.h"
+#include "clod/query/HullCull.h"
 #include "clod/query/StopRule.h"
 
 namespace clod
@@ -72,7 +72,7 @@ public:
 	std::uint64_t cost() const
 	{
 		const std::uint64_t children = sideOf(m_pending.front()).node->childCount;
-		return children + m_testsPerAnswer * (children - 1);
+		return std::uint64_t(cullsByHulls(m_pending.front())) + children + m_testsPerAnswer * (children - 1);
 	}
 
 	// Precondition: not complete.
@@ -82,6 +82,11 @@ public:
 		const Pending worst = m_pending.front();
 		std::pop_heap(m_pending.begin(), m_pending.end());
 		m_pending.pop_back();
+		if (cullsByHulls(worst) && hullsApart(worst))
+		{
+			++m_apart;
+			return;
+		}
 		++m_opened;
 		const Side side = sideOf(worst);
 		const Span<std::uint32_t> children = side.hierarchy->children(*side.node);
@@ -96,7 +101,7 @@ public:
 		const auto hand = [&](std::uint32_t a, std::uint32_t b)
 		{
 			HullMemory unknown;
-			sink.answer({a, b, kNone, 0, 0, 0, 0, kNone, PairState::kAnswer}, unknown);
+			sink.answer({a, b, kNone, kNone, 0, 0, 0, 0, kNone, PairState::kAnswer}, unknown);
 		};
 		for (const NodePair& pair : m_accepted) hand(pair.a, pair.b);
 		for (const Pending& pair : m_pending) hand(pair.a, pair.b);
@@ -140,6 +145,18 @@ private:
 		const bool isA = m_rule->opensA(pair.a, pair.b);
 		const Hierarchy& hierarchy = isA ? m_context->a : m_context->b;
 		return {isA, &hierarchy, &hierarchy.node(isA ? pair.a : pair.b)};
+	}
+
+	// As Traversal.h does before a pair is opened.
+	bool cullsByHulls(const Pending& pair) const
+	{
+		return !m_paper && mayCullByHulls(m_context->a.node(pair.a), m_context->b.node(pair.b));
+	}
+	bool hullsApart(const Pending& pair)
+	{
+		++m_hullTests;
+		const double limit = cullLimit(m_context->a.node(pair.a), m_context->b.node(pair.b), m_tolerance);
+		return canonicalSweptBound(*m_context, pair.a, pair.b, limit, limit).lower > limit;
 	}
 
 	void visit(std::uint32_t a, std::uint32_t b, double largest)

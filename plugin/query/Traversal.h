@@ -8,6 +8,9 @@
 // within, each with some room for rounding. Everything else is measured anew. Both proofs decide as a measurement
 // would, hence the set of visited pairs never depends on the cache.
 //
+// Outside exact and paper mode a pair of contact nodes that is not accepted is opened only where its hulls, too, are
+// near: boxes of curved patches are far from tight.
+//
 // Exact mode follows primary children only: a tree, each pair once. Otherwise all children: a directed acyclic graph,
 // each pair is opened where it is met first.
 #pragma once
@@ -15,8 +18,7 @@
 #include <vector>
 
 #include "clod/query/BoxSeparation.h"
-#include "clod/query/PairFront.h"
-#include "clod/query/QueryContext.h"
+#include "clod/query/HullCull.h"
 #include "clod/query/StopRule.h"
 
 namespace clod
@@ -37,19 +39,21 @@ template <class Sink>
 class Traversal
 {
 public:
-	Traversal(const QueryContext& context, const TraversalSettings& settings, PairFront& front, Sink& sink)
+	Traversal(const QueryContext& context, const TraversalSettings& settings, PairFront& front, Sink& sink,
+			  QueryStats& stats)
 		: m_context(context),
 		  m_settings(settings),
 		  m_front(front),
 		  m_sink(sink),
 		  m_room(1e-9 * context.size + boxRounding(context.size)),
-		  m_moved(float(front.pending) * (1 + 3e-7f))
+		  m_moved(float(front.pending) * (1 + 3e-7f)),
+		  m_stats(&stats),
+		  m_hulls(context, stats)
 	{
 	}
 
-	void run(QueryStats& stats)
+	void run()
 	{
-		m_stats = &stats;
 		std::swap(m_front.entries, m_front.previous);
 		std::swap(m_front.hulls, m_front.previousHulls);
 		m_front.entries.clear();
@@ -57,7 +61,7 @@ public:
 		m_front.visited.clear();
 		m_front.pending = 0;
 		Opened none;
-		m_front.entries.push_back({m_context.a.root(), m_context.b.root(), kNone, 0, 0, 0, 0,
+		m_front.entries.push_back({m_context.a.root(), m_context.b.root(), kNone, kNone, 0, 0, 0, 0,
 								   m_front.previous.empty() ? kNone : 0, PairState::kSeparated});
 		visit(m_front.entries[0], none);
 		for (std::uint32_t i = 0; i < m_front.entries.size(); ++i)
@@ -106,7 +110,7 @@ private:
 			if (shared && !m_front.visited.insert(a, b)) continue;
 			while (old < oldEnd && m_front.previous[old].slot < k) ++old;
 			const bool known = old < oldEnd && m_front.previous[old].slot == k;
-			*next = FrontEntry{a, b, kNone, 0, std::uint16_t(k), 0, 0, known ? old : kNone, PairState::kSeparated};
+			*next = FrontEntry{a, b, kNone, kNone, 0, std::uint16_t(k), 0, 0, known ? old : kNone, PairState::kSeparated};
 			visit(*next++, opened);
 		}
 		entries.resize(std::size_t(next - entries.data()));
@@ -125,14 +129,17 @@ private:
 		entry.low = lowerAfter(old.low, m_moved);
 		entry.high = upperAfter(old.high, m_moved);
 		HullMemory memory;
-		if (old.state == PairState::kAnswer)
+		if (old.hull != kNone)
 		{
-			memory = m_front.previousHulls[old.link];
+			memory = m_front.previousHulls[old.hull];
 			memory.lower = lowerAfter(memory.lower, m_moved);
-			if (m_settings.sameRule && m_sink.skips(entry, memory))
+			memory.upper = upperAfter(memory.upper, m_moved);
+			if (m_settings.sameRule && old.state == PairState::kAnswer && m_sink.skips(entry, memory))
 			{
 				++m_stats->skippedBySlack;
-				return keepAnswer(entry, memory);
+				++m_stats->front;
+				entry.state = PairState::kAnswer;
+				return keep(entry, memory);
 			}
 		}
 		decide(entry, old.state, opened, memory);
@@ -144,22 +151,36 @@ private:
 		if (entry.state == PairState::kAnswer)
 		{
 			m_sink.answer(entry, memory);
-			return keepAnswer(entry, memory);
+			keep(entry, memory);
 		}
-		++(entry.state == PairState::kSeparated ? m_stats->front : m_stats->frontInner);
+		else if (entry.state != PairState::kSeparated && cullsByHulls(entry))
+		{
+			if (hullsApart(entry, memory)) entry.state = PairState::kHullsApart;
+			keep(entry, memory);
+		}
+		const bool isOpened = entry.state == PairState::kOpenA || entry.state == PairState::kOpenB;
+		++(isOpened ? m_stats->frontInner : m_stats->front);
 	}
 
-	void keepAnswer(FrontEntry& entry, const HullMemory& memory)
+	bool cullsByHulls(const FrontEntry& entry) const
 	{
-		++m_stats->front;
-		entry.state = PairState::kAnswer;
-		entry.link = std::uint32_t(m_front.hulls.size());
+		return m_settings.rule.followsSharedChildren() && !m_settings.paper &&
+			   mayCullByHulls(m_context.a.node(entry.a), m_context.b.node(entry.b));
+	}
+	bool hullsApart(const FrontEntry& entry, HullMemory& memory)
+	{
+		const double limit = cullLimit(m_context.a.node(entry.a), m_context.b.node(entry.b), m_settings.tolerance);
+		return m_hulls.isApart(entry.a, entry.b, limit, memory);
+	}
+	void keep(FrontEntry& entry, const HullMemory& memory)
+	{
+		entry.hull = std::uint32_t(m_front.hulls.size());
 		m_front.hulls.push_back(memory);
 	}
 
 	PairState nextState(const FrontEntry& entry, PairState before) const
 	{
-		if (m_settings.sameRule && before != PairState::kSeparated) return before;
+		if (m_settings.sameRule && before != PairState::kSeparated && before != PairState::kHullsApart) return before;
 		const StopRule& rule = m_settings.rule;
 		if (rule.accepts(entry.a, entry.b)) return PairState::kAnswer;
 		return rule.opensA(entry.a, entry.b) ? PairState::kOpenA : PairState::kOpenB;
@@ -213,9 +234,10 @@ private:
 	const TraversalSettings& m_settings;
 	PairFront& m_front;
 	Sink& m_sink;
-	QueryStats* m_stats = nullptr;
 	const double m_room;  // for the rounding of two measurements
 	const float m_moved;  // since the cached bounds
+	QueryStats* m_stats;
+	HullCull m_hulls;
 	// Finer levels come first.
 	std::uint32_t m_finestA = kNone - 1, m_finestB = kNone - 1;
 };

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Zlib
+// Are the contact hulls of two nodes farther apart than a limit, now and on B's way in the coming step? From what is
+// remembered of the pair where that proves it, else from the canonical start, so that the answer never depends on the
+// cache: remembered bounds decide only where they are beyond the limit by more than the accuracy of an evaluation.
+#pragma once
+#include "clod/query/PairFront.h"
+#include "clod/query/QueryContext.h"
+
+namespace clod
+{
+class HullCull
+{
+public:
+	HullCull(const QueryContext& context, QueryStats& stats) : m_context(context), m_stats(stats) {}
+
+	// The remembered bound alone says so.
+	bool isProvenApart(std::uint32_t a, std::uint32_t b, double limit, const HullMemory& memory) const
+	{
+		return double(memory.lower) > limit + room(a, b, limit);
+	}
+	// As before, or seen along the remembered direction.
+	bool isStillApart(std::uint32_t a, std::uint32_t b, double limit, HullMemory& memory)
+	{
+		if (isProvenApart(a, b, limit, memory))
+		{
+			++m_stats.skippedBySlack;
+			return true;
+		}
+		if (!(memory.lower > -std::numeric_limits<float>::infinity())) return false;
+		++m_stats.hullTests;
+		const Vec3 axis{double(memory.axis[0]), double(memory.axis[1]), double(memory.axis[2])};
+		const double lower = sweptSeparationAlong(m_context, a, b, axis);
+		if (!(lower > limit + room(a, b, limit))) return false;
+		keep(memory, lower, axis);
+		return true;
+	}
+	bool isApart(std::uint32_t a, std::uint32_t b, double limit, HullMemory& memory)
+	{
+		if (double(memory.upper) < limit - room(a, b, limit))
+		{
+			++m_stats.skippedBySlack;
+			return false;
+		}
+		if (isStillApart(a, b, limit, memory)) return true;
+		++m_stats.hullTests;
+		const SweptBound bound = canonicalSweptBound(m_context, a, b, limit, limit);
+		if (bound.lower > limit)
+		{
+			keep(memory, bound.lower, bound.normal);
+			return true;
+		}
+		memory.lower = -std::numeric_limits<float>::infinity();
+		memory.upper = upperAfter(float(bound.upper), 0);
+		return false;
+	}
+	static void keep(HullMemory& memory, double lower, const Vec3& direction)
+	{
+		memory.lower = lowerAfter(float(lower), 0);
+		memory.upper = std::numeric_limits<float>::infinity();
+		for (int i = 0; i < 3; ++i) memory.axis[i] = float(direction[i]);
+	}
+
+private:
+	double room(std::uint32_t a, std::uint32_t b, double limit) const
+	{
+		const double size = double(m_context.a.cullBox(a).radius) + double(m_context.b.cullBox(b).radius);
+		return 10 * kHullDistanceAccuracy * (size + limit + m_context.longestMove) + 4 * m_context.pose.rounding;
+	}
+	const QueryContext& m_context;
+	QueryStats& m_stats;
+};
+
+// Nodes that may answer answer for surface within `cover` of their hulls: where the hulls are farther apart than this,
+// nothing that both answer for is within the tolerance, and the pair need not be opened.
+inline double cullLimit(const Node& a, const Node& b, double tolerance)
+{
+	return tolerance + double(a.cover) + double(b.cover);
+}
+inline bool mayCullByHulls(const Node& a, const Node& b)
+{
+	return (a.flags & b.flags & kClodNode) != 0;
+}
+}  // namespace clod
