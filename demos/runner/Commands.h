@@ -17,6 +17,7 @@ void addListCommand(CLI::App& program);
 void addRunCommand(CLI::App& program);
 void addReplayCommand(CLI::App& program);
 void addPaperCommand(CLI::App& program);
+void addTradeoffCommand(CLI::App& program);
 
 // --cache-dir and --no-cache.
 void addCache(CLI::App& command, CacheOptions& options);

@@ -2,23 +2,13 @@
 // Dispatch times of our shape and of btGImpactMeshShape, on the same meshes and poses in one run.
 #include "demos/runner/DispatchBench.h"
 
-#include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
-#include <BulletCollision/Gimpact/btGImpactShape.h>
-#include <btBulletCollisionCommon.h>
-#include <clod/bullet/Context.h>
-#include <clod/bullet/btClodCollisionAlgorithm.h>
-#include <clod/bullet/btClodShape.h>
-#include <clod/query/ContactPoints.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <chrono>
-#include <map>
 
-#include "demos/cli/Program.h"
+#include "demos/peers/BulletPeers.h"
+#include "demos/peers/PeerMesh.h"
 #include "demos/runner/Statistics.h"
-#include "demos/scenes/BulletPose.h"
 
 namespace clod::demo
 {
@@ -27,168 +17,28 @@ namespace
 // Bullet's constants are absolute; tableware in metres is scaled to centimetres, as in the scenes.
 constexpr double kWorldScale = 100;
 
-// The input surface as indexed triangles in Bullet's memory, scaled; body frame.
-class BulletMesh
-{
-public:
-	explicit BulletMesh(const Hierarchy& hierarchy)
-	{
-		std::map<std::array<float, 3>, int> indexOf;
-		const Level& level = hierarchy.levels()[0];
-		for (std::uint32_t n = level.firstNode; n < level.firstNode + level.nodeCount; ++n)
-		{
-			const HullView hull = hierarchy.hull(hierarchy.node(n));
-			for (const Face& face : hierarchy.faces(hierarchy.node(n)))
-				for (const std::uint16_t v : face.vertex)
-					m_indices.push_back(
-						indexOf.insert({{hull.x[v], hull.y[v], hull.z[v]}, int(indexOf.size())}).first->second);
-		}
-		m_vertices.resize(3 * indexOf.size());
-		for (const auto& [position, index] : indexOf)
-			for (int i = 0; i < 3; ++i) m_vertices[3 * index + i] = btScalar(kWorldScale * double(position[i]));
-		m_array.reset(new btTriangleIndexVertexArray(int(m_indices.size() / 3), m_indices.data(), 3 * int(sizeof(int)),
-													 int(indexOf.size()), m_vertices.data(),
-													 3 * int(sizeof(btScalar))));
-	}
-	btStridingMeshInterface* interface() const { return m_array.get(); }
-
-private:
-	std::vector<int> m_indices;
-	std::vector<btScalar> m_vertices;
-	std::unique_ptr<btTriangleIndexVertexArray> m_array;
-};
-
-// Two collision objects in a world of their own, with persistent algorithms, as a simulation would have them.
-class DispatchWorld
-{
-public:
-	DispatchWorld(btCollisionShape& a, btCollisionShape& b)
-		: m_dispatcher(&m_configuration), m_world(&m_dispatcher, &m_broadphase, &m_configuration)
-	{
-		btCollisionShape* shapes[2] = {&a, &b};
-		for (int i = 0; i < 2; ++i)
-		{
-			m_bodies[i].setCollisionShape(shapes[i]);
-			m_bodies[i].setCollisionFlags(0);
-		}
-	}
-	~DispatchWorld()
-	{
-		for (btCollisionObject& body : m_bodies)
-			if (body.getBroadphaseHandle()) m_world.removeCollisionObject(&body);
-	}
-	DispatchWorld(const DispatchWorld&) = delete;
-	DispatchWorld& operator=(const DispatchWorld&) = delete;
-	btCollisionDispatcher& dispatcher() { return m_dispatcher; }
-	// After every algorithm is registered.
-	void addBodies()
-	{
-		for (btCollisionObject& body : m_bodies) m_world.addCollisionObject(&body);
-	}
-	// Microseconds of one whole dispatch.
-	double dispatch(const btTransform& a, const btTransform& b, double dt)
-	{
-		m_bodies[0].setWorldTransform(a);
-		m_bodies[1].setWorldTransform(b);
-		m_world.updateAabbs();
-		m_world.computeOverlappingPairs();
-		btDispatcherInfo& info = m_world.getDispatchInfo();
-		info.m_timeStep = btScalar(dt);
-		const auto start = std::chrono::steady_clock::now();
-		m_dispatcher.dispatchAllCollisionPairs(m_broadphase.getOverlappingPairCache(), info, &m_dispatcher);
-		return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
-	}
-	int points() const
-	{
-		int count = 0;
-		for (int i = 0; i < m_dispatcher.getNumManifolds(); ++i)
-			count += m_dispatcher.getManifoldByIndexInternal(i)->getNumContacts();
-		return count;
-	}
-
-private:
-	btDefaultCollisionConfiguration m_configuration;
-	mutable btCollisionDispatcher m_dispatcher;
-	btDbvtBroadphase m_broadphase;
-	btCollisionWorld m_world;
-	btCollisionObject m_bodies[2];
-};
-
 struct DispatchRows
 {
 	std::vector<double> microseconds, points;
 };
 
-using Register = std::function<void(DispatchWorld&)>;
-
-DispatchRows measure(btCollisionShape& a, btCollisionShape& b, const Register& registerAlgorithms,
-					 const std::vector<std::array<btTransform, 2>>& poses, const ReplayOptions& options)
+// Whole passes; a row keeps its least time.
+DispatchRows measure(Peer& peer, const PoseSample& sample, int repeat)
 {
 	DispatchRows rows;
-	for (int pass = 0; pass < options.repeat; ++pass)
+	for (int pass = 0; pass < repeat; ++pass)
 	{
-		DispatchWorld world(a, b);
-		registerAlgorithms(world);
-		world.addBodies();
-		for (std::size_t i = 0; i < poses.size(); ++i)
-		{
-			const double time = world.dispatch(poses[i][0], poses[i][1], options.dt);
+		const std::vector<PeerAnswer> answers = peer.pass(sample);
+		for (std::size_t i = 0; i < answers.size(); ++i)
 			if (pass == 0)
-				rows.microseconds.push_back(time), rows.points.push_back(world.points());
+			{
+				rows.microseconds.push_back(answers[i].microseconds);
+				rows.points.push_back(double(answers[i].contacts.size()));
+			}
 			else
-				rows.microseconds[i] = std::min(rows.microseconds[i], time);
-		}
+				rows.microseconds[i] = std::min(rows.microseconds[i], answers[i].microseconds);
 	}
 	return rows;
-}
-
-DispatchRows measureGimpact(const Hierarchy& a, const Hierarchy& b,
-							const std::vector<std::array<btTransform, 2>>& poses, const ReplayOptions& options)
-{
-	const BulletMesh meshA(a), meshB(b);
-	btGImpactMeshShape shapeA(meshA.interface()), shapeB(meshB.interface());
-	// Each margin is half the tolerance: contacts appear at the same gap as ours.
-	for (btGImpactMeshShape* shape : {&shapeA, &shapeB})
-	{
-		shape->setMargin(btScalar(kWorldScale * options.settings.tolerance / 2));
-		shape->updateBound();
-	}
-	const auto registerGimpact = [](DispatchWorld& world)
-	{ btGImpactCollisionAlgorithm::registerAlgorithm(&world.dispatcher()); };
-	return measure(shapeA, shapeB, registerGimpact, poses, options);
-}
-
-ContactMetric contactMetric(const Metric& metric)
-{
-	ContactMetric result;
-	result.exact = metric.exact;
-	result.weightedDeviation = metric.weightedDeviation;
-	result.maxError = metric.maxError;
-	return result;
-}
-
-DispatchRows measureClod(const HierarchyPointer& a, const HierarchyPointer& b,
-						 const std::vector<std::array<btTransform, 2>>& poses, const ReplayOptions& options)
-{
-	Context context;  // outlives the worlds that measure makes
-	context.worldMetric = contactMetric(options.settings.metric);
-	context.warn = nullptr;
-	btClodShape shapeA(a), shapeB(b);
-	const btScalar scale = btScalar(kWorldScale);
-	// Both margins and the plugin's resting height together are the tolerance.
-	const double resting = kRestingShare * smallerRadius(*a, *b);
-	const double margin = std::max(0.0, (options.settings.tolerance - resting) / 2);
-	for (btClodShape* shape : {&shapeA, &shapeB})
-	{
-		shape->setLocalScaling({scale, scale, scale});
-		shape->setMargin(btScalar(kWorldScale * margin));
-	}
-	const auto registerClod = [&](DispatchWorld& world)
-	{
-		const Result<int> registered = btClodCollisionAlgorithm::registerAlgorithm(&world.dispatcher(), &context);
-		if (!registered) throw cli::Failure(cli::ExitCode::failure, registered.error());
-	};
-	return measure(shapeA, shapeB, registerClod, poses, options);
 }
 
 std::vector<double> select(const std::vector<double>& values, const std::vector<bool>& chosen)
@@ -224,12 +74,15 @@ nlohmann::ordered_json comparePeer(const HierarchyPointer& a, const HierarchyPoi
 								   const std::vector<PoseRow>& poses, const std::vector<ReplayRow>& rows,
 								   const ReplayOptions& options)
 {
-	std::vector<std::array<btTransform, 2>> transforms;
-	for (const PoseRow& row : poses)
-		transforms.push_back(
-			{bodyTransform(row.a, meshFromBody(*a), kWorldScale), bodyTransform(row.b, meshFromBody(*b), kWorldScale)});
-	const DispatchRows ours = measureClod(a, b, transforms, options);
-	const DispatchRows peer = measureGimpact(*a, *b, transforms, options);
+	PoseSample sample;
+	sample.dt = options.dt;
+	sample.tolerance = options.settings.tolerance;
+	for (const PoseRow& row : poses) sample.rows.push_back({row, true});
+	const PairFrame frame = pairFrame(*a, *b, kWorldScale, options.settings.tolerance);
+	const PeerPointer clod = clodDispatch({}, a, b, options.settings.metric, frame);
+	const PeerPointer other = gimpact({}, inputSurface(*a), inputSurface(*b), frame);
+	const DispatchRows ours = measure(*clod, sample, options.repeat);
+	const DispatchRows peer = measure(*other, sample, options.repeat);
 	std::vector<bool> all(rows.size(), true), moving;
 	for (const ReplayRow& row : rows)
 		moving.push_back(row.contact(options.settings.tolerance) && row.motion() == Motion::moving);

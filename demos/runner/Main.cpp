@@ -14,5 +14,6 @@ int main(int argc, char** argv)
 	clod::demo::addRunCommand(app);
 	clod::demo::addReplayCommand(app);
 	clod::demo::addPaperCommand(app);
+	clod::demo::addTradeoffCommand(app);
 	return clod::cli::runProgram(app, argc, argv);
 }

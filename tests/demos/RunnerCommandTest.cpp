@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -144,7 +145,13 @@ TEST_F(RunnerCommand, UsageErrorsExitWith2AndTheNearestMatch)
 		{"run spoon-cup --frames x --camera 1,2,3", "fovy"},
 		{"replay a.obj b.obj", "POSES"},
 		{"replay a.obj b.obj p.csv --repeat 0", "--repeat"},
-		{"replay a.obj b.obj p.csv --peer coal", "gimpact"}};
+		{"replay a.obj b.obj p.csv --peer coal", "gimpact"},
+		{"tradeoff spoon-cub -o x", "did you mean spoon-cup"},
+		{"tradeoff a.obj b.obj -o x", "POSES.csv"},
+		{"tradeoff spoon-cup", "-o"},
+		{"tradeoff spoon-cup -o x --methods gimpakt", "did you mean gimpact"},
+		{"tradeoff spoon-cup -o x --stride 0", "--stride"},
+		{"tradeoff spoon-cup -o x --rows resting", "moving"}};
 	for (const auto& [words, part] : cases)
 	{
 		const Outcome outcome = bench(words);
@@ -219,6 +226,68 @@ TEST_F(RunnerCommand, ADamagedCacheEntryIsBuiltAgain)
 	EXPECT_EQ(third.err.find("damaged"), std::string::npos) << third.err;
 	for (const auto& entry : fs::directory_iterator(path("cache")))
 		EXPECT_EQ(entry.path().filename().string().find("partial"), std::string::npos);
+}
+
+// The column of a csv as numbers, by the row's first two fields.
+std::map<std::string, double> csvColumn(const std::string& csv, const std::string& name)
+{
+	std::istringstream lines(csv);
+	std::string header, line;
+	std::getline(lines, header);
+	std::istringstream names(header);
+	int wanted = 0;
+	for (std::string field; std::getline(names, field, ',') && field != name;) ++wanted;
+	std::map<std::string, double> values;
+	while (std::getline(lines, line))
+	{
+		std::istringstream fields(line);
+		std::string key, field;
+		for (int column = 0; column <= wanted && std::getline(fields, field, ','); ++column)
+			if (column < 2) key += (column ? "," : "") + field;
+		values[key] = std::atof(field.c_str());
+	}
+	return values;
+}
+
+TEST_F(RunnerCommand, TradeoffMeasuresOursAndWhatBulletHas)
+{
+	needRecording();
+	const std::string inputs = path("cup.obj ") + path("spoon.obj ") + path("poses.csv");
+	const Outcome outcome = bench("tradeoff " + inputs + cache() +
+								  " --rows contact --tolerance 2mm --stride 6 --repeat 1 --quiet --peers-dir " +
+								  path("no-peers") + " -o " + path("tradeoff"));
+	ASSERT_EQ(outcome.code, 0) << outcome.err;
+	const std::string csv = readAll(path("tradeoff/tradeoff.csv"));
+	const auto gap = csvColumn(csv, "gap_error_p95"), covered = csvColumn(csv, "covered_mean"),
+			   time = csvColumn(csv, "us_median");
+	ASSERT_TRUE(gap.count("clod,exact") && gap.count("clod-dispatch,exact") && gap.count("gimpact,full") &&
+				gap.count("bvh-gimpact,full") && gap.count("clod,size 3.5 %"))
+		<< csv;
+	EXPECT_LT(gap.at("clod,exact"), 1e-7);  // the reference is this query
+	EXPECT_EQ(covered.at("clod,exact"), 1);
+	EXPECT_GT(gap.at("clod,size 7 %"), gap.at("clod,exact"));
+	EXPECT_LT(gap.at("clod,max-error 0.1 %"), 0.001 * 0.072);  // the smaller radius, rounded up
+	for (const auto& [method, microseconds] : time) EXPECT_GT(microseconds, 0) << method;
+	const json left = report("tradeoff/tradeoff.json")["tradeoff"]["left_out"];
+	EXPECT_NE(left.dump().find("scripts/peers"), std::string::npos) << left;
+	EXPECT_NE(readAll(path("tradeoff/pareto.csv")).find("gimpact,full"), std::string::npos);
+}
+
+TEST_F(RunnerCommand, TradeoffLeavesABrokenPeerOutAndSaysSo)
+{
+	needRecording();
+	fs::create_directories(path("peers"));
+	std::ofstream(path("peers/clod-coal")) << "#!/bin/sh\nprintf short > \"$4\"\n";
+	fs::permissions(path("peers/clod-coal"), fs::perms::owner_all);
+	const std::string inputs = path("cup.obj ") + path("spoon.obj ") + path("poses.csv");
+	const Outcome outcome = bench(
+		"tradeoff " + inputs + cache() +
+		" --rows contact --tolerance 2mm --stride 20 --repeat 1 --quiet --methods clod,coal-distance --peers-dir " +
+		path("peers") + " -o " + path("broken"));
+	ASSERT_EQ(outcome.code, 0) << outcome.err;
+	EXPECT_NE(outcome.out.find("left out: coal-distance full: clod-coal answered too little"), std::string::npos)
+		<< outcome.out;
+	EXPECT_EQ(readAll(path("broken/tradeoff.csv")).find("coal-distance"), std::string::npos);
 }
 
 TEST_F(RunnerCommand, ShortSceneTwiceHasOneTrajectoryInEachPrecision)

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Zlib
+// Our query as one of the methods, and as the measure of all of them.
+#include "demos/peers/ClodPeer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "demos/runner/Replay.h"
+
+namespace clod::demo
+{
+namespace
+{
+constexpr std::size_t kWarmRows = 2;  // recorded rows before each measured one that only warm caches and manifolds
+constexpr double kDepthShare = 2e-5;  // of the radius: how exactly an overlap's depth is known
+constexpr double kSizes[] = {0.07, 0.035, 0.0175, 0.007, 0.0035, 0.00175, 0.0007, 0.00035};
+constexpr double kErrors[] = {0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002};
+
+PeerContact contactOf(const Hierarchy& a, const Hierarchy& b, const Contact& contact)
+{
+	const Node &nodeA = a.node(contact.nodeA), &nodeB = b.node(contact.nodeB);
+	const double cover = double(nodeA.cover) + double(nodeB.cover),
+				 protrude = double(nodeA.protrude) + double(nodeB.protrude);
+	return {meshFromBody(a) + 0.5 * (contact.pointOnA + contact.pointOnB), contact.normal, contact.upper,
+			std::max(cover, protrude)};
+}
+
+class ClodQueryPeer : public Peer
+{
+public:
+	ClodQueryPeer(PeerInfo info, const HierarchyPointer& a, const HierarchyPointer& b, const Metric& metric,
+				  ClodQuestion question)
+		: Peer(std::move(info)), m_a(a), m_b(b)
+	{
+		m_settings.metric = metric;
+		m_settings.contactsOnly = question == ClodQuestion::contacts;
+		m_info.bytes = a->bytes().size() + b->bytes().size();
+		m_info.sizeA = a->asset().triangleCount;
+		m_info.sizeB = b->asset().triangleCount;
+	}
+	std::vector<PeerAnswer> pass(const PoseSample& sample) override
+	{
+		std::vector<PeerAnswer> answers;
+		m_settings.tolerance = sample.tolerance;
+		PairCache cache;
+		QueryResult result;
+		for (const PoseSample::Row& row : sample.rows)
+		{
+			const Transform aFromB = relativePose(row.poses, meshFromBody(*m_a), meshFromBody(*m_b));
+			const double start = threadMicroseconds();
+			query(*m_a, *m_b, aFromB, m_settings, cache, result);
+			const double time = threadMicroseconds() - start;
+			if (!row.measured) continue;
+			PeerAnswer answer;
+			answer.microseconds = time;
+			const bool open = m_settings.contactsOnly && std::any_of(result.contacts.begin(), result.contacts.end(),
+																	 [](const Contact& c) { return c.upper <= 0; });
+			answer.gap = open ? std::numeric_limits<double>::quiet_NaN() : result.minDistance;
+			for (const Contact& contact : result.contacts) answer.contacts.push_back(contactOf(*m_a, *m_b, contact));
+			answers.push_back(std::move(answer));
+		}
+		return answers;
+	}
+
+private:
+	HierarchyPointer m_a, m_b;
+	Settings m_settings;
+};
+
+// Exact mode with the signed gap.
+class ExactQuery
+{
+public:
+	ExactQuery(const Hierarchy& a, const Hierarchy& b, double tolerance) : m_a(a), m_b(b)
+	{
+		m_settings.metric.exact = true;
+		m_settings.metric.maxError = kDepthShare * smallerRadius(a, b);  // of a depth that is searched
+		m_settings.tolerance = tolerance;
+	}
+	ExactRow at(const PoseRow& poses)
+	{
+		query(m_a, m_b, relativePose(poses, meshFromBody(m_a), meshFromBody(m_b)), m_settings, m_cache, m_result);
+		ExactRow row;
+		row.gap = m_result.minDistance;
+		for (const Contact& contact : m_result.contacts) row.contacts.push_back(contactOf(m_a, m_b, contact));
+		return row;
+	}
+
+private:
+	const Hierarchy &m_a, &m_b;
+	Settings m_settings;
+	PairCache m_cache;
+	QueryResult m_result;
+};
+
+// Marks the rows to measure and the rows that warm up for them.
+PoseSample sampleOf(const std::vector<PoseRow>& poses, const std::vector<std::size_t>& measured,
+					const SampleRules& rules)
+{
+	std::vector<int> use(poses.size(), 0);
+	for (const std::size_t i : measured)
+	{
+		for (std::size_t k = 1; k <= std::min(kWarmRows, i); ++k) use[i - k] = std::max(use[i - k], 1);
+		use[i] = 2;
+	}
+	PoseSample sample;
+	sample.dt = rules.dt;
+	sample.tolerance = rules.tolerance;
+	for (std::size_t i = 0; i < poses.size(); ++i)
+		if (use[i] > 0) sample.rows.push_back({poses[i], use[i] == 2});
+	return sample;
+}
+}  // namespace
+
+PeerPointer clodQuery(PeerInfo info, const HierarchyPointer& a, const HierarchyPointer& b, const Metric& metric,
+					  ClodQuestion question)
+{
+	return std::make_unique<ClodQueryPeer>(std::move(info), a, b, metric, question);
+}
+
+std::vector<Threshold> thresholdLadder(double radius)
+{
+	std::vector<Threshold> ladder(1);
+	ladder[0].label = "exact";
+	ladder[0].metric.exact = true;
+	for (const double size : kSizes)
+	{
+		ladder.push_back({fmt::format("size {:g} %", 100 * size), {}});
+		ladder.back().metric.weightedDeviation = size * radius;
+	}
+	for (const double error : kErrors)
+	{
+		ladder.push_back({fmt::format("max-error {:g} %", 100 * error), {}});
+		ladder.back().metric.maxError = error * radius;
+	}
+	return ladder;
+}
+
+ExactSample takeSample(const HierarchyPointer& a, const HierarchyPointer& b, const std::vector<PoseRow>& poses,
+					   const SampleRules& rules, const std::function<void(double)>& progress)
+{
+	const std::vector<double> speeds = relativeSpeeds(*a, *b, poses, rules.dt);
+	ExactQuery exact(*a, *b, kReach * rules.tolerance);
+	ExactSample result;
+	std::vector<std::size_t> measured;
+	std::size_t candidates = 0;
+	for (std::size_t i = 0; i < poses.size(); ++i)
+	{
+		progress(double(i + 1) / double(poses.size()));
+		if (!rules.resting && classify(speeds[i]) != Motion::moving) continue;
+		if (candidates++ % std::size_t(rules.stride) != 0) continue;
+		ExactRow row = exact.at(poses[i]);
+		if (!(row.gap <= rules.tolerance)) continue;
+		measured.push_back(i);
+		result.exact.push_back(std::move(row));
+	}
+	result.sample = sampleOf(poses, measured, rules);
+	return result;
+}
+}  // namespace clod::demo

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Zlib
+// Our own query at one threshold, and the exact answers that everybody is compared with.
+#pragma once
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "clod/query/Query.h"
+#include "demos/peers/Accuracy.h"
+#include "demos/runner/HierarchyCache.h"
+
+namespace clod::demo
+{
+// contacts: up to the contact list; where accepted hulls overlap, the gap is left open. gap: the signed gap and its
+// certificate besides.
+enum class ClodQuestion
+{
+	contacts,
+	gap
+};
+PeerPointer clodQuery(PeerInfo info, const HierarchyPointer& a, const HierarchyPointer& b, const Metric& metric,
+					  ClodQuestion question);
+
+struct Threshold
+{
+	std::string label;
+	Metric metric;
+};
+// One ladder for all scenes: exact, s0 from 7 to 0.035 % of the radius, certified errors from 5 to 0.02 %.
+std::vector<Threshold> thresholdLadder(double radius);
+
+// The rows of a recording to measure: every `stride`-th of those that touch within the tolerance (gap in exact mode)
+// and, unless `resting` rows are wanted too, move (Motion.h). Each is preceded by the recorded rows before it, not
+// measured.
+struct SampleRules
+{
+	double tolerance = 0, dt = 1.0 / 240;
+	int stride = 1;
+	bool resting = false;
+};
+struct ExactSample
+{
+	PoseSample sample;
+	std::vector<ExactRow> exact;  // one a measured row; contacts up to kReach times the tolerance
+};
+// A promised bound is looked for up to twice the tolerance; what promises more is founded by contacts within it.
+inline constexpr double kReach = 2;
+ExactSample takeSample(const HierarchyPointer& a, const HierarchyPointer& b, const std::vector<PoseRow>& poses,
+					   const SampleRules& rules, const std::function<void(double)>& progress);
+}  // namespace clod::demo

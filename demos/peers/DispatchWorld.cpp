@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Zlib
+// Whole dispatches of one pair.
+#include "demos/peers/DispatchWorld.h"
+
+#include "demos/peers/Peer.h"
+
+namespace clod::demo
+{
+BulletMesh::BulletMesh(const ModelMesh& mesh, const Vec3& origin, double scale)
+{
+	for (const auto& triangle : mesh.triangles)
+		for (const std::uint32_t index : triangle) m_indices.push_back(int(index));
+	for (const Vec3& vertex : mesh.vertices)
+	{
+		const Vec3 v = scale * (vertex - origin);
+		for (const double x : {v.x, v.y, v.z}) m_vertices.push_back(btScalar(x));
+	}
+	m_array.reset(new btTriangleIndexVertexArray(int(mesh.triangles.size()), m_indices.data(), 3 * int(sizeof(int)),
+												 int(mesh.vertices.size()), m_vertices.data(),
+												 3 * int(sizeof(btScalar))));
+}
+
+DispatchWorld::DispatchWorld(btCollisionShape& a, btCollisionShape& b,
+							 const std::function<void(btCollisionDispatcher&)>& addAlgorithms)
+	: m_dispatcher(&m_configuration), m_world(&m_dispatcher, &m_broadphase, &m_configuration)
+{
+	addAlgorithms(m_dispatcher);
+	btCollisionShape* shapes[2] = {&a, &b};
+	for (int i = 0; i < 2; ++i)
+	{
+		m_bodies[i].setCollisionShape(shapes[i]);
+		m_bodies[i].setCollisionFlags(0);
+		m_world.addCollisionObject(&m_bodies[i]);
+	}
+}
+
+DispatchWorld::~DispatchWorld()
+{
+	for (btCollisionObject& body : m_bodies) m_world.removeCollisionObject(&body);
+}
+
+double DispatchWorld::dispatch(const btTransform& a, const btTransform& b, double dt)
+{
+	m_bodies[0].setWorldTransform(a);
+	m_bodies[1].setWorldTransform(b);
+	m_world.updateAabbs();
+	m_world.computeOverlappingPairs();
+	btDispatcherInfo& info = m_world.getDispatchInfo();
+	info.m_timeStep = btScalar(dt);
+	const double start = threadMicroseconds();
+	m_dispatcher.dispatchAllCollisionPairs(m_broadphase.getOverlappingPairCache(), info, &m_dispatcher);
+	return threadMicroseconds() - start;
+}
+
+int DispatchWorld::points() const
+{
+	int count = 0;
+	for (int i = 0; i < m_dispatcher.getNumManifolds(); ++i)
+		count += m_dispatcher.getManifoldByIndexInternal(i)->getNumContacts();
+	return count;
+}
+}  // namespace clod::demo

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Zlib
+// Two collision objects in a world of their own, with persistent algorithms and manifolds, as a simulation has them;
+// and triangle meshes in Bullet's memory. Compiled once per Bullet precision. Lengths are Bullet's (scaled).
+#pragma once
+#include <btBulletCollisionCommon.h>
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "demos/models/Models.h"
+
+namespace clod::demo
+{
+// Indexed triangles as Bullet's mesh shapes read them; outlives the shapes.
+class BulletMesh
+{
+public:
+	// Vertices are moved by -origin, then scaled.
+	BulletMesh(const ModelMesh& mesh, const Vec3& origin, double scale);
+	btStridingMeshInterface* interface() const { return m_array.get(); }
+	std::size_t bytes() const { return m_indices.size() * sizeof(int) + m_vertices.size() * sizeof(btScalar); }
+
+private:
+	std::vector<int> m_indices;
+	std::vector<btScalar> m_vertices;
+	std::unique_ptr<btTriangleIndexVertexArray> m_array;
+};
+
+class DispatchWorld
+{
+public:
+	// The shapes outlive the world. `addAlgorithms` sees the dispatcher before the first pair exists.
+	DispatchWorld(btCollisionShape& a, btCollisionShape& b,
+				  const std::function<void(btCollisionDispatcher&)>& addAlgorithms);
+	~DispatchWorld();
+	DispatchWorld(const DispatchWorld&) = delete;
+	DispatchWorld& operator=(const DispatchWorld&) = delete;
+
+	// CPU microseconds of one whole dispatch.
+	double dispatch(const btTransform& a, const btTransform& b, double dt);
+	int points() const;
+
+	// Calls visit(point on B, normal from B to A, distance) for every point of every manifold, in the world.
+	template <class Visit>
+	void forEachPoint(const Visit& visit) const
+	{
+		for (int i = 0; i < m_dispatcher.getNumManifolds(); ++i)
+		{
+			const btPersistentManifold& manifold = *m_dispatcher.getManifoldByIndexInternal(i);
+			const bool inOrder = manifold.getBody0() == &m_bodies[0];
+			for (int k = 0; k < manifold.getNumContacts(); ++k)
+			{
+				const btManifoldPoint& point = manifold.getContactPoint(k);
+				const btVector3 normal = inOrder ? point.m_normalWorldOnB : -point.m_normalWorldOnB;
+				visit(inOrder ? point.getPositionWorldOnB() : point.getPositionWorldOnA(), normal, point.getDistance());
+			}
+		}
+	}
+
+private:
+	btDefaultCollisionConfiguration m_configuration;
+	mutable btCollisionDispatcher m_dispatcher;
+	btDbvtBroadphase m_broadphase;
+	btCollisionWorld m_world;
+	btCollisionObject m_bodies[2];
+};
+}  // namespace clod::demo

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Zlib
+// What all peers share.
+#include "demos/peers/Peer.h"
+
+#include <time.h>
+
+#include <algorithm>
+
+namespace clod::demo
+{
+std::size_t PoseSample::measured() const
+{
+	return std::size_t(std::count_if(rows.begin(), rows.end(), [](const Row& row) { return row.measured; }));
+}
+
+double threadMicroseconds()
+{
+	timespec now{};
+	clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+	return 1e6 * double(now.tv_sec) + 1e-3 * double(now.tv_nsec);
+}
+}  // namespace clod::demo
