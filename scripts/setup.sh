@@ -6,7 +6,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 packages=(g++ cmake ninja-build pkg-config git
 	libbullet-dev libcgal-dev libeigen3-dev libosmesa6-dev libgtest-dev
 	libcli11-dev nlohmann-json3-dev libfmt-dev libpng-dev libcairo2-dev libxxhash-dev libtinygltf-dev
-	fonts-dejavu-core ffmpeg)
+	fonts-dejavu-core ffmpeg gnuplot-nox)
 
 say() { printf '\n== %s\n' "$*"; }
 

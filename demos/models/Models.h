@@ -23,11 +23,14 @@ struct ModelMesh
 
 // cup, spoon, spiral, torus, bowl, number0 .. number9.
 const std::vector<std::string>& modelNames();
-// Plain shapes for tests and demos: slab, box, sphere, smooth-torus.
+// Models beyond the paper's: bolt and nut of the scene bolt-nut, and plain shapes for tests and demos (slab, box,
+// sphere, smooth-torus).
 const std::vector<std::string>& testShapeNames();
 
 // Table 1 of the paper; for a test shape its default count; 0 for an unknown name.
 size_t paperTriangleCount(const std::string& name);
+// The fewest triangles that still make the shape; 0 for an unknown name.
+size_t smallestTriangleCount(const std::string& name);
 
 // The model with the achievable triangle count closest to `triangles` (0: paperTriangleCount). At the paper's counts
 // the first five models are exact. The count built is triangles.size() of the result.
@@ -49,6 +52,12 @@ constexpr double TORUS_WRINKLE = 0.05;  // amplitude over tube radius
 constexpr int TORUS_WAVES = 40;
 constexpr double SPIRAL_ROD_RADIUS = 0.006;
 constexpr double SPIRAL_HEIGHT = 0.240;
+// Bolt and nut: the bolt's axis is y, its head's underside at 0; the nut's middle is the origin, and it lies on the
+// bolt without touching where its height is a multiple of the lead and both are unturned. Going up by a lead it turns
+// by minus one turn about y.
+constexpr double BOLT_HEAD_HEIGHT = 0.006, BOLT_HEIGHT = 0.042, NUT_HEIGHT = 0.008, NUT_RADIUS = 0.0107;
+constexpr double THREAD_LEAD = 0.008, THREAD_PLAY = 0.00025;  // play: radial, between both threads
+constexpr int THREAD_STARTS = 4;
 // The peg's axis at a height in [0, SPIRAL_HEIGHT], and its unit tangent (upward).
 Vec3 spiralAxis(double height);
 Vec3 spiralTangent(double height);

@@ -14,33 +14,6 @@ namespace
 constexpr double PI = 3.14159265358979323846;
 constexpr int SAMPLES_PER_WAVE = 4;
 
-struct RingSize
-{
-	int along = 0, around = 0;
-};
-
-// The grid whose count is closest; cells about 1.6 times as long round the tube as along the ring.
-RingSize ringSize(size_t triangles)
-{
-	const double half = double(triangles) / 2;
-	RingSize best;
-	double bestError = 0, bestAspect = 0;
-	for (int around = 3; 3.0 * around <= half; ++around)
-	{
-		const int along = int(std::lround(half / around));
-		const double aspect = std::fabs(std::log(along / (6.4 * around)));
-		if (aspect > std::log(1.6)) continue;
-		const double error = std::fabs(double(along) * around - half);
-		if (best.along == 0 || error < bestError || (error == bestError && aspect < bestAspect))
-		{
-			best = {along, around};
-			bestError = error;
-			bestAspect = aspect;
-		}
-	}
-	return best;
-}
-
 struct BoxSize
 {
 	std::array<int, 3> cells = {0, 0, 0};
@@ -105,27 +78,18 @@ ModelMesh latticeBox(const std::array<int, 3>& cells)
 
 ModelMesh makeTorus(size_t triangles, double wrinkle)
 {
-	const RingSize size = ringSize(triangles);
-	if (size.along == 0) return {};
+	const RingSize size = ringSize(triangles, 6.4);
 	const double amplitude = size.along >= SAMPLES_PER_WAVE * TORUS_WAVES ? wrinkle : 0;
-	ModelMesh mesh;
-	for (int i = 0; i < size.along; ++i)
-		for (int j = 0; j < size.around; ++j)
-		{
-			const double u = 2 * PI * i / size.along, v = 2 * PI * j / size.around;
-			// The waves swing to and fro round the tube, so that they are curved like folds of cloth.
-			const double tube = TORUS_TUBE_RADIUS * (1 + amplitude * std::cos(TORUS_WAVES * u + 2 * std::sin(2 * v)));
-			const double ring = TORUS_RING_RADIUS + tube * std::cos(v);
-			mesh.vertices.push_back({ring * std::cos(u), tube * std::sin(v), ring * std::sin(u)});
-		}
-	for (int i = 0; i < size.along; ++i)
-		for (int j = 0; j < size.around; ++j)
-		{
-			const auto at = [&](int di, int dj)
-			{ return uint32_t((i + di) % size.along * size.around + (j + dj) % size.around); };
-			addQuad(mesh, {at(0, 0), at(1, 0), at(1, 1), at(0, 1)});
-		}
-	return mesh;
+	return ringGrid(size,
+					[&](double section, double turn) -> Vec3
+					{
+						const double u = 2 * PI * turn, v = 2 * PI * section;
+						// The waves swing to and fro round the tube, so that they are curved like folds of cloth.
+						const double tube =
+							TORUS_TUBE_RADIUS * (1 + amplitude * std::cos(TORUS_WAVES * u + 2 * std::sin(2 * v)));
+						const double ring = TORUS_RING_RADIUS + tube * std::cos(v);
+						return {ring * std::cos(u), tube * std::sin(v), ring * std::sin(u)};
+					});
 }
 
 ModelMesh makeBox(const Vec3& size, size_t triangles)

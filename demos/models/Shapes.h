@@ -12,6 +12,8 @@ ModelMesh makeSpoon(size_t triangles);
 ModelMesh makeSpiral(size_t triangles);
 // wrinkle: amplitude over tube radius. Wrinkles that the grid cannot carry (under 4 samples a wave) are left out.
 ModelMesh makeTorus(size_t triangles, double wrinkle);
+ModelMesh makeBolt(size_t triangles);
+ModelMesh makeNut(size_t triangles);
 ModelMesh makeDigit(int digit, size_t triangles);
 // A box of the given size centred at the origin, every face a grid of near-square cells.
 ModelMesh makeBox(const Vec3& size, size_t triangles);

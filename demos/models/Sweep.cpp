@@ -189,4 +189,41 @@ SweepSize sweepSize(size_t triangles, double ratio)
 	}
 	return {};
 }
+
+RingSize ringSize(size_t triangles, double ratio)
+{
+	const double half = double(triangles) / 2;
+	RingSize best;
+	double bestError = 0, bestAspect = 0;
+	for (int around = 3; 3.0 * around <= half; ++around)
+	{
+		const int along = int(std::lround(half / around));
+		const double aspect = std::fabs(std::log(along / (ratio * around)));
+		if (aspect > std::log(1.6)) continue;
+		const double error = std::fabs(double(along) * around - half);
+		if (best.along == 0 || error < bestError || (error == bestError && aspect < bestAspect))
+		{
+			best = {along, around};
+			bestError = error;
+			bestAspect = aspect;
+		}
+	}
+	return best;
+}
+
+ModelMesh ringGrid(const RingSize& size, const std::function<Vec3(double section, double turn)>& surface)
+{
+	ModelMesh mesh;
+	for (int i = 0; i < size.along; ++i)
+		for (int j = 0; j < size.around; ++j)
+			mesh.vertices.push_back(surface(double(j) / size.around, double(i) / size.along));
+	for (int i = 0; i < size.along; ++i)
+		for (int j = 0; j < size.around; ++j)
+		{
+			const auto at = [&](int di, int dj)
+			{ return uint32_t((i + di) % size.along * size.around + (j + dj) % size.around); };
+			addQuad(mesh, {at(0, 0), at(1, 0), at(1, 1), at(0, 1)});
+		}
+	return mesh;
+}
 }  // namespace clod::demo

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Closed grids over surfaces S(s, turn): rings of 4 m vertices along s, each end closed by an m x m grid, so that there
-// is no pole with a fan of slivers. Triangles: 8 m strips + 4 m m.
+// Closed grids over surfaces. Open ones S(s, turn): rings of 4 m vertices along s, each end closed by an m x m grid, so
+// that there is no pole with a fan of slivers (8 m strips + 4 m m triangles). And rings, closed both ways.
 // The square-to-disc map of the caps is Shirley & Chiu, "A low distortion map between disk and square" (1997).
 #pragma once
 #include <functional>
@@ -25,6 +25,16 @@ struct SweepGrid
 
 // Vertices of ring i, column j come first, at i * columns() + j.
 ModelMesh sweep(const SweepSurface& surface, const SweepGrid& grid);
+
+// A ring: `along` sections, each a closed curve of `around` points.
+struct RingSize
+{
+	int along = 0, around = 0;
+};
+// The size whose count is closest to `triangles`, among those with along / around near `ratio`; 0: none.
+RingSize ringSize(size_t triangles, double ratio);
+// Closed grid over surface(section, turn), both in [0, 1) and periodic; 2 along x around triangles.
+ModelMesh ringGrid(const RingSize& size, const std::function<Vec3(double section, double turn)>& surface);
 
 // `strips` + 1 values from `from` to `to`, spaced inversely to a positive density.
 std::vector<double> spread(const std::function<double(double)>& density, double from, double to, int strips);

@@ -97,31 +97,6 @@ double farthest(const ModelMesh& samples, const SignedDistance& surface)
 }
 }  // namespace
 
-ModelMesh inputSurface(const Hierarchy& hierarchy)
-{
-	ModelMesh mesh;
-	std::map<std::array<float, 3>, std::uint32_t> indexOf;
-	const double(&c)[3] = hierarchy.asset().meshFromBody;
-	const Level& level = hierarchy.levels()[0];
-	for (std::uint32_t n = level.firstNode; n < level.firstNode + level.nodeCount; ++n)
-	{
-		const HullView hull = hierarchy.hull(hierarchy.node(n));
-		for (const Face& face : hierarchy.faces(hierarchy.node(n)))
-		{
-			std::array<std::uint32_t, 3> triangle;
-			for (std::size_t i = 0; i < 3; ++i)
-			{
-				const std::uint16_t v = face.vertex[i];
-				const auto found = indexOf.insert({{hull.x[v], hull.y[v], hull.z[v]}, std::uint32_t(indexOf.size())});
-				if (found.second) mesh.vertices.push_back(hull.vertex(v) + Vec3{c[0], c[1], c[2]});
-				triangle[i] = found.first->second;
-			}
-			mesh.triangles.push_back(triangle);
-		}
-	}
-	return mesh;
-}
-
 double PieceFile::note(const std::string& key, double otherwise) const
 {
 	for (const auto& [name, value] : notes)

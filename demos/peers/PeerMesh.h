@@ -7,13 +7,11 @@
 
 #include "clod/hierarchy/Hierarchy.h"
 #include "demos/models/Models.h"
+#include "demos/runner/InputSurface.h"
 
 namespace clod::demo
 {
 using MeshPointer = std::shared_ptr<const ModelMesh>;
-
-// The input surface of a hierarchy in the frame of its mesh, equal vertices merged.
-ModelMesh inputSurface(const Hierarchy& hierarchy);
 
 // A file of `v x y z`, `f i j k` and `o NAME` lines as prepare.py and writeObj write them; every `o` starts a piece
 // (none: one piece). Comments are kept: "# key value" lines go to `notes`. Fails with file and line.

@@ -22,6 +22,9 @@ void addTradeoffCommand(CLI::App& program);
 // --cache-dir and --no-cache.
 void addCache(CLI::App& command, CacheOptions& options);
 
+// --resolution.
+void addResolution(CLI::App& command, double& share);
+
 // A finite number in [low, high]; unlike CLI::Range, it refuses "nan".
 CLI::Validator between(double low, double high);
 

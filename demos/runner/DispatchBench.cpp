@@ -74,21 +74,21 @@ nlohmann::ordered_json comparePeer(const HierarchyPointer& a, const HierarchyPoi
 								   const std::vector<PoseRow>& poses, const std::vector<ReplayRow>& rows,
 								   const ReplayOptions& options)
 {
+	const double tolerance = options.toleranceOf(*a, *b);
 	PoseSample sample;
 	sample.dt = options.dt;
-	sample.tolerance = options.settings.tolerance;
+	sample.tolerance = tolerance;
 	for (const PoseRow& row : poses) sample.rows.push_back({row, true});
-	const PairFrame frame = pairFrame(*a, *b, kWorldScale, options.settings.tolerance);
-	const PeerPointer clod = clodDispatch({}, a, b, options.settings.metric, frame);
+	const PairFrame frame = pairFrame(*a, *b, kWorldScale, tolerance);
+	const PeerPointer clod = clodDispatch({}, a, b, settingsOf(options, *a, *b, {}, {}).metric, frame);
 	const PeerPointer other = gimpact({}, inputSurface(*a), inputSurface(*b), frame);
 	const DispatchRows ours = measure(*clod, sample, options.repeat);
 	const DispatchRows peer = measure(*other, sample, options.repeat);
 	std::vector<bool> all(rows.size(), true), moving;
-	for (const ReplayRow& row : rows)
-		moving.push_back(row.contact(options.settings.tolerance) && row.motion() == Motion::moving);
+	for (const ReplayRow& row : rows) moving.push_back(row.contact(tolerance) && row.motion() == Motion::moving);
 	return {{"peer", "btGImpactMeshShape"},
 			{"world_scale", kWorldScale},
-			{"gimpact_margin", options.settings.tolerance / 2},
+			{"gimpact_margin", tolerance / 2},
 			{"all_rows", compare(all, rows, ours, peer)},
 			{"moving_contact_rows", compare(moving, rows, ours, peer)}};
 }

@@ -9,22 +9,24 @@
 #include <set>
 
 #include "demos/cli/Program.h"
-#include "demos/render/Overlay.h"
 
 namespace clod::demo
 {
 namespace
 {
+constexpr double kPi = 3.14159265358979323846;
 constexpr int kPanel = 720;  // pixels, each way
-constexpr Color kCupColor = {0.45f, 0.62f, 0.78f, 0.22f};
-constexpr Color kSpoonColor = {0.72f, 0.74f, 0.77f, 1};
+constexpr Color kGlassColor = {0.45f, 0.62f, 0.78f, 0.22f};
+constexpr Color kSolidColor = {0.72f, 0.74f, 0.77f, 1};
 constexpr Color kContactColor = {0.85f, 0.1f, 0.1f, 1};
 // Arrows point from A to B: the way A pushes B.
-constexpr double kMarkerSpacing = 0.004;
-constexpr std::size_t kLargestMarkers = 40;
+constexpr double kMarkerSpacing = 2.0 / 15;  // of the close-up's radius
+constexpr std::size_t kLargestMarkers = 40, kCrowd = 100;
+// Ground lines a decade under the picture's size; where they fade.
+constexpr double kGridShare = 0.1, kFadeShare = 4.2;
 constexpr const char* kFootnote =
-	"Coloured: the surface patches that answered, by level of detail. Red: contact points, and how the spoon is pushed "
-	"there.";
+	"Coloured: the surface patches that answered, by level of detail. Red: contact points, and which way the one body "
+	"pushes the other.";
 
 Result<MeshId> upload(Renderer& renderer, const ModelMesh& mesh)
 {
@@ -34,17 +36,12 @@ Result<MeshId> upload(Renderer& renderer, const ModelMesh& mesh)
 	return renderer.addMesh(render);
 }
 
-Transform worldFromBody(const Pose& pose, const Hierarchy& hierarchy)
-{
-	Transform transform = toTransform(pose);
-	transform.translation = transform * meshFromBody(hierarchy);
-	return transform;
-}
-
-PatchLayer patchLayer(const Pose& pose, const Hierarchy& hierarchy, const std::set<std::uint32_t>& nodes, int levels)
+PatchLayer patchLayer(const Pose& pose, const Hierarchy& hierarchy, const std::set<std::uint32_t>& nodes, int levels,
+					  bool isSeenThrough)
 {
 	PatchLayer layer;
-	layer.worldFromBody = worldFromBody(pose, hierarchy);
+	layer.worldFromBody = worldFromBody(pose, meshFromBody(hierarchy));
+	layer.isSeenThrough = isSeenThrough;
 	for (const std::uint32_t index : nodes)
 	{
 		const Node& node = hierarchy.node(index);
@@ -77,33 +74,13 @@ std::vector<std::string> figures(const FrameAnswer& answer)
 	std::vector<std::string> lines;
 	lines.push_back("selection: " + answer.selection);
 	lines.push_back(gapInWords(row));
-	lines.push_back(fmt::format("{} touching pairs of patches", row.contacts));
+	lines.push_back(answer.pairs.size() == 1 ? fmt::format("{} touching pairs of patches", row.contacts)
+											 : fmt::format("{} touching pairs of patches in {} pairs of bodies",
+														   row.contacts, answer.pairs.size()));
 	lines.push_back(fmt::format("query {:.0f} µs, front of {} pairs", row.queryMicroseconds, row.stats.front));
 	return lines;
 }
 
-// Levels with the largest error of either body's hierarchy.
-std::vector<LegendEntry> legend(const Hierarchy& a, const Hierarchy& b, const QueryResult& result, int levels)
-{
-	std::set<std::uint32_t> used;
-	for (const Contact& contact : result.contacts)
-	{
-		used.insert(a.node(contact.nodeA).level);
-		used.insert(b.node(contact.nodeB).level);
-	}
-	std::vector<LegendEntry> entries;
-	for (int level = 0; level < levels; ++level)
-	{
-		double deviation = 0;
-		for (const Hierarchy* h : {&a, &b})
-			if (level <= int(h->coarsestClodLevel()))
-				deviation = std::max(deviation, double(h->levels()[std::size_t(level)].maxDeviation));
-		const std::string label =
-			level == 0 ? "0: full resolution" : fmt::format("{}: up to {}", level, millimetres(deviation));
-		entries.push_back({levelColor(level, levels), label, used.count(std::uint32_t(level)) > 0});
-	}
-	return entries;
-}
 }  // namespace
 
 FramePainter::FramePainter(const FrameSubject& subject) : m_subject(subject)
@@ -111,54 +88,98 @@ FramePainter::FramePainter(const FrameSubject& subject) : m_subject(subject)
 	auto renderer = Renderer::create(kPanel, kPanel);
 	if (!renderer) throw cli::Failure(cli::ExitCode::failure, renderer.error());
 	m_renderer = std::move(renderer.value());
-	const Result<MeshId> a = upload(*m_renderer, subject.meshA), b = upload(*m_renderer, subject.meshB);
-	if (!a || !b) throw cli::Failure(cli::ExitCode::failure, a ? b.error() : a.error());
-	m_meshA = a.value();
-	m_meshB = b.value();
+	for (const ModelMesh& mesh : subject.meshes)
+	{
+		const Result<MeshId> id = upload(*m_renderer, mesh);
+		if (!id) throw cli::Failure(cli::ExitCode::failure, id.error());
+		m_meshes.push_back(id.value());
+	}
 }
 
 int FramePainter::levelCount() const
 {
-	return int(std::max(m_subject.a->coarsestClodLevel(), m_subject.b->coarsestClodLevel())) + 1;
+	std::uint32_t coarsest = 0;
+	for (const FrameBody& body : m_subject.bodies) coarsest = std::max(coarsest, body.hierarchy->coarsestClodLevel());
+	return int(coarsest) + 1;
 }
 
-void FramePainter::addPatches(Frame& frame, const PoseRow& poses, const QueryResult& result) const
+// Levels with the largest error of any hierarchy.
+std::vector<LegendEntry> FramePainter::legend(const FrameAnswer& answer) const
 {
-	std::set<std::uint32_t> nodesA, nodesB;
-	for (const Contact& contact : result.contacts)
+	std::set<std::uint32_t> used;
+	for (const PairAnswer& pair : answer.pairs)
+		for (const Contact& contact : pair.result.contacts)
+		{
+			used.insert(m_subject.bodies[pair.bodies.a].hierarchy->node(contact.nodeA).level);
+			used.insert(m_subject.bodies[pair.bodies.b].hierarchy->node(contact.nodeB).level);
+		}
+	std::vector<LegendEntry> entries;
+	const int levels = levelCount();
+	for (int level = 0; level < levels; ++level)
 	{
-		nodesA.insert(contact.nodeA);
-		nodesB.insert(contact.nodeB);
+		double deviation = 0;
+		for (const FrameBody& body : m_subject.bodies)
+			if (level <= int(body.hierarchy->coarsestClodLevel()))
+				deviation = std::max(deviation, double(body.hierarchy->levels()[std::size_t(level)].maxDeviation));
+		const std::string label =
+			level == 0 ? "0: full resolution" : fmt::format("{}: up to {}", level, millimetres(deviation));
+		entries.push_back({levelColor(level, levels), label, used.count(std::uint32_t(level)) > 0});
 	}
-	frame.patches.push_back(patchLayer(poses.a, *m_subject.a, nodesA, levelCount()));
-	frame.patches.push_back(patchLayer(poses.b, *m_subject.b, nodesB, levelCount()));
+	return entries;
+}
+
+void FramePainter::addPatches(Frame& frame, const FrameMoment& moment, const FrameAnswer& answer) const
+{
+	std::vector<std::set<std::uint32_t>> nodes(m_subject.bodies.size());
+	for (const PairAnswer& pair : answer.pairs)
+		for (const Contact& contact : pair.result.contacts)
+		{
+			nodes[pair.bodies.a].insert(contact.nodeA);
+			nodes[pair.bodies.b].insert(contact.nodeB);
+		}
+	const bool isPair = nodes.size() == 2;  // in a pile, what is behind only confuses
+	for (std::size_t i = 0; i < nodes.size(); ++i)
+		if (!nodes[i].empty())
+			frame.patches.push_back(
+				patchLayer(moment.poses[i], *m_subject.bodies[i].hierarchy, nodes[i], levelCount(), isPair));
 }
 
 void FramePainter::addContacts(Frame& frame, const std::vector<FrameContact>& contacts) const
 {
-	const double size = m_subject.closeUpRadius;
+	const double size = m_subject.closeUp.radius;
+	// Hundreds of arrows would hide what they point at.
+	const bool isCrowded = contacts.size() > kCrowd;
 	for (const FrameContact& contact : contacts)
 	{
-		frame.markers.push_back({contact.position, 0.016 * size, kContactColor});
+		frame.markers.push_back({contact.position, (isCrowded ? 0.010 : 0.016) * size, kContactColor});
+		if (isCrowded) continue;
 		frame.arrows.push_back(
 			{contact.position, contact.position - (0.25 * size) * contact.normal, 0.007 * size, kContactColor});
 	}
 }
 
-Frame FramePainter::scene(const PoseRow& poses, const FrameAnswer& answer) const
+Frame FramePainter::scene(const FrameMoment& moment, const FrameAnswer& answer) const
 {
 	Frame frame;
 	frame.camera = m_subject.overview;
-	frame.instances.push_back({m_meshA, toTransform(poses.a), kCupColor, true});
-	frame.instances.push_back({m_meshB, toTransform(poses.b), kSpoonColor, false});
-	addPatches(frame, poses, *answer.result);
+	const double size = length(frame.camera.eye - frame.camera.target) * std::tan(frame.camera.fovy * kPi / 360);
+	frame.ground.isDrawn = m_subject.hasGround;
+	frame.ground.spacing = std::pow(10.0, std::round(std::log10(kGridShare * size)));
+	frame.ground.fadeRadius = kFadeShare * size;
+	for (std::size_t i = 0; i < m_subject.bodies.size(); ++i)
+	{
+		const FrameBody& body = m_subject.bodies[i];
+		frame.instances.push_back({m_meshes[body.mesh], toTransform(moment.poses[i]),
+								   body.isSeenThrough ? kGlassColor : kSolidColor, body.isSeenThrough});
+	}
+	addPatches(frame, moment, answer);
 	return frame;
 }
 
-Image FramePainter::overview(const PoseRow& poses, const FrameAnswer& answer, const std::vector<FrameContact>& contacts,
-							 const std::vector<std::string>& lines)
+Image FramePainter::overview(const FrameMoment& moment, const FrameAnswer& answer,
+							 const std::vector<FrameContact>& contacts, const std::vector<std::string>& lines)
 {
-	Frame frame = scene(poses, answer);
+	Frame frame = scene(moment, answer);
 	addContacts(frame, contacts);
 	Image image = m_renderer->render(frame);
 	OverlayText text;
@@ -166,65 +187,75 @@ Image FramePainter::overview(const PoseRow& poses, const FrameAnswer& answer, co
 	text.subtitle = "the whole scene";
 	text.lines = lines;
 	text.footer =
-		fmt::format("step {} of {}, t = {:.3f} s", poses.step, m_subject.steps, double(poses.step) * m_subject.dt);
+		fmt::format("step {} of {}, t = {:.3f} s", moment.step, m_subject.steps, double(moment.step) * m_subject.dt);
 	text.footnote = kFootnote;
 	drawOverlay(image, text);
 	return image;
 }
 
-Image FramePainter::closeUp(const PoseRow& poses, const FrameAnswer& answer, const std::vector<FrameContact>& contacts,
-							const std::vector<std::string>& lines)
+Image FramePainter::closeUp(const FrameMoment& moment, const FrameAnswer& answer,
+							const std::vector<FrameContact>& contacts, const std::vector<std::string>& lines)
 {
-	Frame frame = scene(poses, answer);
+	Frame frame = scene(moment, answer);
 	addContacts(frame, contacts);
-	// From below, through the see-through body: the patches that touch are on the underside.
-	const Vec3 target = toTransform(poses.b) * m_subject.closeUp;
-	frame.camera = orbitCamera(target, m_subject.closeUpRadius, 25, -30);
-	frame.ground.isDrawn = false;
+	const SceneView& view = m_subject.closeUp;
+	const Vec3 target = view.body < 0 ? view.center : toTransform(moment.poses[std::size_t(view.body)]) * view.center;
+	frame.camera = orbitCamera(target, view.radius, view.azimuth, view.elevation);
+	frame.ground.isDrawn = m_subject.hasGround && view.elevation > 0;
 	Image image = m_renderer->render(frame);
 	OverlayText text;
-	text.title = "close-up from below, through the cup";
+	text.title = view.caption;
 	text.lines = lines;
 	text.legendTitle = "Level of detail and its error";
-	text.legend = legend(*m_subject.a, *m_subject.b, *answer.result, levelCount());
+	text.legend = legend(answer);
 	text.pixelsPerMetre = frame.camera.pixelsPerMetre(kPanel);
 	drawOverlay(image, text);
 	return image;
 }
 
-Image FramePainter::paint(const PoseRow& poses, const FrameAnswer& answer, const std::vector<FrameContact>& contacts)
+Image FramePainter::paint(const FrameMoment& moment, const FrameAnswer& answer,
+						  const std::vector<FrameContact>& contacts)
 {
 	return sideBySide(
-		{{overview(poses, answer, contacts, figures(answer)), ""}, {closeUp(poses, answer, contacts, {}), ""}}, "");
+		{{overview(moment, answer, contacts, figures(answer)), ""}, {closeUp(moment, answer, contacts, {}), ""}}, "");
 }
 
-Image FramePainter::paintComparison(const PoseRow& poses, const FrameAnswer& left, const FrameAnswer& right)
+Image FramePainter::paintComparison(const FrameMoment& moment, const FrameAnswer& left, const FrameAnswer& right)
 {
-	const auto contactsLeft = markContacts(poses, *m_subject.a, *left.result, kMarkerSpacing);
-	const auto contactsRight = markContacts(poses, *m_subject.a, *right.result, kMarkerSpacing);
-	return sideBySide({{overview(poses, left, contactsLeft, {}), "the pose"},
-					   {closeUp(poses, left, contactsLeft, figures(left)), left.selection},
-					   {closeUp(poses, right, contactsRight, figures(right)), right.selection}},
+	const auto contactsLeft = markContacts(moment, left), contactsRight = markContacts(moment, right);
+	return sideBySide({{overview(moment, left, contactsLeft, {}), "the pose"},
+					   {closeUp(moment, left, contactsLeft, figures(left)), left.selection},
+					   {closeUp(moment, right, contactsRight, figures(right)), right.selection}},
 					  "");
 }
 
-std::vector<FrameContact> markContacts(const PoseRow& poses, const Hierarchy& a, const QueryResult& result,
-									   double spacing)
+// Representative contacts: closest first, each at least a spacing from those before it.
+std::vector<FrameContact> FramePainter::markContacts(const FrameMoment& moment, const FrameAnswer& answer) const
 {
-	std::vector<const Contact*> order;
-	for (const Contact& contact : result.contacts)
-		if (contact.normal != Vec3{}) order.push_back(&contact);
-	std::stable_sort(order.begin(), order.end(),
-					 [](const Contact* l, const Contact* r) { return l->lower < r->lower; });
-	const Transform worldFromA = worldFromBody(poses.a, a);
-	std::vector<FrameContact> marks;
-	for (const Contact* contact : order)
+	struct Candidate
 	{
-		const Vec3 position = worldFromA * contact->pointOnB;
-		const auto near = [&](const FrameContact& mark) { return length(mark.position - position) < spacing; };
+		double lower;
+		FrameContact contact;
+	};
+	std::vector<Candidate> order;
+	for (const PairAnswer& pair : answer.pairs)
+	{
+		const Transform worldFromA =
+			worldFromBody(moment.poses[pair.bodies.a], meshFromBody(*m_subject.bodies[pair.bodies.a].hierarchy));
+		for (const Contact& contact : pair.result.contacts)
+			if (contact.normal != Vec3{})
+				order.push_back({contact.lower, {worldFromA * contact.pointOnB, worldFromA.rotation * contact.normal}});
+	}
+	std::stable_sort(order.begin(), order.end(),
+					 [](const Candidate& l, const Candidate& r) { return l.lower < r.lower; });
+	const double spacing = kMarkerSpacing * m_subject.closeUp.radius;
+	std::vector<FrameContact> marks;
+	for (const Candidate& candidate : order)
+	{
+		const auto near = [&](const FrameContact& mark)
+		{ return length(mark.position - candidate.contact.position) < spacing; };
 		if (marks.size() == kLargestMarkers) break;
-		if (std::none_of(marks.begin(), marks.end(), near))
-			marks.push_back({position, worldFromA.rotation * contact->normal});
+		if (std::none_of(marks.begin(), marks.end(), near)) marks.push_back(candidate.contact);
 	}
 	return marks;
 }

@@ -67,11 +67,14 @@ void runList(const cli::CommonOptions& common)
 	for (const SceneInfo& scene : scenes())
 	{
 		if (common.textOnStdout()) fmt::print("{:<14} {}\n", scene.name, scene.summary);
+		nlohmann::ordered_json models = nlohmann::ordered_json::array();
+		for (const SceneModel& model : scene.models) models.push_back(model.name);
 		report["scenes"].push_back({{"name", scene.name},
 									{"summary", scene.summary},
 									{"steps", scene.steps},
 									{"dt", scene.dt},
-									{"models", {scene.modelA, scene.modelB}}});
+									{"models", models},
+									{"bodies", scene.bodies.size()}});
 	}
 	writeReport(common.json, report);
 }
@@ -118,6 +121,14 @@ void addCache(CLI::App& command, CacheOptions& options)
 		->type_name("DIR");
 	command.add_flag_callback(
 		"--no-cache", [&options] { options.enabled = false; }, "Build anew and keep nothing");
+}
+
+void addResolution(CLI::App& command, double& share)
+{
+	command.add_option("--resolution", share, "Triangles of a scene's models, as a share of the paper's counts")
+		->type_name("SHARE")
+		->check(between(0.001, 1000.0))
+		->capture_default_str();
 }
 
 CLI::Validator between(double low, double high)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // clod-bench paper: what Otaduy & Lin 2003 print, beside ours. Table 1: models and associated hierarchies, built with
-// --paper. The numbers row is the mean over the ten digits, as in the paper.
+// --paper; the numbers row is the mean over the ten digits, as in the paper. Figure 4: see Figure4.h.
 #include <fmt/format.h>
 
 #include <array>
@@ -11,6 +11,7 @@
 #include "demos/cli/Progress.h"
 #include "demos/models/Models.h"
 #include "demos/runner/Commands.h"
+#include "demos/runner/Figure4.h"
 
 namespace clod::demo
 {
@@ -23,7 +24,10 @@ struct PaperCommandOptions
 {
 	cli::CommonOptions common;
 	CacheOptions cache;
-	std::string directory;
+	std::string directory, only;
+	double resolution = 1;  // of Figure 4
+	int steps = 0;
+	bool has(const char* part) const { return only.empty() || only == part; }
 };
 
 // The columns of Table 1, in its order.
@@ -90,15 +94,8 @@ std::string formatTable(const nlohmann::ordered_json& rows)
 	return text;
 }
 
-void runPaper(const PaperCommandOptions& options)
+nlohmann::ordered_json makeTable1(HierarchyCache& cache, cli::Progress& progress)
 {
-	std::error_code failed;
-	std::filesystem::create_directories(options.directory, failed);
-	if (failed) throw Failure(ExitCode::failure, "cannot create " + options.directory + ": " + failed.message());
-	CacheOptions cacheOptions = options.cache;
-	cacheOptions.quiet = true;
-	HierarchyCache cache(cacheOptions);
-	cli::Progress progress(options.common.quiet);
 	nlohmann::ordered_json rows = nlohmann::ordered_json::array();
 	const std::vector<TableRow> table = tableRows();
 	for (std::size_t i = 0; i < table.size(); ++i)
@@ -112,12 +109,35 @@ void runPaper(const PaperCommandOptions& options)
 		}
 		rows.push_back(describeRow(table[i], mean));
 	}
-	progress.finish();
+	return rows;
+}
+
+void runPaper(const PaperCommandOptions& options)
+{
+	std::error_code failed;
+	std::filesystem::create_directories(options.directory, failed);
+	if (failed) throw Failure(ExitCode::failure, "cannot create " + options.directory + ": " + failed.message());
+	CacheOptions cacheOptions = options.cache;
+	cacheOptions.quiet = true;
+	HierarchyCache cache(cacheOptions);
+	cli::Progress progress(options.common.quiet);
 	nlohmann::ordered_json report = startReport("paper");
-	report["table1"] = rows;
-	const std::string text = formatTable(rows);
+	std::string text;
+	if (options.has("table1"))
+	{
+		report["table1"] = makeTable1(cache, progress);
+		text += formatTable(report["table1"]);
+		writeText(options.directory + "/table1.txt", text);
+	}
+	if (options.has("figure4"))
+	{
+		const Figure4Options figure{options.directory, options.resolution, options.steps};
+		report["figure4"] = makeFigure4(
+			figure, cache, [&](const std::string& phase, double fraction) { progress.update(phase, fraction); });
+		for (const auto& file : report["figure4"]["files"]) text += "wrote " + file.get<std::string>() + "\n";
+	}
+	progress.finish();
 	if (options.common.textOnStdout()) fmt::print("{}", text);
-	writeText(options.directory + "/table1.txt", text);
 	writeReport(options.directory + "/paper.json", report);
 	writeReport(options.common.json, report);
 }
@@ -126,10 +146,14 @@ void runPaper(const PaperCommandOptions& options)
 void addPaperCommand(CLI::App& program)
 {
 	auto options = std::make_shared<PaperCommandOptions>();
-	CLI::App* command =
-		program.add_subcommand("paper", "The paper's Table 1 beside ours (hierarchies built with --paper)");
+	CLI::App* command = program.add_subcommand("paper", "The paper's Table 1 and Figure 4 beside ours");
 	command->footer("Example: clod-bench paper -o out/paper");
-	command->add_option("-o", options->directory, "Directory for table1.txt and paper.json")->required();
+	command->add_option("-o", options->directory, "Directory for table1.txt, figure4.* and paper.json")->required();
+	cli::addChoice(*command, "--only", options->only, {"table1", "figure4"}, "One of them");
+	command->add_option("--steps", options->steps, "Steps of Figure 4's simulation (default: the scene's)")
+		->type_name("N")
+		->check(CLI::Range(1, 10'000'000));
+	addResolution(*command, options->resolution);
 	addCache(*command, options->cache);
 	cli::addQuiet(*command, options->common);
 	cli::addJson(*command, options->common);

@@ -181,11 +181,11 @@ double SignedDistance::operator()(const Vec3& point) const
 	return dot(point - nearest.point, normalAt(nearest)) < 0 ? -distance : distance;
 }
 
-PenetrationMeter::PenetrationMeter(Surface a, Surface b)
+PenetrationMeter::PenetrationMeter(std::shared_ptr<const SignedDistance> a, std::shared_ptr<const SignedDistance> b)
 	: m_a(std::move(a)),
 	  m_b(std::move(b)),
-	  m_looksA(m_a.surface().vertices.size()),
-	  m_looksB(m_b.surface().vertices.size())
+	  m_looksA(m_a->surface().vertices.size()),
+	  m_looksB(m_b->surface().vertices.size())
 {
 }
 
@@ -200,8 +200,8 @@ double PenetrationMeter::depth(const Transform& aFromB)
 		deepest = std::max(deepest, -distance);
 		last = {point, std::max(0.0, distance)};
 	};
-	for (std::size_t i = 0; i < m_looksA.size(); ++i) look(m_b, bFromA * m_a.surface().vertices[i], m_looksA[i]);
-	for (std::size_t i = 0; i < m_looksB.size(); ++i) look(m_a, aFromB * m_b.surface().vertices[i], m_looksB[i]);
+	for (std::size_t i = 0; i < m_looksA.size(); ++i) look(*m_b, bFromA * m_a->surface().vertices[i], m_looksA[i]);
+	for (std::size_t i = 0; i < m_looksB.size(); ++i) look(*m_a, aFromB * m_b->surface().vertices[i], m_looksB[i]);
 	return deepest;
 }
 }  // namespace clod::demo

@@ -7,6 +7,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "clod/hierarchy/Vector.h"
@@ -48,7 +49,7 @@ private:
 class PenetrationMeter
 {
 public:
-	PenetrationMeter(Surface a, Surface b);
+	PenetrationMeter(std::shared_ptr<const SignedDistance> a, std::shared_ptr<const SignedDistance> b);
 	// Depth (>= 0) of the deepest vertex of either mesh inside the other; aFromB relates the *mesh* frames.
 	double depth(const Transform& aFromB);
 
@@ -59,7 +60,7 @@ private:
 		Vec3 place;
 		double clear = 0;
 	};
-	SignedDistance m_a, m_b;
+	std::shared_ptr<const SignedDistance> m_a, m_b;
 	std::vector<Look> m_looksA, m_looksB;
 };
 }  // namespace clod::demo

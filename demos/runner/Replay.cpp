@@ -25,6 +25,21 @@ bool sameAnswer(const ReplayRow& l, const ReplayRow& r)
 		   l.stats.coarsestLevel == r.stats.coarsestLevel;
 }
 
+// How many elements are in one of two sorted lists only.
+template <class Element>
+std::size_t countDifferences(const std::vector<Element>& l, const std::vector<Element>& r)
+{
+	std::size_t common = 0;
+	for (auto i = l.begin(), j = r.begin(); i != l.end() && j != r.end();)
+	{
+		common += *i == *j;
+		const bool leftIsBehind = *i <= *j, rightIsBehind = *j <= *i;
+		i += leftIsBehind;
+		j += rightIsBehind;
+	}
+	return l.size() + r.size() - 2 * common;
+}
+
 std::vector<double> column(const std::vector<ReplayRow>& rows, double (*value)(const ReplayRow&))
 {
 	std::vector<double> values;
@@ -55,24 +70,30 @@ double MeasuredQuery::timed(const Transform& aFromB, const Settings& settings, P
 	return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
 }
 
-ReplayRow MeasuredQuery::at(const PoseRow& poses)
+ReplayRow MeasuredQuery::at(const PoseRow& poses, const Settings& settings)
 {
 	const Transform aFromB = relativePose(poses, meshFromBody(m_a), meshFromBody(m_b));
-	Settings contactsOnly = m_settings;
+	Settings contactsOnly = settings;
 	contactsOnly.contactsOnly = true;
 	contactsOnly.distance = false;
 	ReplayRow row;
 	row.step = poses.step;
+	row.bodyA = poses.bodyA;
+	row.bodyB = poses.bodyB;
 	row.queryMicroseconds = timed(aFromB, contactsOnly, m_contactCache, m_contacts);
-	row.gapMicroseconds = timed(aFromB, m_settings, m_gapCache, m_gap);
+	row.gapMicroseconds = timed(aFromB, settings, m_gapCache, m_gap);
 	row.contacts = m_contacts.contacts.size();
+	m_current.clear();
+	for (const Contact& contact : m_contacts.contacts) m_current.emplace_back(contact.nodeA, contact.nodeB);
+	row.churn = countDifferences(m_previous, m_current);
+	std::swap(m_previous, m_current);
 	row.minDistance = m_gap.minDistance;
 	row.errorBound = m_gap.errorBound;
 	row.deep = m_gap.deep;
 	row.stats = m_contacts.stats;
 	row.stats.pointQueries = m_gap.stats.pointQueries;
 	// With a signed gap asked for at any separation, the time is that of the gap.
-	if (m_settings.distance) row.queryMicroseconds = row.gapMicroseconds;
+	if (settings.distance) row.queryMicroseconds = row.gapMicroseconds;
 	return row;
 }
 
@@ -83,33 +104,110 @@ std::string number(double value)
 	return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
 }
 
+double relativeSpeed(const Hierarchy& a, const Hierarchy& b, const PoseRow& from, const PoseRow& to, double seconds)
+{
+	const Asset& asset = b.asset();
+	const Vec3 center{asset.sphereCenter[0], asset.sphereCenter[1], asset.sphereCenter[2]};
+	const Transform before = relativePose(from, meshFromBody(a), meshFromBody(b));
+	const Transform after = relativePose(to, meshFromBody(a), meshFromBody(b));
+	return displacement(before, after, center, asset.radius) / (smallerRadius(a, b) * seconds);
+}
+
 std::vector<double> relativeSpeeds(const Hierarchy& a, const Hierarchy& b, const std::vector<PoseRow>& poses, double dt)
 {
 	std::vector<double> speeds(poses.size(), 0.0);
-	const Asset& asset = b.asset();
-	const Vec3 center{asset.sphereCenter[0], asset.sphereCenter[1], asset.sphereCenter[2]};
-	const double unit = smallerRadius(a, b) * dt;
-	for (std::size_t i = 1; i < poses.size(); ++i)
-	{
-		const Transform from = relativePose(poses[i - 1], meshFromBody(a), meshFromBody(b));
-		const Transform to = relativePose(poses[i], meshFromBody(a), meshFromBody(b));
-		speeds[i] = displacement(from, to, center, asset.radius) / unit;
-	}
+	for (std::size_t i = 1; i < poses.size(); ++i) speeds[i] = relativeSpeed(a, b, poses[i - 1], poses[i], dt);
 	return speeds;
 }
 
-std::vector<ReplayRow> replay(const Hierarchy& a, const Hierarchy& b, const std::vector<PoseRow>& poses,
-							  const ReplayOptions& options, const std::function<void(double)>& progress)
+RelativeMotion relativeMotion(const Hierarchy& a, const Hierarchy& b, const PoseRow& from, const PoseRow& to,
+							  double seconds)
 {
-	const std::vector<double> speeds = relativeSpeeds(a, b, poses, options.dt);
+	const Transform before = relativePose(from, meshFromBody(a), meshFromBody(b));
+	const Transform after = relativePose(to, meshFromBody(a), meshFromBody(b));
+	// B turns by `turn` seen from A: sin(angle) * axis is its antisymmetric part.
+	const Mat3 turn = after.rotation * transposed(before.rotation);
+	const Vec3 sine =
+		0.5 * Vec3{turn.row[2].y - turn.row[1].z, turn.row[0].z - turn.row[2].x, turn.row[1].x - turn.row[0].y};
+	const double size = length(sine), cosine = (turn.row[0].x + turn.row[1].y + turn.row[2].z - 1) / 2;
+	const double angle = std::atan2(size, cosine);
+	const Vec3 angular = size > 0 ? (angle / (size * seconds)) * sine : Vec3{};
+	const Vec3 linear = (1 / seconds) * (after.translation - before.translation) - cross(angular, after.translation);
+	return {-1.0 * linear, -1.0 * angular, seconds};
+}
+
+double ReplayOptions::toleranceOf(const Hierarchy& a, const Hierarchy& b) const
+{
+	return toleranceIsShare ? tolerance * smallerRadius(a, b) : tolerance;
+}
+
+Settings settingsOf(const ReplayOptions& options, const Hierarchy& a, const Hierarchy& b, const PoseRow& poses,
+					const RelativeMotion& motion)
+{
+	MetricFrame frame;
+	frame.radius = smallerRadius(a, b);
+	frame.worldFromA = worldFromBody(poses.a, meshFromBody(a));
+	frame.motion = motion;
+	frame.camera = options.camera ? &*options.camera : nullptr;
+	Settings settings;
+	settings.metric = resolve(options.metric, frame);
+	settings.tolerance = options.toleranceOf(a, b);
+	settings.distance = options.distance;
+	settings.paper = options.paper;
+	return settings;
+}
+
+std::string optionsError(const ReplayOptions& options, const Bodies& bodies)
+{
+	std::string problem = contactMetricError(options.metric, options.camera ? &*options.camera : nullptr);
+	for (const Hierarchy* a : bodies)
+		for (const Hierarchy* b : bodies)
+			if (problem.empty()) problem = settingsError(*a, *b, settingsOf(options, *a, *b, {}, {}));
+	return problem;
+}
+
+PairQueries::PairQueries(Bodies bodies, const ReplayOptions& options) : m_bodies(std::move(bodies)), m_options(options)
+{
+}
+
+double PairQueries::secondsBetween(const PoseRow& from, const PoseRow& to) const
+{
+	// Rows of two bodies follow each other in time whatever their steps are called; of more, a pair may have been away.
+	return m_bodies.size() > 2 ? double(std::max<std::int64_t>(1, to.step - from.step)) * m_options.dt : m_options.dt;
+}
+
+ReplayRow PairQueries::at(const PoseRow& poses)
+{
+	const Hierarchy &a = *m_bodies[poses.bodyA], &b = *m_bodies[poses.bodyB];
+	const std::pair<std::uint32_t, std::uint32_t> key{poses.bodyA, poses.bodyB};
+	auto found = m_pairs.find(key);
+	if (found == m_pairs.end()) found = m_pairs.emplace(key, Pair{MeasuredQuery(a, b, m_options.fresh), {}}).first;
+	Pair& pair = found->second;
+	RelativeMotion motion;
+	double speed = 0;
+	if (pair.previous)
+	{
+		const double seconds = secondsBetween(*pair.previous, poses);
+		motion = relativeMotion(a, b, *pair.previous, poses, seconds);
+		speed = relativeSpeed(a, b, *pair.previous, poses, seconds);
+	}
+	motion.timeStep = m_options.dt;
+	ReplayRow row = pair.query.at(poses, settingsOf(m_options, a, b, poses, motion));
+	row.speed = speed;
+	pair.previous = poses;
+	return row;
+}
+
+std::vector<ReplayRow> replay(const Bodies& bodies, const std::vector<PoseRow>& poses, const ReplayOptions& options,
+							  const std::function<void(double)>& progress)
+{
 	std::vector<ReplayRow> rows;
 	for (int pass = 0; pass < options.repeat; ++pass)
 	{
-		MeasuredQuery measured(a, b, options.settings, options.fresh);
+		PairQueries queries(bodies, options);
 		for (std::size_t i = 0; i < poses.size(); ++i)
 		{
-			ReplayRow row = measured.at(poses[i]);
-			row.speed = speeds[i];
+			const ReplayRow row = queries.at(poses[i]);
 			if (pass == 0)
 				rows.push_back(row);
 			else if (!sameAnswer(row, rows[i]))
@@ -124,19 +222,126 @@ std::vector<ReplayRow> replay(const Hierarchy& a, const Hierarchy& b, const std:
 	return rows;
 }
 
+namespace
+{
+void add(QueryStats& sum, const QueryStats& stats)
+{
+	sum.front += stats.front;
+	sum.frontInner += stats.frontInner;
+	sum.boxTests += stats.boxTests;
+	sum.hullTests += stats.hullTests;
+	sum.skippedBySlack += stats.skippedBySlack;
+	sum.duplicates += stats.duplicates;
+	sum.pointQueries += stats.pointQueries;
+	sum.restarts += stats.restarts;
+}
+
+// Levels of accepted nodes, over the pairs that have any.
+void setLevels(QueryStats& sum, const std::vector<ReplayRow>& pairs)
+{
+	constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+	std::uint32_t finest = none, touched = none;
+	for (const ReplayRow& pair : pairs)
+	{
+		touched = std::min(touched, pair.stats.touchedFinestLevel);
+		if (pair.contacts == 0) continue;
+		finest = std::min(finest, pair.stats.finestLevel);
+		sum.coarsestLevel = std::max(sum.coarsestLevel, pair.stats.coarsestLevel);
+	}
+	sum.finestLevel = finest == none ? 0 : finest;
+	sum.touchedFinestLevel = touched == none ? 0 : touched;
+}
+
+// The least gap of all pairs and a bound that holds for it.
+void setGap(ReplayRow& sum, const std::vector<ReplayRow>& pairs, double tolerance)
+{
+	constexpr double infinity = std::numeric_limits<double>::infinity();
+	double low = infinity, high = infinity;  // of the true least gap; high only counts where a gap was found
+	sum.minDistance = infinity;
+	for (const ReplayRow& pair : pairs)
+	{
+		sum.minDistance = std::min(sum.minDistance, pair.minDistance);
+		low = std::min(low, std::min(pair.minDistance, tolerance) - pair.errorBound);
+		high = std::min(high, pair.minDistance + pair.errorBound);
+	}
+	if (pairs.empty()) return;
+	sum.errorBound =
+		std::isinf(sum.minDistance) ? tolerance - low : std::max(sum.minDistance - low, high - sum.minDistance);
+}
+}  // namespace
+
+ReplayRow sumOfPairs(const std::vector<ReplayRow>& pairs, double tolerance)
+{
+	if (pairs.size() == 1) return pairs[0];
+	ReplayRow sum;
+	if (pairs.empty()) sum.minDistance = std::numeric_limits<double>::infinity();
+	const bool touching =
+		std::any_of(pairs.begin(), pairs.end(), [&](const ReplayRow& r) { return r.contact(tolerance); });
+	for (const ReplayRow& pair : pairs)
+	{
+		sum.step = pair.step;
+		sum.queryMicroseconds += pair.queryMicroseconds;
+		sum.gapMicroseconds += pair.gapMicroseconds;
+		sum.contacts += pair.contacts;
+		sum.churn += pair.churn;
+		sum.deep = sum.deep || pair.deep;
+		add(sum.stats, pair.stats);
+		if (!touching || pair.contact(tolerance)) sum.speed = std::max(sum.speed, pair.speed);
+	}
+	setLevels(sum.stats, pairs);
+	setGap(sum, pairs, tolerance);
+	return sum;
+}
+
+std::vector<ReplayRow> sumsByStep(const std::vector<ReplayRow>& rows, double tolerance)
+{
+	std::vector<ReplayRow> sums;
+	for (std::size_t i = 0; i < rows.size();)
+	{
+		std::vector<ReplayRow> pairs;
+		for (const std::int64_t step = rows[i].step; i < rows.size() && rows[i].step == step; ++i)
+			pairs.push_back(rows[i]);
+		sums.push_back(sumOfPairs(pairs, tolerance));
+	}
+	return sums;
+}
+
+const char* name(Regime regime)
+{
+	constexpr const char* names[] = {"apart", "impact", "sliding", "resting"};
+	return names[std::size_t(regime)];
+}
+
+std::vector<Regime> regimesOf(const std::vector<ReplayRow>& rows, double tolerance)
+{
+	std::vector<Regime> regimes;
+	int rowsInContact = 0;
+	for (const ReplayRow& row : rows)
+	{
+		rowsInContact = row.contact(tolerance) ? rowsInContact + 1 : 0;
+		if (rowsInContact == 0)
+			regimes.push_back(Regime::apart);
+		else if (rowsInContact <= kImpactRows)
+			regimes.push_back(Regime::impact);
+		else
+			regimes.push_back(row.motion() == Motion::rest ? Regime::resting : Regime::sliding);
+	}
+	return regimes;
+}
+
 std::string formatReplay(const std::vector<ReplayRow>& rows)
 {
 	std::string text =
 		"step,query_us,front,hull_tests,contacts,min_distance,error_bound,finest_level,coarsest_level,"
 		"gap_us,box_tests,gjk_runs,skipped_by_slack,point_queries,restarts,deep,speed_radii_per_s,motion,front_inner,"
-		"duplicates\n";
+		"duplicates,body_a,body_b,churn\n";
 	for (const ReplayRow& r : rows)
-		text += fmt::format("{},{:.3f},{},{},{},{},{},{},{},{:.3f},{},{},{},{},{},{},{:.5g},{},{},{}\n", r.step,
-							r.queryMicroseconds, r.stats.front, r.tests(), r.contacts, number(r.minDistance),
+		text += fmt::format("{},{:.3f},{},{},{},{},{},{},{},{:.3f},{},{},{},{},{},{},{:.5g},{},{},{},{},{},{}\n",
+							r.step, r.queryMicroseconds, r.stats.front, r.tests(), r.contacts, number(r.minDistance),
 							number(r.errorBound), r.stats.finestLevel, r.stats.coarsestLevel, r.gapMicroseconds,
 							r.stats.boxTests, r.stats.hullTests, r.stats.skippedBySlack, r.stats.pointQueries,
 							r.stats.restarts, int(r.deep), r.speed, name(r.motion()), r.stats.frontInner,
-							r.stats.duplicates);
+							r.stats.duplicates, r.bodyA, r.bodyB, r.churn);
 	return text;
 }
 

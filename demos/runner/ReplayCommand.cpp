@@ -10,6 +10,7 @@
 #include "demos/runner/Commands.h"
 #include "demos/runner/DispatchBench.h"
 #include "demos/runner/Replay.h"
+#include "demos/runner/SceneModels.h"
 #include "demos/runner/Selection.h"
 #include "demos/runner/Statistics.h"
 
@@ -27,38 +28,78 @@ struct ReplayCommandOptions
 	cli::CommonOptions common;
 	CacheOptions cache;
 	Selection selection;
-	std::string a, b, poses, csv, peer;
+	std::string a, b, poses, csv, peer;  // without poses, a is a scene and b its recorded poses
+	double resolution = 1;
 	std::optional<cli::Length> tolerance;
 	bool distance = false;
 	int repeat = 1;
 	double dt = 1.0 / 240;
 };
 
-cli::Length toleranceOf(const ReplayCommandOptions& options)
+// What is replayed: two models, or all bodies of a scene.
+struct Subject
 {
-	return options.tolerance ? *options.tolerance : cli::Length{kDefaultTolerance, true, "1%"};
+	const SceneInfo* scene = nullptr;
+	std::vector<HierarchyPointer> models;
+	std::vector<std::string> names;  // of the models
+	Bodies bodies;
+	std::string posesFile;
+};
+
+Subject openSubject(const ReplayCommandOptions& options, HierarchyCache& cache)
+{
+	Subject subject;
+	subject.scene = options.poses.empty() ? findScene(options.a) : nullptr;
+	if (!subject.scene)
+	{
+		if (options.poses.empty())
+			throw Failure(ExitCode::usage, "POSES is missing, and '" + options.a + "' is not a scene");
+		if (options.resolution != 1) throw Failure(ExitCode::usage, "--resolution is for scenes, not for given models");
+		subject.names = {options.a, options.b};
+		for (const std::string& name : subject.names)
+			subject.models.push_back(cache.open(name, options.selection.paper));
+		subject.bodies = {subject.models[0].get(), subject.models[1].get()};
+		subject.posesFile = options.poses;
+		return subject;
+	}
+	subject.models = buildModels(*subject.scene, {options.resolution, options.selection.paper}, cache);
+	for (const SceneModel& model : subject.scene->models) subject.names.push_back(model.name);
+	subject.bodies = bodiesOf(*subject.scene, subject.models);
+	subject.posesFile = options.b;
+	return subject;
 }
 
-Settings settingsOf(const ReplayCommandOptions& options, const Hierarchy& a, const Hierarchy& b)
+cli::Length toleranceOf(const ReplayCommandOptions& options, const Subject& subject)
 {
-	const double radius = smallerRadius(a, b);
-	Settings settings;
-	settings.metric = toMetric(options.selection, radius);
-	settings.tolerance = toleranceOf(options).inMeshUnit(radius);
-	settings.distance = options.distance;
-	settings.paper = options.selection.paper;
-	if (const std::string problem = settingsError(a, b, settings); !problem.empty())
+	if (options.tolerance) return *options.tolerance;
+	if (!subject.scene) return {kDefaultTolerance, true, "1%"};
+	return {subject.scene->tolerance, false, number(subject.scene->tolerance)};
+}
+
+ReplayOptions replayOptions(const ReplayCommandOptions& options, const Subject& subject)
+{
+	const cli::Length tolerance = toleranceOf(options, subject);
+	ReplayOptions result;
+	result.metric = toMetric(options.selection);
+	result.tolerance = tolerance.value;
+	result.toleranceIsShare = tolerance.shareOfRadius;
+	result.distance = options.distance;
+	result.paper = options.selection.paper;
+	result.repeat = options.repeat;
+	result.fresh = options.selection.fresh;
+	result.dt = options.dt;
+	if (const std::string problem = optionsError(result, subject.bodies); !problem.empty())
 		throw Failure(ExitCode::usage, problem);
-	return settings;
+	return result;
 }
 
-void print(const ReplayCommandOptions& options, const Settings& settings, double radius,
-		   const nlohmann::ordered_json& report)
+void print(const ReplayCommandOptions& options, const Subject& subject, const nlohmann::ordered_json& report)
 {
 	if (!options.common.textOnStdout()) return;
+	const double radius = smallestRadius(subject.models);
 	fmt::print("selection  {}\n", describe(options.selection, radius));
-	fmt::print("tolerance  {}{}\n", cli::describe(toleranceOf(options), radius),
-			   settings.distance ? ", signed gap at any separation" : "");
+	fmt::print("tolerance  {}{}\n", cli::describe(toleranceOf(options, subject), radius),
+			   options.distance ? ", signed gap at any separation" : "");
 	fmt::print("{:<22}{:>8}{:>12}{:>12}{:>12}{:>10}\n", "rows", "count", "query us", "p95 us", "tests", "contacts");
 	for (const auto& [name, figures] : report["summary"].items())
 	{
@@ -69,35 +110,48 @@ void print(const ReplayCommandOptions& options, const Settings& settings, double
 	}
 }
 
+// All rows, and of a scene of many bodies the sums of every step.
+nlohmann::ordered_json summarizeReplay(const Subject& subject, const std::vector<ReplayRow>& rows, double tolerance)
+{
+	nlohmann::ordered_json summary = summarize(rows, tolerance);
+	if (subject.bodies.size() <= 2) return summary;
+	const nlohmann::ordered_json steps = summarize(sumsByStep(rows, tolerance), tolerance);
+	for (const auto& [name, figures] : steps.items()) summary["steps_" + name] = figures;
+	return summary;
+}
+
 void runReplay(const ReplayCommandOptions& options)
 {
-	Result<std::vector<PoseRow>> poses = readPoses(options.poses);
-	if (!poses) throw Failure(ExitCode::badInput, poses.error());
 	CacheOptions cacheOptions = options.cache;
 	cacheOptions.quiet = options.common.quiet;
 	HierarchyCache cache(cacheOptions);
-	const HierarchyPointer a = cache.open(options.a, options.selection.paper);
-	const HierarchyPointer b = cache.open(options.b, options.selection.paper);
-	const double radius = smallerRadius(*a, *b);
-	const Settings settings = settingsOf(options, *a, *b);
+	const Subject subject = openSubject(options, cache);
+	if (!options.peer.empty() && subject.bodies.size() > 2)
+		throw Failure(ExitCode::usage, "--peer compares two bodies; " + options.a + " has more");
+	Result<std::vector<PoseRow>> poses = readPoses(subject.posesFile, subject.bodies.size());
+	if (!poses) throw Failure(ExitCode::badInput, poses.error());
+	const ReplayOptions asked = replayOptions(options, subject);
+	const double radius = smallestRadius(subject.models), tolerance = toleranceOf(options, subject).inMeshUnit(radius);
 	cli::Progress progress(options.common.quiet);
-	const auto rows = replay(*a, *b, poses.value(), {settings, options.repeat, options.selection.fresh, options.dt},
-							 [&](double fraction) { progress.update("replay", fraction); });
+	const auto rows =
+		replay(subject.bodies, poses.value(), asked, [&](double fraction) { progress.update("replay", fraction); });
 	nlohmann::ordered_json report = startReport("replay");
-	report["models"] = {describeHierarchy(*a, options.a), describeHierarchy(*b, options.b)};
+	for (std::size_t i = 0; i < subject.models.size(); ++i)
+		report["models"].push_back(describeHierarchy(*subject.models[i], subject.names[i]));
 	report["poses"] = {
-		{"file", options.poses}, {"rows", rows.size()}, {"trajectory_hash", trajectoryHash(poses.value())}};
+		{"file", subject.posesFile}, {"rows", rows.size()}, {"trajectory_hash", trajectoryHash(poses.value())}};
 	report["selection"] = toJson(options.selection, radius);
-	report["tolerance"] = settings.tolerance;
-	report["distance"] = settings.distance;
+	report["tolerance"] = tolerance;
+	report["distance"] = options.distance;
 	report["repeat"] = options.repeat;
 	report["moving_speed_radii_per_s"] = kMovingSpeed;
-	report["summary"] = summarize(rows, settings.tolerance);
+	report["summary"] = summarizeReplay(subject, rows, tolerance);
 	if (!options.peer.empty())
 		report["peer"] =
-			comparePeer(a, b, poses.value(), rows, {settings, options.repeat, options.selection.fresh, options.dt});
+			comparePeer(subject.models[subject.scene ? subject.scene->bodies[0].model : 0],
+						subject.models[subject.scene ? subject.scene->bodies[1].model : 1], poses.value(), rows, asked);
 	progress.finish();
-	if (options.csv != "-") print(options, settings, radius, report);
+	if (options.csv != "-") print(options, subject, report);
 	writeText(options.csv, formatReplay(rows));
 	if (!options.peer.empty() && options.common.textOnStdout() && options.csv != "-") printPeer(report["peer"]);
 	writeReport(options.common.json, report);
@@ -108,12 +162,15 @@ void addReplayCommand(CLI::App& program)
 {
 	auto options = std::make_shared<ReplayCommandOptions>();
 	CLI::App* command = program.add_subcommand("replay", "Query two models at recorded poses, without dynamics");
-	command->footer("Example: clod-bench replay cup.clod spoon.clod poses.csv --size 3.5 --repeat 3 --csv rows.csv");
-	command->add_option("A", options->a, "Body A: a .clod file or a mesh (built, and cached)")->required();
-	command->add_option("B", options->b, "Body B")->required();
-	command->add_option("POSES", options->poses, "Recorded poses, POSES.csv")->required();
+	command->footer(
+		"Example: clod-bench replay cup.clod spoon.clod poses.csv --size 3.5 --repeat 3 --csv rows.csv\n"
+		"A scene instead of A and B replays all its bodies: clod-bench replay numbers-bowl poses.csv --size 3.5");
+	command->add_option("A", options->a, "Body A: a .clod file or a mesh (built, and cached); or a scene")->required();
+	command->add_option("B", options->b, "Body B; after a scene, its recorded poses")->required();
+	command->add_option("POSES", options->poses, "Recorded poses, POSES.csv");
+	addResolution(*command, options->resolution);
 	cli::addLength(*command, "--tolerance", options->tolerance,
-				   "Report contacts up to this gap (default 1% of the smaller radius)");
+				   "Report contacts up to this gap (default 1% of the smaller radius; of a scene, its own)");
 	command->add_flag("--distance", options->distance, "The signed gap at any separation");
 	command->add_option("--repeat", options->repeat, "Whole passes; a row keeps its least time")
 		->type_name("N")

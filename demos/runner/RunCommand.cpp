@@ -4,18 +4,18 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <map>
 #include <memory>
 
 #include "demos/cli/Progress.h"
 #include "demos/cli/Suggestion.h"
-#include "demos/models/Models.h"
 #include "demos/runner/Commands.h"
 #include "demos/runner/Penetration.h"
 #include "demos/runner/SceneFrames.h"
+#include "demos/runner/SceneModels.h"
 #include "demos/runner/SceneRun.h"
 #include "demos/runner/Selection.h"
 #include "demos/runner/Statistics.h"
-#include "demos/scenes/Scene.h"
 
 namespace clod::demo
 {
@@ -38,83 +38,81 @@ struct RunOptions
 	double resolution = 1;
 	bool verifyPenetration = false;
 	SceneFrameOptions frames;
+	ModelDetail detail() const { return {resolution, selection.paper}; }
 };
-
-std::size_t trianglesOf(const std::string& model, double resolution)
-{
-	return std::size_t(double(paperTriangleCount(model)) * resolution);
-}
-
-ModelMesh meshOf(const std::string& model, const RunOptions& options)
-{
-	Result<ModelMesh> mesh = makeModel(model, trianglesOf(model, options.resolution));
-	if (!mesh) throw Failure(ExitCode::failure, mesh.error());
-	return std::move(mesh.value());
-}
-
-HierarchyPointer buildModel(HierarchyCache& cache, const std::string& model, const RunOptions& options)
-{
-	return cache.build(modelSource(model, trianglesOf(model, options.resolution)), options.selection.paper);
-}
 
 SceneRunOptions setUp(const RunOptions& options, const SceneInfo& info, HierarchyCache& cache)
 {
 	SceneRunOptions run;
-	run.scene.a = buildModel(cache, info.modelA, options);
-	run.scene.b = buildModel(cache, info.modelB, options);
-	run.scene.query.metric = toMetric(options.selection, smallerRadius(*run.scene.a, *run.scene.b));
-	run.scene.query.paper = options.selection.paper;
+	run.info = info;
+	run.scene.models = buildModels(info, options.detail(), cache);
+	run.scene.metric = toMetric(options.selection);
 	run.scene.dt = options.dt > 0 ? options.dt : info.dt;
-	run.tolerance = info.tolerance;
+	run.paper = options.selection.paper;
 	run.steps = options.steps > 0 ? options.steps : info.steps;
 	run.fresh = options.selection.fresh;
-	Settings settings = run.scene.query;
-	settings.tolerance = run.tolerance;
-	const std::string problem = settingsError(*run.scene.a, *run.scene.b, settings);
-	if (!problem.empty()) throw Failure(ExitCode::usage, problem);
+	if (const std::string problem = optionsError(run.queries(), run.bodies()); !problem.empty())
+		throw Failure(ExitCode::usage, problem);
 	return run;
 }
 
 // The deepest interpenetration of the full meshes over all steps, against what the selection allows.
-nlohmann::ordered_json verifyPenetration(const RunOptions& options, const SceneInfo& info,
+nlohmann::ordered_json verifyPenetration(const RunOptions& options, const SceneRunOptions& run,
 										 const std::vector<SceneRow>& rows, cli::Progress& progress)
 {
-	PenetrationMeter meter(meshOf(info.modelA, options), meshOf(info.modelB, options));
+	const SceneInfo& info = run.info;
+	std::vector<std::shared_ptr<const SignedDistance>> solids;  // one a model
+	for (std::size_t i = 0; i < info.models.size(); ++i)
+		solids.push_back(
+			std::make_shared<SignedDistance>(meshOf(info.models[i], run.scene.models[i], options.detail())));
+	std::map<std::pair<std::uint32_t, std::uint32_t>, PenetrationMeter> meters;
 	double deepest = 0, bound = 0;
-	std::int64_t where = 0;
+	PoseRow where;
 	for (std::size_t i = 0; i < rows.size(); ++i)
 	{
-		const PoseRow& poses = rows[i].state.poses;
-		const double depth = meter.depth(relativePose(poses, {}, {}));
-		if (depth > deepest) deepest = depth, where = poses.step;
-		if (!std::isinf(rows[i].query.errorBound)) bound = std::max(bound, rows[i].query.errorBound);
+		for (const PoseRow& poses : posesOf(rows[i].state))
+		{
+			const auto solid = [&](std::uint32_t body) { return solids[info.bodies[body].model]; };
+			auto& meter =
+				meters.try_emplace({poses.bodyA, poses.bodyB}, solid(poses.bodyA), solid(poses.bodyB)).first->second;
+			const double depth = meter.depth(relativePose(poses, {}, {}));
+			if (depth > deepest) deepest = depth, where = poses;
+		}
+		for (const ReplayRow& pair : rows[i].pairs)
+			if (!std::isinf(pair.errorBound)) bound = std::max(bound, pair.errorBound);
 		progress.update("interpenetration", double(i + 1) / double(rows.size()));
 	}
 	const double limit = kPenetrationShare * info.thinnerWall + (options.selection.exact ? 0 : bound);
 	return {{"deepest", deepest},
-			{"step", where},
+			{"step", where.step},
+			{"bodies", {info.bodies[where.bodyA].name, info.bodies[where.bodyB].name}},
 			{"share_of_thinner_wall", deepest / info.thinnerWall},
 			{"certified_bound_in_use", bound},
 			{"limit", limit},
 			{"within_limit", deepest <= limit}};
 }
 
-nlohmann::ordered_json paintFrames(const RunOptions& options, const SceneInfo& info, const SceneRunOptions& run,
+Camera cameraOf(const SceneView& view)
+{
+	return orbitCamera(view.center, view.radius, view.azimuth, view.elevation);
+}
+
+nlohmann::ordered_json paintFrames(const RunOptions& options, const SceneRunOptions& run,
 								   const std::vector<SceneRow>& rows, cli::Progress& progress)
 {
+	const SceneInfo& info = run.info;
 	FrameSubject subject;
 	subject.title = fmt::format("{}: {}", info.name, info.summary);
-	subject.a = run.scene.a;
-	subject.b = run.scene.b;
-	subject.meshA = meshOf(info.modelA, options);
-	subject.meshB = meshOf(info.modelB, options);
+	for (std::size_t i = 0; i < info.models.size(); ++i)
+		subject.meshes.push_back(meshOf(info.models[i], run.scene.models[i], options.detail()));
+	for (const SceneBody& body : info.bodies)
+		subject.bodies.push_back({body.model, run.scene.models[body.model], body.isSeenThrough});
 	subject.closeUp = info.closeUp;
-	subject.closeUpRadius = info.closeUpRadius;
-	subject.overview =
-		options.frames.camera ? *options.frames.camera : orbitCamera(info.overview, info.overviewRadius, 20, 28);
+	subject.hasGround = info.hasGround;
+	subject.overview = options.frames.camera ? *options.frames.camera : cameraOf(info.overview);
 	subject.steps = run.steps;
 	subject.dt = run.scene.dt;
-	const std::string selection = describe(options.selection, smallerRadius(*run.scene.a, *run.scene.b));
+	const std::string selection = describe(options.selection, smallestRadius(run.scene.models));
 	return paintScene(options.frames, subject, {rows, run, selection},
 					  [&](double fraction) { progress.update("frames", fraction); });
 }
@@ -128,9 +126,9 @@ nlohmann::ordered_json describeConstants(const Scene& scene)
 }
 
 // The poses, and beside them their checksum as xxhsum prints and checks it.
-nlohmann::ordered_json recordPoses(const std::string& path, const std::vector<PoseRow>& poses)
+nlohmann::ordered_json recordPoses(const std::string& path, const std::vector<PoseRow>& poses, std::size_t bodies)
 {
-	const std::string text = formatPoses(poses);
+	const std::string text = formatPoses(poses, bodies);
 	const std::string checksum = fmt::format("{:016x}", XXH64(text.data(), text.size(), 0));
 	writeText(path, text);
 	if (path != "-") writeText(path + ".xxh64", checksum + "  " + path.substr(path.find_last_of('/') + 1) + "\n");
@@ -175,17 +173,19 @@ void runRun(const RunOptions& options)
 
 	nlohmann::ordered_json report = startReport("run");
 	report["scene"] = info.name;
-	report["models"] = {describeHierarchy(*run.scene.a, info.modelA), describeHierarchy(*run.scene.b, info.modelB)};
-	report["selection"] = toJson(options.selection, smallerRadius(*run.scene.a, *run.scene.b));
+	for (std::size_t i = 0; i < info.models.size(); ++i)
+		report["models"].push_back(describeHierarchy(*run.scene.models[i], info.models[i].name));
+	report["bodies"] = info.bodies.size();
+	report["selection"] = toJson(options.selection, smallestRadius(run.scene.models));
 	report["constants"] = describeConstants(*scene);
 	report["steps"] = run.steps;
 	report["dt"] = run.scene.dt;
 	report["trajectory_hash"] = trajectoryHash(posesOf(rows));
-	report["summary"] = summarizeScene(rows, run.tolerance);
-	if (!options.poses.empty()) report["poses"] = recordPoses(options.poses, posesOf(rows));
-	writeText(options.csv, formatSceneRows(rows));
-	if (options.verifyPenetration) report["interpenetration"] = verifyPenetration(options, info, rows, progress);
-	if (!options.frames.directory.empty()) report["frames"] = paintFrames(options, info, run, rows, progress);
+	report["summary"] = summarizeScene(rows, info.tolerance);
+	if (!options.poses.empty()) report["poses"] = recordPoses(options.poses, posesOf(rows), info.bodies.size());
+	writeText(options.csv, formatSceneRows(info, rows));
+	if (options.verifyPenetration) report["interpenetration"] = verifyPenetration(options, run, rows, progress);
+	if (!options.frames.directory.empty()) report["frames"] = paintFrames(options, run, rows, progress);
 	progress.finish();
 	print(options, report);
 	writeReport(options.common.json, report);
@@ -214,11 +214,7 @@ void addRunCommand(CLI::App& program)
 	command->add_option("--dt", options->dt, "Seconds a step (default: the scene's)")
 		->type_name("SECONDS")
 		->check(between(1e-6, 1.0));
-	command
-		->add_option("--resolution", options->resolution, "Triangles of the models, as a share of the paper's counts")
-		->type_name("SHARE")
-		->check(between(0.001, 1000.0))
-		->capture_default_str();
+	addResolution(*command, options->resolution);
 	command->add_option("--csv", options->csv, "A row a step; - is stdout")->type_name("FILE");
 	command->add_option("--poses", options->poses, "Record the poses as POSES.csv, with a checksum beside it")
 		->type_name("FILE");

@@ -18,39 +18,71 @@ namespace
 // The threshold that an exact run is compared with: the paper's, as a share of the smaller radius.
 constexpr double kComparedSize = 0.035;
 
-// Answers at chosen poses of a run under one metric.
+// Answers at chosen moments of a run under one metric.
 class Answers
 {
 public:
-	Answers(const FinishedRun& run, const Metric& metric, std::string selection)
-		: m_run(run), m_settings(run.options.scene.query), m_selection(std::move(selection))
+	Answers(const FinishedRun& run, SceneSettings scene, std::string selection)
+		: m_run(run), m_options(run.options), m_selection(std::move(selection))
 	{
-		m_settings.metric = metric;
-		m_settings.tolerance = run.options.tolerance;
+		m_options.scene = std::move(scene);
+		m_options.fresh = false;
 	}
 	// Times of warm queries over all rows; without this call, the run's own.
 	void measureAll()
 	{
-		const SceneSettings& scene = m_run.options.scene;
-		m_rows = replay(*scene.a, *scene.b, posesOf(m_run.rows), {m_settings, 1, false, scene.dt}, [](double) {});
+		PairQueries queries(m_options.bodies(), m_options.queries());
+		for (const SceneRow& row : m_run.rows)
+		{
+			std::vector<ReplayRow> pairs;
+			for (const PoseRow& poses : posesOf(row.state)) pairs.push_back(queries.at(poses));
+			m_rows.push_back(sumOfPairs(pairs, m_options.info.tolerance));
+		}
 	}
-	FrameAnswer at(std::size_t row)
+	FrameAnswer at(std::size_t row) const
 	{
-		const SceneSettings& scene = m_run.options.scene;
-		const PoseRow& poses = m_run.rows[row].state.poses;
-		query(*scene.a, *scene.b, relativePose(poses, meshFromBody(*scene.a), meshFromBody(*scene.b)), m_settings,
-			  m_cache, m_result);
-		return {m_selection, &m_result, m_rows.empty() ? m_run.rows[row].query : m_rows[row]};
+		const Bodies bodies = m_options.bodies();
+		FrameAnswer answer{m_selection, {}, m_rows.empty() ? m_run.rows[row].query : m_rows[row]};
+		for (const PoseRow& poses : posesOf(m_run.rows[row].state))
+		{
+			const Hierarchy &a = *bodies[poses.bodyA], &b = *bodies[poses.bodyB];
+			Settings settings = settingsOf(m_options.queries(), a, b, poses, motionBefore(row, poses));
+			settings.contactsOnly = true;  // as in the simulation, and as contacts are counted
+			PairCache cache;
+			QueryResult result;
+			query(a, b, relativePose(poses, meshFromBody(a), meshFromBody(b)), settings, cache, result);
+			answer.pairs.push_back({{poses.bodyA, poses.bodyB}, std::move(result)});
+		}
+		return answer;
 	}
 
 private:
+	// How the pair moved in the step before the row; at rest where it was not followed then.
+	RelativeMotion motionBefore(std::size_t row, const PoseRow& poses) const
+	{
+		const Bodies bodies = m_options.bodies();
+		if (row > 0)
+			for (const PoseRow& before : posesOf(m_run.rows[row - 1].state))
+				if (before.bodyA == poses.bodyA && before.bodyB == poses.bodyB)
+					return relativeMotion(*bodies[poses.bodyA], *bodies[poses.bodyB], before, poses,
+										  m_options.scene.dt);
+		RelativeMotion still;
+		still.timeStep = m_options.scene.dt;
+		return still;
+	}
+
 	const FinishedRun& m_run;
-	Settings m_settings;
+	SceneRunOptions m_options;
 	std::string m_selection;
 	std::vector<ReplayRow> m_rows;
-	PairCache m_cache;
-	QueryResult m_result;
 };
+
+FrameMoment momentOf(const SceneState& state)
+{
+	FrameMoment moment{state.step, {}};
+	for (const BodyState& body : state.bodies) moment.poses.push_back(body.pose);
+	return moment;
+}
 
 std::vector<FrameContact> pointsOf(const SceneState& state)
 {
@@ -76,12 +108,6 @@ std::string parseCamera(const std::string& text, std::optional<Camera>& camera)
 	return {};
 }
 
-Metric exactMetric()
-{
-	Metric metric;
-	metric.exact = true;
-	return metric;
-}
 }  // namespace
 
 void addFrames(CLI::App& command, SceneFrameOptions& options)
@@ -106,16 +132,16 @@ void addFrames(CLI::App& command, SceneFrameOptions& options)
 nlohmann::ordered_json paintScene(const SceneFrameOptions& options, const FrameSubject& subject, const FinishedRun& run,
 								  const std::function<void(double)>& progress)
 {
-	const Metric own = run.options.scene.query.metric;
-	Metric coarse = own;
+	const SceneSettings& own = run.options.scene;
+	SceneSettings full = own, coarse = own;
+	full.metric = ContactMetric::exactly();
 	std::string coarseName = run.selection;
-	if (own.exact)
+	if (own.metric.exact)
 	{
-		coarse = Metric{};
-		coarse.weightedDeviation = kComparedSize * smallerRadius(*subject.a, *subject.b);
+		coarse.metric = ContactMetric::deviationShare(kComparedSize);
 		coarseName = "paper's threshold 3.5 % of the radius";
 	}
-	Answers answers(run, own, run.selection), exact(run, exactMetric(), "exact: full resolution"),
+	Answers answers(run, own, run.selection), exact(run, full, "exact: full resolution"),
 		other(run, coarse, coarseName);
 	if (options.compare) exact.measureAll(), other.measureAll();
 
@@ -126,9 +152,9 @@ nlohmann::ordered_json paintScene(const SceneFrameOptions& options, const FrameS
 	{
 		row = std::min(row, run.rows.size() - 1);
 		const SceneState& state = run.rows[row].state;
-		const Image image = options.compare ? painter.paintComparison(state.poses, exact.at(row), other.at(row))
-											: painter.paint(state.poses, answers.at(row), pointsOf(state));
-		folder.add(image, fmt::format("step {}", state.poses.step));
+		const Image image = options.compare ? painter.paintComparison(momentOf(state), exact.at(row), other.at(row))
+											: painter.paint(momentOf(state), answers.at(row), pointsOf(state));
+		folder.add(image, fmt::format("step {}", state.step));
 		progress(double(folder.frames()) / double(count));
 	}
 	const std::vector<std::string> files = folder.finish();

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "demos/cli/Program.h"
+#include "demos/runner/SceneModels.h"
 #include "demos/runner/Statistics.h"
 
 namespace clod::demo
@@ -20,15 +21,23 @@ constexpr std::size_t kEndRows = 24;
 
 void requireFinite(const SceneState& state)
 {
-	double sum = 0;
-	for (const Pose* pose : {&state.poses.a, &state.poses.b})
+	for (const BodyState& body : state.bodies)
 	{
-		for (int i = 0; i < 3; ++i) sum += pose->position[i];
-		for (const double component : pose->quaternion) sum += component;
+		double sum = 0;
+		for (int i = 0; i < 3; ++i) sum += body.pose.position[i];
+		for (const double component : body.pose.quaternion) sum += component;
+		if (!std::isfinite(sum) || !isFinite(body.velocity) || !isFinite(body.turning))
+			throw cli::Failure(cli::ExitCode::failure,
+							   fmt::format("step {}: a pose or velocity is not finite", state.step));
 	}
-	if (!std::isfinite(sum) || !isFinite(state.velocity) || !isFinite(state.turning))
-		throw cli::Failure(cli::ExitCode::failure,
-						   fmt::format("step {}: a pose or velocity is not finite", state.poses.step));
+}
+
+// The largest of all bodies.
+double fastest(const SceneState& state, Vec3 BodyState::*velocity)
+{
+	double speed = 0;
+	for (const BodyState& body : state.bodies) speed = std::max(speed, length(body.*velocity));
+	return speed;
 }
 
 double share(const std::vector<SceneRow>& rows, bool (*holds)(const SceneRow&, double), double tolerance)
@@ -50,7 +59,7 @@ nlohmann::ordered_json warningsOf(const std::vector<SceneRow>& rows)
 	nlohmann::ordered_json warnings = nlohmann::ordered_json::array();
 	for (const SceneRow& row : rows)
 		for (const std::string& warning : row.state.warnings)
-			if (seen.insert(warning).second) warnings.push_back({{"step", row.state.poses.step}, {"warning", warning}});
+			if (seen.insert(warning).second) warnings.push_back({{"step", row.state.step}, {"warning", warning}});
 	return warnings;
 }
 
@@ -58,7 +67,8 @@ nlohmann::ordered_json endOf(const std::vector<SceneRow>& rows)
 {
 	const std::vector<SceneRow> last(rows.end() - std::min(rows.size(), kEndRows), rows.end());
 	const double speed = quantile(column(last, [](const SceneRow& r) { return r.query.speed; }), 1);
-	const double linear = quantile(column(last, [](const SceneRow& r) { return length(r.state.velocity); }), 1);
+	const double linear =
+		quantile(column(last, [](const SceneRow& r) { return fastest(r.state, &BodyState::velocity); }), 1);
 	return {{"rows", last.size()},
 			{"largest_speed_radii_per_s", speed},
 			{"largest_speed_m_per_s", linear},
@@ -66,51 +76,78 @@ nlohmann::ordered_json endOf(const std::vector<SceneRow>& rows)
 }
 }  // namespace
 
+Bodies SceneRunOptions::bodies() const
+{
+	return bodiesOf(info, scene.models);
+}
+
+ReplayOptions SceneRunOptions::queries() const
+{
+	ReplayOptions options;
+	options.metric = scene.metric;
+	options.camera = scene.camera;
+	options.tolerance = info.tolerance;
+	options.paper = paper;
+	options.fresh = fresh;
+	options.dt = scene.dt;
+	return options;
+}
+
 std::vector<SceneRow> runScene(Scene& scene, const SceneRunOptions& options,
 							   const std::function<void(double)>& progress)
 {
 	std::vector<SceneRow> rows;
-	Settings settings = options.scene.query;
-	settings.tolerance = options.tolerance;
-	MeasuredQuery measured(*options.scene.a, *options.scene.b, settings, options.fresh);
+	PairQueries queries(options.bodies(), options.queries());
 	for (int step = 0; step < options.steps; ++step)
 	{
 		scene.step();
-		SceneRow row{scene.state(), {}};
+		SceneRow row{scene.state(), {}, {}};
 		requireFinite(row.state);
-		row.query = measured.at(row.state.poses);
+		for (const PoseRow& poses : posesOf(row.state)) row.pairs.push_back(queries.at(poses));
+		row.query = sumOfPairs(row.pairs, options.info.tolerance);
 		rows.push_back(std::move(row));
 		progress(double(step + 1) / options.steps);
 	}
-	const std::vector<double> speeds =
-		relativeSpeeds(*options.scene.a, *options.scene.b, posesOf(rows), options.scene.dt);
-	for (std::size_t i = 0; i < rows.size(); ++i) rows[i].query.speed = speeds[i];
 	return rows;
+}
+
+std::vector<PoseRow> posesOf(const SceneState& state)
+{
+	std::vector<PoseRow> poses;
+	for (const BodyPair& pair : state.pairs)
+		poses.push_back({state.step, state.bodies[pair.a].pose, state.bodies[pair.b].pose, pair.a, pair.b});
+	return poses;
 }
 
 std::vector<PoseRow> posesOf(const std::vector<SceneRow>& rows)
 {
 	std::vector<PoseRow> poses;
-	for (const SceneRow& row : rows) poses.push_back(row.state.poses);
+	for (const SceneRow& row : rows)
+	{
+		const std::vector<PoseRow> ofStep = posesOf(row.state);
+		poses.insert(poses.end(), ofStep.begin(), ofStep.end());
+	}
 	return poses;
 }
 
-std::string formatSceneRows(const std::vector<SceneRow>& rows)
+std::string formatSceneRows(const SceneInfo& info, const std::vector<SceneRow>& rows)
 {
+	// Of two bodies, a row has the poses too.
 	std::string text =
-		std::string(kPosesHeader) +
+		std::string(info.isPair() ? kPosesHeader : "step") +
 		",time,gap,error_bound,contacts,points,manifolds,finest_level,coarsest_level,front,hull_tests,"
-		"query_us,gap_us,dispatch_us,step_us,speed_m_per_s,turning_rad_per_s,speed_radii_per_s,motion,deep\n";
+		"query_us,gap_us,dispatch_us,step_us,speed_m_per_s,turning_rad_per_s,speed_radii_per_s,motion,deep,pairs\n";
 	for (const SceneRow& row : rows)
 	{
 		const SceneState& s = row.state;
 		const ReplayRow& q = row.query;
-		text += formatPose(s.poses);
-		text += fmt::format(",{},{},{},{},{},{},{},{},{},{},{:.3f},{:.3f},{:.3f},{:.3f},{:.6g},{:.6g},{:.5g},{},{}\n",
-							number(s.time), number(q.minDistance), number(q.errorBound), q.contacts, s.points.size(),
-							s.manifolds, q.stats.finestLevel, q.stats.coarsestLevel, q.stats.front, q.tests(),
-							q.queryMicroseconds, q.gapMicroseconds, s.dispatchMicroseconds, s.stepMicroseconds,
-							length(s.velocity), length(s.turning), q.speed, name(q.motion()), int(q.deep));
+		text += info.isPair() ? formatPose(posesOf(s).front()) : std::to_string(s.step);
+		text += fmt::format(
+			",{},{},{},{},{},{},{},{},{},{},{:.3f},{:.3f},{:.3f},{:.3f},{:.6g},{:.6g},{:.5g},{},{},{}\n",
+			number(s.time), number(q.minDistance), number(q.errorBound), q.contacts, s.points.size(), s.manifolds,
+			q.stats.finestLevel, q.stats.coarsestLevel, q.stats.front, q.tests(), q.queryMicroseconds,
+			q.gapMicroseconds, s.dispatchMicroseconds, s.stepMicroseconds, fastest(s, &BodyState::velocity),
+			fastest(s, &BodyState::turning), q.speed, name(q.motion()), int(q.deep), s.pairs.size());
 	}
 	return text;
 }
@@ -133,11 +170,12 @@ nlohmann::ordered_json summarizeScene(const std::vector<SceneRow>& rows, double 
 		{"stays_in_place", misplaced == rows.end()},
 		{"end", endOf(rows)},
 		{"points", spread(column(rows, [](const SceneRow& r) { return double(r.state.points.size()); }))},
+		{"pairs", spread(column(rows, [](const SceneRow& r) { return double(r.pairs.size()); }))},
 		{"dispatch_us", spread(column(rows, [](const SceneRow& r) { return r.state.dispatchMicroseconds; }))},
 		{"step_us", spread(column(rows, [](const SceneRow& r) { return r.state.stepMicroseconds; }))},
 		{"queries", summarize(queries, tolerance)},
 		{"warnings", warningsOf(rows)}};
-	if (misplaced != rows.end()) summary["left_place_at_step"] = misplaced->state.poses.step;
+	if (misplaced != rows.end()) summary["left_place_at_step"] = misplaced->state.step;
 	return summary;
 }
 }  // namespace clod::demo

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Runs a scene step by step and keeps a row a step: the scene's own state, and a query at the recorded pose.
+// Runs a scene step by step and keeps a row a step: the scene's own state, and a query of every pair at the recorded
+// poses.
 #pragma once
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -14,23 +15,28 @@ namespace clod::demo
 struct SceneRow
 {
 	SceneState state;
-	ReplayRow query;  // at state.poses, with the scene's tolerance and the run's metric
+	std::vector<ReplayRow> pairs;  // one for each of state.pairs, with the scene's tolerance and the run's metric
+	ReplayRow query;               // their sum, see sumOfPairs
 };
 
 struct SceneRunOptions
 {
+	SceneInfo info;
 	SceneSettings scene;
-	double tolerance = 0;
+	bool paper = false, fresh = false;
 	int steps = 0;
-	bool fresh = false;
+	Bodies bodies() const;
+	ReplayOptions queries() const;
 };
 
 // Throws cli::Failure (1) when a pose or a velocity stops being finite.
 std::vector<SceneRow> runScene(Scene& scene, const SceneRunOptions& options,
 							   const std::function<void(double)>& progress);
 
+// Of every followed pair, in the order of the steps.
+std::vector<PoseRow> posesOf(const SceneState& state);
 std::vector<PoseRow> posesOf(const std::vector<SceneRow>& rows);
-std::string formatSceneRows(const std::vector<SceneRow>& rows);
+std::string formatSceneRows(const SceneInfo& info, const std::vector<SceneRow>& rows);
 // Shares of rows in contact, moving and at rest, speeds at the end, times, trajectory_hash, warnings.
 nlohmann::ordered_json summarizeScene(const std::vector<SceneRow>& rows, double tolerance);
 }  // namespace clod::demo

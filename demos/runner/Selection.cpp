@@ -70,15 +70,17 @@ void addSelection(CLI::App& command, Selection& selection)
 	addRefused(command, "--budget-us", "T");
 }
 
-Metric toMetric(const Selection& selection, double radius)
+ContactMetric toMetric(const Selection& selection)
 {
-	Metric metric;
+	ContactMetric metric;
 	metric.exact = selection.exact;
-	if (selection.s0) metric.weightedDeviation = selection.s0->inMeshUnit(radius);
-	if (selection.size) metric.weightedDeviation = shareOf(*selection.size).inMeshUnit(radius);
-	if (selection.maxError) metric.maxError = selection.maxError->inMeshUnit(radius);
+	const auto set = [](const cli::Length& length, double& absolute, double& share)
+	{ (length.shareOfRadius ? share : absolute) = length.value; };
+	if (selection.s0) set(*selection.s0, metric.weightedDeviation, metric.weightedDeviationShare);
+	if (selection.size) set(shareOf(*selection.size), metric.weightedDeviation, metric.weightedDeviationShare);
+	if (selection.maxError) set(*selection.maxError, metric.maxError, metric.maxErrorShare);
 	const bool any = selection.exact || selection.s0 || selection.size || selection.maxError;
-	if (!any) metric.maxError = kDefaultMaxError * radius;
+	if (!any) metric.maxErrorShare = kDefaultMaxError;
 	return metric;
 }
 
@@ -97,7 +99,9 @@ std::string describe(const Selection& selection, double radius)
 
 nlohmann::ordered_json toJson(const Selection& selection, double radius)
 {
-	const Metric metric = toMetric(selection, radius);
+	MetricFrame frame;
+	frame.radius = radius;
+	const Metric metric = resolve(toMetric(selection), frame);
 	return {{"description", describe(selection, radius)},
 			{"exact", metric.exact},
 			{"s0", metric.weightedDeviation},

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "clod/query/Query.h"
+#include "clod/query/ContactMetric.h"
 #include "demos/cli/Length.h"
 
 namespace clod::demo
@@ -24,8 +24,8 @@ inline constexpr double kDefaultMaxError = 0.005;
 // Adds --exact --s0 --size --max-error --combine --paper --fresh, and those that are refused as not available yet.
 void addSelection(CLI::App& command, Selection& selection);
 
-// The metric for a pair whose smaller bounding radius is `radius`, and the same in words.
-Metric toMetric(const Selection& selection, double radius);
+// The metric, and for a pair whose smaller bounding radius is `radius` the same in words.
+ContactMetric toMetric(const Selection& selection);
 std::string describe(const Selection& selection, double radius);
 nlohmann::ordered_json toJson(const Selection& selection, double radius);
 }  // namespace clod::demo

@@ -12,10 +12,11 @@
 #include "demos/cli/Length.h"
 #include "demos/cli/Progress.h"
 #include "demos/cli/Suggestion.h"
-#include "demos/models/Models.h"
 #include "demos/peers/Roster.h"
 #include "demos/runner/Commands.h"
 #include "demos/runner/Replay.h"
+#include "demos/runner/SceneModels.h"
+#include "demos/runner/SceneRun.h"
 #include "demos/scenes/Scene.h"
 
 namespace clod::demo
@@ -48,30 +49,36 @@ struct Subject
 	double tolerance = 0, dt = 0, worldScale = 0;
 };
 
-BuiltHierarchy buildModel(HierarchyCache& cache, const std::string& model, double resolution)
+BuiltHierarchy buildModel(HierarchyCache& cache, const SceneModel& model, double resolution)
 {
-	const std::size_t triangles = std::size_t(double(paperTriangleCount(model)) * resolution);
-	return buildTimed(cache, modelSource(model, triangles));
+	if (!model.file.empty()) return {cache.open(model.file, false), std::nan("")};
+	return buildTimed(cache, modelSource(model.name, trianglesOf(model.name, resolution)));
 }
 
 // Simulates the scene in exact mode: these are the poses that everybody is asked at.
 Subject fromScene(const TradeoffOptions& options, const SceneInfo& info, HierarchyCache& cache, cli::Progress& progress)
 {
-	const BuiltHierarchy a = buildModel(cache, info.modelA, options.resolution),
-						 b = buildModel(cache, info.modelB, options.resolution);
+	if (!info.isPair())
+		throw Failure(ExitCode::usage,
+					  "tradeoff compares two bodies; " + info.name + " has " + std::to_string(info.bodies.size()));
 	SceneSettings settings;
-	settings.a = a.hierarchy;
-	settings.b = b.hierarchy;
-	settings.query.metric.exact = true;
+	double seconds = 0;
+	for (const SceneModel& model : info.models)
+	{
+		const BuiltHierarchy built = buildModel(cache, model, options.resolution);
+		settings.models.push_back(built.hierarchy);
+		seconds += built.seconds;
+	}
+	settings.metric = ContactMetric::exactly();
 	settings.dt = options.dt > 0 ? options.dt : info.dt;
 	const std::unique_ptr<Scene> scene = makeScene(info.name, settings);
-	Subject subject{info.name,      {a.hierarchy, b.hierarchy, a.seconds + b.seconds}, {}, info.tolerance, settings.dt,
-					info.worldScale};
+	const HierarchyPointer &a = settings.models[info.bodies[0].model], &b = settings.models[info.bodies[1].model];
+	Subject subject{info.name, {a, b, seconds}, {}, info.tolerance, settings.dt, info.worldScale};
 	const int steps = options.steps > 0 ? options.steps : info.steps;
 	for (int step = 0; step < steps; ++step)
 	{
 		scene->step();
-		subject.poses.push_back(scene->state().poses);
+		subject.poses.push_back(posesOf(scene->state()).front());
 		progress.update("exact simulation", double(step + 1) / steps);
 	}
 	return subject;
@@ -240,11 +247,7 @@ void addTradeoffCommand(CLI::App& program)
 	command
 		->add_option("--peers-dir", options->peerDirectory, "Where scripts/peers put its tools (default build/peers)")
 		->type_name("DIR");
-	command
-		->add_option("--resolution", options->resolution, "Triangles of a scene's models, share of the paper's counts")
-		->type_name("SHARE")
-		->check(between(0.001, 1000.0))
-		->capture_default_str();
+	addResolution(*command, options->resolution);
 	command->add_option("--steps", options->steps, "Steps of a scene (default: the scene's)")
 		->type_name("N")
 		->check(CLI::Range(1, 10'000'000));

@@ -15,8 +15,10 @@ namespace clod::demo
 {
 namespace
 {
-constexpr std::array<std::string_view, 15> kColumns = {"step", "ax", "ay", "az",  "aqx", "aqy", "aqz", "aqw",
-													   "bx",   "by", "bz", "bqx", "bqy", "bqz", "bqw"};
+constexpr std::array<std::string_view, 17> kColumns = {"step", "ax",  "ay",  "az",     "aqx",   "aqy",
+													   "aqz",  "aqw", "bx",  "by",     "bz",    "bqx",
+													   "bqy",  "bqz", "bqw", "body_a", "body_b"};
+constexpr std::size_t kNumbers = 14;  // columns between step and body_a
 
 struct Place
 {
@@ -66,14 +68,29 @@ Result<Pose> takePose(const double* values, const Place& place, const char* body
 	return pose;
 }
 
-Result<PoseRow> parseRow(std::string_view line, const Place& place)
+// Which bodies a row is about; empty, or what is wrong.
+std::string takeBodies(std::string_view line, std::size_t bodies, PoseRow& row)
+{
+	std::uint32_t* const values[2] = {&row.bodyA, &row.bodyB};
+	for (std::size_t i = 0; i < 2; ++i)
+	{
+		const std::string_view field = takeField(line);
+		if (!parseWhole(field, *values[i]) || *values[i] >= bodies)
+			return "column " + std::string(kColumns[kNumbers + 1 + i]) + " is " + quoted(field) +
+				   ", expected a body of the scene, 0 to " + std::to_string(bodies - 1);
+	}
+	return row.bodyA < row.bodyB ? "" : "body_a is not below body_b";
+}
+
+Result<PoseRow> parseRow(std::string_view line, std::size_t bodies, const Place& place)
 {
 	PoseRow row;
-	std::array<double, kColumns.size() - 1> values{};
+	std::array<double, kNumbers> values{};
 	std::size_t commas = 0;
 	for (const char c : line) commas += c == ',';
-	if (commas + 1 != kColumns.size())
-		return place.error(std::to_string(commas + 1) + " fields, expected " + std::to_string(kColumns.size()));
+	const std::size_t columns = bodies > 2 ? kColumns.size() : kNumbers + 1;
+	if (commas + 1 != columns)
+		return place.error(std::to_string(commas + 1) + " fields, expected " + std::to_string(columns));
 	const std::string_view step = takeField(line);
 	if (!parseWhole(step, row.step) || row.step < 0)
 		return place.error("column step is " + quoted(step) + ", expected a whole number >= 0");
@@ -84,6 +101,8 @@ Result<PoseRow> parseRow(std::string_view line, const Place& place)
 			return place.error("column " + std::string(kColumns[i + 1]) + " is " + quoted(field) +
 							   ", expected a finite number");
 	}
+	if (bodies > 2)
+		if (const std::string problem = takeBodies(line, bodies, row); !problem.empty()) return place.error(problem);
 	const Result<Pose> a = takePose(values.data(), place, "a");
 	if (!a) return Error{a.error()};
 	const Result<Pose> b = takePose(values.data() + 7, place, "b");
@@ -117,24 +136,22 @@ void appendPose(std::string& text, const Pose& pose)
 	for (const double component : pose.quaternion) appendNumber(text, component);
 }
 
-Transform worldFromBody(const Pose& pose, const Vec3& meshFromBody)
+const char* headerFor(std::size_t bodies)
 {
-	Transform transform = toTransform(pose);
-	transform.translation = transform * meshFromBody;
-	return transform;
+	return bodies > 2 ? kScenePosesHeader : kPosesHeader;
 }
 }  // namespace
 
-Result<std::vector<PoseRow>> parsePoses(std::string_view text, const std::string& name)
+Result<std::vector<PoseRow>> parsePoses(std::string_view text, const std::string& name, std::size_t bodies)
 {
 	std::size_t line = 1;
-	if (takeLine(text) != kPosesHeader)
-		return Place{name, line}.error(std::string("the header is not \"") + kPosesHeader + "\"");
+	const char* const header = headerFor(bodies);
+	if (takeLine(text) != header) return Place{name, line}.error(std::string("the header is not \"") + header + "\"");
 	std::vector<PoseRow> rows;
 	while (!text.empty())
 	{
 		const Place place{name, ++line};
-		const Result<PoseRow> row = parseRow(takeLine(text), place);
+		const Result<PoseRow> row = parseRow(takeLine(text), bodies, place);
 		if (!row) return Error{row.error()};
 		rows.push_back(row.value());
 	}
@@ -142,13 +159,13 @@ Result<std::vector<PoseRow>> parsePoses(std::string_view text, const std::string
 	return rows;
 }
 
-Result<std::vector<PoseRow>> readPoses(const std::string& path)
+Result<std::vector<PoseRow>> readPoses(const std::string& path, std::size_t bodies)
 {
 	std::ifstream file(path, std::ios::binary);
 	if (!file) return Error{path + ": cannot be opened for reading"};
 	const std::string text{std::istreambuf_iterator<char>(file), {}};
 	if (file.bad()) return Error{path + ": cannot be read"};
-	return parsePoses(text, path);
+	return parsePoses(text, path, bodies);
 }
 
 std::string formatPose(const PoseRow& row)
@@ -159,12 +176,13 @@ std::string formatPose(const PoseRow& row)
 	return text;
 }
 
-std::string formatPoses(const std::vector<PoseRow>& rows)
+std::string formatPoses(const std::vector<PoseRow>& rows, std::size_t bodies)
 {
-	std::string text = std::string(kPosesHeader) + "\n";
+	std::string text = std::string(headerFor(bodies)) + "\n";
 	for (const PoseRow& row : rows)
 	{
 		text += formatPose(row);
+		if (bodies > 2) text += "," + std::to_string(row.bodyA) + "," + std::to_string(row.bodyB);
 		text += '\n';
 	}
 	return text;
@@ -174,6 +192,13 @@ Transform toTransform(const Pose& pose)
 {
 	const double(&q)[4] = pose.quaternion;
 	return {rotationFromQuaternion(q[0], q[1], q[2], q[3]), pose.position};
+}
+
+Transform worldFromBody(const Pose& pose, const Vec3& meshFromBody)
+{
+	Transform transform = toTransform(pose);
+	transform.translation = transform * meshFromBody;
+	return transform;
 }
 
 Transform relativePose(const PoseRow& row, const Vec3& meshFromBodyA, const Vec3& meshFromBodyB)

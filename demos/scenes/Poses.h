@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Recorded poses of two bodies, and POSES.csv, the file they travel in.
+// Recorded poses of pairs of bodies, and POSES.csv, the file they travel in. A scene of more than two bodies records a
+// row for each pair that is near in a step, with two more columns that say which bodies.
 //
 // A pose places a *mesh's own frame* (that of the file's vertices) in the world: position in the mesh's unit, unit
 // quaternion x, y, z, w. Writing prints the shortest decimals that read back to the same bits.
@@ -24,24 +25,29 @@ struct PoseRow
 {
 	std::int64_t step = 0;
 	Pose a, b;
+	std::uint32_t bodyA = 0, bodyB = 1;  // of the scene
 };
 
 inline constexpr const char* kPosesHeader = "step,ax,ay,az,aqx,aqy,aqz,aqw,bx,by,bz,bqx,bqy,bqz,bqw";
+inline constexpr const char* kScenePosesHeader = "step,ax,ay,az,aqx,aqy,aqz,aqw,bx,by,bz,bqx,bqy,bqz,bqw,body_a,body_b";
 
 // Largest | |q| - 1 | that is taken for a rounded unit quaternion; rows within it are normalised.
 inline constexpr double kQuaternionTolerance = 1e-4;
 
-// Reads POSES.csv. The header must be kPosesHeader; every further line holds a whole step number >= 0 and fourteen
-// finite numbers. Fails with the file's name, line and column otherwise.
-Result<std::vector<PoseRow>> readPoses(const std::string& path);
-Result<std::vector<PoseRow>> parsePoses(std::string_view text, const std::string& name);
-// One row without its line ending.
+// Reads POSES.csv of a scene of `bodies` bodies. The header must be kPosesHeader (two bodies) or kScenePosesHeader
+// (more); every further line holds a whole step number >= 0, fourteen finite numbers and, with the longer header, two
+// bodies a < b < bodies. Fails with the file's name, line and column otherwise.
+Result<std::vector<PoseRow>> readPoses(const std::string& path, std::size_t bodies = 2);
+Result<std::vector<PoseRow>> parsePoses(std::string_view text, const std::string& name, std::size_t bodies = 2);
+// One row without its bodies and line ending.
 std::string formatPose(const PoseRow& row);
-std::string formatPoses(const std::vector<PoseRow>& rows);
+std::string formatPoses(const std::vector<PoseRow>& rows, std::size_t bodies = 2);
 
 // worldFromMesh as a rigid transform.
 Transform toTransform(const Pose& pose);
-// bodyAFromBodyB, where a body's frame is the mesh's axes with the origin at meshFromBody of its own mesh.
+// worldFromBody, where a body's frame is the mesh's axes with the origin at meshFromBody of its own mesh.
+Transform worldFromBody(const Pose& pose, const Vec3& meshFromBody);
+// bodyAFromBodyB.
 Transform relativePose(const PoseRow& row, const Vec3& meshFromBodyA, const Vec3& meshFromBodyB);
 
 // Hash (xxh3, 64 bits, as 16 hexadecimal digits) of the poses' bits: equal hashes, equal trajectories.

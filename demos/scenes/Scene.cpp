@@ -1,15 +1,44 @@
 // SPDX-License-Identifier: Zlib
 // The list of scenes.
-#include "demos/scenes/Scene.h"
+#include <algorithm>
+#include <cmath>
 
-#include "demos/scenes/SpoonCup.h"
+#include "demos/scenes/SceneDefinition.h"
 
 namespace clod::demo
 {
+const std::vector<SceneDefinition>& sceneDefinitions()
+{
+	static const std::vector<SceneDefinition> all = {spoonCup(), torusSpiral(), numbersBowl(), spoonsNested(),
+													 boltNut(),  mixedNeeds(),  contactArea()};
+	return all;
+}
+
+Vec3 steadyGravity(double)
+{
+	return {0, -kGravity, 0};
+}
+
+double smoothStep(double t)
+{
+	t = std::clamp(t, 0.0, 1.0);
+	return t * t * (3 - 2 * t);
+}
+
+Pose turnedAboutY(const Vec3& place, double angle)
+{
+	return {place, {0, std::sin(angle / 2), 0, std::cos(angle / 2)}};
+}
+
 const std::vector<SceneInfo>& scenes()
 {
-	static const std::vector<SceneInfo> all = {spoonCupInfo()};
-	return all;
+	static const std::vector<SceneInfo> infos = []
+	{
+		std::vector<SceneInfo> list;
+		for (const SceneDefinition& scene : sceneDefinitions()) list.push_back(scene.info);
+		return list;
+	}();
+	return infos;
 }
 
 const SceneInfo* findScene(const std::string& name)
@@ -19,9 +48,4 @@ const SceneInfo* findScene(const std::string& name)
 	return nullptr;
 }
 
-std::unique_ptr<Scene> makeScene(const std::string& name, const SceneSettings& settings)
-{
-	if (name == spoonCupInfo().name) return std::make_unique<SpoonCup>(settings);
-	return nullptr;
-}
 }  // namespace clod::demo

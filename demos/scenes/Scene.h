@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A scene: two bodies of detailed concave meshes in a Bullet world, stepped at a fixed rate. Compiled once per Bullet
+// A scene: bodies of detailed concave meshes in a Bullet world, stepped at a fixed rate. Compiled once per Bullet
 // precision.
 //
 // Bullet's constants are absolute (0.02 breaking threshold, 0.04 split-impulse threshold), so a scene multiplies every
@@ -7,30 +7,57 @@
 // unit.
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "clod/query/ContactMetric.h"
 #include "clod/query/Query.h"
 #include "demos/scenes/Poses.h"
 
 namespace clod::demo
 {
+struct SceneModel
+{
+	std::string name;  // of a benchmark model, or what reports call the file
+	std::string file;  // a mesh or .clod file; empty: the benchmark model
+};
+
+struct SceneBody
+{
+	std::string name;
+	std::size_t model = 0;       // index in SceneInfo::models; bodies may share one
+	bool isSeenThrough = false;  // in pictures
+};
+
+// What a picture looks at: a ball round a point of the world or, with a body, of that body's mesh.
+struct SceneView
+{
+	Vec3 center;
+	double radius = 1;
+	double azimuth = 20, elevation = 28;  // degrees
+	int body = -1;
+	std::string caption;
+};
+
 // What a scene is about, known before anything is built.
 struct SceneInfo
 {
 	std::string name, summary;
-	std::string modelA, modelB;  // names of benchmark models
-	double tolerance = 0;        // contacts are reported up to this gap; metres
-	double thinnerWall = 0;      // the thinner of both bodies' walls; metres
+	std::vector<SceneModel> models;
+	std::vector<SceneBody> bodies;
+	double tolerance = 0;    // contacts are reported up to this gap
+	double thinnerWall = 0;  // the thinnest of all bodies' walls
 	double dt = 0;
 	int steps = 0;
 	double worldScale = 1;
-	// What pictures look at: a ball in the world, and one in the frame of mesh B for the close-up.
-	Vec3 overview;
-	double overviewRadius = 1;
-	Vec3 closeUp;
-	double closeUpRadius = 1;
+	SceneView overview, closeUp;
+	bool hasGround = true;  // pictures show one at height 0
+	// Scenes of two bodies follow their pair at every step, larger ones the pairs whose boxes come within the
+	// tolerance.
+	bool isPair() const { return bodies.size() == 2; }
 };
 
 // One named constant of a scene, as its report prints it.
@@ -43,30 +70,44 @@ struct SceneConstant
 
 struct SceneSettings
 {
-	std::shared_ptr<const Hierarchy> a, b;
-	Settings query;  // metric and paper mode; the tolerance comes from the scene
+	std::vector<std::shared_ptr<const Hierarchy>> models;  // one for each of SceneInfo::models
+	ContactMetric metric;                                  // of every pair of bodies
+	std::optional<ViewCamera> camera;                      // of view metrics; the meshes' unit
 	double dt = 0;
+};
+
+struct BodyPair
+{
+	std::uint32_t a, b;  // a < b
 };
 
 // A point of Bullet's persistent manifolds, in the world, in the meshes' unit.
 struct ScenePoint
 {
-	Vec3 position;  // on body B
-	Vec3 normal;    // from B to A
+	BodyPair bodies;
+	Vec3 position;  // on the second body
+	Vec3 normal;    // from the second body to the first
 	double distance = 0;
 	double impulse = 0;  // of the last step, N s
 };
 
+struct BodyState
+{
+	Pose pose;
+	Vec3 velocity, turning;  // m/s of its centre of mass, rad/s
+};
+
 struct SceneState
 {
-	PoseRow poses;
+	std::int64_t step = 0;
 	double time = 0;
-	Vec3 gravity;                     // direction and size now, m/s^2
-	Vec3 velocity, turning;           // of body B: m/s of its centre of mass, rad/s
+	Vec3 gravity;  // direction and size now, m/s^2
+	std::vector<BodyState> bodies;
+	std::vector<BodyPair> pairs;      // followed now, see SceneInfo::isPair
 	double stepMicroseconds = 0;      // the whole of stepSimulation
 	double dispatchMicroseconds = 0;  // its collision dispatch
 	int manifolds = 0;
-	bool inPlace = true;  // body B is still where the scene means it to be
+	bool inPlace = true;  // every body is still where the scene means it to be
 	std::vector<ScenePoint> points;
 	std::vector<std::string> warnings;  // of the plugin in this step
 };

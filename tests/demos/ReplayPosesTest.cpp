@@ -79,6 +79,22 @@ TEST(ReplayPoses, RefuseFaultsWithLineAndColumn)
 	EXPECT_FALSE(readPoses("/nonexistent/poses.csv"));
 }
 
+TEST(ReplayPoses, OfManyBodiesNameTheirPair)
+{
+	const std::string good = std::string(kScenePosesHeader) + "\n" + kGoodRow.substr(0, kGoodRow.size() - 1);
+	const auto rows = parsePoses(good + ",2,4\n", "x", 5);
+	ASSERT_TRUE(rows) << rows.error();
+	EXPECT_EQ(rows.value()[0].bodyA, 2u);
+	EXPECT_EQ(rows.value()[0].bodyB, 4u);
+	const auto again = parsePoses(formatPoses(rows.value(), 5), "x", 5);
+	ASSERT_TRUE(again) << again.error();
+	EXPECT_EQ(again.value()[0].bodyB, 4u);
+	for (const char* bodies : {",2,5", ",4,2", ",3,3", ",-1,2", ",1.5,2", ",2", "", ",2,4,1"})
+		EXPECT_FALSE(parsePoses(good + bodies, "x", 5)) << bodies;
+	EXPECT_FALSE(parsePoses(good + ",0,1", "x", 2));
+	EXPECT_FALSE(parsePoses(header() + kGoodRow, "x", 5));
+}
+
 TEST(ReplayPoses, HashChangesWithOneBit)
 {
 	std::vector<PoseRow> rows(2);

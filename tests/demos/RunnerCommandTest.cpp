@@ -122,6 +122,9 @@ TEST_F(RunnerCommand, ListNamesTheScenes)
 	const Outcome list = bench("list");
 	EXPECT_EQ(list.code, 0);
 	EXPECT_EQ(list.out.rfind("spoon-cup", 0), 0u);
+	for (const char* scene :
+		 {"torus-spiral", "numbers-bowl", "spoons-nested", "bolt-nut", "mixed-needs", "contact-area"})
+		EXPECT_NE(list.out.find(scene), std::string::npos) << scene;
 }
 
 TEST_F(RunnerCommand, UsageErrorsExitWith2AndTheNearestMatch)
@@ -314,6 +317,52 @@ TEST_F(RunnerCommand, ShortSceneTwiceHasOneTrajectoryInEachPrecision)
 			EXPECT_EQ(readAll(path("run-poses.csv.xxh64")), checksum + "  run-poses.csv\n");
 		}
 		EXPECT_EQ(hashes[0], hashes[1]) << program;
+	}
+}
+
+TEST_F(RunnerCommand, ASceneOfFourBodiesIsRecordedAndReplayedWhole)
+{
+	// Two cups and two spoons of the small models; cups and spoons of different pairs never come near.
+	const std::string words = "mixed-needs --resolution 0.03 --quiet" + cache();
+	const Outcome run = bench("run " + words + " --steps 30 --poses " + path("four.csv") + " --csv " +
+							  path("four-steps.csv") + " --json " + path("four.json"));
+	ASSERT_EQ(run.code, 0) << run.err;
+	const auto poses = clod::demo::readPoses(path("four.csv"), 4);
+	ASSERT_TRUE(poses) << poses.error();
+	EXPECT_EQ(poses.value().size(), 60u);
+	for (const auto& row : poses.value()) EXPECT_EQ(row.bodyA + 1, row.bodyB);
+	EXPECT_EQ(report("four.json")["bodies"], 4);
+	const std::string replayed = "replay mixed-needs " + path("four.csv") + " --resolution 0.03 --quiet" + cache();
+	ASSERT_EQ(bench(replayed + " --csv " + path("four-warm.csv") + " --json " + path("four-replay.json")).code, 0);
+	ASSERT_EQ(bench(replayed + " --fresh --csv " + path("four-fresh.csv")).code, 0);
+	EXPECT_EQ(answers(readAll(path("four-warm.csv"))), answers(readAll(path("four-fresh.csv"))));
+	const json replay = report("four-replay.json");
+	EXPECT_EQ(replay["poses"]["trajectory_hash"], report("four.json")["trajectory_hash"]);
+	EXPECT_EQ(replay["summary"]["all_rows"]["rows"], 60);
+	EXPECT_EQ(replay["summary"]["steps_all_rows"]["rows"], 30);
+	// The file does not fit a scene of two bodies, nor two models.
+	EXPECT_EQ(bench("replay spoon-cup " + path("four.csv") + " --resolution 0.03 --quiet" + cache()).code, 3);
+}
+
+TEST_F(RunnerCommand, FigureFourHasARowAStepAndEveryRowARegime)
+{
+	const Outcome paper = bench("paper --only figure4 --resolution 0.03 --steps 40 --quiet -o " + path("figures") +
+								cache() + " --json " + path("figures.json"));
+	ASSERT_EQ(paper.code, 0) << paper.err;
+	std::istringstream lines(readAll(path("figures/figure4.csv")));
+	std::string line;
+	std::getline(lines, line);
+	EXPECT_EQ(line.rfind("step,time,regime,ours_exact_us,ours_exact_front,ours_exact_churn", 0), 0u) << line;
+	int rows = 0;
+	while (std::getline(lines, line)) ++rows;
+	EXPECT_EQ(rows, 40);
+	const json curves = report("figures.json")["figure4"]["curves"];
+	ASSERT_EQ(curves.size(), 8u);
+	for (const json& curve : curves)
+	{
+		int sum = 0;
+		for (const json& regime : curve["regimes"]) sum += regime["rows"].get<int>();
+		EXPECT_EQ(sum, 40) << curve["mode"] << curve["selection"];
 	}
 }
 }  // namespace

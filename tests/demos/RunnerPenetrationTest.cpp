@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 #include <random>
 
 #include "demos/runner/Penetration.h"
@@ -47,7 +48,7 @@ TEST(RunnerPenetration, SignedDistanceOfACubeIsTheClosedForm)
 TEST(RunnerPenetration, FollowsAMovingCubeThroughAWall)
 {
 	// A small cube passes through a large one's side; its leading corners' depth is known in every step.
-	PenetrationMeter meter(cube(10), cube(1));
+	PenetrationMeter meter(std::make_shared<SignedDistance>(cube(10)), std::make_shared<SignedDistance>(cube(1)));
 	for (double x = 20; x > 8; x -= 0.01)
 	{
 		const double depth = meter.depth({{}, {x, 0, 0}});

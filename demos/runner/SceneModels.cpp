@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Zlib
+#include "demos/runner/SceneModels.h"
+
+#include <algorithm>
+
+#include "demos/cli/Program.h"
+#include "demos/runner/Commands.h"
+#include "demos/runner/InputSurface.h"
+
+namespace clod::demo
+{
+std::size_t trianglesOf(const std::string& model, double resolution)
+{
+	return std::max(smallestTriangleCount(model), std::size_t(double(paperTriangleCount(model)) * resolution));
+}
+
+ModelMesh meshOf(const SceneModel& model, const HierarchyPointer& hierarchy, const ModelDetail& detail)
+{
+	if (!model.file.empty()) return inputSurface(*hierarchy);
+	Result<ModelMesh> mesh = makeModel(model.name, trianglesOf(model.name, detail.resolution));
+	if (!mesh) throw cli::Failure(cli::ExitCode::failure, mesh.error());
+	return std::move(mesh.value());
+}
+
+std::vector<HierarchyPointer> buildModels(const SceneInfo& scene, const ModelDetail& detail, HierarchyCache& cache)
+{
+	std::vector<HierarchyPointer> models;
+	for (const SceneModel& model : scene.models)
+		models.push_back(
+			model.file.empty()
+				? cache.build(modelSource(model.name, trianglesOf(model.name, detail.resolution)), detail.paper)
+				: cache.open(model.file, detail.paper));
+	return models;
+}
+
+std::vector<const Hierarchy*> bodiesOf(const SceneInfo& scene, const std::vector<HierarchyPointer>& models)
+{
+	std::vector<const Hierarchy*> bodies;
+	for (const SceneBody& body : scene.bodies) bodies.push_back(models[body.model].get());
+	return bodies;
+}
+
+double smallestRadius(const std::vector<HierarchyPointer>& models)
+{
+	double radius = models[0]->asset().radius;
+	for (const HierarchyPointer& model : models) radius = std::min(radius, double(model->asset().radius));
+	return radius;
+}
+}  // namespace clod::demo

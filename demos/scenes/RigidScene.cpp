@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: Zlib
+// Bodies, solver and clock of a scene in Bullet.
+#include "demos/scenes/RigidScene.h"
+
+#include <btBulletDynamicsCommon.h>
+#include <clod/bullet/btClodCollisionAlgorithm.h>
+#include <clod/bullet/btClodShape.h>
+
+#include <algorithm>
+#include <chrono>
+#include <stdexcept>
+
+#include "demos/scenes/BulletPose.h"
+
+namespace clod::demo
+{
+namespace
+{
+Vec3 centerOf(const Hierarchy& hierarchy)
+{
+	const double(&c)[3] = hierarchy.asset().meshFromBody;
+	return {c[0], c[1], c[2]};
+}
+
+// A world that knows how long its collision dispatch took.
+class TimedWorld : public btDiscreteDynamicsWorld
+{
+public:
+	using btDiscreteDynamicsWorld::btDiscreteDynamicsWorld;
+	void performDiscreteCollisionDetection() override
+	{
+		const auto start = std::chrono::steady_clock::now();
+		btDiscreteDynamicsWorld::performDiscreteCollisionDetection();
+		m_dispatchMicroseconds =
+			std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
+	}
+	double dispatchMicroseconds() const { return m_dispatchMicroseconds; }
+
+private:
+	double m_dispatchMicroseconds = 0;
+};
+}  // namespace
+
+std::unique_ptr<Scene> makeScene(const std::string& name, const SceneSettings& settings)
+{
+	for (const SceneDefinition& scene : sceneDefinitions())
+		if (scene.info.name == name) return std::make_unique<RigidScene>(scene, settings);
+	return nullptr;
+}
+
+struct RigidScene::Bullet
+{
+	Context context;
+	btDefaultCollisionConfiguration configuration;
+	mutable btCollisionDispatcher dispatcher{&configuration};
+	btDbvtBroadphase broadphase;
+	btSequentialImpulseConstraintSolver solver;
+	TimedWorld world{&dispatcher, &broadphase, &solver, &configuration};
+	std::vector<std::unique_ptr<btClodShape>> shapes;  // one a model
+	std::vector<std::unique_ptr<btRigidBody>> bodies;
+};
+
+RigidScene::RigidScene(const SceneDefinition& definition, const SceneSettings& settings)
+	: m_definition(definition), m_settings(settings), m_bullet(new Bullet)
+{
+	if (m_definition.prepare) m_definition.prepare(m_definition, settings.models);
+	Bullet& bullet = *m_bullet;
+	const Result<int> registered = btClodCollisionAlgorithm::registerAlgorithm(&bullet.dispatcher, &bullet.context);
+	if (!registered) throw std::runtime_error(registered.error());
+	bullet.context.worldMetric = settings.metric;
+	if (settings.camera)
+	{
+		bullet.context.camera = settings.camera;
+		bullet.context.camera->eye = definition.info.worldScale * settings.camera->eye;
+		bullet.context.camera->nearDistance *= definition.info.worldScale;
+	}
+	setUpSolver();
+	const btScalar scale = btScalar(definition.info.worldScale);
+	for (const auto& model : settings.models)
+	{
+		bullet.shapes.push_back(std::make_unique<btClodShape>(model));
+		bullet.shapes.back()->setLocalScaling({scale, scale, scale});
+		bullet.shapes.back()->setMargin(btScalar(definition.world.margin));
+	}
+	for (std::size_t i = 0; i < m_definition.bodies.size(); ++i) addBody(i);
+}
+
+RigidScene::~RigidScene()
+{
+	for (const auto& body : m_bullet->bodies) m_bullet->world.removeRigidBody(body.get());
+}
+
+void RigidScene::setUpSolver()
+{
+	const WorldConstants& constants = m_definition.world;
+	btContactSolverInfo& solver = m_bullet->world.getSolverInfo();
+	solver.m_numIterations = constants.solverIterations;
+	// One friction direction along the slip lets a leaning body creep sideways for ever; two hold it.
+	solver.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
+	solver.m_splitImpulse = true;
+	solver.m_splitImpulsePenetrationThreshold = btScalar(constants.splitImpulsePenetrationThreshold);
+	solver.m_erp = btScalar(constants.erp);
+	solver.m_erp2 = btScalar(constants.erp2);
+}
+
+const Hierarchy& RigidScene::hierarchyOf(std::size_t body) const
+{
+	return *m_settings.models[m_definition.info.bodies[body].model];
+}
+
+void RigidScene::addBody(std::size_t index)
+{
+	const BodyDefinition& definition = m_definition.bodies[index];
+	const WorldConstants& constants = m_definition.world;
+	const double scale = m_definition.info.worldScale;
+	btClodShape* shape = m_bullet->shapes[m_definition.info.bodies[index].model].get();
+	btVector3 inertia(0, 0, 0);
+	if (definition.mass > 0) shape->calculateLocalInertia(btScalar(definition.mass), inertia);
+	btRigidBody::btRigidBodyConstructionInfo info(btScalar(definition.mass), nullptr, shape, inertia);
+	const Pose start = definition.course ? definition.course(0) : definition.start;
+	info.m_startWorldTransform = bodyTransform(start, centerOf(hierarchyOf(index)), scale);
+	info.m_friction = btScalar(constants.friction);
+	info.m_rollingFriction = btScalar(constants.rollingFriction * scale);
+	info.m_spinningFriction = btScalar(constants.spinningFriction * scale);
+	info.m_restitution = btScalar(constants.restitution);
+	info.m_linearDamping = btScalar(constants.linearDamping);
+	info.m_angularDamping = btScalar(constants.angularDamping);
+	m_bullet->bodies.push_back(std::make_unique<btRigidBody>(info));
+	btRigidBody& body = *m_bullet->bodies.back();
+	if (definition.course)
+		body.setCollisionFlags((body.getCollisionFlags() & ~btCollisionObject::CF_STATIC_OBJECT) |
+							   btCollisionObject::CF_KINEMATIC_OBJECT);
+	body.setUserIndex(int(index));
+	body.setActivationState(DISABLE_DEACTIVATION);
+	m_bullet->world.addRigidBody(&body);
+}
+
+void RigidScene::step()
+{
+	const double time = m_step * m_settings.dt, scale = m_definition.info.worldScale;
+	m_bullet->world.setGravity(toBullet(m_definition.gravity(time), scale));
+	for (std::size_t i = 0; i < m_definition.bodies.size(); ++i)
+		if (const auto& course = m_definition.bodies[i].course)
+			m_bullet->bodies[i]->setWorldTransform(
+				bodyTransform(course(time + m_settings.dt), centerOf(hierarchyOf(i)), scale));
+	const auto start = std::chrono::steady_clock::now();
+	m_bullet->world.stepSimulation(btScalar(m_settings.dt), 0);
+	m_stepMicroseconds = std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
+	++m_step;
+}
+
+Pose RigidScene::poseOf(std::size_t body) const
+{
+	// A course is known better than Bullet's precision keeps it.
+	if (const auto& course = m_definition.bodies[body].course) return course(m_step * m_settings.dt);
+	return meshPose(m_bullet->bodies[body]->getWorldTransform(), centerOf(hierarchyOf(body)),
+					m_definition.info.worldScale);
+}
+
+SceneState RigidScene::state() const
+{
+	const double scale = m_definition.info.worldScale;
+	const Bullet& bullet = *m_bullet;
+	SceneState state;
+	state.step = m_step;
+	state.time = m_step * m_settings.dt;
+	state.gravity = m_definition.gravity(state.time);
+	for (std::size_t i = 0; i < bullet.bodies.size(); ++i)
+	{
+		const btRigidBody& body = *bullet.bodies[i];
+		state.bodies.push_back(
+			{poseOf(i), fromBullet(body.getLinearVelocity(), scale), fromBullet(body.getAngularVelocity())});
+		const bool canLeave = m_definition.bodies[i].mass > 0;
+		if (canLeave && !m_definition.inPlace(i, fromBullet(body.getWorldTransform().getOrigin(), scale)))
+			state.inPlace = false;
+	}
+	state.pairs = nearPairs();
+	state.stepMicroseconds = m_stepMicroseconds;
+	state.dispatchMicroseconds = bullet.world.dispatchMicroseconds();
+	state.warnings = bullet.context.lastStep().warnings;
+	addPoints(state);
+	return state;
+}
+
+std::vector<BodyPair> RigidScene::nearPairs() const
+{
+	if (m_definition.info.isPair()) return {{0, 1}};
+	const auto& bodies = m_bullet->bodies;
+	const btScalar tolerance = btScalar(m_definition.info.tolerance * m_definition.info.worldScale);
+	std::vector<btVector3> low(bodies.size()), high(bodies.size());
+	for (std::size_t i = 0; i < bodies.size(); ++i) bodies[i]->getAabb(low[i], high[i]);
+	std::vector<BodyPair> pairs;
+	for (std::uint32_t a = 0; a < bodies.size(); ++a)
+		for (std::uint32_t b = a + 1; b < bodies.size(); ++b)
+		{
+			if (bodies[a]->isStaticObject() && bodies[b]->isStaticObject()) continue;
+			const btVector3 reach(tolerance, tolerance, tolerance);
+			if (TestAabbAgainstAabb2(low[a] - reach, high[a] + reach, low[b], high[b])) pairs.push_back({a, b});
+		}
+	return pairs;
+}
+
+void RigidScene::addPoints(SceneState& state) const
+{
+	const double scale = m_definition.info.worldScale;
+	btCollisionDispatcher& dispatcher = m_bullet->dispatcher;
+	state.manifolds = dispatcher.getNumManifolds();
+	for (int i = 0; i < state.manifolds; ++i)
+	{
+		const btPersistentManifold* manifold = dispatcher.getManifoldByIndexInternal(i);
+		const std::uint32_t first = std::uint32_t(manifold->getBody0()->getUserIndex()),
+							second = std::uint32_t(manifold->getBody1()->getUserIndex());
+		// Bullet's normal points to the manifold's own body 0.
+		const bool inOrder = first < second;
+		for (int k = 0; k < manifold->getNumContacts(); ++k)
+		{
+			const btManifoldPoint& p = manifold->getContactPoint(k);
+			const btVector3& position = inOrder ? p.getPositionWorldOnB() : p.getPositionWorldOnA();
+			state.points.push_back({{std::min(first, second), std::max(first, second)},
+									fromBullet(position, scale),
+									(inOrder ? 1.0 : -1.0) * fromBullet(p.m_normalWorldOnB),
+									double(p.getDistance()) / scale,
+									double(p.getAppliedImpulse()) / scale});
+		}
+	}
+}
+
+std::vector<SceneConstant> RigidScene::constants() const
+{
+	const SceneInfo& info = m_definition.info;
+	const WorldConstants& world = m_definition.world;
+	std::vector<SceneConstant> list = {
+		{"world_scale", info.worldScale, ""},
+		{"step_size", m_settings.dt, "s"},
+		{"tolerance", info.tolerance, "m"},
+		{"thinner_wall", info.thinnerWall, "m"},
+		{"gravity", kGravity, "m/s^2"},
+		{"friction", world.friction, "each body"},
+		{"rolling_friction", world.rollingFriction, "m"},
+		{"spinning_friction", world.spinningFriction, "m"},
+		{"restitution", world.restitution, ""},
+		{"margin", world.margin, "m"},
+		{"linear_damping", world.linearDamping, ""},
+		{"angular_damping", world.angularDamping, ""},
+		{"solver_iterations", double(world.solverIterations), ""},
+		{"friction_directions", 2, ""},
+		{"split_impulse", 1, ""},
+		{"split_impulse_penetration_threshold", world.splitImpulsePenetrationThreshold, "Bullet's length"},
+		{"erp", world.erp, ""},
+		{"erp2", world.erp2, ""},
+		{"sleeping", 0, ""}};
+	// Bodies of one model weigh the same.
+	for (std::size_t model = 0; model < info.models.size(); ++model)
+		for (std::size_t i = 0; i < info.bodies.size(); ++i)
+		{
+			if (info.bodies[i].model != model) continue;
+			const BodyDefinition& body = m_definition.bodies[i];
+			const char* unit = body.course ? "kg (0: follows a course)" : body.mass > 0 ? "kg" : "kg (0: static)";
+			list.push_back({info.models[model].name + "_mass", body.mass, unit});
+			break;
+		}
+	list.insert(list.end(), m_definition.constants.begin(), m_definition.constants.end());
+	return list;
+}
+}  // namespace clod::demo

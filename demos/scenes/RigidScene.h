@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Zlib
+// Runs any scene definition in a Bullet world of btClodShapes.
+#pragma once
+#include <memory>
+
+#include "demos/scenes/SceneDefinition.h"
+
+namespace clod::demo
+{
+class RigidScene : public Scene
+{
+public:
+	// Throws std::runtime_error where the plugin cannot register.
+	RigidScene(const SceneDefinition& definition, const SceneSettings& settings);
+	~RigidScene() override;
+	void step() override;
+	SceneState state() const override;
+	std::vector<SceneConstant> constants() const override;
+
+private:
+	struct Bullet;
+	const Hierarchy& hierarchyOf(std::size_t body) const;
+	Pose poseOf(std::size_t body) const;
+	void setUpSolver();
+	void addBody(std::size_t index);
+	std::vector<BodyPair> nearPairs() const;
+	void addPoints(SceneState& state) const;
+
+	SceneDefinition m_definition;
+	SceneSettings m_settings;
+	std::unique_ptr<Bullet> m_bullet;
+	int m_step = 0;
+	double m_stepMicroseconds = 0;
+};
+}  // namespace clod::demo

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Zlib
+// A scene as data: what lies where, what moves it, and the constants of its world. Knows no Bullet; RigidScene runs it.
+//
+// Lengths and speeds are in the meshes' unit (metres for our models), before worldScale is applied.
+#pragma once
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "demos/scenes/Scene.h"
+
+namespace clod::demo
+{
+// Of the world and of every body in it.
+struct WorldConstants
+{
+	double friction = 0.3;                                       // of each body; Bullet multiplies the two
+	double rollingFriction = 0.0003, spinningFriction = 0.0003;  // lever arms
+	double restitution = 0;
+	double margin = 0;
+	double linearDamping = 0, angularDamping = 0.5;
+	int solverIterations = 30;
+	double splitImpulsePenetrationThreshold = 0;
+	double erp = 0.2, erp2 = 0.8;
+};
+
+struct BodyDefinition
+{
+	double mass = 0;  // kg; 0: moved by nothing
+	Pose start;
+	std::function<Pose(double time)> course;  // where set, the body follows it whatever it touches
+};
+
+struct SceneDefinition
+{
+	SceneInfo info;
+	WorldConstants world;
+	std::vector<BodyDefinition> bodies;        // one for each of info.bodies
+	std::function<Vec3(double time)> gravity;  // m/s^2
+	std::function<bool(std::size_t body, const Vec3& center)>
+		inPlace;                           // is a body's centre of mass where it should be?
+	std::vector<SceneConstant> constants;  // of this scene alone
+	// Where set, called once before anything moves: courses that depend on the models' exact shape are found here.
+	std::function<void(SceneDefinition&, const std::vector<std::shared_ptr<const Hierarchy>>& models)> prepare;
+};
+
+// Straight down.
+Vec3 steadyGravity(double time);
+// 0 up to t = 0, 1 from t = 1 on, smooth between.
+double smoothStep(double t);
+// About y, as a pose at a place.
+Pose turnedAboutY(const Vec3& place, double angle);
+inline constexpr double kGravity = 9.81;
+inline constexpr double kPi = 3.14159265358979323846;
+
+// All, in the order `clod-bench list` shows them.
+const std::vector<SceneDefinition>& sceneDefinitions();
+
+SceneDefinition spoonCup();
+SceneDefinition torusSpiral();
+SceneDefinition numbersBowl();
+SceneDefinition spoonsNested();
+SceneDefinition boltNut();
+SceneDefinition mixedNeeds();
+SceneDefinition contactArea();
+}  // namespace clod::demo

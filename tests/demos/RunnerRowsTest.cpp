@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Sums over the pairs of a step, and regimes of successive rows, on rows made by hand.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "demos/runner/Replay.h"
+
+namespace
+{
+using namespace clod::demo;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kTolerance = 0.5;
+
+ReplayRow rowOf(double gap, double bound, double speed = 0)
+{
+	ReplayRow row;
+	row.minDistance = gap;
+	row.errorBound = bound;
+	row.speed = speed;
+	row.contacts = std::isinf(gap) ? 0 : 1;
+	return row;
+}
+
+TEST(RunnerRows, TheSumsBoundHoldsForEveryGapThePairsAllow)
+{
+	std::mt19937_64 random(7);
+	const auto uniform = [&](double low, double high) { return low + (high - low) * double(random() >> 11) * 0x1p-53; };
+	int apart = 0, loose = 0;
+	for (int round = 0; round < 2000; ++round)
+	{
+		std::vector<ReplayRow> pairs;
+		double least = kInfinity;  // of the true gaps
+		for (int i = 0; i < 3; ++i)
+		{
+			const double bound = uniform(0, 0.3), truth = uniform(-0.5, 2);
+			const double reported = truth + uniform(-bound, bound);
+			pairs.push_back(rowOf(reported <= kTolerance ? reported : kInfinity, bound));
+			least = std::min(least, truth);
+		}
+		const ReplayRow sum = sumOfPairs(pairs, kTolerance);
+		if (std::isinf(sum.minDistance))
+		{
+			++apart;
+			EXPECT_GT(least, kTolerance - sum.errorBound - 1e-12);
+			continue;
+		}
+		EXPECT_LE(std::fabs(least - sum.minDistance), sum.errorBound + 1e-12);
+		double own = 0;  // the bound of the pair with the least gap alone
+		for (const ReplayRow& pair : pairs)
+			if (pair.minDistance == sum.minDistance) own = pair.errorBound;
+		loose += std::fabs(least - sum.minDistance) > own + 1e-12;
+	}
+	EXPECT_GT(apart, 10);
+	EXPECT_GT(loose, 10) << "taking the least pair's own bound would have passed";
+}
+
+TEST(RunnerRows, TheSumTakesTheSpeedOfTouchingPairs)
+{
+	const std::vector<ReplayRow> pairs = {rowOf(0.1, 0, 0.01), rowOf(kInfinity, 0, 9), rowOf(0.2, 0, 0.03)};
+	EXPECT_EQ(sumOfPairs(pairs, kTolerance).speed, 0.03);
+	EXPECT_EQ(sumOfPairs(pairs, kTolerance).contacts, 2u);
+	EXPECT_EQ(sumOfPairs({pairs[1], pairs[1]}, kTolerance).speed, 9);
+	EXPECT_TRUE(std::isinf(sumOfPairs({}, kTolerance).minDistance));
+}
+
+TEST(RunnerRows, RegimesFollowContactAndSpeed)
+{
+	std::vector<ReplayRow> rows(3, rowOf(kInfinity, 0, 5));
+	rows.insert(rows.end(), kImpactRows + 2, rowOf(0.1, 0, 5));
+	rows.push_back(rowOf(0.1, 0, 0.5 * kRestSpeed));
+	rows.push_back(rowOf(kTolerance * 1.1, 0, 0));
+	rows.push_back(rowOf(0.1, 0, 0));
+	const std::vector<Regime> regimes = regimesOf(rows, kTolerance);
+	ASSERT_EQ(regimes.size(), rows.size());
+	EXPECT_EQ(regimes[2], Regime::apart);
+	EXPECT_EQ(regimes[3], Regime::impact);
+	EXPECT_EQ(regimes[std::size_t(2 + kImpactRows)], Regime::impact);
+	EXPECT_EQ(regimes[std::size_t(3 + kImpactRows)], Regime::sliding);
+	EXPECT_EQ(regimes[std::size_t(5 + kImpactRows)], Regime::resting);
+	EXPECT_EQ(regimes[std::size_t(6 + kImpactRows)], Regime::apart);
+	EXPECT_EQ(regimes[std::size_t(7 + kImpactRows)], Regime::impact);
+}
+}  // namespace
