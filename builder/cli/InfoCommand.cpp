@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 
 #include "builder/cli/Commands.h"
 #include "demos/cli/Files.h"
@@ -75,6 +77,23 @@ void run(const InfoOptions& options)
 	if (options.textOnStdout()) fmt::print("{}", describeAsText(*hierarchy));
 }
 }  // namespace
+
+void addFileFrame(CLI::App& command, FileFrame& frame)
+{
+	cli::addChoice(command, "--unit", frame.unit, unitNames(),
+				   "The file's unit of length; the hierarchy is then in metres [as it is]");
+	cli::addChoice(command, "--up", frame.up, upNames(), "The file's axis that points up; it becomes y [y]");
+	const auto positive = [](std::string& text) -> std::string
+	{
+		double value = 0;
+		const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+		const bool good = error == std::errc() && end == text.data() + text.size() && std::isfinite(value) && value > 0;
+		return good ? std::string() : "'" + text + "' is not a positive number";
+	};
+	command.add_option("--scale", frame.scale, "All lengths of the file times this")
+		->check(CLI::Validator(positive, "", "positive"))
+		->type_name("FACTOR");
+}
 
 std::shared_ptr<const Hierarchy> loadHierarchy(const std::string& path)
 {

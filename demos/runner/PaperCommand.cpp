@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // clod-bench paper: what Otaduy & Lin 2003 print, beside ours. Table 1: models and associated hierarchies, built with
-// --paper. The numbers row is the mean over the ten digits, as in the paper.
+// --paper; Figure 5: every model at every contact level. The numbers row is the mean over the ten digits, as in the
+// paper.
 #include <fmt/format.h>
 
 #include <array>
@@ -11,6 +12,7 @@
 #include "demos/cli/Progress.h"
 #include "demos/models/Models.h"
 #include "demos/runner/Commands.h"
+#include "demos/runner/LevelPictures.h"
 
 namespace clod::demo
 {
@@ -24,6 +26,7 @@ struct PaperCommandOptions
 	cli::CommonOptions common;
 	CacheOptions cache;
 	std::string directory;
+	bool pictures = true;
 };
 
 // The columns of Table 1, in its order.
@@ -90,11 +93,25 @@ std::string formatTable(const nlohmann::ordered_json& rows)
 	return text;
 }
 
-void runPaper(const PaperCommandOptions& options)
+void makeDirectory(const std::string& path)
 {
 	std::error_code failed;
-	std::filesystem::create_directories(options.directory, failed);
-	if (failed) throw Failure(ExitCode::failure, "cannot create " + options.directory + ": " + failed.message());
+	std::filesystem::create_directories(path, failed);
+	if (failed) throw Failure(ExitCode::failure, "cannot create " + path + ": " + failed.message());
+}
+
+void writeFigure5(const std::string& directory, const std::string& model, const Hierarchy& hierarchy)
+{
+	makeDirectory(directory + "/figure5");
+	const std::string path = directory + "/figure5/" + model + ".png";
+	const Result<std::size_t> written =
+		writePng(path, paintLevels(hierarchy, model), {{"Title", model + ": levels of detail (the paper's Figure 5)"}});
+	if (!written) throw Failure(ExitCode::failure, written.error());
+}
+
+void runPaper(const PaperCommandOptions& options)
+{
+	makeDirectory(options.directory);
 	CacheOptions cacheOptions = options.cache;
 	cacheOptions.quiet = true;
 	HierarchyCache cache(cacheOptions);
@@ -107,7 +124,9 @@ void runPaper(const PaperCommandOptions& options)
 		for (const std::string& model : table[i].models)
 		{
 			progress.update("Table 1: " + table[i].label, double(i) / double(table.size()));
-			const Counts counts = countsOf(*cache.build(modelSource(model, 0), true));
+			const HierarchyPointer hierarchy = cache.build(modelSource(model, 0), true);
+			if (options.pictures) writeFigure5(options.directory, model, *hierarchy);
+			const Counts counts = countsOf(*hierarchy);
 			for (std::size_t c = 0; c < counts.size(); ++c) mean[c] += counts[c] / double(table[i].models.size());
 		}
 		rows.push_back(describeRow(table[i], mean));
@@ -126,10 +145,12 @@ void runPaper(const PaperCommandOptions& options)
 void addPaperCommand(CLI::App& program)
 {
 	auto options = std::make_shared<PaperCommandOptions>();
-	CLI::App* command =
-		program.add_subcommand("paper", "The paper's Table 1 beside ours (hierarchies built with --paper)");
+	CLI::App* command = program.add_subcommand(
+		"paper", "The paper's Table 1 beside ours, and its Figure 5 for every model (hierarchies built with --paper)");
 	command->footer("Example: clod-bench paper -o out/paper");
-	command->add_option("-o", options->directory, "Directory for table1.txt and paper.json")->required();
+	command->add_option("-o", options->directory, "Directory for table1.txt, paper.json and figure5/*.png")->required();
+	command->add_flag_callback(
+		"--no-pictures", [options] { options->pictures = false; }, "Without Figure 5");
 	addCache(*command, options->cache);
 	cli::addQuiet(*command, options->common);
 	cli::addJson(*command, options->common);
