@@ -133,6 +133,58 @@ TEST_F(Cli, BadInputIsExitCode3AndWritesNothing)
 	EXPECT_EQ(filesBesides("a."), 0u);
 }
 
+TEST_F(Cli, RepairSaysWhatItDidAndHowFarItMoved)
+{
+	writeText("open.obj", kVertices + kBottom + kSides);
+	ASSERT_EQ(run({"build", path("open.obj"), "-o", path("a.clod"), "--repair", "--max-move", "70%", "--quiet",
+				   "--json", path("a.json")}),
+			  0)
+		<< err();
+	EXPECT_NE(out().find("repair: 1 holes closed with 2 faces"), std::string::npos) << out();
+	EXPECT_NE(out().find("certified"), std::string::npos) << out();
+	const auto repair = nlohmann::json::parse(readText(path("a.json")))["repair"];
+	EXPECT_EQ(repair["changes"].size(), 1u) << repair;
+	EXPECT_GE(repair["added"]["upper"], 0.4) << repair;
+	EXPECT_EQ(run({"check", path("a.clod"), "--quiet"}), 0);
+	EXPECT_EQ(run({"build", path("open.obj"), "-o", path("b.clod"), "--repair", "--max-move", "1%"}), 5);
+	EXPECT_NE(err().find("would move the surface by"), std::string::npos) << err();
+	EXPECT_EQ(filesBesides("b."), 0u);
+	ASSERT_EQ(run({"build", path("torus.obj"), "-o", path("c.clod"), "--repair", "--quiet"}), 0);
+	EXPECT_NE(out().find("repair: nothing to do"), std::string::npos) << out();
+}
+
+TEST_F(Cli, WrapBuildsAStandIn)
+{
+	writeText("open.obj", kVertices + kBottom + kSides);
+	ASSERT_EQ(run({"build", path("open.obj"), "-o", path("a.clod"), "--wrap", "150%", "--quiet"}), 0) << err();
+	EXPECT_NE(out().find("wrapped by"), std::string::npos) << out();
+	EXPECT_EQ(run({"check", path("a.clod"), "--quiet"}), 0);
+	EXPECT_EQ(run({"build", path("open.obj"), "-o", path("b.clod"), "--wrap", "150%", "--repair"}), 2);
+	EXPECT_EQ(run({"build", path("open.obj"), "-o", path("b.clod"), "--wrap", "0.0001%"}), 5);
+	EXPECT_EQ(filesBesides("b."), 0u);
+}
+
+TEST_F(Cli, UnitsAxesAndScaleAreConverted)
+{
+	ASSERT_EQ(
+		run({"build", path("torus.obj"), "-o", path("a.clod"), "--unit", "mm", "--up", "z", "--scale", "2", "--quiet"}),
+		0)
+		<< err();
+	ASSERT_EQ(run({"info", path("a.clod"), "--json", "-"}), 0);
+	EXPECT_NEAR(nlohmann::json::parse(out())["radius"].get<double>(), 0.0028, 1e-6);
+	EXPECT_EQ(run({"check", path("a.clod"), "--mesh", path("torus.obj"), "--unit", "mm", "--up", "z", "--scale", "2",
+				   "--quiet"}),
+			  0);
+	EXPECT_EQ(run({"check", path("a.clod"), "--mesh", path("torus.obj"), "--quiet"}), 4);
+	for (const std::vector<std::string>& bad : {std::vector<std::string>{"--unit", "mmm"},
+												{"--up", "w"},
+												{"--scale", "0"},
+												{"--scale", "nan"},
+												{"--scale", "-1"}})
+		EXPECT_EQ(run({"build", path("torus.obj"), "-o", path("b.clod"), bad[0], bad[1]}), 2) << bad[0] << bad[1];
+	EXPECT_EQ(filesBesides("b."), 0u);
+}
+
 TEST_F(Cli, TooLargeIsExitCode5)
 {
 	writeText("huge.obj", "v 0 0 0\nv 1e30 0 0\nv 0 1e30 0\nv 0 0 1e30\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
