@@ -3,10 +3,14 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <optional>
 
+#include "builder/assemble/BoundingSphere.h"
 #include "builder/cli/Commands.h"
-#include "builder/intake/Intake.h"
+#include "builder/intake/ReadMesh.h"
+#include "builder/repair/Repair.h"
 #include "demos/cli/Files.h"
+#include "demos/cli/Length.h"
 #include "demos/cli/Program.h"
 #include "demos/cli/Progress.h"
 
@@ -21,19 +25,64 @@ struct BuildOptions : cli::CommonOptions
 {
 	std::string mesh, output;
 	bool paper = false;
+	FileFrame frame;
+	bool repair = false;
+	std::optional<cli::Length> wrap, maxMove;
 };
 
-Intake readSolid(const std::string& path)
+constexpr double kMaxMove = 0.25;  // of the radius: more is another shape, which must be asked for
+
+double radiusOf(const Soup& soup)
+{
+	std::vector<Vec3> used;
+	for (const std::uint32_t corner : soup.corners)
+		if (corner < soup.vertices.size() && isFinite(soup.vertices[corner])) used.push_back(soup.vertices[corner]);
+	return used.empty() ? 0 : boundingSphere(used).radius;
+}
+
+Repaired readSolid(const BuildOptions& options)
 {
 	try
 	{
-		return intakeFile(path);
+		Soup soup = readMesh(options.mesh);
+		convert(options.frame, soup);
+		const double radius = radiusOf(soup);
+		if (options.wrap) return wrapAround(soup, options.wrap->inMeshUnit(radius));
+		if (options.repair)
+			return repair(soup, options.maxMove ? options.maxMove->inMeshUnit(radius) : kMaxMove * radius);
+		Repaired asItIs;
+		asItIs.solid = intake(soup);
+		return asItIs;
 	}
 	catch (const Refused& refused)
 	{
 		const ExitCode code = refused.reason() == Reason::limit ? ExitCode::limitReached : ExitCode::badInput;
-		throw Failure(code, path + ": " + refused.what());
+		throw Failure(code, options.mesh + ": " + refused.what());
 	}
+}
+
+nlohmann::ordered_json describeDistance(const DistanceBracket& distance)
+{
+	return {
+		{"lower", distance.lower}, {"upper", distance.upper}, {"at", {distance.at.x, distance.at.y, distance.at.z}}};
+}
+
+// What repair or wrap did; empty when neither was asked for.
+std::string repairAsText(const Repaired& repaired, const BuildOptions& options, double radius)
+{
+	if (!options.repair && !options.wrap) return "";
+	if (repaired.changes.empty()) return "repair: nothing to do\n";
+	std::string text;
+	for (const std::string& change : repaired.changes) text += "repair: " + change + "\n";
+	const auto line = [&](const char* from, const DistanceBracket& d)
+	{
+		return fmt::format(
+			"repair: every point of the {} within {:.4g} ({:.3g} % of the radius), certified; farthest "
+			"seen {:.4g} at ({:.4g}, {:.4g}, {:.4g})\n",
+			from, d.upper, 100 * d.upper / radius, d.lower, d.at.x, d.at.y, d.at.z);
+	};
+	return text + line("new surface has the file's", repaired.added) +
+		   line("file's surface has the new one", repaired.lost);
 }
 
 HierarchyContent buildContent(const Intake& solid, const BuildOptions& options)
@@ -58,10 +107,14 @@ HierarchyContent buildContent(const Intake& solid, const BuildOptions& options)
 void run(const BuildOptions& options)
 {
 	const auto start = std::chrono::steady_clock::now();
-	const Intake solid = readSolid(options.mesh);
-	if (!options.quiet && solid.weldedCount + solid.unusedCount > 0)
+	const Repaired repaired = readSolid(options);
+	const Intake& solid = repaired.solid;
+	if (!options.quiet && solid.weldedCount + solid.unusedCount > 0 && !options.repair && !options.wrap)
 		fmt::print(stderr, "{}: {} repeated vertices welded, {} unused ones dropped\n", options.mesh, solid.weldedCount,
 				   solid.unusedCount);
+	if (!options.quiet && solid.componentCount > 1)
+		fmt::print(stderr, "{}: {} components, {} of them bound cavities\n", options.mesh, solid.componentCount,
+				   solid.cavityCount);
 	const HierarchyContent content = buildContent(solid, options);
 	const Result<std::shared_ptr<const Hierarchy>> hierarchy = Hierarchy::fromBytes(encode(content));
 	if (!hierarchy)
@@ -69,9 +122,20 @@ void run(const BuildOptions& options)
 	const std::string error = cli::writeFile(options.output, hierarchy.value()->bytes());
 	if (!error.empty()) throw Failure(ExitCode::failure, error);
 	const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-	if (!options.json.empty()) writeReport(options.json, describe(*hierarchy.value(), seconds));
+	const Hierarchy& built = *hierarchy.value();
+	if (!options.json.empty())
+	{
+		nlohmann::ordered_json report = describe(built, seconds);
+		report["cavities"] = solid.cavityCount;
+		if (options.repair || options.wrap)
+			report["repair"] = {{"changes", repaired.changes},
+								{"added", describeDistance(repaired.added)},
+								{"lost", describeDistance(repaired.lost)}};
+		writeReport(options.json, report);
+	}
 	if (options.textOnStdout())
-		fmt::print("{}built in {:.1f} s: {}\n", describeAsText(*hierarchy.value()), seconds, options.output);
+		fmt::print("{}{}built in {:.1f} s: {}\n", repairAsText(repaired, options, built.asset().radius),
+				   describeAsText(built), seconds, options.output);
 }
 }  // namespace
 
@@ -81,12 +145,23 @@ void addBuildCommand(CLI::App& program)
 	CLI::App& command = *program.add_subcommand("build", "Build the dual hierarchy of a closed triangle mesh");
 	command.add_option("mesh", options->mesh, "OBJ, OFF, PLY, STL, glTF or GLB file")->required()->type_name("MESH");
 	command.add_option("-o,--output", options->output, "The .clod file to write")->required()->type_name("FILE");
+	addFileFrame(command, options->frame);
+	CLI::Option* const repair =
+		command.add_flag("--repair", options->repair,
+						 "Mend what is wrong with the mesh; says what it did and how far the surface moved");
+	cli::addLength(command, "--max-move", options->maxMove, "Refuse a repair that moves the surface farther [25%]")
+		->needs(repair);
+	cli::addLength(command, "--wrap", options->wrap,
+				   "Build a watertight wrap round the mesh instead, closing gaps narrower than this")
+		->excludes(repair);
 	command.add_flag("--paper", options->paper, "Exactly the choices of the paper (Otaduy & Lin 2003)");
 	cli::addThreads(command, *options);
 	cli::addSeed(command, *options);
 	cli::addJson(command, *options);
 	cli::addQuiet(command, *options);
-	command.footer("Example: clod-build build cup.obj -o cup.clod --json cup.json");
+	command.footer(
+		"Example: clod-build build cup.obj -o cup.clod --json cup.json\n"
+		"         clod-build build scan.ply --unit mm --up z --repair -o scan.clod");
 	command.callback([options] { run(*options); });
 }
 }  // namespace clod::builder

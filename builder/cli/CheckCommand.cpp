@@ -18,14 +18,16 @@ using cli::Failure;
 struct CheckOptions : cli::CommonOptions
 {
 	std::string file, mesh;
+	FileFrame frame;
 };
 
 // The mesh as the reader of the builder sees it: only the syntax is trusted, the geometry is compared.
-check::GivenMesh readGiven(const std::string& path)
+check::GivenMesh readGiven(const std::string& path, const FileFrame& frame)
 {
 	try
 	{
-		const Soup soup = readMesh(path);
+		Soup soup = readMesh(path);
+		convert(frame, soup);
 		check::GivenMesh given;
 		given.vertices = soup.vertices;
 		for (std::size_t p = 0; p < soup.polygonCount(); ++p)
@@ -66,7 +68,7 @@ void run(const CheckOptions& options)
 	check::GivenMesh given;
 	if (!options.mesh.empty())
 	{
-		given = readGiven(options.mesh);
+		given = readGiven(options.mesh, options.frame);
 		settings.given = &given;
 	}
 	const std::vector<check::Invariant> invariants = check::checkHierarchy(*hierarchy, settings);
@@ -90,6 +92,7 @@ void addCheckCommand(CLI::App& program)
 		*program.add_subcommand("check", "Re-prove every invariant of a .clod file with code of its own");
 	command.add_option("file", options->file, "The .clod file")->required()->type_name("FILE");
 	command.add_option("--mesh", options->mesh, "The mesh it was built from: level 0 must equal it")->type_name("MESH");
+	addFileFrame(command, options->frame);
 	cli::addThreads(command, *options);
 	cli::addJson(command, *options);
 	cli::addQuiet(command, *options);

@@ -8,12 +8,17 @@
 
 #include <clod/hierarchy/Hierarchy.h>
 
+#include "builder/intake/FileFrame.h"
+
 namespace clod::builder
 {
 void addBuildCommand(CLI::App& program);
 void addInfoCommand(CLI::App& program);
 void addCheckCommand(CLI::App& program);
 void addExportCommand(CLI::App& program);
+
+// --unit, --up and --scale: how a mesh file is to be read.
+void addFileFrame(CLI::App& command, FileFrame& frame);
 
 // Loads and validates a .clod file; a refusal ends the program with the exit code for bad input.
 std::shared_ptr<const Hierarchy> loadHierarchy(const std::string& path);

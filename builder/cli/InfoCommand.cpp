@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 
 #include "builder/cli/Commands.h"
 #include "demos/cli/Files.h"
@@ -30,8 +32,31 @@ std::size_t contactLevelCount(const Hierarchy& hierarchy)
 	return std::size_t(std::count_if(hierarchy.levels().begin(), hierarchy.levels().end(), isContactLevel));
 }
 
-nlohmann::ordered_json describeLevel(const Level& level, std::size_t index)
+// What the records of some nodes take in the file.
+struct Bytes
 {
+	std::size_t nodes = 0, boxes = 0, children = 0, faces = 0, vertices = 0;
+	std::size_t sum() const { return nodes + boxes + children + faces + vertices; }
+};
+
+Bytes bytesOf(const Hierarchy& hierarchy, std::uint32_t firstNode, std::uint32_t nodeCount)
+{
+	Bytes bytes;
+	for (std::uint32_t i = firstNode; i < firstNode + nodeCount; ++i)
+	{
+		const Node& node = hierarchy.node(i);
+		bytes.nodes += sizeof(Node);
+		bytes.boxes += sizeof(CullBox);
+		bytes.children += node.childCount * sizeof(std::uint32_t);
+		bytes.faces += node.faceCount * sizeof(Face);
+		bytes.vertices += 3 * hierarchy.hull(node).padded * sizeof(float);
+	}
+	return bytes;
+}
+
+nlohmann::ordered_json describeLevel(const Hierarchy& hierarchy, std::size_t index)
+{
+	const Level& level = hierarchy.levels()[index];
 	return {{"level", index},
 			{"triangles", level.faceCount},
 			{"patches", level.nodeCount},
@@ -41,6 +66,7 @@ nlohmann::ordered_json describeLevel(const Level& level, std::size_t index)
 			{"max_protrude", level.maxProtrude},
 			{"max_surf", level.maxSurf},
 			{"patch_tolerance", level.patchTolerance},
+			{"bytes", bytesOf(hierarchy, level.firstNode, level.nodeCount).sum()},
 			{"clod", isContactLevel(level)}};
 }
 
@@ -51,6 +77,23 @@ void run(const InfoOptions& options)
 	if (options.textOnStdout()) fmt::print("{}", describeAsText(*hierarchy));
 }
 }  // namespace
+
+void addFileFrame(CLI::App& command, FileFrame& frame)
+{
+	cli::addChoice(command, "--unit", frame.unit, unitNames(),
+				   "The file's unit of length; the hierarchy is then in metres [as it is]");
+	cli::addChoice(command, "--up", frame.up, upNames(), "The file's axis that points up; it becomes y [y]");
+	const auto positive = [](std::string& text) -> std::string
+	{
+		double value = 0;
+		const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+		const bool good = error == std::errc() && end == text.data() + text.size() && std::isfinite(value) && value > 0;
+		return good ? std::string() : "'" + text + "' is not a positive number";
+	};
+	command.add_option("--scale", frame.scale, "All lengths of the file times this")
+		->check(CLI::Validator(positive, "", "positive"))
+		->type_name("FACTOR");
+}
 
 std::shared_ptr<const Hierarchy> loadHierarchy(const std::string& path)
 {
@@ -70,11 +113,18 @@ nlohmann::ordered_json describe(const Hierarchy& hierarchy, double buildSeconds)
 	const Asset& a = hierarchy.asset();
 	nlohmann::ordered_json report = {{"schema", 1}, {"triangles", a.triangleCount}};
 	report["levels"] = nlohmann::ordered_json::array();
-	for (std::size_t i = 0; i < hierarchy.levels().size; ++i)
-		report["levels"].push_back(describeLevel(hierarchy.levels()[i], i));
+	for (std::size_t i = 0; i < hierarchy.levels().size; ++i) report["levels"].push_back(describeLevel(hierarchy, i));
 	report["clods"] = contactLevelCount(hierarchy);
 	report["lods"] = hierarchy.levels().size;
+	const Bytes parts = bytesOf(hierarchy, 0, std::uint32_t(hierarchy.nodes().size));
 	report["bytes"] = hierarchy.bytes().size();
+	report["bytes_per_triangle"] = double(hierarchy.bytes().size()) / double(a.triangleCount);
+	report["bytes_by_part"] = {{"nodes", parts.nodes},
+							   {"culling_boxes", parts.boxes},
+							   {"children", parts.children},
+							   {"faces", parts.faces},
+							   {"hull_vertices", parts.vertices},
+							   {"header_levels_asset", hierarchy.bytes().size() - parts.sum()}};
 	report["volume"] = a.volume;
 	report["center_of_mass"] = {a.meshFromBody[0], a.meshFromBody[1], a.meshFromBody[2]};
 	const double* const m = a.inertia;
@@ -104,6 +154,14 @@ std::string describeAsText(const Hierarchy& hierarchy)
 	text += fmt::format("{} levels, {} of them for contact; {} triangles, {} nodes, {} bytes{}\n",
 						hierarchy.levels().size, contactLevelCount(hierarchy), a.triangleCount, hierarchy.nodes().size,
 						hierarchy.bytes().size(), hierarchy.isPaperBuild() ? "; built with --paper" : "");
+	const Bytes parts = bytesOf(hierarchy, 0, std::uint32_t(hierarchy.nodes().size));
+	const auto each = [&a](std::size_t bytes) { return double(bytes) / double(a.triangleCount); };
+	text += fmt::format(
+		"bytes a triangle: {:.1f} = nodes {:.1f} + culling boxes {:.1f} + children {:.1f} + faces {:.1f} + hull "
+		"vertices "
+		"{:.1f} + rest\n",
+		each(hierarchy.bytes().size()), each(parts.nodes), each(parts.boxes), each(parts.children), each(parts.faces),
+		each(parts.vertices));
 	text += fmt::format("radius {:.6g}, volume {:.6g}, centre of mass ({:.6g}, {:.6g}, {:.6g}), thinnest wall {:.4g}\n",
 						a.radius, a.volume, a.meshFromBody[0], a.meshFromBody[1], a.meshFromBody[2], a.thinnestWall);
 	return text;

@@ -9,26 +9,12 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "demos/render/PatchColor.h"
+
 namespace clod::builder
 {
 namespace
 {
-// Hues a golden angle apart, so that patches with neighbouring numbers differ most; lightness in three steps.
-std::array<std::uint8_t, 3> patchColor(std::uint32_t patch)
-{
-	const double hue = std::fmod(double(patch) * 0.6180339887498949, 1.0);
-	const double light = 0.45 + 0.15 * double(patch % 3), saturation = 0.65;
-	std::array<std::uint8_t, 3> color = {};
-	for (int i = 0; i < 3; ++i)
-	{
-		const double k = std::fmod(12 * hue + 4.0 * (3 - i), 12.0);
-		const double amplitude = saturation * std::min(light, 1 - light);
-		const double value = light - amplitude * std::max(-1.0, std::min({k - 3, 9 - k, 1.0}));
-		color[std::size_t(i)] = std::uint8_t(std::lround(255 * value));
-	}
-	return color;
-}
-
 template <class T>
 void append(std::string& bytes, const T& value)
 {
@@ -87,6 +73,13 @@ nlohmann::ordered_json gltfScene(const LevelSurface& surface)
 	return scene;
 }
 
+// glTF's vertex colours are linear where those of the other formats are sRGB (glTF 2.0, sec. 3.9.2).
+std::uint8_t linear(std::uint8_t value)
+{
+	const double c = value / 255.0;
+	return std::uint8_t(std::lround(255 * (c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4))));
+}
+
 void appendChunk(std::string& file, const char* type, std::string data, char fill)
 {
 	data.resize((data.size() + 3) / 4 * 4, fill);
@@ -111,7 +104,7 @@ LevelSurface levelSurface(const Hierarchy& hierarchy, std::uint32_t levelIndex)
 		for (std::uint32_t v = 0; v < hull.count; ++v)
 		{
 			surface.verticesInBody.push_back({hull.x[v], hull.y[v], hull.z[v]});
-			surface.colors.push_back(patchColor(patch));
+			surface.colors.push_back(demo::patchColor(patch));
 		}
 		for (const Face& face : hierarchy.faces(node))
 			surface.triangles.push_back({first + face.vertex[0], first + face.vertex[1], first + face.vertex[2]});
@@ -161,7 +154,8 @@ std::string encodeGlb(const LevelSurface& surface)
 {
 	std::string binary;
 	for (const Float3& v : surface.verticesInBody) append(binary, v);
-	for (const auto& c : surface.colors) append(binary, std::array<std::uint8_t, 4>{c[0], c[1], c[2], 255});
+	for (const auto& c : surface.colors)
+		append(binary, std::array<std::uint8_t, 4>{linear(c[0]), linear(c[1]), linear(c[2]), 255});
 	for (const auto& triangle : surface.triangles) append(binary, triangle);
 	std::string chunks;
 	appendChunk(chunks, "JSON", gltfScene(surface).dump(), ' ');

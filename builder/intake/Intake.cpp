@@ -61,7 +61,7 @@ Vec3 centerOfMass(const WeldedMesh& mesh, const Box& box)
 
 double rounded(double x)
 {
-	const float value = float(x);
+	const float value = roundToFloat(x);
 	// Denormal coordinates are far below the rounding of any extent allowed here; -0 becomes 0.
 	return std::abs(value) < std::numeric_limits<float>::min() ? 0 : double(value);
 }
@@ -99,7 +99,7 @@ Intake intake(const Soup& soup)
 	checkDistinct(result.mesh.vertices, welded);
 	std::vector<std::uint32_t> componentOf;
 	result.componentCount = components(welded, componentOf);
-	checkSolid(result.mesh, welded, componentOf);
+	result.cavityCount = checkSolid(result.mesh, welded, componentOf);
 	return result;
 }
 

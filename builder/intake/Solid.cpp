@@ -44,19 +44,23 @@ SurfaceMesh toSurfaceMesh(const Mesh& mesh, const std::vector<std::uint32_t>& co
 
 void checkAreas(const Mesh& rounded, const WeldedMesh& mesh)
 {
-	for (std::size_t i = 0; i < rounded.triangles.size(); ++i)
+	std::vector<Defect> defects;
+	for (const bool before : {true, false})
 	{
-		const auto& t = rounded.triangles[i];
-		if (!CGAL::collinear(toPoint(rounded.vertices[t[0]]), toPoint(rounded.vertices[t[1]]),
-							 toPoint(rounded.vertices[t[2]])))
-			continue;
-		const bool before =
-			CGAL::collinear(toPoint(mesh.vertices[t[0]]), toPoint(mesh.vertices[t[1]]), toPoint(mesh.vertices[t[2]]));
-		throw Refused(
-			before ? Reason::degenerate : Reason::rounding,
-			fmt::format("face {} (vertices {}, {}, {}) has no area{}", mesh.polygonInFile[i], mesh.vertexInFile[t[0]],
-						mesh.vertexInFile[t[1]], mesh.vertexInFile[t[2]], before ? "" : " once rounded to float"));
+		Defect defect{before ? Reason::degenerate : Reason::rounding, "", 0};
+		for (std::size_t i = 0; i < rounded.triangles.size(); ++i)
+		{
+			const auto& t = rounded.triangles[i];
+			const auto collinear = [&t](const std::vector<Vec3>& v)
+			{ return CGAL::collinear(toPoint(v[t[0]]), toPoint(v[t[1]]), toPoint(v[t[2]])); };
+			if (!collinear(rounded.vertices) || collinear(mesh.vertices) != before || defect.count++ > 0) continue;
+			defect.first = fmt::format("face {} (vertices {}, {}, {}) has no area{}", mesh.polygonInFile[i],
+									   mesh.vertexInFile[t[0]], mesh.vertexInFile[t[1]], mesh.vertexInFile[t[2]],
+									   before ? "" : " once rounded to float");
+		}
+		if (defect.count > 0) defects.push_back(defect);
 	}
+	if (!defects.empty()) throw Refused(defects);
 }
 
 void checkSelfIntersections(const SurfaceMesh& surface, const WeldedMesh& mesh)
@@ -67,9 +71,10 @@ void checkSelfIntersections(const SurfaceMesh& surface, const WeldedMesh& mesh)
 	for (auto& [a, b] : pairs)
 		if (b < a) std::swap(a, b);
 	const auto first = *std::min_element(pairs.begin(), pairs.end());
-	throw Refused(Reason::selfIntersection, fmt::format("faces {} and {} cross or overlap ({} such pairs)",
-														mesh.polygonInFile[std::size_t(first.first)],
-														mesh.polygonInFile[std::size_t(first.second)], pairs.size()));
+	throw Refused({{Reason::selfIntersection,
+					fmt::format("faces {} and {} cross or overlap", mesh.polygonInFile[std::size_t(first.first)],
+								mesh.polygonInFile[std::size_t(first.second)]),
+					pairs.size()}});
 }
 
 // Six times the signed volume of a component.
@@ -89,8 +94,8 @@ double signedVolume(const Mesh& mesh, const std::vector<std::uint32_t>& componen
 	return volume;
 }
 
-// A component inside an even number of others is solid, inside an odd number it bounds a cavity.
-void checkNesting(const Mesh& mesh, const WeldedMesh& welded, const std::vector<std::uint32_t>& componentOf)
+// A component inside an even number of others is solid, inside an odd number it bounds a cavity. Number of cavities.
+std::size_t checkNesting(const Mesh& mesh, const WeldedMesh& welded, const std::vector<std::uint32_t>& componentOf)
 {
 	const std::uint32_t count = *std::max_element(componentOf.begin(), componentOf.end()) + 1;
 	std::vector<std::size_t> firstTriangle(count, mesh.triangles.size()), depth(count, 0);
@@ -105,21 +110,27 @@ void checkNesting(const Mesh& mesh, const WeldedMesh& welded, const std::vector<
 					side(toPoint(mesh.vertices[mesh.triangles[firstTriangle[inner]][0]])) == CGAL::ON_BOUNDED_SIDE ? 1
 																												   : 0;
 	}
+	std::size_t cavities = 0, wrong = 0;
+	std::string first;
 	for (std::uint32_t component = 0; component < count; ++component)
 	{
 		const bool cavity = depth[component] % 2 == 1;
-		if ((signedVolume(mesh, componentOf, component) < 0) != cavity)
-			throw Refused(Reason::inverted, fmt::format("the component of face {} is inside out{}",
-														welded.polygonInFile[firstTriangle[component]],
-														cavity ? ": it bounds a cavity and must face into it" : ""));
+		cavities += cavity ? 1 : 0;
+		if ((signedVolume(mesh, componentOf, component) < 0) == cavity) continue;
+		if (wrong++ == 0)
+			first =
+				fmt::format("the component of face {} is inside out{}", welded.polygonInFile[firstTriangle[component]],
+							cavity ? ": it bounds a cavity and must face into it" : "");
 	}
+	if (wrong > 0) throw Refused({{Reason::inverted, first, wrong}});
+	return cavities;
 }
 }  // namespace
 
-void checkSolid(const Mesh& rounded, const WeldedMesh& mesh, const std::vector<std::uint32_t>& componentOf)
+std::size_t checkSolid(const Mesh& rounded, const WeldedMesh& mesh, const std::vector<std::uint32_t>& componentOf)
 {
 	checkAreas(rounded, mesh);
 	checkSelfIntersections(toSurfaceMesh(rounded, componentOf, kNone), mesh);
-	checkNesting(rounded, mesh, componentOf);
+	return checkNesting(rounded, mesh, componentOf);
 }
 }  // namespace clod::builder

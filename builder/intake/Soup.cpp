@@ -45,6 +45,17 @@ const char* name(Reason reason)
 	return "unknown";
 }
 
+std::string sentence(const std::vector<Defect>& defects)
+{
+	std::string text;
+	for (const Defect& defect : defects)
+	{
+		text += fmt::format("{}{}: {}", text.empty() ? "" : "; also ", name(defect.reason), defect.first);
+		if (defect.count > 1) text += fmt::format(" ({} such)", defect.count);
+	}
+	return text;
+}
+
 std::uint32_t checkedIndex(long long index, const std::string& place)
 {
 	if (index < 0 || index >= 0xFFFFFFFFll)

@@ -33,6 +33,16 @@ enum class Reason
 };
 const char* name(Reason reason);
 
+// One kind of defect: the first element that has it, named as in the file, and how many have it.
+struct Defect
+{
+	Reason reason;
+	std::string first;
+	std::size_t count = 1;
+};
+// "duplicate face: face 6 ... (3 such); also open boundary: ..."
+std::string sentence(const std::vector<Defect>& defects);
+
 // A mesh that cannot be built, with the first offending element in the message. Elements are numbered from 0 in the
 // order of the file; parsers name the line (from 1) or the byte.
 class Refused : public std::runtime_error
@@ -40,6 +50,11 @@ class Refused : public std::runtime_error
 public:
 	Refused(Reason reason, const std::string& message)
 		: std::runtime_error(std::string(name(reason)) + ": " + message), m_reason(reason)
+	{
+	}
+	// Several kinds at once, the one that decides first; never empty.
+	explicit Refused(const std::vector<Defect>& defects)
+		: std::runtime_error(sentence(defects)), m_reason(defects.front().reason)
 	{
 	}
 	Reason reason() const { return m_reason; }

@@ -21,17 +21,28 @@ std::string describe(const WeldedMesh& mesh, std::size_t triangle)
 					   mesh.vertexInFile[t[1]], mesh.vertexInFile[t[2]]);
 }
 
-void checkCorners(const WeldedMesh& mesh)
+using Defects = std::vector<Defect>;
+
+// Appends a defect of `count` elements, if there are any.
+void note(Defects& defects, Reason reason, std::size_t count, const std::string& first)
 {
+	if (count > 0) defects.push_back({reason, first, count});
+}
+
+void findDegenerate(const WeldedMesh& mesh, Defects& defects)
+{
+	std::size_t count = 0;
+	std::string first;
 	for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
 	{
 		const Triangle& t = mesh.triangles[i];
-		if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0])
-			throw Refused(Reason::degenerate, describe(mesh, i) + " has two corners at the same place");
+		if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) continue;
+		if (count++ == 0) first = describe(mesh, i) + " has two corners at the same place";
 	}
+	note(defects, Reason::degenerate, count, first);
 }
 
-void checkDuplicates(const WeldedMesh& mesh)
+void findDuplicates(const WeldedMesh& mesh, Defects& defects)
 {
 	std::vector<std::pair<Triangle, std::uint32_t>> sorted;
 	for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
@@ -42,15 +53,18 @@ void checkDuplicates(const WeldedMesh& mesh)
 	}
 	std::sort(sorted.begin(), sorted.end());
 	std::uint32_t repeated = kNone, original = kNone;
+	std::size_t count = 0;
 	for (std::size_t i = 1; i < sorted.size(); ++i)
-		if (sorted[i].first == sorted[i - 1].first && sorted[i].second < repeated)
-		{
-			repeated = sorted[i].second;
-			original = sorted[i - 1].second;
-		}
-	if (repeated != kNone)
-		throw Refused(Reason::duplicate, fmt::format("{} has the same corners as face {}", describe(mesh, repeated),
-													 mesh.polygonInFile[original]));
+	{
+		if (sorted[i].first != sorted[i - 1].first) continue;
+		++count;
+		if (sorted[i].second >= repeated) continue;
+		repeated = sorted[i].second;
+		original = sorted[i - 1].second;
+	}
+	if (count > 0)
+		note(defects, Reason::duplicate, count,
+			 fmt::format("{} has the same corners as face {}", describe(mesh, repeated), mesh.polygonInFile[original]));
 }
 
 struct HalfEdge
@@ -78,18 +92,18 @@ std::vector<HalfEdge> halfEdges(const WeldedMesh& mesh)
 	return edges;
 }
 
-// The fault whose first triangle comes first; among the same triangle's, the first edge.
+// The faults of one kind; the one whose first triangle comes first, among the same triangle's the first edge.
 struct EdgeFault
 {
-	Reason reason = Reason::openBoundary;
+	std::size_t count = 0;
 	std::size_t edge = 0;
 	std::uint32_t triangle = kNone;
 	std::size_t faces = 0;
 };
 
-EdgeFault firstFault(const std::vector<HalfEdge>& edges, Reason wanted)
+EdgeFault findFaults(const std::vector<HalfEdge>& edges, Reason wanted)
 {
-	EdgeFault first;
+	EdgeFault found;
 	for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end)
 	{
 		while (end < edges.size() && edges[end].sameEdge(edges[begin])) ++end;
@@ -98,25 +112,30 @@ EdgeFault firstFault(const std::vector<HalfEdge>& edges, Reason wanted)
 							: wanted == Reason::openBoundary
 								? faces == 1
 								: faces == 2 && edges[begin].forward == edges[begin + 1].forward;
-		if (faulty && edges[begin].triangle < first.triangle) first = {wanted, begin, edges[begin].triangle, faces};
+		if (!faulty) continue;
+		const std::size_t count = found.count + 1;
+		if (edges[begin].triangle < found.triangle) found = {count, begin, edges[begin].triangle, faces};
+		found.count = count;
 	}
-	return first;
+	return found;
 }
 
-void checkEdges(const WeldedMesh& mesh, const std::vector<HalfEdge>& edges)
+void findEdgeFaults(const WeldedMesh& mesh, const std::vector<HalfEdge>& edges, Defects& defects)
 {
 	for (const Reason wanted : {Reason::nonManifoldEdge, Reason::orientation, Reason::openBoundary})
 	{
-		const EdgeFault fault = firstFault(edges, wanted);
-		if (fault.triangle == kNone) continue;
+		const EdgeFault fault = findFaults(edges, wanted);
+		if (fault.count == 0) continue;
 		const HalfEdge& edge = edges[fault.edge];
-		const std::string where = fmt::format("edge ({}, {}) of {}", mesh.vertexInFile[edge.low],
-											  mesh.vertexInFile[edge.high], describe(mesh, edge.triangle));
+		std::string text = fmt::format("edge ({}, {}) of {}", mesh.vertexInFile[edge.low], mesh.vertexInFile[edge.high],
+									   describe(mesh, edge.triangle));
 		if (wanted == Reason::nonManifoldEdge)
-			throw Refused(wanted, fmt::format("{} belongs to {} faces", where, fault.faces));
-		if (wanted == Reason::openBoundary) throw Refused(wanted, where + " has no face on its other side");
-		throw Refused(wanted, fmt::format("{} runs the same way in face {}", where,
-										  mesh.polygonInFile[edges[fault.edge + 1].triangle]));
+			text += fmt::format(" belongs to {} faces", fault.faces);
+		else if (wanted == Reason::openBoundary)
+			text += " has no face on its other side";
+		else
+			text += fmt::format(" runs the same way in face {}", mesh.polygonInFile[edges[fault.edge + 1].triangle]);
+		note(defects, wanted, fault.count, text);
 	}
 }
 
@@ -146,34 +165,52 @@ std::uint32_t cornerAt(const WeldedMesh& mesh, std::uint32_t triangle, std::uint
 	return 3 * triangle + (t[0] == vertex ? 0u : t[1] == vertex ? 1u : 2u);
 }
 
-// The corners round a vertex, joined across edges, must be one fan.
-void checkVertices(const WeldedMesh& mesh, const std::vector<HalfEdge>& edges)
+// The corners round a vertex, joined across edges, must be one fan. What a faulty edge joins counts as joined, so that
+// the fault is not named twice.
+void findFans(const WeldedMesh& mesh, const std::vector<HalfEdge>& edges, Defects& defects)
 {
 	Sets corners(3 * mesh.triangles.size());
-	for (std::size_t i = 0; i + 1 < edges.size(); i += 2)
+	for (std::size_t i = 0; i + 1 < edges.size(); ++i)
+	{
+		if (!edges[i].sameEdge(edges[i + 1])) continue;
 		for (const std::uint32_t vertex : {edges[i].low, edges[i].high})
 			corners.join(cornerAt(mesh, edges[i].triangle, vertex), cornerAt(mesh, edges[i + 1].triangle, vertex));
+	}
 	std::vector<std::uint32_t> fan(mesh.vertices.size(), kNone);
+	std::vector<bool> faulty(mesh.vertices.size(), false);
+	std::size_t count = 0;
+	std::string first;
 	for (std::uint32_t i = 0; i < 3 * mesh.triangles.size(); ++i)
 	{
 		const std::uint32_t vertex = mesh.triangles[i / 3][i % 3];
 		if (fan[vertex] == kNone) fan[vertex] = corners.find(i);
-		if (fan[vertex] != corners.find(i))
-			throw Refused(
-				Reason::nonManifoldVertex,
+		if (fan[vertex] == corners.find(i) || faulty[vertex]) continue;
+		faulty[vertex] = true;
+		if (count++ == 0)
+			first =
 				fmt::format("vertex {} joins separate fans, one with face {}, one with face {}",
-							mesh.vertexInFile[vertex], mesh.polygonInFile[fan[vertex] / 3], mesh.polygonInFile[i / 3]));
+							mesh.vertexInFile[vertex], mesh.polygonInFile[fan[vertex] / 3], mesh.polygonInFile[i / 3]);
 	}
+	note(defects, Reason::nonManifoldVertex, count, first);
 }
 }  // namespace
 
+std::vector<Defect> topologyDefects(const WeldedMesh& mesh)
+{
+	Defects defects;
+	findDegenerate(mesh, defects);
+	findDuplicates(mesh, defects);
+	if (!defects.empty() && defects.front().reason == Reason::degenerate) return defects;  // its edges mean nothing
+	const std::vector<HalfEdge> edges = halfEdges(mesh);
+	findEdgeFaults(mesh, edges, defects);
+	findFans(mesh, edges, defects);
+	return defects;
+}
+
 void checkTopology(const WeldedMesh& mesh)
 {
-	checkCorners(mesh);
-	checkDuplicates(mesh);
-	const std::vector<HalfEdge> edges = halfEdges(mesh);
-	checkEdges(mesh, edges);
-	checkVertices(mesh, edges);
+	const std::vector<Defect> defects = topologyDefects(mesh);
+	if (!defects.empty()) throw Refused(defects);
 }
 
 std::size_t components(const WeldedMesh& mesh, std::vector<std::uint32_t>& componentOf)

@@ -53,7 +53,8 @@ void checkExtent(const Soup& soup)
 												 kSmallestExtent, kLargestExtent));
 }
 
-// For each vertex of the file the first one at the same place.
+}  // namespace
+
 std::vector<std::uint32_t> firstAtSamePlace(const std::vector<Vec3>& vertices)
 {
 	std::vector<std::uint32_t> order(vertices.size());
@@ -70,6 +71,8 @@ std::vector<std::uint32_t> firstAtSamePlace(const std::vector<Vec3>& vertices)
 	return first;
 }
 
+namespace
+{
 // A polygon seen along its area vector, in two dimensions, counter-clockwise.
 struct Flat
 {
@@ -110,7 +113,8 @@ bool isEar(const std::vector<Flat>& flat, const std::vector<std::uint32_t>& loop
 	return true;
 }
 
-// Corner numbers, three a triangle; each triangle starts with its lowest corner. Empty where there is no ear left.
+}  // namespace
+
 std::vector<std::uint32_t> cutEars(const std::vector<Vec3>& corners)
 {
 	const std::vector<Flat> flat = flatten(corners);
@@ -143,6 +147,8 @@ std::vector<std::uint32_t> cutEars(const std::vector<Vec3>& corners)
 	return result;
 }
 
+namespace
+{
 class Welder
 {
 public:

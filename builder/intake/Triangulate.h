@@ -19,9 +19,15 @@ struct WeldedMesh
 	std::size_t unusedCount = 0;               // vertices of the file in no face
 };
 
+// For each vertex the first one at the same place. All must be finite.
+std::vector<std::uint32_t> firstAtSamePlace(const std::vector<Vec3>& vertices);
+
+// Cuts a polygon into triangles, three corner numbers each: always the ear with the shortest diagonal first, ties by
+// the lowest corner; each triangle starts with its lowest corner. Empty where no ear is left.
+std::vector<std::uint32_t> cutEars(const std::vector<Vec3>& corners);
+
 // Checks counts, finiteness, index range and size, welds vertices equal in all three coordinates (0 equals -0), and
-// cuts polygons into triangles: always the ear with the shortest diagonal first, ties by the lowest corner. The order
-// of faces and the corner each starts with are kept, so the same solid in another format gives the same result. Throws
-// Refused.
+// cuts polygons into triangles (cutEars). The order of faces and the corner each starts with are kept, so the same
+// solid in another format gives the same result. Throws Refused.
 WeldedMesh weldAndTriangulate(const Soup& soup);
 }  // namespace clod::builder

@@ -123,7 +123,10 @@ void Simplifier::cut()
 
 void Simplifier::cutIfHalved()
 {
-	if (2 * m_mesh.patchCount > m_sequence.lods.back().patchCount) return;
+	const Lod& last = m_sequence.lods.back();
+	if (2 * m_mesh.patchCount > last.patchCount) return;
+	// Default mode: a level that saves patches alone costs more, in the file and in every query, than it saves.
+	if (!m_config.paper && 2 * m_mesh.faceCount > last.mesh.triangles.size()) return;
 	joinEverywhere(m_mesh, m_validity);
 	cut();
 	m_mesh.rebuildTrees();

@@ -15,5 +15,6 @@ int main(int argc, char** argv)
 	clod::demo::addReplayCommand(app);
 	clod::demo::addPaperCommand(app);
 	clod::demo::addTradeoffCommand(app);
+	clod::demo::addLevelsCommand(app);
 	return clod::cli::runProgram(app, argc, argv);
 }

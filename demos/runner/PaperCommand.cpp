@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // clod-bench paper: what Otaduy & Lin 2003 print, beside ours. Table 1: models and associated hierarchies, built with
-// --paper; the numbers row is the mean over the ten digits, as in the paper. Figure 4: see Figure4.h.
+// --paper; the numbers row is the mean over the ten digits, as in the paper. Figure 4: see Figure4.h. Figure 5: every
+// model at every contact level.
 #include <fmt/format.h>
 
 #include <array>
@@ -12,6 +13,7 @@
 #include "demos/models/Models.h"
 #include "demos/runner/Commands.h"
 #include "demos/runner/Figure4.h"
+#include "demos/runner/LevelPictures.h"
 
 namespace clod::demo
 {
@@ -27,6 +29,7 @@ struct PaperCommandOptions
 	std::string directory, only;
 	double resolution = 1;  // of Figure 4
 	int steps = 0;
+	bool pictures = true;
 	bool has(const char* part) const { return only.empty() || only == part; }
 };
 
@@ -94,7 +97,23 @@ std::string formatTable(const nlohmann::ordered_json& rows)
 	return text;
 }
 
-nlohmann::ordered_json makeTable1(HierarchyCache& cache, cli::Progress& progress)
+void makeDirectory(const std::string& path)
+{
+	std::error_code failed;
+	std::filesystem::create_directories(path, failed);
+	if (failed) throw Failure(ExitCode::failure, "cannot create " + path + ": " + failed.message());
+}
+
+void writeFigure5(const std::string& directory, const std::string& model, const Hierarchy& hierarchy)
+{
+	makeDirectory(directory + "/figure5");
+	const std::string path = directory + "/figure5/" + model + ".png";
+	const Result<std::size_t> written =
+		writePng(path, paintLevels(hierarchy, model), {{"Title", model + ": levels of detail (the paper's Figure 5)"}});
+	if (!written) throw Failure(ExitCode::failure, written.error());
+}
+
+nlohmann::ordered_json makeTable1(const PaperCommandOptions& options, HierarchyCache& cache, cli::Progress& progress)
 {
 	nlohmann::ordered_json rows = nlohmann::ordered_json::array();
 	const std::vector<TableRow> table = tableRows();
@@ -104,7 +123,9 @@ nlohmann::ordered_json makeTable1(HierarchyCache& cache, cli::Progress& progress
 		for (const std::string& model : table[i].models)
 		{
 			progress.update("Table 1: " + table[i].label, double(i) / double(table.size()));
-			const Counts counts = countsOf(*cache.build(modelSource(model, 0), true));
+			const HierarchyPointer hierarchy = cache.build(modelSource(model, 0), true);
+			if (options.pictures) writeFigure5(options.directory, model, *hierarchy);
+			const Counts counts = countsOf(*hierarchy);
 			for (std::size_t c = 0; c < counts.size(); ++c) mean[c] += counts[c] / double(table[i].models.size());
 		}
 		rows.push_back(describeRow(table[i], mean));
@@ -114,9 +135,7 @@ nlohmann::ordered_json makeTable1(HierarchyCache& cache, cli::Progress& progress
 
 void runPaper(const PaperCommandOptions& options)
 {
-	std::error_code failed;
-	std::filesystem::create_directories(options.directory, failed);
-	if (failed) throw Failure(ExitCode::failure, "cannot create " + options.directory + ": " + failed.message());
+	makeDirectory(options.directory);
 	CacheOptions cacheOptions = options.cache;
 	cacheOptions.quiet = true;
 	HierarchyCache cache(cacheOptions);
@@ -125,7 +144,7 @@ void runPaper(const PaperCommandOptions& options)
 	std::string text;
 	if (options.has("table1"))
 	{
-		report["table1"] = makeTable1(cache, progress);
+		report["table1"] = makeTable1(options, cache, progress);
 		text += formatTable(report["table1"]);
 		writeText(options.directory + "/table1.txt", text);
 	}
@@ -146,10 +165,15 @@ void runPaper(const PaperCommandOptions& options)
 void addPaperCommand(CLI::App& program)
 {
 	auto options = std::make_shared<PaperCommandOptions>();
-	CLI::App* command = program.add_subcommand("paper", "The paper's Table 1 and Figure 4 beside ours");
+	CLI::App* command = program.add_subcommand(
+		"paper", "The paper's Table 1, Figure 4 and Figure 5 beside ours (hierarchies built with --paper)");
 	command->footer("Example: clod-bench paper -o out/paper");
-	command->add_option("-o", options->directory, "Directory for table1.txt, figure4.* and paper.json")->required();
-	cli::addChoice(*command, "--only", options->only, {"table1", "figure4"}, "One of them");
+	command->add_option("-o", options->directory, "Directory for table1.txt, figure4.*, figure5/*.png and paper.json")
+		->required();
+	cli::addChoice(*command, "--only", options->only, {"table1", "figure4"},
+				   "One of them; Figure 5 comes with Table 1");
+	command->add_flag_callback(
+		"--no-pictures", [options] { options->pictures = false; }, "Without Figure 5");
 	command->add_option("--steps", options->steps, "Steps of Figure 4's simulation (default: the scene's)")
 		->type_name("N")
 		->check(CLI::Range(1, 10'000'000));

@@ -3,7 +3,6 @@
 // share.
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -15,6 +14,8 @@
 #include "demos/cli/Files.h"
 #include "demos/cli/Length.h"
 #include "demos/cli/Suggestion.h"
+#include "tests/builder/ObjText.h"
+#include "tests/support/ChildProgram.h"
 #include "tests/support/Meshes.h"
 
 namespace clod::test
@@ -22,12 +23,6 @@ namespace clod::test
 namespace
 {
 namespace fs = std::filesystem;
-
-std::string readText(const fs::path& path)
-{
-	std::ifstream file(path, std::ios::binary);
-	return {std::istreambuf_iterator<char>(file), {}};
-}
 
 // An empty folder of its own for each test, removed at the end.
 class Cli : public ::testing::Test
@@ -44,33 +39,13 @@ protected:
 
 	std::string path(const std::string& name) const { return (m_folder / name).string(); }
 	void writeText(const std::string& name, const std::string& text) const { std::ofstream(path(name)) << text; }
-	void writeMesh(const std::string& name, const builder::Mesh& mesh) const
-	{
-		std::ofstream file(path(name));
-		file.precision(17);
-		for (const Vec3& v : mesh.vertices) file << "v " << v.x << ' ' << v.y << ' ' << v.z << '\n';
-		for (const auto& t : mesh.triangles) file << "f " << t[0] + 1 << ' ' << t[1] + 1 << ' ' << t[2] + 1 << '\n';
-	}
+	void writeMesh(const std::string& name, const builder::Mesh& mesh) const { writeText(name, objText(mesh)); }
 	pid_t start(std::vector<std::string> arguments)
 	{
 		arguments.insert(arguments.begin(), CLOD_BUILD_PROGRAM);
-		std::fflush(nullptr);  // or the child prints it again
-		const pid_t child = fork();
-		if (child != 0) return child;
-		std::vector<char*> raw;
-		for (std::string& a : arguments) raw.push_back(a.data());
-		raw.push_back(nullptr);
-		const bool redirected = std::freopen(path("stdout").c_str(), "w", stdout) != nullptr &&
-								std::freopen(path("stderr").c_str(), "w", stderr) != nullptr;
-		if (redirected) execv(raw[0], raw.data());
-		_exit(127);
+		return startProgram(std::move(arguments), path("stdout"), path("stderr"));
 	}
-	static int exitCode(pid_t child)
-	{
-		int status = 0;
-		waitpid(child, &status, 0);
-		return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
-	}
+	static int exitCode(pid_t child) { return waitForProgram(child); }
 	int run(std::vector<std::string> arguments) { return exitCode(start(std::move(arguments))); }
 	std::string out() const { return readText(path("stdout")); }
 	std::string err() const { return readText(path("stderr")); }
@@ -156,6 +131,58 @@ TEST_F(Cli, BadInputIsExitCode3AndWritesNothing)
 	EXPECT_EQ(run({"check", path("bad.clod")}), 3);
 	EXPECT_EQ(run({"export", path("bad.clod"), "--level", "0", "-o", path("a.ply")}), 3);
 	EXPECT_EQ(filesBesides("a."), 0u);
+}
+
+TEST_F(Cli, RepairSaysWhatItDidAndHowFarItMoved)
+{
+	writeText("open.obj", kVertices + kBottom + kSides);
+	ASSERT_EQ(run({"build", path("open.obj"), "-o", path("a.clod"), "--repair", "--max-move", "70%", "--quiet",
+				   "--json", path("a.json")}),
+			  0)
+		<< err();
+	EXPECT_NE(out().find("repair: 1 holes closed with 2 faces"), std::string::npos) << out();
+	EXPECT_NE(out().find("certified"), std::string::npos) << out();
+	const auto repair = nlohmann::json::parse(readText(path("a.json")))["repair"];
+	EXPECT_EQ(repair["changes"].size(), 1u) << repair;
+	EXPECT_GE(repair["added"]["upper"], 0.4) << repair;
+	EXPECT_EQ(run({"check", path("a.clod"), "--quiet"}), 0);
+	EXPECT_EQ(run({"build", path("open.obj"), "-o", path("b.clod"), "--repair", "--max-move", "1%"}), 5);
+	EXPECT_NE(err().find("would move the surface by"), std::string::npos) << err();
+	EXPECT_EQ(filesBesides("b."), 0u);
+	ASSERT_EQ(run({"build", path("torus.obj"), "-o", path("c.clod"), "--repair", "--quiet"}), 0);
+	EXPECT_NE(out().find("repair: nothing to do"), std::string::npos) << out();
+}
+
+TEST_F(Cli, WrapBuildsAStandIn)
+{
+	writeText("open.obj", kVertices + kBottom + kSides);
+	ASSERT_EQ(run({"build", path("open.obj"), "-o", path("a.clod"), "--wrap", "150%", "--quiet"}), 0) << err();
+	EXPECT_NE(out().find("wrapped by"), std::string::npos) << out();
+	EXPECT_EQ(run({"check", path("a.clod"), "--quiet"}), 0);
+	EXPECT_EQ(run({"build", path("open.obj"), "-o", path("b.clod"), "--wrap", "150%", "--repair"}), 2);
+	EXPECT_EQ(run({"build", path("open.obj"), "-o", path("b.clod"), "--wrap", "0.0001%"}), 5);
+	EXPECT_EQ(filesBesides("b."), 0u);
+}
+
+TEST_F(Cli, UnitsAxesAndScaleAreConverted)
+{
+	ASSERT_EQ(
+		run({"build", path("torus.obj"), "-o", path("a.clod"), "--unit", "mm", "--up", "z", "--scale", "2", "--quiet"}),
+		0)
+		<< err();
+	ASSERT_EQ(run({"info", path("a.clod"), "--json", "-"}), 0);
+	EXPECT_NEAR(nlohmann::json::parse(out())["radius"].get<double>(), 0.0028, 1e-6);
+	EXPECT_EQ(run({"check", path("a.clod"), "--mesh", path("torus.obj"), "--unit", "mm", "--up", "z", "--scale", "2",
+				   "--quiet"}),
+			  0);
+	EXPECT_EQ(run({"check", path("a.clod"), "--mesh", path("torus.obj"), "--quiet"}), 4);
+	for (const std::vector<std::string>& bad : {std::vector<std::string>{"--unit", "mmm"},
+												{"--up", "w"},
+												{"--scale", "0"},
+												{"--scale", "nan"},
+												{"--scale", "-1"}})
+		EXPECT_EQ(run({"build", path("torus.obj"), "-o", path("b.clod"), bad[0], bad[1]}), 2) << bad[0] << bad[1];
+	EXPECT_EQ(filesBesides("b."), 0u);
 }
 
 TEST_F(Cli, TooLargeIsExitCode5)

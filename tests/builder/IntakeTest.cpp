@@ -6,41 +6,16 @@
 #include <cstring>
 #include <random>
 
+#include "builder/intake/FileFrame.h"
 #include "builder/intake/Intake.h"
 #include "builder/intake/ReadMesh.h"
+#include "tests/builder/ObjText.h"
 
 namespace clod::test
 {
 namespace
 {
 using builder::Reason;
-
-const std::string kVertices = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n";
-const std::string kBottom = "f 1 4 3 2\n", kTop = "f 5 6 7 8\n";
-const std::string kSides = "f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
-const std::string kCube = kVertices + kBottom + kTop + kSides;
-
-// A tetrahedron on vertices first .. first + 3, moved and scaled.
-std::string tetrahedron(double x, double size, int first, bool inverted = false)
-{
-	const auto v = [&](double a, double b, double c)
-	{
-		return "v " + std::to_string(x + size * a) + " " + std::to_string(size * b) + " " + std::to_string(size * c) +
-			   "\n";
-	};
-	const auto f = [&](int a, int b, int c)
-	{
-		if (inverted) std::swap(b, c);
-		return "f " + std::to_string(first + a) + " " + std::to_string(first + b) + " " + std::to_string(first + c) +
-			   "\n";
-	};
-	return v(1, 1, 1) + v(-1, -1, 1) + v(-1, 1, -1) + v(1, -1, -1) + f(0, 2, 1) + f(0, 1, 3) + f(0, 3, 2) + f(1, 2, 3);
-}
-
-std::string replaced(std::string text, const std::string& what, const std::string& with)
-{
-	return text.replace(text.find(what), what.size(), with);
-}
 
 struct Case
 {
@@ -165,6 +140,53 @@ TEST(Intake, PolygonBeyondTheLimitIsRefused)
 	text += "f";
 	for (int i = 1; i <= 300; ++i) text += " " + std::to_string(i);
 	EXPECT_EQ(outcome(text).substr(0, 5), "limit");
+}
+
+TEST(Intake, NamesEveryKindOfDefectWithItsCount)
+{
+	const std::string found = outcome(kVertices + kBottom + kSides + "f 1 4 3 2\nf 1 4 3 2\nv 2 0 0\nf 6 5 9\n");
+	EXPECT_EQ(found.find("duplicate face: face 5"), 0u) << found;
+	EXPECT_NE(found.find("(4 such)"), std::string::npos) << found;
+	EXPECT_NE(found.find("; also non-manifold edge: "), std::string::npos) << found;
+	EXPECT_NE(found.find("; also inconsistent orientation: edge (5, 4) of face 1"), std::string::npos) << found;
+	EXPECT_NE(found.find("; also open boundary: "), std::string::npos) << found;
+}
+
+TEST(Intake, CountsComponentsAndCavities)
+{
+	const builder::Intake two =
+		builder::intake(builder::parseObj(tetrahedron(0, 3, 1) + tetrahedron(0, 0.5, 5, true) + tetrahedron(9, 1, 9)));
+	EXPECT_EQ(two.componentCount, 3u);
+	EXPECT_EQ(two.cavityCount, 1u);
+}
+
+Vec3 converted(const builder::FileFrame& frame)
+{
+	builder::Soup soup;
+	soup.vertices = {{1, 2, 3}};
+	builder::convert(frame, soup);
+	return soup.vertices[0];
+}
+
+TEST(FileFrame, ConvertsUnitsAxesAndScale)
+{
+	EXPECT_EQ(converted({}), (Vec3{1, 2, 3}));
+	EXPECT_EQ(converted({"mm", "y", 1}), (Vec3{0.001, 0.002, 0.003}));
+	EXPECT_EQ(converted({"in", "y", 1}), (Vec3{0.0254, 0.0508, 0.0762}));
+	EXPECT_EQ(converted({"ft", "y", 10}), (Vec3{3.048, 6.096, 9.144}));
+	EXPECT_EQ(converted({"", "z", 1}), (Vec3{1, 3, -2}));
+	EXPECT_EQ(converted({"", "x", 2}), (Vec3{-4, 2, 6}));
+}
+
+// No mirror: a solid stays one, whatever axis points up.
+TEST(FileFrame, KeepsHandedness)
+{
+	for (const std::string& up : builder::upNames())
+	{
+		builder::Soup soup = builder::parseObj(tetrahedron(0, 1, 1));
+		builder::convert({"cm", up, 3}, soup);
+		EXPECT_NO_THROW(builder::intake(soup)) << up;
+	}
 }
 
 // Any bytes end in one of the three outcomes, quickly, in every reader.

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "builder/repair/Repair.h"
+
+#include <CGAL/Random.h>
+#include <CGAL/assertions_behaviour.h>
+#include <CGAL/exceptions.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "builder/repair/CleanSoup.h"
+#include "builder/repair/MendMesh.h"
+#include "builder/repair/Wrap.h"
+
+namespace clod::builder
+{
+namespace
+{
+constexpr double kSewing = 1e-5;  // of the extent
+constexpr double kOffsetOfAlpha = 1.0 / 30;
+constexpr double kWrapTriangleLimit = 5e6;
+constexpr int kRoundings = 3;
+
+Mesh toMesh(const WeldedMesh& mesh)
+{
+	return {mesh.vertices, mesh.triangles};
+}
+
+Soup toSoup(const Mesh& mesh)
+{
+	Soup soup;
+	soup.vertices = mesh.vertices;
+	for (const auto& t : mesh.triangles)
+	{
+		soup.corners.insert(soup.corners.end(), t.begin(), t.end());
+		soup.endPolygon();
+	}
+	return soup;
+}
+
+// In the frame of the file.
+Mesh builtSurface(const Intake& solid)
+{
+	Mesh mesh = solid.mesh;
+	for (Vec3& v : mesh.vertices) v = v + solid.meshFromBody;
+	return mesh;
+}
+
+double areaOf(const Mesh& mesh)
+{
+	double area = 0;
+	for (const auto& t : mesh.triangles)
+		area +=
+			0.5 * length(cross(mesh.vertices[t[1]] - mesh.vertices[t[0]], mesh.vertices[t[2]] - mesh.vertices[t[0]]));
+	return area;
+}
+
+// CGAL's failed assertions become refusals, and its random choices the same in every run.
+template <class Step>
+Repaired guarded(const Step& step)
+{
+	const CGAL::Failure_behaviour before = CGAL::set_error_behaviour(CGAL::THROW_EXCEPTION);
+	CGAL::get_default_random() = CGAL::Random(0);
+	try
+	{
+		const Repaired result = step();
+		CGAL::set_error_behaviour(before);
+		return result;
+	}
+	catch (const CGAL::Failure_exception& failure)
+	{
+		CGAL::set_error_behaviour(before);
+		throw Refused(Reason::selfIntersection,
+					  fmt::format("the repair meets a case CGAL gives up on ({}); try --wrap", failure.expression()));
+	}
+	catch (...)
+	{
+		CGAL::set_error_behaviour(before);
+		throw;
+	}
+}
+
+void measure(const Mesh& file, Repaired& repaired)
+{
+	const Mesh built = builtSurface(repaired.solid);
+	const double rounding = 1e-5 * extentOf(file.vertices);
+	repaired.added = directedDistance(built, file, rounding);
+	repaired.lost = directedDistance(file, built, rounding);
+}
+
+bool isSound(const Soup& soup, Intake& solid)
+{
+	try
+	{
+		solid = intake(soup);
+		return true;
+	}
+	catch (const Refused&)
+	{
+		return false;
+	}
+}
+
+// The intake's checks are the judge; what rounding to float breaks is mended again.
+Intake accept(Mesh mesh, Changes& changes)
+{
+	for (int round = 0;; ++round)
+	{
+		if (mesh.triangles.empty()) throw Refused(Reason::empty, "nothing encloses a volume after the repair");
+		try
+		{
+			return intake(toSoup(mesh));
+		}
+		catch (const Refused& refused)
+		{
+			const Reason reason = refused.reason();
+			const bool again = reason == Reason::selfIntersection || reason == Reason::rounding ||
+							   reason == Reason::degenerate || reason == Reason::inverted;
+			if (!again || round == kRoundings)
+				throw Refused(reason,
+							  fmt::format("still so after the repair, elements numbered as repaired: {}; try --wrap",
+										  refused.what()));
+		}
+		const Vec3 center = mesh.vertices.front();
+		for (Vec3& v : mesh.vertices)
+			for (int i = 0; i < 3; ++i) v[i] = center[i] + double(roundToFloat(v[i] - center[i]));
+		mesh = mendRounded(mesh, changes);
+	}
+}
+}  // namespace
+
+double Repaired::moved() const
+{
+	return std::max(added.upper, lost.upper);
+}
+
+Repaired repair(const Soup& soup, double maxMove)
+{
+	return guarded(
+		[&]
+		{
+			Repaired repaired;
+			if (isSound(soup, repaired.solid)) return repaired;
+			WeldedMesh mesh = usableFaces(soup, repaired.changes);
+			const Mesh file = toMesh(mesh);
+			const double tolerance = kSewing * extentOf(mesh.vertices);
+			sewCracks(mesh, tolerance, repaired.changes);
+			splitAtTJunctions(mesh, tolerance, repaired.changes);
+			dropRepeatedFaces(mesh, repaired.changes);
+			repaired.solid = accept(mend(mesh, repaired.changes), repaired.changes);
+			measure(file, repaired);
+			if (repaired.moved() > maxMove)
+				throw Refused(Reason::limit,
+							  fmt::format("the repair would move the surface by {:.4g}, allowed are {:.4g}",
+										  repaired.moved(), maxMove));
+			return repaired;
+		});
+}
+
+Repaired wrapAround(const Soup& soup, double length)
+{
+	return guarded(
+		[&]
+		{
+			Repaired repaired;
+			const Mesh file = toMesh(usableFaces(soup, repaired.changes));
+			// A wrap has one or two triangles of side `length`; where it turns, `length * offset`.
+			const double triangles = 2 * areaOf(file) / (length * length);
+			if (!(triangles <= kWrapTriangleLimit))
+				throw Refused(Reason::limit,
+							  fmt::format("a wrap of {:.4g} would need about {:.2g} triangles; the limit is {:.2g}",
+										  length, triangles, kWrapTriangleLimit));
+			const Mesh wrap = alphaWrap(file, length, kOffsetOfAlpha * length);
+			repaired.changes.push_back(fmt::format("{} faces wrapped by {} triangles {:.4g} outside of them",
+												   file.triangles.size(), wrap.triangles.size(),
+												   kOffsetOfAlpha * length));
+			repaired.solid = accept(wrap, repaired.changes);
+			measure(file, repaired);
+			return repaired;
+		});
+}
+}  // namespace clod::builder

@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Alpha wrap (Portaneri et al. 2022, CGAL 5.5): a closed 2-manifold that encloses every triangle given.
+#pragma once
+#include "builder/Lod.h"
+
+namespace clod::builder
+{
+// Its vertices are `offset` from the triangles, but where it bridges gaps narrower than about `alpha`.
+Mesh alphaWrap(const Mesh& mesh, double alpha, double offset);
+}  // namespace clod::builder

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What --repair and --wrap make of spoilt solids: what they say, how far the surface moves, and that the result is the
+// solid a person would expect (its volume is known).
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "builder/intake/ReadMesh.h"
+#include "builder/repair/Repair.h"
+#include "tests/builder/ObjText.h"
+#include "tests/support/Meshes.h"
+
+namespace clod::test
+{
+namespace
+{
+using builder::Reason;
+using builder::Repaired;
+
+constexpr double kNoLimit = 1e9;
+
+double volumeOf(const builder::Mesh& mesh)
+{
+	double sixfold = 0;
+	for (const auto& t : mesh.triangles)
+		sixfold += dot(mesh.vertices[t[0]], cross(mesh.vertices[t[1]], mesh.vertices[t[2]]));
+	return sixfold / 6;
+}
+
+std::string joined(const std::vector<std::string>& sentences)
+{
+	std::string text;
+	for (const std::string& sentence : sentences) text += sentence + "; ";
+	return text;
+}
+
+// A second unit cube beside the first, sharing the vertices of `shared` as given; its other four are new.
+std::string cubeFaces(const int (&v)[8])
+{
+	const int quads[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
+	std::string text;
+	for (const auto& q : quads)
+	{
+		text += "f";
+		for (const int corner : q) text += " " + std::to_string(v[corner]);
+		text += "\n";
+	}
+	return text;
+}
+
+// On the first cube's face x = 1, and on its edge x = y = 1.
+const std::string kBeside = kCube + "v 2 0 0\nv 2 1 0\nv 2 0 1\nv 2 1 1\n" + cubeFaces({2, 9, 10, 3, 6, 11, 12, 7});
+const std::string kAcross =
+	kCube + "v 2 1 0\nv 2 2 0\nv 1 2 0\nv 2 1 1\nv 2 2 1\nv 1 2 1\n" + cubeFaces({3, 9, 10, 11, 7, 12, 13, 14});
+
+// Each face with vertices of its own, those of the later ones a little off.
+std::string cracked()
+{
+	std::string text;
+	const double corner[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
+								 {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+	const int quads[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
+	for (int face = 0; face < 6; ++face)
+		for (const int c : quads[face])
+			text += "v " + std::to_string(corner[c][0] + 1e-6 * face) + " " + std::to_string(corner[c][1]) + " " +
+					std::to_string(corner[c][2]) + "\n";
+	for (int face = 0; face < 6; ++face)
+	{
+		text += "f";
+		for (int k = 1; k <= 4; ++k) text += " " + std::to_string(4 * face + k);
+		text += "\n";
+	}
+	return text;
+}
+
+struct Case
+{
+	const char* name;
+	std::string obj;
+	const char* says;  // part of what is told
+	double volume;     // of the result
+	double moved;      // at most, certified
+};
+
+const double kTetrahedron = 8.0 / 3;  // of tetrahedron(x, 1, ...)
+const Case kCases[] = {
+	{"Sound", kCube, "", 1, 0},
+	{"FaceWithoutArea", kCube + "f 1 1 2\n", "1 faces without area dropped (the first: face 6)", 1, 1e-6},
+	{"RepeatedFace", kCube + "f 1 4 3 2\n", "2 faces dropped that repeat another one (the first: face 6)", 1, 1e-6},
+	{"EveryFaceTwice", kCube + kBottom + kTop + kSides, "12 faces dropped that repeat", 1, 1e-6},
+	{"EveryFaceBothWays", kCube + "f 1 2 3 4\nf 8 7 6 5\nf 5 6 2 1\nf 6 7 3 2\nf 7 8 4 3\nf 8 5 1 4\n",
+	 "12 faces dropped that repeat", 1, 1e-6},
+	{"WallBetweenTwo", kBeside, "4 faces dropped that face both ways", 2, 0.51},
+	{"EdgeInCommon", kAcross, "moved apart", 2, 2e-3},
+	{"OneFaceTurned", replaced(kCube, "f 5 6 7 8", "f 8 7 6 5"), "2 faces turned to agree", 1, 1e-6},
+	{"InsideOut", tetrahedron(0, 1, 1, true), "turned outward", kTetrahedron, 1e-6},
+	{"OneComponentInsideOut", tetrahedron(0, 1, 1) + tetrahedron(5, 0.5, 5, true), "1 components that were inside out",
+	 1.125 * kTetrahedron, 1e-6},
+	{"FilledCavity", tetrahedron(0, 3, 1) + tetrahedron(0, 0.5, 5), "turned to bound cavities", 26.875 * kTetrahedron,
+	 1e-5},
+	{"NoLid", kVertices + kBottom + kSides, "1 holes closed with 2 faces (the longest: 4 edges, 4 around)", 1, 0.52},
+	{"Cracks", cracked(), "sewn", 1, 2e-5},
+	{"TJunction", "v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0 0 2\nv 1 0 0\nf 1 3 2\nf 1 4 3\nf 2 3 4\nf 1 5 4\nf 5 2 4\n",
+	 "1 faces split", 4.0 / 3, 1e-4},
+	{"BowTie", tetrahedron(0, 1, 1) + "v 3 1 1\nv 3 3 1\nv 3 1 3\nf 1 6 5\nf 1 5 7\nf 1 7 6\nf 5 6 7\n", "moved apart",
+	 kTetrahedron + 4.0 / 3, 2e-3},
+	{"TwoThatCross",
+	 kCube +
+		 "v .5 .5 .5\nv 1.5 .5 .5\nv 1.5 1.5 .5\nv .5 1.5 .5\nv .5 .5 1.5\nv 1.5 .5 1.5\nv 1.5 1.5 "
+		 "1.5\nv .5 1.5 1.5\n" +
+		 cubeFaces({9, 10, 11, 12, 13, 14, 15, 16}),
+	 "1 components united", 1.875, 0.51},
+	{"LooseTriangle", kCube + "v 3 0 0\nv 4 0 0\nv 3 1 0\nf 9 10 11\n", "1 components dropped that enclose nothing", 1,
+	 3.1},
+	{"NoNumber", kCube + "v 5 nan 5\nf 1 2 9\n", "1 faces dropped for coordinates", 1, 1e-6},
+};
+
+class RepairCase : public ::testing::TestWithParam<Case>
+{
+};
+
+Repaired repaired(const std::string& obj, double maxMove = kNoLimit)
+{
+	return builder::repair(builder::parseObj(obj), maxMove);
+}
+
+Reason refusal(const std::string& obj, double maxMove = kNoLimit)
+{
+	try
+	{
+		repaired(obj, maxMove);
+	}
+	catch (const builder::Refused& refused)
+	{
+		return refused.reason();
+	}
+	ADD_FAILURE() << "nothing was refused";
+	return Reason::unreadable;
+}
+}  // namespace
+
+TEST_P(RepairCase, BecomesTheSolidThatWasMeant)
+{
+	const Repaired result = repaired(GetParam().obj);
+	const std::string told = joined(result.changes);
+	EXPECT_NE(told.find(GetParam().says), std::string::npos) << told;
+	EXPECT_EQ(told.empty(), std::string(GetParam().says).empty()) << told;
+	EXPECT_NEAR(volumeOf(result.solid.mesh), GetParam().volume, 2e-3 * GetParam().volume) << told;
+	EXPECT_LE(result.moved(), GetParam().moved) << told;
+}
+
+INSTANTIATE_TEST_SUITE_P(Repair, RepairCase, ::testing::ValuesIn(kCases),
+						 [](const auto& entry) { return std::string(entry.param.name); });
+
+// A dent in a plate that goes through to the other side.
+TEST(Repair, CutsOutCrossingsWithinAComponent)
+{
+	builder::Mesh plate = boxMesh({0.5, 0.5, 0.05}, 8);
+	for (Vec3& v : plate.vertices)
+		if (v.x == 0 && v.y == 0 && v.z > 0) v.z = -0.08;
+	EXPECT_THROW(builder::intake(builder::parseObj(objText(plate))), builder::Refused);
+	const Repaired result = repaired(objText(plate));
+	EXPECT_NE(joined(result.changes).find("of one component that cross cut out"), std::string::npos)
+		<< joined(result.changes);
+	EXPECT_NEAR(volumeOf(result.solid.mesh), 0.1, 0.01);
+	EXPECT_LE(result.moved(), 0.13);
+}
+
+TEST(Repair, SaysWhatIsLeftWhereItFails)
+{
+	EXPECT_EQ(refusal(replaced(kCube, "v 1 1 1", "v -0.3 -0.2 -0.4")), Reason::selfIntersection);
+}
+
+TEST(Repair, MovesNoFartherThanAllowed)
+{
+	const std::string noLid = kVertices + kBottom + kSides;
+	const double moved = repaired(noLid).moved();
+	EXPECT_GT(moved, 0.4);
+	EXPECT_NO_THROW(repaired(noLid, 1.01 * moved));
+	EXPECT_EQ(refusal(noLid, 0.99 * moved), Reason::limit);
+}
+
+TEST(Repair, RefusesWhatIsNoSolidAtAll)
+{
+	EXPECT_EQ(refusal("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), Reason::empty);
+	EXPECT_EQ(refusal("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"), Reason::empty);
+	EXPECT_EQ(refusal(kVertices + "f 1 2 9\n"), Reason::indexOutOfRange);
+}
+
+TEST(Repair, GivesTheSameTwice)
+{
+	for (const Case& entry : kCases)
+	{
+		const Repaired a = repaired(entry.obj), b = repaired(entry.obj);
+		EXPECT_EQ(a.solid.mesh.vertices, b.solid.mesh.vertices) << entry.name;
+		EXPECT_EQ(a.solid.mesh.triangles, b.solid.mesh.triangles) << entry.name;
+		EXPECT_EQ(a.changes, b.changes) << entry.name;
+	}
+}
+
+// A wrap of an open, cracked box: closed, outside, near.
+TEST(Wrap, EnclosesAtACertifiedDistance)
+{
+	constexpr double kLength = 1.5;  // the hole of side 1 is bridged
+	const Repaired wrap = builder::wrapAround(builder::parseObj(kVertices + kBottom + kSides), kLength);
+	EXPECT_EQ(wrap.solid.componentCount, 1u);
+	EXPECT_GT(volumeOf(wrap.solid.mesh), 1);
+	EXPECT_LT(volumeOf(wrap.solid.mesh), std::pow(1 + 2 * kLength / 30, 3) * 1.05);
+	EXPECT_LE(wrap.lost.upper, 1.5 * kLength / 30);
+	EXPECT_GT(wrap.added.lower, 0.3);  // the lid
+	EXPECT_NE(joined(wrap.changes).find("wrapped by"), std::string::npos);
+}
+
+TEST(Wrap, RefusesMillionsOfTriangles)
+{
+	EXPECT_THROW(builder::wrapAround(builder::parseObj(kCube), 1e-4), builder::Refused);
+	EXPECT_THROW(builder::wrapAround(builder::parseObj(kCube), 0), builder::Refused);
+}
+}  // namespace clod::test
