@@ -77,15 +77,23 @@ Vec3 nearestOn(const Triangle& t, const Vec3& p)
 	return t[0] + (vb / sum) * ab + (vc / sum) * ac;
 }
 
-double distanceToHull(const std::vector<Vec3>& points, const Vec3& p, double tolerance, double enough)
+namespace
+{
+// Wolfe's algorithm from one of the points. Rounding may stop it on a sliver before it has converged.
+struct HullDescent
+{
+	double upper;
+	bool converged;
+};
+HullDescent descend(const std::vector<Vec3>& points, std::size_t start, const Vec3& p, double tolerance, double enough)
 {
 	constexpr int kMostSteps = 200;
-	Carrier carrier{{points[0] - p}, points[0] - p};
+	Carrier carrier{{points[start] - p}, points[start] - p};
 	for (int step = 0; step < kMostSteps; ++step)
 	{
 		const Vec3& x = carrier.nearest;
 		const double upper = length(x);
-		if (upper <= enough || upper <= tolerance) return upper;
+		if (upper <= enough || upper <= tolerance) return {upper, true};
 		std::size_t support = 0;
 		double least = std::numeric_limits<double>::infinity();
 		for (std::size_t i = 0; i < points.size(); ++i)
@@ -95,15 +103,28 @@ double distanceToHull(const std::vector<Vec3>& points, const Vec3& p, double tol
 			least = along;
 			support = i;
 		}
-		if (upper - least / upper <= tolerance) return upper;
+		if (upper - least / upper <= tolerance) return {upper, true};
 		std::vector<Vec3> simplex = carrier.points;
-		if (simplex.size() == 4) return upper;
+		if (simplex.size() == 4) return {upper, false};
 		simplex.push_back(points[support] - p);
 		Carrier next = reduce(simplex);
-		if (lengthSquared(next.nearest) >= lengthSquared(x)) return upper;
+		if (lengthSquared(next.nearest) >= lengthSquared(x)) return {upper, false};
 		carrier = std::move(next);
 	}
-	return length(carrier.nearest);
+	return {length(carrier.nearest), false};
+}
+}  // namespace
+
+double distanceToHull(const std::vector<Vec3>& points, const Vec3& p, double tolerance, double enough)
+{
+	double best = std::numeric_limits<double>::infinity();
+	for (std::size_t start = 0; start < points.size(); ++start)
+	{
+		const HullDescent descent = descend(points, start, p, tolerance, enough);
+		best = std::min(best, descent.upper);
+		if (descent.converged) break;
+	}
+	return best;
 }
 
 Hull hullOf(const std::vector<Vec3>& points, double least)

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <cstring>
+#include <limits>
 
 #include "demos/cli/Files.h"
 #include "demos/cli/Program.h"
@@ -70,12 +71,14 @@ std::vector<std::byte> requestOf(const PoseSample& sample, CoalQuestion question
 	return bytes;
 }
 
-PeerAnswer answerOf(AnswerReader& reader)
+PeerAnswer answerOf(AnswerReader& reader, CoalQuestion question)
 {
 	const CoalRow row = reader.next<CoalRow>();
 	PeerAnswer answer;
 	answer.microseconds = row.microseconds;
-	answer.gap = row.gap;
+	// The closest pair of meshes that cross is at 0: they touch, how deep is left open.
+	answer.gap =
+		question == CoalQuestion::distance && row.gap <= 0 ? std::numeric_limits<double>::quiet_NaN() : row.gap;
 	for (std::uint64_t i = 0; i < row.contacts; ++i)
 	{
 		const CoalContact c = reader.next<CoalContact>();
@@ -121,7 +124,7 @@ public:
 		m_info.bytes = build.bytes;
 		std::vector<PeerAnswer> answers;
 		for (const PoseSample::Row& row : sample.rows)
-			if (row.measured) answers.push_back(answerOf(reader));
+			if (row.measured) answers.push_back(answerOf(reader, m_question));
 		return answers;
 	}
 

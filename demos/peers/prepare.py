@@ -47,12 +47,12 @@ def write(path, pieces, notes):
 def vhacd(vertices, faces, hulls):
     import vhacdx
 
-    # The binding wants each face's corner count in front of it.
+    # The binding wants each face's corner count in front of it. V-HACD's own defaults up to 256 hulls; it would stop below
+    # more, so those get finer voxels and a smaller error to stop at.
     counted = numpy.column_stack((numpy.full(len(faces), 3), faces)).astype(numpy.uint32).ravel()
-    return vhacdx.compute_vhacd(
-        vertices, counted, maxConvexHulls=int(hulls), resolution=1_000_000 if int(hulls) > 128 else 400_000,
-        maxNumVerticesPerCH=MOST_VERTICES, minimumVolumePercentErrorAllowed=0.1 if int(hulls) > 128 else 1.0,
-        maxRecursionDepth=14)
+    finer = {"resolution": 1_000_000, "minimumVolumePercentErrorAllowed": 0.1, "maxRecursionDepth": 14}
+    return vhacdx.compute_vhacd(vertices, counted, maxConvexHulls=int(hulls), maxNumVerticesPerCH=MOST_VERTICES,
+                                **(finer if int(hulls) > 256 else {}))
 
 
 def coacd(vertices, faces, threshold):
