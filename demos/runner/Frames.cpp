@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // What a frame shows and says.
+#include "demos/runner/Selection.h"
 #include "demos/runner/Frames.h"
 
 #include <fmt/format.h>
@@ -15,7 +16,7 @@ namespace clod::demo
 namespace
 {
 constexpr double kPi = 3.14159265358979323846;
-constexpr int kPanel = 720;  // pixels, each way
+constexpr int kPanel = kViewImageHeight;  // pixels, each way
 constexpr Color kGlassColor = {0.45f, 0.62f, 0.78f, 0.22f};
 constexpr Color kSolidColor = {0.72f, 0.74f, 0.77f, 1};
 constexpr Color kContactColor = {0.85f, 0.1f, 0.1f, 1};

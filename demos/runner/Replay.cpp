@@ -81,7 +81,10 @@ ReplayRow MeasuredQuery::at(const PoseRow& poses, const Settings& settings)
 	row.bodyA = poses.bodyA;
 	row.bodyB = poses.bodyB;
 	row.queryMicroseconds = timed(aFromB, contactsOnly, m_contactCache, m_contacts);
-	row.gapMicroseconds = timed(aFromB, settings, m_gapCache, m_gap);
+	// The gap is searched at what the budget has bought for the contacts.
+	Settings withGap = settings;
+	if (settings.budget.isLimited()) withGap.budget = {double(m_contacts.stats.needed), kOff};
+	row.gapMicroseconds = timed(aFromB, withGap, m_gapCache, m_gap);
 	row.contacts = m_contacts.contacts.size();
 	m_current.clear();
 	for (const Contact& contact : m_contacts.contacts) m_current.emplace_back(contact.nodeA, contact.nodeB);
@@ -90,6 +93,7 @@ ReplayRow MeasuredQuery::at(const PoseRow& poses, const Settings& settings)
 	row.minDistance = m_gap.minDistance;
 	row.errorBound = m_gap.errorBound;
 	row.deep = m_gap.deep;
+	row.excess = m_contacts.excess;
 	row.stats = m_contacts.stats;
 	row.stats.pointQueries = m_gap.stats.pointQueries;
 	// With a signed gap asked for at any separation, the time is that of the gap.
@@ -150,6 +154,7 @@ Settings settingsOf(const ReplayOptions& options, const Hierarchy& a, const Hier
 	frame.motion = motion;
 	frame.camera = options.camera ? &*options.camera : nullptr;
 	Settings settings;
+	settings.budget = options.budget;
 	settings.metric = resolve(options.metric, frame);
 	settings.tolerance = options.toleranceOf(a, b);
 	settings.distance = options.distance;
@@ -232,7 +237,10 @@ void add(QueryStats& sum, const QueryStats& stats)
 	sum.hullTests += stats.hullTests;
 	sum.skippedBySlack += stats.skippedBySlack;
 	sum.duplicates += stats.duplicates;
+	sum.pointBoxes += stats.pointBoxes;
 	sum.pointQueries += stats.pointQueries;
+	sum.pending += stats.pending;
+	sum.needed += stats.needed;
 	sum.restarts += stats.restarts;
 }
 
@@ -286,6 +294,7 @@ ReplayRow sumOfPairs(const std::vector<ReplayRow>& pairs, double tolerance)
 		sum.churn += pair.churn;
 		sum.deep = sum.deep || pair.deep;
 		add(sum.stats, pair.stats);
+		sum.excess = std::max(sum.excess, pair.excess);
 		if (!touching || pair.contact(tolerance)) sum.speed = std::max(sum.speed, pair.speed);
 	}
 	setLevels(sum.stats, pairs);
@@ -334,14 +343,14 @@ std::string formatReplay(const std::vector<ReplayRow>& rows)
 	std::string text =
 		"step,query_us,front,hull_tests,contacts,min_distance,error_bound,finest_level,coarsest_level,"
 		"gap_us,box_tests,gjk_runs,skipped_by_slack,point_queries,restarts,deep,speed_radii_per_s,motion,front_inner,"
-		"duplicates,body_a,body_b,churn\n";
+		"duplicates,body_a,body_b,churn,pending,excess\n";
 	for (const ReplayRow& r : rows)
-		text += fmt::format("{},{:.3f},{},{},{},{},{},{},{},{:.3f},{},{},{},{},{},{},{:.5g},{},{},{},{},{},{}\n",
+		text += fmt::format("{},{:.3f},{},{},{},{},{},{},{},{:.3f},{},{},{},{},{},{},{:.5g},{},{},{},{},{},{},{},{}\n",
 							r.step, r.queryMicroseconds, r.stats.front, r.tests(), r.contacts, number(r.minDistance),
 							number(r.errorBound), r.stats.finestLevel, r.stats.coarsestLevel, r.gapMicroseconds,
 							r.stats.boxTests, r.stats.hullTests, r.stats.skippedBySlack, r.stats.pointQueries,
 							r.stats.restarts, int(r.deep), r.speed, name(r.motion()), r.stats.frontInner,
-							r.stats.duplicates, r.bodyA, r.bodyB, r.churn);
+							r.stats.duplicates, r.bodyA, r.bodyB, r.churn, r.stats.pending, number(r.excess));
 	return text;
 }
 

@@ -21,6 +21,7 @@ struct ReplayOptions
 {
 	ContactMetric metric;
 	std::optional<ViewCamera> camera;  // of view metrics; the meshes' unit
+	Budget budget;                     // of every query
 	double tolerance = 0;              // a length, or
 	bool toleranceIsShare = false;     // a share of a pair's smaller radius
 	bool distance = false, paper = false;
@@ -46,6 +47,7 @@ struct ReplayRow
 	std::size_t churn = 0;  // node pairs that came into the contact list or left it since the pair's last row
 	double minDistance = 0, errorBound = 0;
 	bool deep = false;
+	double excess = 0;  // under a budget: by which factor the metric was missed; 0: it was met
 	QueryStats stats;
 	double speed = 0;  // of B's fastest point seen from A, in smaller radii a second; 0 in the first row
 	// Hull distances and culling boxes compared.

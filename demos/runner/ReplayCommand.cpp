@@ -81,6 +81,8 @@ ReplayOptions replayOptions(const ReplayCommandOptions& options, const Subject& 
 	const cli::Length tolerance = toleranceOf(options, subject);
 	ReplayOptions result;
 	result.metric = toMetric(options.selection);
+	result.camera = toViewCamera(options.selection);
+	result.budget = options.selection.budget;
 	result.tolerance = tolerance.value;
 	result.toleranceIsShare = tolerance.shareOfRadius;
 	result.distance = options.distance;
@@ -88,6 +90,8 @@ ReplayOptions replayOptions(const ReplayCommandOptions& options, const Subject& 
 	result.repeat = options.repeat;
 	result.fresh = options.selection.fresh;
 	result.dt = options.dt;
+	if (result.budget.microseconds < kOff && options.repeat > 1)
+		throw Failure(ExitCode::usage, "--budget-us answers by the clock, which --repeat would not find again");
 	if (const std::string problem = optionsError(result, subject.bodies); !problem.empty())
 		throw Failure(ExitCode::usage, problem);
 	return result;

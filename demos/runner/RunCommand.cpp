@@ -47,6 +47,8 @@ SceneRunOptions setUp(const RunOptions& options, const SceneInfo& info, Hierarch
 	run.info = info;
 	run.scene.models = buildModels(info, options.detail(), cache);
 	run.scene.metric = toMetric(options.selection);
+	run.scene.camera = toViewCamera(options.selection);
+	run.scene.budget = options.selection.budget;
 	run.scene.dt = options.dt > 0 ? options.dt : info.dt;
 	run.paper = options.selection.paper;
 	run.steps = options.steps > 0 ? options.steps : info.steps;
@@ -109,7 +111,7 @@ nlohmann::ordered_json paintFrames(const RunOptions& options, const SceneRunOpti
 		subject.bodies.push_back({body.model, run.scene.models[body.model], body.isSeenThrough});
 	subject.closeUp = info.closeUp;
 	subject.hasGround = info.hasGround;
-	subject.overview = options.frames.camera ? *options.frames.camera : cameraOf(info.overview);
+	subject.overview = options.selection.camera ? *options.selection.camera : cameraOf(info.overview);
 	subject.steps = run.steps;
 	subject.dt = run.scene.dt;
 	const std::string selection = describe(options.selection, smallestRadius(run.scene.models));

@@ -91,23 +91,6 @@ std::vector<FrameContact> pointsOf(const SceneState& state)
 	return contacts;
 }
 
-// ex,ey,ez,tx,ty,tz,fovy
-std::string parseCamera(const std::string& text, std::optional<Camera>& camera)
-{
-	double v[7];
-	int end = 0;
-	const int read =
-		std::sscanf(text.c_str(), "%lf,%lf,%lf,%lf,%lf,%lf,%lf%n", v, v + 1, v + 2, v + 3, v + 4, v + 5, v + 6, &end);
-	if (read != 7 || std::size_t(end) != text.size()) return "'" + text + "' is not ex,ey,ez,tx,ty,tz,fovy";
-	for (const double value : v)
-		if (!std::isfinite(value)) return "'" + text + "' holds a number that is not finite";
-	const Vec3 eye{v[0], v[1], v[2]}, target{v[3], v[4], v[5]};
-	if (eye == target) return "the camera's eye is its target";
-	if (!(v[6] > 0 && v[6] < 180)) return "the camera's fovy is not between 0 and 180 degrees";
-	camera = Camera{eye, target, v[6]};
-	return {};
-}
-
 }  // namespace
 
 void addFrames(CLI::App& command, SceneFrameOptions& options)
@@ -123,10 +106,6 @@ void addFrames(CLI::App& command, SceneFrameOptions& options)
 	command
 		.add_flag("--compare", options.compare, "Frames show exact beside the selection (beside 3.5 % in an exact run)")
 		->needs(frames);
-	std::optional<Camera>& camera = options.camera;
-	command.add_option("--camera", "The frames' camera: eye, target, vertical field of view in degrees")
-		->type_name("ex,ey,ez,tx,ty,tz,fovy")
-		->check([&camera](const std::string& text) { return parseCamera(text, camera); });
 }
 
 nlohmann::ordered_json paintScene(const SceneFrameOptions& options, const FrameSubject& subject, const FinishedRun& run,
@@ -135,6 +114,7 @@ nlohmann::ordered_json paintScene(const SceneFrameOptions& options, const FrameS
 	const SceneSettings& own = run.options.scene;
 	SceneSettings full = own, coarse = own;
 	full.metric = ContactMetric::exactly();
+	full.budget = Budget{};
 	std::string coarseName = run.selection;
 	if (own.metric.exact)
 	{

@@ -17,10 +17,9 @@ struct SceneFrameOptions
 	std::string directory;  // empty: no frames
 	int every = 8;          // steps between frames: a film of 30 frames a second at 240 steps a second
 	bool compare = false;   // exact beside the selection, at the same poses
-	std::optional<Camera> camera;
 };
 
-// --frames, --frame-every, --compare, --camera.
+// --frames, --frame-every, --compare.
 void addFrames(CLI::App& command, SceneFrameOptions& options);
 
 struct FinishedRun

@@ -86,6 +86,7 @@ ReplayOptions SceneRunOptions::queries() const
 	ReplayOptions options;
 	options.metric = scene.metric;
 	options.camera = scene.camera;
+	options.budget = scene.budget;
 	options.tolerance = info.tolerance;
 	options.paper = paper;
 	options.fresh = fresh;

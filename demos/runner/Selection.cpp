@@ -4,31 +4,15 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <cstdio>
+
 #include "demos/cli/Program.h"
 
 namespace clod::demo
 {
 namespace
 {
-// Options of the contract that this version does not have: refused by name, never ignored.
-void addRefused(CLI::App& command, const std::string& name, const std::string& type)
-{
-	const auto refuse = [name](const std::string&) -> std::string
-	{ return name + " is not available in this version"; };
-	command.add_option(name)
-		->type_name(type)
-		->description("Not available in this version")
-		->check(refuse)
-		->group("Not available in this version");
-}
-
-std::string checkCombine(const std::string& word)
-{
-	if (word == "strict") return {};
-	return word == "relaxed" ? "'relaxed' is not available in this version; use strict"
-							 : "'" + word + "' is not strict";
-}
-
 std::string checkPercent(const std::string& text)
 {
 	const bool unit =
@@ -41,6 +25,69 @@ cli::Length shareOf(const cli::Length& percent)
 	// --size 3.5 and --size 3.5% mean the same share of the radius.
 	if (percent.shareOfRadius) return percent;
 	return {percent.value / 100, true, percent.text + "%"};
+}
+// ex,ey,ez,tx,ty,tz,fovy
+std::string parseCamera(const std::string& text, std::optional<Camera>& camera)
+{
+	double v[7];
+	int end = 0;
+	const int read =
+		std::sscanf(text.c_str(), "%lf,%lf,%lf,%lf,%lf,%lf,%lf%n", v, v + 1, v + 2, v + 3, v + 4, v + 5, v + 6, &end);
+	if (read != 7 || std::size_t(end) != text.size()) return "'" + text + "' is not ex,ey,ez,tx,ty,tz,fovy";
+	for (const double value : v)
+		if (!std::isfinite(value)) return "'" + text + "' holds a number that is not finite";
+	const Vec3 eye{v[0], v[1], v[2]}, target{v[3], v[4], v[5]};
+	if (eye == target) return "the camera's eye is its target";
+	if (!(v[6] > 0 && v[6] < 180)) return "the camera's fovy is not between 0 and 180 degrees";
+	camera = Camera{eye, target, v[6]};
+	return {};
+}
+
+CLI::Option* addNumber(CLI::App& command, const std::string& name, const std::string& type,
+					   std::optional<double>& value, const std::string& description)
+{
+	const auto check = [](const std::string& text) -> std::string
+	{
+		double number = 0;
+		if (!CLI::detail::lexical_cast(text, number) || !(number >= 0) || !std::isfinite(number))
+			return "'" + text + "' is not a finite number >= 0";
+		return {};
+	};
+	return command.add_option(name, value, description)->type_name(type)->check(check);
+}
+
+// --velocity, --view and what belongs to them.
+void addPlaceMetrics(CLI::App& command, Selection& selection)
+{
+	CLI::Option* velocity = addNumber(command, "--velocity", "K", selection.velocity,
+									  "Threshold K times the way of a step at the contact's relative speed");
+	cli::addLength(command, "--velocity-floor", selection.velocityFloor,
+				   "Its least value, that of a body at rest (default 0.1%)")
+		->needs(velocity);
+	std::optional<Camera>& camera = selection.camera;
+	CLI::Option* eye =
+		command.add_option("--camera", "The camera of view metrics and frames: eye, target, vertical field of view")
+			->type_name("ex,ey,ez,tx,ty,tz,fovy")
+			->check([&camera](const std::string& text) { return parseCamera(text, camera); });
+	addNumber(command, "--view", "PIXELS", selection.view,
+			  fmt::format("Threshold of so many pixels of a picture {} high, seen from --camera", kViewImageHeight))
+		->needs(eye);
+	for (const char* name : {"--velocity", "--view"}) command.get_option("--exact")->excludes(command.get_option(name));
+}
+
+void addBudget(CLI::App& command, Selection& selection)
+{
+	command
+		.add_option("--budget-tests", selection.budget.tests,
+					"At most N hull and culling tests a query (a step of run), the worst contacts first; beyond the "
+					"coarsest answer")
+		->type_name("N")
+		->check(CLI::Range(0.0, 1e15));
+	command
+		.add_option("--budget-us", selection.budget.microseconds,
+					"The same in microseconds by the clock: can be overrun, and does not repeat")
+		->type_name("T")
+		->check(CLI::Range(0.0, 1e15));
 }
 }  // namespace
 
@@ -58,16 +105,14 @@ void addSelection(CLI::App& command, Selection& selection)
 										"selection is given)");
 	exact->excludes(s0)->excludes(size)->excludes(error);
 	s0->excludes(size);
-	command.add_option("--combine", selection.combine, "How several thresholds combine: strict = all must allow")
-		->check(checkCombine)
+	addPlaceMetrics(command, selection);
+	cli::addChoice(command, "--combine", selection.combine, {"strict", "relaxed"},
+				   "How several thresholds combine: strict = all must allow, relaxed = one is enough")
 		->capture_default_str();
 	command.add_flag("--paper", selection.paper,
 					 "The paper's culling and contact rules; meshes are then built with --paper");
 	command.add_flag("--fresh", selection.fresh, "Drop all caches before every query");
-	addRefused(command, "--velocity", "K");
-	addRefused(command, "--view", "PIXELS");
-	addRefused(command, "--budget-tests", "N");
-	addRefused(command, "--budget-us", "T");
+	addBudget(command, selection);
 }
 
 ContactMetric toMetric(const Selection& selection)
@@ -79,21 +124,48 @@ ContactMetric toMetric(const Selection& selection)
 	if (selection.s0) set(*selection.s0, metric.weightedDeviation, metric.weightedDeviationShare);
 	if (selection.size) set(shareOf(*selection.size), metric.weightedDeviation, metric.weightedDeviationShare);
 	if (selection.maxError) set(*selection.maxError, metric.maxError, metric.maxErrorShare);
-	const bool any = selection.exact || selection.s0 || selection.size || selection.maxError;
+	if (selection.velocity) metric.velocity = *selection.velocity;
+	if (selection.velocityFloor)
+	{
+		metric.velocityFloorShare = kOff;
+		set(*selection.velocityFloor, metric.velocityFloor, metric.velocityFloorShare);
+	}
+	if (selection.view) metric.viewPixels = *selection.view;
+	metric.combine = selection.combine == "relaxed" ? Combine::kRelaxed : Combine::kStrict;
+	const bool any =
+		selection.exact || selection.s0 || selection.size || selection.maxError || selection.velocity || selection.view;
 	if (!any) metric.maxErrorShare = kDefaultMaxError;
 	return metric;
 }
 
+std::optional<ViewCamera> toViewCamera(const Selection& selection)
+{
+	if (!selection.camera) return {};
+	ViewCamera camera;
+	camera.eye = selection.camera->eye;
+	camera.fieldOfView = selection.camera->fovy * 3.14159265358979323846 / 180;
+	camera.imageHeight = kViewImageHeight;
+	camera.nearDistance = 0.01 * length(selection.camera->target - selection.camera->eye);
+	return camera;
+}
+
 std::string describe(const Selection& selection, double radius)
 {
-	if (selection.exact) return "exact";
-	std::string text;
+	std::string text = selection.exact ? "exact" : "";
 	const auto add = [&](const std::string& words) { text += (text.empty() ? "" : ", ") + words; };
 	if (selection.s0) add("s0 " + cli::describe(*selection.s0, radius));
 	if (selection.size) add("s0 " + cli::describe(shareOf(*selection.size), radius));
+	const cli::Length floor = selection.velocityFloor ? *selection.velocityFloor
+													  : cli::Length{ContactMetric{}.velocityFloorShare, true, "0.1%"};
+	if (selection.velocity)
+		add(fmt::format("s0 {:g} of a step's motion, at least {}", *selection.velocity, cli::describe(floor, radius)));
+	if (selection.view) add(fmt::format("s0 {:g} pixels of {}", *selection.view, kViewImageHeight));
+	if (selection.combine == "relaxed") add("the largest s0");
 	if (selection.maxError) add("certified error at most " + cli::describe(*selection.maxError, radius));
 	if (text.empty())
 		add("certified error at most " + cli::describe(cli::Length{kDefaultMaxError, true, "0.5%"}, radius));
+	if (selection.budget.tests < kOff) add(fmt::format("at most {:.0f} tests", selection.budget.tests));
+	if (selection.budget.microseconds < kOff) add(fmt::format("about {:g} us", selection.budget.microseconds));
 	return text;
 }
 
@@ -106,7 +178,12 @@ nlohmann::ordered_json toJson(const Selection& selection, double radius)
 			{"exact", metric.exact},
 			{"s0", metric.weightedDeviation},
 			{"max_error", metric.maxError},
+			{"velocity", selection.velocity.value_or(kOff)},
+			{"velocity_floor", metric.velocity.floor},
+			{"view_pixels", selection.view.value_or(kOff)},
 			{"combine", selection.combine},
+			{"budget_tests", selection.budget.tests},
+			{"budget_us", selection.budget.microseconds},
 			{"paper", selection.paper},
 			{"fresh", selection.fresh}};
 }

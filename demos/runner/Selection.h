@@ -7,25 +7,36 @@
 #include <string>
 
 #include "clod/query/ContactMetric.h"
+#include "clod/query/Query.h"
 #include "demos/cli/Length.h"
+#include "demos/render/Renderer.h"
 
 namespace clod::demo
 {
 struct Selection
 {
 	bool exact = false, paper = false, fresh = false;
-	std::optional<cli::Length> s0, size, maxError;
+	std::optional<cli::Length> s0, size, maxError, velocityFloor;
+	std::optional<double> velocity, view;  // k; pixels
+	std::optional<Camera> camera;          // the frames' too
 	std::string combine = "strict";
+	Budget budget;  // of a query in replay, of a step in run
 };
 
 // Where nothing is selected: certified error, as a share of the radius.
 inline constexpr double kDefaultMaxError = 0.005;
 
-// Adds --exact --s0 --size --max-error --combine --paper --fresh, and those that are refused as not available yet.
+// View metrics count pixels of a picture this high, as frames are.
+inline constexpr int kViewImageHeight = 720;
+
+// Adds --exact --s0 --size --velocity --velocity-floor --view --camera --max-error --combine --budget-tests --budget-us
+// --paper --fresh.
 void addSelection(CLI::App& command, Selection& selection);
 
 // The metric, and for a pair whose smaller bounding radius is `radius` the same in words.
 ContactMetric toMetric(const Selection& selection);
+// What the view metric measures by; empty without a camera. The near plane is at a hundredth of the way to the target.
+std::optional<ViewCamera> toViewCamera(const Selection& selection);
 std::string describe(const Selection& selection, double radius);
 nlohmann::ordered_json toJson(const Selection& selection, double radius);
 }  // namespace clod::demo

@@ -4,6 +4,7 @@
 
 #include <btBulletDynamicsCommon.h>
 #include <clod/bullet/btClodCollisionAlgorithm.h>
+#include <clod/bullet/btClodDispatcher.h>
 #include <clod/bullet/btClodShape.h>
 
 #include <algorithm>
@@ -52,7 +53,7 @@ struct RigidScene::Bullet
 {
 	Context context;
 	btDefaultCollisionConfiguration configuration;
-	mutable btCollisionDispatcher dispatcher{&configuration};
+	mutable btClodDispatcher dispatcher{&configuration, &context};
 	btDbvtBroadphase broadphase;
 	btSequentialImpulseConstraintSolver solver;
 	TimedWorld world{&dispatcher, &broadphase, &solver, &configuration};
@@ -68,6 +69,7 @@ RigidScene::RigidScene(const SceneDefinition& definition, const SceneSettings& s
 	const Result<int> registered = btClodCollisionAlgorithm::registerAlgorithm(&bullet.dispatcher, &bullet.context);
 	if (!registered) throw std::runtime_error(registered.error());
 	bullet.context.worldMetric = settings.metric;
+	bullet.context.budget = settings.budget;
 	if (settings.camera)
 	{
 		bullet.context.camera = settings.camera;

@@ -73,6 +73,7 @@ struct SceneSettings
 	std::vector<std::shared_ptr<const Hierarchy>> models;  // one for each of SceneInfo::models
 	ContactMetric metric;                                  // of every pair of bodies
 	std::optional<ViewCamera> camera;                      // of view metrics; the meshes' unit
+	Budget budget;                                         // of the queries of a step
 	double dt = 0;
 };
 

@@ -71,6 +71,7 @@ struct QueryStats
 	std::uint32_t finestLevel = 0, coarsestLevel = 0;  // over both bodies' accepted nodes within the tolerance
 	std::uint32_t touchedFinestLevel = 0;              // finest level whose node data was read at all
 	std::uint32_t pending = 0;   // pairs that answered coarser than the metric asks, for want of budget
+	std::uint64_t needed = 0;    // under a budget: of so many tests, it would have bought as much
 	std::uint32_t restarts = 0;  // times a hard maxError limit forced a finer pass
 };
 

@@ -114,6 +114,7 @@ public:
 		stats.front = std::uint32_t(answers()) + m_apart;
 		stats.frontInner = m_opened;
 		stats.pending = std::uint32_t(m_pending.size());
+		stats.needed = needed();
 	}
 
 private:
