@@ -75,6 +75,14 @@ void addPlaceMetrics(CLI::App& command, Selection& selection)
 	for (const char* name : {"--velocity", "--view"}) command.get_option("--exact")->excludes(command.get_option(name));
 }
 
+// CLI11's own range lets a NaN pass.
+std::string isNotBudget(const std::string& text)
+{
+	double value = 0;
+	const bool isNumber = CLI::detail::lexical_cast(text, value);
+	return isNumber && value >= 0 && value <= 1e15 ? "" : text + " is no number from 0 to 1e15";
+}
+
 void addBudget(CLI::App& command, Selection& selection)
 {
 	command
@@ -82,12 +90,12 @@ void addBudget(CLI::App& command, Selection& selection)
 					"At most N hull and culling tests a query (a step of run), the worst contacts first; beyond the "
 					"coarsest answer")
 		->type_name("N")
-		->check(CLI::Range(0.0, 1e15));
+		->check(isNotBudget);
 	command
 		.add_option("--budget-us", selection.budget.microseconds,
 					"The same in microseconds by the clock: can be overrun, and does not repeat")
 		->type_name("T")
-		->check(CLI::Range(0.0, 1e15));
+		->check(isNotBudget);
 }
 }  // namespace
 
