@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // What a frame shows and says.
-#include "demos/runner/Selection.h"
 #include "demos/runner/Frames.h"
+#include "demos/runner/Selection.h"
 
 #include <fmt/format.h>
 

@@ -52,8 +52,10 @@ Lanes along(const Lanes (&axis)[3], const Vec3& v)
 // Lane i: the sum of the three first lanes of row i; lane 3 is meaningless.
 Lanes sumOfRows(Lanes row0, Lanes row1, Lanes row2)
 {
-	const Lanes low = __builtin_shuffle(row0, row1, Bits{0, 4, 1, 5}), high = __builtin_shuffle(row0, row1, Bits{2, 6, 2, 6});
-	const Lanes first = __builtin_shuffle(low, row2, Bits{0, 1, 4, 4}), second = __builtin_shuffle(low, row2, Bits{2, 3, 5, 5}),
+	const Lanes low = __builtin_shuffle(row0, row1, Bits{0, 4, 1, 5}),
+				high = __builtin_shuffle(row0, row1, Bits{2, 6, 2, 6});
+	const Lanes first = __builtin_shuffle(low, row2, Bits{0, 1, 4, 4}),
+				second = __builtin_shuffle(low, row2, Bits{2, 3, 5, 5}),
 				third = __builtin_shuffle(high, row2, Bits{0, 1, 6, 6});
 	return first + second + third;
 }
@@ -134,8 +136,7 @@ double boxSeparation(const PlacedBox& a, const PlacedBox& b)
 	if (!(size < kFar)) return distance - radii - slack;
 
 	const Lanes of0 = cosines<0>(a, b), of1 = cosines<1>(a, b), of2 = cosines<2>(a, b);
-	const Lanes reachB =
-		of0 * spreadLane<0>(b.half) + of1 * spreadLane<1>(b.half) + of2 * spreadLane<2>(b.half);
+	const Lanes reachB = of0 * spreadLane<0>(b.half) + of1 * spreadLane<1>(b.half) + of2 * spreadLane<2>(b.half);
 	const Lanes reachA = sumOfRows(of0 * a.half, of1 * a.half, of2 * a.half);
 	Lanes alongA = along(a.axis, between), alongB = along(b.axis, between);
 	alongA = moves ? apart(alongA, along(a.axis, move)) : absolute(alongA);

@@ -31,8 +31,8 @@ struct PlacedBox
 PlacedBox placeInA(const CullBox& boxOfA);
 PlacedBox placeInA(const CullBox& boxOfB, const RelativePose& pose, const Sweep& sweep = {});
 
-// Lower bound of the distance of everything the two boxes enclose, at any time of the step, rounded down; negative where
-// none of the axes separates them.
+// Lower bound of the distance of everything the two boxes enclose, at any time of the step, rounded down; negative
+// where none of the axes separates them.
 double boxSeparation(const PlacedBox& a, const PlacedBox& b);
 // A bound of what rounding takes off a separation, for pairs of boxes no larger and no farther apart than `size`.
 double boxRounding(double size);

@@ -28,9 +28,9 @@ inline double motionBound(const RelativePose& from, const RelativePose& to, doub
 	return (1 + 4e-6) * std::max(ofA, ofB) + from.rounding + to.rounding;
 }
 
-// How much the sweep of any point of B, or its share along an axis of either body, can have changed between two queries,
-// m being the motion bound between them: a point p went from q0 to q1, |q1 - q0| <= m, and
-// d1(q1) - d0(q0) = (d1 - d0)(t1) + (w1 - w0) x (q1 - t1) + w0 x (q1 - q0), t1 being where the origin of B is.
+// How much the sweep of any point of B, or its share along an axis of either body, can have changed between two
+// queries, m being the motion bound between them: a point p went from q0 to q1, |q1 - q0| <= m, and d1(q1) - d0(q0) =
+// (d1 - d0)(t1) + (w1 - w0) x (q1 - t1) + w0 x (q1 - q0), t1 being where the origin of B is.
 inline double sweepChange(const RelativePose& from, const Sweep& before, const RelativePose& to, const Sweep& now,
 						  double motion, double reachB)
 {

@@ -108,7 +108,7 @@ private:
 
 struct PairFront
 {
-	std::vector<FrontEntry> entries;   // of the last finished traversal; [0] is the pair of roots, children lie together
+	std::vector<FrontEntry> entries;  // of the last finished traversal; [0] is the pair of roots, children lie together
 	std::vector<FrontEntry> previous;  // the one before, read while entries is written
 	std::vector<HullMemory> hulls, previousHulls;
 	VisitedPairs visited;

@@ -26,9 +26,9 @@ struct QueryContext
 // as lower > stopAbove.
 HullDistance canonicalDistance(const QueryContext& context, std::uint32_t a, std::uint32_t b, double stopAbove);
 
-// Bounds of the distance of two hulls at any time of the step, from the canonical start; the direction the lower one was
-// found along. The upper one is of hulls that move with their centre and spread by turning. Stops as soon as lower >
-// stopAbove or upper <= stopBelow. Without a sweep those of the hull distance itself.
+// Bounds of the distance of two hulls at any time of the step, from the canonical start; the direction the lower one
+// was found along. The upper one is of hulls that move with their centre and spread by turning. Stops as soon as lower
+// > stopAbove or upper <= stopBelow. Without a sweep those of the hull distance itself.
 struct SweptBound
 {
 	double lower, upper;

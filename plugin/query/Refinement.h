@@ -8,8 +8,8 @@
 // what a smaller budget opens a larger one opens too. With nothing pending the accepted pairs are those of Traversal.h.
 //
 // Cost in tests (a box test or a hull distance each), known beforehand: every pair met costs one, a pair of contact
-// nodes one more before it is opened, every pair that answers one more. committed() holds both, done or still to be done. Nothing is taken from a cache: costs, and what a
-// budget of tests buys, are a function of pose and settings.
+// nodes one more before it is opened, every pair that answers one more. committed() holds both, done or still to be
+// done. Nothing is taken from a cache: costs, and what a budget of tests buys, are a function of pose and settings.
 //
 // Based on: Otaduy & Lin 2003, sec. 3.3 and 5.2 ("constant frame-rate"); Hubbard 1994 (time-critical collision
 // detection).

@@ -31,7 +31,8 @@ struct TraversalSettings
 	bool sameRule = false;  // the stop rule is that of the cached front: its states hold
 };
 
-// Sink: bool skips(const FrontEntry& pair, const HullMemory& memory) - an accepted pair needs nothing, not even its boxes
+// Sink: bool skips(const FrontEntry& pair, const HullMemory& memory) - an accepted pair needs nothing, not even its
+// boxes
 //         compared;
 //       void answer(const FrontEntry& pair, HullMemory& memory)      - an accepted pair within the tolerance by its
 //         culling volumes.
@@ -110,7 +111,8 @@ private:
 			if (shared && !m_front.visited.insert(a, b)) continue;
 			while (old < oldEnd && m_front.previous[old].slot < k) ++old;
 			const bool known = old < oldEnd && m_front.previous[old].slot == k;
-			*next = FrontEntry{a, b, kNone, kNone, 0, std::uint16_t(k), 0, 0, known ? old : kNone, PairState::kSeparated};
+			*next =
+				FrontEntry{a, b, kNone, kNone, 0, std::uint16_t(k), 0, 0, known ? old : kNone, PairState::kSeparated};
 			visit(*next++, opened);
 		}
 		entries.resize(std::size_t(next - entries.data()));
@@ -221,7 +223,10 @@ private:
 	}
 
 	PlacedBox placeA(std::uint32_t a) const { return placeInA(m_context.a.cullBox(a)); }
-	PlacedBox placeB(std::uint32_t b) const { return placeInA(m_context.b.cullBox(b), m_context.pose, m_context.sweep); }
+	PlacedBox placeB(std::uint32_t b) const
+	{
+		return placeInA(m_context.b.cullBox(b), m_context.pose, m_context.sweep);
+	}
 
 	static std::uint32_t levelOf(const Hierarchy& hierarchy, std::uint32_t node)
 	{

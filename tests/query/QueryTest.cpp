@@ -236,7 +236,8 @@ TEST(Query, CachedEqualsFreshBitForBit)
 			}
 			// Half of the steps look ahead, mostly along a motion that changes little.
 			if (random() % 20 == 0) settings.sweep = random() % 2 ? randomSweep(random, radius) : Sweep{};
-			if (!settings.sweep.isZero()) settings.sweep.linear += 1e-3 * length(settings.sweep.linear) * randomDirection(random);
+			if (!settings.sweep.isZero())
+				settings.sweep.linear += 1e-3 * length(settings.sweep.linear) * randomDirection(random);
 			if (random() % 100 == 0) cache.clear();
 			query(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache, result);
 			const QueryResult expected = fresh(pair, pose, settings);
@@ -299,9 +300,8 @@ TEST(BoxSeparation, IsALowerBoundAndLipschitz)
 			const std::uint32_t n = std::uint32_t(random() % a.nodes().size),
 								m = std::uint32_t(random() % b.nodes().size);
 			Sweep sweep = i % 2 ? randomSweep(random, radius) : Sweep{};
-			const auto separation = [&](const QueryContext& context) {
-				return boxSeparation(placeInA(a.cullBox(n)), placeInA(b.cullBox(m), context.pose, context.sweep));
-			};
+			const auto separation = [&](const QueryContext& context)
+			{ return boxSeparation(placeInA(a.cullBox(n)), placeInA(b.cullBox(m), context.pose, context.sweep)); };
 			const QueryContext here(a, b, pose, sweep);
 			const double before = separation(here);
 			for (const double share : {0.0, 0.3, 0.7, 1.0})
@@ -324,8 +324,8 @@ TEST(BoxSeparation, IsALowerBoundAndLipschitz)
 }
 
 // Leaf pairs that come within the tolerance somewhere on B's way, by brute force.
-std::size_t missingOnTheWay(const BodyPair& pair, const Transform& pose, const Settings& settings, const QueryResult& result,
-							std::size_t& onlyOnTheWay)
+std::size_t missingOnTheWay(const BodyPair& pair, const Transform& pose, const Settings& settings,
+							const QueryResult& result, std::size_t& onlyOnTheWay)
 {
 	std::size_t missing = 0;
 	for (const double share : {0.0, 0.25, 0.5, 0.75, 1.0})
@@ -335,8 +335,9 @@ std::size_t missingOnTheWay(const BodyPair& pair, const Transform& pose, const S
 			for (std::uint32_t b = 0; b < pair.b.hierarchy->levels()[0].nodeCount; ++b)
 			{
 				if (canonicalDistance(context, a, b, settings.tolerance).upper > settings.tolerance) continue;
-				const bool found = std::any_of(result.contacts.begin(), result.contacts.end(), [&](const Contact& contact)
-											   { return contact.nodeA == a && contact.nodeB == b; });
+				const bool found =
+					std::any_of(result.contacts.begin(), result.contacts.end(),
+								[&](const Contact& contact) { return contact.nodeA == a && contact.nodeB == b; });
 				missing += !found;
 				onlyOnTheWay += found && share > 0;
 			}

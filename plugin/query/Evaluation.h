@@ -1,0 +1,325 @@
+// SPDX-License-Identifier: Zlib
+// One query in progress, from pose to result: traversal or refinement, contacts, gap, certificate; and what a pair's
+// cache holds between queries. README.md tells its life. Included by Query.cpp only.
+#pragma once
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <vector>
+
+#include "clod/query/ClosestPair.h"
+#include "clod/query/ContactSink.h"
+#include "clod/query/GapCertificate.h"
+#include "clod/query/InsideTest.h"
+#include "clod/query/Query.h"
+#include "clod/query/Refinement.h"
+#include "clod/query/Traversal.h"
+
+namespace clod
+{
+struct PairCache::State
+{
+	const Hierarchy* a = nullptr;
+	const Hierarchy* b = nullptr;
+	std::uint64_t hashA = 0, hashB = 0;
+	bool filled = false;
+	Transform aFromB;
+	Settings settings;
+	double threshold = 0, maxError = 0;  // of the rule that the front was made with; StopRule::constantThreshold
+	RelativePose pose;
+	PairFront front;
+	InsideProbes probesA, probesB;
+	ClosestPairScratch closest;
+	PenetrationScratch penetration;
+	Refinement refinement;                // of a query under a budget
+	std::optional<QueryContext> planned;  // of a plan that no query has finished yet: aFromB and settings are its own
+	double microsecondsPerAnswer = 1;     // last seen: from the end of refinement to the end of the query
+	std::vector<std::uint32_t> order;
+	std::vector<Contact> unsorted, kept;
+	QueryResult last;
+};
+
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+inline constexpr double kDepthAccuracy = 1e-6;  // of the smaller radius: how exactly a depth is searched at least
+
+using Clock = std::chrono::steady_clock;
+inline double microsecondsSince(Clock::time_point start)
+{
+	return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
+}
+
+// Refines as long as the budget pays for it and for the answer.
+inline void spend(Refinement& walk, const Budget& budget, Clock::time_point start, double microsecondsPerAnswer)
+{
+	const bool timed = budget.microseconds < kInfinity;
+	while (!walk.isComplete() && double(walk.committed() + walk.cost()) <= budget.tests)
+	{
+		const double answer = microsecondsPerAnswer * (double(walk.answers()) + 0.5 * double(walk.cost()));
+		if (timed && microsecondsSince(start) + answer > budget.microseconds) return;
+		walk.refine();
+	}
+}
+
+// Counts boxes that point queries meet in its lifetime as such.
+class PointBoxes
+{
+public:
+	explicit PointBoxes(QueryStats& stats) : m_stats(stats), m_before(stats.boxTests) {}
+	~PointBoxes()
+	{
+		m_stats.pointBoxes += m_stats.boxTests - m_before;
+		m_stats.boxTests = m_before;
+	}
+	PointBoxes(const PointBoxes&) = delete;
+	PointBoxes& operator=(const PointBoxes&) = delete;
+
+private:
+	QueryStats& m_stats;
+	const std::uint32_t m_before;
+};
+
+// One query in progress.
+class Evaluation
+{
+public:
+	Evaluation(const QueryContext& context, const Settings& settings, PairCache::State& state, QueryResult& result)
+		: m_context(context), m_settings(settings), m_state(state), m_result(result)
+	{
+	}
+
+	void run()
+	{
+		double limit = m_settings.metric.maxError;
+		for (std::uint32_t restarts = 0;; ++restarts)
+		{
+			m_result.contacts.clear();
+			m_result.deep = false;
+			once(limit);
+			m_result.stats.restarts = restarts;
+			const double error = m_result.errorBound;
+			const bool unproved = error == kInfinity && (m_settings.contactsOnly || m_result.contacts.empty());
+			if (!(error > m_settings.metric.maxError) || unproved || m_inputOnly || !paysForRestart()) break;
+			// Halve the limit, or more where the bound asks for it; three passes reach the input surface.
+			limit = restarts < 2 ? 0.5 * limit * std::max(0.125, m_settings.metric.maxError / error) : 0;
+		}
+		levelStatistics();
+		if (!m_settings.budget.isLimited()) return;
+		m_state.refinement.addTo(m_result.stats);
+		m_result.excess = m_state.refinement.excess();
+		m_state.microsecondsPerAnswer =
+			microsecondsSince(m_refined) / double(std::max<std::size_t>(1, m_state.refinement.answers()));
+	}
+
+private:
+	void once(double limit)
+	{
+		const double largestCover = traverse(limit, m_settings.tolerance);
+		sortContacts();
+		const bool overlap = std::any_of(m_result.contacts.begin(), m_result.contacts.end(),
+										 [](const Contact& contact) { return contact.upper <= 0; });
+		const double inside = overlap ? 0 : depthInside();
+		if (overlap || inside > 0)
+			overlapping(overlap, inside, limit);
+		else if (!m_result.contacts.empty())
+			set(gapApart(m_context, m_result.contacts, m_settings.tolerance, largestCover));
+		else if (m_settings.distance)
+			farApart(limit);
+		else
+			set({kInfinity, largestCover, false});
+		m_inputOnly = m_inputOnly && largestCover == 0;
+	}
+
+	// Returns the largest cover_a + cover_b of the accepted pairs that are no contacts.
+	double traverse(double limit, double tolerance)
+	{
+		const StopRule rule(m_context, m_settings.metric, limit);
+		if (m_settings.budget.isLimited()) return refine(rule, tolerance);
+		const bool sameRule = m_state.filled && m_state.settings.metric.exact == m_settings.metric.exact &&
+							  m_state.threshold == rule.constantThreshold() && m_state.maxError == limit;
+		const TraversalSettings settings{rule, tolerance, m_settings.paper, sameRule};
+		ContactSink sink(m_context, tolerance, m_settings.metric.exact, m_result.contacts, m_result.stats);
+		m_result.stats.front = m_result.stats.frontInner = 0;
+		Traversal<ContactSink>(m_context, settings, m_state.front, sink, m_result.stats).run();
+		m_state.threshold = rule.constantThreshold();
+		m_state.maxError = limit;
+		m_state.settings = m_settings;
+		m_state.filled = true;
+		return sink.largestCover();
+	}
+
+	// The same under a budget: best first, without the front.
+	double refine(const StopRule& rule, double tolerance)
+	{
+		Refinement& walk = m_state.refinement;
+		if (m_answered)
+			walk.tighten(rule);
+		else if (!m_state.planned)
+			walk.start(m_context, rule, tolerance, m_settings.paper);
+		if (m_answered || !m_state.planned) spend(walk, m_settings.budget, m_start, m_state.microsecondsPerAnswer);
+		m_answered = true;
+		m_refined = Clock::now();
+		ContactSink sink(m_context, tolerance, false, m_result.contacts, m_result.stats);
+		walk.answer(sink);
+		m_state.settings = m_settings;
+		m_state.filled = true;
+		return sink.largestCover();
+	}
+
+	// Without a budget always. A planned query leaves the budget to its caller: it has none for a restart.
+	bool paysForRestart() const
+	{
+		if (!m_settings.budget.isLimited()) return true;
+		const Refinement& walk = m_state.refinement;
+		const double cost = double(walk.costToTighten());
+		return walk.isComplete() && !m_state.planned && double(walk.committed()) + cost <= m_settings.budget.tests &&
+			   microsecondsSince(m_start) + m_state.microsecondsPerAnswer * cost <= m_settings.budget.microseconds;
+	}
+	bool rootIsApart() const
+	{
+		return m_settings.budget.isLimited() ? m_state.refinement.rootIsApart()
+											 : m_state.front.entries[0].state == PairState::kSeparated;
+	}
+
+	void sortContacts()
+	{
+		std::vector<Contact>& contacts = m_result.contacts;
+		const auto before = [](const Contact& l, const Contact& r)
+		{ return l.nodeA != r.nodeA ? l.nodeA < r.nodeA : l.nodeB < r.nodeB; };
+		m_state.order.resize(contacts.size());
+		for (std::uint32_t i = 0; i < contacts.size(); ++i) m_state.order[i] = i;
+		std::sort(m_state.order.begin(), m_state.order.end(),
+				  [&](std::uint32_t l, std::uint32_t r) { return before(contacts[l], contacts[r]); });
+		m_state.unsorted.swap(contacts);
+		contacts.clear();
+		for (const std::uint32_t i : m_state.order) contacts.push_back(m_state.unsorted[i]);
+		m_inputOnly = true;
+		for (const Contact& contact : contacts)
+			m_inputOnly = m_inputOnly && m_context.a.node(contact.nodeA).childCount == 0 &&
+						  m_context.b.node(contact.nodeB).childCount == 0;
+	}
+
+	// > 0: a component of one body is inside the other by so much at one of its points.
+	double depthInside()
+	{
+		if (rootIsApart()) return 0;
+		const PointBoxes counting(m_result.stats);
+		m_state.probesA.prepare(m_context.a);
+		m_state.probesB.prepare(m_context.b);
+		const RelativePose& pose = m_context.pose;
+		const Transform aFromB{pose.rotation, pose.translation};
+		const double motion = m_state.front.motion;
+		const double ofA = m_state.probesA.depthInside(m_context.b, inverse(aFromB), motion, m_result.stats);
+		return std::max(ofA, m_state.probesB.depthInside(m_context.a, aFromB, motion, m_result.stats));
+	}
+
+	void overlapping(bool hullsOverlap, double inside, double limit)
+	{
+		const PointBoxes counting(m_result.stats);
+		if (hullsOverlap && m_settings.contactsOnly)
+		{
+			set({0, kInfinity, false});
+			return;
+		}
+		const double radius = std::min(m_context.a.asset().radius, m_context.b.asset().radius);
+		// The last per cent of a depth is not worth its cost, unless a hard limit asks for it.
+		DepthAccuracy accuracy;
+		accuracy.absolute = kDepthAccuracy * radius;
+		if (m_settings.metric.maxError < kInfinity)
+		{
+			// A coarser answer could not be told from one deeper than the tolerance.
+			const double coarse = std::min(0.5 * m_settings.metric.maxError, 0.2 * m_settings.tolerance);
+			accuracy.absolute = std::max(accuracy.absolute, coarse);
+			accuracy.relative = 0;
+		}
+		if (hullsOverlap)
+		{
+			set(shallowGap(m_settings.tolerance, accuracy));
+			if (m_result.deep && m_settings.metric.maxError == kInfinity) lookDeeper(limit, accuracy);
+			if (!m_result.deep) return;
+		}
+		if (m_settings.distance)
+		{
+			accuracy.cellLimit *= 10;
+			const Penetration whole = wholePenetration(m_context, accuracy, m_state.penetration, m_result.stats);
+			set(gapBetween(-whole.upper, -whole.lower));
+			m_result.deep = true;
+			return;
+		}
+		if (!hullsOverlap) set({-inside, kInfinity, true});
+	}
+
+	// The gap as far as the contacts within a tolerance prove it.
+	Gap shallowGap(double tolerance, DepthAccuracy accuracy)
+	{
+		accuracy.enough = tolerance;
+		const Penetration near =
+			nearPenetration(m_context, m_result.contacts, accuracy, m_state.penetration, m_result.stats);
+		return gapOverlapping(m_context, m_result.contacts, tolerance, near, m_state.penetration, m_result.stats);
+	}
+
+	// Coarse hulls overlap by up to their deviations where the surfaces are apart: once more with the pairs within as
+	// much. The contact list stays.
+	void lookDeeper(double limit, const DepthAccuracy& accuracy)
+	{
+		double deviation = 0;
+		for (const Contact& contact : m_result.contacts)
+			if (contact.upper <= 0)
+				deviation = std::max(deviation, double(m_context.a.node(contact.nodeA).deviation) +
+													double(m_context.b.node(contact.nodeB).deviation));
+		if (2 * deviation <= m_settings.tolerance) return;
+		m_state.kept = m_result.contacts;
+		m_result.contacts.clear();
+		const std::uint32_t front = m_result.stats.front, frontInner = m_result.stats.frontInner;
+		const double wider = m_settings.tolerance + 2 * deviation;
+		traverse(limit, wider);
+		sortContacts();
+		const Gap gap = shallowGap(wider, accuracy);
+		if (!gap.deep) set(gap);
+		m_result.contacts.swap(m_state.kept);
+		m_result.stats.front = front;
+		m_result.stats.frontInner = frontInner;
+	}
+
+	// Nothing within the tolerance: the closest accepted pair, then the certificate within its distance.
+	void farApart(double limit)
+	{
+		const StopRule rule(m_context, m_settings.metric, limit);
+		const double distance = closestDistance(m_context, rule, m_settings.paper, m_state.closest, m_result.stats);
+		const double largestCover = traverse(limit, distance);
+		sortContacts();
+		set(gapApart(m_context, m_result.contacts, distance, largestCover));
+		m_result.contacts.clear();
+	}
+
+	void set(const Gap& gap)
+	{
+		m_result.minDistance = gap.value;
+		m_result.errorBound = gap.errorBound;
+		m_result.deep = gap.deep;
+	}
+
+	void levelStatistics()
+	{
+		if (m_result.contacts.empty()) return;
+		std::uint32_t finest = kNone, coarsest = 0;
+		for (const Contact& contact : m_result.contacts)
+		{
+			const std::uint32_t levelA = m_context.a.node(contact.nodeA).level,
+								levelB = m_context.b.node(contact.nodeB).level;
+			finest = std::min({finest, levelA, levelB});
+			coarsest = std::max({coarsest, levelA, levelB});
+		}
+		m_result.stats.finestLevel = finest;
+		m_result.stats.coarsestLevel = coarsest;
+	}
+
+	const QueryContext& m_context;
+	const Settings& m_settings;
+	PairCache::State& m_state;
+	QueryResult& m_result;
+	const Clock::time_point m_start = Clock::now();
+	Clock::time_point m_refined;  // the budget is spent, the answer begins
+	bool m_answered = false;      // under a budget: once
+	bool m_inputOnly = true;      // every accepted pair is of level 0: nothing finer exists
+};
+}  // namespace clod
