@@ -52,7 +52,7 @@ bool writeRows(std::FILE* file, const Image& image, png_text* text, int textCoun
 		return false;
 	}
 	png_init_io(png, file);
-	png_set_compression_level(png, 6);
+	png_set_compression_level(png, 3);
 	png_set_IHDR(png, info, png_uint_32(image.width), png_uint_32(image.height), 8, PNG_COLOR_TYPE_RGB,
 				 PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
 	if (textCount > 0) png_set_text(png, info, text, textCount);
