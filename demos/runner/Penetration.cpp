@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <limits>
 #include <map>
 #include <numeric>
@@ -192,16 +193,25 @@ PenetrationMeter::PenetrationMeter(std::shared_ptr<const SignedDistance> a, std:
 double PenetrationMeter::depth(const Transform& aFromB)
 {
 	const Transform bFromA = inverse(aFromB);
-	double deepest = 0;
-	const auto look = [&](const SignedDistance& solid, const Vec3& point, Look& last)
+	const auto deepestOf =
+		[](const SignedDistance& solid, const Surface& other, const Transform& solidFromOther, std::vector<Look>& looks)
 	{
-		if (lengthSquared(point - last.place) < last.clear * last.clear) return;
-		const double distance = solid(point);
-		deepest = std::max(deepest, -distance);
-		last = {point, std::max(0.0, distance)};
+		double deepest = 0;
+		for (std::size_t i = 0; i < looks.size(); ++i)
+		{
+			const Vec3 point = solidFromOther * other.vertices[i];
+			Look& last = looks[i];
+			if (lengthSquared(point - last.place) < last.clear * last.clear) continue;
+			const double distance = solid(point);
+			deepest = std::max(deepest, -distance);
+			last = {point, std::max(0.0, distance)};
+		}
+		return deepest;
 	};
-	for (std::size_t i = 0; i < m_looksA.size(); ++i) look(*m_b, bFromA * m_a->surface().vertices[i], m_looksA[i]);
-	for (std::size_t i = 0; i < m_looksB.size(); ++i) look(*m_a, aFromB * m_b->surface().vertices[i], m_looksB[i]);
-	return deepest;
+	// Either body's vertices on a thread of their own.
+	std::future<double> ofA =
+		std::async(std::launch::async, [&] { return deepestOf(*m_b, m_a->surface(), bFromA, m_looksA); });
+	const double ofB = deepestOf(*m_a, m_b->surface(), aFromB, m_looksB);
+	return std::max(ofA.get(), ofB);
 }
 }  // namespace clod::demo
