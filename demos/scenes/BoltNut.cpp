@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A nut on a bolt, twice: it runs down the thread by its own weight (bolt-nut), and it is screwed on from above so that
+// A nut on a bolt, twice, on courses: it is screwed down the thread (bolt-nut), and it is screwed on from above so that
 // contact area grows at fixed resolution (contact-area; Otaduy & Lin 2003, sec. 3.1, Fig. 1). A thread is fine detail
 // that uniform decimation destroys.
 #include <cmath>
@@ -13,13 +13,11 @@ namespace
 {
 namespace constant
 {
-constexpr double nutMass = 0.012;
-constexpr double friction = 0.3;         // of each body
-constexpr double angularDamping = 0.98;  // thick grease: the nut runs, it does not spin
-constexpr double startHeight = 0.032;    // of the nut's middle; a multiple of the lead, so that the threads match
-constexpr double reach = 0.002;          // from the bolt's axis: farther out the nut has left the thread
-constexpr double wall = 0.0020;          // of the nut over its thread
-constexpr double highest = 0.047, lowest = 0.034;  // of the nut's middle while it is screwed on
+constexpr double startHeight = 0.032, endHeight = 0.012;  // of the nut's middle
+constexpr int runSteps = 480;
+constexpr double lean = 0.00005, leanFrequency = 1.3;  // radial, a fifth of the play; turns a second
+constexpr double wall = 0.0020;                        // of the nut over its thread
+constexpr double highest = 0.047, lowest = 0.034;      // of the nut's middle while it is screwed on
 constexpr int screwSteps = 240;
 }  // namespace constant
 
@@ -47,18 +45,26 @@ SceneDefinition boltNut()
 	SceneDefinition scene;
 	scene.info = describe();
 	scene.info.name = "bolt-nut";
-	scene.info.summary = "a nut runs down the thread of a bolt";
+	scene.info.summary = "a nut is screwed down the thread of a bolt";
 	scene.info.tolerance = 0.01 * NUT_RADIUS;
-	scene.info.steps = 600;
-	scene.world.friction = constant::friction;
-	scene.world.angularDamping = constant::angularDamping;
-	scene.bodies = {{0, Pose{}, {}}, {constant::nutMass, onThread(constant::startHeight), {}}};
-	scene.gravity = steadyGravity;
-	scene.inPlace = [](std::size_t, const Vec3& center) {
-		return center.y > BOLT_HEAD_HEIGHT && center.y < BOLT_HEIGHT &&
-			   std::hypot(center.x, center.z) < constant::reach;
+	scene.info.steps = constant::runSteps;
+	const double rate = (constant::startHeight - constant::endHeight) / (scene.info.steps * scene.info.dt);
+	scene.bodies.resize(2);
+	scene.bodies[1].course = [rate](double time)
+	{
+		Pose pose = onThread(constant::startHeight - rate * time);
+		// The side of the bolt that the nut leans on goes round.
+		const double turn = 2 * kPi * constant::leanFrequency * time;
+		pose.position += constant::lean * Vec3{std::cos(turn), 0, std::sin(turn)};
+		return pose;
 	};
-	scene.constants = {{"nut_start_height", constant::startHeight, "m"}, {"thread_lead", THREAD_LEAD, "m"}};
+	scene.gravity = steadyGravity;
+	scene.inPlace = [](std::size_t, const Vec3&) { return true; };
+	scene.constants = {{"nut_start_height", constant::startHeight, "m"},
+					   {"nut_end_height", constant::endHeight, "m"},
+					   {"thread_lead", THREAD_LEAD, "m"},
+					   {"lean", constant::lean, "m"},
+					   {"lean_frequency", constant::leanFrequency, "Hz"}};
 	return scene;
 }
 
