@@ -45,4 +45,4 @@ build()
 		/error|warning|FAILED/ { print; fflush() }
 		END { if (tty) printf "\n" }'
 }
-configure_options=()
+configure_options=(-DCLOD_BUILD_REPAIR=ON)

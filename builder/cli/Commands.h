@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The subcommands of clod-build. Each adds itself to the program and keeps its options alive in the callback.
 #pragma once
-#include <CLI/CLI.hpp>
 #include <memory>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include <clod/hierarchy/Hierarchy.h>
 
 #include "builder/intake/FileFrame.h"
+
+namespace CLI
+{
+class App;
+}
 
 namespace clod::builder
 {

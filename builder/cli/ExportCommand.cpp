@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // clod-build export FILE --level K -o OUT
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -7,7 +8,7 @@
 #include "builder/cli/Commands.h"
 #include "builder/cli/LevelSurface.h"
 #include "demos/cli/Files.h"
-#include "demos/cli/Program.h"
+#include "demos/cli/Failure.h"
 
 namespace clod::builder
 {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // clod-build: from mesh to dual hierarchy, and what can be said about one.
+#include <CLI/CLI.hpp>
+
 #include "builder/cli/Commands.h"
 #include "demos/cli/Program.h"
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/cli/Files.h"
 
+#include <nlohmann/json.hpp>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>

@@ -2,7 +2,7 @@
 // Files that appear whole or not at all: written aside in the same directory, flushed, then renamed.
 #pragma once
 #include <cstddef>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/cli/Length.h"
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <charconv>

@@ -2,11 +2,16 @@
 // Lengths on the command line: `0.0005` (the mesh's own unit), `0.5mm`, `2cm`, `1m` (the unit then being the metre), or
 // `1%` of the bounding radius (of the smaller one where two bodies meet).
 #pragma once
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 
 #include <clod/hierarchy/Result.h>
+
+namespace CLI
+{
+class App;
+class Option;
+}
 
 namespace clod::cli
 {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/cli/Program.h"
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -9,6 +10,7 @@
 #include <exception>
 #include <new>
 
+#include "demos/cli/Files.h"
 #include "demos/cli/Suggestion.h"
 #include "demos/cli/Version.h"
 

@@ -2,39 +2,21 @@
 // The frame of a command-line program: exit codes, parsing with the nearest match on errors, common options,
 // interruption. Results go to stdout or a named file; progress, warnings and errors go to stderr.
 #pragma once
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <functional>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "demos/cli/Files.h"
+#include "demos/cli/Failure.h"
+
+namespace CLI
+{
+class App;
+class Option;
+}
 
 namespace clod::cli
 {
-enum class ExitCode : int
-{
-	ok = 0,
-	failure = 1,
-	usage = 2,
-	badInput = 3,  // mesh or file, with the reason and the first offending element
-	verificationFailed = 4,
-	limitReached = 5,
-	interrupted = 130
-};
-
-// Thrown by a command to end the program with this code and this sentence on stderr. Never leaves runProgram.
-class Failure : public std::runtime_error
-{
-public:
-	Failure(ExitCode code, const std::string& message) : std::runtime_error(message), m_code(code) {}
-	ExitCode code() const { return m_code; }
-
-private:
-	ExitCode m_code;
-};
-
 // Options most commands share. A command adds those it understands.
 struct CommonOptions
 {

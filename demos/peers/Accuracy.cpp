@@ -2,6 +2,7 @@
 // Answers against the truth.
 #include "demos/peers/Accuracy.h"
 
+#include <nlohmann/json.hpp>
 #include <algorithm>
 #include <array>
 #include <cmath>

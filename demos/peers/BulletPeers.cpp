@@ -2,6 +2,7 @@
 // Shapes of Bullet and of ours, dispatched at recorded poses.
 #include "demos/peers/BulletPeers.h"
 
+#include <nlohmann/json.hpp>
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <BulletCollision/Gimpact/btGImpactShape.h>
 #include <clod/bullet/Context.h>
@@ -12,7 +13,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "demos/cli/Program.h"
+#include "demos/cli/Failure.h"
 #include "demos/peers/DispatchWorld.h"
 #include "demos/runner/Replay.h"
 #include "demos/scenes/BulletPose.h"

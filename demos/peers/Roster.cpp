@@ -8,7 +8,8 @@
 #include <chrono>
 #include <limits>
 
-#include "demos/cli/Program.h"
+#include "demos/cli/Failure.h"
+#include "demos/cli/Files.h"
 #include "demos/peers/CoalPeer.h"
 #include "demos/runner/Replay.h"
 

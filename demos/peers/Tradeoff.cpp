@@ -2,12 +2,13 @@
 // Runs the methods and writes what came out.
 #include "demos/peers/Tradeoff.h"
 
+#include <nlohmann/json.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "demos/cli/Program.h"
+#include "demos/cli/Failure.h"
 #include "demos/runner/Replay.h"
 
 namespace clod::demo

@@ -2,7 +2,7 @@
 // Accuracy against time of all methods on one sample of poses, in one run.
 #pragma once
 #include <functional>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 

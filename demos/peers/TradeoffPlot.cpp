@@ -6,11 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "demos/cli/Files.h"
-#include "demos/cli/Program.h"
 #include "demos/peers/Tradeoff.h"
-#include "demos/runner/HierarchyCache.h"
-#include "demos/runner/Process.h"
+#include "demos/runner/Gnuplot.h"
 
 namespace clod::demo
 {
@@ -126,7 +123,7 @@ std::string drawPanel(const Tradeoff& tradeoff, std::size_t index)
 	return text + plots + "\n";
 }
 
-std::string scriptOf(const Tradeoff& tradeoff, const std::string& title, const std::string& output)
+std::string scriptOf(const Tradeoff& tradeoff, const std::string& title)
 {
 	double fastest = std::numeric_limits<double>::infinity(), slowest = 0;
 	for (const TradeoffPoint& point : tradeoff.points)
@@ -134,13 +131,12 @@ std::string scriptOf(const Tradeoff& tradeoff, const std::string& title, const s
 		fastest = std::min(fastest, point.median);
 		slowest = std::max(slowest, point.median);
 	}
-	std::string text = fmt::format(
-		"set terminal pngcairo size 1800,1400 font \"DejaVu Sans,15\" noenhanced background \"white\"\n"
-		"set output {}\n"
+	std::string text = pngTerminal(1800, 1400);
+	text += fmt::format(
 		"set multiplot layout 2,2 margins 0.065,0.975,0.17,0.91 spacing 0.085,0.10 title {} font \"DejaVu Sans,20\"\n"
 		"set logscale x\nset format \"%g\"\nset xlabel \"median time, microseconds (left is faster)\"\n"
 		"set grid xtics ytics lc rgb \"#dddddd\"\nset xrange [{}:{}]\n",
-		quoted(output), quoted(title), 0.7 * fastest, 2 * slowest);
+		quoted(title), 0.7 * fastest, 2 * slowest);
 	for (std::size_t i = 0; i < std::size(kPanels); ++i) text += drawPanel(tradeoff, i);
 	return text + "unset multiplot\n";
 }
@@ -148,11 +144,6 @@ std::string scriptOf(const Tradeoff& tradeoff, const std::string& title, const s
 
 bool plot(const Tradeoff& tradeoff, const std::string& title, const std::string& path)
 {
-	const cli::PartialFile script(temporaryDirectory() + "/clod-tradeoff.gnuplot");  // never committed
-	cli::PartialFile picture(path);
-	const std::string problem =
-		cli::writeFile(script.temporaryPath(), scriptOf(tradeoff, title, picture.temporaryPath()));
-	if (!problem.empty()) throw cli::Failure(cli::ExitCode::failure, problem);
-	return runProgram({"gnuplot", script.temporaryPath()}) == 0 && picture.commit().empty();
+	return drawPlot(scriptOf(tradeoff, title), path);
 }
 }  // namespace clod::demo

@@ -2,13 +2,18 @@
 // The subcommands of clod-bench. Each adds itself to the program; what it does runs as CLI11's callback and ends with
 // cli::Failure where it fails.
 #pragma once
-#include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "demos/cli/Program.h"
 #include "demos/runner/HierarchyCache.h"
+
+namespace CLI
+{
+class App;
+class Validator;
+}
 
 namespace clod::demo
 {

@@ -2,7 +2,7 @@
 // Whole collision dispatches of Bullet at recorded poses, for our shape and for Bullet's btGImpactMeshShape on the same
 // meshes: what a user's simulation pays, clustering and manifolds included. Compiled once per Bullet precision.
 #pragma once
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <vector>
 
 #include "demos/runner/HierarchyCache.h"

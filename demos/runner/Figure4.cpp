@@ -2,12 +2,13 @@
 // The runs, the table and the plot of Figure 4.
 #include "demos/runner/Figure4.h"
 
+#include <nlohmann/json.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "demos/cli/Program.h"
+#include "demos/cli/Failure.h"
 #include "demos/models/Models.h"
 #include "demos/runner/Commands.h"
 #include "demos/runner/Gnuplot.h"

@@ -3,7 +3,7 @@
 // three thresholds; beside it how many contact pairs come and go, and the same figures by regime.
 #pragma once
 #include <functional>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "demos/runner/HierarchyCache.h"

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "demos/cli/Files.h"
 #include "demos/cli/Program.h"
 #include "demos/runner/HierarchyCache.h"
 #include "demos/runner/Process.h"

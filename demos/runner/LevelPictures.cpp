@@ -7,7 +7,7 @@
 #include <map>
 #include <tuple>
 
-#include "demos/cli/Program.h"
+#include "demos/cli/Failure.h"
 #include "demos/render/Overlay.h"
 #include "demos/render/PatchColor.h"
 #include "demos/render/Renderer.h"

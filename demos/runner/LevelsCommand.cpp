@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // clod-bench levels: a picture of every contact level of a mesh or hierarchy, as the paper's Figure 5.
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <filesystem>

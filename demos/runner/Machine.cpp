@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // The machine line of a report. Compiled once per Bullet precision, which it names.
+#include <nlohmann/json.hpp>
 #include <LinearMath/btScalar.h>
 
 #include <algorithm>

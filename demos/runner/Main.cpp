@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // clod-bench: the headless benchmark runner.
+#include <CLI/CLI.hpp>
+
 #include "demos/cli/Program.h"
 #include "demos/runner/Commands.h"
 

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Zlib
 // clod-bench model, clod-bench list, and what the commands share.
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 #include <fmt/format.h>
 
 #include <cstdio>
 
 #include "demos/cli/Progress.h"
+#include "demos/cli/Files.h"
 #include "demos/cli/Suggestion.h"
 #include "demos/models/Models.h"
 #include "demos/runner/Commands.h"

@@ -2,6 +2,8 @@
 // clod-bench paper: what Otaduy & Lin 2003 print, beside ours. Table 1: models and associated hierarchies, built with
 // --paper; the numbers row is the mean over the ten digits, as in the paper. Figure 4: see Figure4.h. Figure 5: every
 // model at every contact level.
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 #include <fmt/format.h>
 
 #include <array>

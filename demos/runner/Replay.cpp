@@ -2,6 +2,7 @@
 // Replay of recorded poses through the query layer.
 #include "demos/runner/Replay.h"
 
+#include <nlohmann/json.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,7 +11,7 @@
 #include <cmath>
 #include <limits>
 
-#include "demos/cli/Program.h"
+#include "demos/cli/Failure.h"
 #include "demos/runner/Statistics.h"
 
 namespace clod::demo

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // clod-bench replay: one query a recorded pose.
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 #include <fmt/format.h>
 
 #include <cmath>

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // clod-bench run: simulates a scene.
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 #include <fmt/format.h>
 #include <xxhash.h>
 

@@ -2,13 +2,15 @@
 // Which frames of a run are painted, and from what.
 #include "demos/runner/SceneFrames.h"
 
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
-#include "demos/cli/Program.h"
+#include "demos/cli/Failure.h"
 #include "demos/runner/Film.h"
 
 namespace clod::demo

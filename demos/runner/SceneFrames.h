@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Zlib
 // The frames of a run, painted after it from its recorded poses: the query is a pure function of them.
 #pragma once
-#include <CLI/CLI.hpp>
 #include <functional>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 
 #include "demos/runner/Frames.h"
 #include "demos/runner/SceneRun.h"
+
+namespace CLI
+{
+class App;
+}
 
 namespace clod::demo
 {

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "demos/cli/Program.h"
+#include "demos/cli/Failure.h"
 #include "demos/runner/Commands.h"
 #include "demos/runner/InputSurface.h"
 

@@ -2,13 +2,14 @@
 // The loop of clod-bench run, its rows and its summary.
 #include "demos/runner/SceneRun.h"
 
+#include <nlohmann/json.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <set>
 
-#include "demos/cli/Program.h"
+#include "demos/cli/Failure.h"
 #include "demos/runner/SceneModels.h"
 #include "demos/runner/Statistics.h"
 

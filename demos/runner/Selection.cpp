@@ -2,6 +2,8 @@
 // Selection flags to the query's settings.
 #include "demos/runner/Selection.h"
 
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 #include <fmt/format.h>
 
 #include <cmath>

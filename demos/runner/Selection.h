@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // The selection flags that run and replay share: how coarse a contact may be answered.
 #pragma once
-#include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 
@@ -10,6 +9,11 @@
 #include "clod/query/Query.h"
 #include "demos/cli/Length.h"
 #include "demos/render/Renderer.h"
+
+namespace CLI
+{
+class App;
+}
 
 namespace clod::demo
 {

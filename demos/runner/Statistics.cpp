@@ -2,6 +2,7 @@
 // Order statistics.
 #include "demos/runner/Statistics.h"
 
+#include <nlohmann/json.hpp>
 #include <algorithm>
 #include <cmath>
 #include <limits>

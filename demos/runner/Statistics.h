@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Order statistics of measured values, and the line that says on which machine they were measured.
 #pragma once
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // clod-bench tradeoff: accuracy against time, ours at one ladder of thresholds and every peer, on the same poses in one
 // run.
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -50,25 +50,39 @@ HullDistance canonicalDistance(const QueryContext& context, std::uint32_t a, std
 						context.pose, start, stopAbove);
 }
 
+namespace
+{
+// Where node b of body B is and how it moves in the step.
+struct MovingNode
+{
+	Vec3 center, move;
+	double spread;  // no point's displacement differs from `move` by more
+};
+MovingNode movingNode(const QueryContext& context, std::uint32_t b)
+{
+	const CullBox& box = context.b.cullBox(b);
+	const Vec3 center = context.pose.apply(centerOf(box));
+	return {center, context.sweep.of(center), length(context.sweep.angular) * double(box.radius)};
+}
+}  // namespace
+
 SweptBound canonicalSweptBound(const QueryContext& context, std::uint32_t a, std::uint32_t b, double stopAbove,
 							   double stopBelow)
 {
-	const Vec3 centerB = context.pose.apply(centerOf(context.b.cullBox(b)));
-	const Vec3 start = centerOf(context.a.cullBox(a)) - centerB;
-	const double spread = length(context.sweep.angular) * double(context.b.cullBox(b).radius);
+	const MovingNode moving = movingNode(context, b);
+	const Vec3 start = centerOf(context.a.cullBox(a)) - moving.center;
 	const HullDistance distance =
 		hullDistance(contactHull(context.a, context.a.node(a)), contactHull(context.b, context.b.node(b)), context.pose,
-					 start, stopAbove + spread, context.sweep.of(centerB), stopBelow + spread);
-	return {distance.lower - spread, distance.upper - spread, distance.normal};
+					 start, stopAbove + moving.spread, moving.move, stopBelow + moving.spread);
+	return {distance.lower - moving.spread, distance.upper - moving.spread, distance.normal};
 }
 
 double sweptSeparationAlong(const QueryContext& context, std::uint32_t a, std::uint32_t b, const Vec3& direction)
 {
-	const Vec3 centerB = context.pose.apply(centerOf(context.b.cullBox(b)));
-	const double spread = length(context.sweep.angular) * double(context.b.cullBox(b).radius);
+	const MovingNode moving = movingNode(context, b);
 	return separationAlong(contactHull(context.a, context.a.node(a)), contactHull(context.b, context.b.node(b)),
-						   context.pose, direction, context.sweep.of(centerB)) -
-		   spread;
+						   context.pose, direction, moving.move) -
+		   moving.spread;
 }
 
 double paperSeparation(const QueryContext& context, std::uint32_t a, std::uint32_t b, double stopAbove)
