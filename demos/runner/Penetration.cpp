@@ -79,6 +79,7 @@ struct SignedDistance::Nearest
 	Vec3 point;
 	std::uint32_t triangle = 0;
 	int feature = 0;
+	double bound = std::numeric_limits<double>::infinity();  // squared
 };
 
 SignedDistance::SignedDistance(Surface surface) : m_surface(std::move(surface)), m_order(m_surface.triangles.size())
@@ -147,7 +148,7 @@ void SignedDistance::visit(const Vec3& point, std::uint32_t triangle, Nearest& n
 	const Vec3 v[3] = {m_surface.vertices[t[0]], m_surface.vertices[t[1]], m_surface.vertices[t[2]]};
 	const TrianglePoint candidate = nearestOnTriangle(point, v);
 	const double squared = lengthSquared(point - candidate.point);
-	if (squared < nearest.squared) nearest = {squared, candidate.point, triangle, candidate.feature};
+	if (squared < nearest.squared) nearest = {squared, candidate.point, triangle, candidate.feature, nearest.bound};
 }
 
 Vec3 SignedDistance::normalAt(const Nearest& nearest) const
@@ -157,7 +158,8 @@ Vec3 SignedDistance::normalAt(const Nearest& nearest) const
 	return m_edgeNormals[nearest.triangle][nearest.feature - 4];
 }
 
-double SignedDistance::operator()(const Vec3& point) const
+// The nearest point, or one at most 1 / sqrt(share) times as far; `bound`: nothing is nearer than its root.
+SignedDistance::Nearest SignedDistance::search(const Vec3& point, double share) const
 {
 	Nearest nearest;
 	std::vector<std::pair<double, std::uint32_t>> stack;
@@ -167,7 +169,11 @@ double SignedDistance::operator()(const Vec3& point) const
 	{
 		const auto [distance, index] = stack.back();
 		stack.pop_back();
-		if (distance >= nearest.squared) continue;
+		if (distance >= share * nearest.squared)
+		{
+			nearest.bound = std::min(nearest.bound, distance);
+			continue;
+		}
 		const Box& box = m_boxes[index];
 		for (std::uint32_t i = 0; i < box.count; ++i) visit(point, m_order[box.first + i], nearest);
 		if (box.count > 0) continue;
@@ -178,8 +184,20 @@ double SignedDistance::operator()(const Vec3& point) const
 		stack.push_back(far);
 		stack.push_back(near);
 	}
+	nearest.bound = std::min(nearest.bound, nearest.squared);
+	return nearest;
+}
+
+double SignedDistance::operator()(const Vec3& point) const
+{
+	const Nearest nearest = search(point, 1);
 	const double distance = std::sqrt(nearest.squared);
 	return dot(point - nearest.point, normalAt(nearest)) < 0 ? -distance : distance;
+}
+
+double SignedDistance::clearance(const Vec3& point) const
+{
+	return std::sqrt(search(point, 0.25).bound);
 }
 
 PenetrationMeter::PenetrationMeter(std::shared_ptr<const SignedDistance> a, std::shared_ptr<const SignedDistance> b)
@@ -201,7 +219,17 @@ double PenetrationMeter::depth(const Transform& aFromB)
 		{
 			const Vec3 point = solidFromOther * other.vertices[i];
 			Look& last = looks[i];
-			if (lengthSquared(point - last.place) < last.clear * last.clear) continue;
+			const double moved = length(point - last.place);
+			if (moved < last.clear) continue;
+			if (last.clear > 0)
+			{
+				const double clear = solid.clearance(point);
+				if (moved < last.clear + clear)
+				{
+					last = {point, clear};
+					continue;
+				}
+			}
 			const double distance = solid(point);
 			deepest = std::max(deepest, -distance);
 			last = {point, std::max(0.0, distance)};

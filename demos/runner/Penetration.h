@@ -23,6 +23,8 @@ class SignedDistance
 public:
 	explicit SignedDistance(Surface surface);
 	double operator()(const Vec3& point) const;
+	// A lower bound of the unsigned distance, at least half of it: much sooner found where much is equally far.
+	double clearance(const Vec3& point) const;
 	const Surface& surface() const { return m_surface; }
 
 private:
@@ -32,6 +34,7 @@ private:
 		std::uint32_t first, count;  // triangles of a leaf; count 0: children are the next box and `first`
 	};
 	struct Nearest;
+	Nearest search(const Vec3& point, double share) const;
 	std::uint32_t addBox(std::uint32_t first, std::uint32_t count);
 	void visit(const Vec3& point, std::uint32_t triangle, Nearest& nearest) const;
 	Vec3 normalAt(const Nearest& nearest) const;
@@ -45,7 +48,8 @@ private:
 };
 
 // Deepest vertex over a sequence of relative poses. A vertex that was d outside is not looked at again before it is d
-// away from where it was then, so following all steps of a simulation costs little more than the first.
+// away from where it was then; and it is still outside where a ball clear of the other surface round its new place meets
+// the one round its old place. So following all steps of a simulation costs little more than the first.
 class PenetrationMeter
 {
 public:
@@ -54,7 +58,7 @@ public:
 	double depth(const Transform& aFromB);
 
 private:
-	// Where a vertex was in the other's frame when it was last looked at, and its distance from the other then.
+	// Where a vertex was in the other's frame when it was last looked at, and how far round it all was outside the other.
 	struct Look
 	{
 		Vec3 place;

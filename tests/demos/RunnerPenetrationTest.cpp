@@ -41,6 +41,8 @@ TEST(RunnerPenetration, SignedDistanceOfACubeIsTheClosedForm)
 		const Vec3 p{uniform(random), uniform(random), uniform(random)};
 		inside += cubeDistance(p, 1) < 0;
 		ASSERT_NEAR(distance(p), cubeDistance(p, 1), 1e-12) << p.x << " " << p.y << " " << p.z;
+		const double exact = std::abs(cubeDistance(p, 1)), clear = distance.clearance(p);
+		ASSERT_TRUE(clear <= exact + 1e-12 && clear >= exact / 2 - 1e-12) << clear << " of " << exact;
 	}
 	EXPECT_GT(inside, 500);
 }
@@ -53,6 +55,13 @@ TEST(RunnerPenetration, FollowsAMovingCubeThroughAWall)
 	{
 		const double depth = meter.depth({{}, {x, 0, 0}});
 		ASSERT_NEAR(depth, std::max(0.0, 10 - (x - 1)), 1e-9) << x;
+	}
+	// Through the wall at one go, so far outside before that balls of clearance only just fail to meet.
+	for (const double x : {11.6, 12.5, 13.5, 15.0})
+	{
+		EXPECT_EQ(meter.depth({{}, {50, 0, 0}}), 0);
+		EXPECT_EQ(meter.depth({{}, {x, 0, 0}}), 0);
+		EXPECT_NEAR(meter.depth({{}, {9.5, 0, 0}}), 1.5, 1e-9) << x;
 	}
 	// A teleport out and back in: skipped vertices must be looked at again.
 	EXPECT_EQ(meter.depth({{}, {50, 0, 0}}), 0);
