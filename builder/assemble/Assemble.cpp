@@ -20,6 +20,8 @@ namespace clod::builder
 {
 namespace
 {
+// Cells of one hull. A few hulls of a level need more than a thousand, and an outlier spoils its level and its parents.
+constexpr int kProtrusionBudget = 15000;
 constexpr double kCapShare = 0.25;  // contact areas count within this share of the radius
 
 class Assembler
@@ -31,7 +33,7 @@ public:
 		  m_progress(progress),
 		  m_solid(m_lods.front().mesh),
 		  m_sphere(boundingSphere(m_lods.front().mesh.vertices)),
-		  m_scale{m_sphere.radius, 8 * std::ldexp(m_sphere.radius, -24), 0}
+		  m_scale{m_sphere.radius, 8 * std::ldexp(m_sphere.radius, -24), kProtrusionBudget}
 	{
 	}
 
@@ -64,7 +66,8 @@ private:
 		if (level > 0 && m_config.paper)
 			for (std::uint32_t& label : m_label) label = m_lods[level - 1].parentPatch[label];
 		if (level == 0 || m_config.paper) return assignByLabel(m_label);
-		return assignToNearest(m_solid.tree(), m_lods[level], below, {m_scale.radius, m_config.threads});
+		return assignToNearest(m_lods[0].mesh, m_solid.tree(), m_lods[level], below,
+							   {m_scale.radius, m_config.threads});
 	}
 
 	void addLevels()
@@ -119,17 +122,12 @@ private:
 		for (std::size_t level = 0; level < m_lods.size(); ++level)
 		{
 			const LevelDraft record = m_draft.levels[level];
-			ProtrusionScale scale = m_scale;
-			scale.budget = std::clamp(int(2000000 / record.nodeCount), 1000, 15000);
-			if (m_config.paper) scale.atOnce = 1.5, scale.inParts = 1.2;  // its files keep their bytes
 			parallelFor(record.nodeCount, m_config.threads,
 						[&](std::size_t i)
 						{
 							NodeDraft& node = m_draft.nodes[record.firstNode + i];
 							if (level > 0) node.bounds.surf = surfOf(node, m_solid.tree(), tolerance).upper;
-							// With paper as it always was: its files keep their bytes.
-							thicken(node, m_solid, scale,
-									m_config.paper ? SweepRule{1.5, 0} : SweepRule{1.1, node.bounds.surf});
+							thicken(node, m_solid, m_scale, {1.1, node.bounds.surf});
 							if (level == 0) return;
 							node.bounds.cover = coverOf(node);
 							node.bounds.reach = std::max(node.bounds.cover, reachOf(node, tolerance).upper);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <tuple>
 
+#include "builder/assemble/NearestPatches.h"
 #include "builder/assemble/Parallel.h"
 
 namespace clod::builder
@@ -32,64 +33,6 @@ double longestEdge(const Triangle& t)
 	return std::max({length(t.b - t.a), length(t.c - t.b), length(t.a - t.c)});
 }
 
-struct Lookup
-{
-	std::uint32_t patch;
-	double distance;
-};
-
-class NearestPatches
-{
-public:
-	NearestPatches(const Lod& lod) : m_lod(lod), m_tree(lod.mesh), m_faces(lod.patchCount)
-	{
-		for (std::uint32_t i = 0; i < lod.mesh.triangles.size(); ++i)
-		{
-			m_normals.push_back(areaVector(m_tree.triangle(i)));
-			m_faces[lod.patchOfTriangle[i]].push_back(i);
-		}
-	}
-
-	// Faces turned away count only where the nearest turned the same way is more than twice as far.
-	Lookup at(const Vec3& p, const Vec3& normal) const
-	{
-		const TriangleTree::Nearest any = m_tree.nearest(p);
-		const double distance = std::sqrt(any.distanceSquared);
-		if (dot(m_normals[any.triangle], normal) > 0) return {m_lod.patchOfTriangle[any.triangle], distance};
-		const auto same = [&](std::uint32_t i) { return dot(m_normals[i], normal) > 0; };
-		const TriangleTree::Nearest facing = m_tree.nearest(p, same, 4 * any.distanceSquared * (1 + 1e-9) + 1e-300);
-		if (facing.triangle == kNone) return {m_lod.patchOfTriangle[any.triangle], distance};
-		return {m_lod.patchOfTriangle[facing.triangle], std::sqrt(facing.distanceSquared)};
-	}
-
-	double distanceTo(std::uint32_t patch, const Vec3& p) const
-	{
-		double best = std::numeric_limits<double>::infinity();
-		for (std::uint32_t i : m_faces[patch]) best = std::min(best, distanceSquared(p, m_tree.triangle(i)));
-		return std::sqrt(best);
-	}
-
-	Vec3 middleOf(std::uint32_t patch, Vec3& normal) const
-	{
-		Vec3 sum;
-		double area = 0;
-		for (std::uint32_t i : m_faces[patch])
-		{
-			const double a = length(m_normals[i]);
-			sum += a * centroid(m_tree.triangle(i));
-			normal += m_normals[i];
-			area += a;
-		}
-		return area > 0 ? (1 / area) * sum : centroid(m_tree.triangle(m_faces[patch][0]));
-	}
-
-private:
-	const Lod& m_lod;
-	TriangleTree m_tree;
-	std::vector<std::vector<std::uint32_t>> m_faces;
-	std::vector<Vec3> m_normals;
-};
-
 struct SplitRule
 {
 	double tolerance;     // added distance that does not deserve a split
@@ -106,11 +49,8 @@ public:
 	{
 	}
 
-	void split(const Triangle& t, std::uint32_t first, std::uint32_t count)
+	void split(const Triangle& t, const Lookups& at, std::uint32_t first, std::uint32_t count)
 	{
-		Lookup at[4];
-		for (int i = 0; i < 3; ++i) at[i] = m_nearest.at(t[i], m_normal);
-		at[3] = m_nearest.at(centroid(t), m_normal);
 		double excess = 0;
 		const bool loyal = m_preferred != kNone && excessOf(m_preferred, t, at) <= m_rule.loyalty;
 		const std::uint32_t owner = loyal ? m_preferred : bestOwner(t, at, excess);
@@ -119,17 +59,27 @@ public:
 			m_out.push_back({m_face, std::uint16_t(first), std::uint16_t(count), owner});
 			return;
 		}
-		for (std::uint32_t k = 0; k < 4; ++k) split(childTriangle(t, k), first + k * (count / 4), count / 4);
+		const Triangle inner = childTriangle(t, 3);
+		const Lookup ab = lookUp(inner.a), bc = lookUp(inner.b), ca = lookUp(inner.c);
+		const Lookup corners[4][3] = {{at[0], ab, ca}, {ab, at[1], bc}, {ca, bc, at[2]}, {ab, bc, ca}};
+		for (std::uint32_t k = 0; k < 4; ++k)
+		{
+			const Triangle child = childTriangle(t, k);
+			const Lookup middle = k == 3 ? at[3] : lookUp(centroid(child));
+			split(child, {corners[k][0], corners[k][1], corners[k][2], middle}, first + k * (count / 4), count / 4);
+		}
 	}
 
 private:
+	Lookup lookUp(const Vec3& p) const { return m_nearest.at(p, m_normal); }
+
 	// The candidate whose faces are nearest to the farthest corner; excess: what it costs over each corner's own
 	// nearest.
-	std::uint32_t bestOwner(const Triangle& t, const Lookup* at, double& excess) const
+	std::uint32_t bestOwner(const Triangle& t, const Lookups& at, double& excess) const
 	{
 		std::uint32_t owner = at[3].patch;
 		double least = std::numeric_limits<double>::infinity();
-		for (int k : {3, 0, 1, 2})
+		for (std::size_t k : {3, 0, 1, 2})
 		{
 			if (k != 3 && (at[k].patch == owner || at[k].patch == at[3].patch)) continue;
 			const double most = excessOf(at[k].patch, t, at);
@@ -141,11 +91,11 @@ private:
 	}
 
 	// What it costs over each corner's own nearest patch.
-	double excessOf(std::uint32_t patch, const Triangle& t, const Lookup* at) const
+	double excessOf(std::uint32_t patch, const Triangle& t, const Lookups& at) const
 	{
 		double most = 0;
-		for (int i = 0; i < 3; ++i)
-			if (patch != at[i].patch) most = std::max(most, m_nearest.distanceTo(patch, t[i]) - at[i].distance);
+		for (std::size_t i = 0; i < 3; ++i)
+			if (patch != at[i].patch) most = std::max(most, m_nearest.distanceTo(patch, t[int(i)]) - at[i].distance);
 		return most;
 	}
 
@@ -236,16 +186,11 @@ std::vector<Overlap> summed(std::vector<Overlap> list)
 }
 
 // For each input face: the patch that most of the surface of the face's owner in the level below goes to.
-std::vector<std::uint32_t> preferredPatches(const TriangleTree& input, const NearestPatches& nearest,
-											const LevelAssignment& below, unsigned threads)
+std::vector<std::uint32_t> preferredPatches(const TriangleTree& input, const std::vector<Lookups>& lookups,
+											const LevelAssignment& below)
 {
-	std::vector<std::uint32_t> byFace(input.size()), ownerBelow(input.size(), kNone);
-	parallelFor(input.size(), threads,
-				[&](std::size_t i)
-				{
-					const Triangle& t = input.triangle(std::uint32_t(i));
-					byFace[i] = nearest.at(centroid(t), areaVector(t)).patch;
-				});
+	std::vector<std::uint32_t> byFace, ownerBelow(input.size(), kNone);
+	for (const Lookups& at : lookups) byFace.push_back(at[3].patch);
 	std::vector<Overlap> votes;
 	for (const Piece& piece : below.pieces)
 	{
@@ -269,22 +214,23 @@ std::vector<std::uint32_t> preferredPatches(const TriangleTree& input, const Nea
 }
 }  // namespace
 
-LevelAssignment assignToNearest(const TriangleTree& input, const Lod& lod, const LevelAssignment& below,
-								const AssignmentScale& scale)
+LevelAssignment assignToNearest(const Mesh& mesh, const TriangleTree& input, const Lod& lod,
+								const LevelAssignment& below, const AssignmentScale& scale)
 {
 	const NearestPatches nearest(lod);
 	const double typical = typicalDistance(input, nearest);
 	const double radius = scale.radius;
 	const SplitRule rule{std::max(0.2 * typical, 2e-5 * radius), std::max(0.5 * typical, 1e-4 * radius),
 						 std::max(0.5 * typical, 5e-4 * radius)};
-	const std::vector<std::uint32_t> preferred = preferredPatches(input, nearest, below, scale.threads);
+	const std::vector<Lookups> lookups = nearest.ofFaces(mesh, input, scale.threads);
+	const std::vector<std::uint32_t> preferred = preferredPatches(input, lookups, below);
 	std::vector<std::vector<Piece>> perFace(input.size());
 	parallelFor(input.size(), scale.threads,
 				[&](std::size_t i)
 				{
 					const Triangle& t = input.triangle(std::uint32_t(i));
 					FaceSplitter(nearest, rule, preferred[i], std::uint32_t(i), areaVector(t), perFace[i])
-						.split(t, 0, Piece::kCodes);
+						.split(t, lookups[i], 0, Piece::kCodes);
 				});
 	LevelAssignment result;
 	std::vector<bool> used(lod.patchCount, false);

@@ -44,8 +44,9 @@ struct AssignmentScale
 // Nearest patch, preferring faces turned the same way; faces that straddle patches are split (at most kDepth times)
 // while that shortens the distance to the owner's faces noticeably. Where it costs little, a face goes to the patch
 // that most of its owner in the level below goes to: fewer nodes then have several parents.
-LevelAssignment assignToNearest(const TriangleTree& input, const Lod& lod, const LevelAssignment& below,
-								const AssignmentScale& scale);
+// `input` is the tree of `mesh`.
+LevelAssignment assignToNearest(const Mesh& mesh, const TriangleTree& input, const Lod& lod,
+								const LevelAssignment& below, const AssignmentScale& scale);
 
 struct Overlap
 {

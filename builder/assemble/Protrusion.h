@@ -4,8 +4,8 @@
 //
 // Proof by displacement: if an affine map phi moves no point of the body K by more than e, and phi(K) lies in the
 // solid, then every point of K is within e of the solid. phi(K) lies in the solid when one of its points does and no
-// input triangle meets its interior. Where no such map is found the body is cut up and bounded by the 1-Lipschitz
-// signed distance (branch and bound).
+// input triangle meets its interior. Where no such map is found the body is cut into tetrahedra with maps of their own
+// (branch and bound); what the budget leaves is bounded by the 1-Lipschitz signed distance.
 #pragma once
 #include <vector>
 
@@ -21,11 +21,9 @@ struct ConvexBody
 
 struct ProtrusionScale
 {
-	double radius;         // of the whole object
-	double rounding;       // below this nothing is measured: the answer is at least that
-	int budget;            // cells that may be cut
-	double atOnce = 1.1;   // times what is attained: good enough for the whole body
-	double inParts = 1.1;  // and for what is cut up
+	double radius;    // of the whole object
+	double rounding;  // below this nothing is measured: the answer is at least that
+	int budget;       // cells that may be cut
 };
 
 struct Protrusion

@@ -4,6 +4,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "builder/Lod.h"
@@ -32,22 +33,28 @@ public:
 	{
 		Nearest best;
 		best.distanceSquared = limitSquared;
-		std::uint32_t stack[64];
+		struct Waiting
+		{
+			std::uint32_t node;
+			double distanceSquared;
+		} stack[64];
 		int top = 0;
-		stack[top++] = 0;
+		stack[top++] = {0, distanceSquared(p, m_nodes[0].box)};
 		while (top > 0)
 		{
-			const TreeNode& node = m_nodes[stack[--top]];
-			if (distanceSquared(p, node.box) >= best.distanceSquared) continue;
+			const Waiting next = stack[--top];
+			if (next.distanceSquared >= best.distanceSquared) continue;
+			const TreeNode& node = m_nodes[next.node];
 			if (node.count > 0)
 			{
 				for (std::uint32_t k = node.first; k < node.first + node.count; ++k) visit(p, m_order[k], accept, best);
 				continue;
 			}
-			const std::uint32_t left = node.first, right = left + 1;
-			const bool leftFirst = distanceSquared(p, m_nodes[left].box) <= distanceSquared(p, m_nodes[right].box);
-			stack[top++] = leftFirst ? right : left;
-			stack[top++] = leftFirst ? left : right;
+			Waiting near{node.first, distanceSquared(p, m_nodes[node.first].box)};
+			Waiting far{node.first + 1, distanceSquared(p, m_nodes[node.first + 1].box)};
+			if (far.distanceSquared < near.distanceSquared) std::swap(near, far);
+			if (far.distanceSquared < best.distanceSquared) stack[top++] = far;
+			if (near.distanceSquared < best.distanceSquared) stack[top++] = near;
 		}
 		return best;
 	}

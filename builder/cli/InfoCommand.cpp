@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "builder/cli/Commands.h"
+#include "builder/cli/PieceCounts.h"
 #include "demos/cli/Files.h"
 #include "demos/cli/Program.h"
 
@@ -118,6 +119,10 @@ nlohmann::ordered_json describe(const Hierarchy& hierarchy, double buildSeconds)
 	for (std::size_t i = 0; i < hierarchy.levels().size; ++i) report["levels"].push_back(describeLevel(hierarchy, i));
 	report["clods"] = contactLevelCount(hierarchy);
 	report["lods"] = hierarchy.levels().size;
+	report["pieces_within"] = nlohmann::ordered_json::array();
+	for (const PieceCount& count : pieceCounts(hierarchy))
+		report["pieces_within"].push_back(
+			{{"error", count.error}, {"level", count.level}, {"pieces", count.pieces}, {"mixed_levels", count.mixed}});
 	const Bytes parts = bytesOf(hierarchy, 0, std::uint32_t(hierarchy.nodes().size));
 	report["bytes"] = hierarchy.bytes().size();
 	report["bytes_per_triangle"] = double(hierarchy.bytes().size()) / double(a.triangleCount);
@@ -157,6 +162,10 @@ std::string describeAsText(const Hierarchy& hierarchy)
 						hierarchy.levels().size, contactLevelCount(hierarchy), a.triangleCount, hierarchy.nodes().size,
 						hierarchy.bytes().size(), hierarchy.isPaperBuild() ? "; built with --paper" : "");
 	const Bytes parts = bytesOf(hierarchy, 0, std::uint32_t(hierarchy.nodes().size));
+	text += "pieces within a certified error, of one level (of mixed levels):";
+	for (const PieceCount& count : pieceCounts(hierarchy))
+		text += fmt::format(" {:g} % of the radius {} ({})", 100 * count.error, count.pieces, count.mixed) +
+				(count.error < kErrorShares.back() ? "," : "\n");
 	const auto each = [&a](std::size_t bytes) { return double(bytes) / double(a.triangleCount); };
 	text += fmt::format(
 		"bytes a triangle: {:.1f} = nodes {:.1f} + culling boxes {:.1f} + children {:.1f} + faces {:.1f} + hull "

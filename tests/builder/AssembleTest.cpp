@@ -144,6 +144,40 @@ TEST(Assemble, SameBytesForAnyNumberOfThreads)
 	EXPECT_EQ(one->bytes(), torus(false, 3)->bytes());
 }
 
+// Boxes that straddle hollows and ridges of a wrinkled torus. How many of 60 are not bounded within a tenth; every
+// bound is compared with samples.
+int looseBounds(int budget)
+{
+	const Mesh mesh = wrinkledTorusMesh(1.0, 0.35, 0.06, 6, 72, 28);
+	const Solid solid(mesh);
+	const double radius = boundingSphere(mesh.vertices).radius;
+	std::mt19937_64 random(7);
+	std::uniform_real_distribution<double> unit(-1, 1);
+	std::uniform_int_distribution<std::size_t> anyVertex(0, mesh.vertices.size() - 1);
+	int loose = 0;
+	for (int i = 0; i < 60; ++i)
+	{
+		const Vec3 center = mesh.vertices[anyVertex(random)];
+		const Vec3 half{0.05 + 0.04 * unit(random), 0.1 + 0.08 * unit(random), 0.15 + 0.12 * unit(random)};
+		ConvexBody body;
+		for (const Vec3& v : boxMesh(half, 1).vertices) body.points.push_back(center + v);
+		const Protrusion p = protrusion(solid, body, {radius, 1e-6, budget});
+		if (p.upper > std::max(1.1 * p.lower, p.lower + 1e-4 * radius)) ++loose;
+		for (int k = 0; k < 300; ++k)
+		{
+			const Vec3 x = center + Vec3{half.x * unit(random), half.y * unit(random), half.z * unit(random)};
+			EXPECT_LE(solid.distance(x), p.upper) << "box " << i;
+		}
+	}
+	return loose;
+}
+
+TEST(AssembleProtrusion, HullsOverHollowsAreBoundedWithinATenth)
+{
+	EXPECT_EQ(looseBounds(15000), 0);
+	EXPECT_GT(looseBounds(0), 5);  // the same without cutting anything
+}
+
 TEST(Assemble, SampledSurfAndProtrudeNeverExceedTheirBounds)
 {
 	const auto h = torus(false);

@@ -76,6 +76,20 @@ TEST_F(Cli, BuildInfoCheckExport)
 		EXPECT_TRUE(info["levels"][0].contains(key)) << key;
 	EXPECT_EQ(info["triangles"], 576);
 	EXPECT_EQ(info["bytes"], fs::file_size(path("a.clod")));
+	ASSERT_EQ(info["pieces_within"].size(), 5u);
+	for (const auto& count : info["pieces_within"])
+	{
+		nlohmann::json level;
+		for (const auto& candidate : info["levels"])
+			if (candidate["clod"] &&
+				candidate["max_s"].get<double>() <= count["error"].get<double>() * info["radius"].get<double>())
+				level = candidate;
+		EXPECT_EQ(count["level"], level["level"]) << count;
+		EXPECT_EQ(count["pieces"], level["patches"]) << count;
+		EXPECT_GT(count["mixed_levels"], 0) << count;
+		EXPECT_LE(count["mixed_levels"], info["levels"][0]["patches"]) << count;
+	}
+	EXPECT_LT(info["pieces_within"][4]["mixed_levels"], info["pieces_within"][0]["mixed_levels"]);
 	EXPECT_EQ(run({"check", path("a.clod"), "--mesh", path("torus.obj"), "--quiet", "--json", path("check.json")}), 0)
 		<< err();
 	const auto check = nlohmann::json::parse(readText(path("check.json")));
@@ -212,14 +226,21 @@ TEST_F(Cli, WrongMeshIsExitCode4)
 	EXPECT_NE(err().find("equals-mesh"), std::string::npos) << err();
 }
 
+// In every phase of a build: the exit code, no file beside, and what lay at the output's place is untouched.
 TEST_F(Cli, InterruptionLeavesNothing)
 {
 	writeMesh("large.obj", wrinkledTorusMesh(1, 0.35, 0.05, 30, 200, 60));
-	const pid_t child = start({"build", path("large.obj"), "-o", path("a.clod")});
-	std::this_thread::sleep_for(std::chrono::milliseconds(500));
-	kill(child, SIGINT);
-	EXPECT_EQ(exitCode(child), 130);
-	EXPECT_EQ(filesBesides("a."), 0u);
+	writeText("a.clod", "what was there before");
+	for (const char* phase : {"decompose: ", "simplify: ", "assign: ", "certify: "})
+	{
+		const pid_t child = start({"build", path("large.obj"), "-o", path("a.clod"), "--threads", "2"});
+		while (err().find(phase) == std::string::npos && kill(child, 0) == 0)
+			std::this_thread::sleep_for(std::chrono::milliseconds(2));
+		kill(child, SIGINT);
+		EXPECT_EQ(exitCode(child), 130) << phase << err();
+		EXPECT_EQ(filesBesides("a."), 1u) << phase;
+		EXPECT_EQ(readText(path("a.clod")), "what was there before") << phase;
+	}
 }
 
 TEST_F(Cli, FilesAppearWholeOrNotAtAll)
