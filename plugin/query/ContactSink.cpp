@@ -43,4 +43,10 @@ void ContactSink::answer(const FrontEntry& pair, HullMemory& memory)
 	m_contacts.push_back(
 		{pair.a, pair.b, distance.lower, distance.upper, distance.pointOnA, distance.pointOnB, distance.normal});
 }
+
+void NearPairs::answer(const FrontEntry& pair, HullMemory& memory)
+{
+	if (m_hulls.isApart(pair.a, pair.b, m_tolerance, memory)) return;
+	m_pairs.push_back({pair.a, pair.b, m_ofContacts, kInfinity, {}, {}, {}});
+}
 }  // namespace clod

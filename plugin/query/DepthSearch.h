@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Zlib
 // The deepest point of some triangles below a closed surface, by best-first branch and bound.
 //
+// Triangles and faces may stand for other, finer surfaces: margin(T, t) is by how much what T stands for can be deeper
+// below what the face t stands for than T is below t. Every upper bound carries the margin of the faces it was made
+// with, so that a triangle with a small margin is not looked at where one with a large one decides.
+//
 // depth(x) = -sd(x), the distance to the surface where x is inside. For a triangle T with corners v,
 //   (1) depth on T <= min over surface faces t of max over v of dist(v, t), as the distance to a convex set is convex;
 //   (1') the same for each part of T, cut along the prism over a face t: the part over t against t, the part beyond an
@@ -8,7 +12,8 @@
 //       of t against the face across that edge. Where a flat or nearly flat surface is met, (1) alone would cut cells
 //       down to the depth's own size all along every edge.
 //   (2) depth on T <= depth(v) + max over w of |v - w| for each v, as sd is 1-Lipschitz;
-//   (3) depth(v) of a corner is reached.
+//   (3) depth(v) of a corner is reached;
+//   (4) a triangle that crosses nothing of the surface is outside where one of its corners is.
 // Cells are halved across their longest edge until the largest upper bound exceeds the best depth by no more than the
 // accuracy asked for. (2) removes what is outside without looking at it twice.
 #pragma once
@@ -20,10 +25,20 @@
 
 namespace clod
 {
+// What is known of the depth at a point.
+struct DepthSample
+{
+	double upper;        // what stands there is no deeper, margin included
+	double lower;        // some point of the surface it stands for is as deep
+	double depth;        // < 0 outside
+	double distance;     // from the nearest face, >= 0
+	std::uint32_t face;  // that one
+};
+
 struct DepthCell
 {
-	Triangle triangle;           // in the frame of the surface
-	SignedDistance distance[3];  // of the corners
+	Triangle triangle;      // in the frame of the surface
+	DepthSample corner[3];  // at its corners
 	double upper;
 	std::uint32_t group;  // the surface's own: which faces may be near
 	bool operator<(const DepthCell& other) const { return upper < other.upper; }
@@ -32,8 +47,9 @@ struct DepthCell
 struct DepthBound
 {
 	double lower = 0, upper = 0;  // the deepest point's depth lies between
-	Vec3 witness;                 // a point at depth lower, frame of the surface
-	bool found = false;           // witness is set
+	double deepest = 0;           // the largest depth met, without margins
+	double sampled = 0;           // the largest upper bound at a point: `upper` cannot be smaller
+	bool found = false;           // lower was reached
 };
 
 struct DepthAccuracy
@@ -43,8 +59,12 @@ struct DepthAccuracy
 	double enough = std::numeric_limits<double>::infinity();  // a depth that need not be known better
 };
 
-// Surface: SignedDistance signedDistance(group, point); Triangle triangle(face); faces are numbered by the surface;
-//          std::uint32_t across(face, edge): the face beyond an edge, kNone where it is not known.
+// Surface: DepthSample sample(group, point, hint, const DepthBound& known): exact as far as it would change what is
+// known;
+//          hint: a face that may be near, kNone;
+//          Triangle triangle(face); faces are numbered by the surface; double margin(group, face); double
+//          leastMargin(group), a lower bound of them; double outside(group, triangle): (4), infinite where the surface
+//          may be crossed; std::uint32_t across(face, edge): the face beyond an edge, kNone where it is not known.
 template <class Surface>
 class DepthSearch
 {
@@ -58,36 +78,54 @@ public:
 	// A depth reached already: what is not deeper by more than the accuracy is not looked at.
 	void startFrom(const DepthBound& known) { m_best = known; }
 
-	void add(std::uint32_t group, const Triangle& triangle)
+	DepthSample sample(std::uint32_t group, const Vec3& point, std::uint32_t hint)
 	{
-		DepthCell cell{triangle, {}, 0, group};
-		for (int i = 0; i < 3; ++i) cell.distance[i] = m_surface.signedDistance(group, triangle.corner[i]);
+		const DepthSample here = m_surface.sample(group, point, hint, m_best);
+		m_best.deepest = std::max(m_best.deepest, here.depth);
+		m_best.sampled = std::max(m_best.sampled, here.upper);
+		if (here.depth < 0 || (m_best.found && here.lower <= m_best.lower)) return here;
+		m_best.lower = std::max(m_best.lower, here.lower);
+		m_best.found = m_best.found || here.lower >= 0;
+		return here;
+	}
+	// The samples are those of its corners.
+	void add(std::uint32_t group, const Triangle& triangle, const DepthSample& first, const DepthSample& second,
+			 const DepthSample& third)
+	{
+		DepthCell cell{triangle, {first, second, third}, 0, group};
 		push(cell);
+	}
+	// Instead of adding what is known to be no deeper. False: it is not shallow enough for that.
+	bool drop(double upper)
+	{
+		if (upper > threshold()) return false;
+		m_dropped = std::max(m_dropped, upper);
+		return true;
 	}
 	// What is no deeper than this need not be added.
 	double threshold() const
 	{
-		return m_best.lower + std::max(m_accuracy.absolute, m_accuracy.relative * m_best.lower);
+		return m_best.sampled + std::max(m_accuracy.absolute, m_accuracy.relative * m_best.lower);
 	}
 
-	// Is the best depth so large that no better one is asked for?
-	bool enough() const { return m_best.lower >= m_accuracy.enough; }
+	// Is the largest depth such that no larger one is asked for?
+	bool enough() const { return m_best.deepest >= m_accuracy.enough; }
 
 	DepthBound run()
 	{
 		std::size_t cells = 0;
-		double upper = m_best.lower;
+		double undecided = 0;
 		while (!m_heap.empty())
 		{
 			std::pop_heap(m_heap.begin(), m_heap.end());
 			const DepthCell cell = m_heap.back();
 			m_heap.pop_back();
-			upper = std::max(m_best.lower, cell.upper);
+			undecided = cell.upper;
 			if (cell.upper <= threshold() || enough() || ++cells > m_accuracy.cellLimit) break;
 			halve(cell);
-			upper = m_best.lower;
+			undecided = 0;
 		}
-		m_best.upper = std::max({upper, m_dropped, m_best.lower});
+		m_best.upper = std::max({m_best.upper, m_best.sampled, undecided, m_dropped});
 		return m_best;
 	}
 
@@ -107,55 +145,51 @@ private:
 		}
 		const int next = (longest + 1) % 3;
 		const Vec3 middle = 0.5 * (cell.triangle.corner[longest] + cell.triangle.corner[next]);
-		const SignedDistance distance = m_surface.signedDistance(cell.group, middle);
+		const DepthSample here = sample(cell.group, middle, cell.corner[longest].face);
 		for (const int replaced : {longest, next})
 		{
 			DepthCell half = cell;
 			half.triangle.corner[replaced] = middle;
-			half.distance[replaced] = distance;
+			half.corner[replaced] = here;
 			push(half);
 		}
 	}
 
 	void push(DepthCell& cell)
 	{
-		for (int i = 0; i < 3; ++i)
-		{
-			if (-cell.distance[i].distance <= m_best.lower && m_best.found) continue;
-			if (cell.distance[i].distance > 0) continue;
-			m_best.lower = std::max(m_best.lower, -cell.distance[i].distance);
-			m_best.witness = cell.triangle.corner[i];
-			m_best.found = true;
-		}
 		cell.upper = upperBound(cell);
-		if (cell.upper > threshold())
-		{
-			m_heap.push_back(cell);
-			std::push_heap(m_heap.begin(), m_heap.end());
-		}
-		else
-			m_dropped = std::max(m_dropped, cell.upper);
+		if (drop(cell.upper)) return;
+		m_heap.push_back(cell);
+		std::push_heap(m_heap.begin(), m_heap.end());
 	}
 	double upperBound(const DepthCell& cell)
 	{
 		const Vec3* corner = cell.triangle.corner;
 		const double edge[3] = {length(corner[1] - corner[0]), length(corner[2] - corner[1]),
 								length(corner[0] - corner[2])};
-		double upper = -cell.distance[0].distance + std::max(edge[0], edge[2]);
-		upper = std::min(upper, -cell.distance[1].distance + std::max(edge[0], edge[1]));
-		upper = std::min(upper, -cell.distance[2].distance + std::max(edge[1], edge[2]));
-		for (int i = 0; i < 3 && upper > threshold(); ++i)
+		double upper = cell.corner[0].upper + std::max(edge[0], edge[2]);
+		upper = std::min(upper, cell.corner[1].upper + std::max(edge[0], edge[1]));
+		upper = std::min(upper, cell.corner[2].upper + std::max(edge[1], edge[2]));
+		const bool isOutside =
+			std::any_of(cell.corner, cell.corner + 3, [](const DepthSample& c) { return c.depth <= 0; });
+		if (isOutside && upper > threshold()) upper = std::min(upper, m_surface.outside(cell.group, cell.triangle));
+		// (1') at a corner is no less than its distance from the nearest face.
+		const double least = m_surface.leastMargin(cell.group) +
+							 std::max({cell.corner[0].distance, cell.corner[1].distance, cell.corner[2].distance});
+		for (int i = 0; i < 3 && upper > threshold() && least < threshold(); ++i)
 		{
-			const std::uint32_t face = cell.distance[i].face;
-			if ((i > 0 && face == cell.distance[0].face) || (i > 1 && face == cell.distance[1].face)) continue;
-			upper = std::min(upper, overPrism(cell.triangle, face, upper));
+			const std::uint32_t face = cell.corner[i].face;
+			if ((i > 0 && face == cell.corner[0].face) || (i > 1 && face == cell.corner[1].face)) continue;
+			upper = std::min(upper, overPrism(cell, face, upper));
 		}
 		return upper;
 	}
 
 	// Upper bound (1'), never above that of (1) for the same face. Stops once it is no better than `useful`.
-	double overPrism(const Triangle& cell, std::uint32_t face, double useful)
+	double overPrism(const DepthCell& whole, std::uint32_t face, double useful)
 	{
+		const Triangle& cell = whole.triangle;
+		const double margin = m_surface.margin(whole.group, face);
 		const Triangle base = m_surface.triangle(face);
 		const Vec3 normal = cross(base.corner[1] - base.corner[0], base.corner[2] - base.corner[0]);
 		Polygon over(cell);
@@ -168,12 +202,14 @@ private:
 			over = over.clipped(-outward, -offset);
 			if (beyond.count == 0) continue;
 			const std::uint32_t across = m_surface.across(face, edge);
-			double farthest = beyond.farthestFrom(base);
-			if (across != kNone) farthest = std::min(farthest, beyond.farthestFrom(m_surface.triangle(across)));
+			double farthest = margin + beyond.farthestFrom(base);
+			if (across != kNone)
+				farthest = std::min(
+					farthest, m_surface.margin(whole.group, across) + beyond.farthestFrom(m_surface.triangle(across)));
 			upper = std::max(upper, farthest);
 			if (upper >= useful) return useful;
 		}
-		return std::max(upper, over.farthestFrom(base));
+		return std::max(upper, margin + over.farthestFrom(base));
 	}
 
 	// A convex polygon: a triangle cut by at most three planes.

@@ -1,46 +1,21 @@
 // SPDX-License-Identifier: Zlib
-// One query in progress, from pose to result: traversal or refinement, contacts, gap, certificate; and what a pair's
-// cache holds between queries. README.md tells its life. Included by Query.cpp only.
+// One query in progress, from pose to result: traversal or refinement, contacts, gap, certificate. README.md tells its
+// life. Included by Query.cpp only.
 #pragma once
 #include <algorithm>
 #include <chrono>
 #include <limits>
-#include <vector>
 
-#include "clod/query/ClosestPair.h"
 #include "clod/query/ContactSink.h"
 #include "clod/query/GapCertificate.h"
-#include "clod/query/InsideTest.h"
-#include "clod/query/Query.h"
-#include "clod/query/Refinement.h"
+#include "clod/query/PairState.h"
 #include "clod/query/Traversal.h"
 
 namespace clod
 {
-struct PairCache::State
-{
-	const Hierarchy* a = nullptr;
-	const Hierarchy* b = nullptr;
-	std::uint64_t hashA = 0, hashB = 0;
-	bool filled = false;
-	Transform aFromB;
-	Settings settings;
-	double threshold = 0, maxError = 0;  // of the rule that the front was made with; StopRule::constantThreshold
-	RelativePose pose;
-	PairFront front;
-	InsideProbes probesA, probesB;
-	ClosestPairScratch closest;
-	PenetrationScratch penetration;
-	Refinement refinement;                // of a query under a budget
-	std::optional<QueryContext> planned;  // of a plan that no query has finished yet: aFromB and settings are its own
-	double microsecondsPerAnswer = 1;     // last seen: from the end of refinement to the end of the query
-	std::vector<std::uint32_t> order;
-	std::vector<Contact> unsorted, kept;
-	QueryResult last;
-};
-
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 inline constexpr double kDepthAccuracy = 1e-6;  // of the smaller radius: how exactly a depth is searched at least
+inline constexpr double kDepthShare = 0.3;  // of the deviations: a depth known better would not make the bound tighter
 
 using Clock = std::chrono::steady_clock;
 inline double microsecondsSince(Clock::time_point start)
@@ -180,11 +155,12 @@ private:
 											 : m_state.front.entries[0].state == PairState::kSeparated;
 	}
 
-	void sortContacts()
+	static bool before(const Contact& l, const Contact& r)
 	{
-		std::vector<Contact>& contacts = m_result.contacts;
-		const auto before = [](const Contact& l, const Contact& r)
-		{ return l.nodeA != r.nodeA ? l.nodeA < r.nodeA : l.nodeB < r.nodeB; };
+		return l.nodeA != r.nodeA ? l.nodeA < r.nodeA : l.nodeB < r.nodeB;
+	}
+	void sortPairs(std::vector<Contact>& contacts)
+	{
 		m_state.order.resize(contacts.size());
 		for (std::uint32_t i = 0; i < contacts.size(); ++i) m_state.order[i] = i;
 		std::sort(m_state.order.begin(), m_state.order.end(),
@@ -192,8 +168,12 @@ private:
 		m_state.unsorted.swap(contacts);
 		contacts.clear();
 		for (const std::uint32_t i : m_state.order) contacts.push_back(m_state.unsorted[i]);
+	}
+	void sortContacts()
+	{
+		sortPairs(m_result.contacts);
 		m_inputOnly = true;
-		for (const Contact& contact : contacts)
+		for (const Contact& contact : m_result.contacts)
 			m_inputOnly = m_inputOnly && m_context.a.node(contact.nodeA).childCount == 0 &&
 						  m_context.b.node(contact.nodeB).childCount == 0;
 	}
@@ -233,14 +213,16 @@ private:
 		}
 		if (hullsOverlap)
 		{
-			set(shallowGap(m_settings.tolerance, accuracy));
-			if (m_result.deep && m_settings.metric.maxError == kInfinity) lookDeeper(limit, accuracy);
+			if (m_inputOnly || m_settings.metric.maxError < kInfinity)
+				setDepth(nearDepth(m_result.contacts, m_settings.tolerance, accuracy), m_settings.tolerance, accuracy);
+			else
+				lookDeeper(limit, accuracy);
 			if (!m_result.deep) return;
 		}
 		if (m_settings.distance)
 		{
 			accuracy.cellLimit *= 10;
-			const Penetration whole = wholePenetration(m_context, accuracy, m_state.penetration, m_result.stats);
+			const DepthBound whole = wholePenetration(m_context, accuracy, m_state.penetration, m_result.stats);
 			set(gapBetween(-whole.upper, -whole.lower));
 			m_result.deep = true;
 			return;
@@ -248,36 +230,62 @@ private:
 		if (!hullsOverlap) set({-inside, kInfinity, true});
 	}
 
-	// The gap as far as the contacts within a tolerance prove it.
-	Gap shallowGap(double tolerance, DepthAccuracy accuracy)
+	// As far as pairs of nodes within a tolerance prove it.
+	DepthBound nearDepth(const std::vector<Contact>& near, double tolerance, DepthAccuracy accuracy)
 	{
 		accuracy.enough = tolerance;
-		const Penetration near =
-			nearPenetration(m_context, m_result.contacts, accuracy, m_state.penetration, m_result.stats);
-		return gapOverlapping(m_context, m_result.contacts, tolerance, near, m_state.penetration, m_result.stats);
+		return nearPenetration(m_context, near, m_inputOnly, accuracy, m_state.penetration, m_result.stats);
+	}
+	void setDepth(const DepthBound& depth, double tolerance, const DepthAccuracy& accuracy)
+	{
+		const double deepest = m_inputOnly ? depth.upper : depth.deepest + accuracy.absolute;
+		if (deepest < tolerance)
+			set(gapOverlapping(m_context, m_result.contacts, m_inputOnly, depth));
+		else
+			set({-depth.lower, kInfinity, true});
 	}
 
-	// Coarse hulls overlap by up to their deviations where the surfaces are apart: once more with the pairs within as
-	// much. The contact list stays.
-	void lookDeeper(double limit, const DepthAccuracy& accuracy)
+	// Coarse hulls overlap by up to their deviations where the surfaces are apart: the depth is searched among the
+	// pairs within as much, to a share of it. The contact list stays.
+	void lookDeeper(double limit, DepthAccuracy accuracy)
 	{
 		double deviation = 0;
 		for (const Contact& contact : m_result.contacts)
 			if (contact.upper <= 0)
 				deviation = std::max(deviation, double(m_context.a.node(contact.nodeA).deviation) +
 													double(m_context.b.node(contact.nodeB).deviation));
-		if (2 * deviation <= m_settings.tolerance) return;
-		m_state.kept = m_result.contacts;
-		m_result.contacts.clear();
-		const std::uint32_t front = m_result.stats.front, frontInner = m_result.stats.frontInner;
-		const double wider = m_settings.tolerance + 2 * deviation;
-		traverse(limit, wider);
-		sortContacts();
-		const Gap gap = shallowGap(wider, accuracy);
-		if (!gap.deep) set(gap);
-		m_result.contacts.swap(m_state.kept);
-		m_result.stats.front = front;
-		m_result.stats.frontInner = frontInner;
+		accuracy.absolute = std::max(accuracy.absolute, kDepthShare * deviation);
+		for (const double share : {0.5, 2.5})
+		{
+			const double tolerance = m_settings.tolerance + share * deviation;
+			traverseNear(limit, tolerance);
+			setDepth(nearDepth(m_state.near, tolerance, accuracy), tolerance, accuracy);
+			if (!m_result.deep) return;
+		}
+	}
+
+	// The pairs of nodes within a tolerance larger than that of the contacts.
+	void traverseNear(double limit, double tolerance)
+	{
+		const StopRule rule(m_context, m_settings.metric, limit);
+		NearPairs sink(m_context, tolerance, m_settings.tolerance, m_state.near, m_result.stats);
+		m_state.near.clear();
+		if (m_settings.budget.isLimited())
+			m_state.refinement.answer(sink);
+		else
+		{
+			const std::uint32_t front = m_result.stats.front, frontInner = m_result.stats.frontInner;
+			const TraversalSettings settings{rule, tolerance, m_settings.paper, false};
+			Traversal<NearPairs>(m_context, settings, m_state.nearFront, sink, m_result.stats).run();
+			m_result.stats.front = front;
+			m_result.stats.frontInner = frontInner;
+		}
+		sortPairs(m_state.near);
+		for (Contact& pair : m_state.near)
+		{
+			const auto known = std::lower_bound(m_result.contacts.begin(), m_result.contacts.end(), pair, before);
+			if (known != m_result.contacts.end() && !before(pair, *known)) pair = *known;
+		}
 	}
 
 	// Nothing within the tolerance: the closest accepted pair, then the certificate within its distance.

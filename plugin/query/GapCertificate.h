@@ -17,19 +17,16 @@
 //
 // Overlapping: depth = max( max over x in dA inside S_B of dist(x, dB), the same with A and B exchanged ), gap =
 // -depth.
-//   Level 0 on both sides: the search of Penetration.h bounds it by [lower, upper], and decides inside by the input
-//   surface. With coarser nodes, searched [lower, upper] over their real faces: gap >= -(upper + m), m = max over
-//   contacts of max( reach_a + surf_b, reach_b + surf_a ):
-//     the deepest x has x' on a real face of a within reach_a; some real face of B's gathered nodes is within `upper`
-//     of x', and dB within surf_b of that. Uses that a point the coarse faces call outside is outside: the assumption
-//     that the coarse surface and the input surface have the same side there.
-//   gap <= protrude_a + protrude_b of any overlapping pair: a common point of both hulls.
-//   gap <= -(depth - reach_b - surf_a), when the deepest point x' found on a is in a thickened hull b and depth >
-//   reach_b +
-//     protrude_b, depth its distance to all gathered faces: were x' outside S_B it would be within protrude_b of S_B,
-//     hence of dB, yet dB is within reach_b of the gathered faces, hence farther than depth - reach_b. So x' is inside
-//     by depth - reach_b; dA is within surf_a of x', and depth is 1-Lipschitz.
-// The depth must be below the tolerance: what is deeper has faces outside the contact list.
+//   Every x of dA is within reach_a of a real face of some node a near B; the search of Penetration.h runs over those
+//   faces, and bounds the depth of what they stand for:
+//     some real face of B's gathered nodes is no farther from x' than its distance d, and dB within surf_b of it, so x
+//     is no deeper than d + reach_a + surf_b. Uses that a point the coarse faces call outside is outside: the
+//     assumption that the coarse surface and the input surface have the same side there. Where the input surface of B
+//     itself was asked, with the depth d of x' in S_B: x is no deeper than d + reach_a, as sd is 1-Lipschitz. dA is
+//     within surf_a of x', so that some point of it is at least d - surf_a deep.
+//   With level 0 on both sides all of these are 0, and the faces are the input surface.
+//   gap <= upper_ab + protrude_a + protrude_b of any contact, as above; a common point of both hulls has upper_ab = 0.
+// The depth must be below the tolerance: what is deeper has faces outside the list.
 #pragma once
 #include "clod/query/Penetration.h"
 
@@ -44,9 +41,9 @@ struct Gap
 // contacts not empty, none overlaps. largestCover: of accepted pairs that are no contacts.
 Gap gapApart(const QueryContext& context, const std::vector<Contact>& contacts, double tolerance, double largestCover);
 
-// contacts sorted, not empty, some overlap.
-Gap gapOverlapping(const QueryContext& context, const std::vector<Contact>& contacts, double tolerance,
-				   const Penetration& penetration, PenetrationScratch& scratch, QueryStats& stats);
+// contacts not empty, some overlap. inputOnly: all are of level 0.
+Gap gapOverlapping(const QueryContext& context, const std::vector<Contact>& contacts, bool inputOnly,
+				   const DepthBound& depth);
 
 // The gap is in [low, high].
 Gap gapBetween(double low, double high);

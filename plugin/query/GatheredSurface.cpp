@@ -21,7 +21,7 @@ std::uint32_t slotOf(const ContactSide& side, std::uint32_t node)
 	return std::uint32_t(found - side.slots.begin());
 }
 
-void collectSlots(const std::vector<Contact>& contacts, bool isA, ContactSide& side)
+void collectSlots(const std::vector<Contact>& contacts, bool isA, const Hierarchy& other, ContactSide& side)
 {
 	side.order.resize(contacts.size());
 	for (std::uint32_t i = 0; i < contacts.size(); ++i) side.order[i] = i;
@@ -36,10 +36,12 @@ void collectSlots(const std::vector<Contact>& contacts, bool isA, ContactSide& s
 		const Contact& contact = contacts[side.order[i]];
 		const std::uint32_t node = nodeOf(contact, isA);
 		if (side.slots.empty() || side.slots.back().node != node)
-			side.slots.push_back({node, i, 0, 0, 0, side.order[i], false, false});
+			side.slots.push_back({node, i, 0, 0, 0, side.order[i], 0, {}, 0, false, false});
 		ContactSide::Slot& slot = side.slots.back();
 		++slot.partnerCount;
 		slot.overlaps |= contact.upper <= 0;
+		const Node& partner = other.node(nodeOf(contact, !isA));
+		slot.apart = std::max(slot.apart, side.hierarchy->node(node).reach + double(partner.surf) - contact.lower);
 		if (contact.upper < contacts[slot.nearest].upper) slot.nearest = side.order[i];
 	}
 }
@@ -48,32 +50,51 @@ void collectSlots(const std::vector<Contact>& contacts, bool isA, ContactSide& s
 void ContactSide::gather(Slot& slot)
 {
 	const Node& owner = hierarchy->node(slot.node);
+	const ConvexHull thickened = contactHull(*hierarchy, owner);
+	const HullView& hull = thickened.vertices;
 	slot.gathered = true;
 	slot.firstFace = std::uint32_t(faces.size());
 	slot.faceCount = owner.faceCount;
 	for (std::uint32_t i = 0; i < owner.faceCount; ++i)
 	{
-		GatheredFace face;
+		GatheredFace face{};
 		face.triangle = triangleOf(*hierarchy, owner, hierarchy->faces(owner)[i]);
 		face.level = owner.level;
 		face.face = owner.firstFace + i;
+		face.surf = double(owner.surf);
 		const Vec3* corner = face.triangle.corner;
 		face.center = (1.0 / 3) * (corner[0] + corner[1] + corner[2]);
 		double squared = 0;
 		for (int k = 0; k < 3; ++k) squared = std::max(squared, lengthSquared(corner[k] - face.center));
 		face.radius = std::sqrt(squared);
+		// Shorter than a unit by more than rounding: along it nothing looks farther than it is. None of a sliver.
+		const Vec3 normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
+		const double area = length(normal);
+		if (area > 1e-5 * squared) face.normal = ((1 - 1e-9) / area) * normal;
+		for (std::uint32_t k = 0; k < hull.count; ++k)
+			face.top = std::max(face.top, dot(face.normal, hull.vertex(k) - face.center));
+		face.top += std::max(0.0, dot(face.normal, thickened.sweep));
 		faces.push_back(face);
 	}
+	for (std::uint32_t i = 0; i < hull.count; ++i) slot.center += (1.0 / hull.count) * hull.vertex(i);
+	double squared = 0;
+	for (std::uint32_t i = 0; i < hull.count; ++i)
+		squared = std::max(squared, lengthSquared(hull.vertex(i) - slot.center));
+	slot.radius = (1 + 1e-12) * std::sqrt(squared);
 }
 
 void gatherSides(const QueryContext& context, const std::vector<Contact>& contacts, ContactSide& a, ContactSide& b)
 {
 	a.hierarchy = &context.a;
 	b.hierarchy = &context.b;
-	collectSlots(contacts, true, a);
-	collectSlots(contacts, false, b);
-	a.partners.resize(contacts.size());
-	b.partners.resize(contacts.size());
+	collectSlots(contacts, true, context.b, a);
+	collectSlots(contacts, false, context.a, b);
+	for (ContactSide* side : {&a, &b})
+	{
+		side->partners.resize(contacts.size());
+		side->apart.resize(contacts.size());
+		for (std::uint32_t i = 0; i < contacts.size(); ++i) side->apart[i] = contacts[side->order[i]].lower;
+	}
 	for (std::uint32_t i = 0; i < contacts.size(); ++i)
 	{
 		a.partners[i] = slotOf(b, contacts[a.order[i]].nodeB);
@@ -84,32 +105,97 @@ void gatherSides(const QueryContext& context, const std::vector<Contact>& contac
 void GatheredSurface::scan(ContactSide::Slot& slot, const Vec3& point)
 {
 	if (!slot.gathered) m_other.gather(slot);
+	const double reach = m_distance + slot.radius;
+	if (lengthSquared(point - slot.center) > reach * reach) return;
 	for (std::uint32_t i = slot.firstFace; i < slot.firstFace + slot.faceCount; ++i)
 	{
 		const GatheredFace& face = m_other.faces[i];
-		const double reach = m_distance + face.radius;
-		if (lengthSquared(point - face.center) > reach * reach) continue;
-		const NearestOnTriangle here = nearestOnTriangle(face.triangle, point);
-		if (here.squared >= m_distance * m_distance) continue;
-		m_distance = std::sqrt(here.squared);
-		m_point = here.point;
-		m_face = i;
-		m_feature = here.feature;
+		const double within = m_distance + face.radius;
+		const Vec3 offset = point - face.center;
+		if (lengthSquared(offset) <= within * within && std::abs(dot(offset, face.normal)) <= m_distance)
+			meet(i, point);
 	}
 }
 
-SignedDistance GatheredSurface::signedDistance(std::uint32_t group, const Vec3& point)
+// How far the triangle is above the thickened hull of a node, along the normal of one of its faces. > 0: they are
+// apart.
+double GatheredSurface::above(ContactSide::Slot& slot, const Triangle& triangle)
+{
+	if (!slot.gathered) m_other.gather(slot);
+	double best = -std::numeric_limits<double>::infinity();
+	for (std::uint32_t i = slot.firstFace; i < slot.firstFace + slot.faceCount; ++i)
+	{
+		const GatheredFace& face = m_other.faces[i];
+		double lowest = std::numeric_limits<double>::infinity();
+		for (const Vec3& corner : triangle.corner) lowest = std::min(lowest, dot(face.normal, corner - face.center));
+		best = std::max(best, lowest - face.top);
+	}
+	return best;
+}
+
+double GatheredSurface::outside(std::uint32_t group, const Triangle& triangle)
+{
+	const ContactSide::Slot& own = m_own.slots[group];
+	double upper = 0;
+	for (std::uint32_t i = own.firstPartner; i < own.firstPartner + own.partnerCount; ++i)
+	{
+		const std::uint32_t partner = m_own.partners[i];
+		double apart = m_own.apart[i];
+		if (!(apart > 0)) apart = above(m_other.slots[partner], triangle);
+		if (!(apart > 0)) return std::numeric_limits<double>::infinity();
+		const Node& node = m_other.hierarchy->node(m_other.slots[partner].node);
+		upper = std::max(upper, double(nodeOf(group).reach) + double(node.surf) - apart);
+	}
+	return kUp * upper;
+}
+
+// The slot that is nearest by its ball first: most of the others are then too far.
+void GatheredSurface::scanAll(const Vec3& point)
+{
+	std::uint32_t nearest = 0;
+	double least = std::numeric_limits<double>::infinity();
+	for (std::uint32_t i = 0; i < m_other.slots.size(); ++i)
+	{
+		ContactSide::Slot& slot = m_other.slots[i];
+		if (!slot.gathered) m_other.gather(slot);
+		const double outside = lengthSquared(point - slot.center) - slot.radius * slot.radius;
+		if (outside >= least) continue;
+		least = outside;
+		nearest = i;
+	}
+	scan(m_other.slots[nearest], point);
+	for (std::uint32_t i = 0; i < m_other.slots.size(); ++i)
+		if (i != nearest) scan(m_other.slots[i], point);
+}
+
+void GatheredSurface::meet(std::uint32_t face, const Vec3& point)
+{
+	const NearestOnTriangle here = nearestOnTriangle(m_other.faces[face].triangle, point);
+	if (here.squared >= m_distance * m_distance) return;
+	m_distance = std::sqrt(here.squared);
+	m_point = here.point;
+	m_face = face;
+	m_feature = here.feature;
+}
+
+SignedDistance GatheredSurface::signedDistance(std::uint32_t group, const Vec3& point, std::uint32_t hint)
 {
 	++m_stats.pointQueries;
 	m_distance = std::numeric_limits<double>::infinity();
+	if (hint != kNone) meet(hint, point);
 	const ContactSide::Slot& own = m_own.slots[group];
-	for (std::uint32_t i = 0; i < own.partnerCount; ++i)
-		scan(m_other.slots[m_own.partners[own.firstPartner + i]], point);
+	if (m_inputOnly)
+		for (std::uint32_t i = 0; i < own.partnerCount; ++i)
+			scan(m_other.slots[m_own.partners[own.firstPartner + i]], point);
+	else
+		scanAll(point);
 	const GatheredFace& nearest = m_other.faces[m_face];
 	const Vec3 normal = pseudonormal(*m_other.hierarchy, nearest.level, nearest.face, m_feature);
 	const bool outside = dot(point - m_point, normal) >= 0;
 	if (!outside && m_distance >= m_tolerance)
-		return {distanceToInput(*m_other.hierarchy, point, m_stats.boxTests).distance, m_face, m_feature};
+		return {
+			distanceToInput(*m_other.hierarchy, point, m_stats.boxTests, kUp * (m_distance + nearest.surf)).distance,
+			m_face, m_feature};
 	return {outside ? m_distance : -m_distance, m_face, m_feature};
 }
 
@@ -126,11 +212,19 @@ std::uint32_t GatheredSurface::across(std::uint32_t face, int edge) const
 	return slot.firstFace + (neighbour - m_other.hierarchy->node(owner).firstFace);
 }
 
-double GatheredSurface::distanceToAll(const Vec3& point)
+DepthSample GatheredSurface::sample(std::uint32_t group, const Vec3& point, std::uint32_t hint, const DepthBound& known)
 {
+	const SignedDistance near = signedDistance(group, point, hint);
+	const double surf = double(nodeOf(group).surf);
+	DepthSample here{margin(group, near.face) - near.distance, -near.distance - kUp * surf, -near.distance,
+					 std::abs(near.distance), near.face};
+	const bool decides = here.depth > 0 && (here.upper > known.sampled || here.lower > known.lower);
+	if (m_inputOnly || !decides) return here;
 	++m_stats.pointQueries;
-	m_distance = std::numeric_limits<double>::infinity();
-	for (ContactSide::Slot& slot : m_other.slots) scan(slot, point);
-	return m_distance;
+	const double within = kUp * (here.distance + m_other.faces[near.face].surf);
+	here.depth = -distanceToInput(*m_other.hierarchy, point, m_stats.boxTests, within).distance;
+	here.upper = std::min(here.upper, here.depth + kUp * double(nodeOf(group).reach));
+	here.lower = here.depth - kUp * surf;
+	return here;
 }
 }  // namespace clod

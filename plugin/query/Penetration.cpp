@@ -27,46 +27,93 @@ Mover intoA(const RelativePose& pose)
 	return {pose.rotation, pose.translation};
 }
 
-void merge(const DepthBound& side, bool onA, Penetration& result)
+// Searches the faces of the nodes of one side; the surface is that of the other body.
+class NearSearch
 {
-	result.upper = std::max(result.upper, side.upper);
-	if (!side.found || (result.found && side.lower <= result.lower)) return;
-	result.lower = side.lower;
-	result.witness = side.witness;
-	result.deepestOnA = onA;
-	result.found = true;
-}
-
-// Searches the faces of `own`; the surface is that of the other body.
-DepthBound searchNear(const ContactSide& own, bool ownIsA, const std::vector<Contact>& contacts, const Mover& intoOther,
-					  GatheredSurface& surface, DepthSearch<GatheredSurface>& search)
-{
-	for (std::uint32_t i = 0; i < own.slots.size() && !search.enough(); ++i)
+public:
+	NearSearch(const ContactSide& own, bool ownIsA, const QueryContext& context, const std::vector<Contact>& near,
+			   GatheredSurface& surface, const DepthAccuracy& accuracy, PenetrationScratch& scratch)
+		: m_own(own),
+		  m_ownIsA(ownIsA),
+		  m_intoOther(ownIsA ? intoB(context.pose) : intoA(context.pose)),
+		  m_near(near),
+		  m_scratch(scratch),
+		  m_search(surface, accuracy, scratch.heap)
 	{
-		const ContactSide::Slot& slot = own.slots[i];
-		if (!slot.overlaps)
-		{
-			const Contact& nearest = contacts[slot.nearest];
-			const Vec3 point = ownIsA ? intoOther(nearest.pointOnA) : nearest.pointOnB;
-			if (surface.signedDistance(i, point).distance >= 0) continue;
-		}
-		const Node& node = own.hierarchy->node(slot.node);
-		for (const Face& face : own.hierarchy->faces(node))
-			search.add(i, intoOther(triangleOf(*own.hierarchy, node, face)));
 	}
-	return search.run();
-}
+
+	// All corners first, and those of overlapping hulls before others: most of the rest is then dropped at once.
+	DepthBound run(const DepthBound& known)
+	{
+		m_search.startFrom(known);
+		m_scratch.samples.clear();
+		m_scratch.searched.clear();
+		for (const bool overlaps : {true, false})
+			for (std::uint32_t i = 0; i < m_own.slots.size() && !m_search.enough(); ++i)
+				if (m_own.slots[i].overlaps == overlaps && (overlaps || !isShallow(i))) sampleCorners(i);
+		const DepthSample* corner = m_scratch.samples.data();
+		for (const std::uint32_t i : m_scratch.searched)
+		{
+			const Node& node = nodeOf(i);
+			for (const Face& face : m_own.hierarchy->faces(node))
+				m_search.add(i, m_intoOther(triangleOf(*m_own.hierarchy, node, face)), corner[face.vertex[0]],
+							 corner[face.vertex[1]], corner[face.vertex[2]]);
+			corner += node.vertexCount;
+		}
+		return m_search.run();
+	}
+
+private:
+	const Node& nodeOf(std::uint32_t slot) const { return m_own.hierarchy->node(m_own.slots[slot].node); }
+
+	// A hull that overlaps no other is wholly outside or wholly inside: one point tells.
+	bool isShallow(std::uint32_t i)
+	{
+		const Contact& nearest = m_near[m_own.slots[i].nearest];
+		const bool witness = nearest.upper < std::numeric_limits<double>::infinity();
+		const Vec3 point = !witness   ? m_intoOther(m_own.hierarchy->hull(nodeOf(i)).vertex(0))
+						   : m_ownIsA ? m_intoOther(nearest.pointOnA)
+									  : nearest.pointOnB;
+		return m_search.sample(i, point, kNone).depth <= 0 && m_search.drop(m_own.slots[i].apart);
+	}
+	void sampleCorners(std::uint32_t i)
+	{
+		m_scratch.searched.push_back(i);
+		const HullView hull = m_own.hierarchy->hull(nodeOf(i));
+		std::uint32_t hint = kNone;
+		for (std::uint32_t k = 0; k < hull.count; ++k)
+		{
+			m_scratch.samples.push_back(m_search.sample(i, m_intoOther(hull.vertex(k)), hint));
+			hint = m_scratch.samples.back().face;
+		}
+	}
+
+	const ContactSide& m_own;
+	const bool m_ownIsA;
+	const Mover m_intoOther;
+	const std::vector<Contact>& m_near;
+	PenetrationScratch& m_scratch;
+	DepthSearch<GatheredSurface> m_search;
+};
 
 // The input surface of a whole body (DepthSearch.h).
 class InputSurface
 {
 public:
 	InputSurface(const Hierarchy& hierarchy, QueryStats& stats) : m_hierarchy(hierarchy), m_stats(stats) {}
-	SignedDistance signedDistance(std::uint32_t, const Vec3& point)
+	SignedDistance signedDistance(const Vec3& point)
 	{
 		++m_stats.pointQueries;
 		return distanceToInput(m_hierarchy, point, m_stats.boxTests);
 	}
+	DepthSample sample(std::uint32_t, const Vec3& point, std::uint32_t, const DepthBound&)
+	{
+		const SignedDistance near = signedDistance(point);
+		return {-near.distance, -near.distance, -near.distance, std::abs(near.distance), near.face};
+	}
+	static double outside(std::uint32_t, const Triangle&) { return std::numeric_limits<double>::infinity(); }
+	static double leastMargin(std::uint32_t) { return 0; }
+	static double margin(std::uint32_t, std::uint32_t) { return 0; }
 	Triangle triangle(std::uint32_t face) const
 	{
 		return triangleOf(m_hierarchy, m_hierarchy.node(ownerOf(m_hierarchy, 0, face)), m_hierarchy.faces()[face]);
@@ -89,7 +136,7 @@ DepthBound searchWhole(const Hierarchy& own, const Mover& intoOther, InputSurfac
 	{
 		const CullBox& box = own.cullBox(node);
 		const Vec3 center = intoOther(Vec3{double(box.center[0]), double(box.center[1]), double(box.center[2])});
-		const double upper = box.radius - surface.signedDistance(0, center).distance;
+		const double upper = box.radius - surface.signedDistance(center).distance;
 		if (upper <= search.threshold())
 		{
 			dropped = std::max(dropped, upper);
@@ -107,7 +154,12 @@ DepthBound searchWhole(const Hierarchy& own, const Mover& intoOther, InputSurfac
 		scratch.tree.pop_back();
 		for (std::uint32_t i = 0; i < node.primaryChildCount; ++i) push(own.children(node)[i]);
 		for (std::uint32_t i = 0; node.childCount == 0 && i < node.faceCount; ++i)
-			search.add(0, intoOther(triangleOf(own, node, own.faces(node)[i])));
+		{
+			const Triangle triangle = intoOther(triangleOf(own, node, own.faces(node)[i]));
+			const DepthSample first = search.sample(0, triangle.corner[0], kNone),
+							  second = search.sample(0, triangle.corner[1], kNone);
+			search.add(0, triangle, first, second, search.sample(0, triangle.corner[2], kNone));
+		}
 	}
 	if (!scratch.tree.empty()) dropped = std::max(dropped, scratch.tree.front().upper);
 	DepthBound bound = search.run();
@@ -116,30 +168,21 @@ DepthBound searchWhole(const Hierarchy& own, const Mover& intoOther, InputSurfac
 }
 }  // namespace
 
-Penetration nearPenetration(const QueryContext& context, const std::vector<Contact>& contacts,
-							const DepthAccuracy& accuracy, PenetrationScratch& scratch, QueryStats& stats)
+DepthBound nearPenetration(const QueryContext& context, const std::vector<Contact>& near, bool inputOnly,
+						   const DepthAccuracy& accuracy, PenetrationScratch& scratch, QueryStats& stats)
 {
-	gatherSides(context, contacts, scratch.a, scratch.b);
-	Penetration result;
-	GatheredSurface ofB(scratch.a, scratch.b, accuracy.enough, stats),
-		ofA(scratch.b, scratch.a, accuracy.enough, stats);
-	DepthSearch<GatheredSurface> searchA(ofB, accuracy, scratch.heap);
-	const DepthBound boundA = searchNear(scratch.a, true, contacts, intoB(context.pose), ofB, searchA);
-	merge(boundA, true, result);
-	DepthSearch<GatheredSurface> searchB(ofA, accuracy, scratch.heap);
-	searchB.startFrom(boundA);
-	merge(searchNear(scratch.b, false, contacts, intoA(context.pose), ofA, searchB), false, result);
-	return result;
+	gatherSides(context, near, scratch.a, scratch.b);
+	GatheredSurface ofB(scratch.a, scratch.b, inputOnly, accuracy.enough, stats),
+		ofA(scratch.b, scratch.a, inputOnly, accuracy.enough, stats);
+	const DepthBound ofSideA = NearSearch(scratch.a, true, context, near, ofB, accuracy, scratch).run({});
+	return NearSearch(scratch.b, false, context, near, ofA, accuracy, scratch).run(ofSideA);
 }
 
-Penetration wholePenetration(const QueryContext& context, const DepthAccuracy& accuracy, PenetrationScratch& scratch,
-							 QueryStats& stats)
+DepthBound wholePenetration(const QueryContext& context, const DepthAccuracy& accuracy, PenetrationScratch& scratch,
+							QueryStats& stats)
 {
-	Penetration result;
 	InputSurface ofA(context.a, stats), ofB(context.b, stats);
 	const DepthBound boundA = searchWhole(context.a, intoB(context.pose), ofB, {}, accuracy, scratch);
-	merge(boundA, true, result);
-	merge(searchWhole(context.b, intoA(context.pose), ofA, boundA, accuracy, scratch), false, result);
-	return result;
+	return searchWhole(context.b, intoA(context.pose), ofA, boundA, accuracy, scratch);
 }
 }  // namespace clod

@@ -57,9 +57,7 @@ void followMotion(const QueryContext& context, const Settings& settings, PairCac
 							state.hashB == context.b.contentHash();
 	if (!sameBodies)
 	{
-		state.front.clear();
-		state.probesA.clear();
-		state.probesB.clear();
+		state.clearFronts();
 		state.a = &context.a;
 		state.b = &context.b;
 		state.hashA = context.a.contentHash();
@@ -69,16 +67,16 @@ void followMotion(const QueryContext& context, const Settings& settings, PairCac
 	else if (state.filled)
 	{
 		const double motion = motionBound(state.pose, context.pose, context.reachA, context.reachB);
-		state.front.move(motion + sweepChange(state.pose, state.settings.sweep, context.pose, context.sweep, motion,
-											  context.reachB));
+		const double change =
+			sweepChange(state.pose, state.settings.sweep, context.pose, context.sweep, motion, context.reachB);
+		state.front.move(motion + change);
+		state.nearFront.move(motion + change);
 		const bool otherTree = state.settings.metric.exact != settings.metric.exact ||
 							   state.settings.paper != settings.paper ||
 							   state.settings.budget.isLimited() != settings.budget.isLimited();
 		if (otherTree || !(state.front.motion < 1e5 * context.size))
 		{
-			state.front.clear();
-			state.probesA.clear();
-			state.probesB.clear();
+			state.clearFronts();
 		}
 	}
 	state.pose = context.pose;

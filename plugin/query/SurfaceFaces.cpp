@@ -102,7 +102,7 @@ Vec3 pseudonormal(const Hierarchy& hierarchy, std::uint32_t level, std::uint32_t
 	return across == kNone ? normalOf(nearest) : normalOf(nearest) + normalOf(hierarchy.faces()[across]);
 }
 
-SignedDistance distanceToInput(const Hierarchy& hierarchy, const Vec3& point, std::uint32_t& visited)
+SignedDistance distanceToInput(const Hierarchy& hierarchy, const Vec3& point, std::uint32_t& visited, double within)
 {
 	struct Candidate
 	{
@@ -114,8 +114,9 @@ SignedDistance distanceToInput(const Hierarchy& hierarchy, const Vec3& point, st
 	stack.clear();
 	stack.reserve(kDepth);
 	stack.push_back({0, hierarchy.root()});
-	double best = std::numeric_limits<double>::infinity();
-	SignedDistance result{best, 0, 6};
+	// Room for rounding; what is farther is not looked for.
+	double best = 1.0001 * within * within;
+	SignedDistance result{best, kNone, 6};
 	Vec3 nearest;
 	while (!stack.empty())
 	{
@@ -146,6 +147,7 @@ SignedDistance distanceToInput(const Hierarchy& hierarchy, const Vec3& point, st
 				  [](const Candidate& l, const Candidate& r)
 				  { return l.distance != r.distance ? l.distance > r.distance : l.node > r.node; });
 	}
+	if (result.face == kNone) return distanceToInput(hierarchy, point, visited);
 	const Vec3 normal = pseudonormal(hierarchy, 0, result.face, result.feature);
 	result.distance = dot(point - nearest, normal) >= 0 ? std::sqrt(best) : -std::sqrt(best);
 	return result;

@@ -8,6 +8,8 @@
 // Based on: Ericson, Real-Time Collision Detection, sec. 5.1.5; Baerentzen & Aanaes, "Signed distance computation using
 // the angle weighted pseudonormal", 2005.
 #pragma once
+#include <limits>
+
 #include "clod/hierarchy/Hierarchy.h"
 
 namespace clod
@@ -46,6 +48,8 @@ struct SignedDistance
 };
 
 // Distance of a point (body frame) to the input surface, negative inside. Searches level 0 through the culling boxes of
-// the tree; visited counts the boxes. Cost: some tens of boxes and faces.
-SignedDistance distanceToInput(const Hierarchy& hierarchy, const Vec3& point, std::uint32_t& visited);
+// the tree; visited counts the boxes. within: the surface is known to be no farther. Cost: some tens of boxes and
+// faces, many more where the surface is far and nothing is known.
+SignedDistance distanceToInput(const Hierarchy& hierarchy, const Vec3& point, std::uint32_t& visited,
+							   double within = std::numeric_limits<double>::infinity());
 }  // namespace clod

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Zlib
+// What a pair's cache holds between queries. Included by Query.cpp and Evaluation.h only.
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "clod/query/ClosestPair.h"
+#include "clod/query/InsideTest.h"
+#include "clod/query/PairFront.h"
+#include "clod/query/Penetration.h"
+#include "clod/query/Query.h"
+#include "clod/query/Refinement.h"
+
+namespace clod
+{
+struct PairCache::State
+{
+	const Hierarchy* a = nullptr;
+	const Hierarchy* b = nullptr;
+	std::uint64_t hashA = 0, hashB = 0;
+	bool filled = false;
+	Transform aFromB;
+	Settings settings;
+	double threshold = 0, maxError = 0;  // of the rule that the front was made with; StopRule::constantThreshold
+	RelativePose pose;
+	PairFront front;
+	InsideProbes probesA, probesB;
+	ClosestPairScratch closest;
+	PenetrationScratch penetration;
+	Refinement refinement;                // of a query under a budget
+	std::optional<QueryContext> planned;  // of a plan that no query has finished yet: aFromB and settings are its own
+	double microsecondsPerAnswer = 1;     // last seen: from the end of refinement to the end of the query
+	PairFront nearFront;                  // of the walk for an overlap's depth
+	std::vector<Contact> near;            // what it found
+	std::vector<std::uint32_t> order;
+	std::vector<Contact> unsorted;
+	QueryResult last;
+
+	void clearFronts()
+	{
+		front.clear();
+		nearFront.clear();
+		probesA.clear();
+		probesB.clear();
+	}
+};
+}  // namespace clod
