@@ -275,8 +275,8 @@ private:
 		else
 		{
 			const std::uint32_t front = m_result.stats.front, frontInner = m_result.stats.frontInner;
-			const TraversalSettings settings{rule, tolerance, m_settings.paper, false};
-			Traversal<NearPairs>(m_context, settings, m_state.nearFront, sink, m_result.stats).run();
+			const TraversalSettings settings{rule, tolerance, m_settings.paper, rule.hasConstantThreshold()};
+			Traversal<NearPairs>(m_context, settings, m_state.front, sink, m_result.stats).run();
 			m_result.stats.front = front;
 			m_result.stats.frontInner = frontInner;
 		}

@@ -30,8 +30,7 @@ struct PairCache::State
 	Refinement refinement;                // of a query under a budget
 	std::optional<QueryContext> planned;  // of a plan that no query has finished yet: aFromB and settings are its own
 	double microsecondsPerAnswer = 1;     // last seen: from the end of refinement to the end of the query
-	PairFront nearFront;                  // of the walk for an overlap's depth
-	std::vector<Contact> near;            // what it found
+	std::vector<Contact> near;            // what the walk for an overlap's depth found
 	std::vector<std::uint32_t> order;
 	std::vector<Contact> unsorted;
 	QueryResult last;
@@ -39,7 +38,6 @@ struct PairCache::State
 	void clearFronts()
 	{
 		front.clear();
-		nearFront.clear();
 		probesA.clear();
 		probesB.clear();
 	}

@@ -71,6 +71,8 @@ public:
 		return m_threshold.isConstant() ? m_threshold.constant() : std::numeric_limits<double>::quiet_NaN();
 	}
 
+	bool hasConstantThreshold() const { return m_threshold.isConstant(); }
+
 	// s*_ab = max(f_a, f_b) / D_ab with 1 / D_ab = 1 / D_a + 1 / D_b (eq. 3).
 	static double weightedDeviation(const Node& a, const Node& b)
 	{
