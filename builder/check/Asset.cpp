@@ -8,6 +8,7 @@
 #include <set>
 #include <tuple>
 
+#include "builder/check/Rounding.h"
 #include "builder/check/Subject.h"
 
 namespace clod::check
@@ -31,6 +32,14 @@ Invariant bounds(const Subject& s)
 		}
 		tally.add(i, excess, fmt::format("node {}: its hull leaves the asset's bounds by {:.3g}", i, excess));
 	}
+	Box box;
+	for (std::uint32_t i = 0; i < s.h.nodes().size; ++i)
+		for (const Vec3& p : s.thickHull(i)) box.add(p);
+	bool tight = true;
+	for (int k = 0; k < 3; ++k)
+		tight = tight && isNextBelow(a.boxMin[k], box.low[k], 0) &&
+				isNextAbove(a.boxMax[k], box.high[k], 0);
+	tally.add(s.h.nodes().size, tight ? 0 : 1, "the asset's box is larger than its hulls");
 	return tally.result();
 }
 

@@ -11,8 +11,8 @@ std::vector<Invariant> checkHierarchy(const Hierarchy& hierarchy, const Options&
 {
 	const Subject subject(hierarchy, options);
 	std::vector<Invariant> all;
-	for (const auto group : {checkGraph, checkSurfaces, checkAsset, checkGiven, checkConvexity, checkCulling,
-							 checkDeviation, checkCoverage})
+	for (const auto group : {checkGraph, checkSurfaces, checkAsset, checkGiven, checkLocalNumbers, checkWalls,
+							 checkConvexity, checkCulling, checkDeviation, checkCoverage})
 	{
 		const std::vector<Invariant> found = group(subject);
 		all.insert(all.end(), found.begin(), found.end());

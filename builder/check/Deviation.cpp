@@ -4,8 +4,8 @@
 // surf: over a triangle the distance to one input triangle is convex, hence largest at a corner; triangles are
 // quartered until that settles it. protrude: the hull, moved by an affine map that shifts no point farther than the
 // bound, meets no input face and has a point inside, so it lies in the solid; where no map of a small family does that,
-// tetrahedra are halved under the Lipschitz bound. A sample beyond the bound is a violation; a node settled by neither
-// is undecided.
+// tetrahedra are halved under the Lipschitz bound or until maps of their own do it. A sample beyond the bound is a
+// violation; a node settled by neither is undecided.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -152,6 +152,29 @@ private:
 		const double lipschitz = std::max(0.0, (inside ? -nearest.distance : nearest.distance) + reach);
 		return std::min(lipschitz, toTriangle);
 	}
+	// A cell whose corners can all be moved, none farther than the bound and each straight to where the solid is
+	// deeper, so that the moved cell meets no input face and has a point inside.
+	bool isCarriedInside(const std::array<Vec3, 4>& corner) const
+	{
+		std::vector<Vec3> image;
+		Vec3 center;
+		for (const Vec3& p : corner)
+		{
+			const TriangleTree::Nearest nearest = m_solid.surface().nearest(p);
+			const Triangle& t = m_solid.surface().triangles()[nearest.triangle];
+			const Vec3 foot = nearestOn(t, p), face = normalized(cross(t[1] - t[0], t[2] - t[0]));
+			const bool inside = m_solid.holds(p);
+			const double signedDistance = inside ? -nearest.distance : nearest.distance;
+			Vec3 inward = nearest.distance > m_slack ? (1 / signedDistance) * (foot - p) : -face;
+			image.push_back(p + std::max(0.0, m_bound - std::max(0.0, -signedDistance)) * inward);
+			center += 0.25 * image.back();
+		}
+		const Hull hull = hullOf(image, m_slack);
+		if (!hull.solid || hull.planes.size() != 4) return false;
+		for (const std::uint32_t f : m_solid.surface().overlapping(boxOf(image)))
+			if (enters(m_solid.surface().triangles()[f], hull.planes, m_slack)) return false;
+		return m_solid.holds(center);
+	}
 	Finding branch() const
 	{
 		constexpr int kBudget = 1500;
@@ -167,6 +190,11 @@ private:
 			if (attained > m_bound + m_slack) return {Verdict::broken, attained - m_bound};
 			const Cell cell = open.top();
 			open.pop();
+			if (isCarriedInside(cell.corner))
+			{
+				if (open.empty()) return {};
+				continue;
+			}
 			std::size_t from = 0, to = 1;
 			for (std::size_t a = 0; a < 4; ++a)
 				for (std::size_t b = a + 1; b < 4; ++b)

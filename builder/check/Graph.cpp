@@ -3,14 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
+#include "builder/check/Rounding.h"
 #include "builder/check/Subject.h"
 
 namespace clod::check
 {
 namespace
 {
-// Every node but the last has one primary parent, of a coarser level; every node but those of level 0 has children.
+// Every node but the last has one primary parent, of a coarser level; every node but those of level 0 has children, the
+// primary ones in ascending order, then the shared ones.
 Invariant tree(const Subject& s)
 {
 	Tally tally("tree");
@@ -24,8 +27,12 @@ Invariant tree(const Subject& s)
 		const bool hasChildren = n.level == 0 ? n.childCount == 0 : n.primaryChildCount > 0;
 		bool descending = true;
 		for (const std::uint32_t child : s.h.children(n)) descending = descending && s.h.node(child).level < n.level;
-		tally.add(i, parented && hasChildren && descending ? 0 : 1,
-				  fmt::format("node {} has {} primary parents, {} children", i, primaryParents[i], n.childCount));
+		const Span<std::uint32_t> children = s.h.children(n);
+		const std::uint32_t* const shared = children.begin() + n.primaryChildCount;
+		const bool ordered = std::is_sorted(children.begin(), shared) && std::is_sorted(shared, children.end());
+		tally.add(i, parented && hasChildren && descending && ordered ? 0 : 1,
+				  fmt::format("node {} has {} primary parents, {} children, {}", i, primaryParents[i], n.childCount,
+							  ordered ? "in order" : "out of order"));
 	}
 	return tally.result();
 }
@@ -103,6 +110,50 @@ Invariant derived(const Subject& s)
 	return tally.result();
 }
 
+// eps_0 is eight roundings of storage; no contact level was built with less.
+Invariant tolerances(const Subject& s)
+{
+	Tally tally("tolerances");
+	const float stored = s.h.asset().storageTolerance;
+	const double least = 8 * std::ldexp(s.radius, -24);
+	tally.add(0, isNextAbove(stored, least, 0) ? 0 : 1,
+			  fmt::format("storage tolerance {:.9g} is {:.9g}", double(stored), least));
+	for (std::size_t k = 0; k <= s.h.coarsestClodLevel(); ++k)
+	{
+		const Level& level = s.h.levels()[k];
+		tally.add(k + 1, least * (1 - 1e-6) - double(level.patchTolerance),
+				  fmt::format("level {}: patch tolerance {:.9g} is below the storage tolerance", k,
+							  double(level.patchTolerance)));
+	}
+	return tally.result();
+}
+
+// Pieces of the input surface that hang together.
+Invariant components(const Subject& s)
+{
+	Tally tally("components");
+	const std::uint32_t count = s.h.levels()[0].faceCount;
+	std::vector<bool> seen(count, false);
+	std::uint32_t found = 0;
+	for (std::uint32_t first = 0; first < count; ++first)
+	{
+		if (seen[first]) continue;
+		++found;
+		std::vector<std::uint32_t> open = {first};
+		seen[first] = true;
+		while (!open.empty())
+		{
+			const std::uint32_t f = open.back();
+			open.pop_back();
+			for (const std::uint32_t other : s.h.faces()[f].neighbour)
+				if (!seen[other]) seen[other] = true, open.push_back(other);
+		}
+	}
+	tally.add(0, found == s.h.asset().componentCount ? 0 : 1,
+			  fmt::format("{} components are said to be {}", found, s.h.asset().componentCount));
+	return tally.result();
+}
+
 Invariant maxima(const Subject& s)
 {
 	Tally tally("level-maxima");
@@ -130,6 +181,6 @@ Invariant maxima(const Subject& s)
 
 Invariants checkGraph(const Subject& s)
 {
-	return {tree(s), halving(s), flags(s), monotone(s), derived(s), maxima(s)};
+	return {tree(s), halving(s), flags(s), monotone(s), derived(s), tolerances(s), components(s), maxima(s)};
 }
 }  // namespace clod::check

@@ -48,12 +48,14 @@ struct Subject
 
 // The invariants, in the order they are run. Each returns one or more tallies.
 using Invariants = std::vector<Invariant>;
-Invariants checkGraph(const Subject& subject);      // tree, levels, monotone numbers, maxima
-Invariants checkSurfaces(const Subject& subject);   // closed manifold levels, connected patches, face records
-Invariants checkAsset(const Subject& subject);      // bounds, mass properties
-Invariants checkGiven(const Subject& subject);      // level 0 against the mesh
-Invariants checkConvexity(const Subject& subject);  // edges, G1, G2
-Invariants checkCulling(const Subject& subject);    // culling boxes and Hausdorff distances down the primary tree
-Invariants checkDeviation(const Subject& subject);  // surf, protrude, thickness
-Invariants checkCoverage(const Subject& subject);   // chains of cover, reach and culling boxes
+Invariants checkGraph(const Subject& subject);         // tree, levels, monotone numbers, maxima
+Invariants checkSurfaces(const Subject& subject);      // closed manifold levels, connected patches, face records
+Invariants checkAsset(const Subject& subject);         // bounds, mass properties
+Invariants checkGiven(const Subject& subject);         // level 0 against the mesh
+Invariants checkLocalNumbers(const Subject& subject);  // mean normals, cones, curvature, contact areas
+Invariants checkWalls(const Subject& subject);         // thicknesses against the walls, flat hulls
+Invariants checkConvexity(const Subject& subject);     // edges, G1, G2
+Invariants checkCulling(const Subject& subject);       // culling boxes and Hausdorff distances down the primary tree
+Invariants checkDeviation(const Subject& subject);     // surf, protrude, thickness
+Invariants checkCoverage(const Subject& subject);      // chains of cover, reach and culling boxes
 }  // namespace clod::check

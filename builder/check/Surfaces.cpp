@@ -8,6 +8,7 @@
 #include <map>
 #include <tuple>
 
+#include "builder/check/Rounding.h"
 #include "builder/check/Subject.h"
 
 namespace clod::check
@@ -136,13 +137,37 @@ Invariant faceRecords(const Subject& s)
 		const Triangle t = s.triangle(f);
 		const Vec3 normal = vec(face.normal), area = cross(t[1] - t[0], t[2] - t[0]);
 		const double top = std::max({dot(normal, t[0]), dot(normal, t[1]), dot(normal, t[2])});
-		const double bottom = std::min({dot(normal, t[0]), dot(normal, t[1]), dot(normal, t[2])});
-		const bool sound = std::abs(length(normal) - 1) < 1e-5 && dot(area, normal) >= 0 &&
-						   double(face.offset) >= top &&
-						   double(face.offset) - bottom <= 4 * double(s.h.asset().storageTolerance) &&
-						   dot(normal, vec(n.meanNormal)) >= double(n.coneCosine) - 1e-5 &&
-						   double(face.thickness) <= 0.03 * s.radius * (1 + 1e-5);
+		double longest = 0;
+		for (std::size_t e = 0; e < 3; ++e) longest = std::max(longest, length(t[(e + 1) % 3] - t[e]));
+		const double noise = 4e-16 * (1 + longest * longest / std::max(length(area), 1e-300));
+		bool sound = isNextAbove(face.offset, top, 1e-15 * s.radius) &&
+					 dot(normal, vec(n.meanNormal)) >= double(n.coneCosine) - 1e-5 &&
+					 double(face.thickness) <= 0.03 * s.radius * (1 + 1e-5);
+		for (int k = 0; k < 3; ++k)
+			sound = sound && (area == Vec3{} || isNearestOf(face.normal[k], normalized(area)[k], noise));
 		tally.add(f, sound ? 0 : 1, fmt::format("face {}: normal, offset, cone or thickness is wrong", f));
+	}
+	return tally.result();
+}
+// Every hull vertex of a contact node is a corner of one of its faces, and none is there twice.
+Invariant nodeVertices(const Subject& s)
+{
+	Tally tally("node-vertices");
+	for (std::uint32_t i = 0; i < s.h.nodes().size; ++i)
+	{
+		const Node& n = s.h.node(i);
+		if (!s.isContact(i)) continue;
+		std::vector<bool> used(n.vertexCount, false);
+		for (const Face& face : s.h.faces(n))
+			for (const std::uint16_t v : face.vertex) used[v] = true;
+		std::map<Key, std::uint32_t> places;
+		for (std::uint32_t v = 0; v < n.vertexCount; ++v)
+		{
+			const Vec3 p = s.h.hull(n).vertex(v);
+			places.emplace(Key{p.x, p.y, p.z}, v);
+		}
+		const bool sound = std::find(used.begin(), used.end(), false) == used.end() && places.size() == n.vertexCount;
+		tally.add(i, sound ? 0 : 1, fmt::format("node {}: a vertex belongs to no face, or is there twice", i));
 	}
 	return tally.result();
 }
@@ -153,6 +178,6 @@ Invariants checkSurfaces(const Subject& s)
 	Tally manifold("level-manifold"), connected("patch-connected");
 	for (std::size_t k = 0; k < s.h.levels().size; ++k)
 		if (s.h.levels()[k].faceCount > 0) checkLevel(s, s.h.levels()[k], k, manifold, connected);
-	return {manifold.result(), connected.result(), faceRecords(s)};
+	return {manifold.result(), connected.result(), faceRecords(s), nodeVertices(s)};
 }
 }  // namespace clod::check

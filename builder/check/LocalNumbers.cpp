@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the selection of contacts reads in a node, computed again by other formulas: mean normal, cone, curvature and
+// contact area.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "builder/check/Rounding.h"
+#include "builder/check/Subject.h"
+
+namespace clod::check
+{
+namespace
+{
+constexpr double kDouble = 4e-16;    // of a unit vector, for a few roundings in double
+constexpr double kConeRoom = 1e-7;   // what a cone is wider than its faces need
+constexpr double kAreaShare = 0.05;  // the builder's cap is a polygon of 16 sides, this one's of 64
+constexpr double kFacing = 0.2;      // faces turned farther from the contact normal end a contact area
+constexpr double kCapShare = 0.25;   // of the radius
+
+Vec3 areaVector(const Triangle& t)
+{
+	return 0.5 * cross(t[1] - t[0], t[2] - t[0]);
+}
+
+// What rounding in double may move a triangle's unit normal by: slivers have hardly any.
+double noiseOf(const Triangle& t)
+{
+	const double area = 2 * length(areaVector(t));
+	double longest = 0;
+	for (std::size_t e = 0; e < 3; ++e) longest = std::max(longest, length(t[(e + 1) % 3] - t[e]));
+	return kDouble * (1 + (area > 0 ? longest * longest / area : 0));
+}
+
+void directions(const Subject& s, std::uint32_t i, Tally& tally)
+{
+	const Node& n = s.h.node(i);
+	Vec3 sum;
+	double total = 0, noise = 0;
+	for (std::uint32_t f = n.firstFace; f < n.firstFace + n.faceCount; ++f)
+	{
+		sum += areaVector(s.triangle(f));
+		total += length(areaVector(s.triangle(f)));
+		noise = std::max(noise, noiseOf(s.triangle(f)));
+	}
+	const Vec3 mean = normalized(sum);
+	const double meanNoise = 10 * kDouble * (1 + total / std::max(length(sum), 1e-300));
+	bool sound = length(sum) > 1e-6 * total;
+	for (int k = 0; k < 3; ++k)
+		sound = sound && isNearestOf(n.meanNormal[k], mean[k], meanNoise) && n.inward[k] == -n.meanNormal[k];
+	if (length(sum) <= 1e-6 * total) return tally.undecided();
+	double narrowest = 1;
+	for (std::uint32_t f = n.firstFace; f < n.firstFace + n.faceCount; ++f)
+		narrowest = std::min(narrowest, dot(normalized(areaVector(s.triangle(f))), mean));
+	const double cone = std::max(-1.0, narrowest - kConeRoom);
+	sound = sound && (isNextBelow(n.coneCosine, cone, noise + meanNoise) || (cone == -1 && n.coneCosine == -1));
+	tally.add(i, sound ? 0 : 1, fmt::format("node {}: mean normal, inward or cone is not that of its faces", i));
+}
+
+// Signed dihedral angles from the chord between unit normals; convex where the other face falls below this one's plane.
+void curvature(const Subject& s, std::uint32_t i, Tally& tally)
+{
+	const Node& n = s.h.node(i);
+	double sum = 0, noise = 0, area = 0;
+	for (std::uint32_t f = n.firstFace; f < n.firstFace + n.faceCount; ++f)
+	{
+		const Triangle t = s.triangle(f);
+		const Vec3 normal = normalized(areaVector(t));
+		area += length(areaVector(t));
+		for (std::size_t e = 0; e < 3; ++e)
+		{
+			const std::uint32_t other = s.h.faces()[f].neighbour[e];
+			if (other < f || s.ownerOfFace[other] != i) continue;
+			const Triangle u = s.triangle(other);
+			const Vec3 chord = normalized(areaVector(u)) - normal;
+			const double angle = 2 * std::asin(std::min(1.0, 0.5 * length(chord)));
+			const double term = 0.5 * length(t[(e + 1) % 3] - t[e]) * angle;
+			const bool falls = dot(normal, (1.0 / 3) * (u[0] + u[1] + u[2]) - t[e]) < 0;
+			sum += falls ? term : -term;
+			noise += 0.5 * length(t[(e + 1) % 3] - t[e]) * (noiseOf(t) + noiseOf(u));
+		}
+	}
+	if (area <= 0) return tally.undecided();
+	const bool sound = isNearestOf(n.curvature, sum / area, 10 * noise / area);
+	tally.add(i, sound ? 0 : 1, fmt::format("node {}: curvature {:.9g} is {:.9g}", i, double(n.curvature), sum / area));
+}
+
+// Sutherland and Hodgman's clipping against one plane.
+void keepBelow(std::vector<Vec3>& polygon, const Vec3& normal, double offset)
+{
+	std::vector<Vec3> kept;
+	for (std::size_t i = 0; i < polygon.size(); ++i)
+	{
+		const Vec3& p = polygon[i];
+		const Vec3& q = polygon[(i + 1) % polygon.size()];
+		const double a = dot(normal, p) - offset, b = dot(normal, q) - offset;
+		if (a <= 0) kept.push_back(p);
+		if ((a < 0 && b > 0) || (a > 0 && b < 0)) kept.push_back(p + (a / (a - b)) * (q - p));
+	}
+	polygon = std::move(kept);
+}
+
+// Area along the face's normal of the surface that hangs together with it in a slab and a disc round the point.
+double touchedArea(const Subject& s, std::uint32_t start, const Vec3& origin)
+{
+	constexpr int kSides = 64;
+	const double delta = double(s.h.asset().areaTolerance);
+	const Vec3 normal = normalized(areaVector(s.triangle(start)));
+	const Vec3 u = normalized(cross(normal, std::abs(normal.x) < 0.5 ? Vec3{1, 0, 0} : Vec3{0, 0, 1}));
+	const Vec3 v = cross(normal, u);
+	const double pi = std::acos(-1.0);
+	const double reach = kCapShare * s.radius, side = reach * std::sqrt(pi / (kSides * std::tan(pi / kSides)));
+	std::vector<std::uint32_t> open = {start}, seen = {start};
+	double sum = 0;
+	for (std::size_t next = 0; next < open.size(); ++next)
+	{
+		const Triangle t = s.triangle(open[next]);
+		std::vector<Vec3> polygon = {t[0] - origin, t[1] - origin, t[2] - origin};
+		keepBelow(polygon, normal, delta);
+		keepBelow(polygon, -normal, delta);
+		double farthest = 0;
+		for (const Vec3& p : polygon) farthest = std::max(farthest, length(p));
+		for (int k = 0; k < kSides && farthest > side && !polygon.empty(); ++k)
+			keepBelow(polygon, std::cos(2 * pi * k / kSides) * u + std::sin(2 * pi * k / kSides) * v, side);
+		if (polygon.empty()) continue;
+		Vec3 area;
+		for (std::size_t k = 2; k < polygon.size(); ++k)
+			area += 0.5 * cross(polygon[k - 1] - polygon[0], polygon[k] - polygon[0]);
+		sum += std::max(0.0, dot(area, normal));
+		for (const std::uint32_t other : s.h.faces()[open[next]].neighbour)
+		{
+			const auto at = std::lower_bound(seen.begin(), seen.end(), other);
+			if (at != seen.end() && *at == other) continue;
+			if (dot(normalized(areaVector(s.triangle(other))), normal) <= kFacing) continue;
+			seen.insert(at, other);
+			open.push_back(other);
+		}
+	}
+	return std::max(sum, 4 * delta * delta);
+}
+
+struct Range
+{
+	double low = 0, high = 0;
+};
+
+// A leaf's own area: at its face nearest to its middle; every face as near, to rounding, may have been taken.
+Range leafArea(const Subject& s, std::uint32_t i)
+{
+	const Node& n = s.h.node(i);
+	Vec3 middle;
+	double total = 0, least = 1e300;
+	for (std::uint32_t f = n.firstFace; f < n.firstFace + n.faceCount; ++f)
+	{
+		const Triangle t = s.triangle(f);
+		const double area = length(areaVector(t));
+		middle += (area / 3) * (t[0] + t[1] + t[2]);
+		total += area;
+	}
+	middle = (1 / total) * middle;
+	for (std::uint32_t f = n.firstFace; f < n.firstFace + n.faceCount; ++f)
+		least = std::min(least, distance(s.triangle(f), middle));
+	Range range{1e300, 0};
+	for (std::uint32_t f = n.firstFace; f < n.firstFace + n.faceCount; ++f)
+	{
+		if (distance(s.triangle(f), middle) > least + 1e-7 * s.radius) continue;
+		const double area = touchedArea(s, f, nearestOn(s.triangle(f), middle));
+		range = {std::min(range.low, area), std::max(range.high, area)};
+	}
+	return range;
+}
+
+// Above the leaves: 1 / D is the root mean square of theirs, weighted by surface (with paper: the least of the
+// children's), and nothing is below a parent's.
+Invariant contactAreas(const Subject& s)
+{
+	Tally tally("contact-areas");
+	std::vector<Range> own(s.h.nodes().size), inverse(s.h.nodes().size);
+	std::vector<double> surface(s.h.nodes().size, 0);
+	s.forEach("contact-areas", s.h.levels()[0].nodeCount,
+			  [&](std::size_t i) { own[i] = leafArea(s, std::uint32_t(i)); });
+	for (std::uint32_t i = 0; i < s.h.nodes().size; ++i)
+	{
+		const Node& n = s.h.node(i);
+		if (!s.isContact(i)) continue;
+		if (n.level == 0)
+		{
+			for (std::uint32_t f = n.firstFace; f < n.firstFace + n.faceCount; ++f)
+				surface[i] += length(areaVector(s.triangle(f)));
+			inverse[i] = {surface[i] / (own[i].high * own[i].high), surface[i] / (own[i].low * own[i].low)};
+		}
+		for (std::uint32_t k = 0; k < n.primaryChildCount; ++k)
+		{
+			const std::uint32_t c = s.h.children(n)[k];
+			surface[i] += surface[c];
+			inverse[i] = {inverse[i].low + inverse[c].low, inverse[i].high + inverse[c].high};
+		}
+		if (n.level > 0) own[i] = {std::sqrt(surface[i] / inverse[i].high), std::sqrt(surface[i] / inverse[i].low)};
+		double ofParents = 0, ofChildren = 1e300;
+		if (!s.h.isPaperBuild())
+			for (const std::uint32_t p : s.parents[i]) ofParents = std::max(ofParents, double(s.h.node(p).contactArea));
+		for (const std::uint32_t c : s.h.children(n))
+			ofChildren = std::min(ofChildren, double(s.h.node(c).contactArea));
+		if (s.h.isPaperBuild() && n.level > 0) own[i] = {ofChildren, ofChildren};
+		const double stored = double(n.contactArea);
+		const double low = std::max(ofParents, (1 - kAreaShare) * own[i].low);
+		const double high = std::max(ofParents, (1 + kAreaShare) * own[i].high);
+		tally.add(i, std::max(low - stored, stored - high),
+				  fmt::format("node {}: contact area {:.6g} is not within [{:.6g}, {:.6g}]", i, stored, low, high));
+	}
+	return tally.result();
+}
+}  // namespace
+
+Invariants checkLocalNumbers(const Subject& s)
+{
+	Tally direction("normals-and-cones"), bend("curvature");
+	s.forEach("curvature", s.h.nodes().size,
+			  [&](std::size_t i)
+			  {
+				  if (!s.isContact(std::uint32_t(i))) return;
+				  directions(s, std::uint32_t(i), direction);
+				  curvature(s, std::uint32_t(i), bend);
+			  });
+	return {direction.result(), bend.result(), contactAreas(s)};
+}
+}  // namespace clod::check

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Stored floats against numbers computed again in double: equal but for where the last bits of the double decide.
+#pragma once
+#include <cmath>
+#include <limits>
+
+#include <clod/hierarchy/Vector.h>
+
+namespace clod::check
+{
+// Whether `stored` is the float next to some number within `noise` of `value`.
+inline bool isNearestOf(float stored, double value, double noise)
+{
+	return stored >= roundToFloat(value - noise) && stored <= roundToFloat(value + noise);
+}
+// Whether `stored` is the smallest float not below some number within `noise` of `value`.
+inline bool isNextAbove(float stored, double value, double noise)
+{
+	constexpr float kEndless = std::numeric_limits<float>::infinity();
+	return double(stored) >= value - noise && double(std::nextafter(stored, -kEndless)) < value + noise;
+}
+inline bool isNextBelow(float stored, double value, double noise)
+{
+	return isNextAbove(-stored, -value, noise);
+}
+}  // namespace clod::check
