@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Zlib
 // clod-bench levels: a picture of every contact level of a mesh or hierarchy, as the paper's Figure 5.
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <vector>
 
 #include "demos/runner/Commands.h"
+#include "demos/runner/Gnuplot.h"
 #include "demos/runner/LevelPictures.h"
 
 namespace clod::demo
@@ -17,9 +20,38 @@ struct LevelsOptions
 {
 	cli::CommonOptions common;
 	CacheOptions cache;
-	std::string file, output;
+	std::string file, output, plot;
 	bool paper = false;
 };
+
+// Triangles, patches and certified errors of the contact levels, one axis of numbers and one of shares of the radius.
+void plotLevels(const Hierarchy& hierarchy, const std::string& name, const std::string& path)
+{
+	std::string data = "$levels << END\n";
+	for (std::size_t k = 0; k <= hierarchy.coarsestClodLevel(); ++k)
+	{
+		const Level& level = hierarchy.levels()[k];
+		std::vector<float> errors;
+		for (std::uint32_t i = 0; i < level.nodeCount; ++i)
+			errors.push_back(hierarchy.node(level.firstNode + i).deviation);
+		std::nth_element(errors.begin(), errors.begin() + std::ptrdiff_t(errors.size() / 2), errors.end());
+		const double percent = 100 / double(hierarchy.asset().radius);
+		data += fmt::format("{} {} {} {:.6g} {:.6g}\n", k, level.faceCount, level.nodeCount,
+							percent * double(level.maxDeviation), percent * double(errors[errors.size() / 2]));
+	}
+	const std::string script =
+		data + "END\n" + pngTerminal(1000, 640) + "set title \"" + name +
+		": contact levels\"\n"
+		"set xlabel \"level\"\nset xtics 1\nset grid\nset key outside bottom center horizontal\n"
+		"set logscale y\nset ylabel \"triangles, patches\"\n"
+		"set logscale y2\nset y2tics\nset format y2 \"%g\"\n"
+		"set y2label \"certified error s, % of the radius\"\nset ytics nomirror\n"
+		"plot $levels using 1:2 with linespoints lw 2 pt 5 lc rgb \"#000000\" title \"triangles\", "
+		"$levels using 1:3 with linespoints lw 2 pt 7 lc rgb \"#0072B2\" title \"patches\", "
+		"$levels using 1:4 axes x1y2 with linespoints lw 2 dt 2 pt 9 lc rgb \"#D55E00\" title \"largest s\", "
+		"$levels using 1:5 axes x1y2 with linespoints lw 2 dt 2 pt 11 lc rgb \"#009E73\" title \"median s\"\n";
+	if (!drawPlot(script, path)) throw cli::Failure(cli::ExitCode::failure, path + ": gnuplot is missing or failed");
+}
 
 void runLevels(const LevelsOptions& options)
 {
@@ -28,6 +60,8 @@ void runLevels(const LevelsOptions& options)
 	HierarchyCache cache(cacheOptions);
 	const HierarchyPointer hierarchy = cache.open(options.file, options.paper);
 	const std::string name = std::filesystem::path(options.file).stem().string();
+	if (!options.plot.empty()) plotLevels(*hierarchy, name, options.plot);
+	if (options.output.empty()) return;
 	const Image sheet = paintLevels(*hierarchy, name);
 	const Result<std::size_t> written = writePng(options.output, sheet, {{"Title", name + ": levels of detail"}});
 	if (!written) throw cli::Failure(cli::ExitCode::failure, written.error());
@@ -41,14 +75,24 @@ void addLevelsCommand(CLI::App& program)
 	auto options = std::make_shared<LevelsOptions>();
 	CLI::App* command = program.add_subcommand(
 		"levels", "Draw a model, a detail and every contact level, one colour a patch (the paper's Figure 5)");
-	command->footer("Example: clod-bench levels cup.clod -o cup-levels.png");
+	command->footer("Example: clod-bench levels cup.clod -o cup-levels.png --plot cup-plot.png");
 	command->add_option("file", options->file, "A .clod file, or a mesh (then built, cached)")
 		->required()
 		->type_name("FILE");
-	command->add_option("-o,--output", options->output, "The picture to write")->required()->type_name("OUT.png");
+	CLI::Option* const picture =
+		command->add_option("-o,--output", options->output, "The picture to write")->type_name("OUT.png");
+	CLI::Option* const plot =
+		command->add_option("--plot", options->plot, "Plot triangles, patches and certified errors by level (gnuplot)")
+			->type_name("PLOT.png");
+	command->callback(
+		[options, picture, plot]
+		{
+			if (picture->count() + plot->count() == 0)
+				throw cli::Failure(cli::ExitCode::usage, "levels: -o OUT.png or --plot PLOT.png is needed");
+			runLevels(*options);
+		});
 	command->add_flag("--paper", options->paper, "The hierarchy is built with --paper");
 	addCache(*command, options->cache);
 	cli::addQuiet(*command, options->common);
-	command->callback([options] { runLevels(*options); });
 }
 }  // namespace clod::demo

@@ -349,6 +349,17 @@ TEST_F(RunnerCommand, ASceneOfFourBodiesIsRecordedAndReplayedWhole)
 	EXPECT_EQ(bench("replay spoon-cup " + path("four.csv") + " --resolution 0.03 --quiet" + cache()).code, 3);
 }
 
+TEST_F(RunnerCommand, LevelsArePlottedWhereGnuplotIs)
+{
+	ASSERT_EQ(bench("model bowl --triangles 800 --quiet -o " + path("bowl.obj")).code, 0);
+	EXPECT_EQ(bench("levels " + path("bowl.obj") + cache()).code, 2);
+	const Outcome plot = bench("levels " + path("bowl.obj") + " --plot " + path("plot.png") + " --quiet" + cache());
+	const bool hasGnuplot = std::system("command -v gnuplot >/dev/null") == 0;
+	EXPECT_EQ(plot.code, hasGnuplot ? 0 : 1) << plot.err;
+	EXPECT_EQ(fs::exists(path("plot.png")), hasGnuplot);
+	EXPECT_EQ(plot.err.find("gnuplot is missing") == std::string::npos, hasGnuplot) << plot.err;
+}
+
 TEST_F(RunnerCommand, FigureFourHasARowAStepAndEveryRowARegime)
 {
 	const Outcome paper = bench("paper --only figure4 --resolution 0.03 --steps 40 --quiet -o " + path("figures") +
