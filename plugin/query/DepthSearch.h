@@ -162,14 +162,32 @@ private:
 		m_heap.push_back(cell);
 		std::push_heap(m_heap.begin(), m_heap.end());
 	}
-	double upperBound(const DepthCell& cell)
+	// Upper bound (2), for each quarter of the triangle from its best corner.
+	static double nearCorners(const DepthCell& cell)
 	{
 		const Vec3* corner = cell.triangle.corner;
-		const double edge[3] = {length(corner[1] - corner[0]), length(corner[2] - corner[1]),
-								length(corner[0] - corner[2])};
-		double upper = cell.corner[0].upper + std::max(edge[0], edge[2]);
-		upper = std::min(upper, cell.corner[1].upper + std::max(edge[0], edge[1]));
-		upper = std::min(upper, cell.corner[2].upper + std::max(edge[1], edge[2]));
+		double half[3], median[3];  // of the edge from corner i; from corner i to the middle of the opposite edge
+		for (int i = 0; i < 3; ++i)
+		{
+			const Vec3 &next = corner[(i + 1) % 3], &last = corner[(i + 2) % 3];
+			half[i] = 0.5 * length(next - corner[i]);
+			median[i] = length(0.5 * (next + last) - corner[i]);
+		}
+		double upper = -std::numeric_limits<double>::infinity(), middle = -upper;
+		for (int i = 0; i < 3; ++i)
+		{
+			const int next = (i + 1) % 3, last = (i + 2) % 3;
+			const double own = cell.corner[i].upper + std::max(half[i], half[last]);
+			const double ofNext = cell.corner[next].upper + std::max(2 * half[i], median[next]);
+			const double ofLast = cell.corner[last].upper + std::max(2 * half[last], median[last]);
+			upper = std::max(upper, std::min({own, ofNext, ofLast}));
+			middle = std::min(middle, cell.corner[i].upper + std::max({half[i], half[last], median[i]}));
+		}
+		return std::max(upper, middle);
+	}
+	double upperBound(const DepthCell& cell)
+	{
+		double upper = nearCorners(cell);
 		const bool isOutside =
 			std::any_of(cell.corner, cell.corner + 3, [](const DepthSample& c) { return c.depth <= 0; });
 		if (isOutside && upper > threshold()) upper = std::min(upper, m_surface.outside(cell.group, cell.triangle));

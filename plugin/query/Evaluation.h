@@ -15,7 +15,7 @@ namespace clod
 {
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 inline constexpr double kDepthAccuracy = 1e-6;  // of the smaller radius: how exactly a depth is searched at least
-inline constexpr double kDepthShare = 0.3;  // of the deviations: a depth known better would not make the bound tighter
+inline constexpr double kDepthShare = 0.4;  // of the deviations: a depth known better would not make the bound tighter
 
 using Clock = std::chrono::steady_clock;
 inline double microsecondsSince(Clock::time_point start)
@@ -230,23 +230,27 @@ private:
 		if (!hullsOverlap) set({-inside, kInfinity, true});
 	}
 
+	// A depth that pairs of nodes within a tolerance do not prove: coarse depths are known to the accuracy only.
+	double enoughAt(double tolerance, const DepthAccuracy& accuracy) const
+	{
+		return m_inputOnly ? tolerance : tolerance - accuracy.absolute;
+	}
 	// As far as pairs of nodes within a tolerance prove it.
 	DepthBound nearDepth(const std::vector<Contact>& near, double tolerance, DepthAccuracy accuracy)
 	{
-		accuracy.enough = tolerance;
+		accuracy.enough = enoughAt(tolerance, accuracy);
 		return nearPenetration(m_context, near, m_inputOnly, accuracy, m_state.penetration, m_result.stats);
 	}
 	void setDepth(const DepthBound& depth, double tolerance, const DepthAccuracy& accuracy)
 	{
-		const double deepest = m_inputOnly ? depth.upper : depth.deepest + accuracy.absolute;
-		if (deepest < tolerance)
+		if (m_inputOnly ? depth.upper < tolerance : depth.deepest < enoughAt(tolerance, accuracy))
 			set(gapOverlapping(m_context, m_result.contacts, m_inputOnly, depth));
 		else
 			set({-depth.lower, kInfinity, true});
 	}
 
-	// Coarse hulls overlap by up to their deviations where the surfaces are apart: the depth is searched among the
-	// pairs within as much, to a share of it. The contact list stays.
+	// Coarse hulls overlap by up to their deviations where the surfaces are apart: the depth is searched to a share of
+	// them, among the contacts if that can prove it, else among the pairs within more. The contact list stays.
 	void lookDeeper(double limit, DepthAccuracy accuracy)
 	{
 		double deviation = 0;
@@ -255,11 +259,12 @@ private:
 				deviation = std::max(deviation, double(m_context.a.node(contact.nodeA).deviation) +
 													double(m_context.b.node(contact.nodeB).deviation));
 		accuracy.absolute = std::max(accuracy.absolute, kDepthShare * deviation);
-		for (const double share : {0.5, 2.5})
+		for (const double share : {0.0, 0.6, 2.5})
 		{
 			const double tolerance = m_settings.tolerance + share * deviation;
-			traverseNear(limit, tolerance);
-			setDepth(nearDepth(m_state.near, tolerance, accuracy), tolerance, accuracy);
+			if (!(accuracy.absolute < tolerance)) continue;
+			if (share > 0) traverseNear(limit, tolerance);
+			setDepth(nearDepth(share > 0 ? m_state.near : m_result.contacts, tolerance, accuracy), tolerance, accuracy);
 			if (!m_result.deep) return;
 		}
 	}

@@ -150,7 +150,7 @@ double GatheredSurface::outside(std::uint32_t group, const Triangle& triangle)
 }
 
 // The slot that is nearest by its ball first: most of the others are then too far.
-void GatheredSurface::scanAll(const Vec3& point)
+void GatheredSurface::scanNearest(const Vec3& point)
 {
 	std::uint32_t nearest = 0;
 	double least = std::numeric_limits<double>::infinity();
@@ -164,8 +164,6 @@ void GatheredSurface::scanAll(const Vec3& point)
 		nearest = i;
 	}
 	scan(m_other.slots[nearest], point);
-	for (std::uint32_t i = 0; i < m_other.slots.size(); ++i)
-		if (i != nearest) scan(m_other.slots[i], point);
 }
 
 void GatheredSurface::meet(std::uint32_t face, const Vec3& point)
@@ -188,7 +186,10 @@ SignedDistance GatheredSurface::signedDistance(std::uint32_t group, const Vec3& 
 		for (std::uint32_t i = 0; i < own.partnerCount; ++i)
 			scan(m_other.slots[m_own.partners[own.firstPartner + i]], point);
 	else
-		scanAll(point);
+	{
+		if (hint == kNone) scanNearest(point);
+		for (ContactSide::Slot& slot : m_other.slots) scan(slot, point);
+	}
 	const GatheredFace& nearest = m_other.faces[m_face];
 	const Vec3 normal = pseudonormal(*m_other.hierarchy, nearest.level, nearest.face, m_feature);
 	const bool outside = dot(point - m_point, normal) >= 0;

@@ -85,7 +85,7 @@ private:
 	const Node& nodeOf(std::uint32_t group) const { return m_own.hierarchy->node(m_own.slots[group].node); }
 	void scan(ContactSide::Slot& slot, const Vec3& point);
 	double above(ContactSide::Slot& slot, const Triangle& triangle);
-	void scanAll(const Vec3& point);
+	void scanNearest(const Vec3& point);
 	void meet(std::uint32_t face, const Vec3& point);
 
 	const ContactSide& m_own;
