@@ -90,7 +90,16 @@ std::string broken(const QueryResult& result, const GapInterval& truth, double t
 struct BoundCounts
 {
 	int apart = 0, near = 0, overlapping = 0, unproven = 0, broken = 0;
+	std::vector<double> shares;  // of the bounds in the certified deviations of the pair that is nearest
 };
+
+double deviationOfNearest(const BodyPair& pair, const QueryResult& result)
+{
+	const Contact& nearest = *std::min_element(result.contacts.begin(), result.contacts.end(),
+											   [](const Contact& l, const Contact& r) { return l.upper < r.upper; });
+	return double(pair.a.hierarchy->node(nearest.nodeA).deviation) +
+		   double(pair.b.hierarchy->node(nearest.nodeB).deviation);
+}
 
 void checkBounds(const Settings& settings, std::uint64_t seed, BoundCounts& counts)
 {
@@ -114,6 +123,7 @@ void checkBounds(const Settings& settings, std::uint64_t seed, BoundCounts& coun
 								  << result.contacts.size();
 			++(truth.high <= 0 ? counts.overlapping : truth.low > scaled.tolerance ? counts.apart : counts.near);
 			counts.unproven += result.errorBound == std::numeric_limits<double>::infinity();
+			if (!result.contacts.empty()) counts.shares.push_back(result.errorBound / deviationOfNearest(pair, result));
 			EXPECT_TRUE(result.deep || result.errorBound <= scaled.metric.maxError)
 				<< result.errorBound / radius << " after " << result.stats.restarts << " restarts";
 			if (result.deep && !scaled.distance && scaled.metric.exact)
@@ -153,6 +163,11 @@ TEST(Certificate, HoldsWithWeightedDeviation)
 		Settings settings;
 		settings.metric.weightedDeviation = s0;
 		checkBounds(settings, 4, counts);
+		std::nth_element(counts.shares.begin(), counts.shares.begin() + std::ptrdiff_t(counts.shares.size() / 2),
+						 counts.shares.end());
+		const double median = counts.shares[counts.shares.size() / 2];
+		std::printf("s0 %g: bound / deviation of the nearest pair, median %.2f of %zu\n", s0, median,
+					counts.shares.size());
 	}
 }
 TEST(Certificate, HoldsWithMaxError)
