@@ -83,9 +83,7 @@ private:
 			for (const std::vector<Piece>* list : {&here.pieces, &here.extra})
 				for (const Piece& piece : *list)
 				{
-					NodeDraft& node = m_draft.nodes[record.firstNode + piece.owner];
-					node.pieces.push_back(pieceTriangle(m_solid.tree().triangle(piece.face), piece));
-					node.pieceFaces.push_back(piece.face);
+					m_draft.nodes[record.firstNode + piece.owner].pieces.push_back(piece);
 				}
 			if (level > 0) link(level, overlaps(m_solid.tree(), below, here));
 			below = std::move(here);
@@ -129,8 +127,9 @@ private:
 							if (level > 0) node.bounds.surf = surfOf(node, m_solid.tree(), tolerance).upper;
 							thicken(node, m_solid, m_scale, {1.1, node.bounds.surf});
 							if (level == 0) return;
-							node.bounds.cover = coverOf(node);
-							node.bounds.reach = std::max(node.bounds.cover, reachOf(node, tolerance).upper);
+							node.bounds.cover = coverOf(node, m_solid.tree());
+							node.bounds.reach =
+								std::max(node.bounds.cover, reachOf(node, m_solid.tree(), tolerance).upper);
 							node.hausdorff = m_config.paper ? exactHausdorff(node) : hausdorffStep(node);
 						});
 			report("certify", double(level + 1) / double(m_lods.size()));

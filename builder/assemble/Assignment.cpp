@@ -157,6 +157,14 @@ Triangle pieceTriangle(const Triangle& face, const Piece& piece)
 	return t;
 }
 
+std::vector<Triangle> trianglesOf(const std::vector<Piece>& pieces, const TriangleTree& input)
+{
+	std::vector<Triangle> triangles;
+	triangles.reserve(pieces.size());
+	for (const Piece& piece : pieces) triangles.push_back(pieceTriangle(input.triangle(piece.face), piece));
+	return triangles;
+}
+
 LevelAssignment assignByLabel(const std::vector<std::uint32_t>& patchOfFace)
 {
 	LevelAssignment result;

@@ -25,6 +25,7 @@ struct Piece
 
 // The piece's triangle (closed; midpoints in double).
 Triangle pieceTriangle(const Triangle& face, const Piece& piece);
+std::vector<Triangle> trianglesOf(const std::vector<Piece>& pieces, const TriangleTree& input);
 
 struct LevelAssignment
 {

@@ -175,11 +175,11 @@ Supremum supremum(const std::vector<Triangle>& triangles, const Nearest& nearest
 }
 }  // namespace
 
-double coverOf(const NodeDraft& node)
+double coverOf(const NodeDraft& node, const TriangleTree& input)
 {
 	const ConvexSet hull = node.hull();
 	double most = 0;
-	for (const Triangle& piece : node.pieces)
+	for (const Triangle& piece : trianglesOf(node.pieces, input))
 		for (int k = 0; k < 3; ++k)
 		{
 			const double d = distanceBound(piece[k], hull, most);
@@ -188,7 +188,7 @@ double coverOf(const NodeDraft& node)
 	return most;
 }
 
-Supremum reachOf(const NodeDraft& node, const Tolerance& tolerance)
+Supremum reachOf(const NodeDraft& node, const TriangleTree& input, const Tolerance& tolerance)
 {
 	std::vector<Triangle> faces;
 	for (std::size_t i = 0; i < node.faces.size(); ++i) faces.push_back(node.face(i));
@@ -203,7 +203,7 @@ Supremum reachOf(const NodeDraft& node, const Tolerance& tolerance)
 		}
 		return std::pair<Triangle, double>(faces[best], std::sqrt(least));
 	};
-	return supremum(node.pieces, nearest, tolerance);
+	return supremum(trianglesOf(node.pieces, input), nearest, tolerance);
 }
 
 Supremum surfOf(const NodeDraft& node, const TriangleTree& input, const Tolerance& tolerance)

@@ -25,10 +25,10 @@ struct Supremum
 };
 
 // sup over n's pieces of the distance to its thickened hull: exact at the corners to the distance's own tolerance.
-double coverOf(const NodeDraft& node);
+double coverOf(const NodeDraft& node, const TriangleTree& input);
 
 // sup over n's pieces of the distance to its real faces.
-Supremum reachOf(const NodeDraft& node, const Tolerance& tolerance);
+Supremum reachOf(const NodeDraft& node, const TriangleTree& input, const Tolerance& tolerance);
 
 // sup over n's real faces of the distance to the input surface.
 Supremum surfOf(const NodeDraft& node, const TriangleTree& input, const Tolerance& tolerance);

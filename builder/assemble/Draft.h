@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "builder/Lod.h"
+#include "builder/assemble/Assignment.h"
 #include "builder/assemble/ConvexDistance.h"
 #include "builder/assemble/Geometry.h"
 
@@ -24,8 +25,7 @@ struct NodeDraft
 	std::vector<Vec3> vertices;
 	std::vector<std::array<std::uint32_t, 3>> faces;  // into vertices; empty in completion nodes
 	std::vector<std::uint32_t> triangles;             // the level's mesh triangle of each face
-	std::vector<Triangle> pieces;                     // O(n): the input surface it answers for, cut into triangles
-	std::vector<std::uint32_t> pieceFaces;            // the input face of each piece
+	std::vector<Piece> pieces;                        // O(n): the input surface it answers for
 	Vec3 inward{0, 0, 1};
 	double thickness = 0;
 	Vec3 meanNormal;

@@ -244,7 +244,8 @@ private:
 			const std::uint32_t parent = m_draft.primaryParent[index];
 			const bool top = parent == kNone || m_draft.nodes[parent].faces.empty();
 			if (index != root && !top) continue;
-			for (const Triangle& piece : node.pieces) points.insert(points.end(), {piece.a, piece.b, piece.c});
+			for (const Triangle& piece : trianglesOf(node.pieces, m_solid.tree()))
+				points.insert(points.end(), {piece.a, piece.b, piece.c});
 		}
 		return points;
 	}

@@ -2,6 +2,7 @@
 #include "builder/assemble/Walls.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace clod::builder
 {
@@ -15,8 +16,9 @@ double wallOf(const NodeDraft& node, const Solid& solid)
 	const std::size_t step = std::max<std::size_t>(1, node.pieces.size() / kWallSamples);
 	for (std::size_t i = 0; i < node.pieces.size(); i += step)
 	{
-		if (dot(areaVector(node.pieces[i]), node.inward) >= 0) continue;
-		wall = std::min(wall, solid.tree().exitDistance(centroid(node.pieces[i]), node.inward, 0));
+		const Triangle piece = pieceTriangle(solid.tree().triangle(node.pieces[i].face), node.pieces[i]);
+		if (dot(areaVector(piece), node.inward) >= 0) continue;
+		wall = std::min(wall, solid.tree().exitDistance(centroid(piece), node.inward, 0));
 	}
 	return wall;
 }
@@ -45,9 +47,9 @@ void thicken(NodeDraft& node, const Solid& solid, const ProtrusionScale& scale, 
 	double thin = -1, allowed = harmless;
 	const auto measureThin = [&]
 	{
-		NodeDraft flat = node;
-		flat.thickness = 0;
-		thin = measured(flat, solid, scale, kAlways).upper;
+		const double thickness = std::exchange(node.thickness, 0);
+		thin = measured(node, solid, scale, kAlways).upper;
+		node.thickness = thickness;
 		allowed = std::max(harmless, 1.1 * thin);
 	};
 	for (double share : {1.0, 0.6, 0.3, 0.1})
