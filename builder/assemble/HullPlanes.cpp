@@ -8,6 +8,7 @@
 #include <CGAL/convex_hull_3.h>
 
 #include <algorithm>
+#include <map>
 #include <tuple>
 
 #include "builder/assemble/Geometry.h"
@@ -69,6 +70,50 @@ std::vector<Vec3> thickened(const std::vector<Vec3>& points, double minimum)
 	}
 	return result;
 }
+// How CGAL cuts a facet of more than three corners into triangles follows addresses in memory, and bounds follow the
+// triangles. Each such facet is cut anew, as a fan from its first corner.
+std::vector<Triangle> canonicalFacets(const HullMesh& mesh)
+{
+	const auto isFlat = [&mesh](HullMesh::Halfedge_index h)
+	{
+		const auto across = mesh.opposite(h);
+		return CGAL::coplanar(mesh.point(mesh.source(h)), mesh.point(mesh.target(h)),
+							  mesh.point(mesh.target(mesh.next(h))), mesh.point(mesh.target(mesh.next(across))));
+	};
+	std::vector<Triangle> facets;
+	std::vector<bool> done(mesh.number_of_faces(), false);
+	for (const auto seed : mesh.faces())
+	{
+		if (done[std::size_t(seed)]) continue;
+		std::vector<HullMesh::Face_index> open{seed};
+		std::map<std::size_t, HullMesh::Vertex_index> next;  // along the border, counter-clockwise
+		done[std::size_t(seed)] = true;
+		while (!open.empty())
+		{
+			const auto face = open.back();
+			open.pop_back();
+			for (const auto h : mesh.halfedges_around_face(mesh.halfedge(face)))
+			{
+				const auto other = mesh.face(mesh.opposite(h));
+				if (!isFlat(h))
+					next[std::size_t(mesh.source(h))] = mesh.target(h);
+				else if (!done[std::size_t(other)])
+				{
+					done[std::size_t(other)] = true;
+					open.push_back(other);
+				}
+			}
+		}
+		if (next.empty()) continue;
+		std::vector<Vec3> border;
+		auto at = next.begin()->second;
+		for (std::size_t i = 0; i < next.size(); ++i, at = next.at(std::size_t(at)))
+			border.push_back(toVec3(mesh.point(at)));
+		std::rotate(border.begin(), std::min_element(border.begin(), border.end(), precedes), border.end());
+		for (std::size_t i = 2; i < border.size(); ++i) facets.push_back({border[0], border[i - 1], border[i]});
+	}
+	return facets;
+}
 }  // namespace
 
 HullShape hullShape(const std::vector<Vec3>& input, double minimum)
@@ -80,15 +125,7 @@ HullShape hullShape(const std::vector<Vec3>& input, double minimum)
 	CGAL::convex_hull_3(cgalPoints.begin(), cgalPoints.end(), mesh);
 	HullShape shape;
 	for (const auto v : mesh.vertices()) shape.corners.push_back(toVec3(mesh.point(v)));
-	for (const auto f : mesh.faces())
-	{
-		std::array<Vec3, 3> corner;
-		std::size_t k = 0;
-		for (const auto v : mesh.vertices_around_face(mesh.halfedge(f)))
-			if (k < 3) corner[k++] = toVec3(mesh.point(v));
-		std::rotate(corner.begin(), std::min_element(corner.begin(), corner.end(), precedes), corner.end());
-		shape.facets.push_back({corner[0], corner[1], corner[2]});
-	}
+	shape.facets = canonicalFacets(mesh);
 	// CGAL's order follows addresses in memory; bytes must not.
 	std::sort(shape.corners.begin(), shape.corners.end(), precedes);
 	std::sort(shape.facets.begin(), shape.facets.end(), facetPrecedes);
