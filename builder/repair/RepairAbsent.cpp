@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Stands in for Repair.cpp where the CMake option CLOD_BUILD_REPAIR is off: sound meshes build as ever, the rest is told.
+// Stands in for Repair.cpp where the CMake option CLOD_BUILD_REPAIR is off: sound meshes build as ever, the rest is
+// told.
 #include <stdexcept>
 
 #include "builder/repair/Repair.h"
@@ -11,7 +12,8 @@ namespace
 [[noreturn]] void refuse()
 {
 	throw std::runtime_error(
-		"this clod-build was configured with -DCLOD_BUILD_REPAIR=OFF (as scripts/demo does, to build sooner): no --repair "
+		"this clod-build was configured with -DCLOD_BUILD_REPAIR=OFF (as scripts/demo does, to build sooner): no "
+		"--repair "
 		"and no --wrap. Configure with -DCLOD_BUILD_REPAIR=ON and build again");
 }
 }  // namespace

@@ -55,6 +55,16 @@ PatchLayer patchLayer(const Pose& pose, const Hierarchy& hierarchy, const std::s
 	return layer;
 }
 
+Camera overviewAt(const FrameSubject& subject, std::int64_t step)
+{
+	const double way = partOfWay(step, subject.steps);
+	Camera camera = subject.overview;
+	camera.eye += way * (subject.overviewAtEnd.eye - camera.eye);
+	camera.target += way * (subject.overviewAtEnd.target - camera.target);
+	camera.fovy += way * (subject.overviewAtEnd.fovy - camera.fovy);
+	return camera;
+}
+
 std::string millimetres(double metres)
 {
 	if (!std::isfinite(metres)) return "unknown";
@@ -162,7 +172,7 @@ void FramePainter::addContacts(Frame& frame, const std::vector<FrameContact>& co
 Frame FramePainter::scene(const FrameMoment& moment, const FrameAnswer& answer) const
 {
 	Frame frame;
-	frame.camera = m_subject.overview;
+	frame.camera = overviewAt(m_subject, moment.step);
 	const double size = length(frame.camera.eye - frame.camera.target) * std::tan(frame.camera.fovy * kPi / 360);
 	frame.ground.isDrawn = m_subject.hasGround;
 	frame.ground.spacing = std::pow(10.0, std::round(std::log10(kGridShare * size)));

@@ -30,7 +30,7 @@ struct FrameSubject
 	std::vector<ModelMesh> meshes;
 	std::vector<FrameBody> bodies;
 	SceneView closeUp;
-	Camera overview;
+	Camera overview, overviewAtEnd;  // at the first and the last step; evenly between
 	bool hasGround = true;
 	int steps = 0;
 	double dt = 0;

@@ -2,8 +2,8 @@
 // Replay of recorded poses through the query layer.
 #include "demos/runner/Replay.h"
 
-#include <nlohmann/json.hpp>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <charconv>
@@ -153,7 +153,8 @@ Settings settingsOf(const ReplayOptions& options, const Hierarchy& a, const Hier
 	frame.radius = smallerRadius(a, b);
 	frame.worldFromA = worldFromBody(poses.a, meshFromBody(a));
 	frame.motion = motion;
-	frame.camera = options.camera ? &*options.camera : nullptr;
+	ViewCamera camera;
+	if (options.camera) camera = options.camera->at(poses.step), frame.camera = &camera;
 	Settings settings;
 	settings.budget = options.budget;
 	settings.metric = resolve(options.metric, frame);
@@ -165,7 +166,7 @@ Settings settingsOf(const ReplayOptions& options, const Hierarchy& a, const Hier
 
 std::string optionsError(const ReplayOptions& options, const Bodies& bodies)
 {
-	std::string problem = contactMetricError(options.metric, options.camera ? &*options.camera : nullptr);
+	std::string problem = contactMetricError(options.metric, options.camera ? &options.camera->start : nullptr);
 	for (const Hierarchy* a : bodies)
 		for (const Hierarchy* b : bodies)
 			if (problem.empty()) problem = settingsError(*a, *b, settingsOf(options, *a, *b, {}, {}));

@@ -11,6 +11,7 @@
 #include "clod/query/ContactMetric.h"
 #include "clod/query/Query.h"
 #include "demos/runner/Motion.h"
+#include "demos/scenes/CameraPath.h"
 #include "demos/scenes/Poses.h"
 
 namespace clod::demo
@@ -20,7 +21,7 @@ using Bodies = std::vector<const Hierarchy*>;
 struct ReplayOptions
 {
 	ContactMetric metric;
-	std::optional<ViewCamera> camera;  // of view metrics; the meshes' unit
+	std::optional<CameraPath> camera;  // of view metrics; the meshes' unit
 	Budget budget;                     // of every query
 	double tolerance = 0;              // a length, or
 	bool toleranceIsShare = false;     // a share of a pair's smaller radius

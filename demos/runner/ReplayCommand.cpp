@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // clod-bench replay: one query a recorded pose.
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
-#include <fmt/format.h>
 
 #include <cmath>
 #include <memory>
@@ -78,12 +78,12 @@ cli::Length toleranceOf(const ReplayCommandOptions& options, const Subject& subj
 	return {subject.scene->tolerance, false, number(subject.scene->tolerance)};
 }
 
-ReplayOptions replayOptions(const ReplayCommandOptions& options, const Subject& subject)
+ReplayOptions replayOptions(const ReplayCommandOptions& options, const Subject& subject, std::int64_t lastStep)
 {
 	const cli::Length tolerance = toleranceOf(options, subject);
 	ReplayOptions result;
 	result.metric = toMetric(options.selection);
-	result.camera = toViewCamera(options.selection);
+	result.camera = toCameraPath(options.selection, lastStep);
 	result.budget = options.selection.budget;
 	result.tolerance = tolerance.value;
 	result.toleranceIsShare = tolerance.shareOfRadius;
@@ -136,7 +136,7 @@ void runReplay(const ReplayCommandOptions& options)
 		throw Failure(ExitCode::usage, "--peer compares two bodies; " + options.a + " has more");
 	Result<std::vector<PoseRow>> poses = readPoses(subject.posesFile, subject.bodies.size());
 	if (!poses) throw Failure(ExitCode::badInput, poses.error());
-	const ReplayOptions asked = replayOptions(options, subject);
+	const ReplayOptions asked = replayOptions(options, subject, poses.value().empty() ? 0 : poses.value().back().step);
 	const double radius = smallestRadius(subject.models), tolerance = toleranceOf(options, subject).inMeshUnit(radius);
 	cli::Progress progress(options.common.quiet);
 	const auto rows =

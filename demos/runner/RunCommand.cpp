@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 // clod-bench run: simulates a scene.
-#include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
 #include <fmt/format.h>
 #include <xxhash.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <map>
@@ -49,11 +49,11 @@ SceneRunOptions setUp(const RunOptions& options, const SceneInfo& info, Hierarch
 	run.info = info;
 	run.scene.models = buildModels(info, options.detail(), cache);
 	run.scene.metric = toMetric(options.selection);
-	run.scene.camera = toViewCamera(options.selection);
 	run.scene.budget = options.selection.budget;
 	run.scene.dt = options.dt > 0 ? options.dt : info.dt;
 	run.paper = options.selection.paper;
 	run.steps = options.steps > 0 ? options.steps : info.steps;
+	run.scene.camera = toCameraPath(options.selection, run.steps);
 	run.fresh = options.selection.fresh;
 	if (const std::string problem = optionsError(run.queries(), run.bodies()); !problem.empty())
 		throw Failure(ExitCode::usage, problem);
@@ -114,6 +114,7 @@ nlohmann::ordered_json paintFrames(const RunOptions& options, const SceneRunOpti
 	subject.closeUp = info.closeUp;
 	subject.hasGround = info.hasGround;
 	subject.overview = options.selection.camera ? *options.selection.camera : cameraOf(info.overview);
+	subject.overviewAtEnd = options.selection.cameraTo.value_or(subject.overview);
 	subject.steps = run.steps;
 	subject.dt = run.scene.dt;
 	const std::string selection = describe(options.selection, smallestRadius(run.scene.models));

@@ -2,9 +2,9 @@
 // Selection flags to the query's settings.
 #include "demos/runner/Selection.h"
 
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
-#include <fmt/format.h>
 
 #include <cmath>
 #include <cstdio>
@@ -66,11 +66,15 @@ void addPlaceMetrics(CLI::App& command, Selection& selection)
 	cli::addLength(command, "--velocity-floor", selection.velocityFloor,
 				   "Its least value, that of a body at rest (default 0.1%)")
 		->needs(velocity);
-	std::optional<Camera>& camera = selection.camera;
-	CLI::Option* eye =
-		command.add_option("--camera", "The camera of view metrics and frames: eye, target, vertical field of view")
+	const auto addCamera = [&command](const char* name, std::optional<Camera>& camera, const std::string& description)
+	{
+		return command.add_option(name, description)
 			->type_name("ex,ey,ez,tx,ty,tz,fovy")
 			->check([&camera](const std::string& text) { return parseCamera(text, camera); });
+	};
+	CLI::Option* eye = addCamera("--camera", selection.camera,
+								 "The camera of view metrics and frames: eye, target, vertical field of view");
+	addCamera("--camera-to", selection.cameraTo, "Where the camera has gone by the last step, evenly")->needs(eye);
 	addNumber(command, "--view", "PIXELS", selection.view,
 			  fmt::format("Threshold of so many pixels of a picture {} high, seen from --camera", kViewImageHeight))
 		->needs(eye);
@@ -148,15 +152,15 @@ ContactMetric toMetric(const Selection& selection)
 	return metric;
 }
 
-std::optional<ViewCamera> toViewCamera(const Selection& selection)
+std::optional<CameraPath> toCameraPath(const Selection& selection, std::int64_t steps)
 {
 	if (!selection.camera) return {};
-	ViewCamera camera;
-	camera.eye = selection.camera->eye;
-	camera.fieldOfView = selection.camera->fovy * 3.14159265358979323846 / 180;
-	camera.imageHeight = kViewImageHeight;
-	camera.nearDistance = 0.01 * length(selection.camera->target - selection.camera->eye);
-	return camera;
+	const auto toView = [](const Camera& camera)
+	{
+		return ViewCamera{camera.eye, camera.fovy * 3.14159265358979323846 / 180, double(kViewImageHeight),
+						  0.01 * length(camera.target - camera.eye)};
+	};
+	return CameraPath{toView(*selection.camera), toView(selection.cameraTo.value_or(*selection.camera)), steps};
 }
 
 std::string describe(const Selection& selection, double radius)
@@ -179,6 +183,14 @@ std::string describe(const Selection& selection, double radius)
 	return text;
 }
 
+// As on the command line.
+static nlohmann::ordered_json toJson(const std::optional<Camera>& camera)
+{
+	if (!camera) return nullptr;
+	const Vec3 &eye = camera->eye, &target = camera->target;
+	return {eye.x, eye.y, eye.z, target.x, target.y, target.z, camera->fovy};
+}
+
 nlohmann::ordered_json toJson(const Selection& selection, double radius)
 {
 	MetricFrame frame;
@@ -191,6 +203,8 @@ nlohmann::ordered_json toJson(const Selection& selection, double radius)
 			{"velocity", selection.velocity.value_or(kOff)},
 			{"velocity_floor", metric.velocity.floor},
 			{"view_pixels", selection.view.value_or(kOff)},
+			{"camera", toJson(selection.camera)},
+			{"camera_to", toJson(selection.cameraTo)},
 			{"combine", selection.combine},
 			{"budget_tests", selection.budget.tests},
 			{"budget_us", selection.budget.microseconds},

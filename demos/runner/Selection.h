@@ -9,6 +9,7 @@
 #include "clod/query/Query.h"
 #include "demos/cli/Length.h"
 #include "demos/render/Renderer.h"
+#include "demos/scenes/CameraPath.h"
 
 namespace CLI
 {
@@ -23,6 +24,7 @@ struct Selection
 	std::optional<cli::Length> s0, size, maxError, velocityFloor;
 	std::optional<double> velocity, view;  // k; pixels
 	std::optional<Camera> camera;          // the frames' too
+	std::optional<Camera> cameraTo;        // where it has gone by the last step
 	std::string combine = "strict";
 	Budget budget;  // of a query in replay, of a step in run
 };
@@ -33,14 +35,16 @@ inline constexpr double kDefaultMaxError = 0.005;
 // View metrics count pixels of a picture this high, as frames are.
 inline constexpr int kViewImageHeight = 720;
 
-// Adds --exact --s0 --size --velocity --velocity-floor --view --camera --max-error --combine --budget-tests --budget-us
+// Adds --exact --s0 --size --velocity --velocity-floor --view --camera --camera-to --max-error --combine --budget-tests
+// --budget-us
 // --paper --fresh.
 void addSelection(CLI::App& command, Selection& selection);
 
 // The metric, and for a pair whose smaller bounding radius is `radius` the same in words.
 ContactMetric toMetric(const Selection& selection);
-// What the view metric measures by; empty without a camera. The near plane is at a hundredth of the way to the target.
-std::optional<ViewCamera> toViewCamera(const Selection& selection);
+// What the view metric measures by in a run of so many steps; empty without a camera. The near plane is at a hundredth
+// of the way to the target.
+std::optional<CameraPath> toCameraPath(const Selection& selection, std::int64_t steps);
 std::string describe(const Selection& selection, double radius);
 nlohmann::ordered_json toJson(const Selection& selection, double radius);
 }  // namespace clod::demo

@@ -70,12 +70,7 @@ RigidScene::RigidScene(const SceneDefinition& definition, const SceneSettings& s
 	if (!registered) throw std::runtime_error(registered.error());
 	bullet.context.worldMetric = settings.metric;
 	bullet.context.budget = settings.budget;
-	if (settings.camera)
-	{
-		bullet.context.camera = settings.camera;
-		bullet.context.camera->eye = definition.info.worldScale * settings.camera->eye;
-		bullet.context.camera->nearDistance *= definition.info.worldScale;
-	}
+	placeCamera();
 	setUpSolver();
 	const btScalar scale = btScalar(definition.info.worldScale);
 	for (const auto& model : settings.models)
@@ -90,6 +85,16 @@ RigidScene::RigidScene(const SceneDefinition& definition, const SceneSettings& s
 RigidScene::~RigidScene()
 {
 	for (const auto& body : m_bullet->bodies) m_bullet->world.removeRigidBody(body.get());
+}
+
+// As the contacts of the coming step are judged by.
+void RigidScene::placeCamera()
+{
+	if (!m_settings.camera) return;
+	ViewCamera camera = m_settings.camera->at(m_step + 1);
+	camera.eye = m_definition.info.worldScale * camera.eye;
+	camera.nearDistance *= m_definition.info.worldScale;
+	m_bullet->context.camera = camera;
 }
 
 void RigidScene::setUpSolver()
@@ -140,6 +145,7 @@ void RigidScene::addBody(std::size_t index)
 void RigidScene::step()
 {
 	const double time = m_step * m_settings.dt, scale = m_definition.info.worldScale;
+	placeCamera();
 	m_bullet->world.setGravity(toBullet(m_definition.gravity(time), scale));
 	for (std::size_t i = 0; i < m_definition.bodies.size(); ++i)
 		if (const auto& course = m_definition.bodies[i].course)

@@ -21,6 +21,7 @@ private:
 	struct Bullet;
 	const Hierarchy& hierarchyOf(std::size_t body) const;
 	Pose poseOf(std::size_t body) const;
+	void placeCamera();
 	void setUpSolver();
 	void addBody(std::size_t index);
 	std::vector<BodyPair> nearPairs() const;

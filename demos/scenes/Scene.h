@@ -15,6 +15,7 @@
 
 #include "clod/query/ContactMetric.h"
 #include "clod/query/Query.h"
+#include "demos/scenes/CameraPath.h"
 #include "demos/scenes/Poses.h"
 
 namespace clod::demo
@@ -72,7 +73,7 @@ struct SceneSettings
 {
 	std::vector<std::shared_ptr<const Hierarchy>> models;  // one for each of SceneInfo::models
 	ContactMetric metric;                                  // of every pair of bodies
-	std::optional<ViewCamera> camera;                      // of view metrics; the meshes' unit
+	std::optional<CameraPath> camera;                      // of view metrics; the meshes' unit
 	Budget budget;                                         // of the queries of a step
 	double dt = 0;
 };

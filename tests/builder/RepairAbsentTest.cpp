@@ -25,8 +25,8 @@ std::string sentenceOf(const Step& step)
 TEST(RepairAbsent, NamesTheOptionThatBringsItBack)
 {
 	const builder::Soup soup;
-	for (const std::string& sentence : {sentenceOf([&] { builder::repair(soup, 1); }),
-										sentenceOf([&] { builder::wrapAround(soup, 1); })})
+	for (const std::string& sentence :
+		 {sentenceOf([&] { builder::repair(soup, 1); }), sentenceOf([&] { builder::wrapAround(soup, 1); })})
 		EXPECT_NE(sentence.find("CLOD_BUILD_REPAIR=ON"), std::string::npos) << sentence;
 }
 }  // namespace

@@ -143,6 +143,7 @@ TEST_F(RunnerCommand, UsageErrorsExitWith2AndTheNearestMatch)
 		{"run spoon-cup --view 2", "--camera"},
 		{"run spoon-cup --view inf --camera 0,0,1,0,0,0,40", "'inf' is not a finite number >= 0"},
 		{"run spoon-cup --view 2 --camera 0,0,1,0,0,1,40", "eye is its target"},
+		{"run spoon-cup --camera-to 0,0,1,0,0,0,40", "--camera"},
 		{"run spoon-cup --exact --velocity 1", "excludes"},
 		{"run spoon-cup --combine relax", "did you mean relaxed"},
 		{"run spoon-cup --budget-tests -5", "--budget-tests"},

@@ -83,4 +83,16 @@ TEST(RunnerRows, RegimesFollowContactAndSpeed)
 	EXPECT_EQ(regimes[std::size_t(6 + kImpactRows)], Regime::apart);
 	EXPECT_EQ(regimes[std::size_t(7 + kImpactRows)], Regime::impact);
 }
+
+TEST(RunnerRows, TheCameraGoesEvenlyAndThenStays)
+{
+	CameraPath path{{{0, 0, 1}, 0.5, 720, 0.01}, {{4, 0, 3}, 0.7, 720, 0.03}, 8};
+	EXPECT_EQ(path.at(0).eye, (clod::Vec3{0, 0, 1}));
+	EXPECT_EQ(path.at(2).eye, (clod::Vec3{1, 0, 1.5}));
+	EXPECT_DOUBLE_EQ(path.at(4).fieldOfView, 0.6);
+	EXPECT_DOUBLE_EQ(path.at(4).nearDistance, 0.02);
+	EXPECT_EQ(path.at(99).eye, (clod::Vec3{4, 0, 3}));
+	path.steps = 0;
+	EXPECT_EQ(path.at(99).eye, (clod::Vec3{0, 0, 1}));
+}
 }  // namespace
