@@ -211,6 +211,7 @@ private:
 			accuracy.absolute = std::max(accuracy.absolute, coarse);
 			accuracy.relative = 0;
 		}
+		if (m_settings.distance) accuracy.cellLimit *= 10;
 		if (hullsOverlap)
 		{
 			if (m_inputOnly || m_settings.metric.maxError < kInfinity)
@@ -221,7 +222,6 @@ private:
 		}
 		if (m_settings.distance)
 		{
-			accuracy.cellLimit *= 10;
 			const DepthBound whole = wholePenetration(m_context, accuracy, m_state.penetration, m_result.stats);
 			set(gapBetween(-whole.upper, -whole.lower));
 			m_result.deep = true;
