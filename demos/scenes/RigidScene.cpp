@@ -70,7 +70,6 @@ RigidScene::RigidScene(const SceneDefinition& definition, const SceneSettings& s
 	if (!registered) throw std::runtime_error(registered.error());
 	bullet.context.worldMetric = settings.metric;
 	bullet.context.budget = settings.budget;
-	placeCamera();
 	setUpSolver();
 	const btScalar scale = btScalar(definition.info.worldScale);
 	for (const auto& model : settings.models)

@@ -60,8 +60,7 @@ struct DepthAccuracy
 };
 
 // Surface: DepthSample sample(group, point, hint, const DepthBound& known): exact as far as it would change what is
-// known;
-//          hint: a face that may be near, kNone;
+//          known; hint: a face that may be near, kNone;
 //          Triangle triangle(face); faces are numbered by the surface; double margin(group, face); double
 //          leastMargin(group), a lower bound of them; double outside(group, triangle): (4), infinite where the surface
 //          may be crossed; std::uint32_t across(face, edge): the face beyond an edge, kNone where it is not known.

@@ -31,9 +31,8 @@ struct TraversalSettings
 	bool sameRule = false;  // the stop rule is that of the cached front: its states hold
 };
 
-// Sink: bool skips(const FrontEntry& pair, const HullMemory& memory) - an accepted pair needs nothing, not even its
-// boxes
-//         compared;
+// Sink: bool skips(const FrontEntry& pair, const HullMemory& memory) - an accepted pair needs nothing: its boxes are
+//         not even compared;
 //       void answer(const FrontEntry& pair, HullMemory& memory)      - an accepted pair within the tolerance by its
 //         culling volumes.
 template <class Sink>
