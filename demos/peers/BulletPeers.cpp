@@ -2,13 +2,13 @@
 // Shapes of Bullet and of ours, dispatched at recorded poses.
 #include "demos/peers/BulletPeers.h"
 
-#include <nlohmann/json.hpp>
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <BulletCollision/Gimpact/btGImpactShape.h>
 #include <clod/bullet/Context.h>
 #include <clod/bullet/btClodCollisionAlgorithm.h>
 #include <clod/bullet/btClodShape.h>
 #include <clod/query/ContactPoints.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <chrono>
@@ -185,6 +185,27 @@ private:
 	BulletMesh m_meshA, m_meshB;
 };
 
+// Contacts appear at the tolerance: each body has half of it as margin.
+std::unique_ptr<btConvexHullShape> hullOf(const ModelMesh& piece, const Vec3& origin, const PairFrame& frame)
+{
+	auto hull = std::make_unique<btConvexHullShape>();
+	for (const Vec3& vertex : piece.vertices) hull->addPoint(toBullet(vertex - origin, frame.worldScale), false);
+	hull->recalcLocalAabb();
+	hull->setMargin(btScalar(frame.worldScale * frame.tolerance / 2));
+	return hull;
+}
+
+class HullPeer : public DispatchPeer
+{
+public:
+	HullPeer(PeerInfo info, const ModelMesh& a, const ModelMesh& b, const PairFrame& frame)
+		: DispatchPeer(std::move(info), frame, frame.tolerance)
+	{
+		setShape(0, hullOf(a, frame.originA, frame));
+		setShape(1, hullOf(b, frame.originB, frame));
+	}
+};
+
 class CompoundPeer : public DispatchPeer
 {
 public:
@@ -204,11 +225,7 @@ private:
 		auto compound = std::make_unique<btCompoundShape>(true, int(pieces.size()));
 		for (const ModelMesh& piece : pieces)
 		{
-			auto hull = std::make_unique<btConvexHullShape>();
-			for (const Vec3& vertex : piece.vertices)
-				hull->addPoint(toBullet(vertex - origin, m_frame.worldScale), false);
-			hull->recalcLocalAabb();
-			hull->setMargin(btScalar(m_frame.worldScale * m_frame.tolerance / 2));
+			std::unique_ptr<btConvexHullShape> hull = hullOf(piece, origin, m_frame);
 			compound->addChildShape(btTransform::getIdentity(), hull.get());
 			m_info.bytes += piece.vertices.size() * sizeof(btVector3) + sizeof(btConvexHullShape) +
 							sizeof(btCompoundShapeChild) + 2 * sizeof(btDbvtNode);
@@ -239,6 +256,11 @@ PeerPointer gimpact(PeerInfo info, const ModelMesh& a, const ModelMesh& b, const
 PeerPointer bvhGimpact(PeerInfo info, const ModelMesh& a, const ModelMesh& b, const PairFrame& frame)
 {
 	return std::make_unique<MeshPeer>(std::move(info), a, b, true, frame);
+}
+
+PeerPointer convexHulls(PeerInfo info, const ModelMesh& a, const ModelMesh& b, const PairFrame& frame)
+{
+	return std::make_unique<HullPeer>(std::move(info), a, b, frame);
 }
 
 PeerPointer compounds(PeerInfo info, const std::vector<ModelMesh>& a, const std::vector<ModelMesh>& b,

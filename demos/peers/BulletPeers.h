@@ -24,6 +24,8 @@ PeerPointer clodDispatch(PeerInfo info, const HierarchyPointer& a, const Hierarc
 PeerPointer gimpact(PeerInfo info, const ModelMesh& a, const ModelMesh& b, const PairFrame& frame);
 // A is a static btBvhTriangleMeshShape, B a moving btGImpactMeshShape.
 PeerPointer bvhGimpact(PeerInfo info, const ModelMesh& a, const ModelMesh& b, const PairFrame& frame);
+// The vertices of each mesh are one btConvexHullShape.
+PeerPointer convexHulls(PeerInfo info, const ModelMesh& a, const ModelMesh& b, const PairFrame& frame);
 // Each piece's vertices are one btConvexHullShape of a btCompoundShape.
 PeerPointer compounds(PeerInfo info, const std::vector<ModelMesh>& a, const std::vector<ModelMesh>& b,
 					  const PairFrame& frame);

@@ -23,6 +23,7 @@ void addRunCommand(CLI::App& program);
 void addReplayCommand(CLI::App& program);
 void addPaperCommand(CLI::App& program);
 void addTradeoffCommand(CLI::App& program);
+void addIdleCommand(CLI::App& program);
 void addLevelsCommand(CLI::App& program);
 
 // --cache-dir and --no-cache.

@@ -17,6 +17,7 @@ int main(int argc, char** argv)
 	clod::demo::addReplayCommand(app);
 	clod::demo::addPaperCommand(app);
 	clod::demo::addTradeoffCommand(app);
+	clod::demo::addIdleCommand(app);
 	clod::demo::addLevelsCommand(app);
 	return clod::cli::runProgram(app, argc, argv);
 }

@@ -1,81 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// clod-bench from outside, as users and scripts run it: exit codes, columns, the cache, and the short scene twice in
-// both precisions.
-#include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <map>
-#include <nlohmann/json.hpp>
+// What every command of clod-bench keeps to: exit codes, columns, the cache, and the short scene twice in both
+// precisions.
 #include <sstream>
 
 #include "demos/scenes/Poses.h"
+#include "tests/demos/RunnerCommand.h"
 
 namespace
 {
-namespace fs = std::filesystem;
-using nlohmann::json;
+using namespace clod::test;
 
 constexpr const char* kColumns =
 	"step,query_us,front,hull_tests,contacts,min_distance,error_bound,finest_level,coarsest_level";
-// A scene that builds and runs in seconds.
-const std::string kSmallScene = "run spoon-cup --resolution 0.03 --steps 40 --quiet";
-
-std::string readAll(const fs::path& path)
-{
-	std::ifstream file(path, std::ios::binary);
-	return {std::istreambuf_iterator<char>(file), {}};
-}
-
-struct Outcome
-{
-	int code;
-	std::string out, err;
-};
-
-// One folder for the whole program, so that all tests share one cache.
-class RunnerCommand : public testing::Test
-{
-protected:
-	static void SetUpTestSuite()
-	{
-		s_folder = fs::temp_directory_path() / ("clod-runner-test-" + std::to_string(getpid()));
-		fs::create_directories(s_folder);
-	}
-	static void TearDownTestSuite() { fs::remove_all(s_folder); }
-
-	static std::string path(const std::string& name) { return (s_folder / name).string(); }
-	static std::string cache() { return " --cache-dir " + path("cache"); }
-	static Outcome runProgram(const std::string& program, const std::string& words)
-	{
-		const std::string command = program + " " + words + " >" + path("out") + " 2>" + path("err");
-		const int status = std::system(command.c_str());
-		return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, readAll(path("out")), readAll(path("err"))};
-	}
-	static Outcome bench(const std::string& words) { return runProgram(CLOD_BENCH, words); }
-	static json report(const std::string& name) { return json::parse(readAll(path(name))); }
-
-	// A recorded run of the small scene and its meshes, made once.
-	static void needRecording()
-	{
-		if (fs::exists(path("poses.csv"))) return;
-		const Outcome run = bench(kSmallScene + " --exact --poses " + path("poses.csv") + cache());
-		ASSERT_EQ(run.code, 0) << run.err;
-		ASSERT_EQ(bench("model cup --triangles 1920 --quiet -o " + path("cup.obj")).code, 0);
-		ASSERT_EQ(bench("model spoon --triangles 2580 --quiet -o " + path("spoon.obj")).code, 0);
-	}
-	static std::string replayWords()
-	{
-		return "replay " + path("cup.obj") + " " + path("spoon.obj") + " " + path("poses.csv");
-	}
-
-	static fs::path s_folder;
-};
-fs::path RunnerCommand::s_folder;
 
 // The rows of a csv without query_us (column 1) and gap_us (column 9).
 std::string withoutTimes(const std::string& csv)
@@ -237,68 +173,6 @@ TEST_F(RunnerCommand, ADamagedCacheEntryIsBuiltAgain)
 		EXPECT_EQ(entry.path().filename().string().find("partial"), std::string::npos);
 }
 
-// The column of a csv as numbers, by the row's first two fields.
-std::map<std::string, double> csvColumn(const std::string& csv, const std::string& name)
-{
-	std::istringstream lines(csv);
-	std::string header, line;
-	std::getline(lines, header);
-	std::istringstream names(header);
-	int wanted = 0;
-	for (std::string field; std::getline(names, field, ',') && field != name;) ++wanted;
-	std::map<std::string, double> values;
-	while (std::getline(lines, line))
-	{
-		std::istringstream fields(line);
-		std::string key, field;
-		for (int column = 0; column <= wanted && std::getline(fields, field, ','); ++column)
-			if (column < 2) key += (column ? "," : "") + field;
-		values[key] = std::atof(field.c_str());
-	}
-	return values;
-}
-
-TEST_F(RunnerCommand, TradeoffMeasuresOursAndWhatBulletHas)
-{
-	needRecording();
-	const std::string inputs = path("cup.obj ") + path("spoon.obj ") + path("poses.csv");
-	const Outcome outcome = bench("tradeoff " + inputs + cache() +
-								  " --rows contact --tolerance 2mm --stride 6 --repeat 1 --quiet --peers-dir " +
-								  path("no-peers") + " -o " + path("tradeoff"));
-	ASSERT_EQ(outcome.code, 0) << outcome.err;
-	const std::string csv = readAll(path("tradeoff/tradeoff.csv"));
-	const auto gap = csvColumn(csv, "gap_error_p95"), covered = csvColumn(csv, "covered_mean"),
-			   time = csvColumn(csv, "us_median");
-	ASSERT_TRUE(gap.count("clod,exact") && gap.count("clod-dispatch,exact") && gap.count("gimpact,full") &&
-				gap.count("bvh-gimpact,full") && gap.count("clod,size 3.5 %"))
-		<< csv;
-	EXPECT_LT(gap.at("clod,exact"), 1e-7);  // the reference is this query
-	EXPECT_EQ(covered.at("clod,exact"), 1);
-	EXPECT_GT(gap.at("clod,size 7 %"), gap.at("clod,exact"));
-	EXPECT_LT(gap.at("clod,max-error 0.1 %"), 0.001 * 0.072);  // the smaller radius, rounded up
-	for (const auto& [method, microseconds] : time) EXPECT_GT(microseconds, 0) << method;
-	const json left = report("tradeoff/tradeoff.json")["tradeoff"]["left_out"];
-	EXPECT_NE(left.dump().find("scripts/peers"), std::string::npos) << left;
-	EXPECT_NE(readAll(path("tradeoff/pareto.csv")).find("gimpact,full"), std::string::npos);
-}
-
-TEST_F(RunnerCommand, TradeoffLeavesABrokenPeerOutAndSaysSo)
-{
-	needRecording();
-	fs::create_directories(path("peers"));
-	std::ofstream(path("peers/clod-coal")) << "#!/bin/sh\nprintf short > \"$4\"\n";
-	fs::permissions(path("peers/clod-coal"), fs::perms::owner_all);
-	const std::string inputs = path("cup.obj ") + path("spoon.obj ") + path("poses.csv");
-	const Outcome outcome = bench(
-		"tradeoff " + inputs + cache() +
-		" --rows contact --tolerance 2mm --stride 20 --repeat 1 --quiet --methods clod,coal-distance --peers-dir " +
-		path("peers") + " -o " + path("broken"));
-	ASSERT_EQ(outcome.code, 0) << outcome.err;
-	EXPECT_NE(outcome.out.find("left out: coal-distance full: clod-coal answered too little"), std::string::npos)
-		<< outcome.out;
-	EXPECT_EQ(readAll(path("broken/tradeoff.csv")).find("coal-distance"), std::string::npos);
-}
-
 TEST_F(RunnerCommand, ShortSceneTwiceHasOneTrajectoryInEachPrecision)
 {
 	for (const char* program : {CLOD_BENCH, CLOD_BENCH_FLOAT64})
@@ -348,38 +222,5 @@ TEST_F(RunnerCommand, ASceneOfFourBodiesIsRecordedAndReplayedWhole)
 	EXPECT_EQ(replay["summary"]["steps_all_rows"]["rows"], 30);
 	// The file does not fit a scene of two bodies, nor two models.
 	EXPECT_EQ(bench("replay spoon-cup " + path("four.csv") + " --resolution 0.03 --quiet" + cache()).code, 3);
-}
-
-TEST_F(RunnerCommand, LevelsArePlottedWhereGnuplotIs)
-{
-	ASSERT_EQ(bench("model bowl --triangles 800 --quiet -o " + path("bowl.obj")).code, 0);
-	EXPECT_EQ(bench("levels " + path("bowl.obj") + cache()).code, 2);
-	const Outcome plot = bench("levels " + path("bowl.obj") + " --plot " + path("plot.png") + " --quiet" + cache());
-	const bool hasGnuplot = std::system("command -v gnuplot >/dev/null") == 0;
-	EXPECT_EQ(plot.code, hasGnuplot ? 0 : 1) << plot.err;
-	EXPECT_EQ(fs::exists(path("plot.png")), hasGnuplot);
-	EXPECT_EQ(plot.err.find("gnuplot is missing") == std::string::npos, hasGnuplot) << plot.err;
-}
-
-TEST_F(RunnerCommand, FigureFourHasARowAStepAndEveryRowARegime)
-{
-	const Outcome paper = bench("paper --only figure4 --resolution 0.03 --steps 40 --quiet -o " + path("figures") +
-								cache() + " --json " + path("figures.json"));
-	ASSERT_EQ(paper.code, 0) << paper.err;
-	std::istringstream lines(readAll(path("figures/figure4.csv")));
-	std::string line;
-	std::getline(lines, line);
-	EXPECT_EQ(line.rfind("step,time,regime,ours_exact_us,ours_exact_front,ours_exact_churn", 0), 0u) << line;
-	int rows = 0;
-	while (std::getline(lines, line)) ++rows;
-	EXPECT_EQ(rows, 40);
-	const json curves = report("figures.json")["figure4"]["curves"];
-	ASSERT_EQ(curves.size(), 8u);
-	for (const json& curve : curves)
-	{
-		int sum = 0;
-		for (const json& regime : curve["regimes"]) sum += regime["rows"].get<int>();
-		EXPECT_EQ(sum, 40) << curve["mode"] << curve["selection"];
-	}
 }
 }  // namespace

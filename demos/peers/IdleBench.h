@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Zlib
+// What a pair costs while nothing happens: whole dispatches of Bullet for a pair that is apart though its boxes
+// overlap, and for one none of whose transforms changed, ours beside two btConvexHullShapes in the same state. Compiled
+// once per Bullet precision.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "demos/peers/BulletPeers.h"
+
+namespace clod::demo
+{
+inline constexpr int kIdleHullVertices = 32;
+
+enum class IdleState
+{
+	apartMoving,     // nothing within the tolerance; B moves by 0.05 % of the radius before every dispatch
+	apartUnchanged,  // the same without motion
+	touchingUnchanged
+};
+const char* name(IdleState state);
+
+// One method in one state.
+struct IdleRow
+{
+	IdleState state;
+	std::string who;
+	std::vector<double> microseconds;  // of one dispatch: at each pose the median
+	double points = 0;                 // mean number of manifold points
+};
+
+struct IdleOptions
+{
+	int poses = 12;        // at most, of each state
+	int dispatches = 200;  // measured at each pose, after some that settle
+};
+
+// Ours at each named metric, then the hulls, state by state. Touching poses are taken evenly from the recording; apart
+// ones move B away from those as little as clears the tolerance. Empty where nothing touches.
+struct NamedMetric
+{
+	std::string name;
+	Metric metric;
+};
+std::vector<IdleRow> measureIdle(const HierarchyPointer& a, const HierarchyPointer& b,
+								 const std::vector<PoseRow>& poses, const std::vector<NamedMetric>& metrics,
+								 const PairFrame& frame, const IdleOptions& options);
+}  // namespace clod::demo

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Zlib
+#include "demos/runner/PairSubject.h"
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <cmath>
+#include <memory>
+
+#include "demos/cli/Failure.h"
+#include "demos/cli/Suggestion.h"
+#include "demos/runner/Commands.h"
+#include "demos/runner/Replay.h"
+#include "demos/runner/SceneModels.h"
+#include "demos/runner/SceneRun.h"
+#include "demos/scenes/Scene.h"
+
+namespace clod::demo
+{
+namespace
+{
+using cli::ExitCode;
+using cli::Failure;
+
+constexpr double kDefaultTolerance = 0.01;  // share of the smaller radius
+constexpr double kBulletRadius = 5;         // bodies are scaled by a power of ten to about this radius for Bullet
+
+BuiltHierarchy buildModel(HierarchyCache& cache, const SceneModel& model, double resolution)
+{
+	if (!model.file.empty()) return {cache.open(model.file, false), std::nan("")};
+	return buildTimed(cache, modelSource(model.name, trianglesOf(model.name, resolution)));
+}
+
+// Simulates the scene in exact mode: these are the poses that everybody is asked at.
+PairSubject fromScene(const PairInput& input, const SceneInfo& info, HierarchyCache& cache, cli::Progress& progress)
+{
+	if (!info.isPair())
+		throw Failure(ExitCode::usage,
+					  fmt::format("methods are compared on two bodies; {} has {}", info.name, info.bodies.size()));
+	SceneSettings settings;
+	double seconds = 0;
+	for (const SceneModel& model : info.models)
+	{
+		const BuiltHierarchy built = buildModel(cache, model, input.resolution);
+		settings.models.push_back(built.hierarchy);
+		seconds += built.seconds;
+	}
+	settings.metric = ContactMetric::exactly();
+	settings.dt = input.dt > 0 ? input.dt : info.dt;
+	const std::unique_ptr<Scene> scene = makeScene(info.name, settings);
+	const HierarchyPointer &a = settings.models[info.bodies[0].model], &b = settings.models[info.bodies[1].model];
+	PairSubject subject{info.name, {a, b, seconds}, {}, info.tolerance, settings.dt, info.worldScale};
+	const int steps = input.steps > 0 ? input.steps : info.steps;
+	for (int step = 0; step < steps; ++step)
+	{
+		scene->step();
+		subject.poses.push_back(posesOf(scene->state()).front());
+		progress.update("exact simulation", double(step + 1) / steps);
+	}
+	return subject;
+}
+
+PairSubject fromFiles(const PairInput& input, HierarchyCache& cache)
+{
+	Result<std::vector<PoseRow>> poses = readPoses(input.words[2]);
+	if (!poses) throw Failure(ExitCode::badInput, poses.error());
+	const HierarchyPointer a = cache.open(input.words[0], false), b = cache.open(input.words[1], false);
+	const double radius = smallerRadius(*a, *b);
+	return {input.words[0] + " and " + input.words[1],
+			{a, b, std::nan("")},
+			std::move(poses.value()),
+			kDefaultTolerance * radius,
+			input.dt > 0 ? input.dt : 1.0 / 240,
+			std::pow(10.0, std::round(std::log10(kBulletRadius / radius)))};
+}
+
+PairSubject anySubject(const PairInput& input, HierarchyCache& cache, cli::Progress& progress)
+{
+	if (input.words.size() == 3) return fromFiles(input, cache);
+	if (input.words.size() != 1)
+		throw Failure(ExitCode::usage,
+					  "a scene, or A B POSES.csv; poses that nobody recorded are not available in this version");
+	const SceneInfo* info = findScene(input.words[0]);
+	if (info) return fromScene(input, *info, cache, progress);
+	std::vector<std::string> names;
+	for (const SceneInfo& scene : scenes()) names.push_back(scene.name);
+	throw Failure(ExitCode::usage, fmt::format("unknown scene '{}'{}; `clod-bench list` shows them", input.words[0],
+											   cli::didYouMean(input.words[0], names)));
+}
+}  // namespace
+
+void addPairInput(CLI::App& command, PairInput& input)
+{
+	command.add_option("INPUT", input.words, "A scene, or A B POSES.csv")->required()->expected(1, 3);
+	cli::addLength(command, "--tolerance", input.tolerance,
+				   "Contacts up to this gap (default: the scene's, else 1% of the smaller radius)");
+	addResolution(command, input.resolution);
+	command.add_option("--steps", input.steps, "Steps of a scene (default: the scene's)")
+		->type_name("N")
+		->check(CLI::Range(1, 10'000'000));
+	command.add_option("--dt", input.dt, "Seconds between rows (default: the scene's, else 1/240)")
+		->type_name("SECONDS")
+		->check(between(1e-9, 1e9));
+}
+
+PairSubject pairSubject(const PairInput& input, HierarchyCache& cache, cli::Progress& progress)
+{
+	PairSubject subject = anySubject(input, cache, progress);
+	if (input.tolerance)
+		subject.tolerance = input.tolerance->inMeshUnit(smallerRadius(*subject.models.a, *subject.models.b));
+	if (!(subject.tolerance > 0)) throw Failure(ExitCode::usage, "--tolerance must be positive");
+	return subject;
+}
+}  // namespace clod::demo

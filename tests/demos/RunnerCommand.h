@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// clod-bench from outside, as users and scripts run it: a folder, a cache and a small recording for tests of commands.
+#pragma once
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace clod::test
+{
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+// A scene that builds and runs in seconds.
+inline const std::string kSmallScene = "run spoon-cup --resolution 0.03 --steps 40 --quiet";
+
+inline std::string readAll(const fs::path& path)
+{
+	std::ifstream file(path, std::ios::binary);
+	return {std::istreambuf_iterator<char>(file), {}};
+}
+
+struct Outcome
+{
+	int code;
+	std::string out, err;
+};
+
+// One folder for the whole program, so that all tests share one cache.
+class RunnerCommand : public testing::Test
+{
+protected:
+	static void SetUpTestSuite()
+	{
+		s_folder = fs::temp_directory_path() / ("clod-runner-test-" + std::to_string(getpid()));
+		fs::create_directories(s_folder);
+	}
+	static void TearDownTestSuite() { fs::remove_all(s_folder); }
+
+	static std::string path(const std::string& name) { return (s_folder / name).string(); }
+	static std::string cache() { return " --cache-dir " + path("cache"); }
+	static Outcome runProgram(const std::string& program, const std::string& words)
+	{
+		const std::string command = program + " " + words + " >" + path("out") + " 2>" + path("err");
+		const int status = std::system(command.c_str());
+		return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, readAll(path("out")), readAll(path("err"))};
+	}
+	static Outcome bench(const std::string& words) { return runProgram(CLOD_BENCH, words); }
+	static json report(const std::string& name) { return json::parse(readAll(path(name))); }
+
+	// A recorded run of the small scene and its meshes, made once.
+	static void needRecording()
+	{
+		if (fs::exists(path("poses.csv"))) return;
+		const Outcome run = bench(kSmallScene + " --exact --poses " + path("poses.csv") + cache());
+		ASSERT_EQ(run.code, 0) << run.err;
+		ASSERT_EQ(bench("model cup --triangles 1920 --quiet -o " + path("cup.obj")).code, 0);
+		ASSERT_EQ(bench("model spoon --triangles 2580 --quiet -o " + path("spoon.obj")).code, 0);
+	}
+	static std::string replayWords()
+	{
+		return "replay " + path("cup.obj") + " " + path("spoon.obj") + " " + path("poses.csv");
+	}
+
+	static inline fs::path s_folder;
+};
+}  // namespace clod::test

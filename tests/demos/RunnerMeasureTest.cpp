@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The commands that measure: what they write, whom they leave out, and that every row is accounted for.
+#include <map>
+#include <sstream>
+
+#include "tests/demos/RunnerCommand.h"
+
+namespace
+{
+using namespace clod::test;
+
+// The column of a csv as numbers, by the row's first two fields.
+std::map<std::string, double> csvColumn(const std::string& csv, const std::string& name)
+{
+	std::istringstream lines(csv);
+	std::string header, line;
+	std::getline(lines, header);
+	std::istringstream names(header);
+	int wanted = 0;
+	for (std::string field; std::getline(names, field, ',') && field != name;) ++wanted;
+	std::map<std::string, double> values;
+	while (std::getline(lines, line))
+	{
+		std::istringstream fields(line);
+		std::string key, field;
+		for (int column = 0; column <= wanted && std::getline(fields, field, ','); ++column)
+			if (column < 2) key += (column ? "," : "") + field;
+		values[key] = std::atof(field.c_str());
+	}
+	return values;
+}
+
+TEST_F(RunnerCommand, TradeoffMeasuresOursAndWhatBulletHas)
+{
+	needRecording();
+	const std::string inputs = path("cup.obj ") + path("spoon.obj ") + path("poses.csv");
+	const Outcome outcome = bench("tradeoff " + inputs + cache() +
+								  " --rows contact --tolerance 2mm --stride 6 --repeat 1 --quiet --peers-dir " +
+								  path("no-peers") + " -o " + path("tradeoff"));
+	ASSERT_EQ(outcome.code, 0) << outcome.err;
+	const std::string csv = readAll(path("tradeoff/tradeoff.csv"));
+	const auto gap = csvColumn(csv, "gap_error_p95"), covered = csvColumn(csv, "covered_mean"),
+			   time = csvColumn(csv, "us_median");
+	ASSERT_TRUE(gap.count("clod,exact") && gap.count("clod-dispatch,exact") && gap.count("gimpact,full") &&
+				gap.count("bvh-gimpact,full") && gap.count("clod,size 3.5 %"))
+		<< csv;
+	EXPECT_LT(gap.at("clod,exact"), 1e-7);  // the reference is this query
+	EXPECT_EQ(covered.at("clod,exact"), 1);
+	EXPECT_GT(gap.at("clod,size 7 %"), gap.at("clod,exact"));
+	EXPECT_LT(gap.at("clod,max-error 0.1 %"), 0.001 * 0.072);  // the smaller radius, rounded up
+	for (const auto& [method, microseconds] : time) EXPECT_GT(microseconds, 0) << method;
+	const json left = report("tradeoff/tradeoff.json")["tradeoff"]["left_out"];
+	EXPECT_NE(left.dump().find("scripts/peers"), std::string::npos) << left;
+	EXPECT_NE(readAll(path("tradeoff/pareto.csv")).find("gimpact,full"), std::string::npos);
+}
+
+TEST_F(RunnerCommand, TradeoffLeavesABrokenPeerOutAndSaysSo)
+{
+	needRecording();
+	fs::create_directories(path("peers"));
+	std::ofstream(path("peers/clod-coal")) << "#!/bin/sh\nprintf short > \"$4\"\n";
+	fs::permissions(path("peers/clod-coal"), fs::perms::owner_all);
+	const std::string inputs = path("cup.obj ") + path("spoon.obj ") + path("poses.csv");
+	const Outcome outcome = bench(
+		"tradeoff " + inputs + cache() +
+		" --rows contact --tolerance 2mm --stride 20 --repeat 1 --quiet --methods clod,coal-distance --peers-dir " +
+		path("peers") + " -o " + path("broken"));
+	ASSERT_EQ(outcome.code, 0) << outcome.err;
+	EXPECT_NE(outcome.out.find("left out: coal-distance full: clod-coal answered too little"), std::string::npos)
+		<< outcome.out;
+	EXPECT_EQ(readAll(path("broken/tradeoff.csv")).find("coal-distance"), std::string::npos);
+}
+
+TEST_F(RunnerCommand, LevelsArePlottedWhereGnuplotIs)
+{
+	ASSERT_EQ(bench("model bowl --triangles 800 --quiet -o " + path("bowl.obj")).code, 0);
+	EXPECT_EQ(bench("levels " + path("bowl.obj") + cache()).code, 2);
+	const Outcome plot = bench("levels " + path("bowl.obj") + " --plot " + path("plot.png") + " --quiet" + cache());
+	const bool hasGnuplot = std::system("command -v gnuplot >/dev/null") == 0;
+	EXPECT_EQ(plot.code, hasGnuplot ? 0 : 1) << plot.err;
+	EXPECT_EQ(fs::exists(path("plot.png")), hasGnuplot);
+	EXPECT_EQ(plot.err.find("gnuplot is missing") == std::string::npos, hasGnuplot) << plot.err;
+}
+
+TEST_F(RunnerCommand, FigureFourHasARowAStepAndEveryRowARegime)
+{
+	const Outcome paper = bench("paper --only figure4 --resolution 0.03 --steps 40 --quiet -o " + path("figures") +
+								cache() + " --json " + path("figures.json"));
+	ASSERT_EQ(paper.code, 0) << paper.err;
+	std::istringstream lines(readAll(path("figures/figure4.csv")));
+	std::string line;
+	std::getline(lines, line);
+	EXPECT_EQ(line.rfind("step,time,regime,ours_exact_us,ours_exact_front,ours_exact_churn", 0), 0u) << line;
+	int rows = 0;
+	while (std::getline(lines, line)) ++rows;
+	EXPECT_EQ(rows, 40);
+	const json curves = report("figures.json")["figure4"]["curves"];
+	ASSERT_EQ(curves.size(), 8u);
+	for (const json& curve : curves)
+	{
+		int sum = 0;
+		for (const json& regime : curve["regimes"]) sum += regime["rows"].get<int>();
+		EXPECT_EQ(sum, 40) << curve["mode"] << curve["selection"];
+	}
+}
+
+TEST_F(RunnerCommand, IdlePairsAreMeasuredBesideHullsInEveryState)
+{
+	needRecording();
+	const std::string inputs = path("cup.obj ") + path("spoon.obj ") + path("poses.csv");
+	const Outcome idle = bench("idle " + inputs + cache() +
+							   " --tolerance 2mm --poses 3 --dispatches 20 --quiet --json " + path("idle.json"));
+	ASSERT_EQ(idle.code, 0) << idle.err;
+	const json rows = report("idle.json")["rows"];
+	ASSERT_EQ(rows.size(), 12u);  // three states; three metrics of ours and the hulls
+	for (const json& row : rows)
+	{
+		const bool touches = row["state"] == "touching, unchanged";
+		EXPECT_EQ(row["points"].get<double>() > 0, touches) << row;
+		EXPECT_GT(row["dispatch_us"]["median"].get<double>(), 0) << row;
+		EXPECT_EQ(row["ratio_to_hulls"] == 1, row["who"] == "two hulls of 32 vertices") << row;
+	}
+	EXPECT_EQ(bench("idle " + path("cup.obj ") + path("spoon.obj") + cache()).code, 2);
+	EXPECT_EQ(bench("idle spoon-cub" + cache()).code, 2);
+}
+}  // namespace
