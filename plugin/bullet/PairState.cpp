@@ -5,7 +5,6 @@
 #include <BulletCollision/CollisionShapes/btTriangleCallback.h>
 
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
 #include "clod/bullet/BodyState.h"
@@ -14,15 +13,8 @@ namespace clod
 {
 namespace
 {
-constexpr int kLeakRounds = 3;            // reductions after dropping leaking points
 constexpr double kBreakingShare = 0.003;  // of the length: drift that refreshContactPoints tolerates
-constexpr double kTestsPerPending = 8;    // what a pair that was not refined would have taken
 constexpr double kSameScale = 1e-6;       // scales whose ratio differs by less are equal
-
-double microsecondsSince(std::chrono::steady_clock::time_point start)
-{
-	return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
-}
 
 Vec3 sphereCenter(const Hierarchy& hierarchy)
 {
@@ -93,6 +85,7 @@ bool PairState::chooseBodies(const btCollisionObjectWrapper& body0, const btColl
 	{
 		m_cache.clear();
 		m_clusters.clear();
+		m_hasQuestion = false;
 		m_seenA = m_shapeA;
 		m_seenB = partner;
 		m_seenRevisions = revisions;
@@ -268,58 +261,6 @@ std::optional<QueryPlan> PairState::plan(const btCollisionObjectWrapper& body0, 
 	return QueryPlan(m_shapeA->hierarchy(), m_shapeB->hierarchy(), m_aFromB, settings, m_cache);
 }
 
-void PairState::findPoints()
-{
-	m_points.clear();
-	const auto start = std::chrono::steady_clock::now();
-	if (m_partner != Partner::Clod)
-	{
-		m_report.queryMicroseconds = 0;
-		clipForeign();
-		return;
-	}
-	Settings settings = querySettings();
-	settings.budget = chooseBudget();
-	query(m_shapeA->hierarchy(), m_shapeB->hierarchy(), m_aFromB, settings, m_cache, m_result);
-	m_report.queryMicroseconds = microsecondsSince(start);
-	const QueryStats& stats = m_result.stats;
-	const double tests = double(stats.boxTests) + stats.hullTests;
-	if (settings.budget.isLimited()) m_context.setDemand(m_report, tests + kTestsPerPending * stats.pending);
-	m_clipper.clip(m_shapeA->hierarchy(), m_shapeB->hierarchy(), m_aFromB, m_result.contacts, m_rules, m_points);
-}
-
-// Clusters; chosen points that turn out to be leaks are dropped and the choice made again.
-void PairState::reduce()
-{
-	ClusterRules rules;
-	rules.length = m_rules.length;
-	rules.tolerance = m_rules.resting / m_rules.length;
-	m_excluded.assign(m_points.size(), 0);
-	m_previous = m_clusters;
-	carryWithB(m_previous, m_aFromB * inverse(m_oldAFromB));
-	m_oldAFromB = m_aFromB;
-	m_report.leaks = 0;
-	m_reducer.reduce(m_points, m_excluded, m_previous, rules, m_clusters);
-	if (m_partner != Partner::Clod || m_points.empty()) return;
-	m_leakCheck.prepare(m_result.contacts);
-	for (int round = 0; round < kLeakRounds; ++round)
-	{
-		std::uint32_t leaks = 0;
-		for (int slot = 0; slot < kMaxClusters; ++slot)
-			for (int i = 0; i < m_clusters.slots[std::size_t(slot)].count; ++i)
-			{
-				const ContactPoint& point = m_clusters.slots[std::size_t(slot)].points[std::size_t(i)].point;
-				if (!m_leakCheck.leaks(m_shapeA->hierarchy(), m_shapeB->hierarchy(), m_aFromB, point, m_rules.margin))
-					continue;
-				m_excluded[m_reducer.candidateOf(slot, i)] = 1;
-				++leaks;
-			}
-		if (leaks == 0) return;
-		m_report.leaks += leaks;
-		m_reducer.reduce(m_points, m_excluded, m_previous, rules, m_clusters);
-	}
-}
-
 void PairState::process(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 						const btDispatcherInfo& info, btManifoldResult& out)
 {
@@ -327,11 +268,7 @@ void PairState::process(const btCollisionObjectWrapper& body0, const btCollision
 	WorldFrame frame;
 	if (prepare(body0, body1, info, double(out.m_closestPointDistanceThreshold)))
 	{
-		findPoints();
-		const auto start = std::chrono::steady_clock::now();
-		reduce();
-		judge();
-		m_report.contactMicroseconds = microsecondsSince(start);
+		answersAgain() ? keepPoints() : answer();
 		frame.a = m_a;
 		frame.b = m_b;
 		frame.aIsFirst = m_a == &body0;
@@ -341,7 +278,10 @@ void PairState::process(const btCollisionObjectWrapper& body0, const btCollision
 			kBreakingShare * m_rules.length * frame.scale + double(out.m_closestPointDistanceThreshold);
 	}
 	else
+	{
 		m_clusters.clear();
+		m_hasQuestion = false;
+	}
 	const auto levelOf = [this](const ContactPoint& point, std::uint32_t& levelA, std::uint32_t& levelB)
 	{
 		levelA = m_shapeA->hierarchy().node(point.nodeA).level;

@@ -50,6 +50,9 @@ private:
 	Budget chooseBudget();
 	void setMotion(double timeStep, double closestPoints);
 	Sweep sweepOfStep() const;
+	bool answersAgain() const;
+	void answer();
+	void keepPoints();
 	void findPoints();
 	void clipForeign();
 	void reduce();
@@ -83,6 +86,15 @@ private:
 	ForeignStats m_foreignStats;
 	ClusterSet m_clusters, m_previous;
 	PairReport m_report;
+	// What the clusters answer.
+	struct Question
+	{
+		Transform aFromB;
+		Settings settings;
+		PointRules rules;
+	};
+	Question m_question;
+	bool m_hasQuestion = false;
 	unsigned m_warned = 0;
 	bool m_hasPlan = false;  // made by plan(), for the coming process()
 	// Buffers.

@@ -28,14 +28,15 @@ void QueryResult::clear()
 	stats = QueryStats{};
 }
 
-namespace
-{
 bool same(const Settings& l, const Settings& r)
 {
 	return l.budget.tests == r.budget.tests && l.budget.microseconds == r.budget.microseconds &&
 		   same(l.metric, r.metric) && l.tolerance == r.tolerance && l.distance == r.distance &&
 		   l.contactsOnly == r.contactsOnly && l.paper == r.paper && l.sweep == r.sweep;
 }
+
+namespace
+{
 // A plan's query may have an own threshold: it is the one the plan was made with.
 bool sameButOwn(Settings l, Settings r)
 {

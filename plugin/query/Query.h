@@ -48,6 +48,8 @@ struct Settings
 	// distance.
 	Budget budget;
 };
+// Field by field; with an own function never, see same(Metric).
+bool same(const Settings& l, const Settings& r);
 
 // An accepted node pair within the tolerance.
 struct Contact

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <functional>
 #include <limits>
 
 #include "tests/bullet/BulletWorld.h"
@@ -75,6 +76,81 @@ TEST(Lifecycle, PointsPersistAndKeepTheirImpulses)
 		}
 	EXPECT_NEAR(impulse, 9.81 / 240, 0.1 * 9.81 / 240);
 	EXPECT_GT(oldest, 100);
+}
+
+namespace
+{
+// Where a world's manifold points are, and their friction, in Bullet's order.
+std::vector<double> pointsOf(const BulletWorld& scene)
+{
+	std::vector<double> values;
+	for (int i = 0; i < scene.dispatcher.getNumManifolds(); ++i)
+	{
+		const btPersistentManifold& manifold =
+			*const_cast<btCollisionDispatcher&>(scene.dispatcher).getManifoldByIndexInternal(i);
+		for (int k = 0; k < manifold.getNumContacts(); ++k)
+		{
+			const btManifoldPoint& p = manifold.getContactPoint(k);
+			for (const btVector3& v : {p.m_localPointA, p.m_localPointB, p.m_positionWorldOnB, p.m_normalWorldOnB})
+				values.insert(values.end(), {double(v.x()), double(v.y()), double(v.z())});
+			values.insert(values.end(), {double(p.m_distance1), double(p.m_combinedFriction)});
+		}
+	}
+	return values;
+}
+
+double queryTime(const BulletWorld& scene)
+{
+	double time = 0;
+	scene.context.forEachPair([&](const PairReport& report) { time = report.queryMicroseconds; });
+	return time;
+}
+}  // namespace
+
+TEST(Lifecycle, APairIsAskedAnewOnlyWhenItsQuestionChanges)
+{
+	Resting scene;
+	scene.world.getDispatchInfo().m_timeStep = btScalar(scene.timeStep);
+	btClodShape& otherShape = scene.addShape(cube());
+	const std::pair<const char*, std::function<void()>> changes[] = {
+		{"moved", [&] { scene.body.getWorldTransform().getOrigin().setX(btScalar(0.0625)); }},
+		{"speed", [&] { scene.body.setLinearVelocity(btVector3(0, 0, btScalar(0.3))); }},
+		{"force", [&] { scene.body.applyCentralForce(btVector3(0, 0, btScalar(5))); }},
+		{"margin", [&] { scene.bodyShape.setMargin(btScalar(0.004)); }},
+		{"metric", [&] { scene.context.worldMetric = ContactMetric::exactly(); }},
+		{"shape", [&] { scene.body.setCollisionShape(&otherShape); }},
+		{"both moved by as much", [&]
+		 {
+			 for (btRigidBody* body : {&scene.ground, &scene.body})
+				 body->getWorldTransform().getOrigin() += btVector3(btScalar(0.0625), 0, 0);
+		 }}};
+	scene.world.performDiscreteCollisionDetection();
+	for (const auto& [name, change] : changes)
+	{
+		change();
+		scene.world.performDiscreteCollisionDetection();
+		EXPECT_EQ(queryTime(scene) == 0, std::string("both moved by as much") == name) << name;
+		const std::vector<double> points = pointsOf(scene);
+		ASSERT_FALSE(points.empty()) << name;
+		for (int again = 0; again < 3; ++again)
+		{
+			scene.world.performDiscreteCollisionDetection();
+			EXPECT_EQ(queryTime(scene), 0) << name;
+			EXPECT_EQ(pointsOf(scene), points) << name;
+		}
+	}
+	// Impulses stay with their points.
+	const auto point = [&](int k) -> btManifoldPoint&
+	{ return scene.dispatcher.getManifoldByIndexInternal(k / 4)->getContactPoint(k % 4); };
+	for (int k = 0; k < 2; ++k) point(k).m_appliedImpulse = btScalar(3 + k);
+	scene.world.performDiscreteCollisionDetection();
+	for (int k = 0; k < 2; ++k) EXPECT_EQ(point(k).m_appliedImpulse, btScalar(3 + k));
+	// What is Bullet's stays Bullet's: a point's friction is that of now.
+	const std::vector<double> rough = pointsOf(scene);
+	scene.body.setFriction(btScalar(0.1));
+	scene.world.performDiscreteCollisionDetection();
+	EXPECT_EQ(queryTime(scene), 0);
+	EXPECT_NE(pointsOf(scene), rough);
 }
 
 TEST(Lifecycle, SetCollisionShapeAtRunTimeIsNoticed)

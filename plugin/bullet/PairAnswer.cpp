@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Zlib
+// A pair's contacts in one dispatch, and when those of the last one are the answer already: two bodies that stay where
+// they are cost what writing their manifolds costs.
+#include <chrono>
+
+#include "clod/bullet/PairState.h"
+
+namespace clod
+{
+namespace
+{
+constexpr int kLeakRounds = 3;          // reductions after dropping leaking points
+constexpr double kTestsPerPending = 8;  // what a pair that was not refined would have taken
+
+double microsecondsSince(std::chrono::steady_clock::time_point start)
+{
+	return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
+}
+
+bool isSame(const Transform& l, const Transform& r)
+{
+	for (int i = 0; i < 3; ++i)
+		if (l.rotation.row[i] != r.rotation.row[i]) return false;
+	return l.translation == r.translation;
+}
+
+bool isSame(const PointRules& l, const PointRules& r)
+{
+	return l.length == r.length && l.resting == r.resting && l.margin == r.margin &&
+		   l.motion.linear == r.motion.linear && l.motion.angular == r.motion.angular &&
+		   l.motion.timeStep == r.motion.timeStep;
+}
+}  // namespace
+
+// The pose, how the bodies move, and what is asked: all as in the last dispatch? Then its points are the answer.
+bool PairState::answersAgain() const
+{
+	return m_hasQuestion && m_partner == Partner::Clod && !m_context.budget.isLimited() &&
+		   isSame(m_question.aFromB, m_aFromB) && isSame(m_question.rules, m_rules) &&
+		   same(m_question.settings, querySettings());
+}
+
+void PairState::findPoints()
+{
+	m_points.clear();
+	const auto start = std::chrono::steady_clock::now();
+	if (m_partner != Partner::Clod)
+	{
+		m_report.queryMicroseconds = 0;
+		clipForeign();
+		return;
+	}
+	Settings settings = querySettings();
+	settings.budget = chooseBudget();
+	query(m_shapeA->hierarchy(), m_shapeB->hierarchy(), m_aFromB, settings, m_cache, m_result);
+	m_report.queryMicroseconds = microsecondsSince(start);
+	const QueryStats& stats = m_result.stats;
+	const double tests = double(stats.boxTests) + stats.hullTests;
+	if (settings.budget.isLimited()) m_context.setDemand(m_report, tests + kTestsPerPending * stats.pending);
+	m_clipper.clip(m_shapeA->hierarchy(), m_shapeB->hierarchy(), m_aFromB, m_result.contacts, m_rules, m_points);
+}
+
+// Clusters; chosen points that turn out to be leaks are dropped and the choice made again.
+void PairState::reduce()
+{
+	ClusterRules rules;
+	rules.length = m_rules.length;
+	rules.tolerance = m_rules.resting / m_rules.length;
+	m_excluded.assign(m_points.size(), 0);
+	m_previous = m_clusters;
+	carryWithB(m_previous, m_aFromB * inverse(m_oldAFromB));
+	m_oldAFromB = m_aFromB;
+	m_report.leaks = 0;
+	m_reducer.reduce(m_points, m_excluded, m_previous, rules, m_clusters);
+	if (m_partner != Partner::Clod || m_points.empty()) return;
+	m_leakCheck.prepare(m_result.contacts);
+	for (int round = 0; round < kLeakRounds; ++round)
+	{
+		std::uint32_t leaks = 0;
+		for (int slot = 0; slot < kMaxClusters; ++slot)
+			for (int i = 0; i < m_clusters.slots[std::size_t(slot)].count; ++i)
+			{
+				const ContactPoint& point = m_clusters.slots[std::size_t(slot)].points[std::size_t(i)].point;
+				if (!m_leakCheck.leaks(m_shapeA->hierarchy(), m_shapeB->hierarchy(), m_aFromB, point, m_rules.margin))
+					continue;
+				m_excluded[m_reducer.candidateOf(slot, i)] = 1;
+				++leaks;
+			}
+		if (leaks == 0) return;
+		m_report.leaks += leaks;
+		m_reducer.reduce(m_points, m_excluded, m_previous, rules, m_clusters);
+	}
+}
+
+// Every point continues the one in its place.
+void PairState::keepPoints()
+{
+	for (std::uint32_t slot = 0; slot < kMaxClusters; ++slot)
+		for (std::uint32_t i = 0; i < kClusterPoints; ++i)
+			m_clusters.slots[slot].points[i].previous = slot * kClusterPoints + i;
+	m_report.queryMicroseconds = m_report.contactMicroseconds = 0;
+}
+
+void PairState::answer()
+{
+	findPoints();
+	const auto start = std::chrono::steady_clock::now();
+	reduce();
+	judge();
+	m_report.contactMicroseconds = microsecondsSince(start);
+	m_question = {m_aFromB, querySettings(), m_rules};
+	m_hasQuestion = true;
+}
+}  // namespace clod
