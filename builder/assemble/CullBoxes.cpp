@@ -7,6 +7,7 @@
 
 #include "builder/assemble/Geometry.h"
 #include "builder/assemble/MassProperties.h"
+#include "clod/hierarchy/BoundGrid.h"
 
 namespace clod::builder
 {
@@ -51,19 +52,20 @@ Mat3 bestAxes(const std::vector<Vec3>& points, const Vec3& normal)
 }
 }  // namespace
 
-CullBox fitCullBox(const std::vector<Vec3>& points, const Vec3& normal)
+CullBox fitCullBox(const std::vector<Vec3>& points, const Vec3& normal, float assetRadius)
 {
 	Mat3 axes = bestAxes(points, normal);
 	for (Vec3& row : axes.row) row = toVec3(toFloat3(row));
 	const AxisBox bounds = boundsIn(axes, points);
 	const Vec3 middle = 0.5 * (bounds.low + bounds.high);
-	const Float3 center = toFloat3(transposed(axes) * middle);
+	const Vec3 wanted = transposed(axes) * middle;
 	CullBox box{};
-	const float stored[3] = {center.x, center.y, center.z};
-	double radius = 0, half[3] = {0, 0, 0}, largest = length(toVec3(center));
+	for (int i = 0; i < 3; ++i) box.center[i] = nearestAnchor(wanted[i], assetRadius);
+	const Vec3 center{double(box.center[0]), double(box.center[1]), double(box.center[2])};
+	double radius = 0, half[3] = {0, 0, 0}, largest = length(center);
 	for (const Vec3& p : points)
 	{
-		const Vec3 d = p - toVec3(center);
+		const Vec3 d = p - center;
 		radius = std::max(radius, length(d));
 		for (int i = 0; i < 3; ++i) half[i] = std::max(half[i], std::fabs(dot(axes.row[i], d)));
 	}
@@ -71,11 +73,10 @@ CullBox fitCullBox(const std::vector<Vec3>& points, const Vec3& normal)
 	const double margin = kMargin * radius + 1e-12 * largest;
 	for (int i = 0; i < 3; ++i)
 	{
-		box.center[i] = stored[i];
 		for (int k = 0; k < 3; ++k) box.axis[i][k] = roundToFloat(axes.row[i][k]);
-		box.half[i] = roundUp(half[i] + margin);
+		box.half[i] = boundAtLeast(half[i] + margin);
 	}
-	box.radius = roundUp(radius + margin);
+	box.radius = boundAtLeast(radius + margin);
 	return box;
 }
 }  // namespace clod::builder

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every bound is rounded to the next float outward, after a slack for the rounding of its own computation in double.
+// Every bound is rounded outward to the grid of BoundGrid.h, after a slack for the rounding of its own computation in
+// double.
 #include "builder/assemble/Store.h"
 
 #include <algorithm>
@@ -10,6 +11,7 @@
 #include "builder/assemble/MassProperties.h"
 #include "builder/assemble/Parallel.h"
 #include "builder/assemble/Walls.h"
+#include "clod/hierarchy/BoundGrid.h"
 
 namespace clod::builder
 {
@@ -32,8 +34,8 @@ public:
 		for (std::uint32_t level = 0; level < m_draft.levels.size(); ++level) addLevel(level);
 		addNeighbours();
 		addFaceDepths();
-		addCullBoxes();
 		addAsset();
+		addCullBoxes();
 		return std::move(m_content);
 	}
 
@@ -59,7 +61,7 @@ private:
 		}
 	}
 
-	float bound(double value) const { return roundUp(value * (1 + 1e-12) + 1e-11 * m_sphere.radius); }
+	float bound(double value) const { return boundAtLeast(value * (1 + 1e-12) + 1e-11 * m_sphere.radius); }
 
 	void addLevel(std::uint32_t index)
 	{
@@ -69,7 +71,7 @@ private:
 		level.nodeCount = draft.nodeCount;
 		level.firstFace = std::uint32_t(m_content.faces.size());
 		level.flags = draft.clod ? kClodNode : 0;
-		level.patchTolerance = roundUp(draft.patchTolerance);
+		level.patchTolerance = boundAtLeast(draft.patchTolerance);
 		for (std::uint32_t i = 0; i < draft.nodeCount; ++i)
 		{
 			const Node node = addNode(index, m_draft.nodes[m_oldIndex[draft.firstNode + i]]);
@@ -114,13 +116,12 @@ private:
 		node.hausdorff = inner ? bound(draft.hausdorff) : 0;
 		node.protrude = bound(draft.bounds.protrude);
 		node.deviation = std::max({node.cover, node.protrude, node.surf});
-		node.resolution = inner ? roundDown(draft.resolution) : 0;
-		node.contactArea = roundDown(draft.contactArea);
-		const double most = double(std::numeric_limits<float>::max());
+		node.resolution = inner ? boundAtMost(draft.resolution) : 0;
+		node.contactArea = boundAtMost(draft.contactArea);
 		// Of the stored deviation, whose rounding slack is all there is of the smallest ones.
 		const double r = double(node.resolution), own = r > 0 ? double(node.deviation) / (r * r) : 0;
 		const double volume = std::max(draft.featureVolume, own) * (1 + 1e-6);
-		node.featureVolume = inner ? roundUp(std::min(volume, most)) : 0;
+		node.featureVolume = inner ? boundAtLeast(std::min(volume, double(kLargestBound))) : 0;
 		if (node.flags == 0) node.featureVolume = std::numeric_limits<float>::infinity();
 	}
 
@@ -210,7 +211,7 @@ private:
 						const Triangle t = node.face(i - m_content.nodes[owner[i]].firstFace);
 						const Vec3 normal{double(face.normal[0]), double(face.normal[1]), double(face.normal[2])};
 						walls[i] = wallBehind(m_solid, centroid(t), -normal);
-						face.thickness = float(std::min(0.5 * walls[i], kFaceDepthShare * m_sphere.radius));
+						face.thickness = boundAtMost(std::min(0.5 * walls[i], kFaceDepthShare * m_sphere.radius));
 					});
 		m_thinnest = 2 * m_sphere.radius;
 		for (std::size_t i = 0; i < m_content.levels[0].faceCount; ++i)
@@ -224,7 +225,8 @@ private:
 					[this](std::size_t i)
 					{
 						const std::uint32_t old = m_oldIndex[i];
-						m_content.cullBoxes[i] = fitCullBox(enclosed(old), m_draft.nodes[old].meanNormal);
+						m_content.cullBoxes[i] =
+							fitCullBox(enclosed(old), m_draft.nodes[old].meanNormal, m_content.asset.radius);
 					});
 	}
 
@@ -266,9 +268,15 @@ private:
 		asset.volume = mass.volume;
 		std::copy(mass.inertia.begin(), mass.inertia.end(), asset.inertia);
 		std::copy(mass.principal.begin(), mass.principal.end(), asset.principal);
-		setVector(asset.sphereCenter, m_sphere.center);
+		const float larger = float(m_sphere.radius * (1 + 4e-6));  // than what moving the centre leads to
+		Vec3 center;
+		for (int i = 0; i < 3; ++i)
+		{
+			asset.sphereCenter[i] = nearestAnchor(m_sphere.center[i], larger);
+			center[i] = double(asset.sphereCenter[i]);
+		}
 		double radius = 0;
-		for (const Vec3& v : mesh.vertices) radius = std::max(radius, length(v - toVec3(toFloat3(m_sphere.center))));
+		for (const Vec3& v : mesh.vertices) radius = std::max(radius, length(v - center));
 		asset.radius = roundUp(radius * (1 + 1e-12));
 		AxisBox box;
 		for (const NodeDraft& node : m_draft.nodes)
@@ -279,8 +287,8 @@ private:
 			asset.boxMax[i] = roundUp(box.high[i]);
 		}
 		asset.storageTolerance = roundUp(8 * std::ldexp(double(asset.radius), -24));
-		asset.areaTolerance = float(m_config.areaTolerance * m_sphere.radius);
-		asset.thinnestWall = roundDown(m_thinnest);
+		asset.areaTolerance = boundAtLeast(m_config.areaTolerance * m_sphere.radius);
+		asset.thinnestWall = boundAtMost(m_thinnest);
 		asset.flags = m_config.paper ? kPaperBuild : 0;
 		asset.triangleCount = std::uint32_t(mesh.triangles.size());
 		asset.componentCount = componentCount(mesh);

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "clod/hierarchy/BoundGrid.h"
+
 namespace clod::builder
 {
 namespace
@@ -54,7 +56,7 @@ void thicken(NodeDraft& node, const Solid& solid, const ProtrusionScale& scale, 
 	};
 	for (double share : {1.0, 0.6, 0.3, 0.1})
 	{
-		node.thickness = double(roundToFloat(share * half));
+		node.thickness = double(boundAtMost(share * half));
 		if (node.thickness <= scale.rounding) break;
 		Protrusion thick = measured(node, solid, scale, allowed);
 		if (thick.upper > harmless && thin < 0)

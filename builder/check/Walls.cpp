@@ -19,6 +19,7 @@ namespace
 constexpr double kMost = 0.03;      // of the radius: the largest thickness of a face
 constexpr double kRelative = 1e-4;  // of a thickness, for the rounding of the stored direction
 constexpr double kRadius = 1e-6;    // the stored radius may exceed the one that thicknesses were cut at
+constexpr double kStored = 2.5e-4;  // bounds are stored to 13 bits
 constexpr double kBlind = 8;        // tolerances of a level: hulls thinner than this have a front to be looked at
 
 struct Wall
@@ -67,7 +68,8 @@ void faceThickness(const Subject& s, const TriangleTree& surface, std::uint32_t 
 	const Triangle t = s.triangle(f);
 	const float(&n)[3] = s.h.faces()[f].normal;
 	const Vec3 middle = (1.0 / 3) * (t[0] + t[1] + t[2]);
-	const double most = kMost * s.radius, stored = double(s.h.faces()[f].thickness);
+	const double most = kMost * s.radius;
+	const float stored = s.h.faces()[f].thickness;
 	const double reach = surface.nearest(middle).distance + s.slack;
 	Box box;
 	box.add(middle);
@@ -81,12 +83,12 @@ void faceThickness(const Subject& s, const TriangleTree& surface, std::uint32_t 
 		// One number where nothing is undecided, and then to the last bit.
 		const double room = wall.low == wall.high ? 1e-12 * s.radius : s.slack;
 		const double low = std::min(most, 0.5 * wall.low), high = std::min(most, 0.5 * wall.high);
-		sound = stored >= double(roundToFloat(low * (1 - kRadius) - room)) &&
-				stored <= double(roundToFloat(high * (1 + kRadius) + room));
+		const double between = 0.5 * (low * (1 - kRadius) + high * (1 + kRadius));
+		sound = isGridBelow(stored, between, 0.5 * (high - low) + kRadius * between + room);
 	}
 	tally.add(f, sound ? 0 : 1,
-			  fmt::format("face {}: thickness {:.9g} is not half the wall [{:.9g}, {:.9g}] behind it", f, stored,
-						  wall.low, wall.high));
+			  fmt::format("face {}: thickness {:.9g} is not half the wall [{:.9g}, {:.9g}] behind it", f,
+						  double(stored), wall.low, wall.high));
 }
 
 // Of a level 0 node: at most half the largest wall met along `inward` from its faces; at most half the smallest where
@@ -196,8 +198,10 @@ Invariants checkWalls(const Subject& s)
 	const bool isThick = least.low >= 2.1 * kMost * s.radius;
 	const double room = 1e-12 * s.radius;
 	const bool isSharp = !isThick && least.low == least.high;
-	const bool sound = isSharp ? isNextBelow(s.h.asset().thinnestWall, least.low, room)
-							   : stored >= least.low - s.slack && (isThick || stored <= least.high + s.slack);
+	const double between = 0.5 * (least.low + least.high);
+	const double noise = isSharp ? room : 0.5 * (least.high - least.low) + s.slack;
+	const bool sound =
+		isThick ? stored >= least.low * (1 - kStored) - s.slack : isGridBelow(s.h.asset().thinnestWall, between, noise);
 	thinnest.add(0, sound ? 0 : 1,
 				 fmt::format("thinnest wall {:.6g} is not within [{:.6g}, {:.6g}]", stored, least.low, least.high));
 	for (const Level& level : s.h.levels())

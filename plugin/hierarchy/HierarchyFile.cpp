@@ -49,7 +49,8 @@ std::string checkHeader(const FileHeader& header, std::uint64_t fileBytes)
 	if (std::memcmp(header.magic, kFileMagic, sizeof kFileMagic) != 0) return "not a .clod file (wrong first bytes)";
 	if (header.endianMark != kEndianMark) return "written with another byte order";
 	if (header.version != kFileVersion)
-		return "format version " + number(header.version) + "; this library reads version " + number(kFileVersion);
+		return "format version " + number(header.version) + "; this library reads version " + number(kFileVersion) +
+			   (header.version < kFileVersion ? ": build it again from its mesh" : ": a newer library is needed");
 	if (header.headerBytes != sizeof(FileHeader)) return "header size " + number(header.headerBytes) + " is not 64";
 	if (header.fileBytes != fileBytes)
 		return "header says " + number(header.fileBytes) + " bytes, the file has " + number(fileBytes);

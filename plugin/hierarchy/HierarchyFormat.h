@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The frame of a .clod file, version 0: header, section table, sections.
+// The frame of a .clod file, version 1: header, section table, sections.
 //
 //   [header 64 bytes][table: kSectionCount entries of 32 bytes][zero padding][section][zero padding][section]...
 //
@@ -16,7 +16,7 @@
 namespace clod
 {
 inline constexpr char kFileMagic[8] = {'C', 'L', 'O', 'D', 'f', 'i', 'l', 'e'};
-inline constexpr std::uint32_t kFileVersion = 0;
+inline constexpr std::uint32_t kFileVersion = 1;
 inline constexpr std::uint32_t kEndianMark = 0x04030201u;
 inline constexpr std::uint64_t kSectionAlignment = 64;
 

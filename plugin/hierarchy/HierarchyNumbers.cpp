@@ -2,7 +2,9 @@
 // The rules of Layout.h, second half: floats, hulls, certified numbers, faces and culling boxes. Indices are proved.
 #include <algorithm>
 #include <limits>
+#include <utility>
 
+#include "clod/hierarchy/BoundGrid.h"
 #include "clod/hierarchy/HierarchyRules.h"
 
 namespace clod::rules
@@ -232,6 +234,42 @@ std::string cullBoxes(const Hierarchy& h)
 					!encloses(h.cullBox(box), h.hull(n).vertex(v) + sweep))
 					return element("node", i) + "its hull leaves the culling box of node " + std::to_string(box);
 	}
+	return "";
+}
+
+// Bounds and centres lie on the grid of BoundGrid.h. (Maxima of levels and deviations are copies of such bounds.)
+std::string grid(const Hierarchy& h)
+{
+	const char* const off = " is off the grid of bounds";
+	const Asset& a = h.asset();
+	const auto anchored = [&a](const float(&c)[3])
+	{ return std::all_of(c, c + 3, [&a](float v) { return isAnchor(v, a.radius); }); };
+	if (!isBound(a.areaTolerance)) return std::string("asset: areaTolerance") + off;
+	if (!isBound(a.thinnestWall)) return std::string("asset: thinnestWall") + off;
+	if (!anchored(a.sphereCenter)) return std::string("asset: sphereCenter") + off;
+	for (std::size_t i = 0; i < h.levels().size; ++i)
+		if (!isBound(h.levels()[i].patchTolerance)) return element("level", i) + "patchTolerance" + off;
+	for (std::uint32_t i = 0; i < h.nodes().size; ++i)
+	{
+		const Node& n = h.node(i);
+		const std::pair<const char*, float> bounds[] = {{"thickness", n.thickness},
+														{"cover", n.cover},
+														{"reach", n.reach},
+														{"protrude", n.protrude},
+														{"surf", n.surf},
+														{"resolution", n.resolution},
+														{"featureVolume", n.featureVolume},
+														{"contactArea", n.contactArea},
+														{"hausdorff", n.hausdorff}};
+		for (const auto& [name, value] : bounds)
+			if (!isBound(value)) return element("node", i) + name + off;
+		const CullBox& box = h.cullBox(i);
+		for (const float v : {box.radius, box.half[0], box.half[1], box.half[2]})
+			if (!isBound(v)) return element("node", i) + "the size of its culling box" + off;
+		if (!anchored(box.center)) return element("node", i) + "the centre of its culling box" + off;
+	}
+	for (std::size_t i = 0; i < h.faces().size; ++i)
+		if (!isBound(h.faces()[i].thickness)) return element("face", i) + "thickness" + off;
 	return "";
 }
 }  // namespace clod::rules

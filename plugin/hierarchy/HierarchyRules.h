@@ -20,6 +20,7 @@ std::string monotone(const Hierarchy& h);
 std::string faces(const Hierarchy& h);
 std::string levelMaxima(const Hierarchy& h);
 std::string cullBoxes(const Hierarchy& h);
+std::string grid(const Hierarchy& h);
 
 inline bool isUnit(const Vec3& v, double tolerance)
 {

@@ -8,8 +8,9 @@ namespace clod
 {
 std::string validate(const Hierarchy& hierarchy)
 {
-	for (const auto rule : {rules::asset, rules::levels, rules::ranges, rules::children, rules::hulls,
-							rules::nodeNumbers, rules::monotone, rules::faces, rules::levelMaxima, rules::cullBoxes})
+	for (const auto rule :
+		 {rules::asset, rules::levels, rules::ranges, rules::children, rules::hulls, rules::nodeNumbers,
+		  rules::monotone, rules::faces, rules::levelMaxima, rules::cullBoxes, rules::grid})
 	{
 		std::string problem = rule(hierarchy);
 		if (!problem.empty()) return problem;

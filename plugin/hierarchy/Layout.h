@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The stored records of a dual hierarchy, exactly as they lie in a .clod file (version 0) and in memory.
+// The stored records of a dual hierarchy, exactly as they lie in a .clod file (version 1) and in memory.
 // Little-endian, no pointers, explicit zero padding. Reader and writer of the file are HierarchyFile.cpp.
 //
 // Frame: every coordinate is in the *body frame*: the mesh's own axes, origin moved to the centre of mass
@@ -8,6 +8,10 @@
 // Levels: level 0 is the input surface, each further level has at most half the patches of the one below; levels from
 // Level::kClod bit cleared ("completion", unconstrained merging, paper sec. 4.2) cull but never answer; the last level
 // is one root node. Nodes are stored level by level, level 0 first, the root last.
+//
+// Grid: thicknesses, walls, certified numbers, tolerances, areas, resolutions, feature volumes and the extents of culling
+// volumes have 13 significant bits, each rounded to its safe side; centres are multiples of a power of two (BoundGrid.h).
+// load() refuses any other.
 //
 // Based on: Otaduy & Lin, "CLODs: Dual Hierarchies for Multiresolution Collision Detection", SGP 2003, sec. 3.2, 4.
 // Departs from it: a node may have several parents (a directed acyclic graph, see Node::primaryChildCount), a culling
@@ -36,7 +40,7 @@ static_assert(sizeof(CullBox) == 64);
 
 // One bounding volume = one contact hull = one convex patch of one level of detail (paper: C_{i,j}).
 //
-// Certified numbers, all upper bounds, rounded outward, measured on the stored vertices, monotone (a parent's is at
+// Certified numbers, all upper bounds, rounded outward to the grid of BoundGrid.h, measured on the stored vertices, monotone (a parent's is at
 // least each child's). O(n) is the part of the input surface that node n answers for.
 //   cover    sup over O(n) of the distance to n's own thickened contact hull           (0 at level 0)
 //   reach    sup over O(n) of the distance to n's real faces (>= cover)                (0 at level 0)

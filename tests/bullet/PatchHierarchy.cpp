@@ -9,6 +9,8 @@
 #include <map>
 #include <utility>
 
+#include <clod/hierarchy/BoundGrid.h>
+
 namespace clod::test
 {
 namespace
@@ -121,8 +123,8 @@ void Maker::bounds()
 	store(a.boxMin, low);
 	store(a.boxMax, high);
 	a.storageTolerance = float(8 * std::ldexp(1.0, -24) * radius);
-	a.areaTolerance = float(0.01 * radius);
-	a.thinnestWall = float(mesh.wall);
+	a.areaTolerance = boundAtLeast(0.01 * radius);
+	a.thinnestWall = boundAtMost(mesh.wall);
 	a.triangleCount = std::uint32_t(mesh.triangles.size());
 	a.componentCount = 1;
 }
@@ -153,10 +155,14 @@ void Maker::addBox(const std::vector<std::uint32_t>& used, const Vec3& sweep)
 			}
 	CullBox box{};
 	const double slack = 1e-5 * double(out.asset.radius);
-	store(box.center, 0.5 * (low + high));
-	store(box.half, 0.5 * (high - low) + Vec3{slack, slack, slack});
-	box.radius = float(length(0.5 * (high - low)) * kLoose + 2 * slack);
-	for (int i = 0; i < 3; ++i) box.axis[i][i] = 1;
+	const Vec3 center = 0.5 * (low + high);
+	box.radius = boundAtLeast(length(0.5 * (high - low)) * kLoose + 2 * slack);
+	for (int i = 0; i < 3; ++i)
+	{
+		box.center[i] = nearestAnchor(center[i], out.asset.radius);
+		box.half[i] = boundAtLeast(0.5 * (high[i] - low[i]) + slack);
+		box.axis[i][i] = 1;
+	}
 	out.cullBoxes.push_back(box);
 }
 
@@ -192,10 +198,10 @@ void Maker::addPatch(const std::vector<std::uint32_t>& triangles)
 	Vec3 direction = normalized(mean);
 	if (whole || lengthSquared(direction) == 0) direction = {0, 1, 0};
 	node.flags = kClodNode;
-	node.thickness = whole ? 0 : float(std::min(0.5 * mesh.wall, 0.03 * double(out.asset.radius)));
+	node.thickness = whole ? 0 : boundAtMost(std::min(0.5 * mesh.wall, 0.03 * double(out.asset.radius)));
 	store(node.inward, -direction);
 	store(node.meanNormal, direction);
-	node.contactArea = float(area);
+	node.contactArea = boundAtMost(area);
 	node.curvature = float(bend / area);
 	double cone = 1;
 	for (const std::uint32_t t : triangles) cone = std::min(cone, dot(normals[t], direction));
@@ -217,7 +223,7 @@ void Maker::addPatch(const std::vector<std::uint32_t>& triangles)
 			offset = std::max(offset, dot(stored, mesh.vertices[v]));
 		}
 		face.offset = std::nextafter(float(offset), std::numeric_limits<float>::infinity());
-		face.thickness = float(std::min(0.5 * mesh.wall, 0.03 * double(out.asset.radius)));
+		face.thickness = boundAtMost(std::min(0.5 * mesh.wall, 0.03 * double(out.asset.radius)));
 		face.source = t;
 		out.faces.push_back(face);
 	}
@@ -268,7 +274,7 @@ void Maker::addParents()
 			Node node{};
 			const std::uint32_t last = std::min(child + 4, end);
 			std::vector<std::uint32_t> triangles, used;
-			float area = std::numeric_limits<float>::max();
+			float area = kLargestBound;
 			double thickest = 0;
 			for (std::uint32_t c = child; c < last; ++c)
 			{
@@ -292,8 +298,8 @@ void Maker::addParents()
 			addVertices(used, node);
 			addBox(used, {});
 			CullBox& box = out.cullBoxes.back();
-			for (float& half : box.half) half += float(thickest);
-			box.radius += float(2 * thickest);
+			for (float& half : box.half) half = boundAtLeast(double(half) + thickest);
+			box.radius = boundAtLeast(double(box.radius) + 2 * thickest);
 			out.nodes.push_back(node);
 			above.push_back(triangles);
 		}

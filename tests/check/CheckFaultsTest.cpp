@@ -53,8 +53,8 @@ std::uint32_t largest(const HierarchyContent& c, float Node::*number)
 	return best;
 }
 
-// Halves a bound in every contact node above level 0, with the numbers derived from it, so that only the geometry can
-// tell.
+// Shrinks a bound (by a power of two: it stays on the grid) in every contact node above level 0, with the numbers
+// derived from it, so that only the geometry can tell.
 void shrink(HierarchyContent& c, float Node::*number, float Level::*maximum, float factor)
 {
 	for (Level& level : c.levels) level.*maximum = level.maxDeviation = 0;
@@ -77,7 +77,7 @@ struct Fault
 };
 
 const Fault kFaults[] = {
-	{"CoverTooSmall", [](HierarchyContent& c) { shrink(c, &Node::cover, &Level::maxCover, 0.3f); }, "cover"},
+	{"CoverTooSmall", [](HierarchyContent& c) { shrink(c, &Node::cover, &Level::maxCover, 0.25f); }, "cover"},
 	{"ReachTooSmall",
 	 [](HierarchyContent& c)
 	 {
@@ -85,8 +85,8 @@ const Fault kFaults[] = {
 		 for (Node& n : c.nodes) n.reach = n.cover;
 	 },
 	 "reach"},
-	{"SurfTooSmall", [](HierarchyContent& c) { shrink(c, &Node::surf, &Level::maxSurf, 0.3f); }, "surf"},
-	{"ProtrudeTooSmall", [](HierarchyContent& c) { shrink(c, &Node::protrude, &Level::maxProtrude, 0.2f); },
+	{"SurfTooSmall", [](HierarchyContent& c) { shrink(c, &Node::surf, &Level::maxSurf, 0.25f); }, "surf"},
+	{"ProtrudeTooSmall", [](HierarchyContent& c) { shrink(c, &Node::protrude, &Level::maxProtrude, 0.125f); },
 	 "protrude"},
 	{"HausdorffTooSmall",
 	 [](HierarchyContent& c)
@@ -94,7 +94,7 @@ const Fault kFaults[] = {
 		 for (Level& level : c.levels) level.maxHausdorff = 0;
 		 for (Node& n : c.nodes)
 		 {
-			 n.hausdorff *= 0.3f;
+			 n.hausdorff *= 0.25f;
 			 c.levels[n.level].maxHausdorff = std::max(c.levels[n.level].maxHausdorff, n.hausdorff);
 		 }
 	 },

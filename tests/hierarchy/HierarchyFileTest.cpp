@@ -11,6 +11,7 @@
 #include <functional>
 #include <limits>
 
+#include "clod/hierarchy/BoundGrid.h"
 #include "clod/hierarchy/HierarchyFormat.h"
 #include "tests/support/LeafHierarchy.h"
 #include "tests/support/Meshes.h"
@@ -104,12 +105,49 @@ TEST(HierarchyFile, WrongCountsAreRefusedBeforeAnythingIsRead)
 TEST(HierarchyFile, OtherVersionsAndByteOrdersAreNamed)
 {
 	Bytes bytes = encode(box());
-	bytes[offsetof(FileHeader, version)] = std::byte(1);
+	ASSERT_EQ(bytes[offsetof(FileHeader, version)], std::byte(1));
+	bytes[offsetof(FileHeader, version)] = std::byte(0);
 	setHeaderHash(bytes);
-	EXPECT_NE(refusal(bytes).find("version 1"), std::string::npos);
+	EXPECT_EQ(refusal(bytes), "format version 0; this library reads version 1: build it again from its mesh");
+	bytes[offsetof(FileHeader, version)] = std::byte(2);
+	setHeaderHash(bytes);
+	EXPECT_EQ(refusal(bytes), "format version 2; this library reads version 1: a newer library is needed");
 	bytes = encode(box());
 	std::swap(bytes[offsetof(FileHeader, endianMark)], bytes[offsetof(FileHeader, endianMark) + 3]);
 	EXPECT_NE(refusal(bytes).find("byte order"), std::string::npos);
+}
+
+TEST(BoundGrid, RoundsToTheNextOfThirteenBits)
+{
+	for (const double v : {0.0, 1e-44, 3e-39, 1.0 / 3, 1.0, 1.0 + 1e-9, 4097.0 / 4096, 12345.678, 3e38})
+	{
+		const float above = boundAtLeast(v), below = boundAtMost(v);
+		EXPECT_TRUE(isBound(above) && isBound(below)) << v;
+		EXPECT_GE(double(above), v);
+		EXPECT_LE(double(below), v);
+		if (v < 1e-37) continue;
+		EXPECT_LE(double(above), v * (1 + 0x1p-12)) << v;
+		EXPECT_GE(double(below), v * (1 - 0x1p-12)) << v;
+	}
+	EXPECT_EQ(boundAtLeast(double(kLargestBound)), kLargestBound);
+	EXPECT_FALSE(isBound(std::nextafter(1.0f, 2.0f)));
+	EXPECT_TRUE(isAnchor(nearestAnchor(0.123456789, 0.7f), 0.7f));
+	EXPECT_NEAR(double(nearestAnchor(-0.123456789, 0.7f)), -0.123456789, 0x1p-22);
+	EXPECT_FALSE(isAnchor(0.123456789f, 0.7f));
+}
+
+// A file of version 1 as it was first written (a solid L of 2 x 3 x 1): it can be read as long as version 1 is read.
+TEST(HierarchyFile, ReadsTheFirstFileOfThisVersion)
+{
+	const auto ell = Hierarchy::load(CLOD_FIRST_FILE);
+	ASSERT_TRUE(ell) << ell.error();
+	const Hierarchy& h = *ell.value();
+	EXPECT_EQ(h.contentHash(), 14043706252299576452ull);
+	EXPECT_EQ(h.asset().triangleCount, 20u);
+	EXPECT_NEAR(h.asset().volume, 4, 1e-12);
+	EXPECT_EQ(h.levels()[0].nodeCount, 2u);
+	EXPECT_EQ(h.node(h.root()).vertexCount, 10u);
+	EXPECT_EQ(h.node(h.root()).flags, 0u);
 }
 
 class TemporaryFolder
@@ -152,6 +190,11 @@ struct Fault
 };
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+float next(float v)
+{
+	return std::nextafter(v, std::numeric_limits<float>::infinity());
+}
 
 const Fault kFaults[] = {
 	{"volume", [](auto& c) { c.asset.volume = -1; }},
@@ -223,6 +266,19 @@ const Fault kFaults[] = {
 	{"leaves the culling box", [](auto& c) { c.cullBoxes[0].radius *= 0.5f; }},
 	{"axis of the culling box", [](auto& c) { c.cullBoxes[0].axis[0][0] += 0.5f; }},
 	{"half extent", [](auto& c) { c.cullBoxes[0].half[1] = kNan; }},
+	{"areaTolerance is off", [](auto& c) { c.asset.areaTolerance = next(c.asset.areaTolerance); }},
+	{"thinnestWall is off", [](auto& c) { c.asset.thinnestWall = next(c.asset.thinnestWall); }},
+	{"sphereCenter is off", [](auto& c) { c.asset.sphereCenter[1] += 1e-7f; }},
+	{"level 1: patchTolerance is off", [](auto& c) { c.levels[1].patchTolerance = next(c.levels[1].patchTolerance); }},
+	{"thickness is off", [](auto& c) { c.nodes[0].thickness = next(c.nodes[0].thickness); }},
+	{"reach is off", [](auto& c) { c.nodes.back().reach = next(c.nodes.back().reach); }},
+	{"hausdorff is off",
+	 [](auto& c) { c.levels.back().maxHausdorff = c.nodes.back().hausdorff = next(c.nodes.back().hausdorff); }},
+	{"contactArea is off", [](auto& c) { c.nodes[0].contactArea = next(c.nodes[0].contactArea); }},
+	{"the size of its culling box is off", [](auto& c) { c.cullBoxes[0].half[1] = next(c.cullBoxes[0].half[1]); }},
+	{"the size of its culling box is off", [](auto& c) { c.cullBoxes[0].radius = next(c.cullBoxes[0].radius); }},
+	{"the centre of its culling box is off", [](auto& c) { c.cullBoxes[0].center[2] += 1e-7f; }},
+	{"face 0: thickness is off", [](auto& c) { c.faces[0].thickness = next(c.faces[0].thickness); }},
 	{"culling boxes for", [](auto& c) { c.cullBoxes.pop_back(); }},
 	{"different length", [](auto& c) { c.hullZ.pop_back(); }},
 };
