@@ -24,6 +24,8 @@ void addReplayCommand(CLI::App& program);
 void addPaperCommand(CLI::App& program);
 void addTradeoffCommand(CLI::App& program);
 void addIdleCommand(CLI::App& program);
+void addBudgetCommand(CLI::App& program);
+void addScalingCommand(CLI::App& program);
 void addLevelsCommand(CLI::App& program);
 
 // --cache-dir and --no-cache.
@@ -45,5 +47,6 @@ nlohmann::ordered_json describeHierarchy(const Hierarchy& hierarchy, const std::
 
 // Throw cli::Failure (1) when the file cannot be written; do nothing for an empty path; "-" is stdout.
 void writeReport(const std::string& path, const nlohmann::ordered_json& report);
+void makeDirectory(const std::string& path);  // and those above it
 void writeText(const std::string& path, const std::string& text);
 }  // namespace clod::demo

@@ -2,8 +2,8 @@
 // The runs, the table and the plot of Figure 4.
 #include "demos/runner/Figure4.h"
 
-#include <nlohmann/json.hpp>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -48,20 +48,6 @@ struct Curve
 	const Selection4* selection;
 	std::vector<ReplayRow> rows;
 };
-
-std::vector<PoseRow> simulate(const SceneInfo& info, const SceneRunOptions& run,
-							  const std::function<void(double)>& progress)
-{
-	const std::unique_ptr<Scene> scene = makeScene(info.name, run.scene);
-	std::vector<PoseRow> poses;
-	for (int step = 0; step < run.steps; ++step)
-	{
-		scene->step();
-		poses.push_back(posesOf(scene->state()).front());
-		progress(double(step + 1) / run.steps);
-	}
-	return poses;
-}
 
 std::vector<double> column(const Curve& curve, const std::vector<Regime>& regimes, Regime regime,
 						   double (*value)(const ReplayRow&))
@@ -193,7 +179,7 @@ std::vector<Curve> measure(const SceneInfo& info, const Figure4Options& options,
 		run.scene.dt = info.dt;
 		run.scene.metric = ContactMetric::exactly();
 		if (poses.empty())
-			poses = simulate(info, run, [&](double fraction) { progress("Figure 4: simulation", fraction); });
+			poses = simulatePoses(run, [&](double fraction) { progress("Figure 4: simulation", fraction); });
 		for (const Selection4& selection : kSelections)
 		{
 			ReplayOptions asked = run.queries();

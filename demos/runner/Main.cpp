@@ -18,6 +18,8 @@ int main(int argc, char** argv)
 	clod::demo::addPaperCommand(app);
 	clod::demo::addTradeoffCommand(app);
 	clod::demo::addIdleCommand(app);
+	clod::demo::addBudgetCommand(app);
+	clod::demo::addScalingCommand(app);
 	clod::demo::addLevelsCommand(app);
 	return clod::cli::runProgram(app, argc, argv);
 }

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Zlib
 // clod-bench model, clod-bench list, and what the commands share.
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
-#include <fmt/format.h>
 
 #include <cstdio>
+#include <filesystem>
 
-#include "demos/cli/Progress.h"
 #include "demos/cli/Files.h"
+#include "demos/cli/Progress.h"
 #include "demos/cli/Suggestion.h"
 #include "demos/models/Models.h"
 #include "demos/runner/Commands.h"
@@ -180,6 +181,13 @@ void writeReport(const std::string& path, const nlohmann::ordered_json& report)
 	if (path.empty()) return;
 	if (const std::string problem = cli::writeJson(path, report); !problem.empty())
 		throw Failure(ExitCode::failure, problem);
+}
+
+void makeDirectory(const std::string& path)
+{
+	std::error_code failed;
+	std::filesystem::create_directories(path, failed);
+	if (failed) throw cli::Failure(cli::ExitCode::failure, "cannot create " + path + ": " + failed.message());
 }
 
 void writeText(const std::string& path, const std::string& text)

@@ -37,27 +37,25 @@ PairSubject fromScene(const PairInput& input, const SceneInfo& info, HierarchyCa
 	if (!info.isPair())
 		throw Failure(ExitCode::usage,
 					  fmt::format("methods are compared on two bodies; {} has {}", info.name, info.bodies.size()));
-	SceneSettings settings;
+	SceneRunOptions run;
+	run.info = info;
 	double seconds = 0;
 	for (const SceneModel& model : info.models)
 	{
 		const BuiltHierarchy built = buildModel(cache, model, input.resolution);
-		settings.models.push_back(built.hierarchy);
+		run.scene.models.push_back(built.hierarchy);
 		seconds += built.seconds;
 	}
-	settings.metric = ContactMetric::exactly();
-	settings.dt = input.dt > 0 ? input.dt : info.dt;
-	const std::unique_ptr<Scene> scene = makeScene(info.name, settings);
-	const HierarchyPointer &a = settings.models[info.bodies[0].model], &b = settings.models[info.bodies[1].model];
-	PairSubject subject{info.name, {a, b, seconds}, {}, info.tolerance, settings.dt, info.worldScale};
-	const int steps = input.steps > 0 ? input.steps : info.steps;
-	for (int step = 0; step < steps; ++step)
-	{
-		scene->step();
-		subject.poses.push_back(posesOf(scene->state()).front());
-		progress.update("exact simulation", double(step + 1) / steps);
-	}
-	return subject;
+	run.scene.metric = ContactMetric::exactly();
+	run.scene.dt = input.dt > 0 ? input.dt : info.dt;
+	run.steps = input.steps > 0 ? input.steps : info.steps;
+	const HierarchyPointer &a = run.scene.models[info.bodies[0].model], &b = run.scene.models[info.bodies[1].model];
+	return {info.name,
+			{a, b, seconds},
+			simulatePoses(run, [&](double fraction) { progress.update("exact simulation", fraction); }),
+			info.tolerance,
+			run.scene.dt,
+			info.worldScale};
 }
 
 PairSubject fromFiles(const PairInput& input, HierarchyCache& cache)

@@ -2,13 +2,12 @@
 // clod-bench paper: what Otaduy & Lin 2003 print, beside ours. Table 1: models and associated hierarchies, built with
 // --paper; the numbers row is the mean over the ten digits, as in the paper. Figure 4: see Figure4.h. Figure 5: every
 // model at every contact level.
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
-#include <fmt/format.h>
 
 #include <array>
 #include <cmath>
-#include <filesystem>
 #include <memory>
 
 #include "demos/cli/Progress.h"
@@ -97,13 +96,6 @@ std::string formatTable(const nlohmann::ordered_json& rows)
 		}
 	}
 	return text;
-}
-
-void makeDirectory(const std::string& path)
-{
-	std::error_code failed;
-	std::filesystem::create_directories(path, failed);
-	if (failed) throw Failure(ExitCode::failure, "cannot create " + path + ": " + failed.message());
 }
 
 void writeFigure5(const std::string& directory, const std::string& model, const Hierarchy& hierarchy)

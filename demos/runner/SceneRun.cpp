@@ -2,8 +2,8 @@
 // The loop of clod-bench run, its rows and its summary.
 #include "demos/runner/SceneRun.h"
 
-#include <nlohmann/json.hpp>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -118,6 +118,20 @@ std::vector<PoseRow> posesOf(const SceneState& state)
 	std::vector<PoseRow> poses;
 	for (const BodyPair& pair : state.pairs)
 		poses.push_back({state.step, state.bodies[pair.a].pose, state.bodies[pair.b].pose, pair.a, pair.b});
+	return poses;
+}
+
+std::vector<PoseRow> simulatePoses(const SceneRunOptions& options, const std::function<void(double)>& progress)
+{
+	const std::unique_ptr<Scene> scene = makeScene(options.info.name, options.scene);
+	std::vector<PoseRow> poses;
+	for (int step = 0; step < options.steps; ++step)
+	{
+		scene->step();
+		const std::vector<PoseRow> ofStep = posesOf(scene->state());
+		poses.insert(poses.end(), ofStep.begin(), ofStep.end());
+		progress(double(step + 1) / options.steps);
+	}
 	return poses;
 }
 

@@ -33,6 +33,9 @@ struct SceneRunOptions
 std::vector<SceneRow> runScene(Scene& scene, const SceneRunOptions& options,
 							   const std::function<void(double)>& progress);
 
+// Only the poses, nothing asked besides.
+std::vector<PoseRow> simulatePoses(const SceneRunOptions& options, const std::function<void(double)>& progress);
+
 // Of every followed pair, in the order of the steps.
 std::vector<PoseRow> posesOf(const SceneState& state);
 std::vector<PoseRow> posesOf(const std::vector<SceneRow>& rows);

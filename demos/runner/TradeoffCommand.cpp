@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <filesystem>
 #include <memory>
 
 #include "demos/cli/Progress.h"
@@ -48,13 +47,6 @@ std::vector<std::string> familiesOf(const std::string& list)
 		start = end + 1;
 	}
 	return families;
-}
-
-void makeDirectory(const std::string& path)
-{
-	std::error_code failed;
-	std::filesystem::create_directories(path, failed);
-	if (failed) throw Failure(ExitCode::failure, "cannot create " + path + ": " + failed.message());
 }
 
 Roster rosterOf(const TradeoffOptions& options, const PairSubject& subject, HierarchyCache& cache,

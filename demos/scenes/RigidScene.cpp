@@ -70,6 +70,7 @@ RigidScene::RigidScene(const SceneDefinition& definition, const SceneSettings& s
 	if (!registered) throw std::runtime_error(registered.error());
 	bullet.context.worldMetric = settings.metric;
 	bullet.context.budget = settings.budget;
+	if (!settings.printsWarnings) bullet.context.warn = nullptr;
 	setUpSolver();
 	const btScalar scale = btScalar(definition.info.worldScale);
 	for (const auto& model : settings.models)
@@ -156,6 +157,20 @@ void RigidScene::step()
 	++m_step;
 }
 
+void RigidScene::place(const SceneState& state)
+{
+	const double scale = m_definition.info.worldScale;
+	m_step = int(state.step);
+	for (std::size_t i = 0; i < m_bullet->bodies.size(); ++i)
+	{
+		btRigidBody& body = *m_bullet->bodies[i];
+		if (m_definition.bodies[i].course || body.isStaticObject()) continue;
+		body.setCenterOfMassTransform(bodyTransform(state.bodies[i].pose, centerOf(hierarchyOf(i)), scale));
+		body.setLinearVelocity(toBullet(state.bodies[i].velocity, scale));
+		body.setAngularVelocity(toBullet(state.bodies[i].turning));
+	}
+}
+
 Pose RigidScene::poseOf(std::size_t body) const
 {
 	// A course is known better than Bullet's precision keeps it.
@@ -184,7 +199,11 @@ SceneState RigidScene::state() const
 	state.pairs = nearPairs();
 	state.stepMicroseconds = m_stepMicroseconds;
 	state.dispatchMicroseconds = bullet.world.dispatchMicroseconds();
-	state.warnings = bullet.context.lastStep().warnings;
+	const StepStatistics statistics = bullet.context.lastStep();
+	state.warnings = statistics.warnings;
+	state.excess = statistics.excess;
+	bullet.context.forEachPair([&](const PairReport& pair)
+							   { state.errorBound = std::max(state.errorBound, pair.errorBound); });
 	addPoints(state);
 	return state;
 }

@@ -14,6 +14,7 @@ public:
 	RigidScene(const SceneDefinition& definition, const SceneSettings& settings);
 	~RigidScene() override;
 	void step() override;
+	void place(const SceneState& state) override;
 	SceneState state() const override;
 	std::vector<SceneConstant> constants() const override;
 

@@ -76,6 +76,7 @@ struct SceneSettings
 	std::optional<CameraPath> camera;                      // of view metrics; the meshes' unit
 	Budget budget;                                         // of the queries of a step
 	double dt = 0;
+	bool printsWarnings = true;  // of the plugin, as they come; SceneState has them anyway
 };
 
 struct BodyPair
@@ -108,6 +109,8 @@ struct SceneState
 	std::vector<BodyPair> pairs;      // followed now, see SceneInfo::isPair
 	double stepMicroseconds = 0;      // the whole of stepSimulation
 	double dispatchMicroseconds = 0;  // its collision dispatch
+	double errorBound = 0;            // certified, of the coarsest contact of any pair; the meshes' unit
+	double excess = 0;                // under a budget: by which factor the worst contact misses its metric
 	int manifolds = 0;
 	bool inPlace = true;  // every body is still where the scene means it to be
 	std::vector<ScenePoint> points;
@@ -119,6 +122,9 @@ class Scene
 public:
 	virtual ~Scene() = default;
 	virtual void step() = 0;
+	// Bodies to where, and as fast as, another run of the same scene had them after its step: the next step's contacts
+	// are then judged there. Those on a course keep to it.
+	virtual void place(const SceneState& state) = 0;
 	virtual SceneState state() const = 0;
 	virtual std::vector<SceneConstant> constants() const = 0;
 };

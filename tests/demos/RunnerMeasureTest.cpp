@@ -123,4 +123,46 @@ TEST_F(RunnerCommand, IdlePairsAreMeasuredBesideHullsInEveryState)
 	EXPECT_EQ(bench("idle " + path("cup.obj ") + path("spoon.obj") + cache()).code, 2);
 	EXPECT_EQ(bench("idle spoon-cub" + cache()).code, 2);
 }
+TEST_F(RunnerCommand, BudgetsAreRunAtTheSamePosesAndLargerOnesLeaveSmallerErrors)
+{
+	const std::string words = "budget spoon-cup --resolution 0.03 --steps 40 --size 3.5 --quiet" + cache();
+	ASSERT_EQ(bench(words + " --budgets 0,1000000 -o " + path("budget")).code, 0);
+	const json runs = report("budget/budget.json")["scenes"][0]["runs"];
+	ASSERT_EQ(runs.size(), 3u);  // nothing, more than enough, no budget
+	for (const json& run : runs) ASSERT_GT(run["steps"].get<int>(), 0) << run;
+	EXPECT_GT(runs[0]["excess"]["max"].get<double>(), 1);
+	EXPECT_EQ(runs[1]["excess"]["max"], 0);
+	EXPECT_GT(runs[0]["error_percent"]["median"].get<double>(), runs[1]["error_percent"]["median"].get<double>());
+	// Enough is as good as no budget: the same contacts at the same poses.
+	EXPECT_EQ(runs[1]["steps"], runs[2]["steps"]);
+	EXPECT_EQ(runs[1]["error_percent"], runs[2]["error_percent"]);
+	EXPECT_EQ(runs[0]["share_over"], 1);
+	EXPECT_EQ(runs[1]["share_over"], 0);
+	EXPECT_EQ(bench("budget spoon-cub -o " + path("x") + cache()).code, 2);
+	EXPECT_EQ(bench("budget spoon-cup --budgets 5,-1 -o " + path("x") + cache()).code, 2);
+	EXPECT_EQ(bench("budget spoon-cup --budget-us 5 -o " + path("x") + cache()).code, 2);
+}
+
+TEST_F(RunnerCommand, ScalingMeasuresTheSameRowsAtEverySize)
+{
+	const Outcome scaling =
+		bench("scaling --resolutions 0.06,0.03 --steps 40 --repeat 1 --quiet -o " + path("scaling") + cache());
+	ASSERT_EQ(scaling.code, 0) << scaling.err;
+	const json selections = report("scaling/scaling.json")["selections"];
+	ASSERT_EQ(selections.size(), 3u);
+	for (const json& selection : selections)
+	{
+		const json& sizes = selection["sizes"];
+		ASSERT_EQ(sizes.size(), 2u);
+		EXPECT_LT(sizes[0]["triangles_a"], sizes[1]["triangles_a"]);
+		EXPECT_EQ(sizes[0]["rows"], sizes[1]["rows"]);
+		EXPECT_EQ(sizes[0]["growth"], 1);
+		EXPECT_DOUBLE_EQ(sizes[1]["growth"],
+						 sizes[1]["query_us"]["median"].get<double>() / sizes[0]["query_us"]["median"].get<double>());
+	}
+	EXPECT_GT(selections[0]["sizes"][1]["contacts"], selections[2]["sizes"][1]["contacts"]);  // exact, size 3.5 %
+	EXPECT_EQ(selections[0]["sizes"][1]["coarsest_level"], 0);
+	EXPECT_EQ(bench("scaling mixed-needs -o " + path("x") + cache()).code, 2);
+	EXPECT_EQ(bench("scaling --resolutions 0,1 -o " + path("x") + cache()).code, 2);
+}
 }  // namespace

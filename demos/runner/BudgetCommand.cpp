@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Zlib
+// clod-bench budget: scenes under budgets of time.
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include <memory>
+
+#include "demos/cli/Progress.h"
+#include "demos/cli/Suggestion.h"
+#include "demos/runner/BudgetRuns.h"
+#include "demos/runner/Commands.h"
+#include "demos/runner/SceneModels.h"
+#include "demos/runner/Selection.h"
+
+namespace clod::demo
+{
+namespace
+{
+using cli::ExitCode;
+using cli::Failure;
+
+struct BudgetCommandOptions
+{
+	cli::CommonOptions common;
+	CacheOptions cache;
+	Selection selection;
+	std::vector<std::string> scenes = {"spoon-cup", "torus-spiral", "numbers-bowl"};
+	std::vector<double> budgets = {0, 50, 100, 200, 500, 1000, 2000, 5000, 10000};
+	std::string directory;
+	double resolution = 1;
+	int steps = 0;
+};
+
+const SceneInfo& sceneOf(const std::string& name)
+{
+	if (const SceneInfo* info = findScene(name)) return *info;
+	std::vector<std::string> names;
+	for (const SceneInfo& scene : scenes()) names.push_back(scene.name);
+	throw Failure(ExitCode::usage, fmt::format("unknown scene '{}'{}; `clod-bench list` shows them", name,
+											   cli::didYouMean(name, names)));
+}
+
+void runBudget(const BudgetCommandOptions& options)
+{
+	for (const std::string& name : options.scenes) sceneOf(name);  // a typing error is told before anything is built
+	if (options.selection.budget.isLimited())
+		throw Failure(ExitCode::usage, "budget runs its own budgets: --budgets instead of --budget-tests, --budget-us");
+	if (options.selection.paper || options.selection.fresh)
+		throw Failure(ExitCode::usage, "--paper and --fresh are for replay: a simulation has neither");
+	makeDirectory(options.directory);
+	CacheOptions cacheOptions = options.cache;
+	cacheOptions.quiet = options.common.quiet;
+	HierarchyCache cache(cacheOptions);
+	cli::Progress progress(options.common.quiet);
+	std::vector<SceneUnderBudgets> measured;
+	std::vector<nlohmann::ordered_json> figures;
+	for (const std::string& name : options.scenes)
+	{
+		const SceneInfo& info = sceneOf(name);
+		const int steps = options.steps > 0 ? options.steps : info.steps;
+		SceneSettings settings;
+		settings.models = buildModels(info, {options.resolution, false}, cache);
+		settings.metric = toMetric(options.selection);
+		settings.camera = toCameraPath(options.selection, steps);
+		settings.dt = info.dt;
+		measured.push_back(runUnderBudgets(info, settings, steps, options.budgets,
+										   [&](double fraction) { progress.update(name, fraction); }));
+		figures.push_back(toJson(measured.back()));
+		figures.back()["selection"] = toJson(options.selection, measured.back().radius);
+	}
+	progress.finish();
+	nlohmann::ordered_json report = startReport("budget");
+	report["scenes"] = figures;
+	const std::string base = options.directory + "/budget", table = formatTable(figures);
+	writeText(base + ".csv", formatCsv(measured));
+	writeText(base + ".txt", table);
+	writeReport(base + ".json", report);
+	writeReport(options.common.json, report);
+	const bool plotted = plotBudgets(figures, base + ".png");
+	if (!options.common.textOnStdout()) return;
+	fmt::print("{}wrote {}.csv, .txt, .json{}\n", table, base,
+			   plotted ? ", .png" : " (no plot: gnuplot is not installed)");
+}
+}  // namespace
+
+void addBudgetCommand(CLI::App& program)
+{
+	auto options = std::make_shared<BudgetCommandOptions>();
+	CLI::App* command = program.add_subcommand(
+		"budget", "Scenes under budgets of time: what a step's dispatch takes, and the error it leaves");
+	command->footer(
+		"Example: clod-bench budget -o out/budget\n"
+		"         clod-bench budget spoon-cup --budgets 0,200,1000 --exact -o out/budget");
+	command->add_option("SCENE", options->scenes, "Scenes (default: the paper's three)");
+	command->add_option("--budgets", options->budgets, "Microseconds a step")
+		->delimiter(',')
+		->type_name("T,...")
+		->check(between(0, 1e9))
+		->capture_default_str();
+	command->add_option("-o", options->directory, "Directory for budget.csv, .txt, .json and .png")->required();
+	command->add_option("--steps", options->steps, "Steps of each run (default: the scene's)")
+		->type_name("N")
+		->check(CLI::Range(1, 10'000'000));
+	addResolution(*command, options->resolution);
+	addSelection(*command, options->selection);
+	addCache(*command, options->cache);
+	cli::addQuiet(*command, options->common);
+	cli::addJson(*command, options->common);
+	command->callback([options] { runBudget(*options); });
+}
+}  // namespace clod::demo

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Zlib
+// Simulations under budgets, their figures and their plot.
+#include "demos/runner/BudgetRuns.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include "demos/runner/Gnuplot.h"
+#include "demos/runner/Replay.h"
+#include "demos/runner/Statistics.h"
+
+namespace clod::demo
+{
+namespace
+{
+constexpr double kOverShare = 1.1;         // of the budget: a step that takes more counts as over it
+constexpr double kSmallestPercent = 0.01;  // smaller errors are drawn here: an axis in decades has no zero
+
+std::vector<double> column(const BudgetRun& run, const std::function<double(const BudgetRow&)>& value)
+{
+	std::vector<double> values;
+	std::transform(run.rows.begin(), run.rows.end(), std::back_inserter(values), value);
+	return values;
+}
+
+nlohmann::ordered_json describe(const BudgetRun& run, double radius)
+{
+	nlohmann::ordered_json json = {{"budget_us", nullptr}, {"steps", run.rows.size()}};
+	if (run.rows.empty()) return json;
+	json["dispatch_us"] = spread(column(run, [](const BudgetRow& r) { return r.dispatchMicroseconds; }));
+	json["error_percent"] = spread(column(run, [&](const BudgetRow& r) { return 100 * r.errorBound / radius; }));
+	json["excess"] = spread(column(run, [](const BudgetRow& r) { return r.excess; }));
+	if (!std::isfinite(run.budget)) return json;
+	json["budget_us"] = run.budget;
+	const std::vector<double> over =
+		column(run, [&](const BudgetRow& r) { return r.dispatchMicroseconds - run.budget; });
+	json["over_us"] = spread(over);
+	const auto isOver = [&](const BudgetRow& r) { return r.dispatchMicroseconds > kOverShare * run.budget; };
+	json["share_over"] = double(std::count_if(run.rows.begin(), run.rows.end(), isOver)) / double(run.rows.size());
+	return json;
+}
+
+std::string budgetName(const nlohmann::ordered_json& run)
+{
+	return run["budget_us"].is_null() ? "none" : fmt::format("{:g}", run["budget_us"].get<double>());
+}
+
+// Lines of `T median p95 error-median error-p95`, of runs with a budget above 0.
+std::string plotData(const nlohmann::ordered_json& scene)
+{
+	std::string text;
+	for (const auto& run : scene["runs"])
+	{
+		if (run["budget_us"].is_null() || run["budget_us"] == 0 || run["steps"] == 0) continue;
+		const auto& time = run["dispatch_us"];
+		const auto percent = [&](const char* figure)
+		{ return std::max(kSmallestPercent, run["error_percent"][figure].get<double>()); };
+		text += fmt::format("{} {} {} {} {}\n", run["budget_us"].get<double>(), time["median"].get<double>(),
+							time["p95"].get<double>(), percent("median"), percent("p95"));
+	}
+	return text;
+}
+
+// The run that has the budget (null: none) as levels of comparison; NaN where there is no such run.
+double figureAt(const nlohmann::ordered_json& scene, bool unlimited, const char* group, const char* figure)
+{
+	for (const auto& run : scene["runs"])
+		if (run["steps"] != 0 && (unlimited ? run["budget_us"].is_null() : run["budget_us"] == 0))
+			return run[group][figure].get<double>();
+	return std::nan("");
+}
+
+std::string panel(const nlohmann::ordered_json& scene, std::size_t index, bool isTime)
+{
+	const char* group = isTime ? "dispatch_us" : "error_percent";
+	const double least = figureAt(scene, false, group, "median"), full = figureAt(scene, true, group, "median");
+	std::string text = fmt::format("set title \"{}\"\nset ylabel \"{}\"\nset xlabel \"{}\"\n",
+								   isTime ? scene["scene"].get<std::string>() : "",
+								   index > 0 ? ""
+								   : isTime  ? "dispatch of a step, microseconds"
+											 : "certified error of the coarsest contact, % of R",
+								   isTime ? "" : "budget T of a step, microseconds");
+	text += index == 0 && isTime ? "set key at screen 0.5,0.02 center bottom horizontal maxrows 2\n" : "unset key\n";
+	const int first = isTime ? 2 : 4;
+	text += fmt::format(
+		"plot $scene{0} using 1:{1} with linespoints lw 2 pt 7 lc rgb \"#0072B2\" title \"median\", "
+		"$scene{0} using 1:{2} with linespoints lw 2 pt 9 lc rgb \"#D55E00\" title \"95th percentile\"",
+		index, first, first + 1);
+	if (isTime) text += ", x with lines lw 1 dt 2 lc rgb \"#000000\" title \"the budget\"";
+	if (std::isfinite(least))
+		text += fmt::format(", {} with lines lw 2 dt 3 lc rgb \"#009E73\" title \"budget 0, median\"",
+							std::max(least, isTime ? 0 : kSmallestPercent));
+	if (std::isfinite(full))
+		text += fmt::format(", {} with lines lw 2 dt 4 lc rgb \"#999999\" title \"no budget, median\"",
+							std::max(full, isTime ? 0 : kSmallestPercent));
+	return text + "\n";
+}
+}  // namespace
+
+SceneUnderBudgets runUnderBudgets(const SceneInfo& info, const SceneSettings& settings, int steps,
+								  const std::vector<double>& budgets, const std::function<void(double)>& progress)
+{
+	SceneUnderBudgets result;
+	result.scene = info.name;
+	result.radius = settings.models[0]->asset().radius;
+	for (const auto& model : settings.models) result.radius = std::min(result.radius, double(model->asset().radius));
+	SceneSettings silent = settings;
+	silent.printsWarnings = false;
+	double done = 0;
+	const auto advance = [&] { progress(++done / (steps * (double(budgets.size()) + 1))); };
+	const auto add = [](BudgetRun& run, const SceneState& state)
+	{
+		if (!state.points.empty()) run.rows.push_back({state.dispatchMicroseconds, state.errorBound, state.excess});
+	};
+	const std::unique_ptr<Scene> leader = makeScene(info.name, silent);
+	std::vector<SceneState> states = {leader->state()};
+	BudgetRun free;
+	free.budget = kOff;
+	for (int step = 0; step < steps; ++step, advance())
+	{
+		leader->step();
+		states.push_back(leader->state());
+		add(free, states.back());
+	}
+	for (const double budget : budgets)
+	{
+		silent.budget.microseconds = budget;
+		const std::unique_ptr<Scene> follower = makeScene(info.name, silent);
+		BudgetRun run;
+		run.budget = budget;
+		for (int step = 0; step < steps; ++step, advance())
+		{
+			follower->place(states[std::size_t(step)]);
+			follower->step();
+			add(run, follower->state());
+		}
+		result.runs.push_back(std::move(run));
+	}
+	result.runs.push_back(std::move(free));
+	return result;
+}
+
+nlohmann::ordered_json toJson(const SceneUnderBudgets& scene)
+{
+	nlohmann::ordered_json json = {{"scene", scene.scene}, {"radius", scene.radius}};
+	json["runs"] = nlohmann::ordered_json::array();
+	for (const BudgetRun& run : scene.runs) json["runs"].push_back(describe(run, scene.radius));
+	return json;
+}
+
+std::string formatCsv(const std::vector<SceneUnderBudgets>& scenes)
+{
+	std::string text = "scene,budget_us,dispatch_us,error_bound,excess\n";
+	for (const SceneUnderBudgets& scene : scenes)
+		for (const BudgetRun& run : scene.runs)
+			for (const BudgetRow& row : run.rows)
+				text += fmt::format("{},{},{:.3f},{},{}\n", scene.scene, number(run.budget), row.dispatchMicroseconds,
+									number(row.errorBound), number(row.excess));
+	return text;
+}
+
+std::string formatTable(const std::vector<nlohmann::ordered_json>& scenes)
+{
+	std::string text =
+		fmt::format("{:<14}{:>10}{:>8}{:>12}{:>11}{:>12}{:>12}{:>10}{:>14}{:>11}{:>10}\n", "scene", "T us", "steps",
+					"dispatch us", "p95 us", "over T us", "p95 us", "over, %", "error, % R", "p95", "excess");
+	for (const auto& scene : scenes)
+		for (const auto& run : scene["runs"])
+		{
+			text += fmt::format("{:<14}{:>10}{:>8}", scene["scene"].get<std::string>(), budgetName(run),
+								run["steps"].get<std::size_t>());
+			if (run["steps"] != 0)
+			{
+				const auto at = [&](const char* group, const char* figure) { return run[group][figure].get<double>(); };
+				text += fmt::format("{:>12.1f}{:>11.1f}", at("dispatch_us", "median"), at("dispatch_us", "p95"));
+				text += run.contains("over_us")
+							? fmt::format("{:>12.1f}{:>12.1f}{:>10.1f}", at("over_us", "median"), at("over_us", "p95"),
+										  100 * run["share_over"].get<double>())
+							: fmt::format("{:>12}{:>12}{:>10}", "-", "-", "-");
+				text += fmt::format("{:>14.3f}{:>11.3f}{:>10.2f}", at("error_percent", "median"),
+									at("error_percent", "p95"), at("excess", "median"));
+			}
+			text += '\n';
+		}
+	return text;
+}
+
+bool plotBudgets(const std::vector<nlohmann::ordered_json>& scenes, const std::string& path)
+{
+	std::string text = pngTerminal(int(200 + 600 * scenes.size()), 1150);
+	for (std::size_t i = 0; i < scenes.size(); ++i)
+		text += fmt::format("$scene{} << END\n{}END\n", i, plotData(scenes[i]));
+	text += fmt::format(
+		"set multiplot layout 2,{} margins {},0.985,0.15,0.90 spacing 0.05,0.07 title \"Collision dispatch of a step "
+		"under a budget of time T, and the error it leaves\" font \"DejaVu Sans,19\"\n"
+		"set logscale xy\nset format \"%g\"\nset grid xtics ytics lc rgb \"#dddddd\"\n",
+		scenes.size(), 0.04 + 0.06 / double(scenes.size()));
+	for (const bool isTime : {true, false})
+		for (std::size_t i = 0; i < scenes.size(); ++i)
+			if (!plotData(scenes[i]).empty()) text += panel(scenes[i], i, isTime);
+	return drawPlot(text + "unset multiplot\n", path);
+}
+}  // namespace clod::demo

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Zlib
+// A scene under budgets of time: what a step's collision dispatch takes against what it was given, and how far its
+// contacts may then be off.
+#pragma once
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "demos/scenes/Scene.h"
+
+namespace clod::demo
+{
+// A step in which bodies touch.
+struct BudgetRow
+{
+	double dispatchMicroseconds = 0;  // wall time of the whole dispatch, broadphase included
+	double errorBound = 0, excess = 0;
+};
+
+// One run. Budget T: microseconds a step for all pairs; infinite: none.
+struct BudgetRun
+{
+	double budget = 0;
+	std::vector<BudgetRow> rows;
+};
+
+struct SceneUnderBudgets
+{
+	std::string scene;
+	double radius = 0;  // the smallest of its models: unit of every percentage
+	std::vector<BudgetRun> runs;
+};
+
+// Simulates the scene without a budget, then dispatches every step again, from the same poses and velocities, under each
+// budget; the last run is the one without.
+SceneUnderBudgets runUnderBudgets(const SceneInfo& info, const SceneSettings& settings, int steps,
+								  const std::vector<double>& budgets,
+								  const std::function<void(double fraction)>& progress);
+
+// One element a run: budget_us (null: none), steps, dispatch_us, over_us (dispatch less budget), share_over (more than
+// a tenth over the budget), error_bound and excess as spreads.
+nlohmann::ordered_json toJson(const SceneUnderBudgets& scene);
+std::string formatCsv(const std::vector<SceneUnderBudgets>& scenes);         // a row a step that touches
+std::string formatTable(const std::vector<nlohmann::ordered_json>& scenes);  // of toJson's
+// A column a scene: time above, certified error below, both over T. False: gnuplot is not installed or failed.
+bool plotBudgets(const std::vector<nlohmann::ordered_json>& scenes, const std::string& path);
+}  // namespace clod::demo
