@@ -12,6 +12,8 @@
 
 namespace clod
 {
+inline constexpr std::uint32_t kWideChildren = 8;
+
 template <class T>
 struct Span
 {
@@ -40,9 +42,9 @@ struct HierarchyContent
 	Asset asset{};
 	std::vector<Level> levels;
 	std::vector<Node> nodes;
-	std::vector<CullBox> cullBoxes;      // one a node
+	std::vector<CullBox> cullBoxes;  // one a node
 	std::vector<std::uint32_t> children;
-	std::vector<Face> faces;             // level by level, contiguous per node
+	std::vector<Face> faces;  // level by level, contiguous per node
 	std::vector<float> hullX, hullY, hullZ;
 };
 
@@ -60,6 +62,13 @@ public:
 	const Node& node(std::uint32_t i) const { return m_nodes[i]; }
 	const CullBox& cullBox(std::uint32_t i) const { return m_cullBoxes[i]; }
 	Span<std::uint32_t> children(const Node& n) const { return {m_children.data + n.firstChild, n.childCount}; }
+	// What stands for a node's primary children where none of the levels between may answer: its primary descendants,
+	// the largest boxes opened first, as long as they are at most kWideChildren. Derived at load; only nodes met on the
+	// way from the root have any.
+	Span<std::uint32_t> wideChildren(std::uint32_t node) const
+	{
+		return {m_wideChildren.data() + m_wide[node].first, m_wide[node].count};
+	}
 	Span<Face> faces() const { return m_faces; }
 	Span<Face> faces(const Node& n) const { return {m_faces.data + n.firstFace, n.faceCount}; }
 	HullView hull(const Node& n) const
@@ -89,6 +98,12 @@ private:
 	const float* m_hullY = nullptr;
 	const float* m_hullZ = nullptr;
 	std::size_t m_hullSize = 0;
+	struct Range
+	{
+		std::uint32_t first = 0, count = 0;
+	};
+	std::vector<std::uint32_t> m_wideChildren;
+	std::vector<Range> m_wide;  // one a node
 	std::uint32_t m_coarsestClodLevel = 0;
 	std::uint64_t m_contentHash = 0;
 	friend struct HierarchyReader;
@@ -97,7 +112,7 @@ private:
 // The bytes of a .clod file. Same content, same bytes.
 std::vector<std::byte> encode(const HierarchyContent& content);
 
-// Semantic rules of a content (indices in range, floats finite, tree, monotone numbers...); empty = sound, otherwise the
-// first broken rule and element. load() runs it; O(content).
+// Semantic rules of a content (indices in range, floats finite, tree, monotone numbers...); empty = sound, otherwise
+// the first broken rule and element. load() runs it; O(content).
 std::string validate(const Hierarchy& hierarchy);
 }  // namespace clod

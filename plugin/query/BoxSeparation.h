@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// How far two culling boxes are apart at least, now and while one moves through the coming step: separating axes over
-// the six face normals, and the two spheres. In float, four lanes wide, rounded down.
+// How far culling boxes are apart at least, now and while one body moves through the coming step: separating axes over
+// the six face normals, and the two spheres. One box against up to eight of the other body at once, a box a lane, in
+// float, rounded down.
 //
 // The nine edge-edge axes are left out. Each of the seven numbers changes by no more than the points of one body move
 // relative to the other, so their maximum does too: that is what lets a result be carried over to a later pose
@@ -8,34 +9,47 @@
 //
 // Based on: Gottschalk, Lin & Manocha, "OBBTree", 1996, sec. 5.
 #pragma once
+#include <cstdint>
+
 #include "clod/query/HullDistance.h"
 #include "clod/query/Sweep.h"
 
 namespace clod
 {
-// Four floats; + - * and comparisons go lane by lane.
-using Lanes = float __attribute__((vector_size(16)));
+inline constexpr std::uint32_t kBoxLanes = 8;
 
-// A culling box in frame A.
-struct PlacedBox
+// Where B's boxes are in frame A, and how they move; prepared once a query.
+struct BoxFrame
 {
-	// Lane 3 means nothing.
-	Lanes axis[3];  // [c][i]: component c of axis i
-	Lanes half;
-	Vec3 center;
-	double radius;  // of the sphere round center
-	Vec3 move;      // displacement of the centre in the step
-	double spread;  // no point's displacement differs from it by more
+	BoxFrame() = default;
+	// size: reach of both bodies, their distance and the longest way in the step.
+	BoxFrame(const RelativePose& pose, const Sweep& sweep, double size);
+	// A bound of what rounding takes off two separations.
+	double roundingOfTwo() const;
+
+	float rotation[3][3], translation[3];
+	float linear[3], angular[3], turn = 0;  // of the sweep; turn: length of angular
+	float rounding = 0;  // of places and ways: what float takes off a separation, apart from its sums
+	double size = 0;
+	bool moves = false;
+	bool isHuge = false;  // floats could not be squared: the spheres decide
 };
 
-PlacedBox placeInA(const CullBox& boxOfA);
-PlacedBox placeInA(const CullBox& boxOfB, const RelativePose& pose, const Sweep& sweep = {});
-
-// Lower bound of the distance of everything the two boxes enclose, at any time of the step, rounded down; negative
-// where none of the axes separates them.
-double boxSeparation(const PlacedBox& a, const PlacedBox& b);
-// A bound of what rounding takes off a separation, for pairs of boxes no larger and no farther apart than `size`.
-double boxRounding(double size);
+// separations[i]: lower bound of the distance of everything in `one` from everything in others[i], at any time of the
+// step, rounded down; negative where none of the axes separates them. 1 <= count <= kBoxLanes; room for kBoxLanes. What
+// a pair of boxes gets depends on the two and the frame only.
+void boxSeparations(const BoxFrame& frame, const CullBox& one, bool oneIsOfA, const CullBox* const* others,
+					std::uint32_t count, float* separations);
+// The same from the code for any machine.
+void boxSeparationsPlain(const BoxFrame& frame, const CullBox& one, bool oneIsOfA, const CullBox* const* others,
+						 std::uint32_t count, float* separations);
+inline double boxSeparation(const BoxFrame& frame, const CullBox& ofA, const CullBox& ofB)
+{
+	const CullBox* const others[] = {&ofB};
+	float separations[kBoxLanes];
+	boxSeparations(frame, ofA, true, others, 1, separations);
+	return double(separations[0]);
+}
 
 // Lower bound of the distance from a point to everything the box encloses, rounded down; 0 inside. Of the box at rest.
 double boxDistance(const CullBox& box, const Vec3& point);

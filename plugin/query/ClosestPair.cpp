@@ -21,7 +21,8 @@ public:
 	double run()
 	{
 		m_scratch.stack.clear();
-		push(m_context.a.root(), m_context.b.root(), 0);
+		const std::uint32_t rootA = m_context.a.root();
+		push(true, m_context.b.root(), &rootA, 1, 0);
 		while (!m_scratch.stack.empty())
 		{
 			const ClosestPairScratch::Candidate top = m_scratch.stack.back();
@@ -44,22 +45,27 @@ private:
 		const Node& node = side.node(opensA ? a : b);
 		const std::uint32_t count = m_rule.followsSharedChildren() ? node.childCount : node.primaryChildCount;
 		const std::size_t first = m_scratch.stack.size();
-		for (std::uint32_t i = 0; i < count; ++i)
-		{
-			const std::uint32_t child = side.children(node)[i];
-			opensA ? push(child, b, pair.separation) : push(a, child, pair.separation);
-		}
+		for (std::uint32_t i = 0; i < count; i += kBoxLanes)
+			push(opensA, opensA ? b : a, side.children(node).data + i, std::min(kBoxLanes, count - i), pair.separation);
 		std::sort(m_scratch.stack.begin() + std::ptrdiff_t(first), m_scratch.stack.end(),
 				  [](const auto& l, const auto& r) { return l.separation > r.separation; });
 	}
 
-	void push(std::uint32_t a, std::uint32_t b, double above)
+	// Pairs of `other` and nodes of the other body, of A or not.
+	void push(bool areOfA, std::uint32_t other, const std::uint32_t* nodes, std::uint32_t count, double above)
 	{
-		++m_stats.boxTests;
-		const double separation =
-			m_paper ? paperSeparation(m_context, a, b, m_best)
-					: boxSeparation(placeInA(m_context.a.cullBox(a)), placeInA(m_context.b.cullBox(b), m_context.pose));
-		if (separation <= m_best) m_scratch.stack.push_back({std::max(above, separation), a, b});
+		m_stats.boxTests += count;
+		const Hierarchy &side = areOfA ? m_context.a : m_context.b, &otherSide = areOfA ? m_context.b : m_context.a;
+		const CullBox* boxes[kBoxLanes];
+		for (std::uint32_t i = 0; i < count; ++i) boxes[i] = &side.cullBox(nodes[i]);
+		float separations[kBoxLanes];
+		if (!m_paper) boxSeparations(m_context.boxes, otherSide.cullBox(other), !areOfA, boxes, count, separations);
+		for (std::uint32_t i = 0; i < count; ++i)
+		{
+			const std::uint32_t a = areOfA ? nodes[i] : other, b = areOfA ? other : nodes[i];
+			const double separation = m_paper ? paperSeparation(m_context, a, b, m_best) : double(separations[i]);
+			if (separation <= m_best) m_scratch.stack.push_back({std::max(above, separation), a, b});
+		}
 	}
 
 	void measure(const ClosestPairScratch::Candidate& pair)

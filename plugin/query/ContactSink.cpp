@@ -12,41 +12,40 @@ namespace
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 }
 
-void ContactSink::noContact(const FrontEntry& pair)
+void ContactSink::noContact(std::uint32_t a, std::uint32_t b)
 {
-	const Node &nodeA = m_context.a.node(pair.a), &nodeB = m_context.b.node(pair.b);
+	const Node &nodeA = m_context.a.node(a), &nodeB = m_context.b.node(b);
 	m_largestCover = std::max(m_largestCover, double(nodeA.cover) + double(nodeB.cover));
 }
 
-void ContactSink::answer(const FrontEntry& pair, HullMemory& memory)
+void ContactSink::answer(std::uint32_t a, std::uint32_t b, HullMemory& memory)
 {
-	if (m_hulls.isStillApart(pair.a, pair.b, m_tolerance, memory)) return noContact(pair);
+	if (m_hulls.isStillApart(a, b, m_tolerance, memory)) return noContact(a, b);
 	const bool moves = m_context.longestMove > 0;
 	if (moves)
 	{
 		++m_stats.hullTests;
-		const SweptBound bound = canonicalSweptBound(m_context, pair.a, pair.b, m_tolerance);
+		const SweptBound bound = canonicalSweptBound(m_context, a, b, m_tolerance);
 		if (bound.lower > m_tolerance)
 		{
 			HullCull::keep(memory, bound.lower, bound.normal);
-			return noContact(pair);
+			return noContact(a, b);
 		}
 	}
 	++m_stats.hullTests;
-	const HullDistance distance = canonicalDistance(m_context, pair.a, pair.b, moves ? kInfinity : m_tolerance);
+	const HullDistance distance = canonicalDistance(m_context, a, b, moves ? kInfinity : m_tolerance);
 	if (!moves && distance.lower > m_tolerance)
 	{
 		HullCull::keep(memory, distance.lower, distance.normal);
-		return noContact(pair);
+		return noContact(a, b);
 	}
 	memory = HullMemory{};
-	m_contacts.push_back(
-		{pair.a, pair.b, distance.lower, distance.upper, distance.pointOnA, distance.pointOnB, distance.normal});
+	m_contacts.push_back({a, b, distance.lower, distance.upper, distance.pointOnA, distance.pointOnB, distance.normal});
 }
 
-void NearPairs::answer(const FrontEntry& pair, HullMemory& memory)
+void NearPairs::answer(std::uint32_t a, std::uint32_t b, HullMemory& memory)
 {
-	if (m_hulls.isApart(pair.a, pair.b, m_tolerance, memory)) return;
-	m_pairs.push_back({pair.a, pair.b, m_ofContacts, kInfinity, {}, {}, {}});
+	if (m_hulls.isApart(a, b, m_tolerance, memory)) return;
+	m_pairs.push_back({a, b, m_ofContacts, kInfinity, {}, {}, {}});
 }
 }  // namespace clod

@@ -25,18 +25,18 @@ public:
 	}
 
 	// In exact mode a pair that is no contact leaves no trace, near or far.
-	bool skips(const FrontEntry& pair, const HullMemory& memory) const
+	bool skips(std::uint32_t a, std::uint32_t b, const HullMemory& memory) const
 	{
-		return m_exact && m_hulls.isProvenApart(pair.a, pair.b, m_tolerance, memory);
+		return m_exact && m_hulls.isProvenApart(a, b, m_tolerance, memory);
 	}
 
-	void answer(const FrontEntry& pair, HullMemory& memory);
+	void answer(std::uint32_t a, std::uint32_t b, HullMemory& memory);
 
 	// max over the pairs that are near by their boxes, but no contacts, of cover_a + cover_b.
 	double largestCover() const { return m_largestCover; }
 
 private:
-	void noContact(const FrontEntry& pair);
+	void noContact(std::uint32_t a, std::uint32_t b);
 
 	const QueryContext& m_context;
 	const double m_tolerance;
@@ -57,8 +57,8 @@ public:
 		: m_tolerance(tolerance), m_ofContacts(ofContacts), m_pairs(pairs), m_hulls(context, stats)
 	{
 	}
-	bool skips(const FrontEntry&, const HullMemory&) const { return false; }
-	void answer(const FrontEntry& pair, HullMemory& memory);
+	bool skips(std::uint32_t, std::uint32_t, const HullMemory&) const { return false; }
+	void answer(std::uint32_t a, std::uint32_t b, HullMemory& memory);
 
 private:
 	const double m_tolerance, m_ofContacts;

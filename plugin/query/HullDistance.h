@@ -60,6 +60,10 @@ struct HullDistance
 HullDistance hullDistance(const ConvexHull& a, const ConvexHull& b, const RelativePose& pose, const Vec3& start,
 						  double stopAbove, const Vec3& moveB = {},
 						  double stopBelow = -std::numeric_limits<double>::infinity());
+// The same bits from the code for any machine.
+HullDistance hullDistancePlain(const ConvexHull& a, const ConvexHull& b, const RelativePose& pose, const Vec3& start,
+							   double stopAbove, const Vec3& moveB = {},
+							   double stopBelow = -std::numeric_limits<double>::infinity());
 
 // Certified lower bound of the distance from the support planes across one direction (frame A, from B to A); may be
 // negative. O(vertices).

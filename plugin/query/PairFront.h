@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// The bounding volume test tree of one query, kept for the next: every visited pair, breadth first, with bounds of its
-// last distances that are carried on with the motion. A cache: see Traversal.h for what it may decide.
+// The bounding volume test tree of one query, kept for the next: every pair met but those that are apart, breadth
+// first, with bounds of its last distances that are carried on with the motion. A cache: see Traversal.h for what it
+// may decide.
 //
 // Based on: Otaduy & Lin 2003, sec. 3.3 (generalised front tracking of Ehmann & Lin 2001). Departs from it: the whole
 // tree above the front is kept, so that raising the front needs no search, and pairs that cannot have changed are not
@@ -17,7 +18,8 @@ namespace clod
 {
 enum class PairState : std::uint8_t
 {
-	kSeparated,   // culling volumes are farther apart than the tolerance
+	kSeparated,   // culling volumes are farther apart than the tolerance: only the pair of roots is kept then
+	kElsewhere,   // met before in this walk, through other parents
 	kOpenA,       // replaced by the children of a
 	kOpenB,       // replaced by the children of b
 	kHullsApart,  // not accepted, and nothing the two nodes answer for is within the tolerance (HullCull.h)
@@ -28,13 +30,14 @@ enum class PairState : std::uint8_t
 struct FrontEntry
 {
 	std::uint32_t a, b;
-	std::uint32_t link;        // opened: its first child in entries
-	std::uint32_t hull;        // its place in hulls, kNone
-	std::uint16_t childCount;  // entries of its children, without pairs met elsewhere before
-	std::uint16_t slot;        // its number among the children of the node opened above it
-	float low, high;           // the separation of the culling volumes lies between
-	std::uint32_t old;         // its entry in the traversal before, kNone
-	PairState state;
+	std::uint32_t link = kNone;    // opened: its first child in entries
+	std::uint32_t hull = kNone;    // its place in hulls
+	std::uint16_t childCount = 0;  // of link
+	std::uint16_t slot = 0;        // its number among the children of the node opened above it
+	float high = 0;                // the separation of the culling volumes is less
+	float apart = 0;               // opened: that of every child which is not kept exceeds
+	std::uint32_t old = kNone;     // its entry in the traversal before
+	PairState state = PairState::kSeparated;
 };
 static_assert(sizeof(FrontEntry) == 36);
 

@@ -39,7 +39,8 @@ QueryContext::QueryContext(const Hierarchy& hierarchyA, const Hierarchy& hierarc
 	  pose(aFromB, std::max(reachA, reachB)),
 	  sweep(motion),
 	  longestMove(length(sweep.of(aFromB.translation)) + length(sweep.angular) * reachB),
-	  size(reachA + reachB + length(aFromB.translation) + longestMove)
+	  size(reachA + reachB + length(aFromB.translation) + longestMove),
+	  boxes(pose, sweep, size)
 {
 }
 

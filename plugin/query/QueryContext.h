@@ -20,6 +20,7 @@ struct QueryContext
 	Sweep sweep;
 	double longestMove;  // no point of B moves farther in the step
 	double size;         // reach of both bodies, their distance and the longest way in the step
+	BoxFrame boxes;
 };
 
 // Hull distance from the canonical start: a function of the two nodes and the pose, whatever was cached. Stops as soon

@@ -41,7 +41,8 @@ public:
 		m_boxTests = m_hullTests = m_opened = m_apart = 0;
 		m_testsPerAnswer = context.longestMove > 0 ? 2 : 1;
 		m_spent = m_needed = 0;
-		visit(context.a.root(), context.b.root(), kOff);
+		const std::uint32_t rootA = context.a.root();
+		visit(true, context.b.root(), &rootA, 1, kOff);
 		m_rootIsApart = m_pending.empty() && m_accepted.empty();
 		while (!m_pending.empty() && m_pending.front().deviation == kOff) refine();
 	}
@@ -90,8 +91,9 @@ public:
 		++m_opened;
 		const Side side = sideOf(worst);
 		const Span<std::uint32_t> children = side.hierarchy->children(*side.node);
-		for (std::uint32_t i = 0; i < side.node->childCount; ++i)
-			side.isA ? visit(children[i], worst.b, worst.excess) : visit(worst.a, children[i], worst.excess);
+		for (std::uint32_t i = 0; i < side.node->childCount; i += kBoxLanes)
+			visit(side.isA, side.isA ? worst.b : worst.a, children.data + i,
+				  std::min(kBoxLanes, side.node->childCount - i), worst.excess);
 	}
 
 	// Hands every pair that answers now to the sink; those it evaluates count in the sink's statistics.
@@ -101,7 +103,7 @@ public:
 		const auto hand = [&](std::uint32_t a, std::uint32_t b)
 		{
 			HullMemory unknown;
-			sink.answer({a, b, kNone, kNone, 0, 0, 0, 0, kNone, PairState::kAnswer}, unknown);
+			sink.answer(a, b, unknown);
 		};
 		for (const NodePair& pair : m_accepted) hand(pair.a, pair.b);
 		for (const Pending& pair : m_pending) hand(pair.a, pair.b);
@@ -160,19 +162,32 @@ private:
 		return canonicalSweptBound(*m_context, pair.a, pair.b, limit, limit).lower > limit;
 	}
 
-	void visit(std::uint32_t a, std::uint32_t b, double largest)
+	// Pairs of `other` and nodes of the other body, of A or not.
+	void visit(bool areOfA, std::uint32_t other, const std::uint32_t* nodes, std::uint32_t count, double largest)
 	{
-		m_visited.reserve(1);
-		if (!m_visited.insert(a, b)) return;
-		++(m_paper ? m_hullTests : m_boxTests);
-		const double separation =
-			m_paper ? paperSeparation(*m_context, a, b, m_tolerance)
-					: boxSeparation(placeInA(m_context->a.cullBox(a)),
-									placeInA(m_context->b.cullBox(b), m_context->pose, m_context->sweep));
-		if (separation > m_tolerance)
-			++m_apart;
-		else
-			keep(a, b, largest);
+		m_visited.reserve(count);
+		const Hierarchy &side = areOfA ? m_context->a : m_context->b, &otherSide = areOfA ? m_context->b : m_context->a;
+		std::uint32_t met[kBoxLanes], fresh = 0;
+		const CullBox* boxes[kBoxLanes];
+		for (std::uint32_t i = 0; i < count; ++i)
+		{
+			if (!m_visited.insert(areOfA ? nodes[i] : other, areOfA ? other : nodes[i])) continue;
+			boxes[fresh] = &side.cullBox(nodes[i]);
+			met[fresh++] = nodes[i];
+		}
+		if (fresh == 0) return;
+		(m_paper ? m_hullTests : m_boxTests) += fresh;
+		float separations[kBoxLanes];
+		if (!m_paper) boxSeparations(m_context->boxes, otherSide.cullBox(other), !areOfA, boxes, fresh, separations);
+		for (std::uint32_t i = 0; i < fresh; ++i)
+		{
+			const std::uint32_t a = areOfA ? met[i] : other, b = areOfA ? other : met[i];
+			const double separation = m_paper ? paperSeparation(*m_context, a, b, m_tolerance) : double(separations[i]);
+			if (separation > m_tolerance)
+				++m_apart;
+			else
+				keep(a, b, largest);
+		}
 	}
 
 	void keep(std::uint32_t a, std::uint32_t b, double largest)

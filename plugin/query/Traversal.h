@@ -11,10 +11,15 @@
 // Outside exact and paper mode a pair of contact nodes that is not accepted is opened only where its hulls, too, are
 // near: boxes of curved patches are far from tight.
 //
-// Exact mode follows primary children only: a tree, each pair once. Otherwise all children: a directed acyclic graph,
-// each pair is opened where it is met first.
+// Exact mode follows primary children only: a tree, each pair once; and as no level above the input surface may answer
+// there, it jumps over levels (Hierarchy::wideChildren). Otherwise all children: a directed acyclic graph, each pair is
+// opened where it is met first. Either way up to eight children are compared with the other node at once.
+//
+// Children that are apart leave no trace but the smallest of their separations, in the entry of the pair opened: while
+// the motion does not use it up, none of them is looked at.
 #pragma once
 #include <algorithm>
+#include <limits>
 #include <vector>
 
 #include "clod/query/BoxSeparation.h"
@@ -31,10 +36,8 @@ struct TraversalSettings
 	bool sameRule = false;  // the stop rule is that of the cached front: its states hold
 };
 
-// Sink: bool skips(const FrontEntry& pair, const HullMemory& memory) - an accepted pair needs nothing: its boxes are
-//         not even compared;
-//       void answer(const FrontEntry& pair, HullMemory& memory)      - an accepted pair within the tolerance by its
-//         culling volumes.
+// Sink: bool skips(a, b, const HullMemory& memory) - an accepted pair needs nothing: its boxes are not even compared;
+//       void answer(a, b, HullMemory& memory)      - an accepted pair within the tolerance by its culling volumes.
 template <class Sink>
 class Traversal
 {
@@ -45,7 +48,7 @@ public:
 		  m_settings(settings),
 		  m_front(front),
 		  m_sink(sink),
-		  m_room(1e-9 * context.size + boxRounding(context.size)),
+		  m_room(1e-9 * context.size + context.boxes.roundingOfTwo()),
 		  m_moved(float(front.pending) * (1 + 3e-7f)),
 		  m_stats(&stats),
 		  m_hulls(context, stats)
@@ -60,10 +63,7 @@ public:
 		m_front.hulls.clear();
 		m_front.visited.clear();
 		m_front.pending = 0;
-		Opened none;
-		m_front.entries.push_back({m_context.a.root(), m_context.b.root(), kNone, kNone, 0, 0, 0, 0,
-								   m_front.previous.empty() ? kNone : 0, PairState::kSeparated});
-		visit(m_front.entries[0], none);
+		startAtRoots();
 		for (std::uint32_t i = 0; i < m_front.entries.size(); ++i)
 		{
 			const PairState state = m_front.entries[i].state;
@@ -73,88 +73,204 @@ public:
 	}
 
 private:
-	// A pair that is being opened.
-	struct Opened
+	// Some of the pairs of one opened: a node of one body and children of the other's, and what is known of them.
+	struct Row
 	{
-		bool opensA = false;
-		bool placed = false;  // box is set
-		PlacedBox box;        // of the node that is not opened
+		bool ofChildrenOfA = false;
+		std::uint32_t other = kNone;              // the node that is not opened
+		const std::uint32_t* children = nullptr;  // count of them
+		std::uint32_t count = 0, firstSlot = 0;
+		std::uint32_t old[kBoxLanes];           // entries in the traversal before, kNone
+		float low[kBoxLanes], high[kBoxLanes];  // bounds of the separation; far: low beyond the tolerance
+		bool isFar[kBoxLanes];
+		std::uint32_t a(std::uint32_t k) const { return ofChildrenOfA ? children[k] : other; }
+		std::uint32_t b(std::uint32_t k) const { return ofChildrenOfA ? other : children[k]; }
 	};
+
+	void startAtRoots()
+	{
+		const std::uint32_t rootA = m_context.a.root(), rootB = m_context.b.root();
+		touch(rootA, rootB);
+		m_front.visited.reserve(1);
+		Row row;
+		row.other = rootB;
+		row.ofChildrenOfA = true;
+		row.children = &rootA;
+		row.count = 1;
+		row.old[0] = m_front.previous.empty() ? kNone : 0;
+		const bool wasApart = row.old[0] == 0 && m_front.previous[0].state == PairState::kSeparated;
+		if (wasApart) row.old[0] = kNone;
+		const float apart = wasApart ? lowerAfter(m_front.previous[0].apart, m_moved) : 0.0F;
+		examine(row, wasApart && isBeyond(apart));
+		if (row.isFar[0])
+		{
+			FrontEntry root{rootA, rootB};
+			root.apart = std::min(row.low[0], wasApart && isBeyond(apart) ? apart : row.low[0]);
+			m_front.entries.push_back(root);
+			++m_stats->front;
+		}
+		else
+			visit(row, 0);
+	}
 
 	void open(std::uint32_t index)
 	{
 		const FrontEntry pair = m_front.entries[index];
-		Opened opened;
-		opened.opensA = pair.state == PairState::kOpenA;
-		const Hierarchy& side = opened.opensA ? m_context.a : m_context.b;
-		const Node& node = side.node(opened.opensA ? pair.a : pair.b);
-		const bool shared = m_settings.rule.followsSharedChildren();
-		const std::uint32_t count = shared ? node.childCount : node.primaryChildCount;
-		const std::uint32_t* children = side.children(node).data;
-		for (std::uint32_t k = 0; k < count; ++k) __builtin_prefetch(&side.cullBox(children[k]));
+		Row row;
+		row.ofChildrenOfA = pair.state == PairState::kOpenA;
+		row.other = row.ofChildrenOfA ? pair.b : pair.a;
+		const Hierarchy& side = row.ofChildrenOfA ? m_context.a : m_context.b;
+		const Span<std::uint32_t> children = childrenOf(side, row.ofChildrenOfA ? pair.a : pair.b);
+		for (const std::uint32_t child : children) __builtin_prefetch(&side.cullBox(child));
 
 		std::uint32_t old = 0, oldEnd = 0;
+		float apart = std::numeric_limits<float>::infinity();
+		bool stillApart = false;
 		if (pair.old != kNone && m_front.previous[pair.old].state == pair.state)
 		{
-			old = m_front.previous[pair.old].link;
-			oldEnd = old + m_front.previous[pair.old].childCount;
+			const FrontEntry& before = m_front.previous[pair.old];
+			old = before.link;
+			oldEnd = old + before.childCount;
+			const float low = lowerAfter(before.apart, m_moved);
+			stillApart = isBeyond(low);
+			if (stillApart) apart = low;
 		}
-		std::vector<FrontEntry>& entries = m_front.entries;
-		const std::uint32_t first = std::uint32_t(entries.size());
-		entries.resize(first + count);
-		if (shared) m_front.visited.reserve(count);
-		FrontEntry* next = entries.data() + first;
-		for (std::uint32_t k = 0; k < count; ++k)
+		const std::uint32_t first = std::uint32_t(m_front.entries.size());
+		if (m_settings.rule.followsSharedChildren()) m_front.visited.reserve(children.size);
+		for (std::uint32_t slot = 0; slot < children.size; slot += kBoxLanes)
 		{
-			const std::uint32_t a = opened.opensA ? children[k] : pair.a, b = opened.opensA ? pair.b : children[k];
-			if (shared && !m_front.visited.insert(a, b)) continue;
-			while (old < oldEnd && m_front.previous[old].slot < k) ++old;
-			const bool known = old < oldEnd && m_front.previous[old].slot == k;
-			*next =
-				FrontEntry{a, b, kNone, kNone, 0, std::uint16_t(k), 0, 0, known ? old : kNone, PairState::kSeparated};
-			visit(*next++, opened);
-		}
-		entries.resize(std::size_t(next - entries.data()));
-		const std::uint32_t kept = std::uint32_t(entries.size()) - first;
-		m_stats->duplicates += count - kept;
-		entries[index].link = first;
-		entries[index].childCount = std::uint16_t(kept);
-	}
-
-	void visit(FrontEntry& entry, Opened& opened)
-	{
-		m_finestA = std::min(m_finestA, entry.a);
-		m_finestB = std::min(m_finestB, entry.b);
-		if (entry.old == kNone) return decide(entry, PairState::kSeparated, opened, HullMemory{});
-		const FrontEntry& old = m_front.previous[entry.old];
-		entry.low = lowerAfter(old.low, m_moved);
-		entry.high = upperAfter(old.high, m_moved);
-		HullMemory memory;
-		if (old.hull != kNone)
-		{
-			memory = m_front.previousHulls[old.hull];
-			memory.lower = lowerAfter(memory.lower, m_moved);
-			memory.upper = upperAfter(memory.upper, m_moved);
-			if (m_settings.sameRule && old.state == PairState::kAnswer && m_sink.skips(entry, memory))
+			row.children = children.data + slot;
+			row.count = std::min(kBoxLanes, std::uint32_t(children.size) - slot);
+			row.firstSlot = slot;
+			for (std::uint32_t k = 0; k < row.count; ++k)
 			{
-				++m_stats->skippedBySlack;
-				++m_stats->front;
-				entry.state = PairState::kAnswer;
-				return keep(entry, memory);
+				touch(row.a(k), row.b(k));
+				while (old < oldEnd && m_front.previous[old].slot < slot + k) ++old;
+				row.old[k] = old < oldEnd && m_front.previous[old].slot == slot + k ? old : kNone;
 			}
+			examine(row, stillApart);
+			for (std::uint32_t k = 0; k < row.count; ++k)
+				if (row.isFar[k])
+				{
+					apart = std::min(apart, row.low[k]);
+					++m_stats->front;
+				}
+				else
+					visit(row, k);
 		}
-		decide(entry, old.state, opened, memory);
+		FrontEntry& opened = m_front.entries[index];
+		opened.link = first;
+		opened.childCount = std::uint16_t(m_front.entries.size() - first);
+		opened.apart = apart;
 	}
 
-	void decide(FrontEntry& entry, PairState before, Opened& opened, HullMemory memory)
+	// In paper mode level by level, as there.
+	Span<std::uint32_t> childrenOf(const Hierarchy& side, std::uint32_t index) const
 	{
-		if (!separated(entry, opened)) entry.state = nextState(entry, before);
+		const Node& node = side.node(index);
+		if (m_settings.rule.followsSharedChildren()) return side.children(node);
+		if (m_settings.paper) return {side.children(node).data, node.primaryChildCount};
+		return side.wideChildren(index);
+	}
+
+	// Which pairs of a row are far, from cached bounds where they prove it; othersAreFar: those without an entry are.
+	void examine(Row& row, bool othersAreFar)
+	{
+		std::uint32_t unknown[kBoxLanes], count = 0;
+		for (std::uint32_t k = 0; k < row.count; ++k)
+		{
+			row.isFar[k] = false;
+			row.low[k] = row.high[k] = std::numeric_limits<float>::infinity();
+			if (row.old[k] == kNone)
+				row.isFar[k] = othersAreFar;
+			else
+				row.high[k] = upperAfter(m_front.previous[row.old[k]].high, m_moved);
+			if (row.isFar[k] || double(row.high[k]) < m_settings.tolerance - m_room)
+				++m_stats->skippedBySlack;
+			else if (row.old[k] == kNone || !mayBeSkipped(row, k))
+				unknown[count++] = k;
+		}
+		if (count > 0) measure(row, unknown, count);
+	}
+
+	void measure(Row& row, const std::uint32_t* unknown, std::uint32_t count)
+	{
+		float separations[kBoxLanes];
+		if (m_settings.paper)
+		{
+			m_stats->hullTests += count;
+			for (std::uint32_t i = 0; i < count; ++i)
+				separations[i] = lowerAfter(
+					float(paperSeparation(m_context, row.a(unknown[i]), row.b(unknown[i]), m_settings.tolerance)), 0);
+		}
+		else
+		{
+			m_stats->boxTests += count;
+			const Hierarchy &side = row.ofChildrenOfA ? m_context.a : m_context.b,
+							&otherSide = row.ofChildrenOfA ? m_context.b : m_context.a;
+			const CullBox* boxes[kBoxLanes];
+			for (std::uint32_t i = 0; i < count; ++i) boxes[i] = &side.cullBox(row.children[unknown[i]]);
+			boxSeparations(m_context.boxes, otherSide.cullBox(row.other), !row.ofChildrenOfA, boxes, count,
+						   separations);
+		}
+		for (std::uint32_t i = 0; i < count; ++i)
+		{
+			const std::uint32_t k = unknown[i];
+			row.low[k] = lowerAfter(separations[i], 0);
+			row.high[k] = upperAfter(separations[i], 0);
+			row.isFar[k] = double(separations[i]) > m_settings.tolerance;
+		}
+	}
+
+	// The sink needs nothing of the pair, however near its boxes are.
+	bool mayBeSkipped(const Row& row, std::uint32_t k)
+	{
+		const FrontEntry& old = m_front.previous[row.old[k]];
+		if (!m_settings.sameRule || old.state != PairState::kAnswer || old.hull == kNone) return false;
+		return m_sink.skips(row.a(k), row.b(k), remembered(old));
+	}
+	HullMemory remembered(const FrontEntry& old) const
+	{
+		if (old.hull == kNone) return {};
+		HullMemory memory = m_front.previousHulls[old.hull];
+		memory.lower = lowerAfter(memory.lower, m_moved);
+		memory.upper = upperAfter(memory.upper, m_moved);
+		return memory;
+	}
+
+	// A pair within the tolerance by its culling volumes.
+	void visit(const Row& row, std::uint32_t k)
+	{
+		FrontEntry entry{row.a(k), row.b(k)};
+		entry.slot = std::uint16_t(row.firstSlot + k);
+		entry.high = row.high[k];
+		entry.old = row.old[k];
+		PairState before = PairState::kSeparated;
+		HullMemory memory;
+		if (entry.old != kNone)
+		{
+			before = m_front.previous[entry.old].state;
+			memory = remembered(m_front.previous[entry.old]);
+		}
+		if (m_settings.rule.followsSharedChildren() && !m_front.visited.insert(entry.a, entry.b))
+		{
+			entry.state = PairState::kElsewhere;
+			++m_stats->duplicates;
+		}
+		else
+			decide(entry, before, memory);
+		m_front.entries.push_back(entry);
+	}
+
+	void decide(FrontEntry& entry, PairState before, HullMemory& memory)
+	{
+		entry.state = nextState(entry, before);
 		if (entry.state == PairState::kAnswer)
 		{
-			m_sink.answer(entry, memory);
+			m_sink.answer(entry.a, entry.b, memory);
 			keep(entry, memory);
 		}
-		else if (entry.state != PairState::kSeparated && cullsByHulls(entry))
+		else if (cullsByHulls(entry))
 		{
 			if (hullsApart(entry, memory)) entry.state = PairState::kHullsApart;
 			keep(entry, memory);
@@ -181,52 +297,19 @@ private:
 
 	PairState nextState(const FrontEntry& entry, PairState before) const
 	{
-		if (m_settings.sameRule && before != PairState::kSeparated && before != PairState::kHullsApart) return before;
+		const bool isKnown = before == PairState::kAnswer || before == PairState::kOpenA || before == PairState::kOpenB;
+		if (m_settings.sameRule && isKnown) return before;
 		const StopRule& rule = m_settings.rule;
 		if (rule.accepts(entry.a, entry.b)) return PairState::kAnswer;
 		return rule.opensA(entry.a, entry.b) ? PairState::kOpenA : PairState::kOpenB;
 	}
 
-	// Are the culling volumes farther apart than the tolerance? From the cached bounds where they prove it.
-	bool separated(FrontEntry& entry, Opened& opened)
+	bool isBeyond(float low) const { return double(low) > m_settings.tolerance + m_room; }
+	void touch(std::uint32_t a, std::uint32_t b)
 	{
-		if (entry.old != kNone)
-		{
-			const bool far = double(entry.low) > m_settings.tolerance + m_room;
-			if (far || double(entry.high) < m_settings.tolerance - m_room)
-			{
-				++m_stats->skippedBySlack;
-				return far;
-			}
-		}
-		const double separation = measure(entry, opened);
-		entry.low = lowerAfter(float(separation), 0);
-		entry.high = upperAfter(float(separation), 0);
-		return separation > m_settings.tolerance;
+		m_finestA = std::min(m_finestA, a);
+		m_finestB = std::min(m_finestB, b);
 	}
-
-	double measure(const FrontEntry& entry, Opened& opened)
-	{
-		if (m_settings.paper)
-		{
-			++m_stats->hullTests;
-			return paperSeparation(m_context, entry.a, entry.b, m_settings.tolerance);
-		}
-		++m_stats->boxTests;
-		if (!opened.placed)
-		{
-			opened.box = opened.opensA ? placeB(entry.b) : placeA(entry.a);
-			opened.placed = true;
-		}
-		return opened.opensA ? boxSeparation(placeA(entry.a), opened.box) : boxSeparation(opened.box, placeB(entry.b));
-	}
-
-	PlacedBox placeA(std::uint32_t a) const { return placeInA(m_context.a.cullBox(a)); }
-	PlacedBox placeB(std::uint32_t b) const
-	{
-		return placeInA(m_context.b.cullBox(b), m_context.pose, m_context.sweep);
-	}
-
 	static std::uint32_t levelOf(const Hierarchy& hierarchy, std::uint32_t node)
 	{
 		std::uint32_t level = 0;

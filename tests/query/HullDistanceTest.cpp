@@ -13,9 +13,6 @@
 #include <cstdlib>
 #include <random>
 
-#include "clod/query/ClosestSimplex.h"
-#include "clod/query/SupportScan.h"
-
 namespace
 {
 using namespace clod;
@@ -279,17 +276,46 @@ TEST(HullDistance, ScalesExactlyByPowersOfTwo)
 	}
 }
 
-TEST(SupportScan, WideEqualsPlainBitForBit)
+bool sameBits(const HullDistance& l, const HullDistance& r)
+{
+	return l.lower == r.lower && l.upper == r.upper && l.pointOnA == r.pointOnA && l.pointOnB == r.pointOnB &&
+		   l.normal == r.normal && l.overlap == r.overlap && l.iterations == r.iterations;
+}
+
+TEST(HullDistance, IsTheSameOnAnyMachine)
 {
 	Random random(5);
+	for (int i = 0; i < 5000; ++i)
+	{
+		const Pair pair = makePair(random);
+		const RelativePose pose(pair.aFromB, std::max(pair.a.reach(), pair.b.reach()));
+		const Vec3 start = -pair.aFromB.translation, move = i % 3 ? Vec3{} : 0.1 * length(start) * direction(random);
+		const HullDistance chosen = hullDistance(pair.a.hull(), pair.b.hull(), pose, start, 1e300, move);
+		const HullDistance plain = hullDistancePlain(pair.a.hull(), pair.b.hull(), pose, start, 1e300, move);
+		ASSERT_TRUE(sameBits(chosen, plain)) << "pair " << i;
+	}
+}
+
+// The corner that a loop over all of them finds farthest along a direction, in the order of the vertices.
+double farthest(const HullData& data, const Vec3& along)
+{
+	double best = -1e300;
+	for (std::uint32_t i = 0; i < data.count; ++i) best = std::max(best, dot(data.hull().vertices.vertex(i), along));
+	return best;
+}
+
+TEST(HullDistance, SeparationIsThatOfALoopOverAllVertices)
+{
+	Random random(6);
 	for (int i = 0; i < 20000; ++i)
 	{
-		const HullData data = makeHull(random, Family(random() % int(Family::kCount)), 1);
-		const Vec3 along = random() % 8 ? direction(random) : Vec3{0, 0, random() % 2 ? 1. : 0.};
-		const Support wide = supportVertex(data.hull().vertices, along);
-		const Support plain = supportVertexPlain(data.hull().vertices, along);
-		ASSERT_EQ(wide.value, plain.value);
-		ASSERT_EQ(wide.index, plain.index);
+		HullData a = makeHull(random, Family(random() % int(Family::kCount)), 1);
+		HullData b = makeHull(random, Family(random() % int(Family::kCount)), 1);
+		a.sweep = b.sweep = Vec3{};
+		const RelativePose pose(Transform{}, std::max(a.reach(), b.reach()));
+		const Vec3 along = random() % 8 ? direction(random) : Vec3{0, 0, random() % 2 ? 1. : -1.};
+		const double expected = -farthest(a, -along) - farthest(b, along);
+		ASSERT_NEAR(separationAlong(a.hull(), b.hull(), pose, along), expected, 2 * pose.rounding) << "pair " << i;
 	}
 }
 }  // namespace
