@@ -28,6 +28,33 @@ inline double motionBound(const RelativePose& from, const RelativePose& to, doub
 	return (1 + 4e-6) * std::max(ofA, ofB) + from.rounding + to.rounding;
 }
 
+// The same for the part of B within a sphere: a point c + u of it, |u| <= r, moves by (R2 - R1) c + t2 - t1 and, beyond
+// that, by at most |R2 - R1| r. Only B's points count: for what is measured along directions fixed to A.
+class PartMotion
+{
+public:
+	PartMotion() = default;
+	PartMotion(const RelativePose& from, const RelativePose& to)
+		: m_shift(to.translation - from.translation), m_rounding(from.rounding + to.rounding)
+	{
+		for (int i = 0; i < 3; ++i)
+		{
+			m_turn.row[i] = to.rotation.row[i] - from.rotation.row[i];
+			m_spread += lengthSquared(m_turn.row[i]);
+		}
+		m_spread = std::sqrt(0.5 * m_spread);
+	}
+	double of(const Vec3& center, double radius) const
+	{
+		return (1 + 4e-6) * (length(m_turn * center + m_shift) + m_spread * radius) + m_rounding;
+	}
+
+private:
+	Mat3 m_turn{{{}, {}, {}}};
+	Vec3 m_shift;
+	double m_spread = 0, m_rounding = 0;
+};
+
 // How much the sweep of any point of B, or its share along an axis of either body, can have changed between two
 // queries, m being the motion bound between them: a point p went from q0 to q1, |q1 - q0| <= m, and d1(q1) - d0(q0) =
 // (d1 - d0)(t1) + (w1 - w0) x (q1 - t1) + w0 x (q1 - q0), t1 being where the origin of B is.

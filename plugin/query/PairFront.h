@@ -12,7 +12,7 @@
 #include <limits>
 #include <vector>
 
-#include "clod/hierarchy/Layout.h"
+#include "clod/query/HullDistance.h"
 
 namespace clod
 {
@@ -115,20 +115,23 @@ struct PairFront
 	std::vector<FrontEntry> previous;  // the one before, read while entries is written
 	std::vector<HullMemory> hulls, previousHulls;
 	VisitedPairs visited;
-	double motion = 0;   // accumulated bound of the relative motion (MotionBound.h)
-	double pending = 0;  // the part of it since the last finished traversal
+	double motion = 0;         // accumulated bound of the relative motion and of the sweep's change (MotionBound.h)
+	double pending = 0;        // the part of it since the last finished traversal
+	double pendingChange = 0;  // the part of that which is the sweep's
+	RelativePose pose;         // of the last finished traversal
 
-	void move(double by)
+	void move(double by, double sweepChange)
 	{
-		motion += by;
-		pending += by;
+		motion += by + sweepChange;
+		pending += by + sweepChange;
+		pendingChange += sweepChange;
 	}
 	void clear()
 	{
 		entries.clear();
 		previous.clear();
 		hulls.clear();
-		motion = pending = 0;
+		motion = pending = pendingChange = 0;
 	}
 };
 }  // namespace clod

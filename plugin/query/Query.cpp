@@ -70,7 +70,7 @@ void followMotion(const QueryContext& context, const Settings& settings, PairCac
 		const double motion = motionBound(state.pose, context.pose, context.reachA, context.reachB);
 		const double change =
 			sweepChange(state.pose, state.settings.sweep, context.pose, context.sweep, motion, context.reachB);
-		state.front.move(motion + change);
+		state.front.move(motion, change);
 		const bool otherTree = state.settings.metric.exact != settings.metric.exact ||
 							   state.settings.paper != settings.paper ||
 							   state.settings.budget.isLimited() != settings.budget.isLimited();

@@ -24,6 +24,7 @@
 
 #include "clod/query/BoxSeparation.h"
 #include "clod/query/HullCull.h"
+#include "clod/query/MotionBound.h"
 #include "clod/query/StopRule.h"
 
 namespace clod
@@ -62,7 +63,10 @@ public:
 		m_front.entries.clear();
 		m_front.hulls.clear();
 		m_front.visited.clear();
-		m_front.pending = 0;
+		if (!m_front.previous.empty()) m_partMotion = PartMotion(m_front.pose, m_context.pose);
+		m_change = m_front.pendingChange;
+		m_front.pending = m_front.pendingChange = 0;
+		m_front.pose = m_context.pose;
 		startAtRoots();
 		for (std::uint32_t i = 0; i < m_front.entries.size(); ++i)
 		{
@@ -233,8 +237,11 @@ private:
 	{
 		if (old.hull == kNone) return {};
 		HullMemory memory = m_front.previousHulls[old.hull];
-		memory.lower = lowerAfter(memory.lower, m_moved);
-		memory.upper = upperAfter(memory.upper, m_moved);
+		const CullBox& box = m_context.b.cullBox(old.b);
+		const Vec3 center{double(box.center[0]), double(box.center[1]), double(box.center[2])};
+		const float moved = float((1 + 3e-7) * (m_partMotion.of(center, double(box.radius)) + m_change));
+		memory.lower = lowerAfter(memory.lower, moved);
+		memory.upper = upperAfter(memory.upper, moved);
 		return memory;
 	}
 
@@ -323,6 +330,8 @@ private:
 	Sink& m_sink;
 	const double m_room;  // for the rounding of two measurements
 	const float m_moved;  // since the cached bounds
+	PartMotion m_partMotion;
+	double m_change = 0;  // of the sweep, since then
 	QueryStats* m_stats;
 	HullCull m_hulls;
 	// Finer levels come first.
