@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace clod
 {
@@ -157,13 +158,18 @@ std::uint32_t ContactReducer::nearestTo(const ClusterPoint& old) const
 	const double limit = m_rules.matchRadius * m_rules.length;
 	double bestSquared = limit * limit;
 	std::uint32_t best = kNone;
-	for (std::uint32_t i = 0; i < m_candidates->size(); ++i)
+	for (const double x : {old.point.pointOnA.x, old.placeWithB.x})
 	{
-		if ((*m_excluded)[i] || m_taken[i]) continue;
-		const double squared = mismatch(old, (*m_candidates)[i]);
-		if (squared >= bestSquared) continue;
-		best = i;
-		bestSquared = squared;
+		const auto first = std::lower_bound(m_byX.begin(), m_byX.end(), std::make_pair(x - limit, std::uint32_t(0)));
+		for (auto at = first; at != m_byX.end() && at->first <= x + limit; ++at)
+		{
+			if (m_taken[at->second]) continue;
+			const double squared = mismatch(old, (*m_candidates)[at->second]);
+			if (squared > bestSquared || (squared == bestSquared && at->second >= best)) continue;
+			if (squared == limit * limit) continue;
+			best = at->second;
+			bestSquared = squared;
+		}
 	}
 	return best;
 }
@@ -306,6 +312,10 @@ void ContactReducer::reduce(const std::vector<ContactPoint>& candidates, const s
 	m_excluded = &excluded;
 	m_rules = rules;
 	m_taken.assign(candidates.size(), 0);
+	m_byX.clear();
+	for (std::uint32_t i = 0; i < candidates.size() && previous.pointCount() > 0; ++i)
+		if (!excluded[i]) m_byX.emplace_back(candidates[i].pointOnA.x, i);
+	std::sort(m_byX.begin(), m_byX.end());
 	next.clear();
 	binCandidates();
 	findSeeds(previous);

@@ -7,6 +7,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "clod/query/ContactPoints.h"
@@ -95,6 +96,7 @@ private:
 	std::vector<std::uint64_t> m_keys;
 	std::vector<Seed> m_seeds;
 	std::vector<char> m_taken;
+	std::vector<std::pair<double, std::uint32_t>> m_byX;  // candidates along A's x axis
 	std::array<std::array<std::uint32_t, kClusterPoints>, kMaxClusters> m_chosen{};
 };
 }  // namespace clod
