@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The patches of a level nearest to points of the input surface.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
@@ -25,7 +26,11 @@ public:
 	{
 		for (std::uint32_t i = 0; i < lod.mesh.triangles.size(); ++i)
 		{
-			m_normals.push_back(areaVector(m_tree.triangle(i)));
+			const Triangle& t = m_tree.triangle(i);
+			const Vec3 middle = centroid(t);
+			const double radius = std::max({length(t.a - middle), length(t.b - middle), length(t.c - middle)});
+			m_balls.push_back({middle, radius * (1 + 1e-9)});
+			m_normals.push_back(areaVector(t));
 			m_faces[lod.patchOfTriangle[i]].push_back(i);
 		}
 	}
@@ -60,10 +65,19 @@ public:
 		return result;
 	}
 
+	// Most faces are passed over for the ball round them.
 	double distanceTo(std::uint32_t patch, const Vec3& p) const
 	{
-		double best = std::numeric_limits<double>::infinity();
-		for (std::uint32_t i : m_faces[patch]) best = std::min(best, distanceSquared(p, m_tree.triangle(i)));
+		double best = std::numeric_limits<double>::infinity(), reach = best;
+		for (std::uint32_t i : m_faces[patch])
+		{
+			const double most = reach + m_balls[i].radius;
+			if (lengthSquared(p - m_balls[i].middle) > most * most) continue;
+			const double here = distanceSquared(p, m_tree.triangle(i));
+			if (here >= best) continue;
+			best = here;
+			reach = std::sqrt(best) * (1 + 1e-9);
+		}
 		return std::sqrt(best);
 	}
 
@@ -82,9 +96,16 @@ public:
 	}
 
 private:
+	struct Ball
+	{
+		Vec3 middle;
+		double radius;
+	};
+
 	const Lod& m_lod;
 	TriangleTree m_tree;
 	std::vector<std::vector<std::uint32_t>> m_faces;
 	std::vector<Vec3> m_normals;
+	std::vector<Ball> m_balls;  // round each face
 };
 }  // namespace clod::builder

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <filesystem>
 #include <map>
 #include <memory>
 
@@ -18,6 +19,7 @@
 #include "demos/runner/SceneRun.h"
 #include "demos/runner/Selection.h"
 #include "demos/runner/Statistics.h"
+#include "demos/scenes/SceneDefinition.h"
 
 namespace clod::demo
 {
@@ -35,6 +37,7 @@ struct RunOptions
 	CacheOptions cache;
 	Selection selection;
 	std::string scene, csv, poses;
+	std::vector<std::string> models;  // of `drop`
 	int steps = 0;
 	double dt = 0;
 	double resolution = 1;
@@ -43,11 +46,40 @@ struct RunOptions
 	ModelDetail detail() const { return {resolution, selection.paper}; }
 };
 
+constexpr double kSmallestModel = 0.01, kLargestModel = 0.04;  // radii in metres that `drop` has room for
+
+SceneDefinition definitionOf(const RunOptions& options)
+{
+	if (options.models.empty())
+		for (const SceneDefinition& scene : sceneDefinitions())
+			if (scene.info.name == options.scene) return scene;
+	if (options.scene != "drop")
+		throw Failure(ExitCode::usage, fmt::format("--model is for the scene drop, not for {}", options.scene));
+	std::vector<SceneModel> models;
+	for (const std::string& file : options.models)
+		models.push_back({std::filesystem::path(file).stem().string(), file});
+	return drop(models);
+}
+
+void checkSizes(const RunOptions& options, const std::vector<HierarchyPointer>& models)
+{
+	for (std::size_t i = 0; i < options.models.size(); ++i)
+	{
+		const double radius = double(models[i + 1]->asset().radius);
+		if (radius < kSmallestModel || radius > kLargestModel)
+			throw Failure(
+				ExitCode::usage,
+				fmt::format("--model {}: its radius is {:.4g} m, drop needs {} to {}; build it with --scale {:.6g}",
+							options.models[i], radius, kSmallestModel, kLargestModel, 0.025 / radius));
+	}
+}
+
 SceneRunOptions setUp(const RunOptions& options, const SceneInfo& info, HierarchyCache& cache)
 {
 	SceneRunOptions run;
 	run.info = info;
 	run.scene.models = buildModels(info, options.detail(), cache);
+	checkSizes(options, run.scene.models);
 	run.scene.metric = toMetric(options.selection);
 	run.scene.budget = options.selection.budget;
 	run.scene.dt = options.dt > 0 ? options.dt : info.dt;
@@ -167,12 +199,13 @@ void print(const RunOptions& options, const nlohmann::ordered_json& report)
 
 void runRun(const RunOptions& options)
 {
-	const SceneInfo& info = *findScene(options.scene);
+	const SceneDefinition definition = definitionOf(options);
+	const SceneInfo& info = definition.info;
 	CacheOptions cacheOptions = options.cache;
 	cacheOptions.quiet = options.common.quiet;
 	HierarchyCache cache(cacheOptions);
 	const SceneRunOptions run = setUp(options, info, cache);
-	const std::unique_ptr<Scene> scene = makeScene(info.name, run.scene);
+	const std::unique_ptr<Scene> scene = makeScene(definition, run.scene);
 	cli::Progress progress(options.common.quiet);
 	const auto rows = runScene(*scene, run, [&](double fraction) { progress.update("simulation", fraction); });
 
@@ -213,6 +246,11 @@ void addRunCommand(CLI::App& program)
 	CLI::App* command = program.add_subcommand("run", "Simulate a scene");
 	command->footer("Example: clod-bench run spoon-cup --size 3.5 --frames frames --csv steps.csv --json -");
 	command->add_option("SCENE", options->scene, "Which scene, see `clod-bench list`")->required()->check(checkScene);
+	command
+		->add_option("--model", options->models,
+					 "What falls in the scene drop, instead of its own models: mesh or .clod files, repeatable")
+		->type_name("FILE")
+		->allow_extra_args(false);
 	command->add_option("--steps", options->steps, "How many steps (default: the scene's)")
 		->type_name("N")
 		->check(CLI::Range(1, 10'000'000));

@@ -45,8 +45,13 @@ private:
 std::unique_ptr<Scene> makeScene(const std::string& name, const SceneSettings& settings)
 {
 	for (const SceneDefinition& scene : sceneDefinitions())
-		if (scene.info.name == name) return std::make_unique<RigidScene>(scene, settings);
+		if (scene.info.name == name) return makeScene(scene, settings);
 	return nullptr;
+}
+
+std::unique_ptr<Scene> makeScene(const SceneDefinition& definition, const SceneSettings& settings)
+{
+	return std::make_unique<RigidScene>(definition, settings);
 }
 
 struct RigidScene::Bullet

@@ -9,8 +9,9 @@ namespace clod::demo
 {
 const std::vector<SceneDefinition>& sceneDefinitions()
 {
-	static const std::vector<SceneDefinition> all = {spoonCup(), torusSpiral(), numbersBowl(), spoonsNested(),
-													 boltNut(),  mixedNeeds(),  contactArea()};
+	static const std::vector<SceneDefinition> all = {
+		spoonCup(), torusSpiral(), numbersBowl(), spoonsNested(),
+		boltNut(),  mixedNeeds(),  contactArea(), drop({{"torus", ""}, {"number8", ""}, {"nut", ""}})};
 	return all;
 }
 

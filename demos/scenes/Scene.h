@@ -133,4 +133,6 @@ const std::vector<SceneInfo>& scenes();
 // Null for an unknown name.
 const SceneInfo* findScene(const std::string& name);
 std::unique_ptr<Scene> makeScene(const std::string& name, const SceneSettings& settings);
+struct SceneDefinition;
+std::unique_ptr<Scene> makeScene(const SceneDefinition& definition, const SceneSettings& settings);
 }  // namespace clod::demo

@@ -63,4 +63,6 @@ SceneDefinition spoonsNested();
 SceneDefinition boltNut();
 SceneDefinition mixedNeeds();
 SceneDefinition contactArea();
+// Of radii of about 25 mm.
+SceneDefinition drop(const std::vector<SceneModel>& models);
 }  // namespace clod::demo

@@ -59,7 +59,7 @@ TEST_F(RunnerCommand, ListNamesTheScenes)
 	EXPECT_EQ(list.code, 0);
 	EXPECT_EQ(list.out.rfind("spoon-cup", 0), 0u);
 	for (const char* scene :
-		 {"torus-spiral", "numbers-bowl", "spoons-nested", "bolt-nut", "mixed-needs", "contact-area"})
+		 {"torus-spiral", "numbers-bowl", "spoons-nested", "bolt-nut", "mixed-needs", "contact-area", "drop"})
 		EXPECT_NE(list.out.find(scene), std::string::npos) << scene;
 }
 
@@ -73,6 +73,7 @@ TEST_F(RunnerCommand, UsageErrorsExitWith2AndTheNearestMatch)
 		{"rum spoon-cup", "did you mean run"},
 		{"run spoon-cup --steps 0", "--steps"},
 		{"run spoon-cup --dt nan", "--dt"},
+		{"run spoon-cup --model x.obj", "--model is for the scene drop"},
 		{"run spoon-cup --velocity -1", "'-1' is not a finite number >= 0"},
 		{"run spoon-cup --velocity nan", "'nan' is not a finite number >= 0"},
 		{"run spoon-cup --velocity-floor 1mm", "--velocity"},
@@ -222,5 +223,21 @@ TEST_F(RunnerCommand, ASceneOfFourBodiesIsRecordedAndReplayedWhole)
 	EXPECT_EQ(replay["summary"]["steps_all_rows"]["rows"], 30);
 	// The file does not fit a scene of two bodies, nor two models.
 	EXPECT_EQ(bench("replay spoon-cup " + path("four.csv") + " --resolution 0.03 --quiet" + cache()).code, 3);
+}
+TEST_F(RunnerCommand, GivenMeshesFallOnEachOther)
+{
+	ASSERT_EQ(bench("model number3 --triangles 600 -o " + path("three.obj")).code, 0);
+	ASSERT_EQ(bench("model torus --triangles 800 -o " + path("ring.obj")).code, 0);
+	ASSERT_EQ(bench("model spoon --triangles 500 -o " + path("large.obj")).code, 0);
+	const std::string ring = " --model " + path("ring.obj"), cache = " --quiet --cache-dir " + path("cache");
+	const Outcome run = bench("run drop --size 3.5 --verify-penetration --steps 1400 --model " + path("three.obj") +
+							  ring + ring + cache + " --csv " + path("steps.csv"));
+	EXPECT_EQ(run.code, 0) << run.err;
+	EXPECT_NE(run.out.find("at the end in place"), std::string::npos) << run.out;
+	EXPECT_EQ(run.out.find("within the tolerance 0.0 %"), std::string::npos) << run.out;
+	const Outcome large = bench("run drop --model " + path("large.obj") + cache);
+	EXPECT_EQ(large.code, 2);
+	EXPECT_NE(large.err.find("build it with --scale"), std::string::npos) << large.err;
+	EXPECT_EQ(bench("run drop --model " + path("missing.obj") + cache).code, 3);
 }
 }  // namespace
