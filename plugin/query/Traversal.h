@@ -85,7 +85,7 @@ private:
 		const std::uint32_t* children = nullptr;  // count of them
 		std::uint32_t count = 0, firstSlot = 0;
 		std::uint32_t old[kBoxLanes];           // entries in the traversal before, kNone
-		float low[kBoxLanes], high[kBoxLanes];  // bounds of the separation; far: low beyond the tolerance
+		float low[kBoxLanes], high[kBoxLanes];  // bounds of the separation: of far pairs, of near ones
 		bool isFar[kBoxLanes];
 		std::uint32_t a(std::uint32_t k) const { return ofChildrenOfA ? children[k] : other; }
 		std::uint32_t b(std::uint32_t k) const { return ofChildrenOfA ? other : children[k]; }
@@ -140,6 +140,7 @@ private:
 			if (stillApart) apart = low;
 		}
 		const std::uint32_t first = std::uint32_t(m_front.entries.size());
+		std::uint32_t& finest = row.ofChildrenOfA ? m_finestA : m_finestB;
 		if (m_settings.rule.followsSharedChildren()) m_front.visited.reserve(children.size);
 		for (std::uint32_t slot = 0; slot < children.size; slot += kBoxLanes)
 		{
@@ -148,7 +149,7 @@ private:
 			row.firstSlot = slot;
 			for (std::uint32_t k = 0; k < row.count; ++k)
 			{
-				touch(row.a(k), row.b(k));
+				finest = std::min(finest, row.children[k]);
 				while (old < oldEnd && m_front.previous[old].slot < slot + k) ++old;
 				row.old[k] = old < oldEnd && m_front.previous[old].slot == slot + k ? old : kNone;
 			}
@@ -183,18 +184,29 @@ private:
 		std::uint32_t unknown[kBoxLanes], count = 0;
 		for (std::uint32_t k = 0; k < row.count; ++k)
 		{
-			row.isFar[k] = false;
-			row.low[k] = row.high[k] = std::numeric_limits<float>::infinity();
-			if (row.old[k] == kNone)
-				row.isFar[k] = othersAreFar;
-			else
-				row.high[k] = upperAfter(m_front.previous[row.old[k]].high, m_moved);
-			if (row.isFar[k] || double(row.high[k]) < m_settings.tolerance - m_room)
+			row.isFar[k] = row.old[k] == kNone && othersAreFar;
+			if (row.isFar[k])
+			{
+				row.low[k] = std::numeric_limits<float>::infinity();
 				++m_stats->skippedBySlack;
-			else if (row.old[k] == kNone || !mayBeSkipped(row, k))
+			}
+			else if (row.old[k] == kNone || !isKnownNear(row, k))
 				unknown[count++] = k;
 		}
 		if (count > 0) measure(row, unknown, count);
+	}
+	// From the bound kept, or because the sink needs nothing of the pair, however near its boxes are.
+	bool isKnownNear(Row& row, std::uint32_t k)
+	{
+		const FrontEntry& old = m_front.previous[row.old[k]];
+		row.high[k] = upperAfter(old.high, m_moved);
+		if (double(row.high[k]) < m_settings.tolerance - m_room)
+		{
+			++m_stats->skippedBySlack;
+			return true;
+		}
+		if (!m_settings.sameRule || old.state != PairState::kAnswer || old.hull == kNone) return false;
+		return m_sink.skips(row.a(k), row.b(k), remembered(old));
 	}
 
 	void measure(Row& row, const std::uint32_t* unknown, std::uint32_t count)
@@ -220,19 +232,14 @@ private:
 		for (std::uint32_t i = 0; i < count; ++i)
 		{
 			const std::uint32_t k = unknown[i];
-			row.low[k] = lowerAfter(separations[i], 0);
-			row.high[k] = upperAfter(separations[i], 0);
 			row.isFar[k] = double(separations[i]) > m_settings.tolerance;
+			if (row.isFar[k])
+				row.low[k] = lowerAfter(separations[i], 0);
+			else
+				row.high[k] = upperAfter(separations[i], 0);
 		}
 	}
 
-	// The sink needs nothing of the pair, however near its boxes are.
-	bool mayBeSkipped(const Row& row, std::uint32_t k)
-	{
-		const FrontEntry& old = m_front.previous[row.old[k]];
-		if (!m_settings.sameRule || old.state != PairState::kAnswer || old.hull == kNone) return false;
-		return m_sink.skips(row.a(k), row.b(k), remembered(old));
-	}
 	HullMemory remembered(const FrontEntry& old) const
 	{
 		if (old.hull == kNone) return {};
