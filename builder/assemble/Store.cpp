@@ -213,9 +213,10 @@ private:
 						walls[i] = wallBehind(m_solid, centroid(t), -normal);
 						face.thickness = boundAtMost(std::min(0.5 * walls[i], kFaceDepthShare * m_sphere.radius));
 					});
+		const double rounding = 8 * std::ldexp(m_sphere.radius, -24);  // nothing thinner is a wall
 		m_thinnest = 2 * m_sphere.radius;
 		for (std::size_t i = 0; i < m_content.levels[0].faceCount; ++i)
-			if (walls[i] > 0) m_thinnest = std::min(m_thinnest, walls[i]);
+			if (walls[i] > rounding) m_thinnest = std::min(m_thinnest, walls[i]);
 	}
 
 	void addCullBoxes()

@@ -192,8 +192,10 @@ Invariants checkWalls(const Subject& s)
 	// Walls were followed as far as faces may be thick; a model all thicker has nothing to compare.
 	Wall least{2.1 * kMost * s.radius, 2.1 * kMost * s.radius};
 	walls.resize(first.faceCount);
+	const double rounding = double(s.h.asset().storageTolerance) * (1 - kRadius);  // nothing thinner is a wall
 	for (const Wall& wall : walls)
-		least = {std::min(least.low, wall.low > s.slack ? wall.low : least.low), std::min(least.high, wall.high)};
+		least = {std::min(least.low, wall.low > rounding ? wall.low : least.low),
+				 std::min(least.high, wall.high > rounding ? wall.high : least.high)};
 	const double stored = double(s.h.asset().thinnestWall);
 	const bool isThick = least.low >= 2.1 * kMost * s.radius;
 	const double room = 1e-12 * s.radius;
