@@ -141,18 +141,21 @@ ExactSample takeSample(const HierarchyPointer& a, const HierarchyPointer& b, con
 					   const SampleRules& rules, const std::function<void(double)>& progress)
 {
 	const std::vector<double> speeds = relativeSpeeds(*a, *b, poses, rules.dt);
+	std::vector<std::size_t> candidates;
+	for (std::size_t i = 0; i < poses.size(); ++i)
+		if (rules.resting || classify(speeds[i]) == Motion::moving) candidates.push_back(i);
+	const std::size_t stride =
+		rules.stride > 0 ? std::size_t(rules.stride)
+						 : (candidates.size() + std::size_t(rules.mostRows) - 1) / std::size_t(rules.mostRows);
 	ExactQuery exact(*a, *b, kReach * rules.tolerance);
 	ExactSample result;
 	std::vector<std::size_t> measured;
-	std::size_t candidates = 0;
-	for (std::size_t i = 0; i < poses.size(); ++i)
+	for (std::size_t k = 0; k < candidates.size(); k += stride)
 	{
-		progress(double(i + 1) / double(poses.size()));
-		if (!rules.resting && classify(speeds[i]) != Motion::moving) continue;
-		if (candidates++ % std::size_t(rules.stride) != 0) continue;
-		ExactRow row = exact.at(poses[i]);
+		progress(double(k + 1) / double(candidates.size()));
+		ExactRow row = exact.at(poses[candidates[k]]);
 		if (!(row.gap <= rules.tolerance)) continue;
-		measured.push_back(i);
+		measured.push_back(candidates[k]);
 		result.exact.push_back(std::move(row));
 	}
 	result.sample = sampleOf(poses, measured, rules);

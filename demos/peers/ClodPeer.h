@@ -35,7 +35,8 @@ std::vector<Threshold> thresholdLadder(double radius);
 struct SampleRules
 {
 	double tolerance = 0, dt = 1.0 / 240;
-	int stride = 1;
+	int stride = 1;  // 0: such that about `mostRows` are measured
+	int mostRows = 40;
 	bool resting = false;
 };
 struct ExactSample

@@ -38,6 +38,8 @@ std::string keyOf(const std::string& script, const std::string& tool, const std:
 	return fmt::format("{}-{}-{:016x}{:016x}.obj", tool, amount, digest.high64, digest.low64);
 }
 
+constexpr int kTimedOut = 124;  // exit code of coreutils' timeout
+
 Result<Prepared> readPrepared(const std::string& path)
 {
 	Result<PieceFile> file = readPieces(path);
@@ -69,7 +71,9 @@ Result<Prepared> Preparation::run(const std::string& output, const std::string& 
 {
 	const cli::PartialFile input(temporaryDirectory() + "/clod-peer-mesh.obj");  // never committed
 	if (const auto written = writeObj(input.temporaryPath(), mesh); !written) return Error{written.error()};
-	const int code = runProgram({m_tools.python(), m_tools.prepare(), tool, input.temporaryPath(), output, amount});
+	const int code = runProgram({"timeout", fmt::format("{:.0f}", m_mostSeconds), m_tools.python(), m_tools.prepare(),
+								 tool, input.temporaryPath(), output, amount});
+	if (code == kTimedOut) return Error{fmt::format("{} {} took longer than {:.0f} s", tool, amount, m_mostSeconds)};
 	if (code != 0) return Error{fmt::format("{} {} failed with exit code {}", tool, amount, code)};
 	return readPrepared(output);
 }

@@ -32,7 +32,11 @@ class Preparation
 {
 public:
 	// `cache`: a folder, made when needed; empty: nothing is kept.
-	Preparation(PeerTools tools, std::string cache) : m_tools(std::move(tools)), m_cache(std::move(cache)) {}
+	// What takes longer than `mostSeconds` is given up.
+	Preparation(PeerTools tools, std::string cache, double mostSeconds)
+		: m_tools(std::move(tools)), m_cache(std::move(cache)), m_mostSeconds(mostSeconds)
+	{
+	}
 	const PeerTools& tools() const { return m_tools; }
 	// tool: vhacd, coacd or decimate; amount as prepare.py's. Fails with a sentence (tool and reason).
 	Result<Prepared> make(const std::string& tool, const std::string& amount, const ModelMesh& mesh) const;
@@ -42,6 +46,7 @@ private:
 						 const ModelMesh& mesh) const;
 	PeerTools m_tools;
 	std::string m_cache;
+	double m_mostSeconds;
 };
 
 // A body's mesh and its uniformly decimated versions, from fine to coarse; the first is the mesh itself.

@@ -28,7 +28,8 @@ struct TradeoffOptions
 	CacheOptions cache;
 	PairInput input;
 	std::string directory, peers, peerDirectory, rows = "moving";
-	int stride = 8, repeat = 3, decimations = 12;
+	int stride = 0, mostRows = 40, repeat = 3, decimations = 12;
+	double prepareSeconds = 300;
 };
 
 std::vector<std::string> familiesOf(const std::string& list)
@@ -53,7 +54,8 @@ Roster rosterOf(const TradeoffOptions& options, const PairSubject& subject, Hier
 				cli::Progress& progress)
 {
 	const PeerTools tools{options.peerDirectory.empty() ? defaultPeerDirectory() : options.peerDirectory};
-	const Preparation preparation(tools, cache.directory().empty() ? "" : cache.directory() + "/peers");
+	const Preparation preparation(tools, cache.directory().empty() ? "" : cache.directory() + "/peers",
+								  options.prepareSeconds);
 	RosterOptions roster;
 	roster.families = familiesOf(options.peers);
 	roster.decimations = options.decimations;
@@ -72,6 +74,7 @@ void write(const TradeoffOptions& options, const PairSubject& subject, const Tra
 	report["models"] = {describeHierarchy(*subject.models.a, "a"), describeHierarchy(*subject.models.b, "b")};
 	report["poses"] = {{"rows", subject.poses.size()}, {"trajectory_hash", trajectoryHash(subject.poses)}};
 	report["stride"] = options.stride;
+	report["most_rows"] = options.mostRows;
 	report["rows"] = options.rows;
 	report["preparation"] = roster.preparation;
 	report["tradeoff"] = toJson(tradeoff, pareto);
@@ -101,7 +104,7 @@ void runTradeoff(const TradeoffOptions& options)
 	const double radius = smallerRadius(*subject.models.a, *subject.models.b);
 	makeDirectory(options.directory);
 
-	const SampleRules rules{subject.tolerance, subject.dt, options.stride, options.rows == "contact"};
+	const SampleRules rules{subject.tolerance, subject.dt, options.stride, options.mostRows, options.rows == "contact"};
 	const ExactSample sample = takeSample(subject.models.a, subject.models.b, subject.poses, rules,
 										  [&](double fraction) { progress.update("exact answers", fraction); });
 	if (sample.exact.empty())
@@ -134,9 +137,17 @@ void addTradeoffCommand(CLI::App& program)
 		->required();
 	cli::addChoice(*command, "--rows", options->rows, {"moving", "contact"},
 				   "Rows that touch and move, or all that touch");
-	command->add_option("--stride", options->stride, "Every how many of those rows are measured")
+	command->add_option("--most-rows", options->mostRows, "About so many of them, evenly")
 		->type_name("N")
 		->check(CLI::Range(1, 1'000'000))
+		->capture_default_str();
+	command
+		->add_option("--stride", options->stride, "Every how many of those rows are measured, instead of --most-rows")
+		->type_name("N")
+		->check(CLI::Range(1, 1'000'000));
+	command->add_option("--prepare-seconds", options->prepareSeconds, "A decomposition that takes longer is left out")
+		->type_name("SECONDS")
+		->check(between(1, 1e6))
 		->capture_default_str();
 	command->add_option("--repeat", options->repeat, "Whole passes; a row keeps its least time")
 		->type_name("N")
