@@ -194,10 +194,10 @@ bool plotBudgets(const std::vector<nlohmann::ordered_json>& scenes, const std::s
 	for (std::size_t i = 0; i < scenes.size(); ++i)
 		text += fmt::format("$scene{} << END\n{}END\n", i, plotData(scenes[i]));
 	text += fmt::format(
-		"set multiplot layout 2,{} margins {},0.985,0.15,0.90 spacing 0.05,0.07 title \"Collision dispatch of a step "
+		"set multiplot layout 2,{} margins {},0.975,0.15,0.90 spacing 0.08,0.09 title \"Collision dispatch of a step "
 		"under a budget of time T, and the error it leaves\" font \"DejaVu Sans,19\"\n"
 		"set logscale xy\nset format \"%g\"\nset grid xtics ytics lc rgb \"#dddddd\"\n",
-		scenes.size(), 0.04 + 0.06 / double(scenes.size()));
+		scenes.size(), 0.04 + 0.1 / double(scenes.size()));
 	for (const bool isTime : {true, false})
 		for (std::size_t i = 0; i < scenes.size(); ++i)
 			if (!plotData(scenes[i]).empty()) text += panel(scenes[i], i, isTime);
