@@ -15,7 +15,7 @@ namespace constant
 {
 constexpr double spoonMass = 0.040;
 // Time course, in seconds: drop and settle, stir, rest.
-constexpr double stirBegins = 0.35, stirEnds = 4.6, ramp = 0.25;
+constexpr double stirBegins = 0.35, stirEnds = 4.5, ramp = 0.25;
 constexpr double stirTilt = 0.5;       // radians between gravity and down
 constexpr double stirFrequency = 0.8;  // turns a second
 // How the spoon starts: bowl down, its tip `dropHeight` over the cup's bottom, leaning by `lean` radians.
