@@ -7,7 +7,6 @@
 #include <memory>
 
 #include "demos/cli/Progress.h"
-#include "demos/cli/Suggestion.h"
 #include "demos/runner/BudgetRuns.h"
 #include "demos/runner/Commands.h"
 #include "demos/runner/SceneModels.h"
@@ -32,18 +31,9 @@ struct BudgetCommandOptions
 	int steps = 0;
 };
 
-const SceneInfo& sceneOf(const std::string& name)
-{
-	if (const SceneInfo* info = findScene(name)) return *info;
-	std::vector<std::string> names;
-	for (const SceneInfo& scene : scenes()) names.push_back(scene.name);
-	throw Failure(ExitCode::usage, fmt::format("unknown scene '{}'{}; `clod-bench list` shows them", name,
-											   cli::didYouMean(name, names)));
-}
-
 void runBudget(const BudgetCommandOptions& options)
 {
-	for (const std::string& name : options.scenes) sceneOf(name);  // a typing error is told before anything is built
+	for (const std::string& name : options.scenes) sceneNamed(name);  // a typing error is told before anything is built
 	if (options.selection.budget.isLimited())
 		throw Failure(ExitCode::usage, "budget runs its own budgets: --budgets instead of --budget-tests, --budget-us");
 	if (options.selection.paper || options.selection.fresh)
@@ -57,7 +47,7 @@ void runBudget(const BudgetCommandOptions& options)
 	std::vector<nlohmann::ordered_json> figures;
 	for (const std::string& name : options.scenes)
 	{
-		const SceneInfo& info = sceneOf(name);
+		const SceneInfo& info = sceneNamed(name);
 		const int steps = options.steps > 0 ? options.steps : info.steps;
 		SceneSettings settings;
 		settings.models = buildModels(info, {options.resolution, false}, cache);

@@ -8,7 +8,6 @@
 #include <memory>
 
 #include "demos/cli/Failure.h"
-#include "demos/cli/Suggestion.h"
 #include "demos/runner/Commands.h"
 #include "demos/runner/Replay.h"
 #include "demos/runner/SceneModels.h"
@@ -78,12 +77,7 @@ PairSubject anySubject(const PairInput& input, HierarchyCache& cache, cli::Progr
 	if (input.words.size() != 1)
 		throw Failure(ExitCode::usage,
 					  "a scene, or A B POSES.csv; poses that nobody recorded are not available in this version");
-	const SceneInfo* info = findScene(input.words[0]);
-	if (info) return fromScene(input, *info, cache, progress);
-	std::vector<std::string> names;
-	for (const SceneInfo& scene : scenes()) names.push_back(scene.name);
-	throw Failure(ExitCode::usage, fmt::format("unknown scene '{}'{}; `clod-bench list` shows them", input.words[0],
-											   cli::didYouMean(input.words[0], names)));
+	return fromScene(input, sceneNamed(input.words[0]), cache, progress);
 }
 }  // namespace
 

@@ -11,7 +11,6 @@
 #include <memory>
 
 #include "demos/cli/Progress.h"
-#include "demos/cli/Suggestion.h"
 #include "demos/runner/Commands.h"
 #include "demos/runner/Penetration.h"
 #include "demos/runner/SceneFrames.h"
@@ -230,14 +229,6 @@ void runRun(const RunOptions& options)
 	if (options.verifyPenetration && !report["interpenetration"]["within_limit"])
 		throw Failure(ExitCode::verificationFailed, "the full meshes interpenetrate deeper than the selection allows");
 }
-
-std::string checkScene(const std::string& name)
-{
-	if (findScene(name)) return {};
-	std::vector<std::string> names;
-	for (const SceneInfo& scene : scenes()) names.push_back(scene.name);
-	return fmt::format("unknown scene '{}'{}; `clod-bench list` shows them", name, cli::didYouMean(name, names));
-}
 }  // namespace
 
 void addRunCommand(CLI::App& program)
@@ -245,7 +236,7 @@ void addRunCommand(CLI::App& program)
 	auto options = std::make_shared<RunOptions>();
 	CLI::App* command = program.add_subcommand("run", "Simulate a scene");
 	command->footer("Example: clod-bench run spoon-cup --size 3.5 --frames frames --csv steps.csv --json -");
-	command->add_option("SCENE", options->scene, "Which scene, see `clod-bench list`")->required()->check(checkScene);
+	command->add_option("SCENE", options->scene, "Which scene, see `clod-bench list`")->required()->check(sceneError);
 	command
 		->add_option("--model", options->models,
 					 "What falls in the scene drop, instead of its own models: mesh or .clod files, repeatable")

@@ -10,7 +10,6 @@
 #include <memory>
 
 #include "demos/cli/Progress.h"
-#include "demos/cli/Suggestion.h"
 #include "demos/runner/Commands.h"
 #include "demos/runner/Replay.h"
 #include "demos/runner/ScalingRuns.h"
@@ -35,14 +34,9 @@ struct ScalingCommandOptions
 
 const SceneInfo& pairScene(const std::string& name)
 {
-	std::vector<std::string> names;
-	for (const SceneInfo& scene : scenes()) names.push_back(scene.name);
-	const SceneInfo* info = findScene(name);
-	if (!info)
-		throw Failure(ExitCode::usage, fmt::format("unknown scene '{}'{}; `clod-bench list` shows them", name,
-												   cli::didYouMean(name, names)));
-	if (!info->isPair()) throw Failure(ExitCode::usage, "scaling takes a scene of two bodies; " + name + " has more");
-	return *info;
+	const SceneInfo& info = sceneNamed(name);
+	if (!info.isPair()) throw Failure(ExitCode::usage, "scaling takes a scene of two bodies; " + name + " has more");
+	return info;
 }
 
 // Thresholds are of the finest models' radius, for all.

@@ -1,14 +1,32 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/runner/SceneModels.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "demos/cli/Failure.h"
+#include "demos/cli/Suggestion.h"
 #include "demos/runner/Commands.h"
 #include "demos/runner/InputSurface.h"
 
 namespace clod::demo
 {
+std::string sceneError(const std::string& name)
+{
+	if (findScene(name)) return {};
+	std::vector<std::string> names;
+	for (const SceneInfo& scene : scenes()) names.push_back(scene.name);
+	return fmt::format("unknown scene '{}'{}; `clod-bench list` shows them", name, cli::didYouMean(name, names));
+}
+
+const SceneInfo& sceneNamed(const std::string& name)
+{
+	const std::string error = sceneError(name);
+	if (!error.empty()) throw cli::Failure(cli::ExitCode::usage, error);
+	return *findScene(name);
+}
+
 std::size_t trianglesOf(const std::string& model, double resolution)
 {
 	return std::max(smallestTriangleCount(model), std::size_t(double(paperTriangleCount(model)) * resolution));

@@ -10,6 +10,11 @@
 
 namespace clod::demo
 {
+// Empty where there is a scene of that name, otherwise a sentence with the nearest one.
+std::string sceneError(const std::string& name);
+// Throws cli::Failure (2) with that sentence.
+const SceneInfo& sceneNamed(const std::string& name);
+
 // How a scene's benchmark models are made. Files are taken as they are.
 struct ModelDetail
 {
