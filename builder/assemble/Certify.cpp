@@ -5,6 +5,7 @@
 #include "builder/assemble/Certify.h"
 
 #include <algorithm>
+#include <tuple>
 
 namespace clod::builder
 {
@@ -162,12 +163,66 @@ private:
 	std::vector<Part> m_stack;
 };
 
+// Each corner once: neighbours share most of them.
+std::vector<Vec3> cornersOf(const std::vector<Triangle>& triangles)
+{
+	std::vector<Vec3> corners;
+	corners.reserve(3 * triangles.size());
+	for (const Triangle& t : triangles) corners.insert(corners.end(), {t.a, t.b, t.c});
+	const auto before = [](const Vec3& l, const Vec3& r)
+	{ return std::tie(l.x, l.y, l.z) < std::tie(r.x, r.y, r.z); };
+	std::sort(corners.begin(), corners.end(), before);
+	corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+	return corners;
+}
+
+// The nearest of some faces, the first of equally near ones. The one found last is tried first; a face whose sphere is
+// beyond the best so far is passed over.
+class NearestFace
+{
+public:
+	explicit NearestFace(const NodeDraft& node)
+	{
+		for (std::size_t i = 0; i < node.faces.size(); ++i)
+		{
+			m_faces.push_back(node.face(i));
+			const Vec3 center = centroid(m_faces.back());
+			m_spheres.push_back({center, (1 + 1e-12) * reachFrom({m_faces[i].a, m_faces[i].b, m_faces[i].c}, center)});
+		}
+	}
+	std::pair<Triangle, double> operator()(const Vec3& p) const
+	{
+		std::size_t best = m_last;
+		double least = distanceSquared(p, m_faces[best]), reach = std::sqrt(least) * (1 + 1e-12);
+		for (std::size_t i = 0; i < m_faces.size(); ++i)
+		{
+			const double most = reach + m_spheres[i].radius;
+			if (i == m_last || lengthSquared(p - m_spheres[i].center) > most * most) continue;
+			const double d = distanceSquared(p, m_faces[i]);
+			if (d > least || (d == least && i > best)) continue;
+			least = d, best = i;
+			reach = std::sqrt(least) * (1 + 1e-12);
+		}
+		m_last = best;
+		return {m_faces[best], std::sqrt(least)};
+	}
+
+private:
+	struct Sphere
+	{
+		Vec3 center;
+		double radius;
+	};
+	std::vector<Triangle> m_faces;
+	std::vector<Sphere> m_spheres;
+	mutable std::size_t m_last = 0;
+};
+
 template <class Nearest>
 Supremum supremum(const std::vector<Triangle>& triangles, const Nearest& nearest, const Tolerance& tolerance)
 {
 	Supremum sup;
-	for (const Triangle& t : triangles)
-		for (int k = 0; k < 3; ++k) sup.lower = std::max(sup.lower, nearest(t[k]).second);
+	for (const Vec3& corner : cornersOf(triangles)) sup.lower = std::max(sup.lower, nearest(corner).second);
 	sup.upper = sup.lower;
 	Overlay<Nearest> overlay(nearest, tolerance, sup);
 	for (const Triangle& t : triangles) overlay.add(t);
@@ -179,31 +234,14 @@ double coverOf(const NodeDraft& node, const TriangleTree& input)
 {
 	const ConvexSet hull = node.hull();
 	double most = 0;
-	for (const Triangle& piece : trianglesOf(node.pieces, input))
-		for (int k = 0; k < 3; ++k)
-		{
-			const double d = distanceBound(piece[k], hull, most);
-			most = std::max(most, d);
-		}
+	for (const Vec3& corner : cornersOf(trianglesOf(node.pieces, input)))
+		most = std::max(most, distanceBound(corner, hull, most));
 	return most;
 }
 
 Supremum reachOf(const NodeDraft& node, const TriangleTree& input, const Tolerance& tolerance)
 {
-	std::vector<Triangle> faces;
-	for (std::size_t i = 0; i < node.faces.size(); ++i) faces.push_back(node.face(i));
-	const auto nearest = [&faces](const Vec3& p)
-	{
-		std::size_t best = 0;
-		double least = std::numeric_limits<double>::infinity();
-		for (std::size_t i = 0; i < faces.size(); ++i)
-		{
-			const double d = distanceSquared(p, faces[i]);
-			if (d < least) least = d, best = i;
-		}
-		return std::pair<Triangle, double>(faces[best], std::sqrt(least));
-	};
-	return supremum(trianglesOf(node.pieces, input), nearest, tolerance);
+	return supremum(trianglesOf(node.pieces, input), NearestFace(node), tolerance);
 }
 
 Supremum surfOf(const NodeDraft& node, const TriangleTree& input, const Tolerance& tolerance)

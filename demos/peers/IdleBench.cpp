@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "demos/runner/InputSurface.h"
 #include "demos/runner/Replay.h"
@@ -145,6 +146,7 @@ IdleRow measure(Peer& peer, const PoseSample& sample, IdleState state, int dispa
 		times.push_back(answer.microseconds);
 		if (times.size() < std::size_t(dispatches)) continue;
 		row.microseconds.push_back(quantile(times, 0.5));
+		row.means.push_back(std::accumulate(times.begin(), times.end(), 0.0) / double(times.size()));
 		times.clear();
 	}
 	return row;

@@ -26,6 +26,7 @@ struct IdleRow
 	IdleState state;
 	std::string who;
 	std::vector<double> microseconds;  // of one dispatch: at each pose the median
+	std::vector<double> means;         // and the mean: what is put off comes in it
 	double points = 0;                 // mean number of manifold points
 };
 

@@ -48,6 +48,7 @@ nlohmann::ordered_json describe(const std::vector<IdleRow>& rows)
 		json.push_back({{"state", name(row.state)},
 						{"who", row.who},
 						{"dispatch_us", spread(row.microseconds)},
+						{"dispatch_mean_us", spread(row.means)},
 						{"points", row.points},
 						{"ratio_to_hulls", quantile(row.microseconds, 0.5) / quantile(hulls.microseconds, 0.5)}});
 	}
@@ -56,14 +57,15 @@ nlohmann::ordered_json describe(const std::vector<IdleRow>& rows)
 
 void print(const nlohmann::ordered_json& rows)
 {
-	fmt::print("{:<22}{:<30}{:>7}{:>12}{:>10}{:>10}{:>9}{:>10}\n", "state", "pair", "poses", "median us", "q1", "q3",
-			   "points", "to hulls");
+	fmt::print("{:<22}{:<30}{:>7}{:>12}{:>10}{:>10}{:>10}{:>9}{:>10}\n", "state", "pair", "poses", "median us", "q1",
+			   "q3", "mean us", "points", "to hulls");
 	for (const auto& row : rows)
 	{
 		const auto& us = row["dispatch_us"];
-		fmt::print("{:<22}{:<30}{:>7}{:>12.2f}{:>10.2f}{:>10.2f}{:>9.1f}{:>10.2f}\n", row["state"].get<std::string>(),
-				   row["who"].get<std::string>(), us["count"].get<int>(), us["median"].get<double>(),
-				   us["q1"].get<double>(), us["q3"].get<double>(), row["points"].get<double>(),
+		fmt::print("{:<22}{:<30}{:>7}{:>12.2f}{:>10.2f}{:>10.2f}{:>10.2f}{:>9.1f}{:>10.2f}\n",
+				   row["state"].get<std::string>(), row["who"].get<std::string>(), us["count"].get<int>(),
+				   us["median"].get<double>(), us["q1"].get<double>(), us["q3"].get<double>(),
+				   row["dispatch_mean_us"]["mean"].get<double>(), row["points"].get<double>(),
 				   row["ratio_to_hulls"].get<double>());
 	}
 }

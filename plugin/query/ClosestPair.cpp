@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Depth-first branch and bound on the distance, the nearest child first.
+// Depth-first branch and bound, the nearest child first.
 #include "clod/query/ClosestPair.h"
 
 #include <algorithm>
@@ -9,84 +9,149 @@ namespace clod
 {
 namespace
 {
+// Judge: bool paper;
+//        double best                            - no pair beyond it is looked for;
+//        bool counts(Candidate, double above)   - meets a pair: is it to be looked at? May raise its separation to that
+//                                                 of the pair above;
+//        bool isSettled()                       - whatever else there is makes no difference;
+//        double ofBoxes(double separation)      - below it nothing under a pair of nodes can come;
+//        double ofPair(const Candidate&)        - of an accepted pair.
+template <class Judge>
 class ClosestPairSearch
 {
+	using Candidate = ClosestPairScratch::Candidate;
+
 public:
-	ClosestPairSearch(const QueryContext& context, const StopRule& rule, bool paper, ClosestPairScratch& scratch,
+	ClosestPairSearch(const QueryContext& context, const StopRule& rule, Judge& judge, ClosestPairScratch& scratch,
 					  QueryStats& stats)
-		: m_context(context), m_rule(rule), m_paper(paper), m_scratch(scratch), m_stats(stats)
+		: m_context(context), m_rule(rule), m_judge(judge), m_stack(scratch.stack), m_stats(stats)
 	{
 	}
 
-	double run()
+	void run()
 	{
-		m_scratch.stack.clear();
+		m_stack.clear();
 		const std::uint32_t rootA = m_context.a.root();
 		push(true, m_context.b.root(), &rootA, 1, 0);
-		while (!m_scratch.stack.empty())
+		while (!m_stack.empty() && !m_judge.isSettled())
 		{
-			const ClosestPairScratch::Candidate top = m_scratch.stack.back();
-			m_scratch.stack.pop_back();
-			if (top.separation > m_best) continue;
+			const Candidate top = m_stack.back();
+			m_stack.pop_back();
+			if (m_judge.ofBoxes(top.separation) > m_judge.best) continue;
 			if (m_rule.accepts(top.a, top.b))
-				measure(top);
+				m_judge.best = std::min(m_judge.best, m_judge.ofPair(top));
 			else
 				open(top);
 		}
-		return m_best;
 	}
 
 private:
-	void open(const ClosestPairScratch::Candidate& pair)
+	void open(const Candidate& pair)
 	{
-		const std::uint32_t a = pair.a, b = pair.b;
-		const bool opensA = m_rule.opensA(a, b);
-		const Hierarchy& side = opensA ? m_context.a : m_context.b;
-		const Node& node = side.node(opensA ? a : b);
-		const std::uint32_t count = m_rule.followsSharedChildren() ? node.childCount : node.primaryChildCount;
-		const std::size_t first = m_scratch.stack.size();
-		for (std::uint32_t i = 0; i < count; i += kBoxLanes)
-			push(opensA, opensA ? b : a, side.children(node).data + i, std::min(kBoxLanes, count - i), pair.separation);
-		std::sort(m_scratch.stack.begin() + std::ptrdiff_t(first), m_scratch.stack.end(),
-				  [](const auto& l, const auto& r) { return l.separation > r.separation; });
+		const bool opensA = m_rule.opensA(pair.a, pair.b);
+		const Span<std::uint32_t> children =
+			m_rule.childrenOf(opensA ? m_context.a : m_context.b, opensA ? pair.a : pair.b, m_judge.paper);
+		const std::size_t first = m_stack.size();
+		for (std::uint32_t i = 0; i < children.size; i += kBoxLanes)
+			push(opensA, opensA ? pair.b : pair.a, children.data + i,
+				 std::min(kBoxLanes, std::uint32_t(children.size) - i), pair.separation);
+		std::sort(m_stack.begin() + std::ptrdiff_t(first), m_stack.end(),
+				  [](const Candidate& l, const Candidate& r) { return l.separation > r.separation; });
 	}
 
 	// Pairs of `other` and nodes of the other body, of A or not.
 	void push(bool areOfA, std::uint32_t other, const std::uint32_t* nodes, std::uint32_t count, double above)
 	{
 		m_stats.boxTests += count;
-		const Hierarchy &side = areOfA ? m_context.a : m_context.b, &otherSide = areOfA ? m_context.b : m_context.a;
-		const CullBox* boxes[kBoxLanes];
-		for (std::uint32_t i = 0; i < count; ++i) boxes[i] = &side.cullBox(nodes[i]);
 		float separations[kBoxLanes];
-		if (!m_paper) boxSeparations(m_context.boxes, otherSide.cullBox(other), !areOfA, boxes, count, separations);
+		if (!m_judge.paper) boxSeparations(m_context, areOfA, other, nodes, count, separations);
 		for (std::uint32_t i = 0; i < count; ++i)
 		{
 			const std::uint32_t a = areOfA ? nodes[i] : other, b = areOfA ? other : nodes[i];
-			const double separation = m_paper ? paperSeparation(m_context, a, b, m_best) : double(separations[i]);
-			if (separation <= m_best) m_scratch.stack.push_back({std::max(above, separation), a, b});
+			const double separation =
+				m_judge.paper ? paperSeparation(m_context, a, b, m_judge.best) : double(separations[i]);
+			Candidate pair{separation, a, b};
+			if (m_judge.ofBoxes(separation) <= m_judge.best && m_judge.counts(pair, above)) m_stack.push_back(pair);
 		}
-	}
-
-	void measure(const ClosestPairScratch::Candidate& pair)
-	{
-		++m_stats.hullTests;
-		const HullDistance distance = canonicalDistance(m_context, pair.a, pair.b, m_best);
-		if (distance.lower <= m_best) m_best = std::min(m_best, std::max(pair.separation, distance.upper));
 	}
 
 	const QueryContext& m_context;
 	const StopRule& m_rule;
-	const bool m_paper;
-	ClosestPairScratch& m_scratch;
+	Judge& m_judge;
+	std::vector<Candidate>& m_stack;
 	QueryStats& m_stats;
-	double m_best = std::numeric_limits<double>::infinity();
+};
+
+struct DistanceJudge
+{
+	const QueryContext& context;
+	QueryStats& stats;
+	bool paper;
+	double best = std::numeric_limits<double>::infinity();
+
+	// Along every way, as the ways' separations differ.
+	bool counts(ClosestPairScratch::Candidate& pair, double above) const
+	{
+		pair.separation = std::max(pair.separation, above);
+		return true;
+	}
+	bool isSettled() const { return false; }
+	double ofBoxes(double separation) const { return separation; }
+	double ofPair(const ClosestPairScratch::Candidate& pair) const
+	{
+		++stats.hullTests;
+		const HullDistance distance = canonicalDistance(context, pair.a, pair.b, best);
+		return distance.lower <= best ? std::max(pair.separation, distance.upper) : best;
+	}
+};
+
+struct MotionJudge
+{
+	const QueryContext& context;
+	QueryStats& stats;
+	double tolerance, best;
+	ClosestPairScratch& scratch;
+	static constexpr bool paper = false;
+
+	// Once: its own separation is a bound whichever the way.
+	bool counts(const ClosestPairScratch::Candidate& pair, double)
+	{
+		scratch.visited.reserve(1);
+		return scratch.visited.insert(pair.a, pair.b);
+	}
+	bool isSettled() const { return best <= 0; }
+	double ofBoxes(double separation) const { return separation - tolerance; }
+	double ofPair(const ClosestPairScratch::Candidate& pair)
+	{
+		++stats.hullTests;
+		const SweptBound bound = canonicalSweptBound(context, pair.a, pair.b, tolerance + best);
+		const double motion = std::max(pair.separation, bound.lower) - tolerance;
+		if (motion < best) scratch.nearestA = pair.a, scratch.nearestB = pair.b;
+		return motion;
+	}
 };
 }  // namespace
 
 double closestDistance(const QueryContext& context, const StopRule& rule, bool paper, ClosestPairScratch& scratch,
 					   QueryStats& stats)
 {
-	return ClosestPairSearch(context, rule, paper, scratch, stats).run();
+	DistanceJudge judge{context, stats, paper};
+	ClosestPairSearch<DistanceJudge>(context, rule, judge, scratch, stats).run();
+	return judge.best;
+}
+
+double clearMotion(const QueryContext& context, const StopRule& rule, double tolerance, double cap,
+				   ClosestPairScratch& scratch, QueryStats& stats)
+{
+	scratch.visited.clear();
+	MotionJudge judge{context, stats, tolerance, cap, scratch};
+	const std::uint32_t a = scratch.nearestA, b = scratch.nearestB;
+	if (a < context.a.nodes().size && b < context.b.nodes().size && rule.accepts(a, b))
+	{
+		++stats.boxTests;
+		judge.best = std::min(cap, judge.ofPair({boxSeparation(context.boxes, context.a.cullBox(a), context.b.cullBox(b)), a, b}));
+	}
+	ClosestPairSearch<MotionJudge>(context, rule, judge, scratch, stats).run();
+	return judge.best;
 }
 }  // namespace clod

@@ -35,6 +35,15 @@ inline void spend(Refinement& walk, const Budget& budget, Clock::time_point star
 	}
 }
 
+// The gap is beyond the tolerance. Whether by more than the nodes' covers is not told by a caller's wish (contactsOnly)
+// or where the covers are 0.
+inline void setNothingNear(const Settings& settings, double largestCover, QueryResult& result)
+{
+	result.minDistance = kInfinity;
+	result.errorBound = settings.contactsOnly && !settings.metric.exact ? kInfinity : largestCover;
+	result.deep = false;
+}
+
 // Counts boxes that point queries meet in its lifetime as such.
 class PointBoxes
 {
@@ -100,7 +109,7 @@ private:
 		else if (m_settings.distance)
 			farApart(limit);
 		else
-			set({kInfinity, largestCover, false});
+			setNothingNear(m_settings, largestCover, m_result);
 		m_inputOnly = m_inputOnly && largestCover == 0;
 	}
 

@@ -3,6 +3,7 @@
 #include "clod/query/InsideTest.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace clod
 {
@@ -85,5 +86,19 @@ double InsideProbes::depthInside(const Hierarchy& other, const Transform& intoOt
 		depth = std::max(depth, -probe.distance);
 	}
 	return depth;
+}
+
+double InsideProbes::distanceOutside(const Hierarchy& other, const Transform& intoOther, QueryStats& stats) const
+{
+	double least = std::numeric_limits<double>::infinity();
+	for (const Probe& probe : m_probes)
+	{
+		const Vec3 point = intoOther * probe.point;
+		const double toBox = boxDistance(other.cullBox(other.root()), point);
+		if (toBox >= least) continue;
+		++stats.pointQueries;
+		least = std::min(least, std::max(toBox, distanceToInput(other, point, stats.boxTests).distance));
+	}
+	return 0.999 * std::max(0.0, least);
 }
 }  // namespace clod

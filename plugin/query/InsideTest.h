@@ -20,6 +20,9 @@ public:
 	// body frame into that of `other`; motion as in PairFront.
 	double depthInside(const Hierarchy& other, const Transform& intoOther, double motion, QueryStats& stats);
 
+	// No probe comes to lie inside before it has moved so far; 0 where one is already.
+	double distanceOutside(const Hierarchy& other, const Transform& intoOther, QueryStats& stats) const;
+
 private:
 	struct Probe
 	{

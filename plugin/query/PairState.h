@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "clod/query/ClosestPair.h"
+#include "clod/query/Clearance.h"
 #include "clod/query/InsideTest.h"
 #include "clod/query/PairFront.h"
 #include "clod/query/Penetration.h"
@@ -24,6 +24,8 @@ struct PairCache::State
 	double threshold = 0, maxError = 0;  // of the rule that the front was made with; StopRule::constantThreshold
 	RelativePose pose;
 	PairFront front;
+	double lastMove = 0;  // of front.motion, what came by the last query
+	Clearance clearance;
 	InsideProbes probesA, probesB;
 	ClosestPairScratch closest;
 	PenetrationScratch penetration;
@@ -38,6 +40,7 @@ struct PairCache::State
 	void clearFronts()
 	{
 		front.clear();
+		clearance.forget();
 		probesA.clear();
 		probesB.clear();
 	}

@@ -71,6 +71,7 @@ void followMotion(const QueryContext& context, const Settings& settings, PairCac
 		const double change =
 			sweepChange(state.pose, state.settings.sweep, context.pose, context.sweep, motion, context.reachB);
 		state.front.move(motion, change);
+		state.lastMove = motion + change;
 		const bool otherTree = state.settings.metric.exact != settings.metric.exact ||
 							   state.settings.paper != settings.paper ||
 							   state.settings.budget.isLimited() != settings.budget.isLimited();
@@ -100,6 +101,22 @@ bool answersAgain(const Settings& settings, const PairCache::State& state)
 	before.budget = settings.budget;
 	return same(before, settings);
 }
+void answer(const QueryContext& context, const Settings& settings, PairCache::State& state, QueryResult& result)
+{
+	if (state.clearance.holds(context, settings))
+	{
+		state.settings = settings;
+		setNothingNear(settings, 0, result);
+		result.stats.front = state.last.stats.front;
+		result.stats.frontInner = state.last.stats.frontInner;
+		result.stats.stillClear = 1;
+		return;
+	}
+	Evaluation(context, settings, state, result).run();
+	if (result.contacts.empty() && result.minDistance == kInfinity)
+		state.clearance.seek(context, settings, state.lastMove,
+							 {state.closest, state.probesA, state.probesB, result.stats});
+}
 }  // namespace
 
 void query(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const Settings& settings, PairCache& cache,
@@ -121,7 +138,7 @@ void query(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, cons
 	{
 		const QueryContext context(a, b, aFromB, settings.sweep);
 		followMotion(context, settings, state);
-		Evaluation(context, settings, state, result).run();
+		answer(context, settings, state, result);
 	}
 	state.planned.reset();
 	state.aFromB = aFromB;

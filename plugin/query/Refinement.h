@@ -166,19 +166,13 @@ private:
 	void visit(bool areOfA, std::uint32_t other, const std::uint32_t* nodes, std::uint32_t count, double largest)
 	{
 		m_visited.reserve(count);
-		const Hierarchy &side = areOfA ? m_context->a : m_context->b, &otherSide = areOfA ? m_context->b : m_context->a;
 		std::uint32_t met[kBoxLanes], fresh = 0;
-		const CullBox* boxes[kBoxLanes];
 		for (std::uint32_t i = 0; i < count; ++i)
-		{
-			if (!m_visited.insert(areOfA ? nodes[i] : other, areOfA ? other : nodes[i])) continue;
-			boxes[fresh] = &side.cullBox(nodes[i]);
-			met[fresh++] = nodes[i];
-		}
+			if (m_visited.insert(areOfA ? nodes[i] : other, areOfA ? other : nodes[i])) met[fresh++] = nodes[i];
 		if (fresh == 0) return;
 		(m_paper ? m_hullTests : m_boxTests) += fresh;
 		float separations[kBoxLanes];
-		if (!m_paper) boxSeparations(m_context->boxes, otherSide.cullBox(other), !areOfA, boxes, fresh, separations);
+		if (!m_paper) boxSeparations(*m_context, areOfA, other, met, fresh, separations);
 		for (std::uint32_t i = 0; i < fresh; ++i)
 		{
 			const std::uint32_t a = areOfA ? met[i] : other, b = areOfA ? other : met[i];

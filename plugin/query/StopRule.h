@@ -100,6 +100,14 @@ public:
 	}
 
 	bool followsSharedChildren() const { return !m_isExact; }
+	// What stands for a node that is opened. In paper mode level by level, as there.
+	Span<std::uint32_t> childrenOf(const Hierarchy& side, std::uint32_t index, bool paper) const
+	{
+		const Node& node = side.node(index);
+		if (followsSharedChildren()) return side.children(node);
+		if (paper) return {side.children(node).data, node.primaryChildCount};
+		return side.wideChildren(index);
+	}
 
 private:
 	double thresholdOf(std::uint32_t i, std::uint32_t j) const

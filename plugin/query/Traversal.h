@@ -105,11 +105,12 @@ private:
 		const bool wasApart = row.old[0] == 0 && m_front.previous[0].state == PairState::kSeparated;
 		if (wasApart) row.old[0] = kNone;
 		const float apart = wasApart ? lowerAfter(m_front.previous[0].apart, m_moved) : 0.0F;
-		examine(row, wasApart && isBeyond(apart));
+		const bool isStillApart = wasApart && isBeyond(apart);
+		examine(row, isStillApart);
 		if (row.isFar[0])
 		{
 			FrontEntry root{rootA, rootB};
-			root.apart = std::min(row.low[0], wasApart && isBeyond(apart) ? apart : row.low[0]);
+			root.apart = isStillApart ? apart : row.low[0];
 			m_front.entries.push_back(root);
 			++m_stats->front;
 		}
@@ -124,7 +125,8 @@ private:
 		row.ofChildrenOfA = pair.state == PairState::kOpenA;
 		row.other = row.ofChildrenOfA ? pair.b : pair.a;
 		const Hierarchy& side = row.ofChildrenOfA ? m_context.a : m_context.b;
-		const Span<std::uint32_t> children = childrenOf(side, row.ofChildrenOfA ? pair.a : pair.b);
+		const Span<std::uint32_t> children =
+			m_settings.rule.childrenOf(side, row.ofChildrenOfA ? pair.a : pair.b, m_settings.paper);
 		for (const std::uint32_t child : children) __builtin_prefetch(&side.cullBox(child));
 
 		std::uint32_t old = 0, oldEnd = 0;
@@ -167,15 +169,6 @@ private:
 		opened.link = first;
 		opened.childCount = std::uint16_t(m_front.entries.size() - first);
 		opened.apart = apart;
-	}
-
-	// In paper mode level by level, as there.
-	Span<std::uint32_t> childrenOf(const Hierarchy& side, std::uint32_t index) const
-	{
-		const Node& node = side.node(index);
-		if (m_settings.rule.followsSharedChildren()) return side.children(node);
-		if (m_settings.paper) return {side.children(node).data, node.primaryChildCount};
-		return side.wideChildren(index);
 	}
 
 	// Which pairs of a row are far, from cached bounds where they prove it; othersAreFar: those without an entry are.
@@ -222,12 +215,9 @@ private:
 		else
 		{
 			m_stats->boxTests += count;
-			const Hierarchy &side = row.ofChildrenOfA ? m_context.a : m_context.b,
-							&otherSide = row.ofChildrenOfA ? m_context.b : m_context.a;
-			const CullBox* boxes[kBoxLanes];
-			for (std::uint32_t i = 0; i < count; ++i) boxes[i] = &side.cullBox(row.children[unknown[i]]);
-			boxSeparations(m_context.boxes, otherSide.cullBox(row.other), !row.ofChildrenOfA, boxes, count,
-						   separations);
+			std::uint32_t nodes[kBoxLanes];
+			for (std::uint32_t i = 0; i < count; ++i) nodes[i] = row.children[unknown[i]];
+			boxSeparations(m_context, row.ofChildrenOfA, row.other, nodes, count, separations);
 		}
 		for (std::uint32_t i = 0; i < count; ++i)
 		{

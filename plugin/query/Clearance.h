@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Zlib
+// Two bodies that are apart: how much they may move before they have to be looked at again. While it lasts a query costs
+// the bound of the motion, whatever the hierarchies hold.
+//
+// The front's own bounds cannot tell: a traversal stops where boxes are beyond the tolerance, hence some always are just
+// beyond it. The search for the nearest pair (ClosestPair.h) costs about a fresh traversal, so one that was used up
+// after few queries is not made again at once.
+//
+// Based on: conservative advancement (Mirtich 1996).
+#pragma once
+#include <algorithm>
+
+#include "clod/query/ClosestPair.h"
+#include "clod/query/InsideTest.h"
+#include "clod/query/MotionBound.h"
+
+namespace clod
+{
+class Clearance
+{
+public:
+	void forget() { *this = Clearance{}; }
+
+	// Nothing is near still: not at these settings, from where the search was made to this pose, whatever the way
+	// between.
+	bool holds(const QueryContext& context, const Settings& settings)
+	{
+		if (!m_isKnown || !isMeantFor(settings)) return false;
+		const double motion = motionBound(m_pose, context.pose, context.reachA, context.reachB);
+		const double change =
+			sweepChange(m_pose, m_settings.sweep, context.pose, context.sweep, motion, context.reachB);
+		if (!(motion + change + room(context, settings) < m_motion)) return false;
+		++m_uses;
+		return true;
+	}
+
+	// After a traversal that found nothing. lastMove: motion and change of the sweep since the query before.
+	struct Tools
+	{
+		ClosestPairScratch& scratch;
+		InsideProbes &probesA, &probesB;
+		QueryStats& stats;
+	};
+	void seek(const QueryContext& context, const Settings& settings, double lastMove, const Tools& tools)
+	{
+		const bool isPlain = !settings.paper && !settings.distance && !settings.budget.isLimited();
+		if (!isPlain || !(settings.contactsOnly || settings.metric.exact)) return;
+		const StopRule rule(context, settings.metric, settings.metric.maxError);
+		if (!rule.hasConstantThreshold()) return;
+		if (m_isKnown) m_patience = m_uses < kWorthwhile ? std::min(2 * m_patience + 1, kMostPatience) : 0;
+		if (m_isKnown) m_waits = m_patience;
+		m_isKnown = false;
+		m_uses = 0;
+		if (m_waits > 0)
+		{
+			--m_waits;
+			return;
+		}
+		const double cap = lastMove > 0 ? kFarthest * lastMove : settings.tolerance;
+		m_motion = clearMotion(context, rule, settings.tolerance, cap, tools.scratch, tools.stats);
+		if (m_motion > 0) m_motion = std::min(m_motion, outside(context, tools));
+		m_pose = context.pose;
+		m_settings = settings;
+		m_isKnown = true;
+	}
+
+private:
+	static constexpr std::uint32_t kWorthwhile = 4;     // queries that a search should save
+	static constexpr std::uint32_t kMostPatience = 63;  // queries until the next search
+	static constexpr double kFarthest = 64;             // moves: what is farther is not looked for
+
+	// Coarse hulls may be apart where surfaces meet: how far neither body, nor a component of it, comes to lie in the
+	// other.
+	static double outside(const QueryContext& context, const Tools& tools)
+	{
+		const Transform aFromB{context.pose.rotation, context.pose.translation};
+		tools.probesA.prepare(context.a);
+		tools.probesB.prepare(context.b);
+		return std::min(tools.probesA.distanceOutside(context.b, inverse(aFromB), tools.stats),
+						tools.probesB.distanceOutside(context.a, aFromB, tools.stats));
+	}
+	bool isMeantFor(const Settings& settings) const
+	{
+		return same(settings.metric, m_settings.metric) && settings.tolerance <= m_settings.tolerance &&
+			   settings.contactsOnly == m_settings.contactsOnly && !settings.paper && !settings.distance &&
+			   !settings.budget.isLimited();
+	}
+	// For the rounding of the search and of what a traversal would compute now.
+	static double room(const QueryContext& context, const Settings& settings)
+	{
+		return 2 * (1e-9 * context.size + context.boxes.roundingOfTwo()) +
+			   10 * kHullDistanceAccuracy * (context.size + settings.tolerance) + 4 * context.pose.rounding;
+	}
+
+	bool m_isKnown = false;
+	Settings m_settings;
+	RelativePose m_pose;
+	double m_motion = 0;  // from there, what uses it up
+	std::uint32_t m_uses = 0, m_patience = 0, m_waits = 0;
+};
+}  // namespace clod
