@@ -53,7 +53,13 @@ struct Cancelled {};
 
 // Convex surface decomposition, filtered edge collapses, merging, LOD cuts (paper sec. 4.2; method 1 to 3.2).
 LodSequence buildLods(const Mesh& input, const BuildConfig& config, const Progress& progress);
+// The same, each level handed over as soon as nothing of it changes any more.
+using LodSink = std::function<void(Lod&& lod)>;
+void buildLods(const Mesh& input, const BuildConfig& config, const Progress& progress, const LodSink& sink);
 
 // Tree, completion, certified numbers, thickness, areas, culling boxes (design 3 to 7; method 3.3 to 3.7, 6.1).
-HierarchyContent assembleHierarchy(const LodSequence& lods, const BuildConfig& config, const Progress& progress);
+HierarchyContent assembleHierarchy(LodSequence lods, const BuildConfig& config, const Progress& progress);
+
+// Both. With several threads fine levels are assembled while coarse ones are still being made.
+HierarchyContent buildHierarchy(const Mesh& input, const BuildConfig& config, const Progress& progress);
 }  // namespace clod::builder

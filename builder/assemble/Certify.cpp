@@ -169,8 +169,7 @@ std::vector<Vec3> cornersOf(const std::vector<Triangle>& triangles)
 	std::vector<Vec3> corners;
 	corners.reserve(3 * triangles.size());
 	for (const Triangle& t : triangles) corners.insert(corners.end(), {t.a, t.b, t.c});
-	const auto before = [](const Vec3& l, const Vec3& r)
-	{ return std::tie(l.x, l.y, l.z) < std::tie(r.x, r.y, r.z); };
+	const auto before = [](const Vec3& l, const Vec3& r) { return std::tie(l.x, l.y, l.z) < std::tie(r.x, r.y, r.z); };
 	std::sort(corners.begin(), corners.end(), before);
 	corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
 	return corners;

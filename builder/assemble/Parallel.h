@@ -21,7 +21,9 @@ inline unsigned threadCount(unsigned requested)
 template <class Body>
 void parallelFor(std::size_t count, unsigned threads, const Body& body)
 {
-	constexpr std::size_t kChunk = 64;
+	const std::size_t threadsAsked = threadCount(threads);
+	// Few indices are long ones: a coarse patch answers for a large part of the input.
+	const std::size_t chunk = std::clamp<std::size_t>(count / (16 * threadsAsked), 1, 64);
 	std::atomic<std::size_t> next{0};
 	std::mutex mutex;
 	std::exception_ptr failure;
@@ -29,8 +31,8 @@ void parallelFor(std::size_t count, unsigned threads, const Body& body)
 	{
 		try
 		{
-			for (std::size_t begin = next.fetch_add(kChunk); begin < count; begin = next.fetch_add(kChunk))
-				for (std::size_t i = begin; i < std::min(begin + kChunk, count); ++i) body(i);
+			for (std::size_t begin = next.fetch_add(chunk); begin < count; begin = next.fetch_add(chunk))
+				for (std::size_t i = begin; i < std::min(begin + chunk, count); ++i) body(i);
 		}
 		catch (...)
 		{
@@ -40,7 +42,7 @@ void parallelFor(std::size_t count, unsigned threads, const Body& body)
 		}
 	};
 	std::vector<std::thread> team;
-	const std::size_t helpers = std::min<std::size_t>(threadCount(threads), (count + kChunk - 1) / kChunk);
+	const std::size_t helpers = std::min(threadsAsked, (count + chunk - 1) / chunk);
 	for (std::size_t i = 1; i < helpers; ++i) team.emplace_back(work);
 	work();
 	for (std::thread& thread : team) thread.join();

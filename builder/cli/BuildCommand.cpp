@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // clod-build build MESH -o OUT.clod
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
-#include <fmt/format.h>
 
 #include <chrono>
 #include <optional>
@@ -99,8 +99,7 @@ HierarchyContent buildContent(const Intake& solid, const BuildOptions& options)
 		bar.update(phase, fraction);
 		return true;
 	};
-	const LodSequence lods = buildLods(solid.mesh, config, progress);
-	HierarchyContent content = assembleHierarchy(lods, config, progress);
+	HierarchyContent content = buildHierarchy(solid.mesh, config, progress);
 	for (int i = 0; i < 3; ++i) content.asset.meshFromBody[i] = solid.meshFromBody[i];
 	content.asset.componentCount = std::uint32_t(solid.componentCount);
 	return content;

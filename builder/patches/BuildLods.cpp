@@ -52,13 +52,18 @@ Lod snapshot(const PatchMesh& mesh, double tolerance, std::vector<std::uint32_t>
 class Simplifier
 {
 public:
-	Simplifier(const Mesh& input, const BuildConfig& config, const Progress& progress)
-		: m_config(config), m_progress(progress), m_mesh(input), m_validity(m_mesh), m_guard(input, m_mesh.radius)
+	Simplifier(const Mesh& input, const BuildConfig& config, const Progress& progress, const LodSink& sink)
+		: m_config(config),
+		  m_progress(progress),
+		  m_sink(sink),
+		  m_mesh(input),
+		  m_validity(m_mesh),
+		  m_guard(input, m_mesh.radius)
 	{
 		m_validity.tolerance = kStorageRounding * m_mesh.radius;
 	}
 
-	LodSequence run()
+	void run()
 	{
 		decompose(m_mesh, m_validity, m_progress);
 		cut();
@@ -68,7 +73,7 @@ public:
 			runPaper();
 		else
 			runGuarded();
-		return std::move(m_sequence);
+		m_sink(std::move(m_last));
 	}
 
 private:
@@ -87,12 +92,13 @@ private:
 
 	const BuildConfig& m_config;
 	const Progress& m_progress;
+	const LodSink& m_sink;
 	PatchMesh m_mesh;
 	Validity m_validity;
 	DeviationGuard m_guard;
 	std::optional<Collapser> m_collapser;
 	EdgeQueue m_queue;
-	LodSequence m_sequence;
+	Lod m_last;  // the coarsest level so far; its parents are still to come
 	std::size_t m_firstFaces = 0;
 	std::size_t m_attempts = 0;
 };
@@ -106,27 +112,26 @@ void Simplifier::cut()
 {
 	std::vector<std::uint32_t> idOfPatch;
 	Lod lod = snapshot(m_mesh, m_validity.tolerance, idOfPatch);
-	if (!m_sequence.lods.empty())
+	if (m_last.patchCount > 0)
 	{
-		Lod& finer = m_sequence.lods.back();
-		finer.parentPatch.assign(finer.patchCount, kNone);
+		m_last.parentPatch.assign(m_last.patchCount, kNone);
 		for (std::uint32_t p = 0; p < m_mesh.patches.size(); ++p)
-			for (const std::uint32_t kid : m_mesh.patches[p].kids) finer.parentPatch[kid] = idOfPatch[p];
+			for (const std::uint32_t kid : m_mesh.patches[p].kids) m_last.parentPatch[kid] = idOfPatch[p];
+		m_sink(std::move(m_last));
 	}
 	for (std::uint32_t p = 0; p < m_mesh.patches.size(); ++p)
 	{
 		m_mesh.patches[p].kids.clear();
 		if (idOfPatch[p] != kNone) m_mesh.patches[p].kids.push_back(idOfPatch[p]);
 	}
-	m_sequence.lods.push_back(std::move(lod));
+	m_last = std::move(lod);
 }
 
 void Simplifier::cutIfHalved()
 {
-	const Lod& last = m_sequence.lods.back();
-	if (2 * m_mesh.patchCount > last.patchCount) return;
+	if (2 * m_mesh.patchCount > m_last.patchCount) return;
 	// Default mode: a level that saves patches alone costs more, in the file and in every query, than it saves.
-	if (!m_config.paper && 2 * m_mesh.faceCount > last.mesh.triangles.size()) return;
+	if (!m_config.paper && 2 * m_mesh.faceCount > m_last.mesh.triangles.size()) return;
 	joinEverywhere(m_mesh, m_validity);
 	cut();
 	m_mesh.rebuildTrees();
@@ -251,8 +256,15 @@ void Simplifier::runGuarded()
 }
 }  // namespace
 
+void buildLods(const Mesh& input, const BuildConfig& config, const Progress& progress, const LodSink& sink)
+{
+	Simplifier(input, config, progress, sink).run();
+}
+
 LodSequence buildLods(const Mesh& input, const BuildConfig& config, const Progress& progress)
 {
-	return Simplifier(input, config, progress).run();
+	LodSequence sequence;
+	buildLods(input, config, progress, [&sequence](Lod&& lod) { sequence.lods.push_back(std::move(lod)); });
+	return sequence;
 }
 }  // namespace clod::builder

@@ -149,7 +149,8 @@ double clearMotion(const QueryContext& context, const StopRule& rule, double tol
 	if (a < context.a.nodes().size && b < context.b.nodes().size && rule.accepts(a, b))
 	{
 		++stats.boxTests;
-		judge.best = std::min(cap, judge.ofPair({boxSeparation(context.boxes, context.a.cullBox(a), context.b.cullBox(b)), a, b}));
+		judge.best = std::min(
+			cap, judge.ofPair({boxSeparation(context.boxes, context.a.cullBox(a), context.b.cullBox(b)), a, b}));
 	}
 	ClosestPairSearch<MotionJudge>(context, rule, judge, scratch, stats).run();
 	return judge.best;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Searches for the nearest of all accepted pairs, nearest pairs first: how far apart two bodies are, and how much motion
-// two bodies that are apart have left.
+// Searches for the nearest of all accepted pairs, nearest pairs first: how far apart two bodies are, and how much
+// motion two bodies that are apart have left.
 #pragma once
 #include <vector>
 

@@ -35,12 +35,11 @@ inline void spend(Refinement& walk, const Budget& budget, Clock::time_point star
 	}
 }
 
-// The gap is beyond the tolerance. Whether by more than the nodes' covers is not told by a caller's wish (contactsOnly)
-// or where the covers are 0.
+// The gap is beyond the tolerance, but for the nodes' covers.
 inline void setNothingNear(const Settings& settings, double largestCover, QueryResult& result)
 {
 	result.minDistance = kInfinity;
-	result.errorBound = settings.contactsOnly && !settings.metric.exact ? kInfinity : largestCover;
+	result.errorBound = settings.contactsOnly ? kInfinity : largestCover;
 	result.deep = false;
 }
 

@@ -42,9 +42,9 @@ struct Settings
 	bool distance = false;  // signed gap at any separation (the tolerance then only limits the contact list)
 	bool paper = false;     // paper's culling (d + h_a + h_b), witness D; needs isPaperBuild() on both
 	// Contacts without the signed gap: where hulls overlap no depth is searched (minDistance 0, errorBound inf); deep
-	// then tells only of a component wholly inside the other body. Without any contact errorBound is inf too (0 in exact
-	// mode), and two bodies apart are not looked at again until they have moved enough. For callers that make their own
-	// contact points.
+	// then tells only of a component wholly inside the other body. Without any contact errorBound is inf too, and two
+	// bodies apart are not looked at again until they have moved enough. For callers that make their own contact
+	// points.
 	bool contactsOnly = false;
 	// With a budget the pairs that exceed the metric most are refined first, and excess tells what was not. Not with
 	// distance.
@@ -70,9 +70,9 @@ struct QueryStats
 	std::uint32_t hullTests = 0;   // hull distances evaluated (GJK runs)
 	std::uint32_t skippedBySlack = 0;
 	std::uint32_t stillClear = 0;  // 1: the bodies were apart by more than they have moved since; nothing was looked at
-	std::uint32_t duplicates = 0;    // pairs reached twice through shared children
-	std::uint32_t pointBoxes = 0;    // boxes that nearest-surface queries met; boxTests are between the bodies only
-	std::uint32_t pointQueries = 0;  // nearest-surface queries of the penetration solver
+	std::uint32_t duplicates = 0;  // pairs reached twice through shared children
+	std::uint32_t pointBoxes = 0;  // boxes that nearest-surface queries met; boxTests are between the bodies only
+	std::uint32_t pointQueries = 0;                    // nearest-surface queries of the penetration solver
 	std::uint32_t finestLevel = 0, coarsestLevel = 0;  // over both bodies' accepted nodes within the tolerance
 	std::uint32_t touchedFinestLevel = 0;              // finest level whose node data was read at all
 	std::uint32_t pending = 0;   // pairs that answered coarser than the metric asks, for want of budget

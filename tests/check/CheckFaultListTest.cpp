@@ -29,8 +29,7 @@ HierarchyContent soundContent()
 		const Vec3 sheared{v.x + 0.3 * v.y, 1.1 * v.y + 0.2 * v.z, v.z - 0.1 * v.x};
 		v = {double(roundToFloat(sheared.x)), double(roundToFloat(sheared.y)), double(roundToFloat(sheared.z))};
 	}
-	const builder::LodSequence lods = builder::buildLods(mesh, config, silent);
-	return builder::assembleHierarchy(lods, config, silent);
+	return builder::buildHierarchy(mesh, config, silent);
 }
 
 struct Bytes

@@ -20,9 +20,7 @@ const HierarchyContent& soundContent()
 		builder::BuildConfig config;
 		config.threads = 1;
 		const auto silent = [](const char*, double) { return true; };
-		const builder::LodSequence lods =
-			builder::buildLods(wrinkledTorusMesh(1.0, 0.35, 0.06, 6, 36, 14), config, silent);
-		return builder::assembleHierarchy(lods, config, silent);
+		return builder::buildHierarchy(wrinkledTorusMesh(1.0, 0.35, 0.06, 6, 36, 14), config, silent);
 	}();
 	return content;
 }

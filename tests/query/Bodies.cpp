@@ -45,8 +45,7 @@ Body build(const std::string& name, std::size_t triangles, const BodyOptions& op
 	const auto progress = [](const char*, double) { return true; };
 	builder::BuildConfig config;
 	config.paper = options.paper;
-	const auto content = builder::assembleHierarchy(
-		builder::buildLods(bodyMesh(*model, options.scale), config, progress), config, progress);
+	const auto content = builder::buildHierarchy(bodyMesh(*model, options.scale), config, progress);
 	auto hierarchy = Hierarchy::fromBytes(encode(content));
 	if (!hierarchy) fail(name + ": " + hierarchy.error());
 	Body result{name, *hierarchy, {}};
