@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,7 @@ struct Lod
 	// Label inheritance: patch of the next coarser Lod that each patch of this one was merged into (empty in the last).
 	std::vector<std::uint32_t> parentPatch;
 	double patchTolerance = 0;  // eps_k
+	double errorLimit = std::numeric_limits<double>::infinity();  // that hulls keep, their thickness included
 };
 
 struct LodSequence

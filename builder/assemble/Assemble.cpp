@@ -6,6 +6,7 @@
 
 #include "builder/assemble/Assembler.h"
 #include "builder/assemble/Certify.h"
+#include "builder/assemble/CoarseLevels.h"
 #include "builder/assemble/Completion.h"
 #include "builder/assemble/ContactArea.h"
 #include "builder/assemble/Graph.h"
@@ -41,6 +42,14 @@ void Assembler::report(const char* phase, double fraction) const
 
 void Assembler::add(Lod&& lod)
 {
+	if (!m_config.paper && !m_lods.empty() && lod.patchCount <= kMostBridged)
+		m_coarse.push_back(std::move(lod));
+	else
+		take(std::move(lod));
+}
+
+void Assembler::take(Lod&& lod)
+{
 	m_lods.push_back(std::move(lod));
 	assign(m_lods.size() - 1);
 	certify(m_lods.size() - 1);
@@ -49,6 +58,9 @@ void Assembler::add(Lod&& lod)
 HierarchyContent Assembler::finish()
 {
 	if (m_lods.empty()) throw std::runtime_error("no levels to assemble");
+	report("bridge", 0);
+	bridgeCoarseLevels(m_coarse, m_solid, m_scale, m_threads);
+	for (Lod& lod : m_coarse) take(std::move(lod));
 	report("areas", 0);
 	addAreas();
 	report("complete", 0);
@@ -112,7 +124,7 @@ void Assembler::certify(std::size_t level)
 				{
 					NodeDraft& node = m_draft.nodes[record.firstNode + i];
 					if (level > 0) node.bounds.surf = surfOf(node, m_solid.tree(), tolerance).upper;
-					thicken(node, m_solid, m_scale, {1.1, node.bounds.surf});
+					thicken(node, m_solid, m_scale, {1.1, node.bounds.surf, m_lods[level].errorLimit});
 					if (level == 0) return;
 					node.bounds.cover = coverOf(node, m_solid.tree());
 					node.bounds.reach = std::max(node.bounds.cover, reachOf(node, m_solid.tree(), tolerance).upper);

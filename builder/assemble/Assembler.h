@@ -23,6 +23,7 @@ public:
 	void useThreads(unsigned threads) { m_threads = threads; }
 
 private:
+	void take(Lod&& lod);
 	void report(const char* phase, double fraction) const;
 	void assign(std::size_t level);
 	LevelAssignment assignmentOf(std::size_t level);
@@ -38,6 +39,7 @@ private:
 	void closeNode(NodeDraft& node) const;
 
 	std::vector<Lod> m_lods;
+	std::vector<Lod> m_coarse;  // levels of few patches, kept back until all are known
 	const BuildConfig& m_config;
 	const Progress& m_progress;
 	unsigned m_threads;

@@ -73,7 +73,8 @@ public:
 private:
 	double accepted() const
 	{
-		return std::max({m_result.upper, kTight * m_result.lower, m_result.lower + 3e-5 * m_scale.radius});
+		return std::max(
+			{m_result.upper, kTight * m_result.lower, m_result.lower + 3e-5 * m_scale.radius, m_scale.enough});
 	}
 
 	// The nearest surface point, which lies within the limit.
@@ -225,7 +226,7 @@ Protrusion protrusion(const Solid& solid, const ConvexBody& body, const Protrusi
 	Cell whole(solid, body.points, scale);
 	Protrusion result;
 	for (const Vec3& p : whole.shape().corners) result.lower = std::max(result.lower, solid.distance(p));
-	const double start = std::max(result.lower, scale.rounding);
+	const double start = std::max({result.lower, scale.rounding, scale.enough});
 	if (result.lower > hopeless) return {result.lower, std::numeric_limits<double>::infinity()};
 	result.upper = byDisplacement(whole, body.realNormals, start, std::max(4 * start, start + 0.01 * scale.radius));
 	if (result.upper <= std::max(kTight * start, start + 1e-4 * scale.radius)) return result;

@@ -21,9 +21,10 @@ struct ConvexBody
 
 struct ProtrusionScale
 {
-	double radius;    // of the whole object
-	double rounding;  // below this nothing is measured: the answer is at least that
-	int budget;       // cells that may be cut
+	double radius;      // of the whole object
+	double rounding;    // below this nothing is measured: the answer is at least that
+	int budget;         // cells that may be cut
+	double enough = 0;  // an upper bound this low is not made tighter
 };
 
 struct Protrusion

@@ -42,7 +42,7 @@ void thicken(NodeDraft& node, const Solid& solid, const ProtrusionScale& scale, 
 {
 	double attained = scale.rounding;
 	for (const Vec3& v : node.vertices) attained = std::max(attained, solid.distance(v));
-	const double harmless = std::max(rule.overVertices * attained, rule.harmless);
+	const double harmless = std::min(std::max(rule.overVertices * attained, rule.harmless), rule.most);
 	const double wall = node.coneCosine > 0 ? wallOf(node, solid) : 0;
 	const double half = std::isfinite(wall) ? 0.5 * wall : 0;
 	constexpr double kAlways = std::numeric_limits<double>::infinity();
@@ -52,7 +52,7 @@ void thicken(NodeDraft& node, const Solid& solid, const ProtrusionScale& scale, 
 		const double thickness = std::exchange(node.thickness, 0);
 		thin = measured(node, solid, scale, kAlways).upper;
 		node.thickness = thickness;
-		allowed = std::max(harmless, 1.1 * thin);
+		allowed = std::max({harmless, thin, std::min(1.1 * thin, rule.most)});
 	};
 	for (double share : {1.0, 0.6, 0.3, 0.1})
 	{

@@ -14,6 +14,7 @@ struct SweepRule
 {
 	double overVertices;  // times the protrusion of the patch's own vertices
 	double harmless;      // absolute: what the deviation is anyway
+	double most;          // absolute: never more than this because of the sweep
 };
 
 // Sets thickness (at most half the local wall along inward, measured from the input surface the node answers for) and

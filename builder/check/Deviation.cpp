@@ -12,7 +12,7 @@
 #include <cmath>
 #include <queue>
 
-#include "builder/check/InputSolid.h"
+#include "builder/check/LevelSolid.h"
 
 namespace clod::check
 {
@@ -72,7 +72,7 @@ struct Map
 class Body
 {
 public:
-	Body(const InputSolid& solid, const std::vector<Vec3>& points, double bound, double slack)
+	Body(const LevelSolid& solid, const std::vector<Vec3>& points, double bound, double slack)
 		: m_solid(solid), m_points(points), m_hull(hullOf(points, slack)), m_bound(bound), m_slack(slack)
 	{
 		for (const Vec3& p : points) m_center += (1 / double(points.size())) * p;
@@ -214,7 +214,7 @@ private:
 		return {open.top().bound <= m_bound + m_slack ? Verdict::holds : Verdict::undecided, 0};
 	}
 
-	const InputSolid& m_solid;
+	const LevelSolid& m_solid;
 	const std::vector<Vec3>& m_points;
 	Hull m_hull;
 	Vec3 m_center;
@@ -233,7 +233,7 @@ void record(Tally& tally, std::uint64_t element, const Finding& found, const std
 
 Invariants checkDeviation(const Subject& s)
 {
-	const InputSolid solid(s);
+	const LevelSolid solid(s, s.h.levels()[0]);
 	Tally surf("surf"), protrude("protrude");
 	const Level& first = s.h.levels()[0];
 	s.forEach("surf", s.h.faces().size - first.faceCount,

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "builder/check/LevelSolid.h"
 #include "builder/check/Rounding.h"
 #include "builder/check/Subject.h"
 
@@ -140,7 +141,7 @@ std::vector<std::array<double, 2>> outlineOf(std::vector<std::array<double, 2>> 
 }
 
 // Points of a flat patch's outline that no face of the patch covers must lie next to the level's surface, or under it.
-void flatHull(const Subject& s, const TriangleTree& surface, std::uint32_t i, double eps, Tally& tally)
+void flatHull(const Subject& s, const LevelSolid& solid, std::uint32_t i, double eps, Tally& tally)
 {
 	const Node& n = s.h.node(i);
 	const HullView hull = s.h.hull(n);
@@ -170,10 +171,8 @@ void flatHull(const Subject& s, const TriangleTree& surface, std::uint32_t i, do
 				for (std::size_t c = 0; c < 2; ++c)
 					p[c] = (1 - x - y) * outline[0][c] + x * outline[k][c] + y * outline[k + 1][c];
 				const Vec3 point = origin + p[0] * u + p[1] * v + 0.5 * (low + high) * normal;
-				const TriangleTree::Nearest nearest = surface.nearest(point);
-				const Triangle& t = surface.triangles()[nearest.triangle];
-				const bool under = dot(cross(t[1] - t[0], t[2] - t[0]), point - nearestOn(t, point)) < 0;
-				if (!under) excess = std::max(excess, nearest.distance - 2 * kBlind * eps - s.slack);
+				const double beyond = solid.surface().nearest(point).distance - 2 * kBlind * eps - s.slack;
+				if (beyond > excess && !solid.holds(point)) excess = beyond;
 			}
 	tally.add(i, excess, fmt::format("node {}: its flat hull spans open space, {:.3g} off the surface", i, excess));
 }
@@ -209,7 +208,7 @@ Invariants checkWalls(const Subject& s)
 	for (const Level& level : s.h.levels())
 	{
 		if (level.faceCount == 0) continue;
-		const TriangleTree own(s.levelTriangles(level));
+		const LevelSolid own(s, level);
 		const double eps = std::max(double(level.patchTolerance), double(s.h.asset().storageTolerance));
 		s.forEach("flat-hulls", level.nodeCount,
 				  [&](std::size_t i) { flatHull(s, own, level.firstNode + std::uint32_t(i), eps, flat); });

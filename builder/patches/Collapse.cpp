@@ -82,8 +82,8 @@ void Collapser::findRows()
 // The nearest position inside the half-spaces, as it will be stored; empty where none is near the old star.
 std::optional<Vec3> Collapser::constrained(const Vec3& wanted) const
 {
-	std::vector<HalfSpace> rows = m_rows;
-	for (HalfSpace& row : rows) row.offset -= dot(row.normal, m_middle);
+	std::vector<Plane> rows = m_rows;
+	for (Plane& row : rows) row.offset -= dot(row.normal, m_middle);
 	const auto x = nearestInside(wanted - m_middle, std::move(rows), 0.5 * m_validity.tolerance, m_config.seed);
 	if (!x || lengthSquared(*x) > m_ringRadius * m_ringRadius) return {};
 	return roundedToFloat(m_middle + *x);

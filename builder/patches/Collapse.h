@@ -74,7 +74,7 @@ private:
 	std::vector<std::uint32_t> m_oldFaces;
 	std::vector<std::uint32_t> m_patches;    // that keep at least one face
 	std::vector<std::uint32_t> m_vanishing;  // that lose all
-	std::vector<HalfSpace> m_rows;
+	std::vector<Plane> m_rows;
 	std::vector<TrianglePoints> m_starPoints;
 	std::vector<std::vector<Plane>> m_newHulls;
 	std::vector<std::uint32_t> m_leaning;  // patches, own and others, with their supports after the move

@@ -12,14 +12,7 @@
 
 namespace clod::builder
 {
-// dot(normal, x) >= offset, normal of length 1.
-struct HalfSpace
-{
-	Vec3 normal;
-	double offset = 0;
-};
-
-// Empty where no point satisfies every row within tolerance. The rows are visited in an order drawn from seed only.
-std::optional<Vec3> nearestInside(const Vec3& target, std::vector<HalfSpace> rows, double tolerance,
-								  std::uint64_t seed);
+// Empty where no point lies at height >= 0 of every plane within tolerance. The rows are visited in an order drawn from
+// seed only.
+std::optional<Vec3> nearestInside(const Vec3& target, std::vector<Plane> rows, double tolerance, std::uint64_t seed);
 }  // namespace clod::builder

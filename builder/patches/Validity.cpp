@@ -243,115 +243,11 @@ bool Validity::isValid(const std::vector<std::uint32_t>& faces)
 	return isInside(m_hull) && isCovered();
 }
 
-template <class Visit>
-bool Validity::searchForeign(const Box& box, Visit&& visit) const
-{
-	const bool searched = m_mesh.faceTree.search(
-		box, [&](std::uint32_t face) { return contains(face) || isMoved(face) || visit(face, m_mesh.points(face)); });
-	if (!searched) return false;
-	for (const std::uint32_t face : move.faces)
-		if (!contains(face) && !visit(face, points(face))) return false;
-	return true;
-}
-
 bool Validity::isInside(const SmallHull& hull)
 {
 	hull.planes(minimumHeight(), m_hullPlanes);
 	if (m_hullPlanes.empty()) return true;
 	return searchForeign(m_box, [&](std::uint32_t, const TrianglePoints& t)
 						 { return !entersHull(t, m_hullPlanes, kDepth * tolerance); });
-}
-
-bool Validity::isCovered()
-{
-	m_covered.assign(m_faces.size(), 0);
-	m_supports.clear();
-	for (std::size_t i = 0; i < m_faces.size(); ++i)
-		if (!m_covered[i] && !frontIsCovered(i)) return false;
-	return true;
-}
-
-namespace
-{
-// Two axes of the plane's own coordinates.
-struct PlaneFrame
-{
-	Vec3 origin, e1, e2;
-	PlaneFrame(const Plane& plane, const Vec3& at) : origin(at)
-	{
-		const Vec3& n = plane.normal;
-		const Vec3 axis = std::fabs(n.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
-		e1 = normalized(cross(axis, n));
-		e2 = cross(n, e1);
-	}
-	Point2 operator()(const Vec3& p) const { return {dot(p - origin, e1), dot(p - origin, e2)}; }
-};
-}  // namespace
-
-bool Validity::frontIsCovered(std::size_t reference)
-{
-	const Plane& plane = m_facePlanes[reference];
-	const double blind = kBlind * tolerance;
-	static thread_local std::vector<Point2> front;
-	front.clear();
-	const PlaneFrame frame(plane, m_facePoints[reference][0]);
-	Box box;
-	for (const Vec3& p : m_points)
-		if (plane.height(p) >= -blind)
-		{
-			front.push_back(frame(p));
-			box.include(p);
-		}
-	if (front.size() <= 3) return true;
-	const std::vector<Point2> outline = convexHull(front);
-	const double needed = areaOf(outline) * (1 - 1e-6) - tolerance * perimeterOf(outline);
-	double covered = 0;
-	std::vector<std::size_t> partial;
-	for (std::size_t i = 0; i < m_faces.size(); ++i)
-	{
-		const double facing = dot(m_facePlanes[i].normal, plane.normal);
-		if (facing <= 0) continue;
-		const TrianglePoints& t = m_facePoints[i];
-		const double lowest = std::min({plane.height(t[0]), plane.height(t[1]), plane.height(t[2])});
-		if (lowest < -blind)
-		{
-			partial.push_back(i);
-			continue;
-		}
-		covered += 0.5 * facing * length(cross(t[1] - t[0], t[2] - t[0]));
-		if (lowest >= -2 * tolerance) m_covered[i] = 1;
-	}
-	for (std::size_t k = 0; k < partial.size() && covered < needed; ++k)
-	{
-		const TrianglePoints& t = m_facePoints[partial[k]];
-		covered += areaOf(clipped({frame(t[0]), frame(t[1]), frame(t[2])}, outline));
-	}
-	return covered >= needed || covered + foreignCover(plane, outline, box) >= needed;
-}
-
-// Area of the front that lies inside the solid or just outside: over such a point one more face leaves the solid than
-// enters it. Faces higher than the front is wide are left out, which can only make the result smaller.
-double Validity::foreignCover(const Plane& plane, const std::vector<Point2>& front, const Box& box)
-{
-	const PlaneFrame frame(plane, m_facePoints[std::size_t(&plane - m_facePlanes.data())][0]);
-	const double slab = kBlind * tolerance;
-	const double reach = slab + length(box.high - box.low);
-	Box searched = box;
-	searched.include(Box{box.low + reach * plane.normal, box.high + reach * plane.normal});
-	double covered = 0;
-	searchForeign(searched.grownBy(slab),
-				  [&](std::uint32_t, const TrianglePoints& t)
-				  {
-					  const bool leaves = dot(cross(t[1] - t[0], t[2] - t[0]), plane.normal) > 0;
-					  static thread_local std::vector<Vec3> polygon, scratch;
-					  polygon.assign(t.begin(), t.end());
-					  clipBelow(polygon, {-plane.normal, -plane.offset}, leaves ? -slab : 0, scratch);
-					  clipBelow(polygon, plane, -reach, scratch);
-					  std::vector<Point2> projected;
-					  for (const Vec3& p : polygon) projected.push_back(frame(p));
-					  covered += areaOf(clipped(std::move(projected), front));
-					  return true;
-				  });
-	return covered;
 }
 }  // namespace clod::builder

@@ -68,8 +68,13 @@ private:
 	bool isConnected() const;
 	bool isInside(const SmallHull& hull);
 	bool isCovered();
+	// Cover.cpp
+	struct Front;
 	bool frontIsCovered(std::size_t reference);
-	double foreignCover(const Plane& plane, const std::vector<Point2>& front, const Box& box);
+	double shownCover(const Front& front);
+	double dippingCover(const Front& front) const;
+	double strips(const Front& front) const;
+	double foreignCover(const Front& front);
 	// visit(face, points) -> bool for every face of the mesh, under the move, that meets the box and is not in the
 	// patch.
 	template <class Visit>
@@ -88,4 +93,14 @@ private:
 	std::vector<Plane> m_hullPlanes;
 	std::vector<char> m_covered;  // per face of the patch: judged with an earlier coplanar face
 };
+template <class Visit>
+bool Validity::searchForeign(const Box& box, Visit&& visit) const
+{
+	const bool searched = m_mesh.faceTree.search(
+		box, [&](std::uint32_t face) { return contains(face) || isMoved(face) || visit(face, m_mesh.points(face)); });
+	if (!searched) return false;
+	for (const std::uint32_t face : move.faces)
+		if (!contains(face) && !visit(face, points(face))) return false;
+	return true;
+}
 }  // namespace clod::builder

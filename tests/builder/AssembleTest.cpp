@@ -7,6 +7,7 @@
 
 #include "builder/assemble/Assignment.h"
 #include "builder/assemble/BoundingSphere.h"
+#include "builder/assemble/CoarseLevels.h"
 #include "builder/assemble/ContactArea.h"
 #include "builder/assemble/ConvexDistance.h"
 #include "builder/assemble/MassProperties.h"
@@ -170,6 +171,46 @@ int looseBounds(int budget)
 		}
 	}
 	return loose;
+}
+
+// Of 500 points of each patch's hull.
+int pointsBeyond(const Lod& lod, const Solid& solid, double limit)
+{
+	std::mt19937_64 random(11);
+	std::vector<std::vector<Vec3>> corners(lod.patchCount);
+	for (std::size_t f = 0; f < lod.mesh.triangles.size(); ++f)
+		for (const std::uint32_t v : lod.mesh.triangles[f])
+			corners[lod.patchOfTriangle[f]].push_back(lod.mesh.vertices[v]);
+	int beyond = 0;
+	for (const std::vector<Vec3>& points : corners)
+		for (int i = 0; i < 500 && !points.empty(); ++i)
+		{
+			std::uniform_int_distribution<std::size_t> any(0, points.size() - 1);
+			const double s = std::uniform_real_distribution<double>(0, 1)(random);
+			if (solid.distance(points[any(random)] * s + points[any(random)] * (1 - s)) > limit) ++beyond;
+		}
+	return beyond;
+}
+
+TEST(AssembleCoarse, BridgedLevelsHalveAndStayWithinTheirError)
+{
+	std::vector<Lod> lods = torusLods(1, 0.4, 20, 12, 2).lods;
+	const Mesh input = lods[0].mesh;
+	const Solid solid(input);
+	const double radius = boundingSphere(input.vertices).radius;
+	lods.erase(lods.begin());
+	bridgeCoarseLevels(lods, solid, {radius, 1e-6 * radius, 15000}, 1);
+	ASSERT_GE(lods.size(), 2u);
+	for (std::size_t k = 1; k < lods.size(); ++k)
+	{
+		EXPECT_LE(2 * lods[k].patchCount, lods[k - 1].patchCount);
+		EXPECT_EQ(pointsBeyond(lods[k], solid, lods[k].errorLimit), 0) << k;
+		for (std::size_t f = 0; f < lods[k].patchOfTriangle.size(); ++f)
+			EXPECT_EQ(lods[k].patchOfTriangle[f], lods[k - 1].parentPatch[lods[k - 1].patchOfTriangle[f]]);
+	}
+	Lod blind = lods[1];  // merged without looking
+	for (std::uint32_t& patch : blind.patchOfTriangle) patch /= 4;
+	EXPECT_GT(pointsBeyond(blind, solid, blind.errorLimit), 0);
 }
 
 TEST(AssembleProtrusion, HullsOverHollowsAreBoundedWithinATenth)

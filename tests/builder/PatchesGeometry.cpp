@@ -203,23 +203,23 @@ TEST(Clip, PlanarHullAndClip)
 }
 
 // All active sets of up to three rows: the nearest feasible projection.
-std::optional<Vec3> bruteForce(const Vec3& target, const std::vector<HalfSpace>& rows, double tolerance)
+std::optional<Vec3> bruteForce(const Vec3& target, const std::vector<Plane>& rows, double tolerance)
 {
 	std::optional<Vec3> best;
 	const auto offer = [&](const Vec3& x)
 	{
-		for (const HalfSpace& row : rows)
+		for (const Plane& row : rows)
 			if (dot(row.normal, x) < row.offset - tolerance) return;
 		if (!best || lengthSquared(x - target) < lengthSquared(*best - target)) best = x;
 	};
 	offer(target);
 	for (std::size_t i = 0; i < rows.size(); ++i)
 	{
-		const HalfSpace& a = rows[i];
+		const Plane& a = rows[i];
 		offer(target + (a.offset - dot(a.normal, target)) * a.normal);
 		for (std::size_t j = 0; j < i; ++j)
 		{
-			const HalfSpace& b = rows[j];
+			const Plane& b = rows[j];
 			const Vec3 line = cross(a.normal, b.normal);
 			const double s = lengthSquared(line);
 			if (s < 1e-16) continue;
@@ -228,7 +228,7 @@ std::optional<Vec3> bruteForce(const Vec3& target, const std::vector<HalfSpace>&
 			offer(target + ((ra - c * rb) / s) * a.normal + ((rb - c * ra) / s) * b.normal);
 			for (std::size_t k = 0; k < j; ++k)
 			{
-				const HalfSpace& d = rows[k];
+				const Plane& d = rows[k];
 				const double volume = dot(line, d.normal);
 				if (std::fabs(volume) < 1e-9) continue;
 				offer((1 / volume) *
@@ -245,7 +245,7 @@ TEST(HalfSpaceProgram, AgreesWithAllActiveSets)
 	int feasible = 0;
 	for (int round = 0; round < 4000; ++round)
 	{
-		std::vector<HalfSpace> rows;
+		std::vector<Plane> rows;
 		const int count = 4 + round % 16;
 		for (int i = 0; i < count; ++i) rows.push_back({normalized(random.point()), random(-1, 0.3)});
 		const Vec3 target = random.point(2);
@@ -254,7 +254,7 @@ TEST(HalfSpaceProgram, AgreesWithAllActiveSets)
 		ASSERT_EQ(bool(found), bool(expected)) << round;
 		if (!found) continue;
 		++feasible;
-		for (const HalfSpace& row : rows) ASSERT_GE(dot(row.normal, *found), row.offset - 2e-9);
+		for (const Plane& row : rows) ASSERT_GE(dot(row.normal, *found), row.offset - 2e-9);
 		ASSERT_NEAR(length(*found - target), length(*expected - target), 1e-7);
 		const auto other = nearestInside(target, rows, 1e-9, 99);
 		ASSERT_TRUE(other);

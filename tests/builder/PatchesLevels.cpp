@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "builder/patches/Validity.h"
 #include "tests/builder/PatchesMeshes.h"
 #include "tests/builder/PatchesOracle.h"
 
@@ -159,6 +160,23 @@ TEST(Levels, AFlatPatchMustNotSpanANotch)
 	++lod.patchCount;
 	lod.patchResolution.assign(lod.patchCount, 0);
 	EXPECT_NE(faultOfPatches(lod).find("notch"), std::string::npos);
+}
+
+// The area of a narrow notch is below what a long border may leave out; its depth is thousands of tolerances.
+TEST(Decomposition, AFlatPatchSpansNoNarrowNotch)
+{
+	const auto topIsPatch = [](double width, double depth)
+	{
+		PatchMesh mesh(notchedPlate(0.3, width, depth));
+		std::vector<std::uint32_t> top;
+		for (std::uint32_t f = 0; f < mesh.faces.size(); ++f)
+			if (mesh.planes[f].normal.z > 0.5) top.push_back(f);
+		Validity validity(mesh);
+		validity.tolerance = 8.0 / (1 << 24) * mesh.radius;
+		return validity.isValid(top);
+	};
+	for (const double width : {1e-4, 2e-4, 4e-4}) EXPECT_FALSE(topIsPatch(width, 10 * width)) << width;
+	for (const double depth : {2e-7, 1e-6}) EXPECT_TRUE(topIsPatch(0.1, depth)) << depth;
 }
 
 TEST(Levels, SameResultForAnyThreadCountAndEveryTime)

@@ -98,6 +98,23 @@ Mesh lPlate(double height, int steps)
 	return welder.mesh;
 }
 
+Mesh notchedPlate(double height, double width, double depth)
+{
+	const Vec3 up{0, 0, height}, middle{0.5, 0.3, 0};
+	const double left = 0.5 - 0.5 * width, right = 0.5 + 0.5 * width;
+	const Vec3 outline[] = {{0, 0, 0},           {1, 0, 0},    {1, 1, 0}, {right, 1, 0},
+							{0.5, 1 - depth, 0}, {left, 1, 0}, {0, 1, 0}};
+	Welder welder;
+	for (std::size_t i = 0; i < 7; ++i)
+	{
+		const Vec3 &p = outline[i], &q = outline[(i + 1) % 7];
+		welder.triangle(middle + up, p + up, q + up);
+		welder.triangle(middle, q, p);
+		welder.grid(p, q - p, up, 1);
+	}
+	return welder.mesh;
+}
+
 Mesh periodicGrid(int columns, int rows, const std::function<Vec3(double, double)>& point)
 {
 	Welder welder;

@@ -12,6 +12,8 @@ Mesh icosphere(int subdivisions);
 Mesh gridBox(const Vec3& size, int steps);
 // An L of unit squares (three of a 2 x 2 block), extruded by height, every square refined into steps x steps.
 Mesh lPlate(double height, int steps);
+// A unit square with a notch of the given width and depth in the middle of one side, extruded by height.
+Mesh notchedPlate(double height, double width, double depth);
 // A grid over two periodic directions; point(i, j) in [0,1) each.
 Mesh periodicGrid(int columns, int rows, const std::function<Vec3(double, double)>& point);
 Mesh wrinkledTorus(int columns, int rows, double amplitude, int waves);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "builder/check/InputSolid.h"
+#include "builder/check/LevelSolid.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/polygon_soup_to_polygon_mesh.h>
@@ -14,15 +14,21 @@ namespace clod::check
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
 
-struct InputSolid::Inside
+struct LevelSolid::Inside
 {
 	Mesh mesh;
 	std::unique_ptr<CGAL::Side_of_triangle_mesh<Mesh, Kernel>> side;
 };
 
-InputSolid::InputSolid(const Subject& subject)
-	: m_surface(subject.levelTriangles(subject.h.levels()[0])), m_inside(std::make_unique<Inside>())
+LevelSolid::LevelSolid(const Subject& subject, const Level& level) : m_surface(subject.levelTriangles(level))
 {
+}
+
+LevelSolid::~LevelSolid() = default;
+
+void LevelSolid::prepare() const
+{
+	m_inside = std::make_unique<Inside>();
 	std::map<std::tuple<double, double, double>, std::size_t> number;
 	std::vector<Kernel::Point_3> points;
 	std::vector<std::vector<std::size_t>> polygons;
@@ -42,10 +48,9 @@ InputSolid::InputSolid(const Subject& subject)
 	(*m_inside->side)(points.front());  // builds its tree before threads share it
 }
 
-InputSolid::~InputSolid() = default;
-
-bool InputSolid::holds(const Vec3& p) const
+bool LevelSolid::holds(const Vec3& p) const
 {
+	std::call_once(m_prepared, [this] { prepare(); });
 	return (*m_inside->side)(Kernel::Point_3(p.x, p.y, p.z)) != CGAL::ON_UNBOUNDED_SIDE;
 }
 }  // namespace clod::check

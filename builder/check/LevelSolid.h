@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The surface of one level as a solid: nearest points by the checker's tree, inside or outside by CGAL (exact).
+#pragma once
+#include <memory>
+#include <mutex>
+
+#include "builder/check/Subject.h"
+
+namespace clod::check
+{
+class LevelSolid
+{
+public:
+	LevelSolid(const Subject& subject, const Level& level);
+	~LevelSolid();
+	const TriangleTree& surface() const { return m_surface; }
+	bool holds(const Vec3& p) const;  // prepared when first asked, from any thread
+	// 0 inside.
+	double distanceTo(const Vec3& p) const { return holds(p) ? 0 : m_surface.nearest(p).distance; }
+
+private:
+	struct Inside;
+	TriangleTree m_surface;
+	void prepare() const;
+	mutable std::once_flag m_prepared;
+	mutable std::unique_ptr<Inside> m_inside;
+};
+}  // namespace clod::check
