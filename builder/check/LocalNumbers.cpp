@@ -15,9 +15,11 @@ namespace
 {
 constexpr double kDouble = 4e-16;    // of a unit vector, for a few roundings in double
 constexpr double kConeRoom = 1e-7;   // what a cone is wider than its faces need
-constexpr double kAreaShare = 0.05;  // the builder's cap is a polygon of 16 sides, this one's of 64
+constexpr double kAreaShare = 1e-3;  // of a contact area, for rounding at the ends of its bracket
 constexpr double kFacing = 0.2;      // faces turned farther from the contact normal end a contact area
 constexpr double kCapShare = 0.25;   // of the radius
+constexpr int kSides = 64;           // of the polygons that stand for discs here
+const double kPi = std::acos(-1.0);
 
 Vec3 areaVector(const Triangle& t)
 {
@@ -101,16 +103,14 @@ void keepBelow(std::vector<Vec3>& polygon, const Vec3& normal, double offset)
 	polygon = std::move(kept);
 }
 
-// Area along the face's normal of the surface that hangs together with it in a slab and a disc round the point.
-double touchedArea(const Subject& s, std::uint32_t start, const Vec3& origin)
+// Area along the face's normal of the surface that hangs together with it in a slab and a polygon round the point whose
+// sides lie `side` away.
+double touchedArea(const Subject& s, std::uint32_t start, const Vec3& origin, double side)
 {
-	constexpr int kSides = 64;
 	const double delta = double(s.h.asset().areaTolerance);
 	const Vec3 normal = normalized(areaVector(s.triangle(start)));
 	const Vec3 u = normalized(cross(normal, std::abs(normal.x) < 0.5 ? Vec3{1, 0, 0} : Vec3{0, 0, 1}));
 	const Vec3 v = cross(normal, u);
-	const double pi = std::acos(-1.0);
-	const double reach = kCapShare * s.radius, side = reach * std::sqrt(pi / (kSides * std::tan(pi / kSides)));
 	std::vector<std::uint32_t> open = {start}, seen = {start};
 	double sum = 0;
 	for (std::size_t next = 0; next < open.size(); ++next)
@@ -122,7 +122,7 @@ double touchedArea(const Subject& s, std::uint32_t start, const Vec3& origin)
 		double farthest = 0;
 		for (const Vec3& p : polygon) farthest = std::max(farthest, length(p));
 		for (int k = 0; k < kSides && farthest > side && !polygon.empty(); ++k)
-			keepBelow(polygon, std::cos(2 * pi * k / kSides) * u + std::sin(2 * pi * k / kSides) * v, side);
+			keepBelow(polygon, std::cos(2 * kPi * k / kSides) * u + std::sin(2 * kPi * k / kSides) * v, side);
 		if (polygon.empty()) continue;
 		Vec3 area;
 		for (std::size_t k = 2; k < polygon.size(); ++k)
@@ -145,7 +145,10 @@ struct Range
 	double low = 0, high = 0;
 };
 
-// A leaf's own area: at its face nearest to its middle; every face as near, to rounding, may have been taken.
+// A leaf's own area: at its face nearest to its middle; every face as near, to rounding, may have been taken. The
+// builder's cap is a polygon of 16 sides and of the disc's area, turned anyhow: it contains its inscribed disc and lies
+// in its circumscribed one, and a larger cap never touches less. Where the surface leaves the cap and comes back, the
+// areas of two caps that are nearly equal differ by whole pieces.
 Range leafArea(const Subject& s, std::uint32_t i)
 {
 	const Node& n = s.h.node(i);
@@ -161,12 +164,15 @@ Range leafArea(const Subject& s, std::uint32_t i)
 	middle = (1 / total) * middle;
 	for (std::uint32_t f = n.firstFace; f < n.firstFace + n.faceCount; ++f)
 		least = std::min(least, distance(s.triangle(f), middle));
+	const double inscribed = kCapShare * s.radius * std::sqrt(kPi / (16 * std::tan(kPi / 16)));
+	const double circumscribed = inscribed / std::cos(kPi / 16);
 	Range range{1e300, 0};
 	for (std::uint32_t f = n.firstFace; f < n.firstFace + n.faceCount; ++f)
 	{
 		if (distance(s.triangle(f), middle) > least + 1e-7 * s.radius) continue;
-		const double area = touchedArea(s, f, nearestOn(s.triangle(f), middle));
-		range = {std::min(range.low, area), std::max(range.high, area)};
+		const Vec3 origin = nearestOn(s.triangle(f), middle);
+		range = {std::min(range.low, touchedArea(s, f, origin, inscribed * std::cos(kPi / kSides))),
+				 std::max(range.high, touchedArea(s, f, origin, circumscribed))};
 	}
 	return range;
 }
