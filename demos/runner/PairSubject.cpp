@@ -4,10 +4,13 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
 
 #include "demos/cli/Failure.h"
+#include "demos/cli/Suggestion.h"
 #include "demos/runner/Commands.h"
 #include "demos/runner/Replay.h"
 #include "demos/runner/SceneModels.h"
@@ -30,12 +33,39 @@ BuiltHierarchy buildModel(HierarchyCache& cache, const SceneModel& model, double
 	return buildTimed(cache, modelSource(model.name, trianglesOf(model.name, resolution)));
 }
 
+std::uint32_t bodyNamed(const SceneInfo& info, const std::string& name)
+{
+	std::vector<std::string> names;
+	for (std::uint32_t i = 0; i < info.bodies.size(); ++i)
+	{
+		if (info.bodies[i].name == name) return i;
+		names.push_back(info.bodies[i].name);
+	}
+	throw Failure(ExitCode::usage, fmt::format("{} has no body \"{}\"; did you mean \"{}\"?", info.name, name,
+											   cli::nearest(name, names)));
+}
+
+// The two bodies asked for; else those that are near each other in most steps.
+BodyPair pairOf(const PairInput& input, const SceneInfo& info, const std::vector<PoseRow>& poses)
+{
+	if (!input.bodies.empty())
+	{
+		const BodyPair pair{bodyNamed(info, input.bodies[0]), bodyNamed(info, input.bodies[1])};
+		if (pair.a == pair.b) throw Failure(ExitCode::usage, "--pair takes two different bodies");
+		return {std::min(pair.a, pair.b), std::max(pair.a, pair.b)};
+	}
+	std::map<std::pair<std::uint32_t, std::uint32_t>, int> counts;
+	for (const PoseRow& row : poses) ++counts[{row.bodyA, row.bodyB}];
+	if (counts.empty()) return {0, 1};
+	const auto fewer = [](const auto& l, const auto& r) { return l.second < r.second; };
+	const auto most = std::max_element(counts.begin(), counts.end(), fewer)->first;
+	return {most.first, most.second};
+}
+
 // Simulates the scene in exact mode: these are the poses that everybody is asked at.
 PairSubject fromScene(const PairInput& input, const SceneInfo& info, HierarchyCache& cache, cli::Progress& progress)
 {
-	if (!info.isPair())
-		throw Failure(ExitCode::usage,
-					  fmt::format("methods are compared on two bodies; {} has {}", info.name, info.bodies.size()));
+	if (!input.bodies.empty()) pairOf(input, info, {});  // before a long simulation
 	SceneRunOptions run;
 	run.info = info;
 	double seconds = 0;
@@ -48,10 +78,15 @@ PairSubject fromScene(const PairInput& input, const SceneInfo& info, HierarchyCa
 	run.scene.metric = ContactMetric::exactly();
 	run.scene.dt = input.dt > 0 ? input.dt : info.dt;
 	run.steps = input.steps > 0 ? input.steps : info.steps;
-	const HierarchyPointer &a = run.scene.models[info.bodies[0].model], &b = run.scene.models[info.bodies[1].model];
-	return {info.name,
-			{a, b, seconds},
-			simulatePoses(run, [&](double fraction) { progress.update("exact simulation", fraction); }),
+	std::vector<PoseRow> poses =
+		simulatePoses(run, [&](double fraction) { progress.update("exact simulation", fraction); });
+	const BodyPair pair = pairOf(input, info, poses);
+	const auto isOther = [&](const PoseRow& row) { return row.bodyA != pair.a || row.bodyB != pair.b; };
+	poses.erase(std::remove_if(poses.begin(), poses.end(), isOther), poses.end());
+	const SceneBody &bodyA = info.bodies[pair.a], &bodyB = info.bodies[pair.b];
+	return {info.isPair() ? info.name : fmt::format("{}, {} and {}", info.name, bodyA.name, bodyB.name),
+			{run.scene.models[bodyA.model], run.scene.models[bodyB.model], seconds},
+			std::move(poses),
 			info.tolerance,
 			run.scene.dt,
 			info.worldScale};
@@ -73,6 +108,8 @@ PairSubject fromFiles(const PairInput& input, HierarchyCache& cache)
 
 PairSubject anySubject(const PairInput& input, HierarchyCache& cache, cli::Progress& progress)
 {
+	if (input.words.size() == 3 && !input.bodies.empty())
+		throw Failure(ExitCode::usage, "--pair is for scenes; A B POSES.csv has its two bodies");
 	if (input.words.size() == 3) return fromFiles(input, cache);
 	if (input.words.size() != 1)
 		throw Failure(ExitCode::usage,
@@ -90,6 +127,12 @@ void addPairInput(CLI::App& command, PairInput& input)
 	command.add_option("--steps", input.steps, "Steps of a scene (default: the scene's)")
 		->type_name("N")
 		->check(CLI::Range(1, 10'000'000));
+	command
+		.add_option("--pair", input.bodies,
+					"The two bodies to compare on, of a scene of more (default: the two that are near most often)")
+		->type_name("NAME,NAME")
+		->delimiter(',')
+		->expected(2);
 	command.add_option("--dt", input.dt, "Seconds between rows (default: the scene's, else 1/240)")
 		->type_name("SECONDS")
 		->check(between(1e-9, 1e9));

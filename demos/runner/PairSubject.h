@@ -21,11 +21,12 @@ struct PairInput
 {
 	std::vector<std::string> words;  // SCENE, or A B POSES.csv
 	std::optional<cli::Length> tolerance;
+	std::vector<std::string> bodies;  // of a scene of more than two: the names of the pair
 	double resolution = 1;
 	double dt = 0;  // 0: the scene's, else 1/240
 	int steps = 0;  // 0: the scene's
 };
-// INPUT, --tolerance, --resolution, --steps and --dt.
+// INPUT, --tolerance, --resolution, --steps, --pair and --dt.
 void addPairInput(CLI::App& command, PairInput& input);
 
 struct PairSubject
