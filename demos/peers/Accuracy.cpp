@@ -2,10 +2,10 @@
 // Answers against the truth.
 #include "demos/peers/Accuracy.h"
 
-#include <nlohmann/json.hpp>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <unordered_map>
 
 #include "demos/runner/Statistics.h"
@@ -70,9 +70,9 @@ private:
 	std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> m_cells;
 };
 
-double degreesBetween(const Vec3& a, const Vec3& b)
+double degreesOf(double cosine)
 {
-	return std::acos(std::clamp(dot(a, b), -1.0, 1.0)) * 180 / 3.14159265358979323846;
+	return std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / 3.14159265358979323846;
 }
 
 bool hasNormal(const PeerContact& contact)
@@ -81,27 +81,30 @@ bool hasNormal(const PeerContact& contact)
 }
 
 // The smallest angle to an exact normal at the same place, else to the nearest one near it.
-double normalError(const PeerContact& contact, const PointGrid& exact, double place)
+double normalError(const PeerContact& contact, const PointGrid& samePlace, const PointGrid& nearIt)
 {
 	if (!hasNormal(contact)) return kNoNormal;
-	const double infinity = std::numeric_limits<double>::infinity();
-	double smallest = infinity, nearest = infinity, ofNearest = kNoNormal;
-	const auto look = [&](const PeerContact& truth, double distance)
+	double cosine = -2, nearest = std::numeric_limits<double>::infinity();
+	const auto closest = [&](const PeerContact& truth, double)
 	{
-		if (!hasNormal(truth)) return false;
-		const double angle = degreesBetween(contact.normal, truth.normal);
-		if (distance <= place) smallest = std::min(smallest, angle);
-		if (distance < nearest) nearest = distance, ofNearest = angle;
+		if (hasNormal(truth)) cosine = std::max(cosine, dot(contact.normal, truth.normal));
 		return false;
 	};
-	exact.any(contact.point, look);
-	return std::isinf(smallest) ? ofNearest : smallest;
+	samePlace.any(contact.point, closest);
+	if (cosine >= -1.5) return degreesOf(cosine);
+	const auto nearer = [&](const PeerContact& truth, double distance)
+	{
+		if (hasNormal(truth) && distance < nearest) nearest = distance, cosine = dot(contact.normal, truth.normal);
+		return false;
+	};
+	nearIt.any(contact.point, nearer);
+	return cosine >= -1.5 ? degreesOf(cosine) : kNoNormal;
 }
 
-double normalError(const std::vector<PeerContact>& reported, const PointGrid& exact, double place)
+double normalError(const std::vector<PeerContact>& reported, const PointGrid& samePlace, const PointGrid& nearIt)
 {
 	std::vector<double> angles;
-	for (const PeerContact& contact : reported) angles.push_back(normalError(contact, exact, place));
+	for (const PeerContact& contact : reported) angles.push_back(normalError(contact, samePlace, nearIt));
 	return quantile(angles, 0.5);
 }
 
@@ -153,14 +156,15 @@ RowAccuracy compare(const ExactRow& exact, const PeerAnswer& answer, const Accur
 	std::vector<PeerContact> reported;
 	std::copy_if(answer.contacts.begin(), answer.contacts.end(), std::back_inserter(reported),
 				 [&](const PeerContact& contact) { return contact.distance <= rules.tolerance; });
-	const PointGrid exactGrid(exact.contacts, rules.near), reportedGrid(reported, rules.near);
+	const PointGrid exactGrid(exact.contacts, rules.near), reportedGrid(reported, rules.near),
+		samePlace(exact.contacts, rules.place);
 	RowAccuracy row;
 	row.contacts = reported.size();
 	row.missed = answer.gap > rules.tolerance;
 	// Who reports nothing says that the gap exceeds the tolerance; a gap reported beyond it counts as it is.
 	const double claimed = std::isinf(answer.gap) ? std::max(rules.tolerance, exact.gap) : answer.gap;
 	row.gapError = std::isnan(claimed) ? std::numeric_limits<double>::infinity() : std::abs(claimed - exact.gap);
-	row.normalError = normalError(reported, exactGrid, rules.place);
+	row.normalError = normalError(reported, samePlace, exactGrid);
 	row.covered = coveredShare(exact, reportedGrid, rules);
 	row.founded = foundedShare(reported, exactGrid, rules);
 	return row;

@@ -39,9 +39,7 @@ void runBudget(const BudgetCommandOptions& options)
 	if (options.selection.paper || options.selection.fresh)
 		throw Failure(ExitCode::usage, "--paper and --fresh are for replay: a simulation has neither");
 	makeDirectory(options.directory);
-	CacheOptions cacheOptions = options.cache;
-	cacheOptions.quiet = options.common.quiet;
-	HierarchyCache cache(cacheOptions);
+	HierarchyCache cache(options.cache, options.common.quiet);
 	cli::Progress progress(options.common.quiet);
 	std::vector<SceneUnderBudgets> measured;
 	std::vector<nlohmann::ordered_json> figures;

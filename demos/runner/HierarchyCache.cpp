@@ -70,7 +70,7 @@ std::string builderPath()
 	return (error ? fs::path(".") : self.parent_path()) / "clod-build";
 }
 
-HierarchyCache::HierarchyCache(CacheOptions options) : m_options(std::move(options))
+HierarchyCache::HierarchyCache(CacheOptions options, bool quiet) : m_options(std::move(options)), m_quiet(quiet)
 {
 	if (!m_options.enabled)
 		m_options.directory.clear();
@@ -102,7 +102,7 @@ void HierarchyCache::runBuilder(const std::string& meshPath, const std::string& 
 {
 	std::vector<std::string> words = {builderPath(), "build", meshPath, "-o", output};
 	if (paper) words.push_back("--paper");
-	if (m_options.quiet) words.push_back("--quiet");
+	if (m_quiet) words.push_back("--quiet");
 	const int code = runProgram(words);
 	if (code == 0) return;
 	if (code == int(ExitCode::badInput))
@@ -149,11 +149,11 @@ HierarchyPointer HierarchyCache::build(const MeshSource& mesh, bool paper)
 			++m_found;
 			return hierarchy.value();
 		}
-		if (!m_options.quiet)
+		if (!m_quiet)
 			fmt::print(stderr, "the cached hierarchy of {} is damaged and is built again: {}\n", mesh.name,
 					   hierarchy.error());
 	}
-	else if (!m_options.quiet)
+	else if (!m_quiet)
 		fmt::print(stderr, "building the hierarchy of {} (kept as {})\n", mesh.name, entry);
 	return buildInto(entry, mesh, paper, true);
 }

@@ -20,7 +20,6 @@ struct CacheOptions
 {
 	std::string directory;  // empty: $XDG_CACHE_HOME/clod, else ~/.cache/clod
 	bool enabled = true;    // false: build into a temporary file and keep nothing
-	bool quiet = false;     // the builder's progress
 };
 
 // A mesh as a file would hold it.
@@ -35,7 +34,8 @@ struct MeshSource
 class HierarchyCache
 {
 public:
-	explicit HierarchyCache(CacheOptions options);
+	// quiet: no progress of the builder.
+	HierarchyCache(CacheOptions options, bool quiet);
 
 	// The hierarchy of a mesh in memory, built where the cache has none. Throws cli::Failure: bad input (3) with the
 	// builder's reason on stderr, or failure (1) where the builder is missing or broken.
@@ -55,6 +55,7 @@ private:
 	void runBuilder(const std::string& meshPath, const std::string& output, bool paper) const;
 
 	CacheOptions m_options;
+	bool m_quiet;
 	int m_built = 0, m_found = 0;
 };
 

@@ -72,9 +72,7 @@ void print(const nlohmann::ordered_json& rows)
 
 void runIdle(const IdleCommandOptions& options)
 {
-	CacheOptions cacheOptions = options.cache;
-	cacheOptions.quiet = options.common.quiet;
-	HierarchyCache cache(cacheOptions);
+	HierarchyCache cache(options.cache, options.common.quiet);
 	cli::Progress progress(options.common.quiet);
 	const PairSubject subject = pairSubject(options.input, cache, progress);
 	progress.finish();

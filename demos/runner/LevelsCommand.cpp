@@ -55,9 +55,7 @@ void plotLevels(const Hierarchy& hierarchy, const std::string& name, const std::
 
 void runLevels(const LevelsOptions& options)
 {
-	CacheOptions cacheOptions = options.cache;
-	cacheOptions.quiet = options.common.quiet;
-	HierarchyCache cache(cacheOptions);
+	HierarchyCache cache(options.cache, options.common.quiet);
 	const HierarchyPointer hierarchy = cache.open(options.file, options.paper);
 	const std::string name = std::filesystem::path(options.file).stem().string();
 	if (!options.plot.empty()) plotLevels(*hierarchy, name, options.plot);

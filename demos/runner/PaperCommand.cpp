@@ -130,9 +130,7 @@ nlohmann::ordered_json makeTable1(const PaperCommandOptions& options, HierarchyC
 void runPaper(const PaperCommandOptions& options)
 {
 	makeDirectory(options.directory);
-	CacheOptions cacheOptions = options.cache;
-	cacheOptions.quiet = true;
-	HierarchyCache cache(cacheOptions);
+	HierarchyCache cache(options.cache, true);
 	cli::Progress progress(options.common.quiet);
 	nlohmann::ordered_json report = startReport("paper");
 	std::string text;

@@ -128,9 +128,7 @@ nlohmann::ordered_json summarizeReplay(const Subject& subject, const std::vector
 
 void runReplay(const ReplayCommandOptions& options)
 {
-	CacheOptions cacheOptions = options.cache;
-	cacheOptions.quiet = options.common.quiet;
-	HierarchyCache cache(cacheOptions);
+	HierarchyCache cache(options.cache, options.common.quiet);
 	const Subject subject = openSubject(options, cache);
 	if (!options.peer.empty() && subject.bodies.size() > 2)
 		throw Failure(ExitCode::usage, "--peer compares two bodies; " + options.a + " has more");

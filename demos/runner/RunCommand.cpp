@@ -200,9 +200,7 @@ void runRun(const RunOptions& options)
 {
 	const SceneDefinition definition = definitionOf(options);
 	const SceneInfo& info = definition.info;
-	CacheOptions cacheOptions = options.cache;
-	cacheOptions.quiet = options.common.quiet;
-	HierarchyCache cache(cacheOptions);
+	HierarchyCache cache(options.cache, options.common.quiet);
 	const SceneRunOptions run = setUp(options, info, cache);
 	const std::unique_ptr<Scene> scene = makeScene(definition, run.scene);
 	cli::Progress progress(options.common.quiet);

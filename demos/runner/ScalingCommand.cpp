@@ -55,9 +55,7 @@ void runScaling(const ScalingCommandOptions& options)
 {
 	const SceneInfo& info = pairScene(options.scene);
 	makeDirectory(options.directory);
-	CacheOptions cacheOptions = options.cache;
-	cacheOptions.quiet = options.common.quiet;
-	HierarchyCache cache(cacheOptions);
+	HierarchyCache cache(options.cache, options.common.quiet);
 	cli::Progress progress(options.common.quiet);
 	std::vector<double> resolutions = options.resolutions;
 	std::sort(resolutions.begin(), resolutions.end());

@@ -96,9 +96,7 @@ void write(const TradeoffOptions& options, const PairSubject& subject, const Tra
 void runTradeoff(const TradeoffOptions& options)
 {
 	familiesOf(options.peers);  // a typing error is told before anything is built
-	CacheOptions cacheOptions = options.cache;
-	cacheOptions.quiet = options.common.quiet;
-	HierarchyCache cache(cacheOptions);
+	HierarchyCache cache(options.cache, options.common.quiet);
 	cli::Progress progress(options.common.quiet);
 	const PairSubject subject = pairSubject(options.input, cache, progress);
 	const double radius = smallerRadius(*subject.models.a, *subject.models.b);

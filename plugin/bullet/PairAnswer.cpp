@@ -17,14 +17,7 @@ double microsecondsSince(std::chrono::steady_clock::time_point start)
 	return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
 }
 
-bool isSame(const Transform& l, const Transform& r)
-{
-	for (int i = 0; i < 3; ++i)
-		if (l.rotation.row[i] != r.rotation.row[i]) return false;
-	return l.translation == r.translation;
-}
-
-bool isSame(const PointRules& l, const PointRules& r)
+bool same(const PointRules& l, const PointRules& r)
 {
 	return l.length == r.length && l.resting == r.resting && l.margin == r.margin &&
 		   l.motion.linear == r.motion.linear && l.motion.angular == r.motion.angular &&
@@ -36,7 +29,7 @@ bool isSame(const PointRules& l, const PointRules& r)
 bool PairState::answersAgain() const
 {
 	return m_hasQuestion && m_partner == Partner::Clod && !m_context.budget.isLimited() &&
-		   isSame(m_question.aFromB, m_aFromB) && isSame(m_question.rules, m_rules) &&
+		   same(m_question.aFromB, m_aFromB) && same(m_question.rules, m_rules) &&
 		   same(m_question.settings, querySettings());
 }
 

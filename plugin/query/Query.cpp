@@ -35,6 +35,13 @@ bool same(const Settings& l, const Settings& r)
 		   l.contactsOnly == r.contactsOnly && l.paper == r.paper && l.sweep == r.sweep;
 }
 
+bool same(const Transform& l, const Transform& r)
+{
+	for (int i = 0; i < 3; ++i)
+		if (l.rotation.row[i] != r.rotation.row[i]) return false;
+	return l.translation == r.translation;
+}
+
 namespace
 {
 // A plan's query may have an own threshold: it is the one the plan was made with.
@@ -44,13 +51,6 @@ bool sameButOwn(Settings l, Settings r)
 	l.metric.own = r.metric.own = nullptr;
 	return same(l, r);
 }
-bool same(const Transform& l, const Transform& r)
-{
-	for (int i = 0; i < 3; ++i)
-		if (l.rotation.row[i] != r.rotation.row[i]) return false;
-	return l.translation == r.translation;
-}
-
 // Drops what was cached for other hierarchies or another kind of traversal, then adds the motion since the last query.
 void followMotion(const QueryContext& context, const Settings& settings, PairCache::State& state)
 {

@@ -52,6 +52,7 @@ struct Settings
 };
 // Field by field; with an own function never, see same(Metric).
 bool same(const Settings& l, const Settings& r);
+bool same(const Transform& l, const Transform& r);
 
 // An accepted node pair within the tolerance.
 struct Contact

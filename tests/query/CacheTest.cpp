@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a cache may do: nothing but save time. CLOD_WALK_STEPS and CLOD_APPROACHES lengthen the tests.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+
+#include "tests/query/Questions.h"
+
+namespace
+{
+using namespace clod;
+using namespace clod::test;
+
+TEST(Query, CachedEqualsFreshBitForBit)
+{
+	Random random(6);
+	const int steps = setting("CLOD_WALK_STEPS", 500);
+	int withContacts = 0, deep = 0, stillClear = 0;
+	std::uint64_t cachedTests = 0, freshTests = 0;
+	for (const BodyPair& pair : pairs())
+	{
+		const double radius = smallerRadius(pair.a, pair.b);
+		PairCache cache;
+		QueryResult result;
+		Settings settings = exactSettings(0.01 * radius);
+		Transform pose = poseWithGap(random, pair.a, pair.b, 0);
+		for (int step = 0; step < steps; ++step)
+		{
+			const double size = std::pow(10, uniform(random, -6, -1));
+			if (random() % 40 == 0)
+				pose = poseWithGap(random, pair.a, pair.b, uniform(random, -0.05, 0.05));
+			else if (random() % 10)
+			{
+				pose.rotation = randomRotation(random, size) * pose.rotation;
+				pose.translation += size * radius * randomDirection(random);
+			}
+			if (random() % 30 == 0)
+			{
+				settings = Settings{};
+				settings.tolerance = uniform(random, 0, 0.03) * radius;
+				settings.metric.exact = random() % 3 == 0;
+				if (random() % 2) settings.metric.weightedDeviation = std::pow(10, uniform(random, -4, 0)) * radius;
+				if (random() % 3 == 0) settings.metric.maxError = std::pow(10, uniform(random, -3, -1)) * radius;
+				settings.distance = random() % 3 == 0;
+				settings.contactsOnly = !settings.distance && random() % 2;
+			}
+			// Half of the steps look ahead, mostly along a motion that changes little.
+			if (random() % 20 == 0) settings.sweep = random() % 2 ? randomSweep(random, radius) : Sweep{};
+			if (!settings.sweep.isZero())
+				settings.sweep.linear += 1e-3 * length(settings.sweep.linear) * randomDirection(random);
+			if (random() % 100 == 0) cache.clear();
+			query(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache, result);
+			const QueryResult expected = fresh(pair, pose, settings);
+			ASSERT_EQ(difference(result, expected), "")
+				<< pair.a.name << " step " << step << ": " << result.minDistance << " +- " << result.errorBound
+				<< " deep " << result.deep << ", fresh " << expected.minDistance << " +- " << expected.errorBound
+				<< ", contacts " << result.contacts.size() << ", exact " << settings.metric.exact << ", distance "
+				<< settings.distance << ", restarts " << result.stats.restarts << "," << expected.stats.restarts
+				<< ", point queries " << result.stats.pointQueries << "," << expected.stats.pointQueries;
+			withContacts += !result.contacts.empty();
+			deep += result.deep;
+			stillClear += int(result.stats.stillClear);
+			cachedTests += result.stats.boxTests;
+			freshTests += expected.stats.boxTests;
+		}
+	}
+	std::printf("%d steps with contacts, %d deep, %d still clear, box tests %.0f %% of fresh\n", withContacts, deep,
+				stillClear, 100.0 * double(cachedTests) / double(freshTests));
+	EXPECT_GT(withContacts, steps);
+	EXPECT_GT(stillClear, steps / 20);
+	EXPECT_LT(cachedTests, freshTests);
+}
+
+// Bodies that come near each other, turning, past each other or into contact: not looked at while they are apart, and
+// no step too long.
+TEST(Query, BodiesApartAreLeftAloneUntilTheyCanTouch)
+{
+	Random random(16);
+	int stillClear = 0, total = 0, contacts = 0;
+	for (const BodyPair& pair : pairs())
+		for (int approach = 0; approach < setting("CLOD_APPROACHES", 6); ++approach)
+		{
+			const double radius = smallerRadius(pair.a, pair.b);
+			Settings settings = exactSettings(0.01 * radius);
+			settings.metric.exact = approach % 3 == 0;
+			if (approach % 3 == 1) settings.metric.weightedDeviation = 0.1 * radius;
+			if (approach % 3 == 2) settings.metric.maxError = 0.05 * radius;
+			settings.contactsOnly = true;
+			if (approach % 2) settings.sweep.linear = 0.002 * radius * randomDirection(random);
+			Transform pose = poseWithGap(random, pair.a, pair.b, 0.2);
+			const Vec3 towards = -normalized(pose.translation);
+			PairCache cache;
+			QueryResult result;
+			for (int step = 0; step < 150; ++step)
+			{
+				pose.rotation = randomRotation(random, 1e-3) * pose.rotation;
+				pose.translation += 0.002 * radius * (towards + 0.3 * randomDirection(random));
+				query(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache, result);
+				ASSERT_EQ(difference(result, fresh(pair, pose, settings)), "")
+					<< pair.a.name << " approach " << approach << " step " << step;
+				stillClear += int(result.stats.stillClear);
+				contacts += !result.contacts.empty();
+				++total;
+			}
+		}
+	std::printf("%d queries, %d still clear, %d with contacts\n", total, stillClear, contacts);
+	EXPECT_GT(stillClear, total / 3);
+	EXPECT_GT(contacts, total / 10);
+}
+
+TEST(Query, TheComparisonSeesOneBit)
+{
+	const BodyPair pair = pairs()[0];
+	Random random(7);
+	const Transform pose = poseWithGap(random, pair.a, pair.b, -0.001);
+	const QueryResult result = fresh(pair, pose, exactSettings(0.01 * smallerRadius(pair.a, pair.b)));
+	ASSERT_FALSE(result.contacts.empty());
+	QueryResult fault = result;
+	fault.contacts.back().upper = std::nextafter(fault.contacts.back().upper, 1e300);
+	EXPECT_EQ(difference(result, result), "");
+	EXPECT_NE(difference(result, fault), "");
+	fault = result;
+	fault.contacts.pop_back();
+	EXPECT_NE(difference(result, fault), "");
+}
+}  // namespace

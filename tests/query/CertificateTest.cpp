@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The gap and its certified error against triangles: no bound may be exceeded. CLOD_POSES lengthens the tests.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "tests/query/Questions.h"
+#include "tests/query/TriangleGap.h"
+
+namespace
+{
+using namespace clod;
+using namespace clod::test;
+
+// The certificate, against triangles. Returns a reason, or nothing.
+std::string broken(const QueryResult& result, const GapInterval& truth, double tolerance)
+{
+	if (result.errorBound == std::numeric_limits<double>::infinity()) return {};
+	if (result.minDistance == std::numeric_limits<double>::infinity())
+		return truth.high > tolerance - result.errorBound - 1e-9 ? "" : "said to be beyond the tolerance";
+	if (result.minDistance - result.errorBound > truth.high + 1e-8) return "gap is smaller than certified";
+	if (result.minDistance + result.errorBound < truth.low - 1e-8) return "gap is larger than certified";
+	return {};
+}
+
+struct BoundCounts
+{
+	int apart = 0, near = 0, overlapping = 0, unproven = 0, broken = 0;
+	std::vector<double> shares;  // of the bounds in the certified deviations of the pair that is nearest
+};
+
+double deviationOfNearest(const BodyPair& pair, const QueryResult& result)
+{
+	const Contact& nearest = *std::min_element(result.contacts.begin(), result.contacts.end(),
+											   [](const Contact& l, const Contact& r) { return l.upper < r.upper; });
+	return double(pair.a.hierarchy->node(nearest.nodeA).deviation) +
+		   double(pair.b.hierarchy->node(nearest.nodeB).deviation);
+}
+
+void checkBounds(const Settings& settings, std::uint64_t seed, BoundCounts& counts)
+{
+	Random random(seed);
+	const int poses = setting("CLOD_POSES", 12);
+	for (const BodyPair& pair : pairs())
+		for (int i = 0; i < poses; ++i)
+		{
+			const double radius = smallerRadius(pair.a, pair.b);
+			const Transform pose = poseWithGap(random, pair.a, pair.b, stratifiedGap(random, i));
+			Settings scaled = settings;
+			scaled.tolerance = 0.01 * radius;
+			scaled.metric.weightedDeviation *= radius;
+			scaled.metric.maxError *= radius;
+			const QueryResult result = fresh(pair, pose, scaled);
+			const GapInterval truth = triangleGap(pair.a.triangles, pair.b.triangles, pose, 1e-3 * radius);
+			const std::string reason = broken(result, truth, scaled.tolerance);
+			EXPECT_EQ(reason, "") << pair.a.name << "-" << pair.b.name << " pose " << i << ": "
+								  << result.minDistance / radius << " +- " << result.errorBound / radius << ", truth "
+								  << truth.low / radius << " to " << truth.high / radius << " of the radius, contacts "
+								  << result.contacts.size();
+			++(truth.high <= 0 ? counts.overlapping : truth.low > scaled.tolerance ? counts.apart : counts.near);
+			counts.unproven += result.errorBound == std::numeric_limits<double>::infinity();
+			if (!result.contacts.empty()) counts.shares.push_back(result.errorBound / deviationOfNearest(pair, result));
+			EXPECT_TRUE(result.deep || result.errorBound <= scaled.metric.maxError)
+				<< result.errorBound / radius << " after " << result.stats.restarts << " restarts";
+			if (result.deep && !scaled.distance && scaled.metric.exact)
+			{
+				EXPECT_LT(truth.low, -0.98 * scaled.tolerance);
+			}
+			if (scaled.metric.exact && scaled.distance)
+			{
+				EXPECT_LE(result.errorBound, 0.01 * std::abs(result.minDistance) + 3e-4 * radius);
+			}
+		}
+	std::printf("apart %d, near %d, overlapping %d, unproven %d\n", counts.apart, counts.near, counts.overlapping,
+				counts.unproven);
+	EXPECT_GT(counts.apart, 0);
+	EXPECT_GT(counts.near, 0);
+	EXPECT_GT(counts.overlapping, 0);
+}
+
+TEST(Certificate, HoldsInExactMode)
+{
+	BoundCounts counts;
+	checkBounds(exactSettings(0), 2, counts);
+}
+TEST(Certificate, HoldsInExactModeAtAnyDistanceAndDepth)
+{
+	BoundCounts counts;
+	Settings settings = exactSettings(0);
+	settings.distance = true;
+	checkBounds(settings, 3, counts);
+	EXPECT_EQ(counts.unproven, 0);
+}
+TEST(Certificate, HoldsWithWeightedDeviation)
+{
+	for (const double s0 : {0.035, 0.0035, 1.0})
+	{
+		BoundCounts counts;
+		Settings settings;
+		settings.metric.weightedDeviation = s0;
+		checkBounds(settings, 4, counts);
+		std::nth_element(counts.shares.begin(), counts.shares.begin() + std::ptrdiff_t(counts.shares.size() / 2),
+						 counts.shares.end());
+		const double median = counts.shares[counts.shares.size() / 2];
+		std::printf("s0 %g: bound / deviation of the nearest pair, median %.2f of %zu\n", s0, median,
+					counts.shares.size());
+	}
+}
+TEST(Certificate, HoldsWithMaxError)
+{
+	for (const double limit : {0.05, 0.005})
+	{
+		BoundCounts counts;
+		Settings settings;
+		settings.metric.maxError = limit;
+		checkBounds(settings, 5, counts);
+	}
+}
+
+TEST(Certificate, TheCheckSeesPlantedFaults)
+{
+	QueryResult result;
+	result.minDistance = 1;
+	result.errorBound = 0.1;
+	EXPECT_EQ(broken(result, {0.95, 0.95}, 0.5), "");
+	EXPECT_NE(broken(result, {0.85, 0.85}, 0.5), "");
+	EXPECT_NE(broken(result, {1.15, 1.15}, 0.5), "");
+	result.minDistance = std::numeric_limits<double>::infinity();
+	EXPECT_NE(broken(result, {-0.2, 0.2}, 0.5), "");
+	EXPECT_EQ(broken(result, {0.45, 0.45}, 0.5), "");
+}
+
+TEST(TriangleGap, KnowsTwoBoxes)
+{
+	const Body& box = body("box", 12);
+	const Vec3 half =
+		toVec3({box.hierarchy->asset().boxMax[0], box.hierarchy->asset().boxMax[1], box.hierarchy->asset().boxMax[2]});
+	Transform pose;
+	pose.translation = {2 * half.x + 0.25 * half.x, 0, 0};
+	const double accuracy = 1e-3 * half.x;
+	EXPECT_NEAR(triangleGap(box.triangles, box.triangles, pose, accuracy).low, 0.25 * half.x, 1e-5 * half.x);
+	pose.translation = {2 * half.x - 0.1 * half.x, 0.3 * half.y, 0.2 * half.z};
+	const GapInterval deep = triangleGap(box.triangles, box.triangles, pose, accuracy);
+	EXPECT_LE(deep.low, -0.1 * half.x + 1e-5 * half.x);
+	EXPECT_GE(deep.high, -0.1 * half.x - 1e-5 * half.x);
+	EXPECT_LT(deep.high - deep.low, 3 * accuracy);
+}
+}  // namespace
