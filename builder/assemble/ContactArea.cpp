@@ -54,7 +54,10 @@ ContactArea::ContactArea(const Mesh& mesh, double delta, double cap)
 	: m_mesh(mesh), m_delta(delta), m_cap(cap), m_neighbours(triangleNeighbours(mesh))
 {
 	for (const auto& t : mesh.triangles)
-		m_normals.push_back(normalized(areaVector({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]})));
+	{
+		m_areas.push_back(areaVector({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]}));
+		m_normals.push_back(normalized(m_areas.back()));
+	}
 }
 
 double ContactArea::at(std::uint32_t start, const Vec3& origin, const Vec3& normal) const
@@ -82,13 +85,18 @@ double ContactArea::at(std::uint32_t start, const Vec3& origin, const Vec3& norm
 	{
 		const std::uint32_t face = open.back();
 		open.pop_back();
-		polygon.clear();
-		for (std::uint32_t v : m_mesh.triangles[face]) polygon.push_back(m_mesh.vertices[v] - origin);
-		const bool whole = isInside(polygon[0]) && isInside(polygon[1]) && isInside(polygon[2]);
-		for (const auto& plane : planes)
-			if (!whole && !polygon.empty()) clip(polygon, plane.first, plane.second);
-		if (polygon.empty()) continue;
-		area += projectedArea(polygon, normal);
+		const auto& t = m_mesh.triangles[face];
+		const auto corner = [&](std::size_t k) { return m_mesh.vertices[t[k]] - origin; };
+		if (isInside(corner(0)) && isInside(corner(1)) && isInside(corner(2)))
+			area += std::max(0.0, dot(m_areas[face], normal));
+		else
+		{
+			polygon.assign({corner(0), corner(1), corner(2)});
+			for (const auto& plane : planes)
+				if (!polygon.empty()) clip(polygon, plane.first, plane.second);
+			if (polygon.empty()) continue;
+			area += projectedArea(polygon, normal);
+		}
 		for (std::uint32_t other : m_neighbours[face])
 		{
 			if (other == kNone || seenIn[other] == flood || dot(m_normals[other], normal) <= kFacing) continue;

@@ -19,7 +19,7 @@ private:
 	const Mesh& m_mesh;
 	double m_delta, m_cap;
 	std::vector<std::array<std::uint32_t, 3>> m_neighbours;
-	std::vector<Vec3> m_normals;
+	std::vector<Vec3> m_areas, m_normals;  // of each face: half the cross product of two edges; that of unit length
 };
 
 // D of every contact node above level 0 from its leaves': 1 / D is the root mean square of theirs, weighted by surface.

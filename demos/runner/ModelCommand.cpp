@@ -71,14 +71,16 @@ void runList(const cli::CommonOptions& common)
 	for (const SceneInfo& scene : scenes())
 	{
 		if (common.textOnStdout()) fmt::print("{:<14} {}\n", scene.name, scene.summary);
-		nlohmann::ordered_json models = nlohmann::ordered_json::array();
+		nlohmann::ordered_json models = nlohmann::ordered_json::array(), names = nlohmann::ordered_json::array();
 		for (const SceneModel& model : scene.models) models.push_back(model.name);
+		for (const SceneBody& body : scene.bodies) names.push_back(body.name);
 		report["scenes"].push_back({{"name", scene.name},
 									{"summary", scene.summary},
 									{"steps", scene.steps},
 									{"dt", scene.dt},
 									{"models", models},
-									{"bodies", scene.bodies.size()}});
+									{"bodies", scene.bodies.size()},
+									{"body_names", names}});
 	}
 	writeReport(common.json, report);
 }
