@@ -67,14 +67,30 @@ bool Validity::isCovered()
 	m_covered.assign(m_faces.size(), 0);
 	m_supports.clear();
 	for (std::size_t i = 0; i < m_faces.size(); ++i)
-		if (!m_covered[i] && !frontIsCovered(i)) return false;
-	return true;
+		if (!m_covered[i] && !frontIsCovered(m_facePlanes[i], m_facePoints[i][0])) return false;
+	return !coversMeanPlane || !isFlat() || frontIsCovered(m_meanPlane, m_points[0]);
 }
 
-bool Validity::frontIsCovered(std::size_t reference)
+// A patch of slightly turned faces may show each of them a part of its points only, and be thin as a whole: then all
+// points are the front of its mean plane.
+bool Validity::isFlat()
 {
-	const Plane& plane = m_facePlanes[reference];
-	Front front{plane, kBlind * tolerance, PlaneFrame(plane, m_facePoints[reference][0]), {}, {}};
+	Vec3 sum;
+	for (const TrianglePoints& t : m_facePoints) sum += cross(t[1] - t[0], t[2] - t[0]);
+	m_meanPlane = {normalized(sum), -1e300};
+	double lowest = 1e300;
+	for (const Vec3& p : m_points)
+	{
+		const double height = dot(m_meanPlane.normal, p);
+		m_meanPlane.offset = std::max(m_meanPlane.offset, height);
+		lowest = std::min(lowest, height);
+	}
+	return m_meanPlane.offset - lowest <= kBlind * tolerance;
+}
+
+bool Validity::frontIsCovered(const Plane& plane, const Vec3& origin)
+{
+	Front front{plane, kBlind * tolerance, PlaneFrame(plane, origin), {}, {}};
 	std::vector<Point2> points;
 	for (const Vec3& p : m_points)
 		if (plane.height(p) >= -front.blind)

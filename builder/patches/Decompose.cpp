@@ -109,6 +109,7 @@ std::vector<std::uint32_t> neighboursOf(const PatchMesh& mesh, std::uint32_t pat
 
 void decompose(PatchMesh& mesh, Validity& validity, const Progress& progress)
 {
+	validity.coversMeanPlane = true;
 	std::vector<char> taken(mesh.faces.size(), 0);
 	for (const auto& component : componentsOf(mesh))
 		if (isConvexComponent(mesh, component, validity.tolerance) &&
@@ -134,6 +135,7 @@ void decompose(PatchMesh& mesh, Validity& validity, const Progress& progress)
 	}
 	mesh.rebuildTrees();
 	joinEverywhere(mesh, validity);
+	validity.coversMeanPlane = false;
 }
 
 bool tryJoin(PatchMesh& mesh, Validity& validity, std::uint32_t a, std::uint32_t b)

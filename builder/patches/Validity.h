@@ -31,6 +31,9 @@ public:
 	explicit Validity(const PatchMesh& mesh);
 	double tolerance = 0;  // eps
 	Move move;             // none by default
+	// Whether the cover rule also holds for the mean plane of a patch that is thin as a whole. Asked for at level 0,
+	// which has no error that what such a hull sticks out could be part of.
+	bool coversMeanPlane = false;
 
 	// Starts an empty patch; grow() adds faces to it as long as they keep it valid.
 	void clear();
@@ -70,7 +73,8 @@ private:
 	bool isCovered();
 	// Cover.cpp
 	struct Front;
-	bool frontIsCovered(std::size_t reference);
+	bool isFlat();
+	bool frontIsCovered(const Plane& plane, const Vec3& origin);
 	double shownCover(const Front& front);
 	double dippingCover(const Front& front) const;
 	double strips(const Front& front) const;
@@ -91,6 +95,7 @@ private:
 	std::vector<std::uint32_t> m_supports;
 	SmallHull m_hull, m_trial;
 	std::vector<Plane> m_hullPlanes;
+	Plane m_meanPlane;
 	std::vector<char> m_covered;  // per face of the patch: judged with an earlier coplanar face
 };
 template <class Visit>
