@@ -103,7 +103,7 @@ void HierarchyCache::runBuilder(const std::string& meshPath, const std::string& 
 	std::vector<std::string> words = {builderPath(), "build", meshPath, "-o", output};
 	if (paper) words.push_back("--paper");
 	if (m_quiet) words.push_back("--quiet");
-	const int code = runProgram(words);
+	const int code = runProgram(words, m_quiet);
 	if (code == 0) return;
 	if (code == int(ExitCode::badInput))
 		throw Failure(ExitCode::badInput, meshPath + ": the builder refused this mesh (its reason is above)");

@@ -2,6 +2,7 @@
 // Starting other programs and waiting for them.
 #include "demos/runner/Process.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -18,10 +19,11 @@ namespace clod::demo
 namespace
 {
 // Replaces this process by another program; only async-signal-safe calls. Should its parent die, it is told.
-[[noreturn]] void become(const char* program, char* const* arguments)
+[[noreturn]] void become(const char* program, char* const* arguments, bool quiet)
 {
 	prctl(PR_SET_PDEATHSIG, SIGTERM);
-	dup2(STDERR_FILENO, STDOUT_FILENO);  // our stdout is for our own results
+	const int nowhere = quiet ? open("/dev/null", O_WRONLY) : -1;
+	dup2(nowhere >= 0 ? nowhere : STDERR_FILENO, STDOUT_FILENO);  // our stdout is for our own results
 	execvp(program, arguments);
 	_exit(kProgramMissing);
 }
@@ -35,7 +37,7 @@ int waitFor(pid_t child)
 }
 }  // namespace
 
-int runProgram(const std::vector<std::string>& words)
+int runProgram(const std::vector<std::string>& words, bool quiet)
 {
 	std::vector<char*> arguments;
 	for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
@@ -43,7 +45,7 @@ int runProgram(const std::vector<std::string>& words)
 	const pid_t child = fork();
 	if (child < 0)
 		throw cli::Failure(cli::ExitCode::failure, fmt::format("cannot start {}: {}", words[0], std::strerror(errno)));
-	if (child == 0) become(arguments[0], arguments.data());
+	if (child == 0) become(arguments[0], arguments.data(), quiet);
 	return waitFor(child);
 }
 }  // namespace clod::demo
