@@ -77,7 +77,10 @@ TEST_F(RunnerCommand, LevelsArePlottedWhereGnuplotIs)
 	EXPECT_EQ(bench("levels " + path("bowl.obj") + cache()).code, 2);
 	const Outcome plot = bench("levels " + path("bowl.obj") + " --plot " + path("plot.png") + " --quiet" + cache());
 	const bool hasGnuplot = std::system("command -v gnuplot >/dev/null") == 0;
-	if (hasGnuplot) EXPECT_EQ(plot.err, "");  // not even of the builder, which ran
+	if (hasGnuplot)
+	{
+		EXPECT_EQ(plot.err, "");  // not even of the builder, which ran
+	}
 	EXPECT_EQ(plot.code, hasGnuplot ? 0 : 1) << plot.err;
 	EXPECT_EQ(fs::exists(path("plot.png")), hasGnuplot);
 	EXPECT_EQ(plot.err.find("gnuplot is missing") == std::string::npos, hasGnuplot) << plot.err;

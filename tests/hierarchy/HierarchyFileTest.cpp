@@ -5,7 +5,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 #include <xxhash.h>
-#include <algorithm>
 
 #include <algorithm>
 #include <cstring>
