@@ -96,7 +96,7 @@ TEST_F(RunnerCommand, UsageErrorsExitWith2AndTheNearestMatch)
 		{"tradeoff a.obj b.obj -o x", "POSES.csv"},
 		{"tradeoff spoon-cup", "-o"},
 		{"tradeoff spoon-cup -o x --methods gimpakt", "did you mean gimpact"},
-		{"tradeoff mixed-needs -o x --pair near-cup,near-spon", "did you mean \"near-spoon\""},
+		{"tradeoff mixed-needs -o x --pair near-cup,near-spon", "did you mean near-spoon"},
 		{"tradeoff mixed-needs -o x --pair near-cup,near-cup", "two different bodies"},
 		{"tradeoff mixed-needs -o x --pair near-cup", "--pair"},
 		{"tradeoff spoon-cup -o x --stride 0", "--stride"},
