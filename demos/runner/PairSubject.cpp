@@ -41,9 +41,8 @@ std::uint32_t bodyNamed(const SceneInfo& info, const std::string& name)
 		if (info.bodies[i].name == name) return i;
 		names.push_back(info.bodies[i].name);
 	}
-	throw Failure(ExitCode::usage,
-				  fmt::format("{} has no body '{}'{}; `clod-bench list --json -` names them", info.name, name,
-							  cli::didYouMean(name, names)));
+	throw Failure(ExitCode::usage, fmt::format("{} has no body '{}'{}; `clod-bench list --json -` names them",
+											   info.name, name, cli::didYouMean(name, names)));
 }
 
 // The two bodies asked for; else those that are near each other in most steps.
