@@ -39,10 +39,20 @@ struct LodSequence
 	std::vector<Lod> lods;  // [0] = the input surface
 };
 
+// Where a collapse of the paper's mode first tries to put its vertex. The paper's own is the filter; the others are
+// there to be compared with it (patches/README.md).
+enum class Placement
+{
+	filter,         // quadric start, then least second-order differences (Guskov et al. 1999)
+	quadric,        // the quadric start itself (Garland & Heckbert 1997)
+	probabilistic,  // that of quadrics with uncertain normals (Trettner & Kobbelt 2020)
+};
+
 // Every choice of a build. Lengths in per cent are of the bounding radius.
 struct BuildConfig
 {
 	bool paper = false;          // exactly the paper's choices: filtered placement, resolution order, inherited parents
+	Placement placement = Placement::filter;  // with paper only
 	unsigned threads = 0;        // 0 = all cores; the bytes never depend on it
 	double stopDeviation = 0.10;  // default mode: coarsest level's two-sided deviation, share of the radius
 	double areaTolerance = 0.01;  // delta of the contact areas, share of the radius

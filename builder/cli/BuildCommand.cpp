@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <chrono>
 #include <optional>
 
@@ -23,10 +24,24 @@ namespace
 using cli::ExitCode;
 using cli::Failure;
 
+// In the order of Placement.
+const std::vector<std::string>& placementNames()
+{
+	static const std::vector<std::string> names = {"filter", "quadric", "probabilistic"};
+	return names;
+}
+
+Placement placementNamed(const std::string& name)
+{
+	const auto& names = placementNames();
+	return Placement(std::find(names.begin(), names.end(), name) - names.begin());
+}
+
 struct BuildOptions : cli::CommonOptions
 {
 	std::string mesh, output;
 	bool paper = false;
+	std::string placement = placementNames().front();
 	FileFrame frame;
 	bool repair = false;
 	std::optional<cli::Length> wrap, maxMove;
@@ -91,6 +106,7 @@ HierarchyContent buildContent(const Intake& solid, const BuildOptions& options)
 {
 	BuildConfig config;
 	config.paper = options.paper;
+	config.placement = placementNamed(options.placement);
 	config.threads = options.threads;
 	config.seed = options.seed;
 	cli::Progress bar(options.quiet);
@@ -155,7 +171,11 @@ void addBuildCommand(CLI::App& program)
 	cli::addLength(command, "--wrap", options->wrap,
 				   "Build a watertight wrap round the mesh instead, closing gaps narrower than this")
 		->excludes(repair);
-	command.add_flag("--paper", options->paper, "Exactly the choices of the paper (Otaduy & Lin 2003)");
+	CLI::Option* const paper =
+		command.add_flag("--paper", options->paper, "Exactly the choices of the paper (Otaduy & Lin 2003)");
+	cli::addChoice(command, "--placement", options->placement, placementNames(),
+				   "Where a collapse first puts its vertex: the paper's filter, or what to compare it with")
+		->needs(paper);
 	cli::addThreads(command, *options);
 	cli::addSeed(command, *options);
 	cli::addJson(command, *options);

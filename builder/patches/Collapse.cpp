@@ -12,6 +12,7 @@ namespace
 constexpr double kLeastTurn = 0.2;  // cosine between a face's old and new normal
 constexpr double kThinnest = 1e-3;  // height of a new face over its longest edge
 constexpr int kBisections = 6;
+constexpr double kNormalVariance = 0.1 * 0.1;  // of probabilistic quadrics
 
 double heightOverLength(const TrianglePoints& t)
 {
@@ -31,10 +32,12 @@ bool sharesVertex(const std::array<std::uint32_t, 3>& a, const std::array<std::u
 Collapser::Collapser(PatchMesh& mesh, Validity& validity, DeviationGuard& guard, const BuildConfig& config)
 	: m_mesh(mesh), m_validity(validity), m_guard(guard), m_config(config), m_quadrics(mesh.positions.size())
 {
+	const bool isProbabilistic = config.paper && config.placement == Placement::probabilistic;
 	for (std::uint32_t f = 0; f < mesh.faces.size(); ++f)
 	{
 		const TrianglePoints t = mesh.points(f);
-		for (const std::uint32_t v : mesh.faces[f]) m_quadrics[v].addTriangle(t[0], t[1], t[2]);
+		for (const std::uint32_t v : mesh.faces[f])
+			m_quadrics[v].addTriangle(t[0], t[1], t[2], isProbabilistic ? kNormalVariance : 0);
 	}
 }
 
@@ -104,8 +107,9 @@ Star Collapser::ringPoints() const
 
 std::optional<Vec3> Collapser::searchPaper(const Vec3& start)
 {
-	const Vec3 filtered = filteredPosition(start, ringPoints(), 1e-9 * m_mesh.radius);
-	std::optional<Vec3> high = constrained(filtered);
+	const bool filters = m_config.placement == Placement::filter;
+	const Vec3 wanted = filters ? filteredPosition(start, ringPoints(), 1e-9 * m_mesh.radius) : start;
+	std::optional<Vec3> high = constrained(wanted);
 	if (high && accepts(*high)) return high;
 	std::optional<Vec3> low = constrained(start);
 	if (!low) return {};

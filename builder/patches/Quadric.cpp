@@ -6,7 +6,7 @@
 
 namespace clod::builder
 {
-void Quadric::addTriangle(const Vec3& a, const Vec3& b, const Vec3& c)
+void Quadric::addTriangle(const Vec3& a, const Vec3& b, const Vec3& c, double normalVariance)
 {
 	const Vec3 scaled = cross(b - a, c - a);
 	const double area = 0.5 * length(scaled);
@@ -20,6 +20,14 @@ void Quadric::addTriangle(const Vec3& a, const Vec3& b, const Vec3& c)
 	m_zz += area * n.z * n.z;
 	m_linear += (-area * plane.offset) * n;
 	m_constant += area * plane.offset * plane.offset;
+	if (normalVariance <= 0) return;
+	const double weight = area * normalVariance;
+	const Vec3 middle = (1.0 / 3) * (a + b + c);
+	m_xx += weight;
+	m_yy += weight;
+	m_zz += weight;
+	m_linear -= weight * middle;
+	m_constant += weight * dot(middle, middle);
 }
 
 Quadric& Quadric::operator+=(const Quadric& other)

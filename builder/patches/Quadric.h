@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Sum of squared distances to planes, weighted by area, and its minimiser.
-// Source: M. Garland, P. Heckbert, Surface Simplification Using Quadric Error Metrics, SIGGRAPH 1997.
+// Sources: M. Garland, P. Heckbert, Surface Simplification Using Quadric Error Metrics, SIGGRAPH 1997; P. Trettner,
+// L. Kobbelt, Fast and Robust QEF Minimization using Probabilistic Quadrics, Eurographics 2020.
 #pragma once
 #include "builder/patches/Orientation.h"
 
@@ -9,7 +10,9 @@ namespace clod::builder
 class Quadric
 {
 public:
-	void addTriangle(const Vec3& a, const Vec3& b, const Vec3& c);
+	// The expected squared distance where each component of the unit normal has this variance and the plane turns about
+	// the triangle's middle. 0: the plane as it is.
+	void addTriangle(const Vec3& a, const Vec3& b, const Vec3& c, double normalVariance = 0);
 	Quadric& operator+=(const Quadric& other);
 	// Squared error at x, in area times length squared.
 	double at(const Vec3& x) const;

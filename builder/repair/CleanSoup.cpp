@@ -1,39 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "builder/repair/CleanSoup.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "builder/intake/Intake.h"
+#include "builder/repair/FaceEdits.h"
 
 namespace clod::builder
 {
 namespace
 {
 using Triangle = std::array<std::uint32_t, 3>;
-using Edge = std::pair<std::uint32_t, std::uint32_t>;
-
-Edge edgeOf(const Triangle& t, std::size_t e)
-{
-	return std::minmax(t[e], t[(e + 1) % 3]);
-}
-
-// Counts elements and remembers the first for a sentence of the report.
-struct Tally
-{
-	std::size_t count = 0, first = 0;
-	void add(std::size_t element)
-	{
-		if (count++ == 0) first = element;
-	}
-	void tell(Changes& changes, const std::string& what) const
-	{
-		if (count > 0) changes.push_back(fmt::format("{} {} (the first: face {})", count, what, first));
-	}
-};
 
 bool isFinitePolygon(const Soup& soup, std::size_t polygon)
 {
@@ -97,33 +74,6 @@ bool hasArea(const Vec3& a, const Vec3& b, const Vec3& c)
 	return lengthSquared(cross(b - a, c - a)) > 0;
 }
 
-// Keeps the triangles for which keep is true.
-void filter(WeldedMesh& mesh, const std::vector<bool>& keep)
-{
-	std::size_t kept = 0;
-	for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
-	{
-		if (!keep[i]) continue;
-		mesh.triangles[kept] = mesh.triangles[i];
-		mesh.polygonInFile[kept++] = mesh.polygonInFile[i];
-	}
-	mesh.triangles.resize(kept);
-	mesh.polygonInFile.resize(kept);
-}
-
-bool repeatsACorner(const Triangle& t)
-{
-	return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
-}
-
-std::map<Edge, std::uint32_t> facesAtEdges(const WeldedMesh& mesh, const std::vector<bool>& keep)
-{
-	std::map<Edge, std::uint32_t> faces;
-	for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
-		for (std::size_t e = 0; e < 3 && keep[i]; ++e) ++faces[edgeOf(mesh.triangles[i], e)];
-	return faces;
-}
-
 // Sets of triangles with the same corners, each in the order of the file.
 std::vector<std::vector<std::uint32_t>> sameCorners(const WeldedMesh& mesh)
 {
@@ -166,7 +116,7 @@ WeldedMesh usableFaces(const Soup& soup, Changes& changes)
 		if (!isFinite(v)) v = {};  // in no face that is kept
 	const std::vector<std::uint32_t> place = firstAtSamePlace(usable.vertices);
 	std::vector<std::uint32_t> polygonInFile;
-	Tally notFinite, noArea, fans;
+	FaceTally notFinite, noArea, fans;
 	const auto keep = [&](std::initializer_list<std::uint32_t> corners, std::size_t polygon)
 	{
 		usable.corners.insert(usable.corners.end(), corners);
@@ -207,117 +157,6 @@ WeldedMesh usableFaces(const Soup& soup, Changes& changes)
 	return mesh;
 }
 
-void sewCracks(WeldedMesh& mesh, double tolerance, Changes& changes)
-{
-	std::vector<bool> onBorder(mesh.vertices.size(), false);
-	for (const auto& [edge, faces] : facesAtEdges(mesh, std::vector<bool>(mesh.triangles.size(), true)))
-		if (faces == 1) onBorder[edge.first] = onBorder[edge.second] = true;
-	std::vector<std::uint32_t> border, target(mesh.vertices.size());
-	for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v)
-	{
-		target[v] = v;
-		if (onBorder[v]) border.push_back(v);
-	}
-	std::sort(border.begin(), border.end(),
-			  [&](std::uint32_t a, std::uint32_t b)
-			  { return std::make_pair(mesh.vertices[a].x, a) < std::make_pair(mesh.vertices[b].x, b); });
-	std::size_t sewn = 0, first = 0;
-	double farthest = 0;
-	for (std::size_t i = 0; i < border.size(); ++i)
-	{
-		if (target[border[i]] != border[i]) continue;
-		const Vec3& p = mesh.vertices[border[i]];
-		for (std::size_t j = i + 1; j < border.size() && mesh.vertices[border[j]].x - p.x <= tolerance; ++j)
-		{
-			const double gap = length(mesh.vertices[border[j]] - p);
-			if (target[border[j]] != border[j] || gap > tolerance) continue;
-			target[border[j]] = border[i];
-			farthest = std::max(farthest, gap);
-			if (sewn++ == 0) first = mesh.vertexInFile[border[j]];
-		}
-	}
-	if (sewn == 0) return;
-	std::vector<bool> keep;
-	for (Triangle& t : mesh.triangles)
-	{
-		for (std::uint32_t& v : t) v = target[v];
-		keep.push_back(!repeatsACorner(t));
-	}
-	filter(mesh, keep);
-	changes.push_back(fmt::format("{} vertices on open edges sewn to others at most {:.3g} away (the first: vertex {})",
-								  sewn, farthest, first));
-}
-
-namespace
-{
-// Vertices of open edges on the inside of the segment a b, from a to b. `border` is sorted by x.
-std::vector<std::uint32_t> verticesOn(const WeldedMesh& mesh, const std::vector<std::uint32_t>& border, std::uint32_t a,
-									  std::uint32_t b, double tolerance)
-{
-	const Vec3 &p = mesh.vertices[a], &q = mesh.vertices[b];
-	const double l = length(q - p), low = std::min(p.x, q.x) - tolerance, high = std::max(p.x, q.x) + tolerance;
-	const auto begin = std::lower_bound(border.begin(), border.end(), low,
-										[&](std::uint32_t v, double x) { return mesh.vertices[v].x < x; });
-	std::vector<std::pair<double, std::uint32_t>> found;
-	for (auto v = begin; v != border.end() && mesh.vertices[*v].x <= high; ++v)
-	{
-		const double along = dot(mesh.vertices[*v] - p, q - p) / l;
-		if (*v == a || *v == b || along <= tolerance || along >= l - tolerance) continue;
-		if (length(mesh.vertices[*v] - p - (along / l) * (q - p)) <= tolerance) found.emplace_back(along, *v);
-	}
-	std::sort(found.begin(), found.end());
-	std::vector<std::uint32_t> ordered;
-	for (const auto& [along, v] : found) ordered.push_back(v);
-	return ordered;
-}
-
-// One open edge of each triangle; number of triangles split.
-void splitOnce(WeldedMesh& mesh, double tolerance, Tally& split)
-{
-	const auto faces = facesAtEdges(mesh, std::vector<bool>(mesh.triangles.size(), true));
-	std::vector<bool> onBorder(mesh.vertices.size(), false);
-	for (const auto& [edge, count] : faces)
-		if (count == 1) onBorder[edge.first] = onBorder[edge.second] = true;
-	std::vector<std::uint32_t> border;
-	for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v)
-		if (onBorder[v]) border.push_back(v);
-	std::sort(border.begin(), border.end(),
-			  [&](std::uint32_t a, std::uint32_t b)
-			  { return std::make_pair(mesh.vertices[a].x, a) < std::make_pair(mesh.vertices[b].x, b); });
-	const std::size_t count = mesh.triangles.size();
-	for (std::size_t i = 0; i < count; ++i)
-		for (std::size_t e = 0; e < 3; ++e)
-		{
-			const Triangle t = mesh.triangles[i];
-			const std::uint32_t a = t[e], b = t[(e + 1) % 3], c = t[(e + 2) % 3];
-			if (faces.at(edgeOf(t, e)) != 1) continue;
-			std::vector<std::uint32_t> on = verticesOn(mesh, border, a, b, tolerance);
-			on.erase(std::remove(on.begin(), on.end(), c), on.end());
-			if (on.empty()) continue;
-			split.add(mesh.polygonInFile[i]);
-			mesh.triangles[i] = {a, on.front(), c};
-			on.push_back(b);
-			for (std::size_t k = 1; k < on.size(); ++k)
-			{
-				mesh.triangles.push_back({on[k - 1], on[k], c});
-				mesh.polygonInFile.push_back(mesh.polygonInFile[i]);
-			}
-			break;
-		}
-}
-}  // namespace
-
-void splitAtTJunctions(WeldedMesh& mesh, double tolerance, Changes& changes)
-{
-	Tally split;
-	for (std::size_t before = std::size_t(-1); split.count != before;)
-	{
-		before = split.count;
-		splitOnce(mesh, tolerance, split);
-	}
-	split.tell(changes, "faces split where corners of others lie on their open edges");
-}
-
 void dropRepeatedFaces(WeldedMesh& mesh, Changes& changes)
 {
 	const auto sets = sameCorners(mesh);
@@ -341,7 +180,7 @@ void dropRepeatedFaces(WeldedMesh& mesh, Changes& changes)
 	for (std::size_t i = 0; i < keep.size(); ++i)
 		if (keep[i]) survives[componentOf[i]] = true;
 	const auto faces = facesAtEdges(mesh, keep);
-	Tally repeated, pairs;
+	FaceTally repeated, pairs;
 	for (const auto& members : sets)
 	{
 		const std::uint32_t first = members.front();
@@ -352,12 +191,12 @@ void dropRepeatedFaces(WeldedMesh& mesh, Changes& changes)
 			opens = opens || (found != faces.end() && found->second % 2 == 1);
 		}
 		if (paired[first] && (opens || !survives[componentOf[first]])) keep[first] = true;
-		Tally& tally = keep[first] ? repeated : pairs;
+		FaceTally& tally = keep[first] ? repeated : pairs;
 		for (const std::uint32_t i : members)
 			if (!keep[i]) tally.add(mesh.polygonInFile[i]);
 	}
 	repeated.tell(changes, "faces dropped that repeat another one");
 	pairs.tell(changes, "faces dropped that face both ways (walls between touching parts)");
-	filter(mesh, keep);
+	keepFaces(mesh, keep);
 }
 }  // namespace clod::builder

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The repairs that need no geometry kernel: faces that cannot be part of any surface, repeated faces, cracks.
+// The repairs that need no geometry kernel: faces that cannot be part of any surface, and repeated faces.
 #pragma once
 #include <vector>
 
@@ -11,12 +11,6 @@ namespace clod::builder
 // The faces of the file that have finite corners and area, welded and cut into triangles. Throws Refused where nothing
 // is left, for indices out of range and for limits.
 WeldedMesh usableFaces(const Soup& soup, Changes& changes);
-
-// Sews vertices on open edges that lie within `tolerance` of each other.
-void sewCracks(WeldedMesh& mesh, double tolerance, Changes& changes);
-
-// Splits faces with an open edge at the vertices of open edges that lie on it, within `tolerance`.
-void splitAtTJunctions(WeldedMesh& mesh, double tolerance, Changes& changes);
 
 // One face of each set with the same corners. Pairs that face both ways go altogether, unless that opens an edge or
 // leaves nothing of their component.

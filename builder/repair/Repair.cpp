@@ -9,6 +9,7 @@
 #include <algorithm>
 
 #include "builder/repair/CleanSoup.h"
+#include "builder/repair/Cracks.h"
 #include "builder/repair/MendMesh.h"
 #include "builder/repair/Wrap.h"
 

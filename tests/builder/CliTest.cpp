@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <thread>
 
 #include "demos/cli/Files.h"
@@ -106,6 +107,33 @@ TEST_F(Cli, SameBytesForAnyNumberOfThreads)
 	ASSERT_EQ(run({"build", path("torus.obj"), "-o", path("1.clod"), "--threads", "1", "--quiet"}), 0) << err();
 	ASSERT_EQ(run({"build", path("torus.obj"), "-o", path("3.clod"), "--threads", "3", "--quiet"}), 0) << err();
 	EXPECT_EQ(readText(path("1.clod")), readText(path("3.clod")));
+}
+
+// The paper's filter beside what it is compared with: three hierarchies of their own, each proved.
+TEST_F(Cli, PlacementsOfThePaperModeDiffer)
+{
+	const auto build = [this](const std::string& name, std::vector<std::string> options)
+	{
+		options.insert(options.begin(), {"build", path("torus.obj"), "-o", path(name), "--quiet"});
+		return run(options);
+	};
+	ASSERT_EQ(build("paper.clod", {"--paper"}), 0) << err();
+	std::set<std::string> contents;
+	for (const std::string placement : {"filter", "quadric", "probabilistic"})
+	{
+		ASSERT_EQ(build(placement + ".clod", {"--paper", "--placement", placement}), 0) << err();
+		EXPECT_EQ(run({"check", path(placement + ".clod"), "--quiet"}), 0) << placement << err();
+		contents.insert(readText(path(placement + ".clod")));
+	}
+	EXPECT_EQ(contents.size(), 3u);
+	EXPECT_EQ(readText(path("paper.clod")), readText(path("filter.clod")));
+	EXPECT_EQ(build("x.clod", {"--paper", "--placement", "quadrics"}), 2);
+	EXPECT_NE(err().find("'quadrics' is not one of filter, quadric, probabilistic; did you mean quadric?"),
+			  std::string::npos)
+		<< err();
+	EXPECT_EQ(build("x.clod", {"--placement", "quadric"}), 2);
+	EXPECT_NE(err().find("--paper"), std::string::npos) << err();
+	EXPECT_FALSE(fs::exists(path("x.clod")));
 }
 
 // What is exported of level 0 builds the same file again.

@@ -307,6 +307,27 @@ TEST(Quadric, FindsTheCornerOfThreePlanesAndStaysPutOnOne)
 	EXPECT_LT(length(plane.minimiser({0.3, 0.2, 0.1}) - Vec3{0.3, 0.2, 1}), 1e-12);
 }
 
+// Expected value over the eight normals a standard deviation off in every component: exact, as it is a quadratic.
+TEST(Quadric, UncertainNormalsGiveTheExpectedError)
+{
+	const Vec3 a{0.2, 1, 3}, b{1.5, 0.7, 2}, c{0.4, -1, 2.5}, x{0.3, 0.9, -0.4};
+	const Vec3 scaled = cross(b - a, c - a), normal = normalized(scaled), middle = (1.0 / 3) * (a + b + c);
+	const double area = 0.5 * length(scaled), deviation = 0.1;
+	double expected = 0;
+	for (int i = 0; i < 8; ++i)
+	{
+		const Vec3 off{i & 1 ? deviation : -deviation, i & 2 ? deviation : -deviation, i & 4 ? deviation : -deviation};
+		const double distance = dot(normal + off, x - middle);
+		expected += area / 8 * distance * distance;
+	}
+	Quadric uncertain, certain;
+	uncertain.addTriangle(a, b, c, deviation * deviation);
+	certain.addTriangle(a, b, c);
+	EXPECT_NEAR(uncertain.at(x), expected, 1e-12 * expected);
+	EXPECT_LT(certain.at(x), 0.99 * expected);
+	EXPECT_LT(length(uncertain.minimiser(x) - middle), 1e-12);
+}
+
 TEST(BoxTree, FindsWhatBruteForceFindsAfterUpdates)
 {
 	Random random;
