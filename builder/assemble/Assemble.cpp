@@ -53,6 +53,7 @@ void Assembler::take(Lod&& lod)
 	m_lods.push_back(std::move(lod));
 	assign(m_lods.size() - 1);
 	certify(m_lods.size() - 1);
+	if (m_lods.size() == 1) addAreas();
 }
 
 HierarchyContent Assembler::finish()
@@ -61,9 +62,8 @@ HierarchyContent Assembler::finish()
 	report("bridge", 0);
 	bridgeCoarseLevels(m_coarse, m_solid, m_scale, m_threads);
 	for (Lod& lod : m_coarse) take(std::move(lod));
-	report("areas", 0);
-	addAreas();
 	report("complete", 0);
+	if (!m_config.paper) averageContactAreas(m_draft, m_lods.size());
 	completeToRoot(m_draft, cornersBelowTop(), m_threads);
 	linkParents();
 	crudeCompletionBounds();
@@ -76,7 +76,7 @@ LevelAssignment Assembler::assignmentOf(std::size_t level)
 {
 	if (level == 0) m_label = m_lods[0].patchOfTriangle;
 	if (level > 0 && m_config.paper)
-		for (std::uint32_t& label : m_label) label = m_lods[level - 1].parentPatch[label];
+		for (std::uint32_t& label : m_label) label = m_lods[level].patchOfChild[label];
 	if (level == 0 || m_config.paper) return assignByLabel(m_label);
 	return assignToNearest(m_lods[0].mesh, m_solid.tree(), m_lods[level], m_below, {m_scale.radius, m_threads});
 }
@@ -126,8 +126,9 @@ void Assembler::certify(std::size_t level)
 					if (level > 0) node.bounds.surf = surfOf(node, m_solid.tree(), tolerance).upper;
 					thicken(node, m_solid, m_scale, {1.1, node.bounds.surf, m_lods[level].errorLimit});
 					if (level == 0) return;
-					node.bounds.cover = coverOf(node, m_solid.tree());
-					node.bounds.reach = std::max(node.bounds.cover, reachOf(node, m_solid.tree(), tolerance).upper);
+					const CoverAndReach found = coverAndReachOf(node, m_lods.front().mesh, tolerance);
+					node.bounds.cover = found.cover;
+					node.bounds.reach = std::max(found.cover, found.reach.upper);
 					node.hausdorff = m_config.paper ? exactHausdorff(node) : hausdorffStep(node);
 				});
 }
@@ -184,7 +185,6 @@ void Assembler::addAreas()
 					node.contactArea =
 						area.at(node.triangles[best], closestPoint(middle, face).point, normalized(areaVector(face)));
 				});
-	if (!m_config.paper) averageContactAreas(m_draft, m_lods.size());
 }
 
 // For each node of the coarsest contact level: the hull corners of it and of everything below.

@@ -2,10 +2,12 @@
 #include "builder/assemble/Assignment.h"
 
 #include <algorithm>
+#include <memory>
 #include <tuple>
 
 #include "builder/assemble/NearestPatches.h"
 #include "builder/assemble/Parallel.h"
+#include "builder/assemble/VisitMarks.h"
 
 namespace clod::builder
 {
@@ -28,11 +30,6 @@ Triangle childTriangle(const Triangle& t, std::uint32_t k)
 	}
 }
 
-double longestEdge(const Triangle& t)
-{
-	return std::max({length(t.b - t.a), length(t.c - t.b), length(t.a - t.c)});
-}
-
 struct SplitRule
 {
 	double tolerance;     // added distance that does not deserve a split
@@ -40,71 +37,144 @@ struct SplitRule
 	double smallestEdge;  // pieces with shorter edges are not split
 };
 
+// The midpoint-split tree of one face. Its corners lie on a lattice, where each is looked up once.
 class FaceSplitter
 {
 public:
-	FaceSplitter(const NearestPatches& nearest, const SplitRule& rule, std::uint32_t preferred, std::uint32_t face,
-				 const Vec3& normal, std::vector<Piece>& out)
-		: m_nearest(nearest), m_rule(rule), m_preferred(preferred), m_face(face), m_normal(normal), m_out(out)
-	{
-	}
+	FaceSplitter(const NearestPatches& nearest, const SplitRule& rule) : m_nearest(nearest), m_rule(rule) {}
 
-	void split(const Triangle& t, const Lookups& at, std::uint32_t first, std::uint32_t count)
+	// Appends the face's pieces. at: of its corners and its middle.
+	void split(std::uint32_t face, const Triangle& t, const Lookups& at, std::uint32_t preferred,
+			   std::vector<Piece>& out)
 	{
-		double excess = 0;
-		const bool loyal = m_preferred != kNone && excessOf(m_preferred, t, at) <= m_rule.loyalty;
-		const std::uint32_t owner = loyal ? m_preferred : bestOwner(t, at, excess);
-		if (loyal || excess <= m_rule.tolerance || count == 1 || longestEdge(t) <= m_rule.smallestEdge)
+		m_face = face;
+		m_normal = areaVector(t);
+		m_preferred = preferred;
+		m_out = &out;
+		m_candidates.clear();
+		m_seen.restart(kSide * kSide);
+		const Corners corners{0, kSide - 1, (kSide - 1) * kSide};
+		for (std::size_t k = 0; k < 3; ++k)
 		{
-			m_out.push_back({m_face, std::uint16_t(first), std::uint16_t(count), owner});
-			return;
+			m_seen.add(corners[k]);
+			m_points[corners[k]] = {t[int(k)], at[k], {corners[k], corners[k]}, 0, {}};
 		}
-		const Triangle inner = childTriangle(t, 3);
-		const Lookup ab = lookUp(inner.a), bc = lookUp(inner.b), ca = lookUp(inner.c);
-		const Lookup corners[4][3] = {{at[0], ab, ca}, {ab, at[1], bc}, {ca, bc, at[2]}, {ab, bc, ca}};
-		for (std::uint32_t k = 0; k < 4; ++k)
-		{
-			const Triangle child = childTriangle(t, k);
-			const Lookup middle = k == 3 ? at[3] : lookUp(centroid(child));
-			split(child, {corners[k][0], corners[k][1], corners[k][2], middle}, first + k * (count / 4), count / 4);
-		}
+		split(corners, 0, Piece::kCodes);
 	}
 
 private:
-	Lookup lookUp(const Vec3& p) const { return m_nearest.at(p, m_normal); }
+	static constexpr std::uint32_t kSide = (1u << Piece::kDepth) + 1;
+	static constexpr std::size_t kRemembered = 8;  // patches a point remembers its distance to
+	using Corners = std::array<std::uint32_t, 3>;  // places on the lattice: row * kSide + column
+
+	struct Point
+	{
+		Vec3 p;
+		Lookup nearest;
+		std::array<std::uint32_t, 2> between;  // the points it is the midpoint of
+		std::uint32_t known;                   // bits: whose excess is
+		std::array<double, kRemembered> excess;
+	};
+
+	void split(const Corners& c, std::uint32_t code, std::uint32_t count)
+	{
+		double excess = 0;
+		const bool loyal = m_preferred != kNone && excessOf(m_preferred, c, m_rule.loyalty) <= m_rule.loyalty;
+		const std::uint32_t owner = loyal ? m_preferred : bestOwner(c, excess);
+		if (loyal || excess <= m_rule.tolerance || count == 1 || longestEdge(c) <= m_rule.smallestEdge)
+		{
+			m_out->push_back({m_face, std::uint16_t(code), std::uint16_t(count), owner});
+			return;
+		}
+		const std::uint32_t ab = midpoint(c[0], c[1]), bc = midpoint(c[1], c[2]), ca = midpoint(c[2], c[0]);
+		const Corners children[4] = {{c[0], ab, ca}, {ab, c[1], bc}, {ca, bc, c[2]}, {ab, bc, ca}};  // as childTriangle
+		for (std::uint32_t k = 0; k < 4; ++k) split(children[k], code + k * (count / 4), count / 4);
+	}
+
+	std::uint32_t midpoint(std::uint32_t a, std::uint32_t b)
+	{
+		const std::uint32_t middle = (a / kSide + b / kSide) / 2 * kSide + (a % kSide + b % kSide) / 2;
+		if (m_seen.add(middle))
+		{
+			const Vec3 p = 0.5 * (m_points[a].p + m_points[b].p);
+			m_points[middle] = {p, m_nearest.at(p, m_normal), {a, b}, 0, {}};
+		}
+		return middle;
+	}
+
+	double longestEdge(const Corners& c) const
+	{
+		const Vec3 &u = m_points[c[0]].p, &v = m_points[c[1]].p, &w = m_points[c[2]].p;
+		return std::max({length(v - u), length(w - v), length(u - w)});
+	}
 
 	// The candidate whose faces are nearest to the farthest corner; excess: what it costs over each corner's own
-	// nearest.
-	std::uint32_t bestOwner(const Triangle& t, const Lookups& at, double& excess) const
+	// nearest. The patch nearest to the middle is asked for only where no corner's will do.
+	std::uint32_t bestOwner(const Corners& c, double& excess)
 	{
-		std::uint32_t owner = at[3].patch;
-		double least = std::numeric_limits<double>::infinity();
-		for (std::size_t k : {3, 0, 1, 2})
+		std::uint32_t owner = kNone;
+		excess = std::numeric_limits<double>::infinity();
+		const auto consider = [&](std::uint32_t candidate)
 		{
-			if (k != 3 && (at[k].patch == owner || at[k].patch == at[3].patch)) continue;
-			const double most = excessOf(at[k].patch, t, at);
-			if (most < least) least = most, owner = at[k].patch;
-			if (least <= m_rule.tolerance) break;
-		}
-		excess = least;
+			if (candidate == owner) return;
+			const double most = excessOf(candidate, c, excess);
+			if (most < excess) excess = most, owner = candidate;
+		};
+		for (std::size_t k = 0; k < 3 && excess > m_rule.tolerance; ++k) consider(m_points[c[k]].nearest.patch);
+		if (excess > m_rule.tolerance)
+			consider(m_nearest.at(centroid({m_points[c[0]].p, m_points[c[1]].p, m_points[c[2]].p}), m_normal).patch);
 		return owner;
 	}
 
-	// What it costs over each corner's own nearest patch.
-	double excessOf(std::uint32_t patch, const Triangle& t, const Lookups& at) const
+	// What a patch costs over each corner's own nearest; more than the limit is not looked at to the end.
+	double excessOf(std::uint32_t patch, const Corners& c, double limit)
 	{
 		double most = 0;
-		for (std::size_t i = 0; i < 3; ++i)
-			if (patch != at[i].patch) most = std::max(most, m_nearest.distanceTo(patch, t[int(i)]) - at[i].distance);
+		for (std::size_t i = 0; i < 3 && most <= limit; ++i)
+			if (patch != m_points[c[i]].nearest.patch) most = std::max(most, excessAt(c[i], patch));
 		return most;
+	}
+
+	double excessAt(std::uint32_t place, std::uint32_t patch)
+	{
+		Point& point = m_points[place];
+		const std::size_t slot = slotOf(patch);
+		if (slot < kRemembered && (point.known >> slot & 1)) return point.excess[slot];
+		// No farther than from the points it lies between, and the way from there.
+		double limit = std::numeric_limits<double>::infinity();
+		for (const std::uint32_t other : point.between)
+		{
+			const Point& from = m_points[other];
+			const bool isNearest = from.nearest.patch == patch;
+			if (!isNearest && (slot >= kRemembered || !(from.known >> slot & 1))) continue;
+			const double there = from.nearest.distance + (isNearest ? 0 : from.excess[slot]);
+			limit = std::min(limit, (there + length(from.p - point.p)) * (1 + 1e-9) + 1e-300);
+		}
+		const double excess = m_nearest.distanceTo(patch, point.p, limit) - point.nearest.distance;
+		if (slot < kRemembered)
+		{
+			point.known |= 1u << slot;
+			point.excess[slot] = excess;
+		}
+		return excess;
+	}
+
+	std::size_t slotOf(std::uint32_t patch)
+	{
+		const auto found = std::find(m_candidates.begin(), m_candidates.end(), patch);
+		const std::size_t slot = std::size_t(found - m_candidates.begin());
+		if (found == m_candidates.end()) m_candidates.push_back(patch);
+		return slot;
 	}
 
 	const NearestPatches& m_nearest;
 	const SplitRule m_rule;
-	const std::uint32_t m_preferred;
-	const std::uint32_t m_face;
-	const Vec3 m_normal;
-	std::vector<Piece>& m_out;
+	std::uint32_t m_face = kNone, m_preferred = kNone;
+	Vec3 m_normal;
+	std::vector<Piece>* m_out = nullptr;
+	std::vector<std::uint32_t> m_candidates;
+	VisitMarks m_seen;
+	std::array<Point, kSide * kSide> m_points;
 };
 
 // How far the level typically is from the input: the 90th percentile over a sample of face centroids.
@@ -157,12 +227,34 @@ Triangle pieceTriangle(const Triangle& face, const Piece& piece)
 	return t;
 }
 
-std::vector<Triangle> trianglesOf(const std::vector<Piece>& pieces, const TriangleTree& input)
+Territory territoryOf(const std::vector<Piece>& pieces, const Mesh& input)
 {
-	std::vector<Triangle> triangles;
-	triangles.reserve(pieces.size());
-	for (const Piece& piece : pieces) triangles.push_back(pieceTriangle(input.triangle(piece.face), piece));
-	return triangles;
+	thread_local VisitMarks seen;
+	thread_local std::vector<std::uint32_t> cornerOf;
+	seen.restart(input.vertices.size());
+	cornerOf.resize(input.vertices.size());
+	Territory result;
+	const auto added = [&result](const Vec3& p)
+	{
+		result.corners.push_back(p);
+		return std::uint32_t(result.corners.size() - 1);
+	};
+	result.triangles.reserve(pieces.size());
+	for (const Piece& piece : pieces)
+	{
+		const auto& t = input.triangles[piece.face];
+		if (piece.count == Piece::kCodes)
+		{
+			for (const std::uint32_t v : t)
+				if (seen.add(v)) cornerOf[v] = added(input.vertices[v]);
+			result.triangles.push_back({cornerOf[t[0]], cornerOf[t[1]], cornerOf[t[2]]});
+			continue;
+		}
+		const Triangle part = pieceTriangle({input.vertices[t[0]], input.vertices[t[1]], input.vertices[t[2]]}, piece);
+		const std::uint32_t a = added(part.a), b = added(part.b), c = added(part.c);
+		result.triangles.push_back({a, b, c});
+	}
+	return result;
 }
 
 LevelAssignment assignByLabel(const std::vector<std::uint32_t>& patchOfFace)
@@ -232,22 +324,25 @@ LevelAssignment assignToNearest(const Mesh& mesh, const TriangleTree& input, con
 						 std::max(0.5 * typical, 5e-4 * radius)};
 	const std::vector<Lookups> lookups = nearest.ofFaces(mesh, input, scale.threads);
 	const std::vector<std::uint32_t> preferred = preferredPatches(input, lookups, below);
-	std::vector<std::vector<Piece>> perFace(input.size());
-	parallelFor(input.size(), scale.threads,
-				[&](std::size_t i)
+	// Faces in chunks: a splitter is large, the pieces of one face are few.
+	constexpr std::size_t kChunk = 256;
+	std::vector<std::vector<Piece>> perChunk((input.size() + kChunk - 1) / kChunk);
+	parallelFor(perChunk.size(), scale.threads,
+				[&](std::size_t chunk)
 				{
-					const Triangle& t = input.triangle(std::uint32_t(i));
-					FaceSplitter(nearest, rule, preferred[i], std::uint32_t(i), areaVector(t), perFace[i])
-						.split(t, lookups[i], 0, Piece::kCodes);
+					const auto splitter = std::make_unique<FaceSplitter>(nearest, rule);
+					for (std::size_t i = chunk * kChunk; i < std::min((chunk + 1) * kChunk, input.size()); ++i)
+						splitter->split(std::uint32_t(i), input.triangle(std::uint32_t(i)), lookups[i], preferred[i],
+										perChunk[chunk]);
 				});
 	LevelAssignment result;
 	std::vector<bool> used(lod.patchCount, false);
-	for (const std::vector<Piece>& pieces : perFace)
-		for (const Piece& piece : pieces)
-		{
-			result.pieces.push_back(piece);
-			used[piece.owner] = true;
-		}
+	std::size_t count = 0;
+	for (const std::vector<Piece>& pieces : perChunk) count += pieces.size();
+	result.pieces.reserve(count);
+	for (const std::vector<Piece>& pieces : perChunk)
+		result.pieces.insert(result.pieces.end(), pieces.begin(), pieces.end());
+	for (const Piece& piece : result.pieces) used[piece.owner] = true;
 	for (std::uint32_t patch = 0; patch < lod.patchCount; ++patch)
 		if (!used[patch]) result.extra.push_back(pieceNextTo(input, nearest, patch));
 	return result;

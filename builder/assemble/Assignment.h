@@ -5,6 +5,7 @@
 // deepest split. Every level's pieces cover every input face, so each point of the surface has an owner in every level,
 // and owners of the same point in neighbouring levels are parent and child: that is the graph.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -25,7 +26,14 @@ struct Piece
 
 // The piece's triangle (closed; midpoints in double).
 Triangle pieceTriangle(const Triangle& face, const Piece& piece);
-std::vector<Triangle> trianglesOf(const std::vector<Piece>& pieces, const TriangleTree& input);
+
+// Pieces as triangles. Corners that are vertices of the mesh are shared, those of split faces each piece's own.
+struct Territory
+{
+	std::vector<Vec3> corners;
+	std::vector<std::array<std::uint32_t, 3>> triangles;
+};
+Territory territoryOf(const std::vector<Piece>& pieces, const Mesh& input);
 
 struct LevelAssignment
 {

@@ -5,7 +5,7 @@
 #include "builder/assemble/Certify.h"
 
 #include <algorithm>
-#include <tuple>
+#include <boost/container/small_vector.hpp>
 
 namespace clod::builder
 {
@@ -16,7 +16,7 @@ constexpr int kPartBudget = 20000;  // parts of one triangle before the bound at
 // neighbour part, which the slack of the stored bounds covers.
 constexpr double kSliver = 1e-13;
 
-using Polygon = std::vector<Vec3>;
+using Polygon = boost::container::small_vector<Vec3, 8>;
 
 struct Part
 {
@@ -163,18 +163,6 @@ private:
 	std::vector<Part> m_stack;
 };
 
-// Each corner once: neighbours share most of them.
-std::vector<Vec3> cornersOf(const std::vector<Triangle>& triangles)
-{
-	std::vector<Vec3> corners;
-	corners.reserve(3 * triangles.size());
-	for (const Triangle& t : triangles) corners.insert(corners.end(), {t.a, t.b, t.c});
-	const auto before = [](const Vec3& l, const Vec3& r) { return std::tie(l.x, l.y, l.z) < std::tie(r.x, r.y, r.z); };
-	std::sort(corners.begin(), corners.end(), before);
-	corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
-	return corners;
-}
-
 // The nearest of some faces, the first of equally near ones. The one found last is tried first; a face whose sphere is
 // beyond the best so far is passed over.
 class NearestFace
@@ -189,11 +177,14 @@ public:
 			m_spheres.push_back({center, (1 + 1e-12) * reachFrom({m_faces[i].a, m_faces[i].b, m_faces[i].c}, center)});
 		}
 	}
-	std::pair<Triangle, double> operator()(const Vec3& p) const
+	std::pair<Triangle, double> operator()(const Vec3& p) const { return within(p, -1); }
+
+	// Any face that is as near as `enough` will do.
+	std::pair<Triangle, double> within(const Vec3& p, double enough) const
 	{
 		std::size_t best = m_last;
 		double least = distanceSquared(p, m_faces[best]), reach = std::sqrt(least) * (1 + 1e-12);
-		for (std::size_t i = 0; i < m_faces.size(); ++i)
+		for (std::size_t i = 0; i < m_faces.size() && reach > enough; ++i)
 		{
 			const double most = reach + m_spheres[i].radius;
 			if (i == m_last || lengthSquared(p - m_spheres[i].center) > most * most) continue;
@@ -217,41 +208,65 @@ private:
 	mutable std::size_t m_last = 0;
 };
 
+// The triangles one after the other, given upper bounds of their corners' distances. Where those alone show that a
+// triangle does not exceed what is attained elsewhere, it is not looked at.
 template <class Nearest>
-Supremum supremum(const std::vector<Triangle>& triangles, const Nearest& nearest, const Tolerance& tolerance)
+void addTriangles(const std::vector<Vec3>& corners, const std::vector<std::array<std::uint32_t, 3>>& triangles,
+				  const std::vector<double>& distances, const Nearest& nearest, const Tolerance& tolerance,
+				  Supremum& sup)
 {
-	Supremum sup;
-	for (const Vec3& corner : cornersOf(triangles)) sup.lower = std::max(sup.lower, nearest(corner).second);
 	sup.upper = sup.lower;
 	Overlay<Nearest> overlay(nearest, tolerance, sup);
-	for (const Triangle& t : triangles) overlay.add(t);
-	return sup;
+	for (const auto& t : triangles)
+	{
+		const Triangle triangle{corners[t[0]], corners[t[1]], corners[t[2]]};
+		double bound = std::numeric_limits<double>::infinity();
+		for (int k = 0; k < 3; ++k)
+		{
+			const double reach = std::max(lengthSquared(triangle[(k + 1) % 3] - triangle[k]),
+										  lengthSquared(triangle[(k + 2) % 3] - triangle[k]));
+			bound = std::min(bound, distances[t[std::size_t(k)]] + std::sqrt(reach));
+		}
+		if (bound > sup.lower) overlay.add(triangle);
+	}
 }
 }  // namespace
 
-double coverOf(const NodeDraft& node, const TriangleTree& input)
+CoverAndReach coverAndReachOf(const NodeDraft& node, const Mesh& input, const Tolerance& tolerance)
 {
+	const Territory territory = territoryOf(node.pieces, input);
+	const NearestFace nearest(node);
 	const ConvexSet hull = node.hull();
-	double most = 0;
-	for (const Vec3& corner : cornersOf(trianglesOf(node.pieces, input)))
-		most = std::max(most, distanceBound(corner, hull, most));
-	return most;
-}
-
-Supremum reachOf(const NodeDraft& node, const TriangleTree& input, const Tolerance& tolerance)
-{
-	return supremum(trianglesOf(node.pieces, input), NearestFace(node), tolerance);
+	CoverAndReach result;
+	std::vector<double> distances;
+	distances.reserve(territory.corners.size());
+	for (const Vec3& corner : territory.corners)
+	{
+		// The hull holds the faces: what is that near to a face adds to neither.
+		distances.push_back(nearest.within(corner, result.cover).second);
+		if (distances.back() <= result.cover) continue;
+		result.reach.lower = std::max(result.reach.lower, distances.back());
+		result.cover = std::max(result.cover, distanceBound(corner, hull, result.cover));
+	}
+	addTriangles(territory.corners, territory.triangles, distances, nearest, tolerance, result.reach);
+	return result;
 }
 
 Supremum surfOf(const NodeDraft& node, const TriangleTree& input, const Tolerance& tolerance)
 {
-	std::vector<Triangle> faces;
-	for (std::size_t i = 0; i < node.faces.size(); ++i) faces.push_back(node.face(i));
 	const auto nearest = [&input](const Vec3& p)
 	{
 		const TriangleTree::Nearest n = input.nearest(p);
 		return std::pair<Triangle, double>(input.triangle(n.triangle), std::sqrt(n.distanceSquared));
 	};
-	return supremum(faces, nearest, tolerance);
+	Supremum sup;
+	std::vector<double> distances;
+	for (const Vec3& corner : node.vertices)
+	{
+		distances.push_back(nearest(corner).second);
+		sup.lower = std::max(sup.lower, distances.back());
+	}
+	addTriangles(node.vertices, node.faces, distances, nearest, tolerance, sup);
+	return sup;
 }
 }  // namespace clod::builder

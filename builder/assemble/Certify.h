@@ -24,11 +24,14 @@ struct Supremum
 	double lower = 0, upper = 0;
 };
 
-// sup over n's pieces of the distance to its thickened hull: exact at the corners to the distance's own tolerance.
-double coverOf(const NodeDraft& node, const TriangleTree& input);
-
-// sup over n's pieces of the distance to its real faces.
-Supremum reachOf(const NodeDraft& node, const TriangleTree& input, const Tolerance& tolerance);
+// Over n's pieces: the largest distance to its thickened hull, exact at the corners to the distance's own tolerance,
+// and the largest to its real faces. input: the mesh that pieces are named by.
+struct CoverAndReach
+{
+	double cover = 0;
+	Supremum reach;
+};
+CoverAndReach coverAndReachOf(const NodeDraft& node, const Mesh& input, const Tolerance& tolerance);
 
 // sup over n's real faces of the distance to the input surface.
 Supremum surfOf(const NodeDraft& node, const TriangleTree& input, const Tolerance& tolerance);

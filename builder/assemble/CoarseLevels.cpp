@@ -53,7 +53,7 @@ public:
 		}
 	}
 
-	Lod run(std::vector<std::uint32_t>& parentPatch, unsigned threads)
+	Lod run(unsigned threads)
 	{
 		const std::vector<Pair> pairs = neighbouringPairs();
 		std::vector<double> costs(pairs.size());
@@ -61,7 +61,7 @@ public:
 		for (std::size_t i = 0; i < pairs.size(); ++i)
 			if (costs[i] < kNever) m_open.insert({costs[i], pairs[i]});
 		while (!m_open.empty()) merge(m_open.begin()->second);
-		return result(parentPatch);
+		return result();
 	}
 
 private:
@@ -151,25 +151,25 @@ private:
 	}
 
 	// Patches are numbered by their first triangle.
-	Lod result(std::vector<std::uint32_t>& parentPatch) const
+	Lod result() const
 	{
 		Lod lod;
 		lod.mesh = m_lod.mesh;
 		lod.patchTolerance = std::max(m_tolerance, m_lod.patchTolerance);
 		lod.errorLimit = m_limit;
 		std::map<std::uint32_t, std::uint32_t> number;
-		parentPatch.assign(m_lod.patchCount, kNone);
+		lod.patchOfChild.assign(m_lod.patchCount, kNone);
 		for (std::uint32_t f = 0; f < m_label.size(); ++f)
 		{
 			const std::uint32_t patch = number.emplace(m_label[f], std::uint32_t(number.size())).first->second;
 			lod.patchOfTriangle.push_back(patch);
-			parentPatch[m_lod.patchOfTriangle[f]] = patch;
+			lod.patchOfChild[m_lod.patchOfTriangle[f]] = patch;
 		}
 		lod.patchCount = std::uint32_t(number.size());
 		lod.patchResolution.assign(lod.patchCount, 0);
 		for (std::uint32_t p = 0; p < m_lod.patchCount; ++p)
 		{
-			double& r = lod.patchResolution[parentPatch[p]];
+			double& r = lod.patchResolution[lod.patchOfChild[p]];
 			const double own = m_lod.patchResolution[p];
 			if (own > 0) r = r > 0 ? std::min(r, own) : own;
 		}
@@ -217,10 +217,8 @@ void bridgeCoarseLevels(std::vector<Lod>& lods, const Solid& solid, const Protru
 		while (end > 0 && !leavesRoom(lods[end - 1])) --end;
 		if (end == 0) continue;
 		Lod& start = lods[end - 1];
-		std::vector<std::uint32_t> parentPatch;
-		Lod bridged = Bridges(start, solid, scale, limit).run(parentPatch, threads);
+		Lod bridged = Bridges(start, solid, scale, limit).run(threads);
 		if (2 * bridged.patchCount > start.patchCount) continue;
-		start.parentPatch = std::move(parentPatch);
 		lods.resize(end);
 		lods.push_back(std::move(bridged));
 	}

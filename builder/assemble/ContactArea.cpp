@@ -4,6 +4,9 @@
 #include "builder/assemble/ContactArea.h"
 
 #include <algorithm>
+#include <boost/container/small_vector.hpp>
+
+#include "builder/assemble/VisitMarks.h"
 
 namespace clod::builder
 {
@@ -12,9 +15,12 @@ namespace
 constexpr double kFacing = 0.2;  // least cosine between a face and the contact normal
 constexpr int kCapSides = 16;
 
-void clip(std::vector<Vec3>& polygon, const Vec3& normal, double offset)
+using Polygon = boost::container::small_vector<Vec3, 24>;
+
+void clip(Polygon& polygon, const Vec3& normal, double offset)
 {
-	std::vector<Vec3> next;
+	if (std::all_of(polygon.begin(), polygon.end(), [&](const Vec3& p) { return dot(normal, p) <= offset; })) return;
+	Polygon next;
 	for (std::size_t i = 0; i < polygon.size(); ++i)
 	{
 		const Vec3 &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
@@ -25,7 +31,7 @@ void clip(std::vector<Vec3>& polygon, const Vec3& normal, double offset)
 	polygon.swap(next);
 }
 
-double projectedArea(const std::vector<Vec3>& polygon, const Vec3& normal)
+double projectedArea(const Polygon& polygon, const Vec3& normal)
 {
 	Vec3 sum;
 	for (std::size_t i = 2; i < polygon.size(); ++i)
@@ -50,6 +56,25 @@ std::vector<std::pair<Vec3, double>> slab(const Vec3& normal, double delta, doub
 }
 }  // namespace
 
+// What a flood may reach: the slab and the cap, round the origin.
+struct ContactArea::Reach
+{
+	Vec3 normal;
+	double delta;
+	std::vector<std::pair<Vec3, double>> planes;
+	double inner;  // radius of the cap's inscribed circle
+
+	Reach(const Vec3& n, double depth, double cap)
+		: normal(n), delta(depth), planes(slab(n, depth, cap)), inner(planes.back().second)
+	{
+	}
+	bool holds(const Vec3& p) const
+	{
+		const double height = dot(p, normal);
+		return std::fabs(height) <= delta && lengthSquared(p) - height * height <= inner * inner;
+	}
+};
+
 ContactArea::ContactArea(const Mesh& mesh, double delta, double cap)
 	: m_mesh(mesh), m_delta(delta), m_cap(cap), m_neighbours(triangleNeighbours(mesh))
 {
@@ -58,51 +83,103 @@ ContactArea::ContactArea(const Mesh& mesh, double delta, double cap)
 		m_areas.push_back(areaVector({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]}));
 		m_normals.push_back(normalized(m_areas.back()));
 	}
+	m_clusterOf.assign(mesh.triangles.size(), kNone);
+	for (std::uint32_t face = 0; face < m_clusterOf.size(); ++face)
+		if (m_clusterOf[face] == kNone) cluster(face);
+	for (Cluster& c : m_clusters)
+		for (const std::uint32_t face : c.faces)
+			for (const std::uint32_t other : m_neighbours[face])
+				if (other != kNone && m_clusterOf[other] != m_clusterOf[face]) c.border.push_back(other);
+}
+
+// Breadth first from the seed, over faces turned much as the seed is.
+void ContactArea::cluster(std::uint32_t seed)
+{
+	constexpr std::size_t kMostFaces = 64;
+	constexpr double kAlike = 0.95;  // least cosine with the seed's normal
+	const std::uint32_t id = std::uint32_t(m_clusters.size());
+	Cluster c;
+	c.axis = m_normals[seed];
+	c.faces.push_back(seed);
+	m_clusterOf[seed] = id;
+	for (std::size_t next = 0; next < c.faces.size(); ++next)
+		for (const std::uint32_t other : m_neighbours[c.faces[next]])
+		{
+			if (other == kNone || m_clusterOf[other] != kNone || c.faces.size() == kMostFaces) continue;
+			if (dot(m_normals[other], c.axis) < kAlike) continue;
+			m_clusterOf[other] = id;
+			c.faces.push_back(other);
+		}
+	thread_local VisitMarks seen;
+	seen.restart(m_mesh.vertices.size());
+	for (const std::uint32_t face : c.faces)
+	{
+		c.area += m_areas[face];
+		c.coneCosine = std::min(c.coneCosine, dot(m_normals[face], c.axis) * (1 - 1e-12));
+		for (const std::uint32_t v : m_mesh.triangles[face])
+			if (seen.add(v)) c.vertices.push_back(m_mesh.vertices[v]);
+	}
+	c.coneSine = std::sqrt(1 - c.coneCosine * c.coneCosine);
+	m_clusters.push_back(std::move(c));
+}
+
+// Whether every face is wholly in reach and turned towards the normal far enough: a flood that meets one meets all.
+bool ContactArea::isInReach(const Cluster& cluster, const Vec3& origin, const Reach& reach) const
+{
+	const double along = dot(cluster.axis, reach.normal);
+	const double across = std::sqrt(std::max(0.0, 1 - along * along));
+	if (along * cluster.coneCosine - across * cluster.coneSine <= kFacing + 1e-9) return false;
+	for (const Vec3& v : cluster.vertices)
+		if (!reach.holds(v - origin)) return false;
+	return true;
+}
+
+double ContactArea::areaOf(std::uint32_t face, const Vec3& origin, const Reach& reach) const
+{
+	const auto& t = m_mesh.triangles[face];
+	Polygon polygon;
+	bool isHeld = true;
+	for (const std::uint32_t v : t)
+	{
+		polygon.push_back(m_mesh.vertices[v] - origin);
+		isHeld = isHeld && reach.holds(polygon.back());
+	}
+	if (isHeld) return std::max(0.0, dot(m_areas[face], reach.normal));
+	for (const auto& plane : reach.planes)
+		if (!polygon.empty()) clip(polygon, plane.first, plane.second);
+	return polygon.empty() ? -1 : projectedArea(polygon, reach.normal);
 }
 
 double ContactArea::at(std::uint32_t start, const Vec3& origin, const Vec3& normal) const
 {
-	const auto planes = slab(normal, m_delta, m_cap);
-	// Faces wholly inside the slab and the cap's inscribed circle need no clipping.
-	const double inner = planes.back().second;
-	const auto isInside = [&](const Vec3& p)
-	{
-		const double height = dot(p, normal);
-		return std::fabs(height) <= m_delta && lengthSquared(p) - height * height <= inner * inner;
-	};
-	thread_local std::vector<std::uint32_t> seenIn;  // the flood that last met a face; floods of a thread are numbered
-	thread_local std::uint32_t flood = 0;
-	if (seenIn.size() != m_mesh.triangles.size() || flood == kNone)
-	{
-		seenIn.assign(m_mesh.triangles.size(), 0);
-		flood = 0;
-	}
-	seenIn[start] = ++flood;
+	const Reach reach(normal, m_delta, m_cap);
+	thread_local VisitMarks seen, asked, taken;  // faces; clusters asked whether they are in reach; those that are
+	seen.restart(m_mesh.triangles.size());
+	asked.restart(m_clusters.size());
+	taken.restart(m_clusters.size());
 	std::vector<std::uint32_t> open{start};
+	seen.add(start);
 	double area = 0;
-	std::vector<Vec3> polygon;
 	while (!open.empty())
 	{
-		const std::uint32_t face = open.back();
+		const std::uint32_t face = open.back(), id = m_clusterOf[face];
 		open.pop_back();
-		const auto& t = m_mesh.triangles[face];
-		const auto corner = [&](std::size_t k) { return m_mesh.vertices[t[k]] - origin; };
-		if (isInside(corner(0)) && isInside(corner(1)) && isInside(corner(2)))
-			area += std::max(0.0, dot(m_areas[face], normal));
-		else
+		if (taken.has(id)) continue;
+		const Cluster& c = m_clusters[id];
+		const bool whole = asked.add(id) && isInReach(c, origin, reach);
+		const double here = whole ? dot(c.area, normal) : areaOf(face, origin, reach);
+		if (here < 0) continue;
+		area += here;
+		if (whole) taken.add(id);
+		const auto enter = [&](std::uint32_t other)
 		{
-			polygon.assign({corner(0), corner(1), corner(2)});
-			for (const auto& plane : planes)
-				if (!polygon.empty()) clip(polygon, plane.first, plane.second);
-			if (polygon.empty()) continue;
-			area += projectedArea(polygon, normal);
-		}
-		for (std::uint32_t other : m_neighbours[face])
-		{
-			if (other == kNone || seenIn[other] == flood || dot(m_normals[other], normal) <= kFacing) continue;
-			seenIn[other] = flood;
+			if (other == kNone || dot(m_normals[other], normal) <= kFacing || !seen.add(other)) return;
 			open.push_back(other);
-		}
+		};
+		if (whole)
+			for (const std::uint32_t other : c.border) enter(other);
+		else
+			for (const std::uint32_t other : m_neighbours[face]) enter(other);
 	}
 	return std::max(area, 4 * m_delta * m_delta);
 }

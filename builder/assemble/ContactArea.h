@@ -16,10 +16,27 @@ public:
 	double at(std::uint32_t start, const Vec3& origin, const Vec3& normal) const;
 
 private:
+	// Some connected faces, met as one where all of them are in reach.
+	struct Cluster
+	{
+		std::vector<Vec3> vertices;
+		std::vector<std::uint32_t> faces;
+		std::vector<std::uint32_t> border;  // faces of other clusters next to it
+		Vec3 area;                          // sum over the faces
+		Vec3 axis;                          // every normal is within a cone round it
+		double coneCosine = 1, coneSine = 0;
+	};
+	struct Reach;
+	void cluster(std::uint32_t seed);
+	bool isInReach(const Cluster& cluster, const Vec3& origin, const Reach& reach) const;
+	double areaOf(std::uint32_t face, const Vec3& origin, const Reach& reach) const;
+
 	const Mesh& m_mesh;
 	double m_delta, m_cap;
 	std::vector<std::array<std::uint32_t, 3>> m_neighbours;
 	std::vector<Vec3> m_areas, m_normals;  // of each face: half the cross product of two edges; that of unit length
+	std::vector<Cluster> m_clusters;
+	std::vector<std::uint32_t> m_clusterOf;  // of each face
 };
 
 // D of every contact node above level 0 from its leaves': 1 / D is the root mean square of theirs, weighted by surface.

@@ -20,19 +20,32 @@ double largest(const Displacement& d, const std::vector<Vec3>& points)
 
 bool meetsInterior(const Triangle& t, const std::vector<HalfSpace>& planes, double slack)
 {
+	static thread_local std::size_t last = 0;  // plane that separated: neighbours mostly share it
+	const auto isAbove = [&](const HalfSpace& plane) {
+		return std::min({dot(plane.normal, t.a), dot(plane.normal, t.b), dot(plane.normal, t.c)}) >
+			   plane.offset + slack;
+	};
+	if (last < planes.size() && isAbove(planes[last])) return false;
 	for (const HalfSpace& plane : planes)
-		if (std::min({dot(plane.normal, t.a), dot(plane.normal, t.b), dot(plane.normal, t.c)}) > plane.offset + slack)
+		if (isAbove(plane))
+		{
+			last = std::size_t(&plane - planes.data());
 			return false;
+		}
 	static thread_local std::vector<Vec3> polygon, next;
+	static thread_local std::vector<double> height;
 	polygon.assign({t.a, t.b, t.c});
 	for (const HalfSpace& plane : planes)
 	{
+		height.clear();
+		for (const Vec3& p : polygon) height.push_back(dot(plane.normal, p) - plane.offset - slack);
+		if (std::all_of(height.begin(), height.end(), [](double h) { return h <= 0; })) continue;
 		next.clear();
 		for (std::size_t i = 0; i < polygon.size(); ++i)
 		{
-			const Vec3 &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
-			const double a = dot(plane.normal, p) - plane.offset - slack,
-						 b = dot(plane.normal, q) - plane.offset - slack;
+			const std::size_t k = i + 1 < polygon.size() ? i + 1 : 0;
+			const Vec3 &p = polygon[i], &q = polygon[k];
+			const double a = height[i], b = height[k];
 			if (a <= 0) next.push_back(p);
 			if ((a <= 0) != (b <= 0)) next.push_back(p + (a / (a - b)) * (q - p));
 		}

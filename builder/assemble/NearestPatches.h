@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <numeric>
 #include <vector>
 
 #include "builder/Lod.h"
@@ -22,16 +24,22 @@ using Lookups = std::array<Lookup, 4>;  // of a triangle's corners and its centr
 class NearestPatches
 {
 public:
-	NearestPatches(const Lod& lod) : m_lod(lod), m_tree(lod.mesh), m_faces(lod.patchCount)
+	NearestPatches(const Lod& lod) : m_lod(lod), m_tree(lod.mesh), m_firstFace(lod.patchCount + 1, 0)
 	{
+		for (std::uint32_t i = 0; i < lod.mesh.triangles.size(); ++i)
+		{
+			m_normals.push_back(areaVector(m_tree.triangle(i)));
+			++m_firstFace[lod.patchOfTriangle[i] + 1];
+		}
+		std::partial_sum(m_firstFace.begin(), m_firstFace.end(), m_firstFace.begin());
+		m_faces.resize(lod.mesh.triangles.size());
+		std::vector<std::uint32_t> next(m_firstFace.begin(), m_firstFace.end() - 1);
 		for (std::uint32_t i = 0; i < lod.mesh.triangles.size(); ++i)
 		{
 			const Triangle& t = m_tree.triangle(i);
 			const Vec3 middle = centroid(t);
 			const double radius = std::max({length(t.a - middle), length(t.b - middle), length(t.c - middle)});
-			m_balls.push_back({middle, radius * (1 + 1e-9)});
-			m_normals.push_back(areaVector(t));
-			m_faces[lod.patchOfTriangle[i]].push_back(i);
+			m_faces[next[lod.patchOfTriangle[i]]++] = {middle, radius * (1 + 1e-9), i};
 		}
 	}
 
@@ -65,47 +73,48 @@ public:
 		return result;
 	}
 
-	// Most faces are passed over for the ball round them.
-	double distanceTo(std::uint32_t patch, const Vec3& p) const
+	// infinity where it is more than the limit. Most faces are passed over for the ball round them.
+	double distanceTo(std::uint32_t patch, const Vec3& p, double limit) const
 	{
-		double best = std::numeric_limits<double>::infinity(), reach = best;
-		for (std::uint32_t i : m_faces[patch])
+		double best = std::numeric_limits<double>::infinity(), reach = limit;
+		for (std::uint32_t k = m_firstFace[patch]; k < m_firstFace[patch + 1]; ++k)
 		{
-			const double most = reach + m_balls[i].radius;
-			if (lengthSquared(p - m_balls[i].middle) > most * most) continue;
-			const double here = distanceSquared(p, m_tree.triangle(i));
+			const double most = reach + m_faces[k].radius;
+			if (lengthSquared(p - m_faces[k].middle) > most * most) continue;
+			const double here = distanceSquared(p, m_tree.triangle(m_faces[k].index));
 			if (here >= best) continue;
 			best = here;
-			reach = std::sqrt(best) * (1 + 1e-9);
+			reach = std::min(limit, std::sqrt(best) * (1 + 1e-9));
 		}
-		return std::sqrt(best);
+		return std::sqrt(best) <= limit ? std::sqrt(best) : std::numeric_limits<double>::infinity();
 	}
 
 	Vec3 middleOf(std::uint32_t patch, Vec3& normal) const
 	{
 		Vec3 sum;
 		double area = 0;
-		for (std::uint32_t i : m_faces[patch])
+		for (std::uint32_t k = m_firstFace[patch]; k < m_firstFace[patch + 1]; ++k)
 		{
-			const double a = length(m_normals[i]);
-			sum += a * centroid(m_tree.triangle(i));
-			normal += m_normals[i];
-			area += a;
+			const Vec3& here = m_normals[m_faces[k].index];
+			sum += length(here) * m_faces[k].middle;
+			normal += here;
+			area += length(here);
 		}
-		return area > 0 ? (1 / area) * sum : centroid(m_tree.triangle(m_faces[patch][0]));
+		return area > 0 ? (1 / area) * sum : m_faces[m_firstFace[patch]].middle;
 	}
 
 private:
-	struct Ball
+	struct Face
 	{
 		Vec3 middle;
-		double radius;
+		double radius;  // of the ball round the middle that holds it
+		std::uint32_t index;
 	};
 
 	const Lod& m_lod;
 	TriangleTree m_tree;
-	std::vector<std::vector<std::uint32_t>> m_faces;
-	std::vector<Vec3> m_normals;
-	std::vector<Ball> m_balls;  // round each face
+	std::vector<std::uint32_t> m_firstFace;  // per patch into m_faces, and the end
+	std::vector<Face> m_faces;
+	std::vector<Vec3> m_normals;  // by index of the face
 };
 }  // namespace clod::builder

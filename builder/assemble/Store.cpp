@@ -247,8 +247,8 @@ private:
 			const std::uint32_t parent = m_draft.primaryParent[index];
 			const bool top = parent == kNone || m_draft.nodes[parent].faces.empty();
 			if (index != root && !top) continue;
-			for (const Triangle& piece : trianglesOf(node.pieces, m_solid.tree()))
-				points.insert(points.end(), {piece.a, piece.b, piece.c});
+			const std::vector<Vec3> corners = territoryOf(node.pieces, m_lods.front().mesh).corners;
+			points.insert(points.end(), corners.begin(), corners.end());
 		}
 		return points;
 	}

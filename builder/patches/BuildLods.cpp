@@ -73,7 +73,6 @@ public:
 			runPaper();
 		else
 			runGuarded();
-		m_sink(std::move(m_last));
 	}
 
 private:
@@ -98,7 +97,11 @@ private:
 	DeviationGuard m_guard;
 	std::optional<Collapser> m_collapser;
 	EdgeQueue m_queue;
-	Lod m_last;  // the coarsest level so far; its parents are still to come
+	struct
+	{
+		std::uint32_t patches = 0;
+		std::size_t triangles = 0;
+	} m_last;  // level
 	std::size_t m_firstFaces = 0;
 	std::size_t m_attempts = 0;
 };
@@ -112,26 +115,24 @@ void Simplifier::cut()
 {
 	std::vector<std::uint32_t> idOfPatch;
 	Lod lod = snapshot(m_mesh, m_validity.tolerance, idOfPatch);
-	if (m_last.patchCount > 0)
-	{
-		m_last.parentPatch.assign(m_last.patchCount, kNone);
-		for (std::uint32_t p = 0; p < m_mesh.patches.size(); ++p)
-			for (const std::uint32_t kid : m_mesh.patches[p].kids) m_last.parentPatch[kid] = idOfPatch[p];
-		m_sink(std::move(m_last));
-	}
+	lod.patchOfChild.assign(m_last.patches, kNone);
 	for (std::uint32_t p = 0; p < m_mesh.patches.size(); ++p)
 	{
-		m_mesh.patches[p].kids.clear();
-		if (idOfPatch[p] != kNone) m_mesh.patches[p].kids.push_back(idOfPatch[p]);
+		std::vector<std::uint32_t>& kids = m_mesh.patches[p].kids;
+		if (m_last.patches > 0)
+			for (const std::uint32_t kid : kids) lod.patchOfChild[kid] = idOfPatch[p];
+		kids.clear();
+		if (idOfPatch[p] != kNone) kids.push_back(idOfPatch[p]);
 	}
-	m_last = std::move(lod);
+	m_last = {lod.patchCount, lod.mesh.triangles.size()};
+	m_sink(std::move(lod));
 }
 
 void Simplifier::cutIfHalved()
 {
-	if (2 * m_mesh.patchCount > m_last.patchCount) return;
+	if (2 * m_mesh.patchCount > m_last.patches) return;
 	// Default mode: a level that saves patches alone costs more, in the file and in every query, than it saves.
-	if (!m_config.paper && 2 * m_mesh.faceCount > m_last.mesh.triangles.size()) return;
+	if (!m_config.paper && 2 * m_mesh.faceCount > m_last.triangles) return;
 	joinEverywhere(m_mesh, m_validity);
 	cut();
 	m_mesh.rebuildTrees();

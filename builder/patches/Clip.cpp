@@ -58,6 +58,14 @@ void clipBelow(std::vector<Vec3>& polygon, const Plane& plane, double depth, std
 bool entersHull(const TrianglePoints& triangle, const std::vector<Plane>& planes, double depth)
 {
 	static thread_local std::vector<const Plane*> crossing;
+	static thread_local std::size_t last = 0;  // separated: neighbours mostly share it
+	const auto isAbove = [&](const Plane& plane)
+	{
+		const double limit = plane.offset - depth;
+		return dot(plane.normal, triangle[0]) >= limit && dot(plane.normal, triangle[1]) >= limit &&
+			   dot(plane.normal, triangle[2]) >= limit;
+	};
+	if (last < planes.size() && isAbove(planes[last])) return false;
 	crossing.clear();
 	for (const Plane& plane : planes)
 	{
@@ -65,7 +73,11 @@ bool entersHull(const TrianglePoints& triangle, const std::vector<Plane>& planes
 		const bool in0 = dot(plane.normal, triangle[0]) < limit;
 		const bool in1 = dot(plane.normal, triangle[1]) < limit;
 		const bool in2 = dot(plane.normal, triangle[2]) < limit;
-		if (!in0 && !in1 && !in2) return false;
+		if (!in0 && !in1 && !in2)
+		{
+			last = std::size_t(&plane - planes.data());
+			return false;
+		}
 		if (!(in0 && in1 && in2)) crossing.push_back(&plane);
 	}
 	static thread_local std::vector<Vec3> polygon, scratch;
@@ -138,22 +150,27 @@ double perimeterOf(const std::vector<Point2>& polygon)
 	for (std::size_t i = 0; i < polygon.size(); ++i)
 	{
 		const Point2 &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
-		sum += std::hypot(b.x - a.x, b.y - a.y);
+		sum += std::sqrt((b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y));
 	}
 	return sum;
 }
 
 std::vector<Point2> clipped(std::vector<Point2> polygon, const std::vector<Point2>& convex)
 {
-	std::vector<Point2> result;
+	static thread_local std::vector<Point2> result;
+	static thread_local std::vector<double> height;
 	for (std::size_t e = 0; e < convex.size() && !polygon.empty(); ++e)
 	{
-		const Point2 &a = convex[e], &b = convex[(e + 1) % convex.size()];
+		const Point2 &a = convex[e], &b = convex[e + 1 < convex.size() ? e + 1 : 0];
+		height.clear();
+		for (const Point2& p : polygon) height.push_back(cross2(a, b, p));
+		if (std::all_of(height.begin(), height.end(), [](double h) { return h >= 0; })) continue;
 		result.clear();
 		for (std::size_t i = 0; i < polygon.size(); ++i)
 		{
-			const Point2 &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
-			const double hp = cross2(a, b, p), hq = cross2(a, b, q);
+			const std::size_t next = i + 1 < polygon.size() ? i + 1 : 0;
+			const Point2 &p = polygon[i], &q = polygon[next];
+			const double hp = height[i], hq = height[next];
 			if (hp >= 0) result.push_back(p);
 			if ((hp >= 0) != (hq >= 0))
 				result.push_back({p.x + hp / (hp - hq) * (q.x - p.x), p.y + hp / (hp - hq) * (q.y - p.y)});

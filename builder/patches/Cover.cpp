@@ -31,7 +31,7 @@ double stripArea(const Point2& p, const Point2& q, const std::vector<Point2>& ou
 	for (std::size_t i = 0; i < outline.size(); ++i)
 	{
 		const Point2 &a = outline[i], &b = outline[(i + 1) % outline.size()];
-		const double dx = b.x - a.x, dy = b.y - a.y, along = std::hypot(dx, dy);
+		const double dx = b.x - a.x, dy = b.y - a.y, along = std::sqrt(dx * dx + dy * dy);
 		const double ofP = (dx * (p.y - a.y) - dy * (p.x - a.x)) / along;
 		const double ofQ = (dx * (q.y - a.y) - dy * (q.x - a.x)) / along;
 		const double farther = std::max(ofP, ofQ);
@@ -51,6 +51,7 @@ struct Validity::Front
 	const PlaneFrame frame;
 	std::vector<Point2> outline;
 	Box box;
+	Point2 low{}, high{};  // of the outline
 
 	double lowest(const TrianglePoints& t) const
 	{
@@ -59,6 +60,20 @@ struct Validity::Front
 	bool shows(const Plane& face, const TrianglePoints& t) const
 	{
 		return dot(face.normal, plane.normal) > 0 && lowest(t) >= -blind;
+	}
+	void enclose()
+	{
+		low = high = outline[0];
+		for (const Point2& p : outline)
+		{
+			low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+			high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+		}
+	}
+	bool isBeside(const std::array<Point2, 3>& t) const
+	{
+		return std::max({t[0].x, t[1].x, t[2].x}) <= low.x || std::min({t[0].x, t[1].x, t[2].x}) >= high.x ||
+			   std::max({t[0].y, t[1].y, t[2].y}) <= low.y || std::min({t[0].y, t[1].y, t[2].y}) >= high.y;
 	}
 };
 
@@ -90,7 +105,7 @@ bool Validity::isFlat()
 
 bool Validity::frontIsCovered(const Plane& plane, const Vec3& origin)
 {
-	Front front{plane, kBlind * tolerance, PlaneFrame(plane, origin), {}, {}};
+	Front front{plane, kBlind * tolerance, PlaneFrame(plane, origin), {}, {}, {}, {}};
 	std::vector<Point2> points;
 	for (const Vec3& p : m_points)
 		if (plane.height(p) >= -front.blind)
@@ -100,6 +115,7 @@ bool Validity::frontIsCovered(const Plane& plane, const Vec3& origin)
 		}
 	if (points.size() <= 3) return true;
 	front.outline = convexHull(std::move(points));
+	front.enclose();
 	const double perimeter = perimeterOf(front.outline);
 	const double rounding = 1e-13 * perimeter * perimeter + front.blind * front.blind;
 	double lacking = areaOf(front.outline) - rounding - shownCover(front);
@@ -172,11 +188,13 @@ double Validity::foreignCover(const Front& front)
 	searchForeign(searched.grownBy(slab),
 				  [&](std::uint32_t face, const TrianglePoints& t)
 				  {
+					  if (front.isBeside({front.frame(t[0]), front.frame(t[1]), front.frame(t[2])})) return true;
 					  const bool leaves = dot(cross(t[1] - t[0], t[2] - t[0]), plane.normal) > 0;
 					  static thread_local std::vector<Vec3> polygon, scratch;
 					  polygon.assign(t.begin(), t.end());
 					  clipBelow(polygon, {-plane.normal, -plane.offset}, leaves ? -slab : 0, scratch);
 					  clipBelow(polygon, plane, -reach, scratch);
+					  if (polygon.empty()) return true;
 					  std::vector<Point2> projected;
 					  for (const Vec3& p : polygon) projected.push_back(front.frame(p));
 					  const double area = areaOf(clipped(std::move(projected), front.outline));

@@ -14,6 +14,11 @@ bool isCollinear(const Vec3& a, const Vec3& b, const Vec3& c)
 	const Vec3 n = cross(b - a, c - a);
 	return lengthSquared(n) <= 1e-28 * lengthSquared(b - a) * lengthSquared(c - a);
 }
+
+std::uint64_t edge(std::uint32_t from, std::uint32_t to)
+{
+	return std::uint64_t(from) << 32 | to;
+}
 }  // namespace
 
 void SmallHull::clear()
@@ -77,14 +82,14 @@ void SmallHull::insert(std::uint32_t point)
 			m_kept.push_back(t);
 			continue;
 		}
-		for (int k = 0; k < 3; ++k) m_visibleEdges.push_back({t[k], t[(k + 1) % 3]});
+		for (int k = 0; k < 3; ++k) m_visibleEdges.push_back(edge(t[k], t[(k + 1) % 3]));
 	}
 	if (m_visibleEdges.empty()) return;
-	for (const auto& edge : m_visibleEdges)
+	for (const std::uint64_t e : m_visibleEdges)
 	{
-		const std::array<std::uint32_t, 2> twin = {edge[1], edge[0]};
-		if (std::find(m_visibleEdges.begin(), m_visibleEdges.end(), twin) == m_visibleEdges.end())
-			m_kept.push_back({edge[0], edge[1], point});
+		const auto from = std::uint32_t(e >> 32), to = std::uint32_t(e);
+		if (std::find(m_visibleEdges.begin(), m_visibleEdges.end(), edge(to, from)) == m_visibleEdges.end())
+			m_kept.push_back({from, to, point});
 	}
 	m_triangles.swap(m_kept);
 }

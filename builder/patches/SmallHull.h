@@ -32,9 +32,9 @@ private:
 
 	std::vector<Vec3> m_points;
 	std::vector<Triangle> m_triangles;
-	std::array<std::uint32_t, 3> m_base{};  // three points that are not collinear, once m_rank reaches 3
-	int m_rank = 0;                         // 0, 1, 2 (a line), 3 (a plane), 4
-	std::vector<Triangle> m_kept;           // scratch
-	std::vector<std::array<std::uint32_t, 2>> m_visibleEdges;
+	std::array<std::uint32_t, 3> m_base{};      // three points that are not collinear, once m_rank reaches 3
+	int m_rank = 0;                             // 0, 1, 2 (a line), 3 (a plane), 4
+	std::vector<Triangle> m_kept;               // scratch
+	std::vector<std::uint64_t> m_visibleEdges;  // from << 32 | to
 };
 }  // namespace clod::builder

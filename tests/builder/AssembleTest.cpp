@@ -206,7 +206,7 @@ TEST(AssembleCoarse, BridgedLevelsHalveAndStayWithinTheirError)
 		EXPECT_LE(2 * lods[k].patchCount, lods[k - 1].patchCount);
 		EXPECT_EQ(pointsBeyond(lods[k], solid, lods[k].errorLimit), 0) << k;
 		for (std::size_t f = 0; f < lods[k].patchOfTriangle.size(); ++f)
-			EXPECT_EQ(lods[k].patchOfTriangle[f], lods[k - 1].parentPatch[lods[k - 1].patchOfTriangle[f]]);
+			EXPECT_EQ(lods[k].patchOfTriangle[f], lods[k].patchOfChild[lods[k - 1].patchOfTriangle[f]]);
 	}
 	Lod blind = lods[1];  // merged without looking
 	for (std::uint32_t& patch : blind.patchOfTriangle) patch /= 4;

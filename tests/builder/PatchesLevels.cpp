@@ -134,7 +134,7 @@ TEST(Levels, TheOracleSeesPlantedFaults)
 		EXPECT_NE(faultOfSurface(opened.mesh), "");
 	}
 	LodSequence wrong = sequence;
-	wrong.lods[0].parentPatch[0] = wrong.lods[1].patchCount;
+	wrong.lods[1].patchOfChild[0] = wrong.lods[1].patchCount;
 	EXPECT_NE(faultOfSequence(wrong), "");
 	wrong = sequence;
 	wrong.lods[1].patchCount = wrong.lods[0].patchCount;
@@ -193,7 +193,7 @@ TEST(Levels, SameResultForAnyThreadCountAndEveryTime)
 		EXPECT_TRUE(isSameMesh(first.lods[k].mesh, second.lods[k].mesh));
 		EXPECT_EQ(first.lods[k].patchOfTriangle, second.lods[k].patchOfTriangle);
 		EXPECT_EQ(first.lods[k].patchResolution, second.lods[k].patchResolution);
-		EXPECT_EQ(first.lods[k].parentPatch, second.lods[k].parentPatch);
+		EXPECT_EQ(first.lods[k].patchOfChild, second.lods[k].patchOfChild);
 	}
 }
 

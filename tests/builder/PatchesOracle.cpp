@@ -291,11 +291,11 @@ std::string faultOfSequence(const LodSequence& sequence)
 		const Lod &fine = sequence.lods[k], &coarse = sequence.lods[k + 1];
 		if (2 * coarse.patchCount > fine.patchCount) return "a cut keeps more than half of the patches";
 		if (coarse.patchTolerance < fine.patchTolerance) return "the tolerance shrinks";
-		if (fine.parentPatch.size() != fine.patchCount) return "parents and patches differ in number";
+		if (coarse.patchOfChild.size() != fine.patchCount) return "parents and patches differ in number";
 		std::set<std::uint32_t> parents;
-		for (std::size_t p = 0; p < fine.parentPatch.size(); ++p)
+		for (std::size_t p = 0; p < coarse.patchOfChild.size(); ++p)
 		{
-			const std::uint32_t parent = fine.parentPatch[p];
+			const std::uint32_t parent = coarse.patchOfChild[p];
 			if (parent >= coarse.patchCount) return "a parent is out of range";
 			parents.insert(parent);
 			const double own = fine.patchResolution[p], above = coarse.patchResolution[parent];
@@ -303,7 +303,7 @@ std::string faultOfSequence(const LodSequence& sequence)
 		}
 		if (parents.size() != coarse.patchCount) return "a patch has no child";
 	}
-	if (!sequence.lods.back().parentPatch.empty()) return "the last level has parents";
+	if (!sequence.lods.front().patchOfChild.empty()) return "the first level has children";
 	return "";
 }
 

@@ -144,12 +144,12 @@ LodSequence torusLods(double ring, double tube, int segments, int sides, int lev
 		Lod lod = quadPatches(torusMesh(ring, tube, columns, rows));
 		lod.patchResolution.assign(lod.patchCount, columns / (2 * kPi * (ring + tube)));
 		// Labels: each quad covers two by two of the level below; level 0's patches are triangles.
-		Lod& below = sequence.lods.back();
+		const Lod& below = sequence.lods.back();
 		const int perQuad = k == 1 ? 2 : 1;
 		for (std::uint32_t p = 0; p < below.patchCount; ++p)
 		{
 			const int quad = int(p) / perQuad, i = quad / (2 * rows), j = quad % (2 * rows);
-			below.parentPatch.push_back(std::uint32_t(i / 2 * rows + j / 2));
+			lod.patchOfChild.push_back(std::uint32_t(i / 2 * rows + j / 2));
 		}
 		sequence.lods.push_back(lod);
 	}
