@@ -39,32 +39,18 @@ namespace wide = plain;
 constexpr bool kWide = false;
 #endif
 
-Vec3 centerOf(const CullBox& box)
-{
-	return {double(box.center[0]), double(box.center[1]), double(box.center[2])};
-}
-
-// Distance of the origin from the segment between p and p + move.
-double toSegment(const Vec3& p, const Vec3& move)
-{
-	const double squared = lengthSquared(move);
-	const double share = squared > 0 ? std::max(0.0, std::min(1.0, -dot(p, move) / squared)) : 0;
-	return length(p + share * move);
-}
-
 // Of lengths that floats cannot square.
 void sphereSeparations(const BoxFrame& frame, const CullBox& one, bool oneIsOfA, const CullBox* const* others,
 					   std::uint32_t count, float* separations)
 {
-	const auto vector = [](const float(&v)[3]) { return Vec3{double(v[0]), double(v[1]), double(v[2])}; };
 	for (std::uint32_t i = 0; i < count; ++i)
 	{
 		const CullBox &a = oneIsOfA ? one : *others[i], &b = oneIsOfA ? *others[i] : one;
-		Vec3 center = vector(frame.translation);
-		for (int c = 0; c < 3; ++c) center[c] += dot(vector(frame.rotation[c]), centerOf(b));
-		const Vec3 move = vector(frame.linear) + cross(vector(frame.angular), center);
+		Vec3 center = vectorOf(frame.translation);
+		for (int c = 0; c < 3; ++c) center[c] += dot(vectorOf(frame.rotation[c]), centerOf(b));
+		const Vec3 move = vectorOf(frame.linear) + cross(vectorOf(frame.angular), center);
 		const double radii = double(a.radius) + double(b.radius), turn = double(frame.turn) * double(b.radius);
-		const double distance = toSegment(center - centerOf(a), move);
+		const double distance = distanceToSegment(center - centerOf(a), move);
 		separations[i] = float(distance - radii - turn - (kRounding + 1e-6) * frame.size);
 	}
 }

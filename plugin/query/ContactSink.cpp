@@ -28,7 +28,7 @@ void ContactSink::answer(std::uint32_t a, std::uint32_t b, HullMemory& memory)
 		const SweptBound bound = canonicalSweptBound(m_context, a, b, m_tolerance);
 		if (bound.lower > m_tolerance)
 		{
-			HullCull::keep(memory, bound.lower, bound.normal);
+			HullCull::keepApart(memory, bound.lower, bound.normal);
 			return noContact(a, b);
 		}
 	}
@@ -36,7 +36,7 @@ void ContactSink::answer(std::uint32_t a, std::uint32_t b, HullMemory& memory)
 	const HullDistance distance = canonicalDistance(m_context, a, b, moves ? kInfinity : m_tolerance);
 	if (!moves && distance.lower > m_tolerance)
 	{
-		HullCull::keep(memory, distance.lower, distance.normal);
+		HullCull::keepApart(memory, distance.lower, distance.normal);
 		return noContact(a, b);
 	}
 	memory = HullMemory{};

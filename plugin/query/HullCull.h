@@ -16,51 +16,62 @@ public:
 	// The remembered bound alone says so.
 	bool isProvenApart(std::uint32_t a, std::uint32_t b, double limit, const HullMemory& memory) const
 	{
-		return double(memory.lower) > limit + room(a, b, limit);
+		return memory.knowledge == HullKnowledge::kApart && double(memory.lower) > limit + room(a, b, limit);
 	}
 	// As before, or seen along the remembered direction.
 	bool isStillApart(std::uint32_t a, std::uint32_t b, double limit, HullMemory& memory)
 	{
+		if (memory.knowledge != HullKnowledge::kApart) return false;
 		if (isProvenApart(a, b, limit, memory))
 		{
 			++m_stats.skippedBySlack;
 			return true;
 		}
-		if (!(memory.lower > -std::numeric_limits<float>::infinity())) return false;
 		++m_stats.hullTests;
-		const Vec3 axis{double(memory.axis[0]), double(memory.axis[1]), double(memory.axis[2])};
+		const Vec3 axis = vectorOf(memory.onA);
 		const double lower = sweptSeparationAlong(m_context, a, b, axis);
 		if (!(lower > limit + room(a, b, limit))) return false;
-		keep(memory, lower, axis);
+		keepApart(memory, lower, axis);
 		return true;
 	}
 	bool isApart(std::uint32_t a, std::uint32_t b, double limit, HullMemory& memory)
 	{
-		if (double(memory.upper) < limit - room(a, b, limit))
-		{
-			++m_stats.skippedBySlack;
-			return false;
-		}
+		if (isStillNear(a, b, limit, memory)) return false;
 		if (isStillApart(a, b, limit, memory)) return true;
 		++m_stats.hullTests;
 		const SweptBound bound = canonicalSweptBound(m_context, a, b, limit, limit);
 		if (bound.lower > limit)
 		{
-			keep(memory, bound.lower, bound.normal);
+			keepApart(memory, bound.lower, bound.normal);
 			return true;
 		}
-		memory.lower = -std::numeric_limits<float>::infinity();
-		memory.upper = upperAfter(float(bound.upper), 0);
+		memory.knowledge = HullKnowledge::kNear;
+		keep(bound.onA, memory.onA);
+		keep(bound.onB, memory.onB);
 		return false;
 	}
-	static void keep(HullMemory& memory, double lower, const Vec3& direction)
+	static void keepApart(HullMemory& memory, double lower, const Vec3& direction)
 	{
+		memory.knowledge = HullKnowledge::kApart;
 		memory.lower = lowerAfter(float(lower), 0);
-		memory.upper = std::numeric_limits<float>::infinity();
-		for (int i = 0; i < 3; ++i) memory.axis[i] = float(direction[i]);
+		keep(direction, memory.onA);
 	}
 
 private:
+	// The points that were near are.
+	bool isStillNear(std::uint32_t a, std::uint32_t b, double limit, const HullMemory& memory)
+	{
+		if (memory.knowledge != HullKnowledge::kNear) return false;
+		const double upper = sweptPointDistance(m_context, b, vectorOf(memory.onA), vectorOf(memory.onB));
+		const double rounding = 2e-7 * m_context.size;  // of points kept as floats
+		if (!(upper < limit - room(a, b, limit) - rounding)) return false;
+		++m_stats.skippedBySlack;
+		return true;
+	}
+	static void keep(const Vec3& v, float (&kept)[3])
+	{
+		for (int i = 0; i < 3; ++i) kept[i] = float(v[i]);
+	}
 	double room(std::uint32_t a, std::uint32_t b, double limit) const
 	{
 		const double size = double(m_context.a.cullBox(a).radius) + double(m_context.b.cullBox(b).radius);

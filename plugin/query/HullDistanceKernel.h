@@ -79,6 +79,7 @@ struct Simplex
 struct Witness
 {
 	Vec3 onA, apart;  // a point of a, and the way to it from a point of b
+	double moved = 0;
 };
 CLOD_INLINED Witness witnessOf(const Simplex& simplex, const SimplexPoint& nearest)
 {
@@ -87,6 +88,7 @@ CLOD_INLINED Witness witnessOf(const Simplex& simplex, const SimplexPoint& neare
 	{
 		witness.onA += nearest.weight[i] * pointOf(simplex.onA, i);
 		witness.apart += nearest.weight[i] * pointOf(simplex.point, i);
+		witness.moved += nearest.weight[i] * double(simplex.key[i] & 1);
 	}
 	return witness;
 }
@@ -97,6 +99,7 @@ CLOD_INLINED void overlapAt(const Witness& witness, HullDistance& result)
 	result = HullDistance{};
 	result.pointOnA = witness.onA;
 	result.pointOnB = witness.onA - witness.apart;
+	result.moved = witness.moved;
 	result.overlap = true;
 	result.iterations = iterations;
 }
@@ -150,6 +153,7 @@ HullDistance hullDistance(const ConvexHull& a, const ConvexHull& b, const Relati
 		result.upper = apart + pose.rounding;
 		result.pointOnA = witness.onA;
 		result.pointOnB = witness.onA - witness.apart;
+		result.moved = witness.moved;
 		if (result.upper - result.lower <= kConverged * size || result.upper <= stopBelow) break;
 		towardsA = nearest.nearest;
 	}

@@ -44,9 +44,12 @@ public:
 		}
 		m_spread = std::sqrt(0.5 * m_spread);
 	}
-	double of(const Vec3& center, double radius) const
+	// Along a unit direction of frame A, to rounding of a float; negative where the whole part moved the other way.
+	double along(const Vec3& direction, const Vec3& center, double radius) const
 	{
-		return (1 + 4e-6) * (length(m_turn * center + m_shift) + m_spread * radius) + m_rounding;
+		const Vec3 way = m_turn * center + m_shift;
+		const double rounding = 4e-6 * (std::abs(way.x) + std::abs(way.y) + std::abs(way.z));
+		return dot(direction, way) + rounding + (1 + 4e-6) * m_spread * radius + m_rounding;
 	}
 
 private:

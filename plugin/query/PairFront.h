@@ -41,12 +41,19 @@ struct FrontEntry
 };
 static_assert(sizeof(FrontEntry) == 36);
 
-// What a pair keeps of its hull test.
+// What a pair keeps of its hull test: a direction along which the hulls were apart, or two points that were near.
+enum class HullKnowledge : std::uint8_t
+{
+	kNothing,
+	kApart,
+	kNear
+};
 struct HullMemory
 {
-	float axis[3] = {0, 0, 0};                              // frame A: the direction `lower` was measured along
-	float lower = -std::numeric_limits<float>::infinity();  // bounds of the hull distance; infinite: unknown
-	float upper = std::numeric_limits<float>::infinity();
+	HullKnowledge knowledge = HullKnowledge::kNothing;
+	float lower = 0;           // apart: of the hull distance along onA, carried on with the motion
+	float onA[3] = {0, 0, 0};  // frame A. apart: the direction `lower` was measured along; near: a point of hull a
+	float onB[3] = {0, 0, 0};  // frame B. near: a point of hull b
 };
 
 // A bound from below, or above, that a motion may have made wrong by `moved`.

@@ -14,7 +14,7 @@ double reachOf(const Hierarchy& hierarchy)
 	const CullBox& root = hierarchy.cullBox(hierarchy.root());
 	const double half = std::sqrt(double(root.half[0]) * root.half[0] + double(root.half[1]) * root.half[1] +
 								  double(root.half[2]) * root.half[2]);
-	const Vec3 center{double(root.center[0]), double(root.center[1]), double(root.center[2])};
+	const Vec3 center = centerOf(root);
 	double squared = 0;
 	for (int i = 0; i < 3; ++i)
 	{
@@ -24,10 +24,6 @@ double reachOf(const Hierarchy& hierarchy)
 	return 1.7321 * std::max(std::sqrt(squared), length(center) + std::max(half, double(root.radius)));
 }
 
-Vec3 centerOf(const CullBox& box)
-{
-	return {double(box.center[0]), double(box.center[1]), double(box.center[2])};
-}
 }  // namespace
 
 QueryContext::QueryContext(const Hierarchy& hierarchyA, const Hierarchy& hierarchyB, const Transform& aFromB,
@@ -63,6 +59,7 @@ MovingNode movingNode(const QueryContext& context, std::uint32_t b)
 {
 	const CullBox& box = context.b.cullBox(b);
 	const Vec3 center = context.pose.apply(centerOf(box));
+	if (!context.boxes.moves) return {center, Vec3{}, 0};
 	return {center, context.sweep.of(center), length(context.sweep.angular) * double(box.radius)};
 }
 }  // namespace
@@ -75,7 +72,9 @@ SweptBound canonicalSweptBound(const QueryContext& context, std::uint32_t a, std
 	const HullDistance distance =
 		hullDistance(contactHull(context.a, context.a.node(a)), contactHull(context.b, context.b.node(b)), context.pose,
 					 start, stopAbove + moving.spread, moving.move, stopBelow + moving.spread);
-	return {distance.lower - moving.spread, distance.upper - moving.spread, distance.normal};
+	const Vec3 atRest = distance.pointOnB - distance.moved * moving.move;
+	return {distance.lower - moving.spread, distance.upper - moving.spread, distance.normal, distance.pointOnA,
+			context.pose.directionToB(atRest - context.pose.translation)};
 }
 
 double sweptSeparationAlong(const QueryContext& context, std::uint32_t a, std::uint32_t b, const Vec3& direction)
@@ -84,6 +83,14 @@ double sweptSeparationAlong(const QueryContext& context, std::uint32_t a, std::u
 	return separationAlong(contactHull(context.a, context.a.node(a)), contactHull(context.b, context.b.node(b)),
 						   context.pose, direction, moving.move) -
 		   moving.spread;
+}
+
+double sweptPointDistance(const QueryContext& context, std::uint32_t b, const Vec3& onA, const Vec3& onB)
+{
+	const Vec3 apart = context.pose.apply(onB) - onA;
+	if (!context.boxes.moves) return length(apart);
+	const MovingNode moving = movingNode(context, b);
+	return distanceToSegment(apart, moving.move) - moving.spread;
 }
 
 double paperSeparation(const QueryContext& context, std::uint32_t a, std::uint32_t b, double stopAbove)

@@ -44,11 +44,15 @@ struct SweptBound
 {
 	double lower, upper;
 	Vec3 normal;
+	Vec3 onA, onB;  // points of the two hulls at rest that come so near, each in its own frame
 };
 SweptBound canonicalSweptBound(const QueryContext& context, std::uint32_t a, std::uint32_t b, double stopAbove,
 							   double stopBelow = -std::numeric_limits<double>::infinity());
 // The same from the support planes across one direction: any direction gives a true bound.
 double sweptSeparationAlong(const QueryContext& context, std::uint32_t a, std::uint32_t b, const Vec3& direction);
+// How near two points come, of A and of node b, each in its own frame: an upper bound of what canonicalSweptBound
+// calls lower if they are points of the two hulls.
+double sweptPointDistance(const QueryContext& context, std::uint32_t b, const Vec3& onA, const Vec3& onB);
 
 // dist(hull a, hull b) - h_a - h_b, a lower bound of the distance of everything below (paper eq. 1), at any time
 // of the step. Stops as soon as it is > stopAbove.

@@ -120,8 +120,7 @@ private:
 		const CullBox &a = m_context->a.cullBox(i), &b = m_context->b.cullBox(j);
 		const bool isA = a.radius <= b.radius;
 		const CullBox& box = isA ? a : b;
-		const Vec3 center{double(box.center[0]), double(box.center[1]), double(box.center[2])};
-		return {isA ? center : m_context->pose.apply(center), double(box.radius)};
+		return {isA ? centerOf(box) : m_context->pose.apply(centerOf(box)), double(box.radius)};
 	}
 	static double fastest(const QueryContext& context, const Metric& metric)
 	{

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // The coming step's motion of body B as seen from body A: what a query looks ahead along.
 #pragma once
+#include <algorithm>
+
 #include "clod/hierarchy/Vector.h"
 
 namespace clod
@@ -13,6 +15,13 @@ struct Sweep
 	Vec3 of(const Vec3& point) const { return linear + cross(angular, point); }
 	bool isZero() const { return linear == Vec3{} && angular == Vec3{}; }
 };
+// Of the origin from the segment between p and p + move.
+inline double distanceToSegment(const Vec3& p, const Vec3& move)
+{
+	const double squared = lengthSquared(move);
+	const double share = squared > 0 ? std::max(0.0, std::min(1.0, -dot(p, move) / squared)) : 0;
+	return length(p + share * move);
+}
 inline bool operator==(const Sweep& l, const Sweep& r)
 {
 	return l.linear == r.linear && l.angular == r.angular;

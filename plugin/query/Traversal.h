@@ -234,11 +234,10 @@ private:
 	{
 		if (old.hull == kNone) return {};
 		HullMemory memory = m_front.previousHulls[old.hull];
+		if (memory.knowledge != HullKnowledge::kApart) return memory;
 		const CullBox& box = m_context.b.cullBox(old.b);
-		const Vec3 center{double(box.center[0]), double(box.center[1]), double(box.center[2])};
-		const float moved = float((1 + 3e-7) * (m_partMotion.of(center, double(box.radius)) + m_change));
-		memory.lower = lowerAfter(memory.lower, moved);
-		memory.upper = upperAfter(memory.upper, moved);
+		const double nearer = m_partMotion.along(vectorOf(memory.onA), centerOf(box), double(box.radius)) + m_change;
+		memory.lower = lowerAfter(memory.lower, float(nearer + 3e-7 * std::abs(nearer)));
 		return memory;
 	}
 
@@ -249,6 +248,18 @@ private:
 		entry.slot = std::uint16_t(row.firstSlot + k);
 		entry.high = row.high[k];
 		entry.old = row.old[k];
+		if (m_settings.rule.followsSharedChildren() && !m_front.visited.insert(entry.a, entry.b))
+		{
+			entry.state = PairState::kElsewhere;
+			++m_stats->duplicates;
+		}
+		else
+			decide(entry);
+		m_front.entries.push_back(entry);
+	}
+
+	void decide(FrontEntry& entry)
+	{
 		PairState before = PairState::kSeparated;
 		HullMemory memory;
 		if (entry.old != kNone)
@@ -256,18 +267,6 @@ private:
 			before = m_front.previous[entry.old].state;
 			memory = remembered(m_front.previous[entry.old]);
 		}
-		if (m_settings.rule.followsSharedChildren() && !m_front.visited.insert(entry.a, entry.b))
-		{
-			entry.state = PairState::kElsewhere;
-			++m_stats->duplicates;
-		}
-		else
-			decide(entry, before, memory);
-		m_front.entries.push_back(entry);
-	}
-
-	void decide(FrontEntry& entry, PairState before, HullMemory& memory)
-	{
 		entry.state = nextState(entry, before);
 		if (entry.state == PairState::kAnswer)
 		{
