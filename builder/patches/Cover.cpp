@@ -105,15 +105,19 @@ bool Validity::isFlat()
 
 bool Validity::frontIsCovered(const Plane& plane, const Vec3& origin)
 {
-	Front front{plane, kBlind * tolerance, PlaneFrame(plane, origin), {}, {}, {}, {}};
-	std::vector<Point2> points;
+	const double blind = kBlind * tolerance;
+	static thread_local std::vector<Vec3> shown;
+	shown.clear();
 	for (const Vec3& p : m_points)
-		if (plane.height(p) >= -front.blind)
-		{
-			points.push_back(front.frame(p));
-			front.box.include(p);
-		}
-	if (points.size() <= 3) return true;
+		if (plane.height(p) >= -blind) shown.push_back(p);
+	if (shown.size() <= 3) return true;
+	Front front{plane, blind, PlaneFrame(plane, origin), {}, {}, {}, {}};
+	std::vector<Point2> points;
+	for (const Vec3& p : shown)
+	{
+		points.push_back(front.frame(p));
+		front.box.include(p);
+	}
 	front.outline = convexHull(std::move(points));
 	front.enclose();
 	const double perimeter = perimeterOf(front.outline);
@@ -188,8 +192,10 @@ double Validity::foreignCover(const Front& front)
 	searchForeign(searched.grownBy(slab),
 				  [&](std::uint32_t face, const TrianglePoints& t)
 				  {
-					  if (front.isBeside({front.frame(t[0]), front.frame(t[1]), front.frame(t[2])})) return true;
 					  const bool leaves = dot(cross(t[1] - t[0], t[2] - t[0]), plane.normal) > 0;
+					  const auto heights = std::minmax({plane.height(t[0]), plane.height(t[1]), plane.height(t[2])});
+					  if (heights.second <= (leaves ? -slab : 0) || heights.first >= reach) return true;
+					  if (front.isBeside({front.frame(t[0]), front.frame(t[1]), front.frame(t[2])})) return true;
 					  static thread_local std::vector<Vec3> polygon, scratch;
 					  polygon.assign(t.begin(), t.end());
 					  clipBelow(polygon, {-plane.normal, -plane.offset}, leaves ? -slab : 0, scratch);
