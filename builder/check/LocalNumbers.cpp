@@ -15,7 +15,9 @@ namespace
 {
 constexpr double kDouble = 4e-16;    // of a unit vector, for a few roundings in double
 constexpr double kConeRoom = 1e-7;   // what a cone is wider than its faces need
-constexpr double kAreaShare = 1e-3;  // of a contact area, for rounding at the ends of its bracket
+constexpr double kStored = 2.5e-4;   // bounds are stored to 13 bits
+constexpr double kAreaShare = 1e-6;  // of a contact area, for rounding at the ends of its bracket
+constexpr double kRadius = 1e-5;     // the stored radius may exceed the one that caps were cut at
 constexpr double kFacing = 0.2;      // faces turned farther from the contact normal end a contact area
 constexpr double kCapShare = 0.25;   // of the radius
 constexpr int kSides = 64;           // of the polygons that stand for discs here
@@ -103,11 +105,10 @@ void keepBelow(std::vector<Vec3>& polygon, const Vec3& normal, double offset)
 	polygon = std::move(kept);
 }
 
-// Area along the face's normal of the surface that hangs together with it in a slab and a polygon round the point whose
-// sides lie `side` away.
-double touchedArea(const Subject& s, std::uint32_t start, const Vec3& origin, double side)
+// Area along the face's normal of the surface that hangs together with it in a slab, delta to either side of the point,
+// and a polygon round the point whose sides lie `side` away.
+double touchedArea(const Subject& s, std::uint32_t start, const Vec3& origin, double delta, double side)
 {
-	const double delta = double(s.h.asset().areaTolerance);
 	const Vec3 normal = normalized(areaVector(s.triangle(start)));
 	const Vec3 u = normalized(cross(normal, std::abs(normal.x) < 0.5 ? Vec3{1, 0, 0} : Vec3{0, 0, 1}));
 	const Vec3 v = cross(normal, u);
@@ -147,8 +148,9 @@ struct Range
 
 // A leaf's own area: at its face nearest to its middle; every face as near, to rounding, may have been taken. The
 // builder's cap is a polygon of 16 sides and of the disc's area, turned anyhow: it contains its inscribed disc and lies
-// in its circumscribed one, and a larger cap never touches less. Where the surface leaves the cap and comes back, the
-// areas of two caps that are nearly equal differ by whole pieces.
+// in its circumscribed one, and a larger cap never touches less, nor does a thicker slab. Where the surface leaves cap
+// or slab and comes back, the areas of two that are nearly equal differ by whole pieces. The slab's stored half-width
+// is rounded up, so that of the builder lies in a bracket too.
 Range leafArea(const Subject& s, std::uint32_t i)
 {
 	const Node& n = s.h.node(i);
@@ -164,15 +166,16 @@ Range leafArea(const Subject& s, std::uint32_t i)
 	middle = (1 / total) * middle;
 	for (std::uint32_t f = n.firstFace; f < n.firstFace + n.faceCount; ++f)
 		least = std::min(least, distance(s.triangle(f), middle));
-	const double inscribed = kCapShare * s.radius * std::sqrt(kPi / (16 * std::tan(kPi / 16)));
-	const double circumscribed = inscribed / std::cos(kPi / 16);
+	const double delta = double(s.h.asset().areaTolerance), thinnest = delta * (1 - kStored);
+	const double circumscribed = kCapShare * s.radius * std::sqrt(kPi / (16 * std::tan(kPi / 16))) / std::cos(kPi / 16);
+	const double inscribed = circumscribed * std::cos(kPi / 16) * std::cos(kPi / kSides) * (1 - kRadius);
 	Range range{1e300, 0};
 	for (std::uint32_t f = n.firstFace; f < n.firstFace + n.faceCount; ++f)
 	{
 		if (distance(s.triangle(f), middle) > least + 1e-7 * s.radius) continue;
 		const Vec3 origin = nearestOn(s.triangle(f), middle);
-		range = {std::min(range.low, touchedArea(s, f, origin, inscribed * std::cos(kPi / kSides))),
-				 std::max(range.high, touchedArea(s, f, origin, circumscribed))};
+		range = {std::min(range.low, touchedArea(s, f, origin, thinnest, inscribed)),
+				 std::max(range.high, touchedArea(s, f, origin, delta, circumscribed))};
 	}
 	return range;
 }
@@ -210,7 +213,7 @@ Invariant contactAreas(const Subject& s)
 			ofChildren = std::min(ofChildren, double(s.h.node(c).contactArea));
 		if (s.h.isPaperBuild() && n.level > 0) own[i] = {ofChildren, ofChildren};
 		const double stored = double(n.contactArea);
-		const double low = std::max(ofParents, (1 - kAreaShare) * own[i].low);
+		const double low = std::max(ofParents, (1 - kStored - kAreaShare) * own[i].low);
 		const double high = std::max(ofParents, (1 + kAreaShare) * own[i].high);
 		tally.add(i, std::max(low - stored, stored - high),
 				  fmt::format("node {}: contact area {:.6g} is not within [{:.6g}, {:.6g}]", i, stored, low, high));
