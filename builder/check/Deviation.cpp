@@ -30,25 +30,39 @@ struct Finding
 	double excess = 0;
 };
 
+// The nearest triangle, looked for within the distance of one that is not far.
+TriangleTree::Nearest nearestFrom(const TriangleTree& surface, std::uint32_t known, const Vec3& p)
+{
+	const TriangleTree::Nearest first{distance(surface.triangles()[known], p), known};
+	const TriangleTree::Nearest nearer = surface.nearest(p, first.distance);
+	return nearer.distance < first.distance ? nearer : first;
+}
+
 // Distance from a triangle to the surface against `bound`, by quartering.
 Finding judgeTriangle(const TriangleTree& surface, const Triangle& whole, double bound, double slack)
 {
 	constexpr int kBudget = 4000;
-	std::vector<Triangle> open = {whole};
+	struct Part
+	{
+		Triangle t;
+		std::uint32_t known;  // a triangle of the surface that is not far
+	};
+	std::vector<Part> open = {{whole, surface.nearest(whole[0]).triangle}};
 	for (int i = 0; !open.empty(); ++i)
 	{
 		if (i == kBudget) return {Verdict::undecided, 0};
-		const Triangle t = open.back();
+		const Triangle t = open.back().t;
+		std::uint32_t known = open.back().known;
 		open.pop_back();
 		const Vec3 center = (1.0 / 3) * (t[0] + t[1] + t[2]);
 		bool settled = false;
 		for (const Vec3& from : {center, t[0], t[1], t[2]})
 		{
-			const TriangleTree::Nearest nearest = surface.nearest(from);
+			const TriangleTree::Nearest nearest = nearestFrom(surface, known, from);
 			if (nearest.distance > bound + slack) return {Verdict::broken, nearest.distance - bound};
+			known = nearest.triangle;
 			const Triangle& other = surface.triangles()[nearest.triangle];
 			settled = std::max({distance(other, t[0]), distance(other, t[1]), distance(other, t[2])}) <= bound + slack;
-			if (!settled && &from == &t[0]) continue;
 			const double reach = std::max({length(t[0] - from), length(t[1] - from), length(t[2] - from)});
 			settled = settled || nearest.distance + reach <= bound + slack;
 			if (settled) break;
@@ -57,7 +71,7 @@ Finding judgeTriangle(const TriangleTree& surface, const Triangle& whole, double
 		const Vec3 a = 0.5 * (t[0] + t[1]), b = 0.5 * (t[1] + t[2]), c = 0.5 * (t[2] + t[0]);
 		for (const Triangle& part :
 			 {Triangle{t[0], a, c}, Triangle{a, t[1], b}, Triangle{c, b, t[2]}, Triangle{a, b, c}})
-			open.push_back(part);
+			open.push_back({part, known});
 	}
 	return {};
 }
@@ -93,12 +107,19 @@ public:
 	}
 
 private:
+	// Of corners, facets' middles and the centre: the farthest out, if beyond the bound. The side is asked there alone,
+	// as points on the surface cost it exact arithmetic.
 	double sampledDistance() const
 	{
-		double most = m_solid.distanceTo(m_center);
-		for (const Vec3& p : m_points) most = std::max(most, m_solid.distanceTo(p));
-		for (const Triangle& t : m_hull.facets)
-			most = std::max(most, m_solid.distanceTo((1.0 / 3) * (t[0] + t[1] + t[2])));
+		double most = 0;
+		const auto sample = [&](const Vec3& p)
+		{
+			const double d = m_solid.surface().nearest(p).distance;
+			if (d > m_bound + m_slack && d > most && !m_solid.holds(p)) most = d;
+		};
+		sample(m_center);
+		for (const Vec3& p : m_points) sample(p);
+		for (const Triangle& t : m_hull.facets) sample((1.0 / 3) * (t[0] + t[1] + t[2]));
 		return most;
 	}
 	// A hull in a plane: as a fan of triangles round its centre, every pair of points (more than its area, never less).
@@ -147,6 +168,8 @@ private:
 			reach = std::max(reach, length(p - c));
 			toTriangle = std::max(toTriangle, distance(m_solid.surface().triangles()[nearest.triangle], p));
 		}
+		const double anywhere = std::min(nearest.distance + reach, toTriangle);
+		if (anywhere <= m_bound + m_slack) return anywhere;
 		const bool inside = m_solid.holds(c);
 		if (!inside) attained = std::max(attained, nearest.distance);
 		const double lipschitz = std::max(0.0, (inside ? -nearest.distance : nearest.distance) + reach);
@@ -163,7 +186,7 @@ private:
 			const TriangleTree::Nearest nearest = m_solid.surface().nearest(p);
 			const Triangle& t = m_solid.surface().triangles()[nearest.triangle];
 			const Vec3 foot = nearestOn(t, p), face = normalized(cross(t[1] - t[0], t[2] - t[0]));
-			const bool inside = m_solid.holds(p);
+			const bool inside = nearest.distance > m_slack && m_solid.holds(p);
 			const double signedDistance = inside ? -nearest.distance : nearest.distance;
 			Vec3 inward = nearest.distance > m_slack ? (1 / signedDistance) * (foot - p) : -face;
 			image.push_back(p + std::max(0.0, m_bound - std::max(0.0, -signedDistance)) * inward);

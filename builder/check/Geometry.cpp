@@ -285,14 +285,19 @@ std::vector<std::uint32_t> TriangleTree::overlapping(const Box& box) const
 TriangleTree::Nearest TriangleTree::nearest(const Vec3& p, double limit) const
 {
 	Nearest best{limit, kNone};
-	std::array<std::uint32_t, 128> open;
+	struct Open
+	{
+		std::uint32_t cell;
+		double distance;
+	};
+	std::array<Open, 128> open;
 	std::size_t count = 0;
-	if (!m_cells.empty()) open[count++] = 0;
+	if (!m_cells.empty()) open[count++] = {0, m_cells[0].box.distance(p)};
 	while (count > 0)
 	{
-		const std::uint32_t index = open[--count];
+		const auto [index, atLeast] = open[--count];
+		if (atLeast >= best.distance) continue;
 		const Cell& cell = m_cells[index];
-		if (cell.box.distance(p) >= best.distance) continue;
 		if (cell.right == 0)
 		{
 			for (std::uint32_t i = cell.begin; i < cell.end; ++i)
@@ -302,9 +307,10 @@ TriangleTree::Nearest TriangleTree::nearest(const Vec3& p, double limit) const
 			}
 			continue;
 		}
-		const bool leftFirst = m_cells[index + 1].box.distance(p) <= m_cells[cell.right].box.distance(p);
-		open[count++] = leftFirst ? cell.right : index + 1;
-		open[count++] = leftFirst ? index + 1 : cell.right;
+		Open near{index + 1, m_cells[index + 1].box.distance(p)}, far{cell.right, m_cells[cell.right].box.distance(p)};
+		if (near.distance > far.distance) std::swap(near, far);
+		open[count++] = far;
+		open[count++] = near;
 	}
 	return best;
 }

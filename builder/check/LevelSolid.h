@@ -14,9 +14,8 @@ public:
 	LevelSolid(const Subject& subject, const Level& level);
 	~LevelSolid();
 	const TriangleTree& surface() const { return m_surface; }
-	bool holds(const Vec3& p) const;  // prepared when first asked, from any thread
-	// 0 inside.
-	double distanceTo(const Vec3& p) const { return holds(p) ? 0 : m_surface.nearest(p).distance; }
+	// Prepared when first asked, from any thread. Dear on the surface itself, where only exact arithmetic decides.
+	bool holds(const Vec3& p) const;
 
 private:
 	struct Inside;
