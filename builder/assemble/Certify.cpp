@@ -163,7 +163,7 @@ private:
 	std::vector<Part> m_stack;
 };
 
-// The nearest of some faces, the first of equally near ones. The one found last is tried first; a face whose sphere is
+// The nearest of some faces, the first of equally near ones. The one found last is tried first; a face whose ball is
 // beyond the best so far is passed over.
 class NearestFace
 {
@@ -173,8 +173,7 @@ public:
 		for (std::size_t i = 0; i < node.faces.size(); ++i)
 		{
 			m_faces.push_back(node.face(i));
-			const Vec3 center = centroid(m_faces.back());
-			m_spheres.push_back({center, (1 + 1e-12) * reachFrom({m_faces[i].a, m_faces[i].b, m_faces[i].c}, center)});
+			m_balls.push_back(ballRound(m_faces.back()));
 		}
 	}
 	std::pair<Triangle, double> operator()(const Vec3& p) const { return within(p, -1); }
@@ -186,8 +185,7 @@ public:
 		double least = distanceSquared(p, m_faces[best]), reach = std::sqrt(least) * (1 + 1e-12);
 		for (std::size_t i = 0; i < m_faces.size() && reach > enough; ++i)
 		{
-			const double most = reach + m_spheres[i].radius;
-			if (i == m_last || lengthSquared(p - m_spheres[i].center) > most * most) continue;
+			if (i == m_last || m_balls[i].isBeyond(p, reach)) continue;
 			const double d = distanceSquared(p, m_faces[i]);
 			if (d > least || (d == least && i > best)) continue;
 			least = d, best = i;
@@ -198,13 +196,8 @@ public:
 	}
 
 private:
-	struct Sphere
-	{
-		Vec3 center;
-		double radius;
-	};
 	std::vector<Triangle> m_faces;
-	std::vector<Sphere> m_spheres;
+	std::vector<Ball> m_balls;
 	mutable std::size_t m_last = 0;
 };
 

@@ -109,6 +109,24 @@ inline AxisBox boxOf(const Triangle& t)
 	return box;
 }
 
+// A ball that holds a triangle, to pass over those too far away.
+struct Ball
+{
+	Vec3 middle;
+	double radius = 0;
+	bool isBeyond(const Vec3& p, double reach) const
+	{
+		return lengthSquared(p - middle) > (reach + radius) * (reach + radius);
+	}
+};
+inline Ball ballRound(const Triangle& t)
+{
+	const Vec3 middle = centroid(t);
+	const double squared =
+		std::max({lengthSquared(t.a - middle), lengthSquared(t.b - middle), lengthSquared(t.c - middle)});
+	return {middle, std::sqrt(squared) * (1 + 1e-9)};
+}
+
 inline bool overlaps(const AxisBox& a, const AxisBox& b)
 {
 	for (int i = 0; i < 3; ++i)

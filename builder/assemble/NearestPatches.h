@@ -36,10 +36,7 @@ public:
 		std::vector<std::uint32_t> next(m_firstFace.begin(), m_firstFace.end() - 1);
 		for (std::uint32_t i = 0; i < lod.mesh.triangles.size(); ++i)
 		{
-			const Triangle& t = m_tree.triangle(i);
-			const Vec3 middle = centroid(t);
-			const double radius = std::max({length(t.a - middle), length(t.b - middle), length(t.c - middle)});
-			m_faces[next[lod.patchOfTriangle[i]]++] = {middle, radius * (1 + 1e-9), i};
+			m_faces[next[lod.patchOfTriangle[i]]++] = {ballRound(m_tree.triangle(i)), i};
 		}
 	}
 
@@ -79,8 +76,7 @@ public:
 		double best = std::numeric_limits<double>::infinity(), reach = limit;
 		for (std::uint32_t k = m_firstFace[patch]; k < m_firstFace[patch + 1]; ++k)
 		{
-			const double most = reach + m_faces[k].radius;
-			if (lengthSquared(p - m_faces[k].middle) > most * most) continue;
+			if (m_faces[k].ball.isBeyond(p, reach)) continue;
 			const double here = distanceSquared(p, m_tree.triangle(m_faces[k].index));
 			if (here >= best) continue;
 			best = here;
@@ -96,18 +92,17 @@ public:
 		for (std::uint32_t k = m_firstFace[patch]; k < m_firstFace[patch + 1]; ++k)
 		{
 			const Vec3& here = m_normals[m_faces[k].index];
-			sum += length(here) * m_faces[k].middle;
+			sum += length(here) * m_faces[k].ball.middle;
 			normal += here;
 			area += length(here);
 		}
-		return area > 0 ? (1 / area) * sum : m_faces[m_firstFace[patch]].middle;
+		return area > 0 ? (1 / area) * sum : m_faces[m_firstFace[patch]].ball.middle;
 	}
 
 private:
 	struct Face
 	{
-		Vec3 middle;
-		double radius;  // of the ball round the middle that holds it
+		Ball ball;
 		std::uint32_t index;
 	};
 

@@ -111,6 +111,67 @@ TEST(AssembleArea, PlaneIsTheCappedDiscAndSphereIsTheCap)
 	EXPECT_NEAR(onSphere.at(10000, origin, normalized(origin)) / (2 * kPi * 0.01), 1, 0.05);
 }
 
+// Face by face, clipped to the slab alone: the cap of the compared areas is wider than the mesh.
+double floodedArea(const Mesh& mesh, std::uint32_t start, const Vec3& origin, const Vec3& normal, double delta)
+{
+	const auto neighbours = triangleNeighbours(mesh);
+	std::vector<bool> seen(mesh.triangles.size(), false);
+	std::vector<std::uint32_t> open{start};
+	double area = 0;
+	seen[start] = true;
+	while (!open.empty())
+	{
+		const std::uint32_t face = open.back();
+		open.pop_back();
+		std::vector<Vec3> polygon;
+		for (const std::uint32_t v : mesh.triangles[face]) polygon.push_back(mesh.vertices[v] - origin);
+		for (const double side : {1.0, -1.0})
+		{
+			std::vector<Vec3> rest;
+			for (std::size_t i = 0; i < polygon.size(); ++i)
+			{
+				const Vec3 &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
+				const double a = side * dot(normal, p) - delta, b = side * dot(normal, q) - delta;
+				if (a <= 0) rest.push_back(p);
+				if ((a <= 0) != (b <= 0)) rest.push_back(p + (a / (a - b)) * (q - p));
+			}
+			polygon = rest;
+		}
+		if (polygon.empty()) continue;
+		Vec3 sum;
+		for (std::size_t i = 2; i < polygon.size(); ++i)
+			sum += 0.5 * cross(polygon[i - 1] - polygon[0], polygon[i] - polygon[0]);
+		area += std::max(0.0, dot(sum, normal));
+		for (const std::uint32_t next : neighbours[face])
+		{
+			const auto& t = mesh.triangles[next];
+			const Triangle other{mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
+			if (seen[next] || dot(normalized(areaVector(other)), normal) <= 0.2) continue;
+			seen[next] = true;
+			open.push_back(next);
+		}
+	}
+	return std::max(area, 4 * delta * delta);
+}
+
+TEST(AssembleArea, ClustersAreMetAsTheirFacesAre)
+{
+	const Mesh mesh = wrinkledTorusMesh(1, 0.4, 0.05, 12, 192, 96);
+	const TriangleTree tree(mesh);
+	for (const double delta : {0.02, 0.1, 0.3})
+	{
+		const ContactArea areas(mesh, delta, 100);
+		std::mt19937_64 random(7);
+		for (int i = 0; i < 40; ++i)
+		{
+			const std::uint32_t face = std::uint32_t(random() % mesh.triangles.size());
+			const Vec3 origin = centroid(tree.triangle(face)), normal = normalized(areaVector(tree.triangle(face)));
+			const double expected = floodedArea(mesh, face, origin, normal, delta);
+			ASSERT_NEAR(areas.at(face, origin, normal) / expected, 1, 1e-9) << "face " << face << ", delta " << delta;
+		}
+	}
+}
+
 TEST(AssembleProtrusion, BoxAboveAPlateIsBoundedAndTight)
 {
 	const Solid plate(boxMesh({4, 1, 4}, 8));
