@@ -38,7 +38,7 @@ public:
 			const Candidate top = m_stack.back();
 			m_stack.pop_back();
 			if (m_judge.ofBoxes(top.separation) > m_judge.best) continue;
-			if (m_rule.accepts(top.a, top.b))
+			if (accepts(top))
 				m_judge.best = std::min(m_judge.best, m_judge.ofPair(top));
 			else
 				open(top);
@@ -46,6 +46,13 @@ public:
 	}
 
 private:
+	bool accepts(const Candidate& pair)
+	{
+		if (m_rule.accepts(pair.a, pair.b)) return true;
+		if (m_judge.paper || !m_rule.acceptsApart(pair.a, pair.b)) return false;
+		++m_stats.hullTests;
+		return canonicallyApart(m_context, pair.a, pair.b);
+	}
 	void open(const Candidate& pair)
 	{
 		const bool opensA = m_rule.opensA(pair.a, pair.b);

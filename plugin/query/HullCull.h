@@ -50,6 +50,17 @@ public:
 		keep(bound.onB, memory.onB);
 		return false;
 	}
+	// As they are, whatever the sweep.
+	bool areApart(std::uint32_t a, std::uint32_t b, const HullMemory& memory)
+	{
+		if (isProvenApart(a, b, 0, memory))
+		{
+			++m_stats.skippedBySlack;
+			return true;
+		}
+		++m_stats.hullTests;
+		return canonicallyApart(m_context, a, b);
+	}
 	static void keepApart(HullMemory& memory, double lower, const Vec3& direction)
 	{
 		memory.knowledge = HullKnowledge::kApart;

@@ -37,6 +37,12 @@ inline void boxSeparations(const QueryContext& context, bool areOfA, std::uint32
 // as lower > stopAbove.
 HullDistance canonicalDistance(const QueryContext& context, std::uint32_t a, std::uint32_t b, double stopAbove);
 
+// Whether the two hulls are apart as they are, by the same evaluation.
+inline bool canonicallyApart(const QueryContext& context, std::uint32_t a, std::uint32_t b)
+{
+	return canonicalDistance(context, a, b, 0).lower > 0;
+}
+
 // Bounds of the distance of two hulls at any time of the step, from the canonical start; the direction the lower one
 // was found along. The upper one is of hulls that move with their centre and spread by turning. Stops as soon as lower
 // > stopAbove or upper <= stopBelow. Without a sweep those of the hull distance itself.

@@ -83,7 +83,16 @@ public:
 		const Pending worst = m_pending.front();
 		std::pop_heap(m_pending.begin(), m_pending.end());
 		m_pending.pop_back();
-		if (cullsByHulls(worst) && hullsApart(worst))
+		if (!m_paper && m_rule->acceptsApart(worst.a, worst.b))
+		{
+			++m_hullTests;
+			if (canonicallyApart(*m_context, worst.a, worst.b))
+			{
+				m_accepted.push_back({worst.a, worst.b});
+				return;
+			}
+		}
+		else if (cullsByHulls(worst) && hullsApart(worst))
 		{
 			++m_apart;
 			return;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Zlib
 // When a pair of nodes answers, and which of its two nodes is opened when it may not. The latter is a fixed function of
-// the two nodes and the settings; the former too, unless a metric asks for the place of the contact (Metric.h), then of
-// the pose as well: no history. The set of pairs a query visits is a function of the pose and the settings alone,
-// whatever the order, and a larger threshold never opens more.
+// the two nodes and the settings; the former too, unless a metric asks for the place of the contact (Metric.h) or a
+// certified limit holds only while the two hulls are apart, then of the pose as well: no history. The set of pairs a
+// query visits is a function of the pose and the settings alone, whatever the order, and a larger threshold never opens
+// more.
 //
 // Based on: Otaduy & Lin 2003, sec. 3.3, eq. 2 and 3. Departs from it: the contact area D of a pair is the harmonic
 // combination of node constants, not interpolated at the witness points (outside paper mode there is no witness yet).
@@ -14,12 +15,18 @@
 
 namespace clod
 {
-// Largest error bound that a pair within the tolerance can cause (GapCertificate.h derives the terms):
-// apart, cover and protrude; overlapping, half the width of the interval. Monotone to the roots.
+// Largest error bound that a pair within the tolerance can cause (GapCertificate.h derives the terms). Monotone to the
+// roots. While its hulls are apart: cover and protrude.
+inline double certifiedErrorApart(const Node& a, const Node& b)
+{
+	const auto sum = [](float x, float y) { return double(x) + double(y); };
+	return std::max(sum(a.cover, b.cover), sum(a.protrude, b.protrude));
+}
+// Overlapping or not: half the width of the interval of an overlap counts as well.
 inline double certifiedError(const Node& a, const Node& b)
 {
 	const auto sum = [](float x, float y) { return double(x) + double(y); };
-	const double apart = std::max(sum(a.cover, b.cover), sum(a.protrude, b.protrude));
+	const double apart = certifiedErrorApart(a, b);
 	const double below = std::max(sum(a.reach, b.surf), sum(b.reach, a.surf));
 	const double proven = std::max(sum(b.reach, a.surf), sum(a.reach, b.surf));
 	const double shallow = std::max(sum(b.reach, b.protrude), sum(a.reach, a.protrude)) + sum(a.protrude, b.protrude);
@@ -42,11 +49,16 @@ public:
 	{
 		const Node &a = m_context->a.node(i), &b = m_context->b.node(j);
 		if (a.childCount == 0 && b.childCount == 0) return true;
-		if (!mayAnswer(i, j) || m_isExact) return false;
-		const double s0 = thresholdOf(i, j);
-		if (s0 < kOff && !(weightedDeviation(a, b) <= s0)) return false;
+		if (!mayAnswer(i, j) || m_isExact || !isWithinThreshold(i, j)) return false;
 		return !std::isfinite(m_maxError) || certifiedError(a, b) <= m_maxError;
 	}
+	// Of a pair that is not accepted: is it while its hulls are apart? Such a pair is not culled by its hulls.
+	bool acceptsApart(std::uint32_t i, std::uint32_t j) const
+	{
+		return std::isfinite(m_maxError) && mayAnswer(i, j) && !m_isExact &&
+			   certifiedErrorApart(m_context->a.node(i), m_context->b.node(j)) <= m_maxError && isWithinThreshold(i, j);
+	}
+	bool dependsOnHulls() const { return std::isfinite(m_maxError); }
 
 	// Under a budget any pair of contact levels may answer, whatever the metric.
 	bool mayAnswer(std::uint32_t i, std::uint32_t j) const
@@ -110,6 +122,11 @@ public:
 	}
 
 private:
+	bool isWithinThreshold(std::uint32_t i, std::uint32_t j) const
+	{
+		const double s0 = thresholdOf(i, j);
+		return !(s0 < kOff) || weightedDeviation(m_context->a.node(i), m_context->b.node(j)) <= s0;
+	}
 	double thresholdOf(std::uint32_t i, std::uint32_t j) const
 	{
 		return m_threshold.isConstant() ? m_threshold.constant() : m_threshold.at(placeOf(i, j));

@@ -268,12 +268,15 @@ private:
 			memory = remembered(m_front.previous[entry.old]);
 		}
 		entry.state = nextState(entry, before);
+		const bool answersApart =
+			entry.state != PairState::kAnswer && !m_settings.paper && m_settings.rule.acceptsApart(entry.a, entry.b);
+		if (answersApart && m_hulls.areApart(entry.a, entry.b, memory)) entry.state = PairState::kAnswer;
 		if (entry.state == PairState::kAnswer)
 		{
 			m_sink.answer(entry.a, entry.b, memory);
 			keep(entry, memory);
 		}
-		else if (cullsByHulls(entry))
+		else if (!answersApart && cullsByHulls(entry))
 		{
 			if (hullsApart(entry, memory)) entry.state = PairState::kHullsApart;
 			keep(entry, memory);
@@ -301,8 +304,8 @@ private:
 	PairState nextState(const FrontEntry& entry, PairState before) const
 	{
 		const bool isKnown = before == PairState::kAnswer || before == PairState::kOpenA || before == PairState::kOpenB;
-		if (m_settings.sameRule && isKnown) return before;
 		const StopRule& rule = m_settings.rule;
+		if (m_settings.sameRule && isKnown && !rule.dependsOnHulls()) return before;
 		if (rule.accepts(entry.a, entry.b)) return PairState::kAnswer;
 		return rule.opensA(entry.a, entry.b) ? PairState::kOpenA : PairState::kOpenB;
 	}

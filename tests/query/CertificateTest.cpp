@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "clod/query/StopRule.h"
 #include "tests/query/Questions.h"
 #include "tests/query/TriangleGap.h"
 
@@ -145,5 +146,33 @@ TEST(TriangleGap, KnowsTwoBoxes)
 	EXPECT_LE(deep.low, -0.1 * half.x + 1e-5 * half.x);
 	EXPECT_GE(deep.high, -0.1 * half.x - 1e-5 * half.x);
 	EXPECT_LT(deep.high - deep.low, 3 * accuracy);
+}
+// While two hulls are apart only cover and protrusion bound what their distance is wrong by (StopRule.h).
+TEST(Certificate, PairsBeyondTheLimitOfAnOverlapAnswerOnlyApart)
+{
+	Random random(31);
+	int onlyApart = 0, overlapping = 0;
+	for (const BodyPair& pair : pairs())
+		for (int i = 0; i < 60; ++i)
+		{
+			const double radius = smallerRadius(pair.a, pair.b);
+			Settings settings;
+			settings.tolerance = 0.02 * radius;
+			settings.metric.maxError = std::pow(10, uniform(random, -2, -0.5)) * radius;
+			settings.contactsOnly = true;
+			const Transform pose = poseWithGap(random, pair.a, pair.b, uniform(random, -0.02, 0.01));
+			for (const Contact& contact : fresh(pair, pose, settings).contacts)
+			{
+				const Node &a = pair.a.hierarchy->node(contact.nodeA), &b = pair.b.hierarchy->node(contact.nodeB);
+				ASSERT_LE(certifiedErrorApart(a, b), settings.metric.maxError);
+				overlapping += contact.lower <= 0;
+				if (certifiedError(a, b) <= settings.metric.maxError) continue;
+				ASSERT_GT(contact.lower, 0) << pair.a.name << " pose " << i;
+				++onlyApart;
+			}
+		}
+	std::printf("%d contacts count as apart only, %d overlap\n", onlyApart, overlapping);
+	EXPECT_GT(onlyApart, 50);
+	EXPECT_GT(overlapping, 50);
 }
 }  // namespace
