@@ -14,8 +14,8 @@ namespace
 {
 constexpr std::size_t kWarmRows = 2;  // recorded rows before each measured one that only warm caches and manifolds
 constexpr double kDepthShare = 2e-5;  // of the radius: how exactly an overlap's depth is known
-constexpr double kSizes[] = {0.07, 0.035, 0.0175, 0.007, 0.0035, 0.00175, 0.0007, 0.00035};
-constexpr double kErrors[] = {0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002};
+constexpr double kSizes[] = {0.28, 0.14, 0.07, 0.035, 0.0175, 0.007, 0.0035, 0.00175, 0.0007, 0.00035};
+constexpr double kErrors[] = {0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002};
 
 PeerContact contactOf(const Hierarchy& a, const Hierarchy& b, const Contact& contact)
 {
