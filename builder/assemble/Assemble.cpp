@@ -22,6 +22,8 @@ namespace
 {
 // Cells of one hull. A few hulls of a level need more than a thousand, and an outlier spoils its level and its parents.
 constexpr int kProtrusionBudget = 15000;
+// Cells of all hulls of a level: where every hull needs many, as on surfaces that are rough at the size of their triangles.
+constexpr std::size_t kLevelBudget = 20'000'000, kLeastBudget = 1000;
 constexpr double kCapShare = 0.25;  // contact areas count within this share of the radius
 }  // namespace
 
@@ -119,12 +121,14 @@ void Assembler::certify(std::size_t level)
 {
 	const Tolerance tolerance{0.1, 1e-4 * m_scale.radius};
 	const LevelDraft record = m_draft.levels[level];
+	ProtrusionScale scale = m_scale;
+	scale.budget = std::min(scale.budget, int(std::max(kLeastBudget, kLevelBudget / record.nodeCount)));
 	parallelFor(record.nodeCount, m_threads,
 				[&](std::size_t i)
 				{
 					NodeDraft& node = m_draft.nodes[record.firstNode + i];
 					if (level > 0) node.bounds.surf = surfOf(node, m_solid.tree(), tolerance).upper;
-					thicken(node, m_solid, m_scale, {1.1, node.bounds.surf, m_lods[level].errorLimit});
+					thicken(node, m_solid, scale, {1.1, node.bounds.surf, m_lods[level].errorLimit});
 					if (level == 0) return;
 					const CoverAndReach found = coverAndReachOf(node, m_lods.front().mesh, tolerance);
 					node.bounds.cover = found.cover;
