@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
 #include <tuple>
 
@@ -16,9 +18,10 @@ namespace clod::demo
 {
 namespace
 {
-constexpr int kCell = 400;  // pixels, each way
-constexpr int kColumns = 5;
-constexpr double kAzimuth = 35, kElevation = 25, kFovy = 30;
+constexpr int kCell = 400;         // pixels, each way; wider and lower for what looks long
+constexpr int kSheetWidth = 2000;  // pixels, about
+constexpr double kLongest = 2.4;   // width over height of a cell
+constexpr double kFovy = 30;
 constexpr double kDetail = 0.22;  // of the radius, what the detail shows
 
 // The faces of a level, each patch with vertices of its own.
@@ -69,27 +72,90 @@ Vec3 nearestTo(const Vec3& eye, const RenderMesh& mesh)
 							 { return lengthSquared(a - eye) < lengthSquared(b - eye); });
 }
 
+// From where a mesh is looked at, and how wide it looks.
+struct View
+{
+	double azimuth = 0, elevation = 0;
+	Vec3 toEye, right, up;
+	double low[2] = {0, 0}, high[2] = {0, 0};  // along right and up
+	double width() const { return high[0] - low[0]; }
+	double height() const { return high[1] - low[1]; }
+
+	View(double azimuthAngle, double elevationAngle, const RenderMesh& mesh)
+		: azimuth(azimuthAngle), elevation(elevationAngle)
+	{
+		toEye = normalized(orbitCamera({}, 1, azimuth, elevation).eye);
+		right = normalized(cross(Vec3{0, 1, 0}, toEye));
+		up = cross(toEye, right);
+		for (int k = 0; k < 2; ++k)
+		{
+			const auto along = [&](const Vec3& v) { return dot(k == 0 ? right : up, v); };
+			const auto ends = std::minmax_element(mesh.vertices.begin(), mesh.vertices.end(),
+												  [&](const Vec3& a, const Vec3& b) { return along(a) < along(b); });
+			low[k] = along(*ends.first);
+			high[k] = along(*ends.second);
+		}
+	}
+	double aspect() const { return std::clamp(width() / height(), 1.0, kLongest); }
+
+	// Everything just fits.
+	Camera camera(const RenderMesh& mesh) const
+	{
+		constexpr double kRoom = 1.08;
+		const double tangent = std::tan(0.5 * kFovy * std::acos(-1.0) / 180);
+		const double middle[2] = {0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])};
+		double distance = -std::numeric_limits<double>::infinity();
+		for (const Vec3& v : mesh.vertices)
+		{
+			const double across =
+				std::max(std::fabs(dot(right, v) - middle[0]) / aspect(), std::fabs(dot(up, v) - middle[1]));
+			distance = std::max(distance, dot(toEye, v) + kRoom * across / tangent);
+		}
+		const Vec3 axis = middle[0] * right + middle[1] * up;
+		double depth = 0;
+		for (const Vec3& v : mesh.vertices) depth += dot(toEye, v) / double(mesh.vertices.size());
+		return {axis + distance * toEye, axis + depth * toEye, kFovy};
+	}
+};
+
+// From above the corner, unless the mesh shows half as much again from its side or from further above.
+View viewOf(const RenderMesh& mesh)
+{
+	View best(35, 25, mesh);
+	double most = 1.5 * best.width() * best.height();
+	for (const double azimuth : {35.0, 0.0, 90.0})
+		for (const double elevation : {25.0, 60.0})
+		{
+			const View view(azimuth, elevation, mesh);
+			if (view.width() * view.height() <= most) continue;
+			most = view.width() * view.height();
+			best = view;
+		}
+	return best;
+}
+
 class Painter
 {
 public:
-	explicit Painter(const Hierarchy& hierarchy) : m_hierarchy(hierarchy)
+	explicit Painter(const Hierarchy& hierarchy)
+		: m_hierarchy(hierarchy), m_finest(levelMesh(hierarchy, 0)), m_view(viewOf(m_finest))
 	{
-		auto renderer = Renderer::create(kCell, kCell);
+		m_width = int(kCell * std::sqrt(m_view.aspect()));
+		auto renderer = Renderer::create(m_width, int(m_width / m_view.aspect()));
 		if (!renderer) throw cli::Failure(cli::ExitCode::failure, renderer.error());
 		m_renderer = std::move(renderer.value());
-		const Asset& asset = hierarchy.asset();
-		m_center = {asset.sphereCenter[0], asset.sphereCenter[1], asset.sphereCenter[2]};
-		m_camera = orbitCamera(m_center, asset.radius, kAzimuth, kElevation, kFovy);
+		m_camera = m_view.camera(m_finest);
 	}
+	int columns() const { return kSheetWidth / m_width; }
 	std::vector<CaptionedImage> paint()
 	{
-		const RenderMesh finest = levelMesh(m_hierarchy, 0);
 		std::vector<CaptionedImage> cells;
-		cells.push_back({render(inputMesh(finest), Shading::Smooth, m_camera),
-						 fmt::format("the model: {} triangles", finest.triangles.size())});
+		cells.push_back({render(inputMesh(m_finest), Shading::Smooth, m_camera),
+						 fmt::format("the model: {} triangles", m_finest.triangles.size())});
 		const double detail = kDetail * m_hierarchy.asset().radius;
-		const Camera close = orbitCamera(nearestTo(m_camera.eye, finest), detail, kAzimuth, kElevation, kFovy);
-		cells.push_back({render(finest, Shading::Flat, close), "detail: its convex patches"});
+		const Camera close =
+			orbitCamera(nearestTo(m_camera.eye, m_finest), detail, m_view.azimuth, m_view.elevation, kFovy);
+		cells.push_back({render(m_finest, Shading::Flat, close), "detail: its convex patches"});
 		for (std::size_t level = 0; level <= m_hierarchy.coarsestClodLevel(); ++level)
 			cells.push_back({render(levelMesh(m_hierarchy, level), Shading::Flat, m_camera), caption(level)});
 		return cells;
@@ -116,15 +182,18 @@ private:
 	}
 
 	const Hierarchy& m_hierarchy;
+	const RenderMesh m_finest;
+	const View m_view;
+	int m_width = kCell;
 	std::unique_ptr<Renderer> m_renderer;
-	Vec3 m_center;
 	Camera m_camera;
 };
 }  // namespace
 
 Image paintLevels(const Hierarchy& hierarchy, const std::string& title)
 {
-	return contactSheet(Painter(hierarchy).paint(), kColumns, 0,
+	Painter painter(hierarchy);
+	return contactSheet(painter.paint(), painter.columns(), 0,
 						title + " - one colour per convex patch; errors certified, of the radius");
 }
 }  // namespace clod::demo
