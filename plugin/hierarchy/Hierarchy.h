@@ -3,6 +3,7 @@
 // Everything reachable through a Hierarchy has been validated once, by load or fromBytes; nothing is checked later.
 #pragma once
 #include <cstddef>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -80,6 +81,9 @@ public:
 	std::size_t hullSize() const { return m_hullSize; }  // floats in each of the three coordinate arrays
 	std::uint32_t root() const { return std::uint32_t(m_nodes.size - 1); }
 	std::uint32_t coarsestClodLevel() const { return m_coarsestClodLevel; }
+	// What nine in ten nodes of the finest level above the input surface are within: the larger of cover and protrude,
+	// their error beside a perfect partner. Infinite where no level above answers. Derived at load.
+	float finestError() const { return m_finestError; }
 	bool isPaperBuild() const { return (asset().flags & kPaperBuild) != 0; }
 	// Hash of the whole block (xxh3, 64 bits): identifies the asset.
 	std::uint64_t contentHash() const { return m_contentHash; }
@@ -105,6 +109,7 @@ private:
 	std::vector<std::uint32_t> m_wideChildren;
 	std::vector<Range> m_wide;  // one a node
 	std::uint32_t m_coarsestClodLevel = 0;
+	float m_finestError = std::numeric_limits<float>::infinity();
 	std::uint64_t m_contentHash = 0;
 	friend struct HierarchyReader;
 };

@@ -195,6 +195,21 @@ struct HierarchyReader
 		}
 	}
 
+	static void rateFinest(Hierarchy& h)
+	{
+		if (h.coarsestClodLevel() == 0) return;
+		const Level& level = h.m_levels[1];
+		std::vector<float> errors;
+		for (std::uint32_t i = 0; i < level.nodeCount; ++i)
+		{
+			const Node& node = h.node(level.firstNode + i);
+			errors.push_back(std::max(node.cover, node.protrude));
+		}
+		const auto most = errors.begin() + std::ptrdiff_t(errors.size() * 9 / 10);
+		std::nth_element(errors.begin(), most, errors.end());
+		h.m_finestError = *most;
+	}
+
 	static Result<std::shared_ptr<const Hierarchy>> read(std::vector<std::byte> bytes)
 	{
 		std::string problem = checkFileStart(startOf(bytes), bytes.size());
@@ -212,6 +227,7 @@ struct HierarchyReader
 		for (std::uint32_t i = 0; i < hierarchy->m_levels.size; ++i)
 			if (hierarchy->m_levels[i].flags & kClodNode) hierarchy->m_coarsestClodLevel = i;
 		collapse(*hierarchy);
+		rateFinest(*hierarchy);
 		return std::shared_ptr<const Hierarchy>(hierarchy);
 	}
 };

@@ -44,9 +44,9 @@ public:
 	void seek(const QueryContext& context, const Settings& settings, double lastMove, const Tools& tools)
 	{
 		const bool isPlain = !settings.paper && !settings.distance && !settings.budget.isLimited();
-		if (!isPlain || !(settings.contactsOnly || settings.metric.exact)) return;
-		const StopRule rule(context, settings.metric, settings.metric.maxError);
-		if (!rule.hasConstantThreshold()) return;
+		if (!isPlain) return;
+		const StopRule rule(context, settings.metric, settings.metric.maxError, settings.paper);
+		if (!rule.hasConstantThreshold() || !(settings.contactsOnly || rule.isOfLeaves())) return;
 		if (m_isKnown) m_patience = m_uses < kWorthwhile ? std::min(2 * m_patience + 1, kMostPatience) : 0;
 		if (m_isKnown) m_waits = m_patience;
 		m_isKnown = false;

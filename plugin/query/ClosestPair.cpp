@@ -48,8 +48,8 @@ public:
 private:
 	bool accepts(const Candidate& pair)
 	{
-		if (m_rule.accepts(pair.a, pair.b)) return true;
-		if (m_judge.paper || !m_rule.acceptsApart(pair.a, pair.b)) return false;
+		const Acceptance acceptance = m_rule.acceptance(pair.a, pair.b);
+		if (acceptance != Acceptance::kWhileApart) return acceptance == Acceptance::kYes;
 		++m_stats.hullTests;
 		return canonicallyApart(m_context, pair.a, pair.b);
 	}
@@ -57,7 +57,7 @@ private:
 	{
 		const bool opensA = m_rule.opensA(pair.a, pair.b);
 		const Span<std::uint32_t> children =
-			m_rule.childrenOf(opensA ? m_context.a : m_context.b, opensA ? pair.a : pair.b, m_judge.paper);
+			m_rule.childrenOf(opensA ? m_context.a : m_context.b, opensA ? pair.a : pair.b);
 		const std::size_t first = m_stack.size();
 		for (std::uint32_t i = 0; i < children.size; i += kBoxLanes)
 			push(opensA, opensA ? pair.b : pair.a, children.data + i,
@@ -153,7 +153,7 @@ double clearMotion(const QueryContext& context, const StopRule& rule, double tol
 	scratch.visited.clear();
 	MotionJudge judge{context, stats, tolerance, cap, scratch};
 	const std::uint32_t a = scratch.nearestA, b = scratch.nearestB;
-	if (a < context.a.nodes().size && b < context.b.nodes().size && rule.accepts(a, b))
+	if (a < context.a.nodes().size && b < context.b.nodes().size && rule.acceptance(a, b) == Acceptance::kYes)
 	{
 		++stats.boxTests;
 		judge.best = std::min(

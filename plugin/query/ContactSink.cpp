@@ -18,7 +18,8 @@ void ContactSink::noContact(std::uint32_t a, std::uint32_t b)
 	m_largestCover = std::max(m_largestCover, double(nodeA.cover) + double(nodeB.cover));
 }
 
-void ContactSink::answer(std::uint32_t a, std::uint32_t b, HullMemory& memory)
+void ContactSink::answer(std::uint32_t a, std::uint32_t b, HullMemory& memory,
+						 const std::optional<HullDistance>& evaluated)
 {
 	if (m_hulls.isStillApart(a, b, m_tolerance, memory)) return noContact(a, b);
 	const bool moves = m_context.longestMove > 0;
@@ -32,8 +33,8 @@ void ContactSink::answer(std::uint32_t a, std::uint32_t b, HullMemory& memory)
 			return noContact(a, b);
 		}
 	}
-	++m_stats.hullTests;
-	const HullDistance distance = canonicalDistance(m_context, a, b, moves ? kInfinity : m_tolerance);
+	if (!evaluated) ++m_stats.hullTests;
+	const HullDistance distance = evaluated ? *evaluated : canonicalContact(m_context, a, b, m_tolerance);
 	if (!moves && distance.lower > m_tolerance)
 	{
 		HullCull::keepApart(memory, distance.lower, distance.normal);
@@ -43,7 +44,7 @@ void ContactSink::answer(std::uint32_t a, std::uint32_t b, HullMemory& memory)
 	m_contacts.push_back({a, b, distance.lower, distance.upper, distance.pointOnA, distance.pointOnB, distance.normal});
 }
 
-void NearPairs::answer(std::uint32_t a, std::uint32_t b, HullMemory& memory)
+void NearPairs::answer(std::uint32_t a, std::uint32_t b, HullMemory& memory, const std::optional<HullDistance>&)
 {
 	if (m_hulls.isApart(a, b, m_tolerance, memory)) return;
 	m_pairs.push_back({a, b, m_ofContacts, kInfinity, {}, {}, {}});

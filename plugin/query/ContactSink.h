@@ -13,24 +13,26 @@ namespace clod
 class ContactSink
 {
 public:
-	ContactSink(const QueryContext& context, double tolerance, bool exact, std::vector<Contact>& contacts,
+	// ofLeaves: no other pairs come (StopRule.h).
+	ContactSink(const QueryContext& context, double tolerance, bool ofLeaves, std::vector<Contact>& contacts,
 				QueryStats& stats)
 		: m_context(context),
 		  m_tolerance(tolerance),
-		  m_exact(exact),
+		  m_ofLeaves(ofLeaves),
 		  m_contacts(contacts),
 		  m_stats(stats),
 		  m_hulls(context, stats)
 	{
 	}
 
-	// In exact mode a pair that is no contact leaves no trace, near or far.
+	// A pair of leaves that is no contact leaves no trace, near or far.
 	bool skips(std::uint32_t a, std::uint32_t b, const HullMemory& memory) const
 	{
-		return m_exact && m_hulls.isProvenApart(a, b, m_tolerance, memory);
+		return m_ofLeaves && m_hulls.isProvenApart(a, b, m_tolerance, memory);
 	}
 
-	void answer(std::uint32_t a, std::uint32_t b, HullMemory& memory);
+	void answer(std::uint32_t a, std::uint32_t b, HullMemory& memory,
+				const std::optional<HullDistance>& evaluated = {});
 
 	// max over the pairs that are near by their boxes, but no contacts, of cover_a + cover_b.
 	double largestCover() const { return m_largestCover; }
@@ -40,7 +42,7 @@ private:
 
 	const QueryContext& m_context;
 	const double m_tolerance;
-	const bool m_exact;
+	const bool m_ofLeaves;
 	std::vector<Contact>& m_contacts;
 	QueryStats& m_stats;
 	HullCull m_hulls;
@@ -58,7 +60,8 @@ public:
 	{
 	}
 	bool skips(std::uint32_t, std::uint32_t, const HullMemory&) const { return false; }
-	void answer(std::uint32_t a, std::uint32_t b, HullMemory& memory);
+	void answer(std::uint32_t a, std::uint32_t b, HullMemory& memory,
+				const std::optional<HullDistance>& evaluated = {});
 
 private:
 	const double m_tolerance, m_ofContacts;

@@ -115,16 +115,18 @@ private:
 	// Returns the largest cover_a + cover_b of the accepted pairs that are no contacts.
 	double traverse(double limit, double tolerance)
 	{
-		const StopRule rule(m_context, m_settings.metric, limit);
+		const StopRule rule(m_context, m_settings.metric, limit, m_settings.paper);
 		if (m_settings.budget.isLimited()) return refine(rule, tolerance);
-		const bool sameRule = m_state.filled && m_state.settings.metric.exact == m_settings.metric.exact &&
-							  m_state.threshold == rule.constantThreshold() && m_state.maxError == limit;
+		if (m_state.isOfLeaves != rule.isOfLeaves()) m_state.clearFronts();
+		const bool sameRule =
+			m_state.filled && m_state.threshold == rule.constantThreshold() && m_state.maxError == limit;
 		const TraversalSettings settings{rule, tolerance, m_settings.paper, sameRule};
-		ContactSink sink(m_context, tolerance, m_settings.metric.exact, m_result.contacts, m_result.stats);
+		ContactSink sink(m_context, tolerance, rule.isOfLeaves(), m_result.contacts, m_result.stats);
 		m_result.stats.front = m_result.stats.frontInner = 0;
 		Traversal<ContactSink>(m_context, settings, m_state.front, sink, m_result.stats).run();
 		m_state.threshold = rule.constantThreshold();
 		m_state.maxError = limit;
+		m_state.isOfLeaves = rule.isOfLeaves();
 		m_state.settings = m_settings;
 		m_state.filled = true;
 		return sink.largestCover();
@@ -280,7 +282,7 @@ private:
 	// The pairs of nodes within a tolerance larger than that of the contacts.
 	void traverseNear(double limit, double tolerance)
 	{
-		const StopRule rule(m_context, m_settings.metric, limit);
+		const StopRule rule(m_context, m_settings.metric, limit, m_settings.paper);
 		NearPairs sink(m_context, tolerance, m_settings.tolerance, m_state.near, m_result.stats);
 		m_state.near.clear();
 		if (m_settings.budget.isLimited())
@@ -304,7 +306,7 @@ private:
 	// Nothing within the tolerance: the closest accepted pair, then the certificate within its distance.
 	void farApart(double limit)
 	{
-		const StopRule rule(m_context, m_settings.metric, limit);
+		const StopRule rule(m_context, m_settings.metric, limit, m_settings.paper);
 		const double distance = closestDistance(m_context, rule, m_settings.paper, m_state.closest, m_result.stats);
 		const double largestCover = traverse(limit, distance);
 		sortContacts();

@@ -3,6 +3,8 @@
 // remembered of the pair where that proves it, else from the canonical start, so that the answer never depends on the
 // cache: remembered bounds decide only where they are beyond the limit by more than the accuracy of an evaluation.
 #pragma once
+#include <optional>
+
 #include "clod/query/PairFront.h"
 #include "clod/query/QueryContext.h"
 
@@ -50,8 +52,9 @@ public:
 		keep(bound.onB, memory.onB);
 		return false;
 	}
-	// As they are, whatever the sweep.
-	bool areApart(std::uint32_t a, std::uint32_t b, const HullMemory& memory)
+	// As they are, whatever the sweep. What had to be evaluated for that is handed on, as far as a contact needs it.
+	bool areApart(std::uint32_t a, std::uint32_t b, double tolerance, const HullMemory& memory,
+				  std::optional<HullDistance>& evaluated)
 	{
 		if (isProvenApart(a, b, 0, memory))
 		{
@@ -59,7 +62,8 @@ public:
 			return true;
 		}
 		++m_stats.hullTests;
-		return canonicallyApart(m_context, a, b);
+		evaluated = canonicalContact(m_context, a, b, tolerance);
+		return evaluated->lower > 0;
 	}
 	static void keepApart(HullMemory& memory, double lower, const Vec3& direction)
 	{

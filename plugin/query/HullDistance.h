@@ -58,6 +58,7 @@ struct HullDistance
 // start: any vector from B towards A (frame A), e.g. the difference of two centres. Stops as soon as lower > stopAbove.
 // moveB: hull b is swept along the segment [0, moveB] as well (frame A); pointOnB is then a point of the swept hull.
 // Stops as well as soon as upper <= stopBelow: lower and normal are then those reached.
+// Whether lower > 0 does not depend on stopAbove >= 0, only how far above: bounds once found are never given up.
 HullDistance hullDistance(const ConvexHull& a, const ConvexHull& b, const RelativePose& pose, const Vec3& start,
 						  double stopAbove, const Vec3& moveB = {},
 						  double stopBelow = -std::numeric_limits<double>::infinity());

@@ -144,7 +144,7 @@ HullDistance hullDistance(const ConvexHull& a, const ConvexHull& b, const Relati
 		simplex.keepWeighted(nearest);
 		const Witness witness = witnessOf(simplex, nearest);
 		const double apart = length(witness.apart);
-		if (nearest.inside || apart <= pose.rounding)
+		if ((nearest.inside || apart <= pose.rounding) && !(result.lower > 0))
 		{
 			overlapAt(witness, result);
 			return result;

@@ -72,9 +72,8 @@ void followMotion(const QueryContext& context, const Settings& settings, PairCac
 			sweepChange(state.pose, state.settings.sweep, context.pose, context.sweep, motion, context.reachB);
 		state.front.move(motion, change);
 		state.lastMove = motion + change;
-		const bool otherTree = state.settings.metric.exact != settings.metric.exact ||
-							   state.settings.paper != settings.paper ||
-							   state.settings.budget.isLimited() != settings.budget.isLimited();
+		const bool otherTree =
+			state.settings.paper != settings.paper || state.settings.budget.isLimited() != settings.budget.isLimited();
 		if (otherTree || !(state.front.motion < 1e5 * context.size))
 		{
 			state.clearFronts();
@@ -151,7 +150,7 @@ QueryPlan::QueryPlan(const Hierarchy& a, const Hierarchy& b, const Transform& aF
 {
 	m_state->planned.emplace(a, b, aFromB, settings.sweep);
 	followMotion(*m_state->planned, settings, *m_state);
-	const StopRule rule(*m_state->planned, settings.metric, settings.metric.maxError);
+	const StopRule rule(*m_state->planned, settings.metric, settings.metric.maxError, settings.paper);
 	m_state->refinement.start(*m_state->planned, rule, settings.tolerance, settings.paper);
 	m_state->aFromB = aFromB;
 	m_state->settings = settings;

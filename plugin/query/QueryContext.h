@@ -37,7 +37,14 @@ inline void boxSeparations(const QueryContext& context, bool areOfA, std::uint32
 // as lower > stopAbove.
 HullDistance canonicalDistance(const QueryContext& context, std::uint32_t a, std::uint32_t b, double stopAbove);
 
-// Whether the two hulls are apart as they are, by the same evaluation.
+// As far as a contact needs it: where nothing moves, a distance beyond the tolerance is not known any better.
+inline HullDistance canonicalContact(const QueryContext& context, std::uint32_t a, std::uint32_t b, double tolerance)
+{
+	return canonicalDistance(context, a, b,
+							 context.longestMove > 0 ? std::numeric_limits<double>::infinity() : tolerance);
+}
+
+// Whether the two hulls are apart as they are, by the same evaluation (HullDistance.h: whatever it stops above).
 inline bool canonicallyApart(const QueryContext& context, std::uint32_t a, std::uint32_t b)
 {
 	return canonicalDistance(context, a, b, 0).lower > 0;

@@ -83,7 +83,7 @@ public:
 		const Pending worst = m_pending.front();
 		std::pop_heap(m_pending.begin(), m_pending.end());
 		m_pending.pop_back();
-		if (!m_paper && m_rule->acceptsApart(worst.a, worst.b))
+		if (m_rule->acceptance(worst.a, worst.b) == Acceptance::kWhileApart)
 		{
 			++m_hullTests;
 			if (canonicallyApart(*m_context, worst.a, worst.b))
@@ -195,7 +195,7 @@ private:
 
 	void keep(std::uint32_t a, std::uint32_t b, double largest)
 	{
-		if (m_rule->accepts(a, b))
+		if (m_rule->acceptance(a, b) == Acceptance::kYes)
 		{
 			m_accepted.push_back({a, b});
 			return;

@@ -33,30 +33,41 @@ inline double certifiedError(const Node& a, const Node& b)
 	return std::max(apart, 0.5 * (below + std::max(proven, shallow)));
 }
 
+// Whether a pair of nodes answers.
+enum class Acceptance : std::uint8_t
+{
+	kNo,
+	kWhileApart,  // where its hulls do not overlap; such a pair is not culled by its hulls
+	kYes
+};
+
 class StopRule
 {
 public:
-	// maxError replaces the one of the metric: restarts tighten it.
-	StopRule(const QueryContext& context, const Metric& metric, double maxError)
+	// maxError replaces the one of the metric: restarts tighten it. paper: of the query's settings.
+	StopRule(const QueryContext& context, const Metric& metric, double maxError, bool paper)
 		: m_context(&context),
 		  m_threshold(metric, fastest(context, metric)),
 		  m_isExact(metric.exact),
+		  m_isPaper(paper),
+		  m_isOfLeaves(metric.exact || (!paper && isOutOfReach(context, maxError))),
 		  m_maxError(maxError)
 	{
 	}
 
-	bool accepts(std::uint32_t i, std::uint32_t j) const
+	// No pair answers but those of two leaves: so it is in exact mode, and where few coarser ones could keep the
+	// certified limit. A front is of one of the two kinds of rules.
+	bool isOfLeaves() const { return m_isOfLeaves; }
+
+	Acceptance acceptance(std::uint32_t i, std::uint32_t j) const
 	{
 		const Node &a = m_context->a.node(i), &b = m_context->b.node(j);
-		if (a.childCount == 0 && b.childCount == 0) return true;
-		if (!mayAnswer(i, j) || m_isExact || !isWithinThreshold(i, j)) return false;
-		return !std::isfinite(m_maxError) || certifiedError(a, b) <= m_maxError;
-	}
-	// Of a pair that is not accepted: is it while its hulls are apart? Such a pair is not culled by its hulls.
-	bool acceptsApart(std::uint32_t i, std::uint32_t j) const
-	{
-		return std::isfinite(m_maxError) && mayAnswer(i, j) && !m_isExact &&
-			   certifiedErrorApart(m_context->a.node(i), m_context->b.node(j)) <= m_maxError && isWithinThreshold(i, j);
+		if (a.childCount == 0 && b.childCount == 0) return Acceptance::kYes;
+		if (m_isOfLeaves || !mayAnswer(i, j) || !isWithinThreshold(i, j)) return Acceptance::kNo;
+		if (!dependsOnHulls()) return Acceptance::kYes;
+		if (certifiedErrorApart(a, b) > m_maxError) return Acceptance::kNo;
+		if (certifiedError(a, b) <= m_maxError) return Acceptance::kYes;
+		return m_isPaper ? Acceptance::kNo : Acceptance::kWhileApart;
 	}
 	bool dependsOnHulls() const { return std::isfinite(m_maxError); }
 
@@ -92,7 +103,7 @@ public:
 		return volume > 0 ? volume * (1 / double(a.contactArea) + 1 / double(b.contactArea)) : 0;
 	}
 
-	// Precondition: the pair is not accepted. A leaf is never opened, a completion node first; then, where nodes may
+	// Precondition: not a pair of leaves. A leaf is never opened, a completion node first; then, where nodes may
 	// answer, the one with the larger number of the metric; ties and the rest by size.
 	bool opensA(std::uint32_t i, std::uint32_t j) const
 	{
@@ -101,7 +112,7 @@ public:
 		if (nodeB.childCount == 0) return true;
 		const bool clodA = (nodeA.flags & kClodNode) != 0, clodB = (nodeB.flags & kClodNode) != 0;
 		if (clodA != clodB) return clodB;
-		if (clodA && !m_isExact)
+		if (clodA && !m_isOfLeaves)
 		{
 			const bool volume = !m_threshold.isConstant() || m_threshold.constant() < kOff;
 			const float errorA = volume ? nodeA.featureVolume : nodeA.deviation;
@@ -111,17 +122,22 @@ public:
 		return m_context->a.cullBox(i).radius >= m_context->b.cullBox(j).radius;
 	}
 
-	bool followsSharedChildren() const { return !m_isExact; }
 	// What stands for a node that is opened. In paper mode level by level, as there.
-	Span<std::uint32_t> childrenOf(const Hierarchy& side, std::uint32_t index, bool paper) const
+	Span<std::uint32_t> childrenOf(const Hierarchy& side, std::uint32_t index) const
 	{
 		const Node& node = side.node(index);
-		if (followsSharedChildren()) return side.children(node);
-		if (paper) return {side.children(node).data, node.primaryChildCount};
+		if (!m_isOfLeaves) return side.children(node);
+		if (m_isPaper) return {side.children(node).data, node.primaryChildCount};
 		return side.wideChildren(index);
 	}
 
 private:
+	// Where the finest simplified nodes hardly keep the limit, following every child of every node to the few that do
+	// costs more than the tree of exact mode: spoon-cup at 0.05 % of the radius 1.8 times, at 0.1 % 1.1, at 0.15 % 0.9.
+	static bool isOutOfReach(const QueryContext& context, double maxError)
+	{
+		return maxError < double(context.a.finestError()) + double(context.b.finestError());
+	}
 	bool isWithinThreshold(std::uint32_t i, std::uint32_t j) const
 	{
 		const double s0 = thresholdOf(i, j);
@@ -149,7 +165,7 @@ private:
 
 	const QueryContext* m_context;
 	Threshold m_threshold;
-	bool m_isExact;
+	bool m_isExact, m_isPaper, m_isOfLeaves;
 	double m_maxError;
 };
 }  // namespace clod

@@ -20,6 +20,7 @@
 #pragma once
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "clod/query/BoxSeparation.h"
@@ -38,7 +39,9 @@ struct TraversalSettings
 };
 
 // Sink: bool skips(a, b, const HullMemory& memory) - an accepted pair needs nothing: its boxes are not even compared;
-//       void answer(a, b, HullMemory& memory)      - an accepted pair within the tolerance by its culling volumes.
+//       void answer(a, b, HullMemory& memory, const std::optional<HullDistance>& evaluated)
+//         - an accepted pair within the tolerance by its culling volumes; what canonicalContact says, where it was
+//         asked.
 template <class Sink>
 class Traversal
 {
@@ -71,7 +74,7 @@ public:
 		for (std::uint32_t i = 0; i < m_front.entries.size(); ++i)
 		{
 			const PairState state = m_front.entries[i].state;
-			if (state == PairState::kOpenA || state == PairState::kOpenB) open(i);
+			if (isOpen(state)) open(i);
 		}
 		m_stats->touchedFinestLevel = std::min(levelOf(m_context.a, m_finestA), levelOf(m_context.b, m_finestB));
 	}
@@ -125,8 +128,7 @@ private:
 		row.ofChildrenOfA = pair.state == PairState::kOpenA;
 		row.other = row.ofChildrenOfA ? pair.b : pair.a;
 		const Hierarchy& side = row.ofChildrenOfA ? m_context.a : m_context.b;
-		const Span<std::uint32_t> children =
-			m_settings.rule.childrenOf(side, row.ofChildrenOfA ? pair.a : pair.b, m_settings.paper);
+		const Span<std::uint32_t> children = m_settings.rule.childrenOf(side, row.ofChildrenOfA ? pair.a : pair.b);
 		for (const std::uint32_t child : children) __builtin_prefetch(&side.cullBox(child));
 
 		std::uint32_t old = 0, oldEnd = 0;
@@ -143,7 +145,7 @@ private:
 		}
 		const std::uint32_t first = std::uint32_t(m_front.entries.size());
 		std::uint32_t& finest = row.ofChildrenOfA ? m_finestA : m_finestB;
-		if (m_settings.rule.followsSharedChildren()) m_front.visited.reserve(children.size);
+		if (!m_settings.rule.isOfLeaves()) m_front.visited.reserve(children.size);
 		for (std::uint32_t slot = 0; slot < children.size; slot += kBoxLanes)
 		{
 			row.children = children.data + slot;
@@ -248,7 +250,7 @@ private:
 		entry.slot = std::uint16_t(row.firstSlot + k);
 		entry.high = row.high[k];
 		entry.old = row.old[k];
-		if (m_settings.rule.followsSharedChildren() && !m_front.visited.insert(entry.a, entry.b))
+		if (!m_settings.rule.isOfLeaves() && !m_front.visited.insert(entry.a, entry.b))
 		{
 			entry.state = PairState::kElsewhere;
 			++m_stats->duplicates;
@@ -267,27 +269,32 @@ private:
 			before = m_front.previous[entry.old].state;
 			memory = remembered(m_front.previous[entry.old]);
 		}
-		entry.state = nextState(entry, before);
-		const bool answersApart =
-			entry.state != PairState::kAnswer && !m_settings.paper && m_settings.rule.acceptsApart(entry.a, entry.b);
-		if (answersApart && m_hulls.areApart(entry.a, entry.b, memory)) entry.state = PairState::kAnswer;
-		if (entry.state == PairState::kAnswer)
+		const Acceptance acceptance = acceptanceOf(entry, before);
+		if (acceptance == Acceptance::kYes)
 		{
+			entry.state = PairState::kAnswer;
 			m_sink.answer(entry.a, entry.b, memory);
 			keep(entry, memory);
 		}
-		else if (!answersApart && cullsByHulls(entry))
+		else if (acceptance == Acceptance::kWhileApart)
+			answerWhileApart(entry, memory);
+		else if (cullsByHulls(entry))
 		{
 			if (hullsApart(entry, memory)) entry.state = PairState::kHullsApart;
 			keep(entry, memory);
 		}
-		const bool isOpened = entry.state == PairState::kOpenA || entry.state == PairState::kOpenB;
-		++(isOpened ? m_stats->frontInner : m_stats->front);
+		if (entry.state == PairState::kSeparated)
+		{
+			const bool wasOpened = m_settings.sameRule && isOpen(before);
+			const bool opensA = wasOpened ? before == PairState::kOpenA : m_settings.rule.opensA(entry.a, entry.b);
+			entry.state = opensA ? PairState::kOpenA : PairState::kOpenB;
+		}
+		++(isOpen(entry.state) ? m_stats->frontInner : m_stats->front);
 	}
 
 	bool cullsByHulls(const FrontEntry& entry) const
 	{
-		return m_settings.rule.followsSharedChildren() && !m_settings.paper &&
+		return !m_settings.rule.isOfLeaves() && !m_settings.paper &&
 			   mayCullByHulls(m_context.a.node(entry.a), m_context.b.node(entry.b));
 	}
 	bool hullsApart(const FrontEntry& entry, HullMemory& memory)
@@ -301,13 +308,21 @@ private:
 		m_front.hulls.push_back(memory);
 	}
 
-	PairState nextState(const FrontEntry& entry, PairState before) const
+	static bool isOpen(PairState state) { return state == PairState::kOpenA || state == PairState::kOpenB; }
+	Acceptance acceptanceOf(const FrontEntry& entry, PairState before) const
 	{
-		const bool isKnown = before == PairState::kAnswer || before == PairState::kOpenA || before == PairState::kOpenB;
-		const StopRule& rule = m_settings.rule;
-		if (m_settings.sameRule && isKnown && !rule.dependsOnHulls()) return before;
-		if (rule.accepts(entry.a, entry.b)) return PairState::kAnswer;
-		return rule.opensA(entry.a, entry.b) ? PairState::kOpenA : PairState::kOpenB;
+		const bool isKnown = before == PairState::kAnswer || isOpen(before);
+		if (m_settings.sameRule && isKnown && !m_settings.rule.dependsOnHulls())
+			return before == PairState::kAnswer ? Acceptance::kYes : Acceptance::kNo;
+		return m_settings.rule.acceptance(entry.a, entry.b);
+	}
+	void answerWhileApart(FrontEntry& entry, HullMemory& memory)
+	{
+		std::optional<HullDistance> evaluated;
+		if (!m_hulls.areApart(entry.a, entry.b, m_settings.tolerance, memory, evaluated)) return;
+		entry.state = PairState::kAnswer;
+		m_sink.answer(entry.a, entry.b, memory, evaluated);
+		keep(entry, memory);
 	}
 
 	bool isBeyond(float low) const { return double(low) > m_settings.tolerance + m_room; }

@@ -140,6 +140,36 @@ TEST(Query, LargerThresholdNeverOpensMore)
 		}
 }
 
+// A certified limit that simplified nodes cannot keep is answered by the tree of exact mode, one that they can is not:
+// the same contacts, and as few boxes compared.
+TEST(Query, ALimitOutOfReachCostsWhatExactDoes)
+{
+	Random random(29);
+	int coarse = 0, withContacts = 0;
+	for (const BodyPair& pair : pairs())
+	{
+		const double radius = smallerRadius(pair.a, pair.b);
+		const double finest = double(pair.a.hierarchy->finestError()) + double(pair.b.hierarchy->finestError());
+		for (int i = 0; i < 20; ++i)
+		{
+			const Transform pose = poseWithGap(random, pair.a, pair.b, uniform(random, 0, 0.01));
+			const Settings exact = exactSettings(0.02 * radius);
+			const QueryResult expected = fresh(pair, pose, exact);
+			Settings limited = exact;
+			limited.metric.exact = false;
+			limited.metric.maxError = std::min(0.99 * finest, 0.1 * radius);
+			const QueryResult result = fresh(pair, pose, limited);
+			EXPECT_EQ(difference(result, expected), "") << pair.a.name << " pose " << i;
+			EXPECT_EQ(result.stats.boxTests, expected.stats.boxTests);
+			limited.metric.maxError = 4 * finest;
+			coarse += fresh(pair, pose, limited).stats.coarsestLevel > 0;
+			withContacts += !expected.contacts.empty();
+		}
+	}
+	EXPECT_GT(coarse, 5);
+	EXPECT_GT(withContacts, 40);
+}
+
 TEST(Query, OneBodyInsideTheOtherIsNeverApart)
 {
 	const Body& small = body("number8", 600);
