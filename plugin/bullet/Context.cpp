@@ -89,6 +89,7 @@ StepStatistics Context::lastStep() const
 			}
 			sum.queryMicroseconds += pair.queryMicroseconds;
 			sum.contactMicroseconds += pair.contactMicroseconds;
+			sum.keptPairs += pair.kept ? 1 : 0;
 			sum.deepPairs += pair.deep ? 1 : 0;
 			sum.fastPairs += pair.fast ? 1 : 0;
 			sum.loosePairs += pair.loose ? 1 : 0;

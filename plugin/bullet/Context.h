@@ -46,6 +46,7 @@ struct PairReport
 	bool deep = false;       // penetration beyond what the contacts can prove
 	bool fast = false;       // one step moves the bodies farther than the thinnest wall
 	bool loose = false;      // the error bound exceeds the thinnest wall
+	bool kept = false;       // nothing has changed: manifolds were left as the last dispatch wrote them
 	double queryMicroseconds = 0, contactMicroseconds = 0;
 };
 
@@ -57,7 +58,7 @@ struct StepStatistics
 	std::uint32_t front = 0, hullTests = 0, boxTests = 0;
 	std::uint32_t pending = 0;  // node pairs that answered coarser than asked, for want of budget
 	double excess = 0;          // by which factor the worst of them exceeds its metric
-	std::uint32_t deepPairs = 0, fastPairs = 0, loosePairs = 0;
+	std::uint32_t keptPairs = 0, deepPairs = 0, fastPairs = 0, loosePairs = 0;
 	double queryMicroseconds = 0, contactMicroseconds = 0;
 	std::vector<std::string> warnings;  // one sentence a pair and cause
 };

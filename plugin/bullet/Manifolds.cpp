@@ -2,6 +2,9 @@
 #include "clod/bullet/Manifolds.h"
 
 #include <algorithm>
+#include <typeinfo>
+
+#include "clod/query/Query.h"
 
 namespace clod
 {
@@ -12,10 +15,41 @@ btVector3 toBullet(const Vec3& v)
 	return {btScalar(v.x), btScalar(v.y), btScalar(v.z)};
 }
 
+// The child's index where the body is a compound, else -1.
+int childOf(const btCollisionObjectWrapper& wrapper)
+{
+	return wrapper.m_parent ? wrapper.m_index : -1;
+}
+
 // Part of a feature id: the level, or the child's index where the body is a compound.
 int partOf(const btCollisionObjectWrapper& wrapper, std::uint32_t level)
 {
 	return wrapper.m_parent ? wrapper.m_index : int(level);
+}
+
+// What Bullet makes of the two bodies' materials, the same for all their points.
+struct Material
+{
+	btScalar friction, restitution, rolling, spinning;
+	explicit Material(const btManifoldResult& out)
+	{
+		const btCollisionObject* body0 = out.getBody0Internal();
+		const btCollisionObject* body1 = out.getBody1Internal();
+		friction = gCalculateCombinedFrictionCallback(body0, body1);
+		restitution = gCalculateCombinedRestitutionCallback(body0, body1);
+		rolling = gCalculateCombinedRollingFrictionCallback(body0, body1);
+		spinning = gCalculateCombinedSpinningFrictionCallback(body0, body1);
+	}
+};
+
+// Has addContactPoint just these materials for the point, and has nobody added to it what points do not begin with?
+bool isPlain(const btManifoldPoint& point, const Material& material)
+{
+	return point.m_combinedFriction == material.friction && point.m_combinedRestitution == material.restitution &&
+		   point.m_combinedRollingFriction == material.rolling &&
+		   point.m_combinedSpinningFriction == material.spinning && point.m_contactPointFlags == 0 &&
+		   point.m_contactMotion1 == 0 && point.m_contactMotion2 == 0 && point.m_contactCFM == 0 &&
+		   point.m_contactERP == 0 && point.m_frictionCFM == 0;
 }
 }  // namespace
 
@@ -57,6 +91,56 @@ void ManifoldSet::readImpulses(ClusterSet& written)
 	}
 }
 
+bool ManifoldSet::isOn(const Ground& ground, const WorldFrame& frame)
+{
+	return ground.a == frame.a->getCollisionObject() && ground.b == frame.b->getCollisionObject() &&
+		   ground.poseA == ground.a->getWorldTransform() && ground.poseB == ground.b->getWorldTransform() &&
+		   ground.childA == childOf(*frame.a) && ground.childB == childOf(*frame.b) &&
+		   ground.aIsFirst == frame.aIsFirst && same(ground.worldFromA, frame.worldFromA) &&
+		   ground.scale == frame.scale && ground.breakingThreshold == frame.breakingThreshold;
+}
+
+// Bodies that say something of each single point as it is added have theirs added in every dispatch.
+bool ManifoldSet::mayKeep(const WorldFrame& frame, const btManifoldResult& out) const
+{
+	constexpr int kPerPoint =
+		btCollisionObject::CF_HAS_CONTACT_STIFFNESS_DAMPING | btCollisionObject::CF_HAS_FRICTION_ANCHOR;
+	if (m_shared || !frame.a || typeid(out) != typeid(btManifoldResult)) return false;
+	const int flags =
+		frame.a->getCollisionObject()->getCollisionFlags() | frame.b->getCollisionObject()->getCollisionFlags();
+	const bool calls = gContactAddedCallback && (flags & btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK) != 0;
+	return !calls && (flags & kPerPoint) == 0;
+}
+
+bool ManifoldSet::keep(ClusterSet& written, const WorldFrame& frame, btManifoldResult& out)
+{
+	if (!m_ground || !mayKeep(frame, out) || !isOn(*m_ground, frame)) return false;
+	const Material material(out);
+	for (const Slot& slot : m_slots)
+	{
+		if (!slot.manifold) continue;
+		if (slot.manifold->getNumContacts() != slot.count) return false;
+		if (slot.count == 0) continue;
+		if (slot.manifold->getContactBreakingThreshold() != slot.breakingThreshold) return false;
+		for (std::size_t j = 0; j < std::size_t(slot.count); ++j)
+		{
+			const btManifoldPoint& point = slot.manifold->getContactPoint(int(j));
+			if (!(point.m_localPointA == slot.localPointA[j] && point.m_localPointB == slot.localPointB[j] &&
+				  point.m_normalWorldOnB == slot.normal[j] && isPlain(point, material)))
+				return false;
+		}
+	}
+	for (std::size_t i = 0; i < m_slots.size(); ++i)
+	{
+		if (m_slots[i].count == 0) continue;
+		for (std::size_t j = 0; j < std::size_t(m_slots[i].count); ++j)
+			written.slots[i].points[j].impulse = double(m_slots[i].manifold->getContactPoint(int(j)).m_appliedImpulse);
+		out.setPersistentManifold(m_slots[i].manifold);
+		out.refreshContactPoints();
+	}
+	return true;
+}
+
 // Points that live on elsewhere keep their user data: it moves with the copy.
 void ManifoldSet::beginWrite(const ClusterSet& clusters)
 {
@@ -94,7 +178,8 @@ bool ManifoldSet::openSlot(int index, const ContactCluster& cluster, const World
 	if (m_shared) return true;
 	double highest = 0;
 	for (int i = 0; i < cluster.count; ++i) highest = std::max(highest, cluster.points[std::size_t(i)].point.height);
-	m_target->setContactBreakingThreshold(btScalar(frame.breakingThreshold + 1.01 * highest * frame.scale));
+	slot.breakingThreshold = btScalar(frame.breakingThreshold + 1.01 * highest * frame.scale);
+	m_target->setContactBreakingThreshold(slot.breakingThreshold);
 	m_wasEmpty = m_target->getNumContacts() == 0;
 	for (int k = 0; k < m_target->getNumContacts(); ++k) m_target->clearUserCache(m_target->getContactPoint(k));
 	return true;
@@ -150,7 +235,28 @@ void ManifoldSet::closeSlot(int index, btManifoldResult& out)
 	{
 		m_target->getContactPoint(i) = m_fresh[std::size_t(i)];
 		slot.localPointA[std::size_t(i)] = m_fresh[std::size_t(i)].m_localPointA;
+		slot.localPointB[std::size_t(i)] = m_fresh[std::size_t(i)].m_localPointB;
+		slot.normal[std::size_t(i)] = m_fresh[std::size_t(i)].m_normalWorldOnB;
 	}
 	out.refreshContactPoints();
+}
+
+void ManifoldSet::endWrite(const ClusterSet& clusters, const WorldFrame& frame, const btManifoldResult& out)
+{
+	m_ground.reset();
+	if (!mayKeep(frame, out)) return;
+	for (std::size_t i = 0; i < m_slots.size(); ++i)
+		if (m_slots[i].count != clusters.slots[i].count) return;
+	const btCollisionObject *a = frame.a->getCollisionObject(), *b = frame.b->getCollisionObject();
+	m_ground = Ground{a,
+					  b,
+					  a->getWorldTransform(),
+					  b->getWorldTransform(),
+					  childOf(*frame.a),
+					  childOf(*frame.b),
+					  frame.aIsFirst,
+					  frame.worldFromA,
+					  frame.scale,
+					  frame.breakingThreshold};
 }
 }  // namespace clod

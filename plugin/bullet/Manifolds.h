@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // Clusters of contact points as Bullet manifolds, one a cluster. Points are placed by us (Bullet's own matching by the
 // breaking threshold would merge fine teeth) but made by btManifoldResult::addContactPoint, so that friction, flags and
-// the contact callbacks are Bullet's. Impulses follow the points the reducer linked.
+// the contact callbacks are Bullet's. Impulses follow the points the reducer linked. Where writing would change nothing
+// the points stay and are only refreshed, as Bullet does for every pair.
 #pragma once
 #include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
@@ -9,6 +10,7 @@
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 
 #include <array>
+#include <optional>
 
 #include "clod/query/ContactClusters.h"
 
@@ -34,6 +36,12 @@ public:
 	ManifoldSet(const ManifoldSet&) = delete;
 	ManifoldSet& operator=(const ManifoldSet&) = delete;
 
+	// For the clusters that were written last, asked to be written again: does every manifold hold them as they were
+	// left, and would the same be written? Then points age, are refreshed and seen by gContactProcessedCallback, their
+	// impulses are copied into the set, and that is all. False, and nothing done, where anything differs: bodies,
+	// poses, materials, a threshold, a point missing, moved or edited; and wherever gContactAddedCallback, stiffness,
+	// damping, friction anchors or a result of the caller's own want points to be added.
+	bool keep(ClusterSet& written, const WorldFrame& frame, btManifoldResult& out);
 	// Copies last step's impulses from the solver into the set that was written last.
 	void readImpulses(ClusterSet& written);
 	// Levels of a point's nodes come from `levelOf`, called with the point.
@@ -53,6 +61,7 @@ public:
 			}
 			closeSlot(slot, out);
 		}
+		endWrite(clusters, frame, out);
 	}
 	void append(btManifoldArray& manifolds) const;
 
@@ -61,18 +70,34 @@ private:
 	{
 		btPersistentManifold* manifold = nullptr;
 		int count = 0;
-		std::array<btVector3, kClusterPoints> localPointA;  // as written: finds the points again
+		btScalar breakingThreshold = 0;
+		// As written: finds the points again.
+		std::array<btVector3, kClusterPoints> localPointA, localPointB, normal;
 	};
+	// What points are made from besides clusters and materials.
+	struct Ground
+	{
+		const btCollisionObject *a = nullptr, *b = nullptr;
+		btTransform poseA, poseB;
+		int childA = -1, childB = -1;  // of a compound
+		bool aIsFirst = true;
+		Transform worldFromA;
+		double scale = 1, breakingThreshold = 0;
+	};
+	static bool isOn(const Ground& ground, const WorldFrame& frame);
+	bool mayKeep(const WorldFrame& frame, const btManifoldResult& out) const;
 	void beginWrite(const ClusterSet& clusters);
 	bool openSlot(int slot, const ContactCluster& cluster, const WorldFrame& frame, btManifoldResult& out);
 	void writePoint(const ClusterPoint& point, const WorldFrame& frame, btManifoldResult& out);
 	void closeSlot(int slot, btManifoldResult& out);
+	void endWrite(const ClusterSet& clusters, const WorldFrame& frame, const btManifoldResult& out);
 
 	btDispatcher& m_dispatcher;
 	btPersistentManifold* m_shared;
 	std::array<Slot, kMaxClusters> m_slots;
 	std::array<btManifoldPoint, kMaxClusters * kClusterPoints> m_old;  // what readImpulses found
 	std::array<bool, kMaxClusters * kClusterPoints> m_found{};
+	std::optional<Ground> m_ground;  // of the last write, where its points may stay
 	// The slot being written.
 	std::array<btManifoldPoint, kClusterPoints> m_fresh;
 	int m_freshCount = 0;

@@ -86,12 +86,11 @@ void PairState::reduce()
 }
 
 // Every point continues the one in its place.
-void PairState::keepPoints()
+void PairState::linkToThemselves()
 {
 	for (std::uint32_t slot = 0; slot < kMaxClusters; ++slot)
 		for (std::uint32_t i = 0; i < kClusterPoints; ++i)
 			m_clusters.slots[slot].points[i].previous = slot * kClusterPoints + i;
-	m_report.queryMicroseconds = m_report.contactMicroseconds = 0;
 }
 
 void PairState::answer()

@@ -261,22 +261,33 @@ std::optional<QueryPlan> PairState::plan(const btCollisionObjectWrapper& body0, 
 	return QueryPlan(m_shapeA->hierarchy(), m_shapeB->hierarchy(), m_aFromB, settings, m_cache);
 }
 
+WorldFrame PairState::worldFrame(bool aIsFirst, double closestPoints) const
+{
+	WorldFrame frame;
+	frame.a = m_a;
+	frame.b = m_b;
+	frame.aIsFirst = aIsFirst;
+	frame.worldFromA = m_worldFromA;
+	frame.scale = m_shapeA->scale();
+	frame.breakingThreshold = kBreakingShare * m_rules.length * frame.scale + closestPoints;
+	return frame;
+}
+
 void PairState::process(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 						const btDispatcherInfo& info, btManifoldResult& out)
 {
+	const bool isAsked = prepare(body0, body1, info, double(out.m_closestPointDistanceThreshold));
+	const bool isSame = isAsked && answersAgain();
+	const WorldFrame frame =
+		isAsked ? worldFrame(m_a == &body0, double(out.m_closestPointDistanceThreshold)) : WorldFrame{};
+	if (isSame) m_report.queryMicroseconds = m_report.contactMicroseconds = 0;
+	m_report.kept = isSame && m_manifolds.keep(m_clusters, frame, out);
+	if (m_report.kept) return;
 	m_manifolds.readImpulses(m_clusters);
-	WorldFrame frame;
-	if (prepare(body0, body1, info, double(out.m_closestPointDistanceThreshold)))
-	{
-		answersAgain() ? keepPoints() : answer();
-		frame.a = m_a;
-		frame.b = m_b;
-		frame.aIsFirst = m_a == &body0;
-		frame.worldFromA = m_worldFromA;
-		frame.scale = m_shapeA->scale();
-		frame.breakingThreshold =
-			kBreakingShare * m_rules.length * frame.scale + double(out.m_closestPointDistanceThreshold);
-	}
+	if (isSame)
+		linkToThemselves();
+	else if (isAsked)
+		answer();
 	else
 	{
 		m_clusters.clear();

@@ -52,13 +52,14 @@ private:
 	Sweep sweepOfStep() const;
 	bool answersAgain() const;
 	void answer();
-	void keepPoints();
+	void linkToThemselves();
 	void findPoints();
 	void clipForeign();
 	void reduce();
 	void judge();
 	bool deeperThanPoints();
 	double widthOfContacts() const;
+	WorldFrame worldFrame(bool aIsFirst, double closestPoints) const;
 	void warnOnce(bool now, unsigned bit, const char* cause);
 
 	Context& m_context;

@@ -12,15 +12,6 @@ namespace clod::test
 {
 namespace
 {
-std::shared_ptr<const Hierarchy> cube()
-{
-	return patchHierarchy(boxMesh({1, 1, 1}, {2, 2, 2}, 1));
-}
-std::shared_ptr<const Hierarchy> slab()
-{
-	return patchHierarchy(boxMesh({10, 1, 10}, {20, 1, 20}, 2));
-}
-
 // A cube dropped from 0.1 above a partner whose top is at 0 must lie on it.
 void expectRest(BulletWorld& scene, btCollisionShape& falling, double restHeight, double speed = 0.01)
 {

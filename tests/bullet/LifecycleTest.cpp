@@ -4,33 +4,15 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
-#include <functional>
 #include <limits>
 
-#include "tests/bullet/BulletWorld.h"
-#include "tests/bullet/PatchHierarchy.h"
+#include "tests/bullet/CubeOnSlab.h"
+#include "tests/bullet/ManifoldState.h"
 
 namespace clod::test
 {
 namespace
 {
-std::shared_ptr<const Hierarchy> cube()
-{
-	return patchHierarchy(boxMesh({1, 1, 1}, {2, 2, 2}, 1));
-}
-std::shared_ptr<const Hierarchy> slab()
-{
-	return patchHierarchy(boxMesh({10, 1, 10}, {20, 1, 20}, 2));
-}
-
-struct Resting : BulletWorld
-{
-	btClodShape& groundShape = addShape(slab());
-	btClodShape& bodyShape = addShape(cube());
-	btRigidBody& ground = addBody(groundShape, 0, {0, -0.5, 0});
-	btRigidBody& body = addBody(bodyShape, 1, {0.013, 0.501, 0.027});
-};
-
 std::uint64_t poseHash(const btRigidBody& body, std::uint64_t hash)
 {
 	const btTransform& pose = body.getWorldTransform();
@@ -50,7 +32,7 @@ int gEnded = 0, gStarted = 0, gDestroyed = 0;
 
 TEST(Lifecycle, RemovalLeavesNoManifold)
 {
-	Resting scene;
+	CubeOnSlab scene;
 	scene.step(10);
 	EXPECT_GT(scene.dispatcher.getNumManifolds(), 0);
 	EXPECT_EQ(scene.context.lastStep().pairs, 1u);
@@ -61,7 +43,7 @@ TEST(Lifecycle, RemovalLeavesNoManifold)
 
 TEST(Lifecycle, PointsPersistAndKeepTheirImpulses)
 {
-	Resting scene;
+	CubeOnSlab scene;
 	scene.step(240);
 	btManifoldArray manifolds;
 	scene.world.getPairCache()->getOverlappingPairArray()[0].m_algorithm->getAllContactManifolds(manifolds);
@@ -80,82 +62,87 @@ TEST(Lifecycle, PointsPersistAndKeepTheirImpulses)
 
 namespace
 {
-// Where a world's manifold points are, and their friction, in Bullet's order.
-std::vector<double> pointsOf(const BulletWorld& scene)
-{
-	std::vector<double> values;
-	for (int i = 0; i < scene.dispatcher.getNumManifolds(); ++i)
-	{
-		const btPersistentManifold& manifold =
-			*const_cast<btCollisionDispatcher&>(scene.dispatcher).getManifoldByIndexInternal(i);
-		for (int k = 0; k < manifold.getNumContacts(); ++k)
-		{
-			const btManifoldPoint& p = manifold.getContactPoint(k);
-			for (const btVector3& v : {p.m_localPointA, p.m_localPointB, p.m_positionWorldOnB, p.m_normalWorldOnB})
-				values.insert(values.end(), {double(v.x()), double(v.y()), double(v.z())});
-			values.insert(values.end(), {double(p.m_distance1), double(p.m_combinedFriction)});
-		}
-	}
-	return values;
-}
+int gProcessed = 0, gAdded = 0;
 
-double queryTime(const BulletWorld& scene)
+// What Bullet does with the points of a held pair, step by step.
+struct Ageing
 {
-	double time = 0;
-	scene.context.forEachPair([&](const PairReport& report) { time = report.queryMicroseconds; });
-	return time;
+	std::vector<int> lifeTimes, processed;
+	int points = 0;
+	double impulse = 0;   // of all points at the end
+	int newFriction = 0;  // points that have it a step after it was set
+	std::vector<int> added;
+};
+Ageing age(CubeOnSlab& scene)
+{
+	const SetCallback<ContactProcessedCallback> count(gContactProcessedCallback,
+													  [](btManifoldPoint&, void*, void*) { return ++gProcessed > 0; });
+	Ageing ageing;
+	scene.world.getSolverInfo().m_splitImpulse = false;  // overlap makes impulses, which a held body does not follow
+	scene.body.getWorldTransform().setOrigin(btVector3(0, btScalar(0.4995), 0));
+	hold(scene.body, true);
+	scene.step(10);
+	for (int i = 0; i < 5; ++i)
+	{
+		gProcessed = 0;
+		scene.step();
+		ageing.processed.push_back(gProcessed);
+		ageing.lifeTimes.push_back(manifoldsOf(scene).at(0)->getContactPoint(0).getLifeTime());
+	}
+	ageing.points = scene.contacts();
+	scene.body.setFriction(btScalar(0.25));
+	scene.step();
+	ageing.impulse = impulseOf(scene);
+	for (btPersistentManifold* manifold : manifoldsOf(scene))
+		for (int k = 0; k < manifold->getNumContacts(); ++k)
+			ageing.newFriction += manifold->getContactPoint(k).m_combinedFriction == btScalar(0.6) * btScalar(0.25);
+	const SetCallback<ContactAddedCallback> countAdded(
+		gContactAddedCallback, [](btManifoldPoint&, const btCollisionObjectWrapper*, int, int,
+								  const btCollisionObjectWrapper*, int, int) { return ++gAdded > 0; });
+	for (const bool wanted : {false, true})
+	{
+		if (wanted)
+			scene.body.setCollisionFlags(scene.body.getCollisionFlags() |
+										 btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK);
+		gAdded = 0;
+		scene.step();
+		ageing.added.push_back(gAdded);
+	}
+	return ageing;
 }
 }  // namespace
 
-TEST(Lifecycle, APairIsAskedAnewOnlyWhenItsQuestionChanges)
+TEST(Lifecycle, UnchangedPointsAgeAndAreCalledLikeThoseOfBulletsHulls)
 {
-	Resting scene;
-	scene.world.getDispatchInfo().m_timeStep = btScalar(scene.timeStep);
-	btClodShape& otherShape = scene.addShape(cube());
-	const std::pair<const char*, std::function<void()>> changes[] = {
-		{"moved", [&] { scene.body.getWorldTransform().getOrigin().setX(btScalar(0.0625)); }},
-		{"speed", [&] { scene.body.setLinearVelocity(btVector3(0, 0, btScalar(0.3))); }},
-		{"force", [&] { scene.body.applyCentralForce(btVector3(0, 0, btScalar(5))); }},
-		{"margin", [&] { scene.bodyShape.setMargin(btScalar(0.004)); }},
-		{"metric", [&] { scene.context.worldMetric = ContactMetric::exactly(); }},
-		{"shape", [&] { scene.body.setCollisionShape(&otherShape); }},
-		{"both moved by as much", [&]
-		 {
-			 for (btRigidBody* body : {&scene.ground, &scene.body})
-				 body->getWorldTransform().getOrigin() += btVector3(btScalar(0.0625), 0, 0);
-		 }}};
-	scene.world.performDiscreteCollisionDetection();
-	for (const auto& [name, change] : changes)
+	CubeOnSlab ours, hulls;
+	const auto hull = [&hulls](const btVector3& half) -> btConvexHullShape&
 	{
-		change();
-		scene.world.performDiscreteCollisionDetection();
-		EXPECT_EQ(queryTime(scene) == 0, std::string("both moved by as much") == name) << name;
-		const std::vector<double> points = pointsOf(scene);
-		ASSERT_FALSE(points.empty()) << name;
-		for (int again = 0; again < 3; ++again)
-		{
-			scene.world.performDiscreteCollisionDetection();
-			EXPECT_EQ(queryTime(scene), 0) << name;
-			EXPECT_EQ(pointsOf(scene), points) << name;
-		}
-	}
-	// Impulses stay with their points.
-	const auto point = [&](int k) -> btManifoldPoint&
-	{ return scene.dispatcher.getManifoldByIndexInternal(k / 4)->getContactPoint(k % 4); };
-	for (int k = 0; k < 2; ++k) point(k).m_appliedImpulse = btScalar(3 + k);
-	scene.world.performDiscreteCollisionDetection();
-	for (int k = 0; k < 2; ++k) EXPECT_EQ(point(k).m_appliedImpulse, btScalar(3 + k));
-	// What is Bullet's stays Bullet's: a point's friction is that of now.
-	const std::vector<double> rough = pointsOf(scene);
-	scene.body.setFriction(btScalar(0.1));
-	scene.world.performDiscreteCollisionDetection();
-	EXPECT_EQ(queryTime(scene), 0);
-	EXPECT_NE(pointsOf(scene), rough);
+		auto& shape = hulls.add(std::make_unique<btConvexHullShape>());
+		for (int corner = 0; corner < 8; ++corner)
+			shape.addPoint(half * btVector3(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1));
+		shape.setMargin(0);
+		return shape;
+	};
+	hulls.ground.setCollisionShape(&hull(btVector3(5, btScalar(0.5), 5)));
+	hulls.body.setCollisionShape(&hull(btVector3(btScalar(0.5), btScalar(0.5), btScalar(0.5))));
+	const Ageing mine = age(ours), theirs = age(hulls);
+	EXPECT_EQ(mine.lifeTimes, theirs.lifeTimes);  // one more a step
+	EXPECT_EQ(mine.processed, std::vector<int>(5, mine.points));
+	EXPECT_EQ(theirs.processed, std::vector<int>(5, theirs.points));
+	EXPECT_GT(theirs.points, 0);
+	EXPECT_GT(mine.impulse, 0);
+	EXPECT_GT(theirs.impulse, 0);
+	EXPECT_EQ(mine.newFriction, mine.points);
+	EXPECT_GT(theirs.newFriction, 0);
+	// Added anew in every dispatch, as far as the bodies want to be told.
+	EXPECT_EQ(mine.added, (std::vector<int>{0, mine.points}));
+	EXPECT_EQ(theirs.added[0], 0);
+	EXPECT_GT(theirs.added[1], 0);
 }
 
 TEST(Lifecycle, SetCollisionShapeAtRunTimeIsNoticed)
 {
-	Resting scene;
+	CubeOnSlab scene;
 	scene.step(60);
 	btClodShape& taller = scene.addShape(patchHierarchy(boxMesh({1, 2, 1}, {2, 4, 2}, 1)));
 	scene.body.setCollisionShape(&taller);
@@ -172,7 +159,7 @@ TEST(Lifecycle, SetCollisionShapeAtRunTimeIsNoticed)
 
 TEST(Lifecycle, ARestingPairSleepsAndWakes)
 {
-	Resting scene;
+	CubeOnSlab scene;
 	scene.body.forceActivationState(ACTIVE_TAG);
 	scene.step(240 * 4);
 	EXPECT_FALSE(scene.body.isActive());
@@ -204,7 +191,7 @@ TEST(Lifecycle, GhostsSeeContactsWithoutResponse)
 
 TEST(Lifecycle, KinematicBodiesCarryOthers)
 {
-	Resting scene;
+	CubeOnSlab scene;
 	scene.ground.setCollisionFlags(scene.ground.getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
 	for (int i = 0; i < 240; ++i)
 	{
@@ -229,7 +216,7 @@ TEST(Lifecycle, CallbacksOfBulletFireOnce)
 		return false;
 	};
 	{
-		Resting scene;
+		CubeOnSlab scene;
 		scene.body.setCollisionFlags(scene.body.getCollisionFlags() | btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK);
 		scene.step(120);
 		const int manifolds = scene.dispatcher.getNumManifolds();
@@ -270,7 +257,7 @@ TEST(Lifecycle, TwoRunsGiveTheSameBitsInEitherOrderOfCreation)
 
 TEST(Lifecycle, ANotFinitePoseIsIgnored)
 {
-	Resting scene;
+	CubeOnSlab scene;
 	scene.step(10);
 	const btScalar nan = std::numeric_limits<btScalar>::quiet_NaN();
 	btCollisionObject& lost = scene.body;
@@ -282,7 +269,7 @@ TEST(Lifecycle, ANotFinitePoseIsIgnored)
 
 TEST(Context, PairCallbackThenShapesThenWorld)
 {
-	Resting scene;
+	CubeOnSlab scene;
 	Metric used;
 	const auto look = [&]
 	{

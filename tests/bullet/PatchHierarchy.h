@@ -29,4 +29,7 @@ PatchedMesh merged(const PatchedMesh& a, const PatchedMesh& b, const Vec3& offse
 
 // Aborts with the reason when the mesh is not a closed manifold or the result does not validate.
 std::shared_ptr<const Hierarchy> patchHierarchy(const PatchedMesh& mesh);
+// Boxes of 1 x 1 x 1 and 10 x 1 x 10.
+std::shared_ptr<const Hierarchy> cube();
+std::shared_ptr<const Hierarchy> slab();
 }  // namespace clod::test
