@@ -152,21 +152,27 @@ private:
 			if (enters(m_solid.surface().triangles()[f], planes, m_slack)) return false;
 		return m_solid.holds(m_center + amount * velocity(m_center));
 	}
+	// A point of the hull, and it moved straight to where the solid is deeper, no farther than the bound.
+	struct Corner
+	{
+		Vec3 at, image;
+	};
+	using Corners = std::array<Corner, 4>;
 	struct Cell
 	{
-		std::array<Vec3, 4> corner;
+		Corners corner;
 		double bound;
 		bool operator<(const Cell& other) const { return bound < other.bound; }
 	};
-	double boundOf(const std::array<Vec3, 4>& corner, double& attained) const
+	double boundOf(const Corners& corner, double& attained) const
 	{
-		const Vec3 c = 0.25 * (corner[0] + corner[1] + corner[2] + corner[3]);
+		const Vec3 c = 0.25 * (corner[0].at + corner[1].at + corner[2].at + corner[3].at);
 		const TriangleTree::Nearest nearest = m_solid.surface().nearest(c);
 		double reach = 0, toTriangle = 0;
-		for (const Vec3& p : corner)
+		for (const auto& [at, image] : corner)
 		{
-			reach = std::max(reach, length(p - c));
-			toTriangle = std::max(toTriangle, distance(m_solid.surface().triangles()[nearest.triangle], p));
+			reach = std::max(reach, length(at - c));
+			toTriangle = std::max(toTriangle, distance(m_solid.surface().triangles()[nearest.triangle], at));
 		}
 		const double anywhere = std::min(nearest.distance + reach, toTriangle);
 		if (anywhere <= m_bound + m_slack) return anywhere;
@@ -175,22 +181,25 @@ private:
 		const double lipschitz = std::max(0.0, (inside ? -nearest.distance : nearest.distance) + reach);
 		return std::min(lipschitz, toTriangle);
 	}
-	// A cell whose corners can all be moved, none farther than the bound and each straight to where the solid is
-	// deeper, so that the moved cell meets no input face and has a point inside.
-	bool isCarriedInside(const std::array<Vec3, 4>& corner) const
+	Corner cornerAt(const Vec3& p) const
+	{
+		const TriangleTree::Nearest nearest = m_solid.surface().nearest(p);
+		const Triangle& t = m_solid.surface().triangles()[nearest.triangle];
+		const Vec3 foot = nearestOn(t, p), face = normalized(cross(t[1] - t[0], t[2] - t[0]));
+		const bool inside = nearest.distance > m_slack && m_solid.holds(p);
+		const double signedDistance = inside ? -nearest.distance : nearest.distance;
+		const Vec3 inward = nearest.distance > m_slack ? (1 / signedDistance) * (foot - p) : -face;
+		return {p, p + std::max(0.0, m_bound - std::max(0.0, -signedDistance)) * inward};
+	}
+	// A cell whose moved corners span one that meets no input face and has a point inside.
+	bool isCarriedInside(const Corners& corner) const
 	{
 		std::vector<Vec3> image;
 		Vec3 center;
-		for (const Vec3& p : corner)
+		for (const Corner& moved : corner)
 		{
-			const TriangleTree::Nearest nearest = m_solid.surface().nearest(p);
-			const Triangle& t = m_solid.surface().triangles()[nearest.triangle];
-			const Vec3 foot = nearestOn(t, p), face = normalized(cross(t[1] - t[0], t[2] - t[0]));
-			const bool inside = nearest.distance > m_slack && m_solid.holds(p);
-			const double signedDistance = inside ? -nearest.distance : nearest.distance;
-			Vec3 inward = nearest.distance > m_slack ? (1 / signedDistance) * (foot - p) : -face;
-			image.push_back(p + std::max(0.0, m_bound - std::max(0.0, -signedDistance)) * inward);
-			center += 0.25 * image.back();
+			image.push_back(moved.image);
+			center += 0.25 * moved.image;
 		}
 		const Hull hull = hullOf(image, m_slack);
 		if (!hull.solid || hull.planes.size() != 4) return false;
@@ -198,16 +207,30 @@ private:
 			if (enters(m_solid.surface().triangles()[f], hull.planes, m_slack)) return false;
 		return m_solid.holds(center);
 	}
+	// A cell from the centre to each facet.
+	std::priority_queue<Cell> wholeHull(double& attained) const
+	{
+		std::vector<Corner> known;
+		const auto cornerOf = [&](const Vec3& p)
+		{
+			const auto same = std::find_if(known.begin(), known.end(), [&](const Corner& c) { return c.at == p; });
+			if (same != known.end()) return *same;
+			known.push_back(cornerAt(p));
+			return known.back();
+		};
+		std::priority_queue<Cell> cells;
+		for (const Triangle& t : m_hull.facets)
+		{
+			const Corners corner{cornerOf(m_center), cornerOf(t[0]), cornerOf(t[1]), cornerOf(t[2])};
+			cells.push({corner, boundOf(corner, attained)});
+		}
+		return cells;
+	}
 	Finding branch() const
 	{
 		constexpr int kBudget = 1500;
-		std::priority_queue<Cell> open;
 		double attained = 0;
-		for (const Triangle& t : m_hull.facets)
-		{
-			const std::array<Vec3, 4> corner{m_center, t[0], t[1], t[2]};
-			open.push({corner, boundOf(corner, attained)});
-		}
+		std::priority_queue<Cell> open = wholeHull(attained);
 		for (int i = 0; i < kBudget && open.top().bound > m_bound + m_slack; ++i)
 		{
 			if (attained > m_bound + m_slack) return {Verdict::broken, attained - m_bound};
@@ -221,15 +244,17 @@ private:
 			std::size_t from = 0, to = 1;
 			for (std::size_t a = 0; a < 4; ++a)
 				for (std::size_t b = a + 1; b < 4; ++b)
-					if (length(cell.corner[a] - cell.corner[b]) > length(cell.corner[from] - cell.corner[to]))
+					if (length(cell.corner[a].at - cell.corner[b].at) >
+						length(cell.corner[from].at - cell.corner[to].at))
 					{
 						from = a;
 						to = b;
 					}
+			const Corner middle = cornerAt(0.5 * (cell.corner[from].at + cell.corner[to].at));
 			for (const std::size_t moved : {from, to})
 			{
-				std::array<Vec3, 4> half = cell.corner;
-				half[moved] = 0.5 * (cell.corner[from] + cell.corner[to]);
+				Corners half = cell.corner;
+				half[moved] = middle;
 				open.push({half, std::min(cell.bound, boundOf(half, attained))});
 			}
 		}
