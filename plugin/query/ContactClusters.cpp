@@ -153,22 +153,35 @@ double ContactReducer::mismatch(const ClusterPoint& old, const ContactPoint& poi
 	return best;
 }
 
+// Ties fall to the lower index, so that the order of the search makes no difference.
 std::uint32_t ContactReducer::nearestTo(const ClusterPoint& old) const
 {
 	const double limit = m_rules.matchRadius * m_rules.length;
 	double bestSquared = limit * limit;
 	std::uint32_t best = kNone;
+	// False where nothing farther along x can be nearer. A mismatch is no less than the distance of the places.
+	const auto visit = [&](const Place& place, double x)
+	{
+		const double along = place.onA.x - x;
+		if (along * along > bestSquared) return false;
+		const double least =
+			std::min(lengthSquared(place.onA - old.point.pointOnA), lengthSquared(place.onA - old.placeWithB));
+		if (least > bestSquared || m_taken[place.candidate]) return true;
+		const double squared = mismatch(old, (*m_candidates)[place.candidate]);
+		const bool isNearer = squared < bestSquared || (squared == bestSquared && place.candidate < best);
+		if (!isNearer || squared == limit * limit) return true;
+		best = place.candidate;
+		bestSquared = squared;
+		return true;
+	};
 	for (const double x : {old.point.pointOnA.x, old.placeWithB.x})
 	{
-		const auto first = std::lower_bound(m_byX.begin(), m_byX.end(), std::make_pair(x - limit, std::uint32_t(0)));
-		for (auto at = first; at != m_byX.end() && at->first <= x + limit; ++at)
+		const auto middle = std::lower_bound(m_byX.begin(), m_byX.end(), Place{{x, 0, 0}, 0});
+		for (auto at = middle; at != m_byX.end() && visit(*at, x); ++at)
 		{
-			if (m_taken[at->second]) continue;
-			const double squared = mismatch(old, (*m_candidates)[at->second]);
-			if (squared > bestSquared || (squared == bestSquared && at->second >= best)) continue;
-			if (squared == limit * limit) continue;
-			best = at->second;
-			bestSquared = squared;
+		}
+		for (auto at = middle; at != m_byX.begin() && visit(*(at - 1), x); --at)
+		{
 		}
 	}
 	return best;
@@ -314,7 +327,7 @@ void ContactReducer::reduce(const std::vector<ContactPoint>& candidates, const s
 	m_taken.assign(candidates.size(), 0);
 	m_byX.clear();
 	for (std::uint32_t i = 0; i < candidates.size() && previous.pointCount() > 0; ++i)
-		if (!excluded[i]) m_byX.emplace_back(candidates[i].pointOnA.x, i);
+		if (!excluded[i]) m_byX.push_back({candidates[i].pointOnA, i});
 	std::sort(m_byX.begin(), m_byX.end());
 	next.clear();
 	binCandidates();

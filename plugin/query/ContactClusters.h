@@ -96,7 +96,16 @@ private:
 	std::vector<std::uint64_t> m_keys;
 	std::vector<Seed> m_seeds;
 	std::vector<char> m_taken;
-	std::vector<std::pair<double, std::uint32_t>> m_byX;  // candidates along A's x axis
+	struct Place
+	{
+		Vec3 onA;
+		std::uint32_t candidate;
+		bool operator<(const Place& other) const
+		{
+			return onA.x != other.onA.x ? onA.x < other.onA.x : candidate < other.candidate;
+		}
+	};
+	std::vector<Place> m_byX;  // candidates along A's x axis
 	std::array<std::array<std::uint32_t, kClusterPoints>, kMaxClusters> m_chosen{};
 };
 }  // namespace clod

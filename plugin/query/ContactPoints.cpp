@@ -42,11 +42,29 @@ Bounds boundsOf(const Triangle& triangle)
 	return bounds;
 }
 
+// No point within a radius of the center is carried farther in the step.
+double farthestCarried(const PointFilter& filter, const Vec3& center, double radius)
+{
+	const double speed = length(filter.otherMotion.velocity(center)) + length(filter.otherMotion.angular) * radius;
+	return speed * filter.otherMotion.timeStep;
+}
+
+// Is all of a box, where it is and where it is carried, beyond one side of the prism?
+bool isBeside(const FacePrism& prism, const Vec3& center, const Vec3& half, double carried)
+{
+	for (std::size_t i = 0; i < 3; ++i)
+	{
+		const Vec3& side = prism.side[i];
+		const double extent = half.x * std::abs(side.x) + half.y * std::abs(side.y) + half.z * std::abs(side.z);
+		if (dot(side, center) - extent - carried > prism.sideOffset[i]) return true;
+	}
+	return false;
+}
+
 // Farthest a point of the node can move over the reference in the step, and the largest height worth looking at.
 double speculativeReach(const PointFilter& filter, const Vec3& center, double radius)
 {
-	const double speed = length(filter.otherMotion.velocity(center)) + length(filter.otherMotion.angular) * radius;
-	return filter.rules->margin + filter.rules->resting + kPredictionSlack * speed * filter.otherMotion.timeStep;
+	return filter.rules->margin + filter.rules->resting + kPredictionSlack * farthestCarried(filter, center, radius);
 }
 
 Bounds boundsOf(const Hierarchy& hierarchy, const Node& node)
@@ -177,6 +195,8 @@ void PointClipper::clipPair(const Side& reference, const Side& other, std::vecto
 
 	const PatchPlanes under{reference.hierarchy.faces().data + node.firstFace, node.faceCount};
 	const Vec3 center = 0.5 * (m_other.low + m_other.high), half = 0.5 * (m_other.high - m_other.low);
+	const double rounding = 1e-9 * (length(center) + length(half));
+	const double carried = farthestCarried(filter, center, length(half)) + rounding;
 	for (std::uint32_t i = 0; i < node.faceCount; ++i)
 	{
 		const Face& face = reference.hierarchy.faces()[node.firstFace + i];
@@ -186,7 +206,7 @@ void PointClipper::clipPair(const Side& reference, const Side& other, std::vecto
 		if (middle - extent > reach || middle + extent < -double(face.thickness)) continue;
 		FacePrism prism = prismOf(reference.hierarchy, node, face);
 		prism.top = filter.topFor(prism, center, length(half));
-		if (middle - extent > prism.top) continue;
+		if (middle - extent > prism.top || isBeside(prism, center, half, carried)) continue;
 		for (std::size_t j = 0; j < m_other.faces.size(); ++j)
 		{
 			if (dot(normal, m_other.normals[j]) >= kOpposingCosine) continue;
