@@ -133,7 +133,7 @@ public:
 
 private:
 	// Where the finest simplified nodes hardly keep the limit, following every child of every node to the few that do
-	// costs more than the tree of exact mode: spoon-cup at 0.05 % of the radius 1.8 times, at 0.1 % 1.1, at 0.15 % 0.9.
+	// costs more than the tree of exact mode: spoon-cup at 0.05 % of the radius 1.8 times.
 	static bool isOutOfReach(const QueryContext& context, double maxError)
 	{
 		return maxError < double(context.a.finestError()) + double(context.b.finestError());
