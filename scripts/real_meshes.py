@@ -67,9 +67,9 @@ def attempt(programs, entry, out, options):
 
 
 def pieces(report, share):
-    """Patches of the coarsest contact level whose certified error is at most this share of the radius."""
+    """Patches of the coarsest contact level whose certified error is at most this share of the radius; None: no level's."""
     fitting = [l for l in report["levels"] if l["clod"] and l["max_s"] <= share * report["radius"]]
-    return min(l["patches"] for l in fitting)
+    return min((l["patches"] for l in fitting), default=None)
 
 
 def build(programs, entry, out):
@@ -97,15 +97,15 @@ def build(programs, entry, out):
 
 
 def table(rows):
-    head = f"{'mesh':<18}{'kind':<5}{'as it is':<9}{'built':<11}{'moved %':>8}{'triangles':>10}{'s':>7}{'pieces':>8}"
+    head = f"{'mesh':<19}{'kind':<5}{'as it is':<9}{'built':<11}{'moved %':>8}{'triangles':>10}{'s':>7}{'pieces':>8}"
     head += "".join(f"{'@%g%%' % (100 * s):>7}" for s in SHARES) + f"{'coarsest':>9}{'error %':>8}  refused for"
     lines = [head]
     for r in rows:
-        line = f"{r['name']:<18}{r['kind']:<5}{r['attempts'][0]['outcome']:<9}"
+        line = f"{r['name']:<19}{r['kind']:<5}{r['attempts'][0]['outcome']:<9}"
         if "how" in r:
             moved = f"{100 * r['moved']:.2g}" if "moved" in r else "0"
             line += f"{r['how']:<11}{moved:>8}{r['triangles']:>10}{r['seconds']:>7.1f}{r['pieces']:>8}"
-            line += "".join(f"{r['within']['%g' % s]:>7}" for s in SHARES)
+            line += "".join(f"{'-' if fit is None else fit:>7}" for fit in (r["within"]["%g" % s] for s in SHARES))
             line += f"{r['coarsest']:>9}{100 * r['coarsest_error']:>8.2g}"
         else:
             line += f"{'no':<11}" + " " * (8 + 10 + 7 + 8 + 7 * len(SHARES) + 9 + 8)
