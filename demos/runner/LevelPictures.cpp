@@ -104,11 +104,12 @@ struct View
 		constexpr double kRoom = 1.08;
 		const double tangent = std::tan(0.5 * kFovy * std::acos(-1.0) / 180);
 		const double middle[2] = {0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])};
+		const double wide = aspect();
 		double distance = -std::numeric_limits<double>::infinity();
 		for (const Vec3& v : mesh.vertices)
 		{
 			const double across =
-				std::max(std::fabs(dot(right, v) - middle[0]) / aspect(), std::fabs(dot(up, v) - middle[1]));
+				std::max(std::fabs(dot(right, v) - middle[0]) / wide, std::fabs(dot(up, v) - middle[1]));
 			distance = std::max(distance, dot(toEye, v) + kRoom * across / tangent);
 		}
 		const Vec3 axis = middle[0] * right + middle[1] * up;
