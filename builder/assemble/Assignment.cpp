@@ -115,8 +115,9 @@ LevelAssignment assignToNearest(const Mesh& mesh, const TriangleTree& input, con
 	const NearestPatches nearest(lod);
 	const double typical = typicalDistance(input, nearest);
 	const double radius = scale.radius;
-	const SplitRule rule{std::max(0.2 * typical, 2e-5 * radius), std::max(0.5 * typical, 1e-4 * radius),
-						 std::max(0.5 * typical, 5e-4 * radius)};
+	const double least = 1e-4 * radius;
+	const SplitRule rule{std::max(0.2 * typical, least), std::max(0.5 * typical, least),
+						 std::max(0.5 * typical, least)};
 	const std::vector<Lookups> lookups = nearest.ofFaces(mesh, input, scale.threads);
 	const std::vector<std::uint32_t> preferred = preferredPatches(input, lookups, below);
 	// Faces in chunks: a splitter is large, the pieces of one face are few.

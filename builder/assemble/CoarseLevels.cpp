@@ -4,6 +4,7 @@
 #include "builder/assemble/CoarseLevels.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <set>
@@ -218,8 +219,19 @@ void bridgeCoarseLevels(std::vector<Lod>& lods, const Solid& solid, const Protru
 		if (end == 0) continue;
 		Lod& start = lods[end - 1];
 		Lod bridged = Bridges(start, solid, scale, limit).run(threads);
-		if (2 * bridged.patchCount > start.patchCount) continue;
-		lods.resize(end);
+		if (2 * bridged.patchCount <= start.patchCount)
+			lods.resize(end);
+		else if (end > 1 && !std::isfinite(start.errorLimit) && bridged.patchCount < start.patchCount &&
+				 2 * bridged.patchCount <= lods[end - 2].patchCount)
+		{
+			// Every level has half the patches of the one below: the one that was bridged makes way.
+			std::vector<std::uint32_t> patchOfChild;
+			for (const std::uint32_t patch : start.patchOfChild) patchOfChild.push_back(bridged.patchOfChild[patch]);
+			bridged.patchOfChild = std::move(patchOfChild);
+			lods.resize(end - 1);
+		}
+		else
+			continue;
 		lods.push_back(std::move(bridged));
 	}
 }

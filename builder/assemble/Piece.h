@@ -16,7 +16,7 @@ namespace clod::builder
 {
 struct Piece
 {
-	static constexpr int kDepth = 4;
+	static constexpr int kDepth = 6;
 	static constexpr std::uint32_t kCodes = 1u << (2 * kDepth);
 	std::uint32_t face;   // input triangle
 	std::uint16_t first;  // interval of codes

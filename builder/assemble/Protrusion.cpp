@@ -71,10 +71,12 @@ public:
 	}
 
 private:
+	// No looser than what is hopeless beyond, while that can still be kept.
 	double accepted() const
 	{
-		return std::max(
-			{m_result.upper, kTight * m_result.lower, m_result.lower + 3e-5 * m_scale.radius, m_scale.enough});
+		const double good =
+			std::max({kTight * m_result.lower, m_result.lower + 3e-5 * m_scale.radius, m_scale.enough});
+		return std::max({m_result.upper, m_result.lower, std::min(good, m_hopeless)});
 	}
 
 	// The nearest surface point, which lies within the limit.

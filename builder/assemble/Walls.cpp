@@ -45,12 +45,11 @@ void thicken(NodeDraft& node, const Solid& solid, const ProtrusionScale& scale, 
 	const double harmless = std::min(std::max(rule.overVertices * attained, rule.harmless), rule.most);
 	const double wall = node.coneCosine > 0 ? wallOf(node, solid) : 0;
 	const double half = std::isfinite(wall) ? 0.5 * wall : 0;
-	constexpr double kAlways = std::numeric_limits<double>::infinity();
 	double thin = -1, allowed = harmless;
 	const auto measureThin = [&]
 	{
 		const double thickness = std::exchange(node.thickness, 0);
-		thin = measured(node, solid, scale, kAlways).upper;
+		thin = measured(node, solid, scale, rule.most).upper;
 		node.thickness = thickness;
 		allowed = std::max({harmless, thin, std::min(1.1 * thin, rule.most)});
 	};

@@ -15,7 +15,8 @@ namespace clod::builder
 namespace
 {
 constexpr double kStorageRounding = 8.0 / (1 << 24);  // eps_0, share of the radius
-constexpr double kFirstBound = 0.0005;                // of the deviation, share of the radius
+constexpr double kFirstBound = 0.0001;                // of the deviation, share of the radius
+constexpr double kFineBound = 0.0005;                 // below it collapses go by their error, from it by resolution
 constexpr double kBoundGrowth = 1.5;
 constexpr double kToleranceShare = 0.25;  // eps_k of the deviation reached
 constexpr std::uint32_t kRetries = 3;     // of a blocked edge after changes nearby
@@ -81,6 +82,7 @@ private:
 	void raiseTolerance(double tolerance);
 	std::size_t drainQueue();
 	void pushAll();
+	void push(std::uint32_t u, std::uint32_t w);
 	void pushAround(std::uint32_t vertex);
 	void retryRing(std::uint32_t centre);
 	bool isEdge(std::uint32_t u, std::uint32_t w) const;
@@ -138,13 +140,21 @@ void Simplifier::cutIfHalved()
 	m_mesh.rebuildTrees();
 }
 
+// By resolution, the paper's order, a level uses up its whole bound; by error it takes first what costs nearly nothing.
+// Coarse levels by error have more slivers and more patches.
+void Simplifier::push(std::uint32_t u, std::uint32_t w)
+{
+	const bool byError = !m_config.paper && m_guard.bound < kFineBound * m_mesh.radius;
+	m_queue.push(u, w, byError ? -m_collapser->quadricError(u, w) : m_collapser->resolution(u, w));
+}
+
 void Simplifier::pushAround(std::uint32_t vertex)
 {
 	for (const std::uint32_t f : m_mesh.star[vertex])
 	{
 		const auto& t = m_mesh.faces[f];
 		const std::uint32_t next = t[std::size_t((m_mesh.cornerOf(f, vertex) + 1) % 3)];
-		m_queue.push(vertex, next, m_collapser->resolution(vertex, next));
+		push(vertex, next);
 	}
 }
 
@@ -156,8 +166,7 @@ void Simplifier::pushAll()
 		if (!m_mesh.isAlive(f)) continue;
 		const auto& t = m_mesh.faces[f];
 		for (std::size_t k = 0; k < 3; ++k)
-			if (t[k] < t[(k + 1) % 3])
-				m_queue.push(t[k], t[(k + 1) % 3], m_collapser->resolution(t[k], t[(k + 1) % 3]));
+			if (t[k] < t[(k + 1) % 3]) push(t[k], t[(k + 1) % 3]);
 	}
 }
 
@@ -189,7 +198,7 @@ void Simplifier::retryRing(std::uint32_t centre)
 		{
 			const std::uint32_t q = m_mesh.faces[g][std::size_t((m_mesh.cornerOf(g, p) + 1) % 3)];
 			if (q == centre || m_queue.isWaiting(p, q)) continue;
-			if (m_queue.retries(p, q)++ < kRetries) m_queue.push(p, q, m_collapser->resolution(p, q));
+			if (m_queue.retries(p, q)++ < kRetries) push(p, q);
 		}
 	}
 }

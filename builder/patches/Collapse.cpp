@@ -13,6 +13,7 @@ constexpr double kLeastTurn = 0.2;  // cosine between a face's old and new norma
 constexpr double kThinnest = 1e-3;  // height of a new face over its longest edge
 constexpr int kBisections = 6;
 constexpr double kNormalVariance = 0.1 * 0.1;  // of probabilistic quadrics
+constexpr double kLengthShare = 1e-3 * 1e-3;   // of an edge's squared length, in its quadric error
 
 double heightOverLength(const TrianglePoints& t)
 {
@@ -54,6 +55,20 @@ double Collapser::resolution(std::uint32_t u, std::uint32_t w) const
 	const Vec3 edge = m_mesh.positions[w] - m_mesh.positions[u];
 	const double projected = length(edge - dot(edge, normal) * normal);
 	return 1 / std::max(projected, 1e-9 * m_mesh.radius);
+}
+
+double Collapser::quadricError(std::uint32_t u, std::uint32_t w) const
+{
+	const Quadric quadric = joinedQuadric(u, w);
+	const Vec3 &from = m_mesh.positions[u], &to = m_mesh.positions[w];
+	return quadric.at(quadric.minimiser(0.5 * (from + to))) + kLengthShare * lengthSquared(to - from) * quadric.area();
+}
+
+Quadric Collapser::joinedQuadric(std::uint32_t u, std::uint32_t w) const
+{
+	Quadric quadric = m_quadrics[u];
+	quadric += m_quadrics[w];
+	return quadric;
 }
 
 void Collapser::findRows()
@@ -151,9 +166,7 @@ Outcome Collapser::attempt(std::uint32_t u, std::uint32_t w)
 	m_ringRadius = 0;
 	for (const std::uint32_t v : m_ring) m_ringRadius = std::max(m_ringRadius, length(m_mesh.positions[v] - m_middle));
 	findRows();
-	Quadric quadric = m_quadrics[u];
-	quadric += m_quadrics[w];
-	const Vec3 start = quadric.minimiser(m_middle);
+	const Vec3 start = joinedQuadric(u, w).minimiser(m_middle);
 	m_validity.move.u = u;
 	m_validity.move.w = w;
 	m_validity.move.faces = m_star;

@@ -31,6 +31,9 @@ public:
 
 	// 1 / length of the edge projected along the mean normal of the faces round it (Otaduy & Lin, SIGGRAPH 2003).
 	double resolution(std::uint32_t u, std::uint32_t w) const;
+	// Least sum of squared distances to the planes that have gone into both ends, weighted by area, and a little for
+	// the edge's length, which decides where the surface is flat (Garland & Heckbert 1997).
+	double quadricError(std::uint32_t u, std::uint32_t w) const;
 	// Joins w into u. The edge must exist.
 	Outcome attempt(std::uint32_t u, std::uint32_t w);
 	// Of the last successful attempt: faces round the new vertex, in order.
@@ -43,6 +46,7 @@ private:
 	bool findPatches();
 	bool staysConnected(std::uint32_t patch) const;
 	// 2 to 4 positions
+	Quadric joinedQuadric(std::uint32_t u, std::uint32_t w) const;
 	void findRows();
 	std::optional<Vec3> constrained(const Vec3& wanted) const;
 	Star ringPoints() const;

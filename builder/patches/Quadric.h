@@ -16,6 +16,8 @@ public:
 	Quadric& operator+=(const Quadric& other);
 	// Squared error at x, in area times length squared.
 	double at(const Vec3& x) const;
+	// Of the triangles added without variance.
+	double area() const { return m_xx + m_yy + m_zz; }
 	// Minimiser nearest to start: directions whose eigenvalue is below 1e-3 of the largest stay at start.
 	Vec3 minimiser(const Vec3& start) const;
 

@@ -81,7 +81,7 @@ public:
 	std::size_t hullSize() const { return m_hullSize; }  // floats in each of the three coordinate arrays
 	std::uint32_t root() const { return std::uint32_t(m_nodes.size - 1); }
 	std::uint32_t coarsestClodLevel() const { return m_coarsestClodLevel; }
-	// What half of the nodes of the finest level above the input surface are within: the larger of cover and protrude,
+	// What nine in ten nodes of the finest level above the input surface are within: the larger of cover and protrude,
 	// their error beside a perfect partner. Infinite where no level above answers. Derived at load.
 	float finestError() const { return m_finestError; }
 	bool isPaperBuild() const { return (asset().flags & kPaperBuild) != 0; }

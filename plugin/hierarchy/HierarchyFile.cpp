@@ -205,9 +205,9 @@ struct HierarchyReader
 			const Node& node = h.node(level.firstNode + i);
 			errors.push_back(std::max(node.cover, node.protrude));
 		}
-		const auto middle = errors.begin() + std::ptrdiff_t(errors.size() / 2);
-		std::nth_element(errors.begin(), middle, errors.end());
-		h.m_finestError = *middle;
+		const auto most = errors.begin() + std::ptrdiff_t(errors.size() * 9 / 10);
+		std::nth_element(errors.begin(), most, errors.end());
+		h.m_finestError = *most;
 	}
 
 	static Result<std::shared_ptr<const Hierarchy>> read(std::vector<std::byte> bytes)

@@ -286,7 +286,13 @@ private:
 		NearPairs sink(m_context, tolerance, m_settings.tolerance, m_state.near, m_result.stats);
 		m_state.near.clear();
 		if (m_settings.budget.isLimited())
-			m_state.refinement.answer(sink);
+		{
+			// As far as the budget went: what exceeds the metric by more than what is pending is open.
+			Refinement& walk = m_state.nearby;
+			walk.start(m_context, rule, tolerance, m_settings.paper);
+			while (walk.excess() > m_state.refinement.excess()) walk.refine();
+			walk.answer(sink);
+		}
 		else
 		{
 			const std::uint32_t front = m_result.stats.front, frontInner = m_result.stats.frontInner;
