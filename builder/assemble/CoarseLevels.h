@@ -11,7 +11,8 @@ constexpr std::uint32_t kMostBridged = 200;  // patches of a level: pairs are tr
 
 // `lods`: the coarsest levels, the input surface not among them. From the coarsest one that leaves room, a bridged
 // level for each of 10, 20 and 40 % of the radius, where that halves the patches or, in the place of the level that was
-// bridged, those of the level below; coarser levels of collapses are dropped then. What a bridged hull sticks out, thickness included, stays within its error. The same for any number of
-// threads. Cost: about a millisecond for a pair of neighbours.
+// bridged, those of the level below; coarser levels of collapses are dropped then. What a bridged hull sticks out,
+// thickness included, stays within its error. The same for any number of threads. Cost: about a millisecond for a pair
+// of neighbours.
 void bridgeCoarseLevels(std::vector<Lod>& lods, const Solid& solid, const ProtrusionScale& scale, unsigned threads);
 }  // namespace clod::builder
