@@ -11,7 +11,9 @@ namespace clod::builder
 {
 namespace
 {
-constexpr int kPartBudget = 20000;  // parts of one triangle before the bound at hand is taken
+// Parts of one triangle before the bound at hand is taken: at least so many, and so many for each triangle of the
+// target, as all of a fine mesh's flat side may lie under one triangle of a coarse level.
+constexpr std::size_t kPartBudget = 20000, kPartsPerTarget = 4;
 // Parts narrower than this share of the triangle are rounding of a cut: every point of one lies that close to its
 // neighbour part, which the slack of the stored bounds covers.
 constexpr double kSliver = 1e-13;
@@ -94,8 +96,11 @@ template <class Nearest>
 class Overlay
 {
 public:
-	Overlay(const Nearest& nearest, const Tolerance& tolerance, Supremum& sup)
-		: m_nearest(nearest), m_tolerance(tolerance), m_sup(sup)
+	Overlay(const Nearest& nearest, std::size_t targets, const Tolerance& tolerance, Supremum& sup)
+		: m_nearest(nearest),
+		  m_budget(std::max(kPartBudget, kPartsPerTarget * targets)),
+		  m_tolerance(tolerance),
+		  m_sup(sup)
 	{
 	}
 
@@ -126,7 +131,7 @@ private:
 		const double bound = std::min(byCorners, found.second + reachFrom(part.polygon, c));
 		m_sup.lower = std::max(m_sup.lower, found.second);
 		if (good(bound)) return take(bound);
-		if (++m_parts > kPartBudget || part.halvings > 40) return take(bound);
+		if (++m_parts > m_budget || part.halvings > 40) return take(bound);
 		cutOut(part, found.first);
 	}
 
@@ -155,11 +160,12 @@ private:
 	}
 
 	const Nearest& m_nearest;
+	const std::size_t m_budget;
 	const Tolerance m_tolerance;
 	Supremum& m_sup;
 	Vec3 m_normal;
 	double m_size = 0;
-	int m_parts = 0;
+	std::size_t m_parts = 0;
 	std::vector<Part> m_stack;
 };
 
@@ -205,11 +211,11 @@ private:
 // triangle does not exceed what is attained elsewhere, it is not looked at.
 template <class Nearest>
 void addTriangles(const std::vector<Vec3>& corners, const std::vector<std::array<std::uint32_t, 3>>& triangles,
-				  const std::vector<double>& distances, const Nearest& nearest, const Tolerance& tolerance,
-				  Supremum& sup)
+				  const std::vector<double>& distances, const Nearest& nearest, std::size_t targets,
+				  const Tolerance& tolerance, Supremum& sup)
 {
 	sup.upper = sup.lower;
-	Overlay<Nearest> overlay(nearest, tolerance, sup);
+	Overlay<Nearest> overlay(nearest, targets, tolerance, sup);
 	for (const auto& t : triangles)
 	{
 		const Triangle triangle{corners[t[0]], corners[t[1]], corners[t[2]]};
@@ -241,7 +247,8 @@ CoverAndReach coverAndReachOf(const NodeDraft& node, const Mesh& input, const To
 		result.reach.lower = std::max(result.reach.lower, distances.back());
 		result.cover = std::max(result.cover, distanceBound(corner, hull, result.cover));
 	}
-	addTriangles(territory.corners, territory.triangles, distances, nearest, tolerance, result.reach);
+	addTriangles(territory.corners, territory.triangles, distances, nearest, node.faces.size(), tolerance,
+				 result.reach);
 	return result;
 }
 
@@ -259,7 +266,7 @@ Supremum surfOf(const NodeDraft& node, const TriangleTree& input, const Toleranc
 		distances.push_back(nearest(corner).second);
 		sup.lower = std::max(sup.lower, distances.back());
 	}
-	addTriangles(node.vertices, node.faces, distances, nearest, tolerance, sup);
+	addTriangles(node.vertices, node.faces, distances, nearest, input.size(), tolerance, sup);
 	return sup;
 }
 }  // namespace clod::builder

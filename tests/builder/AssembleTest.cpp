@@ -7,6 +7,7 @@
 
 #include "builder/assemble/Assignment.h"
 #include "builder/assemble/BoundingSphere.h"
+#include "builder/assemble/Certify.h"
 #include "builder/assemble/CoarseLevels.h"
 #include "builder/assemble/ContactArea.h"
 #include "builder/assemble/ConvexDistance.h"
@@ -278,6 +279,32 @@ TEST(AssembleProtrusion, HullsOverHollowsAreBoundedWithinATenth)
 {
 	EXPECT_EQ(looseBounds(15000), 0);
 	EXPECT_GT(looseBounds(0), 5);  // the same without cutting anything
+}
+
+// A coarse level of a million triangles: one face over all of a flat side. With 20,000 parts a face the bound is 0.17.
+TEST(AssembleSurf, AFaceOverFiftyThousandFlatTrianglesIsProvedToLieOnThem)
+{
+	constexpr std::uint32_t kCells = 160;
+	Mesh sheet;
+	for (std::uint32_t i = 0; i <= kCells; ++i)
+		for (std::uint32_t j = 0; j <= kCells; ++j)
+			sheet.vertices.push_back({double(i) / kCells, double(j) / kCells, 0});
+	for (std::uint32_t i = 0; i < kCells; ++i)
+		for (std::uint32_t j = 0; j < kCells; ++j)
+		{
+			const std::uint32_t a = i * (kCells + 1) + j, b = a + kCells + 1;
+			sheet.triangles.push_back({a, b, b + 1});
+			sheet.triangles.push_back({a, b + 1, a + 1});
+		}
+	const TriangleTree tree(sheet);
+	NodeDraft node;
+	node.vertices = {{0.01, 0.02, 0}, {0.99, 0.03, 0}, {0.98, 0.99, 0}, {0.02, 0.98, 0}};
+	node.faces = {{0, 1, 2}, {0, 2, 3}};
+	EXPECT_LE(surfOf(node, tree, {0.1, 1e-4}).upper, 1e-4);
+	node.vertices[2].z = 0.05;
+	const Supremum raised = surfOf(node, tree, {0.1, 1e-4});
+	EXPECT_GE(raised.upper, 0.05);
+	EXPECT_LE(raised.upper, 0.055 + 1e-9);
 }
 
 TEST(Assemble, SampledSurfAndProtrudeNeverExceedTheirBounds)
