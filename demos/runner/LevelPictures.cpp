@@ -178,7 +178,7 @@ private:
 		const Level& level = m_hierarchy.levels()[index];
 		const std::string error =
 			index == 0 ? "exact"
-					   : fmt::format("error {:.2g} %", 100 * double(level.maxDeviation) / m_hierarchy.asset().radius);
+					   : fmt::format("{:.2g} %", 100 * double(level.maxDeviation) / m_hierarchy.asset().radius);
 		return fmt::format("level {}: {} triangles, {} patches, {}", index, level.faceCount, level.nodeCount, error);
 	}
 
@@ -195,6 +195,6 @@ Image paintLevels(const Hierarchy& hierarchy, const std::string& title)
 {
 	Painter painter(hierarchy);
 	return contactSheet(painter.paint(), painter.columns(), 0,
-						title + " - one colour per convex patch; errors certified, of the radius");
+						title + " - one colour per convex patch; certified error, of the radius");
 }
 }  // namespace clod::demo
