@@ -11,7 +11,6 @@
 #include "builder/assemble/ContactArea.h"
 #include "builder/assemble/Graph.h"
 #include "builder/assemble/HullPlanes.h"
-#include "builder/assemble/Parallel.h"
 #include "builder/assemble/PatchNodes.h"
 #include "builder/assemble/Store.h"
 #include "builder/assemble/Walls.h"
@@ -22,15 +21,16 @@ namespace
 {
 // Cells of one hull. A few hulls of a level need more than a thousand, and an outlier spoils its level and its parents.
 constexpr int kProtrusionBudget = 15000;
-// Cells of all hulls of a level: where every hull needs many, as on surfaces that are rough at the size of their triangles.
+// Cells of all hulls of a level: where every hull needs many, as on surfaces that are rough at the size of their
+// triangles.
 constexpr std::size_t kLevelBudget = 20'000'000, kLeastBudget = 1000;
 constexpr double kCapShare = 0.25;  // contact areas count within this share of the radius
 }  // namespace
 
-Assembler::Assembler(const Mesh& input, const BuildConfig& config, const Progress& progress)
+Assembler::Assembler(const Mesh& input, const BuildConfig& config, const Progress& progress, const ThreadLimit& threads)
 	: m_config(config),
 	  m_progress(progress),
-	  m_threads(config.threads),
+	  m_threads(threads),
 	  m_solid(input),
 	  m_sphere(boundingSphere(input.vertices)),
 	  m_scale{m_sphere.radius, 8 * std::ldexp(m_sphere.radius, -24), kProtrusionBudget}
@@ -289,7 +289,8 @@ HierarchyContent assembleHierarchy(LodSequence lods, const BuildConfig& config, 
 	if (lods.lods.empty() || lods.lods.front().mesh.triangles.empty())
 		throw std::runtime_error("no triangles to assemble");
 	const std::size_t count = lods.lods.size();
-	Assembler assembler(lods.lods.front().mesh, config, progress);
+	const ThreadLimit threads(config.threads);
+	Assembler assembler(lods.lods.front().mesh, config, progress, threads);
 	for (std::size_t level = 0; level < count; ++level)
 	{
 		if (progress && !progress("certify", double(level) / double(count))) throw Cancelled{};

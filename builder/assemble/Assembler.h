@@ -4,6 +4,7 @@
 #include "builder/Lod.h"
 #include "builder/assemble/BoundingSphere.h"
 #include "builder/assemble/Draft.h"
+#include "builder/assemble/Parallel.h"
 #include "builder/assemble/Protrusion.h"
 
 namespace clod::builder
@@ -12,15 +13,13 @@ class Assembler
 {
 public:
 	// input: the surface of level 0.
-	Assembler(const Mesh& input, const BuildConfig& config, const Progress& progress);
+	// threads: for the loops; never changes a result.
+	Assembler(const Mesh& input, const BuildConfig& config, const Progress& progress, const ThreadLimit& threads);
 
 	// The next coarser level: who answers for what, and its certified numbers.
 	void add(Lod&& lod);
 	// Everything that needs all levels.
 	HierarchyContent finish();
-
-	// For what comes; never changes a result.
-	void useThreads(unsigned threads) { m_threads = threads; }
 
 private:
 	void take(Lod&& lod);
@@ -42,7 +41,7 @@ private:
 	std::vector<Lod> m_coarse;  // levels of few patches, kept back until all are known
 	const BuildConfig& m_config;
 	const Progress& m_progress;
-	unsigned m_threads;
+	const ThreadLimit& m_threads;
 	const Solid m_solid;
 	const Sphere m_sphere;
 	const ProtrusionScale m_scale;

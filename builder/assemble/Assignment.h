@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "builder/Lod.h"
+#include "builder/assemble/Parallel.h"
 #include "builder/assemble/Piece.h"
 #include "builder/assemble/TriangleTree.h"
 
@@ -22,7 +23,7 @@ LevelAssignment assignByLabel(const std::vector<std::uint32_t>& patchOfFace);
 struct AssignmentScale
 {
 	double radius;
-	unsigned threads;
+	const ThreadLimit& threads;
 };
 
 // Nearest patch, preferring faces turned the same way; faces that straddle patches are split (at most kDepth times)

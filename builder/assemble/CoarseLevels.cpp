@@ -54,7 +54,7 @@ public:
 		}
 	}
 
-	Lod run(unsigned threads)
+	Lod run(const ThreadLimit& threads)
 	{
 		const std::vector<Pair> pairs = neighbouringPairs();
 		std::vector<double> costs(pairs.size());
@@ -190,7 +190,7 @@ private:
 };
 
 // Largest certified surf or protrude of a level, thickness left out.
-double deviationOf(const Lod& lod, const Solid& solid, const ProtrusionScale& scale, unsigned threads)
+double deviationOf(const Lod& lod, const Solid& solid, const ProtrusionScale& scale, const ThreadLimit& threads)
 {
 	const std::vector<NodeDraft> nodes = patchNodes(lod, 0);
 	std::vector<double> most(nodes.size());
@@ -207,7 +207,8 @@ double deviationOf(const Lod& lod, const Solid& solid, const ProtrusionScale& sc
 }
 }  // namespace
 
-void bridgeCoarseLevels(std::vector<Lod>& lods, const Solid& solid, const ProtrusionScale& scale, unsigned threads)
+void bridgeCoarseLevels(std::vector<Lod>& lods, const Solid& solid, const ProtrusionScale& scale,
+						const ThreadLimit& threads)
 {
 	for (const double share : {0.1, 0.2, 0.4})
 	{

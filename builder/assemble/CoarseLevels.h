@@ -3,6 +3,7 @@
 // many as its curvature asks for. Here neighbouring patches become one wherever their common hull is certified to stay
 // within a share of the radius of the solid: it may bridge the wall between them.
 #pragma once
+#include "builder/assemble/Parallel.h"
 #include "builder/assemble/Protrusion.h"
 
 namespace clod::builder
@@ -14,5 +15,6 @@ constexpr std::uint32_t kMostBridged = 200;  // patches of a level: pairs are tr
 // bridged, those of the level below; coarser levels of collapses are dropped then. What a bridged hull sticks out,
 // thickness included, stays within its error. The same for any number of threads. Cost: about a millisecond for a pair
 // of neighbours.
-void bridgeCoarseLevels(std::vector<Lod>& lods, const Solid& solid, const ProtrusionScale& scale, unsigned threads);
+void bridgeCoarseLevels(std::vector<Lod>& lods, const Solid& solid, const ProtrusionScale& scale,
+						const ThreadLimit& threads);
 }  // namespace clod::builder

@@ -140,7 +140,7 @@ void include(NodeDraft& node, const NodeDraft& child)
 }
 }  // namespace
 
-void completeToRoot(HierarchyDraft& draft, std::vector<std::vector<Vec3>> corners, unsigned threads)
+void completeToRoot(HierarchyDraft& draft, std::vector<std::vector<Vec3>> corners, const ThreadLimit& threads)
 {
 	while (draft.levels.back().nodeCount > 1)
 	{

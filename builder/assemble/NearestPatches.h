@@ -53,7 +53,7 @@ public:
 	}
 
 	// Of every corner and centroid of a mesh's faces. A vertex is looked up once for all faces round it.
-	std::vector<Lookups> ofFaces(const Mesh& mesh, const TriangleTree& faces, unsigned threads) const
+	std::vector<Lookups> ofFaces(const Mesh& mesh, const TriangleTree& faces, const ThreadLimit& threads) const
 	{
 		std::vector<TriangleTree::Nearest> ofVertex(mesh.vertices.size());
 		parallelFor(ofVertex.size(), threads, [&](std::size_t v) { ofVertex[v] = m_tree.nearest(mesh.vertices[v]); });

@@ -96,6 +96,7 @@ HierarchyContent sideBySide(const Mesh& input, const BuildConfig& config, const 
 {
 	SharedProgress shared(progress);
 	LodQueue queue;
+	ThreadLimit team(threads - 1);
 	std::thread simplification(
 		[&]
 		{
@@ -113,24 +114,22 @@ HierarchyContent sideBySide(const Mesh& input, const BuildConfig& config, const 
 			}
 			shared.simplified();
 			queue.close(failure);
+			team.raise(threads);
 		});
 	try
 	{
 		const Progress ofAssembly = [&](const char* phase, double fraction)
 		{ return shared.ofAssembly(phase, fraction); };
-		Assembler assembler(input, config, ofAssembly);
-		assembler.useThreads(threads - 1);
+		Assembler assembler(input, config, ofAssembly, team);
 		std::size_t done = 0;
 		std::optional<std::size_t> left;
 		for (std::optional<Lod> lod = queue.pop(left); lod; lod = queue.pop(left))
 		{
-			if (left) assembler.useThreads(threads);
 			if (!ofAssembly("certify", left ? double(done) / double(done + *left) : 0)) throw Cancelled{};
 			assembler.add(std::move(*lod));
 			++done;
 		}
 		simplification.join();
-		assembler.useThreads(threads);
 		return assembler.finish();
 	}
 	catch (...)
