@@ -29,11 +29,12 @@ PeerContact contactOf(const Hierarchy& a, const Hierarchy& b, const Contact& con
 class ClodQueryPeer : public Peer
 {
 public:
-	ClodQueryPeer(PeerInfo info, const HierarchyPointer& a, const HierarchyPointer& b, const Metric& metric,
+	ClodQueryPeer(PeerInfo info, const HierarchyPointer& a, const HierarchyPointer& b, const Threshold& threshold,
 				  ClodQuestion question)
 		: Peer(std::move(info)), m_a(a), m_b(b)
 	{
-		m_settings.metric = metric;
+		m_settings.metric = threshold.metric;
+		m_settings.gapError = threshold.gapError;
 		m_settings.contactsOnly = question == ClodQuestion::contacts;
 		m_info.bytes = a->bytes().size() + b->bytes().size();
 		m_info.sizeA = a->asset().triangleCount;
@@ -113,10 +114,10 @@ PoseSample sampleOf(const std::vector<PoseRow>& poses, const std::vector<std::si
 }
 }  // namespace
 
-PeerPointer clodQuery(PeerInfo info, const HierarchyPointer& a, const HierarchyPointer& b, const Metric& metric,
+PeerPointer clodQuery(PeerInfo info, const HierarchyPointer& a, const HierarchyPointer& b, const Threshold& threshold,
 					  ClodQuestion question)
 {
-	return std::make_unique<ClodQueryPeer>(std::move(info), a, b, metric, question);
+	return std::make_unique<ClodQueryPeer>(std::move(info), a, b, threshold, question);
 }
 
 std::vector<Threshold> thresholdLadder(double radius)
@@ -133,6 +134,12 @@ std::vector<Threshold> thresholdLadder(double radius)
 	{
 		ladder.push_back({fmt::format("max-error {:g} %", 100 * error), {}});
 		ladder.back().metric.maxError = error * radius;
+	}
+	for (const char* label : {"max-error 10 %", "size 3.5 %", "max-error 0.5 %"})
+	{
+		const auto coarse =
+			std::find_if(ladder.begin(), ladder.end(), [&](const Threshold& t) { return t.label == label; });
+		ladder.push_back({coarse->label + ", gap exact", coarse->metric, 0});
 	}
 	return ladder;
 }

@@ -18,15 +18,17 @@ enum class ClodQuestion
 	contacts,
 	gap
 };
-PeerPointer clodQuery(PeerInfo info, const HierarchyPointer& a, const HierarchyPointer& b, const Metric& metric,
-					  ClodQuestion question);
-
 struct Threshold
 {
 	std::string label;
 	Metric metric;
+	double gapError = kOff;  // Settings::gapError
 };
-// One ladder for all scenes: exact, s0 from 7 to 0.035 % of the radius, certified errors from 5 to 0.02 %.
+PeerPointer clodQuery(PeerInfo info, const HierarchyPointer& a, const HierarchyPointer& b, const Threshold& threshold,
+					  ClodQuestion question);
+
+// One ladder for all scenes: exact, s0 from 28 to 0.035 % of the radius, certified errors from 10 to 0.02 %; then three
+// of them with an exact gap besides.
 std::vector<Threshold> thresholdLadder(double radius);
 
 // The rows of a recording to measure: every `stride`-th of those that touch within the tolerance (gap in exact mode)

@@ -63,15 +63,15 @@ private:
 			own.buildSeconds = m_models.buildSeconds;
 			own.sizeA = m_meshA->triangles.size();
 			own.sizeB = m_meshB->triangles.size();
-			const Metric& metric = threshold.metric;
-			if (has("clod"))
-				m_roster.peers.push_back(clodQuery(own, m_models.a, m_models.b, metric, ClodQuestion::contacts));
+			const bool isOfContacts = threshold.gapError == kOff;
+			if (isOfContacts && has("clod"))
+				m_roster.peers.push_back(clodQuery(own, m_models.a, m_models.b, threshold, ClodQuestion::contacts));
 			own.family = "clod-gap";
 			if (has("clod-gap"))
-				m_roster.peers.push_back(clodQuery(own, m_models.a, m_models.b, metric, ClodQuestion::gap));
+				m_roster.peers.push_back(clodQuery(own, m_models.a, m_models.b, threshold, ClodQuestion::gap));
 			own.family = "clod-dispatch";
-			if (has("clod-dispatch"))
-				m_roster.peers.push_back(clodDispatch(own, m_models.a, m_models.b, metric, m_options.frame));
+			if (isOfContacts && has("clod-dispatch"))
+				m_roster.peers.push_back(clodDispatch(own, m_models.a, m_models.b, threshold.metric, m_options.frame));
 		}
 	}
 
@@ -196,8 +196,8 @@ private:
 		if (!has("decimated-exact") || m_pairs.size() < 2) return;
 		const std::vector<BuiltHierarchy> a = buildLadder(m_ladderA, m_models.a, "A"),
 										  b = buildLadder(m_ladderB, m_models.b, "B");
-		Metric exact;
-		exact.exact = true;
+		Threshold exact;
+		exact.metric.exact = true;
 		for (const auto& [i, j] : m_pairs)
 		{
 			if (!a[i].hierarchy || !b[j].hierarchy) continue;

@@ -2,8 +2,8 @@
 // Runs the methods and writes what came out.
 #include "demos/peers/Tradeoff.h"
 
-#include <nlohmann/json.hpp>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -160,6 +160,7 @@ Settings settingsOf(const ReplayOptions& options, const Hierarchy& a, const Hier
 	settings.metric = resolve(options.metric, frame);
 	settings.tolerance = options.toleranceOf(a, b);
 	settings.distance = options.distance;
+	settings.gapError = options.gapErrorIsShare ? options.gapError * smallerRadius(a, b) : options.gapError;
 	settings.paper = options.paper;
 	return settings;
 }
@@ -243,7 +244,7 @@ void add(QueryStats& sum, const QueryStats& stats)
 	sum.pointQueries += stats.pointQueries;
 	sum.pending += stats.pending;
 	sum.needed += stats.needed;
-	sum.restarts += stats.restarts;
+	sum.gapSearches += stats.gapSearches;
 }
 
 // Levels of accepted nodes, over the pairs that have any.
@@ -344,14 +345,15 @@ std::string formatReplay(const std::vector<ReplayRow>& rows)
 {
 	std::string text =
 		"step,query_us,front,hull_tests,contacts,min_distance,error_bound,finest_level,coarsest_level,"
-		"gap_us,box_tests,gjk_runs,skipped_by_slack,point_queries,restarts,deep,speed_radii_per_s,motion,front_inner,"
+		"gap_us,box_tests,gjk_runs,skipped_by_slack,point_queries,gap_searches,deep,speed_radii_per_s,motion,front_"
+		"inner,"
 		"duplicates,body_a,body_b,churn,pending,excess\n";
 	for (const ReplayRow& r : rows)
 		text += fmt::format("{},{:.3f},{},{},{},{},{},{},{},{:.3f},{},{},{},{},{},{},{:.5g},{},{},{},{},{},{},{},{}\n",
 							r.step, r.queryMicroseconds, r.stats.front, r.tests(), r.contacts, number(r.minDistance),
 							number(r.errorBound), r.stats.finestLevel, r.stats.coarsestLevel, r.gapMicroseconds,
 							r.stats.boxTests, r.stats.hullTests, r.stats.skippedBySlack, r.stats.pointQueries,
-							r.stats.restarts, int(r.deep), r.speed, name(r.motion()), r.stats.frontInner,
+							r.stats.gapSearches, int(r.deep), r.speed, name(r.motion()), r.stats.frontInner,
 							r.stats.duplicates, r.bodyA, r.bodyB, r.churn, r.stats.pending, number(r.excess));
 	return text;
 }

@@ -25,6 +25,8 @@ struct ReplayOptions
 	Budget budget;                     // of every query
 	double tolerance = 0;              // a length, or
 	bool toleranceIsShare = false;     // a share of a pair's smaller radius
+	double gapError = kOff;            // Settings::gapError: a length, or
+	bool gapErrorIsShare = false;      // a share of a pair's smaller radius
 	bool distance = false, paper = false;
 	int repeat = 1;      // whole passes, all caches dropped before each; a row keeps its least time
 	bool fresh = false;  // caches dropped before every row as well

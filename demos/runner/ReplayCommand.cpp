@@ -32,7 +32,7 @@ struct ReplayCommandOptions
 	Selection selection;
 	std::string a, b, poses, csv, peer;  // without poses, a is a scene and b its recorded poses
 	double resolution = 1;
-	std::optional<cli::Length> tolerance;
+	std::optional<cli::Length> tolerance, gapError;
 	bool distance = false;
 	int repeat = 1;
 	double dt = 1.0 / 240;
@@ -88,6 +88,11 @@ ReplayOptions replayOptions(const ReplayCommandOptions& options, const Subject& 
 	result.tolerance = tolerance.value;
 	result.toleranceIsShare = tolerance.shareOfRadius;
 	result.distance = options.distance;
+	if (options.gapError)
+	{
+		result.gapError = options.gapError->value;
+		result.gapErrorIsShare = options.gapError->shareOfRadius;
+	}
 	result.paper = options.selection.paper;
 	result.repeat = options.repeat;
 	result.fresh = options.selection.fresh;
@@ -106,6 +111,7 @@ void print(const ReplayCommandOptions& options, const Subject& subject, const nl
 	fmt::print("selection  {}\n", describe(options.selection, radius));
 	fmt::print("tolerance  {}{}\n", cli::describe(toleranceOf(options, subject), radius),
 			   options.distance ? ", signed gap at any separation" : "");
+	if (options.gapError) fmt::print("gap error  at most {}\n", cli::describe(*options.gapError, radius));
 	fmt::print("{:<22}{:>8}{:>12}{:>12}{:>12}{:>10}\n", "rows", "count", "query us", "p95 us", "tests", "contacts");
 	for (const auto& [name, figures] : report["summary"].items())
 	{
@@ -147,6 +153,8 @@ void runReplay(const ReplayCommandOptions& options)
 	report["selection"] = toJson(options.selection, radius);
 	report["tolerance"] = tolerance;
 	report["distance"] = options.distance;
+	report["gap_error"] = options.gapError ? nlohmann::ordered_json(options.gapError->inMeshUnit(radius))
+										   : nlohmann::ordered_json(nullptr);
 	report["repeat"] = options.repeat;
 	report["moving_speed_radii_per_s"] = kMovingSpeed;
 	report["summary"] = summarizeReplay(subject, rows, tolerance);
@@ -176,6 +184,8 @@ void addReplayCommand(CLI::App& program)
 	cli::addLength(*command, "--tolerance", options->tolerance,
 				   "Report contacts up to this gap (default 1% of the smaller radius; of a scene, its own)");
 	command->add_flag("--distance", options->distance, "The signed gap at any separation");
+	cli::addLength(*command, "--gap-error", options->gapError,
+				   "Know the gap within this, whatever level the contacts are of; 0 is exact");
 	command->add_option("--repeat", options->repeat, "Whole passes; a row keeps its least time")
 		->type_name("N")
 		->check(CLI::Range(1, 1000))

@@ -45,7 +45,7 @@ public:
 	{
 		const bool isPlain = !settings.paper && !settings.distance && !settings.budget.isLimited();
 		if (!isPlain) return;
-		const StopRule rule(context, settings.metric, settings.metric.maxError, settings.paper);
+		const StopRule rule(context, settings.metric, settings.paper);
 		if (!rule.hasConstantThreshold() || !(settings.contactsOnly || rule.isOfLeaves())) return;
 		if (m_isKnown) m_patience = m_uses < kWorthwhile ? std::min(2 * m_patience + 1, kMostPatience) : 0;
 		if (m_isKnown) m_waits = m_patience;

@@ -102,8 +102,8 @@ struct DistanceJudge
 		pair.separation = std::max(pair.separation, above);
 		return true;
 	}
-	bool isSettled() const { return false; }
-	double ofBoxes(double separation) const { return separation; }
+	static bool isSettled() { return false; }
+	static double ofBoxes(double separation) { return separation; }
 	double ofPair(const ClosestPairScratch::Candidate& pair) const
 	{
 		++stats.hullTests;
@@ -133,10 +133,69 @@ struct MotionJudge
 		++stats.hullTests;
 		const SweptBound bound = canonicalSweptBound(context, pair.a, pair.b, tolerance + best);
 		const double motion = std::max(pair.separation, bound.lower) - tolerance;
-		if (motion < best) scratch.nearestA = pair.a, scratch.nearestB = pair.b;
+		if (motion < best) scratch.ofMotion = {pair.a, pair.b};
 		return motion;
 	}
 };
+
+// Pairs of leaves only.
+struct SurfaceJudge
+{
+	const QueryContext& context;
+	QueryStats& stats;
+	double best;
+	ClosestPairScratch::Nearest& nearest;
+	double value = std::numeric_limits<double>::infinity();
+	static constexpr bool paper = false;
+
+	static bool counts(const ClosestPairScratch::Candidate&, double) { return true; }
+	bool isSettled() const { return best <= 0; }
+	static double ofBoxes(double separation) { return separation; }
+	double ofPair(const ClosestPairScratch::Candidate& pair)
+	{
+		++stats.hullTests;
+		const HullDistance distance = canonicalDistance(context, pair.a, pair.b, best);
+		if (distance.lower > best) return best;
+		if (distance.upper < value) nearest = {pair.a, pair.b};
+		value = std::min(value, distance.upper);
+		if (distance.upper <= 0) return 0;
+		return distance.upper + (double(context.a.node(pair.a).protrude) + double(context.b.node(pair.b).protrude));
+	}
+};
+
+struct GatherJudge
+{
+	const QueryContext& context;
+	QueryStats& stats;
+	std::vector<Contact>& pairs;
+	double best;
+	static constexpr bool paper = false;
+
+	static bool counts(const ClosestPairScratch::Candidate&, double) { return true; }
+	static bool isSettled() { return false; }
+	static double ofBoxes(double separation) { return separation; }
+	double ofPair(const ClosestPairScratch::Candidate& pair)
+	{
+		++stats.hullTests;
+		const HullDistance d = canonicalContact(context, pair.a, pair.b, best);
+		if (d.lower <= best) pairs.push_back({pair.a, pair.b, d.lower, d.upper, d.pointOnA, d.pointOnB, d.normal});
+		return best;
+	}
+};
+
+// Of these hierarchies, and at these settings: what a cache holds may be of others.
+bool isAnswer(const QueryContext& context, const StopRule& rule, const ClosestPairScratch::Nearest& pair)
+{
+	return pair.a < context.a.nodes().size && pair.b < context.b.nodes().size &&
+		   rule.acceptance(pair.a, pair.b) == Acceptance::kYes;
+}
+
+StopRule leafRule(const QueryContext& context)
+{
+	Metric exact;
+	exact.exact = true;
+	return StopRule(context, exact, false);
+}
 }  // namespace
 
 double closestDistance(const QueryContext& context, const StopRule& rule, bool paper, ClosestPairScratch& scratch,
@@ -147,13 +206,34 @@ double closestDistance(const QueryContext& context, const StopRule& rule, bool p
 	return judge.best;
 }
 
+SurfaceDistance surfaceDistance(const QueryContext& context, double known, ClosestPairScratch& scratch,
+								QueryStats& stats)
+{
+	const StopRule rule = leafRule(context);
+	SurfaceJudge judge{context, stats, known, scratch.ofSurfaces};
+	const auto [a, b] = scratch.ofSurfaces;
+	if (isAnswer(context, rule, scratch.ofSurfaces)) judge.best = std::min(known, judge.ofPair({0, a, b}));
+	ClosestPairSearch<SurfaceJudge>(context, rule, judge, scratch, stats).run();
+	// No bracket is wider than an evaluation's accuracy, and what was not evaluated is beyond the best.
+	const double low = std::min(judge.value, judge.best) - kHullDistanceAccuracy * context.size;
+	return {judge.best > 0 ? std::max(0.0, low) : 0, judge.best, judge.value};
+}
+
+void gatherLeafPairs(const QueryContext& context, double tolerance, ClosestPairScratch& scratch,
+					 std::vector<Contact>& pairs, QueryStats& stats)
+{
+	pairs.clear();
+	GatherJudge judge{context, stats, pairs, tolerance};
+	ClosestPairSearch<GatherJudge>(context, leafRule(context), judge, scratch, stats).run();
+}
+
 double clearMotion(const QueryContext& context, const StopRule& rule, double tolerance, double cap,
 				   ClosestPairScratch& scratch, QueryStats& stats)
 {
 	scratch.visited.clear();
 	MotionJudge judge{context, stats, tolerance, cap, scratch};
-	const std::uint32_t a = scratch.nearestA, b = scratch.nearestB;
-	if (a < context.a.nodes().size && b < context.b.nodes().size && rule.acceptance(a, b) == Acceptance::kYes)
+	const auto [a, b] = scratch.ofMotion;
+	if (isAnswer(context, rule, scratch.ofMotion))
 	{
 		++stats.boxTests;
 		judge.best = std::min(

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Searches for the nearest of all accepted pairs, nearest pairs first: how far apart two bodies are, and how much
-// motion two bodies that are apart have left.
+// Searches for the nearest pair of nodes, nearest pairs first: how far apart two bodies are, of whatever level the
+// contacts are, and how much motion two bodies that are apart have left. Each starts from the roots and uses no front,
+// so what it finds is a function of the pose.
 #pragma once
 #include <vector>
 
@@ -19,7 +20,12 @@ struct ClosestPairScratch
 	};
 	std::vector<Candidate> stack;
 	VisitedPairs visited;
-	std::uint32_t nearestA = kNone, nearestB = kNone;  // that clearMotion found last: tried first
+	// Tried first next time: prunes at once, and decides nothing else.
+	struct Nearest
+	{
+		std::uint32_t a = kNone, b = kNone;
+	};
+	Nearest ofMotion, ofSurfaces;  // that clearMotion and surfaceDistance found last
 };
 
 // The smallest tolerance at which a traversal reports a contact: over all accepted pairs and the ways to them, the
@@ -28,6 +34,20 @@ struct ClosestPairScratch
 // certified bracket from the canonical start.
 double closestDistance(const QueryContext& context, const StopRule& rule, bool paper, ClosestPairScratch& scratch,
 					   QueryStats& stats);
+
+// The distance of the two input surfaces, from the pairs of leaves (exact mode's tree).
+struct SurfaceDistance
+{
+	double low, high;  // certified; both 0 where two leaves overlap or touch
+	double value;      // the upper end of the nearest pair's bracket; infinite where no pair is nearer than known
+};
+// known: pairs beyond it are not looked for.
+SurfaceDistance surfaceDistance(const QueryContext& context, double known, ClosestPairScratch& scratch,
+								QueryStats& stats);
+
+// Every pair of leaves within the tolerance, as contacts, in no particular order.
+void gatherLeafPairs(const QueryContext& context, double tolerance, ClosestPairScratch& scratch,
+					 std::vector<Contact>& pairs, QueryStats& stats);
 
 // By how much the pair may move, sweep included (MotionBound.h), before a traversal can report a contact at this
 // tolerance; at most `cap`. <= 0: it may already. Not in paper mode.

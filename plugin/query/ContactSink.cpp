@@ -3,15 +3,9 @@
 #include "clod/query/ContactSink.h"
 
 #include <algorithm>
-#include <limits>
 
 namespace clod
 {
-namespace
-{
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-}
-
 void ContactSink::noContact(std::uint32_t a, std::uint32_t b)
 {
 	const Node &nodeA = m_context.a.node(a), &nodeB = m_context.b.node(b);
@@ -44,9 +38,4 @@ void ContactSink::answer(std::uint32_t a, std::uint32_t b, HullMemory& memory,
 	m_contacts.push_back({a, b, distance.lower, distance.upper, distance.pointOnA, distance.pointOnB, distance.normal});
 }
 
-void NearPairs::answer(std::uint32_t a, std::uint32_t b, HullMemory& memory, const std::optional<HullDistance>&)
-{
-	if (m_hulls.isApart(a, b, m_tolerance, memory)) return;
-	m_pairs.push_back({a, b, m_ofContacts, kInfinity, {}, {}, {}});
-}
 }  // namespace clod

@@ -49,23 +49,4 @@ private:
 	double m_largestCover = 0;
 };
 
-// Lists the accepted pairs whose hulls are within a tolerance larger than that of the contacts. Of their distance it
-// says no more than that it exceeds the smaller one: which of them are contacts is known.
-class NearPairs
-{
-public:
-	NearPairs(const QueryContext& context, double tolerance, double ofContacts, std::vector<Contact>& pairs,
-			  QueryStats& stats)
-		: m_tolerance(tolerance), m_ofContacts(ofContacts), m_pairs(pairs), m_hulls(context, stats)
-	{
-	}
-	bool skips(std::uint32_t, std::uint32_t, const HullMemory&) const { return false; }
-	void answer(std::uint32_t a, std::uint32_t b, HullMemory& memory,
-				const std::optional<HullDistance>& evaluated = {});
-
-private:
-	const double m_tolerance, m_ofContacts;
-	std::vector<Contact>& m_pairs;
-	HullCull m_hulls;
-};
 }  // namespace clod

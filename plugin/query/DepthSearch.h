@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // The deepest point of some triangles below a closed surface, by best-first branch and bound.
 //
-// Triangles and faces may stand for other, finer surfaces: margin(T, t) is by how much what T stands for can be deeper
-// below what the face t stands for than T is below t. Every upper bound carries the margin of the faces it was made
-// with, so that a triangle with a small margin is not looked at where one with a large one decides.
-//
 // depth(x) = -sd(x), the distance to the surface where x is inside. For a triangle T with corners v,
 //   (1) depth on T <= min over surface faces t of max over v of dist(v, t), as the distance to a convex set is convex;
 //   (1') the same for each part of T, cut along the prism over a face t: the part over t against t, the part beyond an
@@ -28,8 +24,6 @@ namespace clod
 // What is known of the depth at a point.
 struct DepthSample
 {
-	double upper;        // what stands there is no deeper, margin included
-	double lower;        // some point of the surface it stands for is as deep
 	double depth;        // < 0 outside
 	double distance;     // from the nearest face, >= 0
 	std::uint32_t face;  // that one
@@ -46,10 +40,7 @@ struct DepthCell
 
 struct DepthBound
 {
-	double lower = 0, upper = 0;  // the deepest point's depth lies between
-	double deepest = 0;           // the largest depth met, without margins
-	double sampled = 0;           // the largest upper bound at a point: `upper` cannot be smaller
-	bool found = false;           // lower was reached
+	double lower = 0, upper = 0;  // the deepest point's depth lies between; lower is that of a point met
 };
 
 struct DepthAccuracy
@@ -59,11 +50,10 @@ struct DepthAccuracy
 	double enough = std::numeric_limits<double>::infinity();  // a depth that need not be known better
 };
 
-// Surface: DepthSample sample(group, point, hint, const DepthBound& known): exact as far as it would change what is
-//          known; hint: a face that may be near, kNone;
-//          Triangle triangle(face); faces are numbered by the surface; double margin(group, face); double
-//          leastMargin(group), a lower bound of them; double outside(group, triangle): (4), infinite where the surface
-//          may be crossed; std::uint32_t across(face, edge): the face beyond an edge, kNone where it is not known.
+// Surface: DepthSample sample(group, point, hint); hint: a face that may be near, kNone;
+//          Triangle triangle(face); faces are numbered by the surface; bool crossesNothing(group, triangle): (4), false
+//          where that is not seen; std::uint32_t across(face, edge): the face beyond an edge, kNone where it is not
+//          known.
 template <class Surface>
 class DepthSearch
 {
@@ -79,12 +69,8 @@ public:
 
 	DepthSample sample(std::uint32_t group, const Vec3& point, std::uint32_t hint)
 	{
-		const DepthSample here = m_surface.sample(group, point, hint, m_best);
-		m_best.deepest = std::max(m_best.deepest, here.depth);
-		m_best.sampled = std::max(m_best.sampled, here.upper);
-		if (here.depth < 0 || (m_best.found && here.lower <= m_best.lower)) return here;
-		m_best.lower = std::max(m_best.lower, here.lower);
-		m_best.found = m_best.found || here.lower >= 0;
+		const DepthSample here = m_surface.sample(group, point, hint);
+		m_best.lower = std::max(m_best.lower, here.depth);
 		return here;
 	}
 	// The samples are those of its corners.
@@ -104,11 +90,11 @@ public:
 	// What is no deeper than this need not be added.
 	double threshold() const
 	{
-		return m_best.sampled + std::max(m_accuracy.absolute, m_accuracy.relative * m_best.lower);
+		return m_best.lower + std::max(m_accuracy.absolute, m_accuracy.relative * m_best.lower);
 	}
 
 	// Is the largest depth such that no larger one is asked for?
-	bool enough() const { return m_best.deepest >= m_accuracy.enough; }
+	bool enough() const { return m_best.lower >= m_accuracy.enough; }
 
 	DepthBound run()
 	{
@@ -124,7 +110,7 @@ public:
 			halve(cell);
 			undecided = 0;
 		}
-		m_best.upper = std::max({m_best.upper, m_best.sampled, undecided, m_dropped});
+		m_best.upper = std::max({m_best.upper, m_best.lower, undecided, m_dropped});
 		return m_best;
 	}
 
@@ -176,11 +162,11 @@ private:
 		for (int i = 0; i < 3; ++i)
 		{
 			const int next = (i + 1) % 3, last = (i + 2) % 3;
-			const double own = cell.corner[i].upper + std::max(half[i], half[last]);
-			const double ofNext = cell.corner[next].upper + std::max(2 * half[i], median[next]);
-			const double ofLast = cell.corner[last].upper + std::max(2 * half[last], median[last]);
+			const double own = cell.corner[i].depth + std::max(half[i], half[last]);
+			const double ofNext = cell.corner[next].depth + std::max(2 * half[i], median[next]);
+			const double ofLast = cell.corner[last].depth + std::max(2 * half[last], median[last]);
 			upper = std::max(upper, std::min({own, ofNext, ofLast}));
-			middle = std::min(middle, cell.corner[i].upper + std::max({half[i], half[last], median[i]}));
+			middle = std::min(middle, cell.corner[i].depth + std::max({half[i], half[last], median[i]}));
 		}
 		return std::max(upper, middle);
 	}
@@ -189,24 +175,22 @@ private:
 		double upper = nearCorners(cell);
 		const bool isOutside =
 			std::any_of(cell.corner, cell.corner + 3, [](const DepthSample& c) { return c.depth <= 0; });
-		if (isOutside && upper > threshold()) upper = std::min(upper, m_surface.outside(cell.group, cell.triangle));
+		if (isOutside && upper > threshold() && m_surface.crossesNothing(cell.group, cell.triangle))
+			upper = std::min(upper, 0.0);
 		// (1') at a corner is no less than its distance from the nearest face.
-		const double least = m_surface.leastMargin(cell.group) +
-							 std::max({cell.corner[0].distance, cell.corner[1].distance, cell.corner[2].distance});
+		const double least = std::max({cell.corner[0].distance, cell.corner[1].distance, cell.corner[2].distance});
 		for (int i = 0; i < 3 && upper > threshold() && least < threshold(); ++i)
 		{
 			const std::uint32_t face = cell.corner[i].face;
 			if ((i > 0 && face == cell.corner[0].face) || (i > 1 && face == cell.corner[1].face)) continue;
-			upper = std::min(upper, overPrism(cell, face, upper));
+			upper = std::min(upper, overPrism(cell.triangle, face, upper));
 		}
 		return upper;
 	}
 
 	// Upper bound (1'), never above that of (1) for the same face. Stops once it is no better than `useful`.
-	double overPrism(const DepthCell& whole, std::uint32_t face, double useful)
+	double overPrism(const Triangle& cell, std::uint32_t face, double useful)
 	{
-		const Triangle& cell = whole.triangle;
-		const double margin = m_surface.margin(whole.group, face);
 		const Triangle base = m_surface.triangle(face);
 		const Vec3 normal = cross(base.corner[1] - base.corner[0], base.corner[2] - base.corner[0]);
 		Polygon over(cell);
@@ -219,14 +203,12 @@ private:
 			over = over.clipped(-outward, -offset);
 			if (beyond.count == 0) continue;
 			const std::uint32_t across = m_surface.across(face, edge);
-			double farthest = margin + beyond.farthestFrom(base);
-			if (across != kNone)
-				farthest = std::min(
-					farthest, m_surface.margin(whole.group, across) + beyond.farthestFrom(m_surface.triangle(across)));
+			double farthest = beyond.farthestFrom(base);
+			if (across != kNone) farthest = std::min(farthest, beyond.farthestFrom(m_surface.triangle(across)));
 			upper = std::max(upper, farthest);
 			if (upper >= useful) return useful;
 		}
-		return std::max(upper, margin + over.farthestFrom(base));
+		return std::max(upper, over.farthestFrom(base));
 	}
 
 	// A convex polygon: a triangle cut by at most three planes.

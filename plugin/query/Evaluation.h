@@ -15,7 +15,6 @@ namespace clod
 {
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 inline constexpr double kDepthAccuracy = 1e-6;  // of the smaller radius: how exactly a depth is searched at least
-inline constexpr double kDepthShare = 0.4;  // of the deviations: a depth known better would not make the bound tighter
 
 using Clock = std::chrono::steady_clock;
 inline double microsecondsSince(Clock::time_point start)
@@ -72,19 +71,15 @@ public:
 
 	void run()
 	{
-		double limit = m_settings.metric.maxError;
-		for (std::uint32_t restarts = 0;; ++restarts)
-		{
-			m_result.contacts.clear();
-			m_result.deep = false;
-			once(limit);
-			m_result.stats.restarts = restarts;
-			const double error = m_result.errorBound;
-			const bool unproved = error == kInfinity && (m_settings.contactsOnly || m_result.contacts.empty());
-			if (!(error > m_settings.metric.maxError) || unproved || m_inputOnly || !paysForRestart()) break;
-			// Halve the limit, or more where the bound asks for it; three passes reach the input surface.
-			limit = restarts < 2 ? 0.5 * limit * std::max(0.125, m_settings.metric.maxError / error) : 0;
-		}
+		const double largestCover = traverse(m_settings.tolerance);
+		sortContacts(largestCover);
+		const bool overlap = std::any_of(m_result.contacts.begin(), m_result.contacts.end(),
+										 [](const Contact& contact) { return contact.upper <= 0; });
+		if (overlap && !m_inputOnly && !m_settings.contactsOnly)
+			fromSurfaces();
+		else
+			fromNodes(overlap, largestCover);
+		if (isTooCoarse()) fromSurfaces();
 		levelStatistics();
 		if (!m_settings.budget.isLimited()) return;
 		m_state.refinement.addTo(m_result.stats);
@@ -94,38 +89,87 @@ public:
 	}
 
 private:
-	void once(double limit)
+	// The error that the gap may have.
+	double gapLimit() const { return std::min(m_settings.gapError, m_settings.metric.maxError); }
+	// The nodes prove less than asked for, and the input surfaces prove more. What a budget cut short is left so, but
+	// for gapError.
+	bool isTooCoarse() const
 	{
-		const double largestCover = traverse(limit, m_settings.tolerance);
-		sortContacts();
-		const bool overlap = std::any_of(m_result.contacts.begin(), m_result.contacts.end(),
-										 [](const Contact& contact) { return contact.upper <= 0; });
+		if (m_settings.contactsOnly || m_result.deep || !(m_result.errorBound > gapLimit())) return false;
+		if (m_isOfSurfaces || m_inputOnly) return false;
+		return m_settings.gapError < kInfinity || !m_settings.budget.isLimited() || m_state.refinement.isComplete();
+	}
+
+	// Gap and bound as far as the accepted pairs prove them.
+	void fromNodes(bool overlap, double largestCover)
+	{
 		const double inside = overlap ? 0 : depthInside();
-		if (overlap || inside > 0)
-			overlapping(overlap, inside, limit);
+		if (overlap && m_settings.contactsOnly)
+			set({0, kInfinity, false});
+		else if (overlap)
+			setDepth(m_result.contacts, m_settings.tolerance);
+		else if (inside > 0)
+			setInside(inside);
 		else if (!m_result.contacts.empty())
 			set(gapApart(m_context, m_result.contacts, m_settings.tolerance, largestCover));
 		else if (m_settings.distance)
-			farApart(limit);
+			farApart();
 		else
 			setNothingNear(m_settings, largestCover, m_result);
-		m_inputOnly = m_inputOnly && largestCover == 0;
+	}
+
+	// Gap and bound of the input surfaces, whatever answered: what exact mode says.
+	void fromSurfaces()
+	{
+		m_isOfSurfaces = true;
+		++m_result.stats.gapSearches;
+		double known = m_settings.distance ? kInfinity : m_settings.tolerance;
+		if (!m_result.contacts.empty()) known = highFromWitnesses(m_context, m_result.contacts);
+		const SurfaceDistance distance = surfaceDistance(m_context, known, m_state.closest, m_result.stats);
+		const double inside = distance.high > 0 ? depthInside() : 0;
+		if (!(distance.high > 0))
+			surfacesMeet();
+		else if (inside > 0)
+			setInside(inside);
+		else if (distance.value < kInfinity)
+			set(gapOfSurfaces(distance));
+		else
+			setNothingNear(m_settings, 0, m_result);
+	}
+
+	// A depth beyond the tolerance is looked for as far as the nodes that overlap may have hidden one.
+	void surfacesMeet()
+	{
+		double deviation = 0;
+		for (const Contact& contact : m_result.contacts)
+			if (contact.upper <= 0)
+				deviation = std::max(deviation, double(m_context.a.node(contact.nodeA).deviation) +
+													double(m_context.b.node(contact.nodeB).deviation));
+		for (const double share : {0.0, 0.6, 2.5})
+		{
+			const double tolerance = m_settings.tolerance + share * deviation;
+			gatherLeafPairs(m_context, tolerance, m_state.closest, m_state.near, m_result.stats);
+			sortPairs(m_state.near);
+			setDepth(m_state.near, tolerance);
+			if (!m_result.deep || m_settings.distance) return;
+		}
 	}
 
 	// Returns the largest cover_a + cover_b of the accepted pairs that are no contacts.
-	double traverse(double limit, double tolerance)
+	double traverse(double tolerance)
 	{
-		const StopRule rule(m_context, m_settings.metric, limit, m_settings.paper);
+		const StopRule rule(m_context, m_settings.metric, m_settings.paper);
 		if (m_settings.budget.isLimited()) return refine(rule, tolerance);
 		if (m_state.isOfLeaves != rule.isOfLeaves()) m_state.clearFronts();
+		const double maxError = m_settings.metric.maxError;
 		const bool sameRule =
-			m_state.filled && m_state.threshold == rule.constantThreshold() && m_state.maxError == limit;
+			m_state.filled && m_state.threshold == rule.constantThreshold() && m_state.maxError == maxError;
 		const TraversalSettings settings{rule, tolerance, m_settings.paper, sameRule};
 		ContactSink sink(m_context, tolerance, rule.isOfLeaves(), m_result.contacts, m_result.stats);
 		m_result.stats.front = m_result.stats.frontInner = 0;
 		Traversal<ContactSink>(m_context, settings, m_state.front, sink, m_result.stats).run();
 		m_state.threshold = rule.constantThreshold();
-		m_state.maxError = limit;
+		m_state.maxError = maxError;
 		m_state.isOfLeaves = rule.isOfLeaves();
 		m_state.settings = m_settings;
 		m_state.filled = true;
@@ -136,12 +180,11 @@ private:
 	double refine(const StopRule& rule, double tolerance)
 	{
 		Refinement& walk = m_state.refinement;
-		if (m_answered)
-			walk.tighten(rule);
-		else if (!m_state.planned)
+		if (!m_state.planned)
+		{
 			walk.start(m_context, rule, tolerance, m_settings.paper);
-		if (m_answered || !m_state.planned) spend(walk, m_settings.budget, m_start, m_state.microsecondsPerAnswer);
-		m_answered = true;
+			spend(walk, m_settings.budget, m_start, m_state.microsecondsPerAnswer);
+		}
 		m_refined = Clock::now();
 		ContactSink sink(m_context, tolerance, false, m_result.contacts, m_result.stats);
 		walk.answer(sink);
@@ -150,15 +193,6 @@ private:
 		return sink.largestCover();
 	}
 
-	// Without a budget always. A planned query leaves the budget to its caller: it has none for a restart.
-	bool paysForRestart() const
-	{
-		if (!m_settings.budget.isLimited()) return true;
-		const Refinement& walk = m_state.refinement;
-		const double cost = double(walk.costToTighten());
-		return walk.isComplete() && !m_state.planned && double(walk.committed()) + cost <= m_settings.budget.tests &&
-			   microsecondsSince(m_start) + m_state.microsecondsPerAnswer * cost <= m_settings.budget.microseconds;
-	}
 	bool rootIsApart() const
 	{
 		return m_settings.budget.isLimited() ? m_state.refinement.rootIsApart()
@@ -179,10 +213,11 @@ private:
 		contacts.clear();
 		for (const std::uint32_t i : m_state.order) contacts.push_back(m_state.unsorted[i]);
 	}
-	void sortContacts()
+	// largestCover: of the accepted pairs that are no contacts.
+	void sortContacts(double largestCover)
 	{
 		sortPairs(m_result.contacts);
-		m_inputOnly = true;
+		m_inputOnly = largestCover == 0;
 		for (const Contact& contact : m_result.contacts)
 			m_inputOnly = m_inputOnly && m_context.a.node(contact.nodeA).childCount == 0 &&
 						  m_context.b.node(contact.nodeB).childCount == 0;
@@ -202,120 +237,58 @@ private:
 		return std::max(ofA, m_state.probesB.depthInside(m_context.a, aFromB, motion, m_result.stats));
 	}
 
-	void overlapping(bool hullsOverlap, double inside, double limit)
+	// The last per cent of a depth is not worth its cost, unless a limit asks for it.
+	DepthAccuracy depthAccuracy() const
 	{
-		const PointBoxes counting(m_result.stats);
-		if (hullsOverlap && m_settings.contactsOnly)
-		{
-			set({0, kInfinity, false});
-			return;
-		}
-		const double radius = std::min(m_context.a.asset().radius, m_context.b.asset().radius);
-		// The last per cent of a depth is not worth its cost, unless a hard limit asks for it.
 		DepthAccuracy accuracy;
-		accuracy.absolute = kDepthAccuracy * radius;
-		if (m_settings.metric.maxError < kInfinity)
+		accuracy.absolute = kDepthAccuracy * std::min(m_context.a.asset().radius, m_context.b.asset().radius);
+		if (gapLimit() < kInfinity)
 		{
 			// A coarser answer could not be told from one deeper than the tolerance.
-			const double coarse = std::min(0.5 * m_settings.metric.maxError, 0.2 * m_settings.tolerance);
-			accuracy.absolute = std::max(accuracy.absolute, coarse);
+			accuracy.absolute = std::max(accuracy.absolute, std::min(0.5 * gapLimit(), 0.2 * m_settings.tolerance));
 			accuracy.relative = 0;
 		}
 		if (m_settings.distance) accuracy.cellLimit *= 10;
-		if (hullsOverlap)
+		return accuracy;
+	}
+	// Pairs of leaves: all within the tolerance. What is deeper has faces outside of them.
+	void setDepth(const std::vector<Contact>& pairs, double tolerance)
+	{
+		const PointBoxes counting(m_result.stats);
+		DepthAccuracy accuracy = depthAccuracy();
+		accuracy.enough = tolerance;
+		const DepthBound depth = nearPenetration(m_context, pairs, accuracy, m_state.penetration, m_result.stats);
+		if (depth.upper < tolerance)
+			set(gapBetween(-depth.upper, -depth.lower));
+		else
+			setInside(depth.lower);
+	}
+	// So deep at some point, perhaps deeper.
+	void setInside(double depth)
+	{
+		if (!m_settings.distance)
 		{
-			if (m_inputOnly || m_settings.metric.maxError < kInfinity)
-				setDepth(nearDepth(m_result.contacts, m_settings.tolerance, accuracy), m_settings.tolerance, accuracy);
-			else
-				lookDeeper(limit, accuracy);
-			if (!m_result.deep) return;
-		}
-		if (m_settings.distance)
-		{
-			const DepthBound whole = wholePenetration(m_context, accuracy, m_state.penetration, m_result.stats);
-			set(gapBetween(-whole.upper, -whole.lower));
-			m_result.deep = true;
+			set({-depth, kInfinity, true});
 			return;
 		}
-		if (!hullsOverlap) set({-inside, kInfinity, true});
-	}
-
-	// A depth that pairs of nodes within a tolerance do not prove: coarse depths are known to the accuracy only.
-	double enoughAt(double tolerance, const DepthAccuracy& accuracy) const
-	{
-		return m_inputOnly ? tolerance : tolerance - accuracy.absolute;
-	}
-	// As far as pairs of nodes within a tolerance prove it.
-	DepthBound nearDepth(const std::vector<Contact>& near, double tolerance, DepthAccuracy accuracy)
-	{
-		accuracy.enough = enoughAt(tolerance, accuracy);
-		return nearPenetration(m_context, near, m_inputOnly, accuracy, m_state.penetration, m_result.stats);
-	}
-	void setDepth(const DepthBound& depth, double tolerance, const DepthAccuracy& accuracy)
-	{
-		if (m_inputOnly ? depth.upper < tolerance : depth.deepest < enoughAt(tolerance, accuracy))
-			set(gapOverlapping(m_context, m_result.contacts, m_inputOnly, depth));
-		else
-			set({-depth.lower, kInfinity, true});
-	}
-
-	// Coarse hulls overlap by up to their deviations where the surfaces are apart: the depth is searched to a share of
-	// them, among the contacts if that can prove it, else among the pairs within more. The contact list stays.
-	void lookDeeper(double limit, DepthAccuracy accuracy)
-	{
-		double deviation = 0;
-		for (const Contact& contact : m_result.contacts)
-			if (contact.upper <= 0)
-				deviation = std::max(deviation, double(m_context.a.node(contact.nodeA).deviation) +
-													double(m_context.b.node(contact.nodeB).deviation));
-		accuracy.absolute = std::max(accuracy.absolute, kDepthShare * deviation);
-		for (const double share : {0.0, 0.6, 2.5})
-		{
-			const double tolerance = m_settings.tolerance + share * deviation;
-			if (!(accuracy.absolute < tolerance)) continue;
-			if (share > 0) traverseNear(limit, tolerance);
-			setDepth(nearDepth(share > 0 ? m_state.near : m_result.contacts, tolerance, accuracy), tolerance, accuracy);
-			if (!m_result.deep) return;
-		}
-	}
-
-	// The pairs of nodes within a tolerance larger than that of the contacts.
-	void traverseNear(double limit, double tolerance)
-	{
-		const StopRule rule(m_context, m_settings.metric, limit, m_settings.paper);
-		NearPairs sink(m_context, tolerance, m_settings.tolerance, m_state.near, m_result.stats);
-		m_state.near.clear();
-		if (m_settings.budget.isLimited())
-		{
-			// As far as the budget went: what exceeds the metric by more than what is pending is open.
-			Refinement& walk = m_state.nearby;
-			walk.start(m_context, rule, tolerance, m_settings.paper);
-			while (walk.excess() > m_state.refinement.excess()) walk.refine();
-			walk.answer(sink);
-		}
-		else
-		{
-			const std::uint32_t front = m_result.stats.front, frontInner = m_result.stats.frontInner;
-			const TraversalSettings settings{rule, tolerance, m_settings.paper, rule.hasConstantThreshold()};
-			Traversal<NearPairs>(m_context, settings, m_state.front, sink, m_result.stats).run();
-			m_result.stats.front = front;
-			m_result.stats.frontInner = frontInner;
-		}
-		sortPairs(m_state.near);
-		for (Contact& pair : m_state.near)
-		{
-			const auto known = std::lower_bound(m_result.contacts.begin(), m_result.contacts.end(), pair, before);
-			if (known != m_result.contacts.end() && !before(pair, *known)) pair = *known;
-		}
+		const PointBoxes counting(m_result.stats);
+		const DepthBound whole = wholePenetration(m_context, depthAccuracy(), m_state.penetration, m_result.stats);
+		set(gapBetween(-whole.upper, -whole.lower));
+		m_result.deep = true;
 	}
 
 	// Nothing within the tolerance: the closest accepted pair, then the certificate within its distance.
-	void farApart(double limit)
+	void farApart()
 	{
-		const StopRule rule(m_context, m_settings.metric, limit, m_settings.paper);
+		const StopRule rule(m_context, m_settings.metric, m_settings.paper);
+		if (rule.isOfLeaves() || gapLimit() < kInfinity)
+		{
+			fromSurfaces();
+			return;
+		}
 		const double distance = closestDistance(m_context, rule, m_settings.paper, m_state.closest, m_result.stats);
-		const double largestCover = traverse(limit, distance);
-		sortContacts();
+		const double largestCover = traverse(distance);
+		sortContacts(largestCover);
 		set(gapApart(m_context, m_result.contacts, distance, largestCover));
 		m_result.contacts.clear();
 	}
@@ -348,7 +321,7 @@ private:
 	QueryResult& m_result;
 	const Clock::time_point m_start = Clock::now();
 	Clock::time_point m_refined;  // the budget is spent, the answer begins
-	bool m_answered = false;      // under a budget: once
+	bool m_isOfSurfaces = false;  // the gap, whatever answered
 	bool m_inputOnly = true;      // every accepted pair is of level 0: nothing finer exists
 };
 }  // namespace clod

@@ -16,7 +16,8 @@ double sum(float x, float y)
 	return double(x) + double(y);
 }
 
-// No point of a contact's two hulls is farther than protrude from its solid.
+}  // namespace
+
 double highFromWitnesses(const QueryContext& context, const std::vector<Contact>& contacts)
 {
 	double high = std::numeric_limits<double>::infinity();
@@ -27,7 +28,11 @@ double highFromWitnesses(const QueryContext& context, const std::vector<Contact>
 	}
 	return high;
 }
-}  // namespace
+
+Gap gapOfSurfaces(const SurfaceDistance& distance)
+{
+	return {distance.value, kUp * std::max(distance.value - distance.low, distance.high - distance.value), false};
+}
 
 Gap gapBetween(double low, double high)
 {
@@ -46,13 +51,5 @@ Gap gapApart(const QueryContext& context, const std::vector<Contact>& contacts, 
 	}
 	const double high = highFromWitnesses(context, contacts);
 	return {value, kUp * std::max(value - low, high - value), false};
-}
-
-Gap gapOverlapping(const QueryContext& context, const std::vector<Contact>& contacts, bool inputOnly,
-				   const DepthBound& depth)
-{
-	if (inputOnly) return gapBetween(-depth.upper, -depth.lower);
-	const double high = highFromWitnesses(context, contacts);
-	return gapBetween(-depth.upper, depth.found ? std::min(high, -depth.lower) : high);
 }
 }  // namespace clod

@@ -21,7 +21,7 @@ std::uint32_t slotOf(const ContactSide& side, std::uint32_t node)
 	return std::uint32_t(found - side.slots.begin());
 }
 
-void collectSlots(const std::vector<Contact>& contacts, bool isA, const Hierarchy& other, ContactSide& side)
+void collectSlots(const std::vector<Contact>& contacts, bool isA, ContactSide& side)
 {
 	side.order.resize(contacts.size());
 	for (std::uint32_t i = 0; i < contacts.size(); ++i) side.order[i] = i;
@@ -36,12 +36,10 @@ void collectSlots(const std::vector<Contact>& contacts, bool isA, const Hierarch
 		const Contact& contact = contacts[side.order[i]];
 		const std::uint32_t node = nodeOf(contact, isA);
 		if (side.slots.empty() || side.slots.back().node != node)
-			side.slots.push_back({node, i, 0, 0, 0, side.order[i], 0, {}, 0, false, false});
+			side.slots.push_back({node, i, 0, 0, 0, side.order[i], {}, 0, false, false});
 		ContactSide::Slot& slot = side.slots.back();
 		++slot.partnerCount;
 		slot.overlaps |= contact.upper <= 0;
-		const Node& partner = other.node(nodeOf(contact, !isA));
-		slot.apart = std::max(slot.apart, side.hierarchy->node(node).reach + double(partner.surf) - contact.lower);
 		if (contact.upper < contacts[slot.nearest].upper) slot.nearest = side.order[i];
 	}
 }
@@ -59,9 +57,7 @@ void ContactSide::gather(Slot& slot)
 	{
 		GatheredFace face{};
 		face.triangle = triangleOf(*hierarchy, owner, hierarchy->faces(owner)[i]);
-		face.level = owner.level;
 		face.face = owner.firstFace + i;
-		face.surf = double(owner.surf);
 		const Vec3* corner = face.triangle.corner;
 		face.center = (1.0 / 3) * (corner[0] + corner[1] + corner[2]);
 		double squared = 0;
@@ -87,8 +83,8 @@ void gatherSides(const QueryContext& context, const std::vector<Contact>& contac
 {
 	a.hierarchy = &context.a;
 	b.hierarchy = &context.b;
-	collectSlots(contacts, true, context.b, a);
-	collectSlots(contacts, false, context.a, b);
+	collectSlots(contacts, true, a);
+	collectSlots(contacts, false, b);
 	for (ContactSide* side : {&a, &b})
 	{
 		side->partners.resize(contacts.size());
@@ -133,37 +129,12 @@ double GatheredSurface::above(ContactSide::Slot& slot, const Triangle& triangle)
 	return best;
 }
 
-double GatheredSurface::outside(std::uint32_t group, const Triangle& triangle)
+bool GatheredSurface::crossesNothing(std::uint32_t group, const Triangle& triangle)
 {
 	const ContactSide::Slot& own = m_own.slots[group];
-	double upper = 0;
 	for (std::uint32_t i = own.firstPartner; i < own.firstPartner + own.partnerCount; ++i)
-	{
-		const std::uint32_t partner = m_own.partners[i];
-		double apart = m_own.apart[i];
-		if (!(apart > 0)) apart = above(m_other.slots[partner], triangle);
-		if (!(apart > 0)) return std::numeric_limits<double>::infinity();
-		const Node& node = m_other.hierarchy->node(m_other.slots[partner].node);
-		upper = std::max(upper, double(nodeOf(group).reach) + double(node.surf) - apart);
-	}
-	return kUp * upper;
-}
-
-// The slot that is nearest by its ball first: most of the others are then too far.
-void GatheredSurface::scanNearest(const Vec3& point)
-{
-	std::uint32_t nearest = 0;
-	double least = std::numeric_limits<double>::infinity();
-	for (std::uint32_t i = 0; i < m_other.slots.size(); ++i)
-	{
-		ContactSide::Slot& slot = m_other.slots[i];
-		if (!slot.gathered) m_other.gather(slot);
-		const double outside = lengthSquared(point - slot.center) - slot.radius * slot.radius;
-		if (outside >= least) continue;
-		least = outside;
-		nearest = i;
-	}
-	scan(m_other.slots[nearest], point);
+		if (!(m_own.apart[i] > 0) && !(above(m_other.slots[m_own.partners[i]], triangle) > 0)) return false;
+	return true;
 }
 
 void GatheredSurface::meet(std::uint32_t face, const Vec3& point)
@@ -182,21 +153,14 @@ SignedDistance GatheredSurface::signedDistance(std::uint32_t group, const Vec3& 
 	m_distance = std::numeric_limits<double>::infinity();
 	if (hint != kNone) meet(hint, point);
 	const ContactSide::Slot& own = m_own.slots[group];
-	if (m_inputOnly)
-		for (std::uint32_t i = 0; i < own.partnerCount; ++i)
-			scan(m_other.slots[m_own.partners[own.firstPartner + i]], point);
-	else
-	{
-		if (hint == kNone) scanNearest(point);
-		for (ContactSide::Slot& slot : m_other.slots) scan(slot, point);
-	}
+	for (std::uint32_t i = 0; i < own.partnerCount; ++i)
+		scan(m_other.slots[m_own.partners[own.firstPartner + i]], point);
 	const GatheredFace& nearest = m_other.faces[m_face];
-	const Vec3 normal = pseudonormal(*m_other.hierarchy, nearest.level, nearest.face, m_feature);
+	const Vec3 normal = pseudonormal(*m_other.hierarchy, 0, nearest.face, m_feature);
 	const bool outside = dot(point - m_point, normal) >= 0;
 	if (!outside && m_distance >= m_tolerance)
-		return {
-			distanceToInput(*m_other.hierarchy, point, m_stats.boxTests, kUp * (m_distance + nearest.surf)).distance,
-			m_face, m_feature};
+		return {distanceToInput(*m_other.hierarchy, point, m_stats.boxTests, kUp * m_distance).distance, m_face,
+				m_feature};
 	return {outside ? m_distance : -m_distance, m_face, m_feature};
 }
 
@@ -205,27 +169,11 @@ std::uint32_t GatheredSurface::across(std::uint32_t face, int edge) const
 	const GatheredFace& here = m_other.faces[face];
 	const std::uint32_t neighbour = m_other.hierarchy->faces()[here.face].neighbour[edge];
 	if (neighbour == kNone) return kNone;
-	const std::uint32_t owner = ownerOf(*m_other.hierarchy, here.level, neighbour);
+	const std::uint32_t owner = ownerOf(*m_other.hierarchy, 0, neighbour);
 	const std::uint32_t index = slotOf(m_other, owner);
 	if (index >= m_other.slots.size()) return kNone;
 	const ContactSide::Slot& slot = m_other.slots[index];
 	if (slot.node != owner || !slot.gathered) return kNone;
 	return slot.firstFace + (neighbour - m_other.hierarchy->node(owner).firstFace);
-}
-
-DepthSample GatheredSurface::sample(std::uint32_t group, const Vec3& point, std::uint32_t hint, const DepthBound& known)
-{
-	const SignedDistance near = signedDistance(group, point, hint);
-	const double surf = double(nodeOf(group).surf);
-	DepthSample here{margin(group, near.face) - near.distance, -near.distance - kUp * surf, -near.distance,
-					 std::abs(near.distance), near.face};
-	const bool decides = here.depth > 0 && (here.upper > known.sampled || here.lower > known.lower);
-	if (m_inputOnly || !decides) return here;
-	++m_stats.pointQueries;
-	const double within = kUp * (here.distance + m_other.faces[near.face].surf);
-	here.depth = -distanceToInput(*m_other.hierarchy, point, m_stats.boxTests, within).distance;
-	here.upper = std::min(here.upper, here.depth + kUp * double(nodeOf(group).reach));
-	here.lower = here.depth - kUp * surf;
-	return here;
 }
 }  // namespace clod

@@ -31,10 +31,9 @@ struct PairCache::State
 	ClosestPairScratch closest;
 	PenetrationScratch penetration;
 	Refinement refinement;                // of a query under a budget
-	Refinement nearby;                    // the same walk at the larger tolerance that an overlap's depth asks for
 	std::optional<QueryContext> planned;  // of a plan that no query has finished yet: aFromB and settings are its own
 	double microsecondsPerAnswer = 1;     // last seen: from the end of refinement to the end of the query
-	std::vector<Contact> near;            // what the walk for an overlap's depth found
+	std::vector<Contact> near;            // the pairs of leaves that an overlap's depth is searched in
 	std::vector<std::uint32_t> order;
 	std::vector<Contact> unsorted;
 	QueryResult last;

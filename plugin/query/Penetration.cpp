@@ -70,11 +70,8 @@ private:
 	bool isShallow(std::uint32_t i)
 	{
 		const Contact& nearest = m_near[m_own.slots[i].nearest];
-		const bool witness = nearest.upper < std::numeric_limits<double>::infinity();
-		const Vec3 point = !witness   ? m_intoOther(m_own.hierarchy->hull(nodeOf(i)).vertex(0))
-						   : m_ownIsA ? m_intoOther(nearest.pointOnA)
-									  : nearest.pointOnB;
-		return m_search.sample(i, point, kNone).depth <= 0 && m_search.drop(m_own.slots[i].apart);
+		const Vec3 point = m_ownIsA ? m_intoOther(nearest.pointOnA) : nearest.pointOnB;
+		return m_search.sample(i, point, kNone).depth <= 0;
 	}
 	void sampleCorners(std::uint32_t i)
 	{
@@ -106,14 +103,12 @@ public:
 		++m_stats.pointQueries;
 		return distanceToInput(m_hierarchy, point, m_stats.boxTests);
 	}
-	DepthSample sample(std::uint32_t, const Vec3& point, std::uint32_t, const DepthBound&)
+	DepthSample sample(std::uint32_t, const Vec3& point, std::uint32_t)
 	{
 		const SignedDistance near = signedDistance(point);
-		return {-near.distance, -near.distance, -near.distance, std::abs(near.distance), near.face};
+		return {-near.distance, std::abs(near.distance), near.face};
 	}
-	static double outside(std::uint32_t, const Triangle&) { return std::numeric_limits<double>::infinity(); }
-	static double leastMargin(std::uint32_t) { return 0; }
-	static double margin(std::uint32_t, std::uint32_t) { return 0; }
+	static bool crossesNothing(std::uint32_t, const Triangle&) { return false; }
 	Triangle triangle(std::uint32_t face) const
 	{
 		return triangleOf(m_hierarchy, m_hierarchy.node(ownerOf(m_hierarchy, 0, face)), m_hierarchy.faces()[face]);
@@ -168,12 +163,12 @@ DepthBound searchWhole(const Hierarchy& own, const Mover& intoOther, InputSurfac
 }
 }  // namespace
 
-DepthBound nearPenetration(const QueryContext& context, const std::vector<Contact>& near, bool inputOnly,
-						   const DepthAccuracy& accuracy, PenetrationScratch& scratch, QueryStats& stats)
+DepthBound nearPenetration(const QueryContext& context, const std::vector<Contact>& near, const DepthAccuracy& accuracy,
+						   PenetrationScratch& scratch, QueryStats& stats)
 {
 	gatherSides(context, near, scratch.a, scratch.b);
-	GatheredSurface ofB(scratch.a, scratch.b, inputOnly, accuracy.enough, stats),
-		ofA(scratch.b, scratch.a, inputOnly, accuracy.enough, stats);
+	GatheredSurface ofB(scratch.a, scratch.b, accuracy.enough, stats),
+		ofA(scratch.b, scratch.a, accuracy.enough, stats);
 	const DepthBound ofSideA = NearSearch(scratch.a, true, context, near, ofB, accuracy, scratch).run({});
 	return NearSearch(scratch.b, false, context, near, ofA, accuracy, scratch).run(ofSideA);
 }

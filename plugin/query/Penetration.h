@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 // How deep two overlapping bodies are in each other: the deepest surface point of either, as an interval.
 //
-// Near (contact mode): searches the real faces of the nodes near each other. The nodes that can hold a point inside the
+// Near (contact mode): searches the faces of the leaves near each other. The leaves that can hold a point inside the
 // other body are those whose hull overlaps a partner's, and those that are apart from every partner but lie wholly
-// inside; which of the two an apart node is, one point of it tells. Complete while the depth is below the tolerance
+// inside; which of the two a leaf apart is, one point of it tells. Complete while the depth is below the tolerance
 // (GatheredSurface.h). Whole: searches the whole input surfaces through the trees, for any depth.
 #pragma once
 #include "clod/query/GatheredSurface.h"
@@ -14,7 +14,7 @@ struct PenetrationScratch
 {
 	ContactSide a, b;
 	std::vector<DepthCell> heap;
-	std::vector<DepthSample> samples;     // corners of the nodes searched, one after the other
+	std::vector<DepthSample> samples;     // corners of the leaves searched, one after the other
 	std::vector<std::uint32_t> searched;  // their slots
 	struct TreeCell
 	{
@@ -25,10 +25,9 @@ struct PenetrationScratch
 	std::vector<TreeCell> tree;
 };
 
-// Pairs of nodes sorted by (nodeA, nodeB), not empty, all within accuracy.enough, the tolerance. Where upper is
-// infinite, lower alone is known of the pair. inputOnly: all of them are of level 0.
-DepthBound nearPenetration(const QueryContext& context, const std::vector<Contact>& near, bool inputOnly,
-						   const DepthAccuracy& accuracy, PenetrationScratch& scratch, QueryStats& stats);
+// Pairs of leaves sorted by (nodeA, nodeB), not empty: all those within accuracy.enough, the tolerance.
+DepthBound nearPenetration(const QueryContext& context, const std::vector<Contact>& near, const DepthAccuracy& accuracy,
+						   PenetrationScratch& scratch, QueryStats& stats);
 
 // Of the two input surfaces, at any depth; level 0 of both trees is read.
 DepthBound wholePenetration(const QueryContext& context, const DepthAccuracy& accuracy, PenetrationScratch& scratch,

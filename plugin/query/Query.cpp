@@ -32,7 +32,7 @@ bool same(const Settings& l, const Settings& r)
 {
 	return l.budget.tests == r.budget.tests && l.budget.microseconds == r.budget.microseconds &&
 		   same(l.metric, r.metric) && l.tolerance == r.tolerance && l.distance == r.distance &&
-		   l.contactsOnly == r.contactsOnly && l.paper == r.paper && l.sweep == r.sweep;
+		   l.gapError == r.gapError && l.contactsOnly == r.contactsOnly && l.paper == r.paper && l.sweep == r.sweep;
 }
 
 bool same(const Transform& l, const Transform& r)
@@ -94,7 +94,7 @@ bool answersAgain(const Settings& settings, const PairCache::State& state)
 {
 	if (same(state.settings, settings)) return true;
 	const double needed = double(state.refinement.needed());
-	if (!state.settings.budget.isLimited() || state.last.excess > 0 || state.last.stats.restarts > 0) return false;
+	if (!state.settings.budget.isLimited() || state.last.excess > 0) return false;
 	if (!(settings.budget.tests < kInfinity && settings.budget.tests >= needed)) return false;
 	Settings before = state.settings;
 	before.budget = settings.budget;
@@ -150,7 +150,7 @@ QueryPlan::QueryPlan(const Hierarchy& a, const Hierarchy& b, const Transform& aF
 {
 	m_state->planned.emplace(a, b, aFromB, settings.sweep);
 	followMotion(*m_state->planned, settings, *m_state);
-	const StopRule rule(*m_state->planned, settings.metric, settings.metric.maxError, settings.paper);
+	const StopRule rule(*m_state->planned, settings.metric, settings.paper);
 	m_state->refinement.start(*m_state->planned, rule, settings.tolerance, settings.paper);
 	m_state->aFromB = aFromB;
 	m_state->settings = settings;
@@ -195,6 +195,7 @@ std::string settingsError(const Hierarchy& a, const Hierarchy& b, const Settings
 	{ return std::string(field) + " is " + std::to_string(value); };
 	if (!(settings.tolerance >= 0) || settings.tolerance == kInfinity)
 		return text("tolerance", settings.tolerance) + ", but must be a finite length >= 0";
+	if (!(settings.gapError >= 0)) return text("gapError", settings.gapError) + ", but must be >= 0";
 	if (!isFinite(settings.sweep.linear) || !isFinite(settings.sweep.angular)) return "sweep is not finite";
 	if (const std::string error = metricError(settings.metric); !error.empty()) return error;
 	if (const std::string error = budgetError(settings.budget); !error.empty()) return error;

@@ -40,7 +40,11 @@ struct Settings
 	// pose's.
 	Sweep sweep;
 	bool distance = false;  // signed gap at any separation (the tolerance then only limits the contact list)
-	bool paper = false;     // paper's culling (d + h_a + h_b), witness D; needs isPaperBuild() on both
+	// The signed gap is known to within so much, whatever answers: where the nodes near prove less, or their hulls
+	// overlap, it is that of the input surfaces (their nearest pair, or a depth searched in them). >= 0; infinite: as
+	// the nodes prove it where none overlap. metric.maxError asks for the same gap, and for contacts as exact besides.
+	double gapError = kOff;
+	bool paper = false;  // paper's culling (d + h_a + h_b), witness D; needs isPaperBuild() on both
 	// Contacts without the signed gap: where hulls overlap no depth is searched (minDistance 0, errorBound inf); deep
 	// then tells only of a component wholly inside the other body. Without any contact errorBound is inf too, and two
 	// bodies apart are not looked at again until they have moved enough. For callers that make their own contact
@@ -76,9 +80,10 @@ struct QueryStats
 	std::uint32_t pointQueries = 0;                    // nearest-surface queries of the penetration solver
 	std::uint32_t finestLevel = 0, coarsestLevel = 0;  // over both bodies' accepted nodes within the tolerance
 	std::uint32_t touchedFinestLevel = 0;              // finest level whose node data was read at all
-	std::uint32_t pending = 0;   // pairs that answered coarser than the metric asks, for want of budget
-	std::uint64_t needed = 0;    // under a budget: of so many tests, it would have bought as much
-	std::uint32_t restarts = 0;  // times a hard maxError limit forced a finer pass
+	std::uint32_t pending = 0;  // pairs that answered coarser than the metric asks, for want of budget
+	std::uint64_t needed = 0;   // under a budget: of so many tests, it would have bought as much
+	std::uint32_t gapSearches =
+		0;  // 1: the gap is of the input surfaces, as the nodes overlapped or proved less than asked for
 };
 
 struct QueryResult

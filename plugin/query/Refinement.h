@@ -40,23 +40,11 @@ public:
 		m_accepted.clear();
 		m_boxTests = m_hullTests = m_opened = m_apart = 0;
 		m_testsPerAnswer = context.longestMove > 0 ? 2 : 1;
-		m_spent = m_needed = 0;
+		m_needed = 0;
 		const std::uint32_t rootA = context.a.root();
 		visit(true, context.b.root(), &rootA, 1, kOff);
 		m_rootIsApart = m_pending.empty() && m_accepted.empty();
 		while (!m_pending.empty() && m_pending.front().deviation == kOff) refine();
-	}
-
-	// Tests that a second answer would take before anything is refined.
-	std::uint64_t costToTighten() const { return m_testsPerAnswer * answers(); }
-	// After an answer: a stricter rule. What it does not accept is pending again. Precondition: complete.
-	void tighten(const StopRule& rule)
-	{
-		m_spent += m_testsPerAnswer * m_accepted.size();
-		m_rule.emplace(rule);
-		std::vector<NodePair> before;
-		before.swap(m_accepted);
-		for (const NodePair& pair : before) keep(pair.a, pair.b, kOff);
 	}
 
 	bool isComplete() const { return m_pending.empty(); }
@@ -65,7 +53,7 @@ public:
 	double excess() const { return m_pending.empty() ? 0 : m_pending.front().excess; }
 	double deviation() const { return m_pending.empty() ? 0 : m_pending.front().deviation; }  // its s*
 	std::uint64_t committed() const { return tests() + m_testsPerAnswer * answers(); }
-	std::uint64_t tests() const { return m_spent + m_boxTests + m_hullTests; }
+	std::uint64_t tests() const { return m_boxTests + m_hullTests; }
 	// Any budget of at least this many tests would have refined as far.
 	std::uint64_t needed() const { return std::max(m_needed, committed()); }
 	std::size_t answers() const { return m_pending.size() + m_accepted.size(); }
@@ -219,7 +207,6 @@ private:
 	std::vector<Pending> m_pending;  // a heap
 	std::vector<NodePair> m_accepted;
 	std::uint64_t m_testsPerAnswer = 1, m_needed = 0;
-	std::uint64_t m_spent = 0;  // hull distances of answers before the rule was tightened
 	std::uint32_t m_boxTests = 0, m_hullTests = 0, m_opened = 0, m_apart = 0;
 };
 }  // namespace clod

@@ -44,14 +44,14 @@ enum class Acceptance : std::uint8_t
 class StopRule
 {
 public:
-	// maxError replaces the one of the metric: restarts tighten it. paper: of the query's settings.
-	StopRule(const QueryContext& context, const Metric& metric, double maxError, bool paper)
+	// paper: of the query's settings.
+	StopRule(const QueryContext& context, const Metric& metric, bool paper)
 		: m_context(&context),
 		  m_threshold(metric, fastest(context, metric)),
 		  m_isExact(metric.exact),
 		  m_isPaper(paper),
-		  m_isOfLeaves(metric.exact || (!paper && isOutOfReach(context, maxError))),
-		  m_maxError(maxError)
+		  m_isOfLeaves(metric.exact || (!paper && isOutOfReach(context, metric.maxError))),
+		  m_maxError(metric.maxError)
 	{
 	}
 

@@ -44,6 +44,7 @@ TEST(Query, CachedEqualsFreshBitForBit)
 				if (random() % 3 == 0) settings.metric.maxError = std::pow(10, uniform(random, -3, -1)) * radius;
 				settings.distance = random() % 3 == 0;
 				settings.contactsOnly = !settings.distance && random() % 2;
+				if (random() % 3 == 0) settings.gapError = uniform(random, 0, 0.01) * radius;
 			}
 			// Half of the steps look ahead, mostly along a motion that changes little.
 			if (random() % 20 == 0) settings.sweep = random() % 2 ? randomSweep(random, radius) : Sweep{};
@@ -56,7 +57,7 @@ TEST(Query, CachedEqualsFreshBitForBit)
 				<< pair.a.name << " step " << step << ": " << result.minDistance << " +- " << result.errorBound
 				<< " deep " << result.deep << ", fresh " << expected.minDistance << " +- " << expected.errorBound
 				<< ", contacts " << result.contacts.size() << ", exact " << settings.metric.exact << ", distance "
-				<< settings.distance << ", restarts " << result.stats.restarts << "," << expected.stats.restarts
+				<< settings.distance << ", searches " << result.stats.gapSearches << "," << expected.stats.gapSearches
 				<< ", point queries " << result.stats.pointQueries << "," << expected.stats.pointQueries;
 			withContacts += !result.contacts.empty();
 			deep += result.deep;

@@ -63,7 +63,7 @@ void checkBounds(const Settings& settings, std::uint64_t seed, BoundCounts& coun
 			counts.unproven += result.errorBound == std::numeric_limits<double>::infinity();
 			if (!result.contacts.empty()) counts.shares.push_back(result.errorBound / deviationOfNearest(pair, result));
 			EXPECT_TRUE(result.deep || result.errorBound <= scaled.metric.maxError)
-				<< result.errorBound / radius << " after " << result.stats.restarts << " restarts";
+				<< result.errorBound / radius << " after " << result.stats.gapSearches << " searches";
 			if (result.deep && !scaled.distance && scaled.metric.exact)
 			{
 				EXPECT_LT(truth.low, -0.98 * scaled.tolerance);
@@ -117,6 +117,56 @@ TEST(Certificate, HoldsWithMaxError)
 		settings.metric.maxError = limit;
 		checkBounds(settings, 5, counts);
 	}
+}
+
+// The gap within an error of its own: that of exact mode, whatever answers, and the contacts stay as they are.
+TEST(Certificate, TheGapOfCoarseContactsIsAsExactAsAskedFor)
+{
+	Random random(32);
+	const int poses = setting("CLOD_POSES", 12);
+	int apart = 0, near = 0, overlapping = 0, coarser = 0;
+	for (const BodyPair& pair : pairs())
+		for (int i = 0; i < 3 * poses; ++i)
+		{
+			const double radius = smallerRadius(pair.a, pair.b);
+			const Transform pose = poseWithGap(random, pair.a, pair.b, stratifiedGap(random, i));
+			Settings settings = exactSettings(0.01 * radius);
+			settings.distance = i % 2 == 0;
+			settings.metric.maxError = 1e-6 * radius;  // of a depth that is searched
+			const QueryResult exact = fresh(pair, pose, settings);
+			settings.metric = Metric{};
+			settings.metric.weightedDeviation = (i % 4 < 2 ? 0.035 : 1) * radius;
+			const QueryResult before = fresh(pair, pose, settings);
+			settings.gapError = i % 3 == 0 ? 0 : std::pow(10, uniform(random, -5, -2)) * radius;
+			QueryResult result = fresh(pair, pose, settings);
+			const std::string where = pair.a.name + "-" + pair.b.name + " pose " + std::to_string(i);
+			const double error = std::max(settings.gapError, 2e-6 * radius);
+			if (!result.deep)
+			{
+				EXPECT_LE(result.errorBound, error) << where;
+			}
+			if (exact.minDistance == std::numeric_limits<double>::infinity())
+			{
+				EXPECT_GT(result.minDistance, settings.tolerance - error) << where;
+			}
+			else if (!exact.deep && !result.deep)
+			{
+				EXPECT_NEAR(result.minDistance, exact.minDistance, error + exact.errorBound) << where;
+			}
+			const bool isKnown = exact.minDistance < std::numeric_limits<double>::infinity();
+			if (settings.gapError == 0 && !exact.deep && isKnown && exact.minDistance > 0)
+			{
+				EXPECT_EQ(result.minDistance, exact.minDistance) << where;
+			}
+			++(exact.minDistance <= 0 ? overlapping : exact.contacts.empty() ? apart : near);
+			coarser += before.errorBound > error;
+			result.minDistance = before.minDistance;
+			result.errorBound = before.errorBound;
+			result.deep = before.deep;
+			EXPECT_EQ(difference(result, before), "") << where;
+		}
+	std::printf("apart %d, near %d, overlapping %d; by the nodes coarser %d\n", apart, near, overlapping, coarser);
+	EXPECT_GT(std::min({apart, near, overlapping, coarser}), poses / 2);
 }
 
 TEST(Certificate, TheCheckSeesPlantedFaults)

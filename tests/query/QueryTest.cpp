@@ -219,7 +219,13 @@ TEST(Query, RefusesBadSettings)
 	settings.tolerance = 0;
 	settings.paper = true;
 	EXPECT_NE(settingsError(h, h, settings).find("paper"), std::string::npos);
-	settings.paper = false;
+	for (const double error : {-1.0, std::numeric_limits<double>::quiet_NaN()})
+	{
+		settings = Settings{};
+		settings.gapError = error;
+		EXPECT_NE(settingsError(h, h, settings).find("gapError"), std::string::npos);
+	}
+	settings = Settings{};
 	settings.metric.maxError = -1;
 	EXPECT_NE(settingsError(h, h, settings).find("maxError"), std::string::npos);
 }
