@@ -25,12 +25,15 @@ public:
 	{
 	}
 
-	// A pair of leaves that is no contact leaves no trace, near or far.
+	// An accepted pair needs nothing, its boxes are not even compared: one of leaves that is no contact leaves no
+	// trace, near or far.
 	bool skips(std::uint32_t a, std::uint32_t b, const HullMemory& memory) const
 	{
 		return m_ofLeaves && m_hulls.isProvenApart(a, b, m_tolerance, memory);
 	}
 
+	// An accepted pair within the tolerance by its culling volumes. evaluated: what canonicalContact says, where it was
+	// asked.
 	void answer(std::uint32_t a, std::uint32_t b, HullMemory& memory,
 				const std::optional<HullDistance>& evaluated = {});
 

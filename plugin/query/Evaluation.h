@@ -167,7 +167,7 @@ private:
 		const TraversalSettings settings{rule, tolerance, m_settings.paper, sameRule};
 		ContactSink sink(m_context, tolerance, rule.isOfLeaves(), m_result.contacts, m_result.stats);
 		m_result.stats.front = m_result.stats.frontInner = 0;
-		Traversal<ContactSink>(m_context, settings, m_state.front, sink, m_result.stats).run();
+		Traversal(m_context, settings, m_state.front, sink, m_result.stats).run();
 		m_state.threshold = rule.constantThreshold();
 		m_state.maxError = maxError;
 		m_state.isOfLeaves = rule.isOfLeaves();

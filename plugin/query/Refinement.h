@@ -20,7 +20,7 @@
 #include <optional>
 #include <vector>
 
-#include "clod/query/HullCull.h"
+#include "clod/query/ContactSink.h"
 #include "clod/query/StopRule.h"
 
 namespace clod
@@ -94,8 +94,7 @@ public:
 	}
 
 	// Hands every pair that answers now to the sink; those it evaluates count in the sink's statistics.
-	template <class Sink>
-	void answer(Sink& sink) const
+	void answer(ContactSink& sink) const
 	{
 		const auto hand = [&](std::uint32_t a, std::uint32_t b)
 		{

@@ -22,7 +22,8 @@ inline double certifiedErrorApart(const Node& a, const Node& b)
 	const auto sum = [](float x, float y) { return double(x) + double(y); };
 	return std::max(sum(a.cover, b.cover), sum(a.protrude, b.protrude));
 }
-// Overlapping or not: half the width of the interval of an overlap counts as well.
+// Overlapping or not: half the width of the interval in which the depth of what the two stand for lies counts as well,
+// going by their real faces, which are within reach of O(n) and within surf of the surface.
 inline double certifiedError(const Node& a, const Node& b)
 {
 	const auto sum = [](float x, float y) { return double(x) + double(y); };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // The one walk over two hierarchies. Given a stop rule and a sink it visits the pairs of nodes whose culling volumes
 // are within the tolerance, from the roots down and level of the walk by level, and hands every accepted one to the
-// sink.
+// contacts.
 //
 // What the cache may decide: a pair's separation is 1-Lipschitz in the relative motion (BoxSeparation.h), so a value
 // measured once, less the motion since, proves that it is beyond the tolerance still, and plus the motion that it is
@@ -24,7 +24,7 @@
 #include <vector>
 
 #include "clod/query/BoxSeparation.h"
-#include "clod/query/HullCull.h"
+#include "clod/query/ContactSink.h"
 #include "clod/query/MotionBound.h"
 #include "clod/query/StopRule.h"
 
@@ -38,15 +38,10 @@ struct TraversalSettings
 	bool sameRule = false;  // the stop rule is that of the cached front: its states hold
 };
 
-// Sink: bool skips(a, b, const HullMemory& memory) - an accepted pair needs nothing: its boxes are not even compared;
-//       void answer(a, b, HullMemory& memory, const std::optional<HullDistance>& evaluated)
-//         - an accepted pair within the tolerance by its culling volumes; what canonicalContact says, where it was
-//         asked.
-template <class Sink>
 class Traversal
 {
 public:
-	Traversal(const QueryContext& context, const TraversalSettings& settings, PairFront& front, Sink& sink,
+	Traversal(const QueryContext& context, const TraversalSettings& settings, PairFront& front, ContactSink& sink,
 			  QueryStats& stats)
 		: m_context(context),
 		  m_settings(settings),
@@ -341,7 +336,7 @@ private:
 	const QueryContext& m_context;
 	const TraversalSettings& m_settings;
 	PairFront& m_front;
-	Sink& m_sink;
+	ContactSink& m_sink;
 	const double m_room;  // for the rounding of two measurements
 	const float m_moved;  // since the cached bounds
 	PartMotion m_partMotion;
