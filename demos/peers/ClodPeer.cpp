@@ -139,7 +139,7 @@ std::vector<Threshold> thresholdLadder(double radius)
 	{
 		const auto coarse =
 			std::find_if(ladder.begin(), ladder.end(), [&](const Threshold& t) { return t.label == label; });
-		ladder.push_back({coarse->label + ", gap exact", coarse->metric, 0});
+		ladder.push_back({coarse->label + " + exact gap", coarse->metric, 0});
 	}
 	return ladder;
 }
