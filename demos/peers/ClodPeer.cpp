@@ -122,24 +122,28 @@ PeerPointer clodQuery(PeerInfo info, const HierarchyPointer& a, const HierarchyP
 
 std::vector<Threshold> thresholdLadder(double radius)
 {
+	const auto ofSize = [radius](double share)
+	{
+		Threshold threshold{fmt::format("size {:g} %", 100 * share), {}};
+		threshold.metric.weightedDeviation = share * radius;
+		return threshold;
+	};
+	const auto ofError = [radius](double share)
+	{
+		Threshold threshold{fmt::format("max-error {:g} %", 100 * share), {}};
+		threshold.metric.maxError = share * radius;
+		return threshold;
+	};
 	std::vector<Threshold> ladder(1);
 	ladder[0].label = "exact";
 	ladder[0].metric.exact = true;
-	for (const double size : kSizes)
+	for (const double size : kSizes) ladder.push_back(ofSize(size));
+	for (const double error : kErrors) ladder.push_back(ofError(error));
+	for (Threshold threshold : {ofError(0.1), ofSize(0.035), ofError(0.005)})
 	{
-		ladder.push_back({fmt::format("size {:g} %", 100 * size), {}});
-		ladder.back().metric.weightedDeviation = size * radius;
-	}
-	for (const double error : kErrors)
-	{
-		ladder.push_back({fmt::format("max-error {:g} %", 100 * error), {}});
-		ladder.back().metric.maxError = error * radius;
-	}
-	for (const char* label : {"max-error 10 %", "size 3.5 %", "max-error 0.5 %"})
-	{
-		const auto coarse =
-			std::find_if(ladder.begin(), ladder.end(), [&](const Threshold& t) { return t.label == label; });
-		ladder.push_back({coarse->label + " + exact gap", coarse->metric, 0});
+		threshold.label += " + exact gap";
+		threshold.gapError = 0;
+		ladder.push_back(threshold);
 	}
 	return ladder;
 }

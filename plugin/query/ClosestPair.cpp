@@ -138,19 +138,24 @@ struct MotionJudge
 	}
 };
 
-// Pairs of leaves only.
-struct SurfaceJudge
+// Of pairs of leaves: they form a tree, each is met once.
+struct LeafJudge
 {
 	const QueryContext& context;
 	QueryStats& stats;
 	double best;
-	ClosestPairScratch::Nearest& nearest;
-	double value = std::numeric_limits<double>::infinity();
 	static constexpr bool paper = false;
 
 	static bool counts(const ClosestPairScratch::Candidate&, double) { return true; }
-	bool isSettled() const { return best <= 0; }
 	static double ofBoxes(double separation) { return separation; }
+};
+
+struct SurfaceJudge : LeafJudge
+{
+	ClosestPairScratch::Nearest& nearest;
+	double value = std::numeric_limits<double>::infinity();
+
+	bool isSettled() const { return best <= 0; }
 	double ofPair(const ClosestPairScratch::Candidate& pair)
 	{
 		++stats.hullTests;
@@ -163,17 +168,11 @@ struct SurfaceJudge
 	}
 };
 
-struct GatherJudge
+struct GatherJudge : LeafJudge
 {
-	const QueryContext& context;
-	QueryStats& stats;
 	std::vector<Contact>& pairs;
-	double best;
-	static constexpr bool paper = false;
 
-	static bool counts(const ClosestPairScratch::Candidate&, double) { return true; }
 	static bool isSettled() { return false; }
-	static double ofBoxes(double separation) { return separation; }
 	double ofPair(const ClosestPairScratch::Candidate& pair)
 	{
 		++stats.hullTests;
@@ -210,7 +209,7 @@ SurfaceDistance surfaceDistance(const QueryContext& context, double known, Close
 								QueryStats& stats)
 {
 	const StopRule rule = leafRule(context);
-	SurfaceJudge judge{context, stats, known, scratch.ofSurfaces};
+	SurfaceJudge judge{{context, stats, known}, scratch.ofSurfaces};
 	const auto [a, b] = scratch.ofSurfaces;
 	if (isAnswer(context, rule, scratch.ofSurfaces)) judge.best = std::min(known, judge.ofPair({0, a, b}));
 	ClosestPairSearch<SurfaceJudge>(context, rule, judge, scratch, stats).run();
@@ -223,7 +222,7 @@ void gatherLeafPairs(const QueryContext& context, double tolerance, ClosestPairS
 					 std::vector<Contact>& pairs, QueryStats& stats)
 {
 	pairs.clear();
-	GatherJudge judge{context, stats, pairs, tolerance};
+	GatherJudge judge{{context, stats, tolerance}, pairs};
 	ClosestPairSearch<GatherJudge>(context, leafRule(context), judge, scratch, stats).run();
 }
 

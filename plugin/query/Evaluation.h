@@ -151,7 +151,7 @@ private:
 			gatherLeafPairs(m_context, tolerance, m_state.closest, m_state.near, m_result.stats);
 			sortPairs(m_state.near);
 			setDepth(m_state.near, tolerance);
-			if (!m_result.deep || m_settings.distance) return;
+			if (!m_result.deep || m_settings.distance || deviation == 0) return;
 		}
 	}
 

@@ -16,6 +16,10 @@ double sum(float x, float y)
 	return double(x) + double(y);
 }
 
+Gap bracketed(double value, double low, double high)
+{
+	return {value, kUp * std::max(value - low, high - value), false};
+}
 }  // namespace
 
 double highFromWitnesses(const QueryContext& context, const std::vector<Contact>& contacts)
@@ -31,13 +35,12 @@ double highFromWitnesses(const QueryContext& context, const std::vector<Contact>
 
 Gap gapOfSurfaces(const SurfaceDistance& distance)
 {
-	return {distance.value, kUp * std::max(distance.value - distance.low, distance.high - distance.value), false};
+	return bracketed(distance.value, distance.low, distance.high);
 }
 
 Gap gapBetween(double low, double high)
 {
-	const double value = 0.5 * (low + high);
-	return {value, kUp * std::max(value - low, high - value), false};
+	return bracketed(0.5 * (low + high), low, high);
 }
 
 Gap gapApart(const QueryContext& context, const std::vector<Contact>& contacts, double tolerance, double largestCover)
@@ -49,7 +52,6 @@ Gap gapApart(const QueryContext& context, const std::vector<Contact>& contacts, 
 		low = std::min(low, contact.lower - sum(a.cover, b.cover));
 		value = std::min(value, contact.upper);
 	}
-	const double high = highFromWitnesses(context, contacts);
-	return {value, kUp * std::max(value - low, high - value), false};
+	return bracketed(value, low, highFromWitnesses(context, contacts));
 }
 }  // namespace clod

@@ -156,7 +156,7 @@ SignedDistance GatheredSurface::signedDistance(std::uint32_t group, const Vec3& 
 	for (std::uint32_t i = 0; i < own.partnerCount; ++i)
 		scan(m_other.slots[m_own.partners[own.firstPartner + i]], point);
 	const GatheredFace& nearest = m_other.faces[m_face];
-	const Vec3 normal = pseudonormal(*m_other.hierarchy, 0, nearest.face, m_feature);
+	const Vec3 normal = pseudonormal(*m_other.hierarchy, nearest.face, m_feature);
 	const bool outside = dot(point - m_point, normal) >= 0;
 	if (!outside && m_distance >= m_tolerance)
 		return {distanceToInput(*m_other.hierarchy, point, m_stats.boxTests, kUp * m_distance).distance, m_face,
@@ -169,7 +169,7 @@ std::uint32_t GatheredSurface::across(std::uint32_t face, int edge) const
 	const GatheredFace& here = m_other.faces[face];
 	const std::uint32_t neighbour = m_other.hierarchy->faces()[here.face].neighbour[edge];
 	if (neighbour == kNone) return kNone;
-	const std::uint32_t owner = ownerOf(*m_other.hierarchy, 0, neighbour);
+	const std::uint32_t owner = ownerOf(*m_other.hierarchy, neighbour);
 	const std::uint32_t index = slotOf(m_other, owner);
 	if (index >= m_other.slots.size()) return kNone;
 	const ContactSide::Slot& slot = m_other.slots[index];

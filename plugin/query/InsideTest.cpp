@@ -20,7 +20,7 @@ std::vector<Vec3> componentPoints(const Hierarchy& hierarchy)
 	{
 		if (seen[first]) continue;
 		const std::uint32_t face = level.firstFace + first;
-		const Node& owner = hierarchy.node(ownerOf(hierarchy, 0, face));
+		const Node& owner = hierarchy.node(ownerOf(hierarchy, face));
 		points.push_back(triangleOf(hierarchy, owner, hierarchy.faces()[face]).corner[0]);
 		if (points.size() == hierarchy.asset().componentCount) break;
 		seen[first] = true;

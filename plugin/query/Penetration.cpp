@@ -111,7 +111,7 @@ public:
 	static bool crossesNothing(std::uint32_t, const Triangle&) { return false; }
 	Triangle triangle(std::uint32_t face) const
 	{
-		return triangleOf(m_hierarchy, m_hierarchy.node(ownerOf(m_hierarchy, 0, face)), m_hierarchy.faces()[face]);
+		return triangleOf(m_hierarchy, m_hierarchy.node(ownerOf(m_hierarchy, face)), m_hierarchy.faces()[face]);
 	}
 	std::uint32_t across(std::uint32_t face, int edge) const { return m_hierarchy.faces()[face].neighbour[edge]; }
 

@@ -37,7 +37,7 @@ int cornerAt(const Triangle& triangle, const Vec3& position)
 	return -1;
 }
 
-Vec3 normalRoundCorner(const Hierarchy& hierarchy, std::uint32_t level, std::uint32_t first, int corner)
+Vec3 normalRoundCorner(const Hierarchy& hierarchy, std::uint32_t first, int corner)
 {
 	constexpr int kMostFaces = 4096;  // round one corner; more means a corner shared by several fans
 	Vec3 sum;
@@ -46,7 +46,7 @@ Vec3 normalRoundCorner(const Hierarchy& hierarchy, std::uint32_t level, std::uin
 	for (int i = 0; i < kMostFaces; ++i)
 	{
 		const Face& face = hierarchy.faces()[index];
-		const Triangle triangle = triangleOf(hierarchy, hierarchy.node(ownerOf(hierarchy, level, index)), face);
+		const Triangle triangle = triangleOf(hierarchy, hierarchy.node(ownerOf(hierarchy, index)), face);
 		if (i == 0) position = triangle.corner[corner];
 		const int at = cornerAt(triangle, position);
 		if (at < 0) break;
@@ -58,9 +58,9 @@ Vec3 normalRoundCorner(const Hierarchy& hierarchy, std::uint32_t level, std::uin
 }
 }  // namespace
 
-std::uint32_t ownerOf(const Hierarchy& hierarchy, std::uint32_t level, std::uint32_t face)
+std::uint32_t ownerOf(const Hierarchy& hierarchy, std::uint32_t face)
 {
-	const Level& nodes = hierarchy.levels()[level];
+	const Level& nodes = hierarchy.levels()[0];
 	std::uint32_t low = nodes.firstNode, high = nodes.firstNode + nodes.nodeCount;
 	while (high - low > 1)
 	{
@@ -93,11 +93,11 @@ NearestOnTriangle nearestOnTriangle(const Triangle& triangle, const Vec3& from)
 	return nearestFeature(from, a + (ofB * scale) * ab + (ofC * scale) * ac, 6);
 }
 
-Vec3 pseudonormal(const Hierarchy& hierarchy, std::uint32_t level, std::uint32_t face, int feature)
+Vec3 pseudonormal(const Hierarchy& hierarchy, std::uint32_t face, int feature)
 {
 	const Face& nearest = hierarchy.faces()[face];
 	if (feature == 6) return normalOf(nearest);
-	if (feature < 3) return normalRoundCorner(hierarchy, level, face, feature);
+	if (feature < 3) return normalRoundCorner(hierarchy, face, feature);
 	const std::uint32_t across = nearest.neighbour[feature - 3];
 	return across == kNone ? normalOf(nearest) : normalOf(nearest) + normalOf(hierarchy.faces()[across]);
 }
@@ -148,7 +148,7 @@ SignedDistance distanceToInput(const Hierarchy& hierarchy, const Vec3& point, st
 				  { return l.distance != r.distance ? l.distance > r.distance : l.node > r.node; });
 	}
 	if (result.face == kNone) return distanceToInput(hierarchy, point, visited);
-	const Vec3 normal = pseudonormal(hierarchy, 0, result.face, result.feature);
+	const Vec3 normal = pseudonormal(hierarchy, result.face, result.feature);
 	result.distance = dot(point - nearest, normal) >= 0 ? std::sqrt(best) : -std::sqrt(best);
 	return result;
 }

@@ -26,8 +26,8 @@ inline Triangle triangleOf(const Hierarchy& hierarchy, const Node& owner, const 
 	return {{hull.vertex(face.vertex[0]), hull.vertex(face.vertex[1]), hull.vertex(face.vertex[2])}};
 }
 
-// Index of the node that owns a face of a level. O(log nodes).
-std::uint32_t ownerOf(const Hierarchy& hierarchy, std::uint32_t level, std::uint32_t face);
+// Index of the leaf that owns a face of the input surface. O(log nodes).
+std::uint32_t ownerOf(const Hierarchy& hierarchy, std::uint32_t face);
 
 struct NearestOnTriangle
 {
@@ -37,8 +37,8 @@ struct NearestOnTriangle
 };
 NearestOnTriangle nearestOnTriangle(const Triangle& triangle, const Vec3& from);
 
-// The normal that tells the side at a feature of a face; not normalised.
-Vec3 pseudonormal(const Hierarchy& hierarchy, std::uint32_t level, std::uint32_t face, int feature);
+// The normal that tells the side at a feature of a face of the input surface; not normalised.
+Vec3 pseudonormal(const Hierarchy& hierarchy, std::uint32_t face, int feature);
 
 struct SignedDistance
 {
