@@ -40,9 +40,10 @@ constexpr bool kWide = false;
 #endif
 
 // Of lengths that floats cannot square.
-void sphereSeparations(const BoxFrame& frame, const CullBox& one, bool oneIsOfA, const CullBox* const* others,
-					   std::uint32_t count, float* separations)
+std::uint32_t sphereSeparations(const BoxFrame& frame, const CullBox& one, bool oneIsOfA, const CullBox* const* others,
+								std::uint32_t count, float* separations, float limit)
 {
+	std::uint32_t within = 0;
 	for (std::uint32_t i = 0; i < count; ++i)
 	{
 		const CullBox &a = oneIsOfA ? one : *others[i], &b = oneIsOfA ? *others[i] : one;
@@ -52,7 +53,9 @@ void sphereSeparations(const BoxFrame& frame, const CullBox& one, bool oneIsOfA,
 		const double radii = double(a.radius) + double(b.radius), turn = double(frame.turn) * double(b.radius);
 		const double distance = distanceToSegment(center - centerOf(a), move);
 		separations[i] = float(distance - radii - turn - (kRounding + 1e-6) * frame.size);
+		within |= separations[i] <= limit ? 1U << i : 0;
 	}
+	return within;
 }
 }  // namespace
 
@@ -76,17 +79,18 @@ double BoxFrame::roundingOfTwo() const
 	return 2 * (kRounding * size + double(rounding));
 }
 
-void boxSeparations(const BoxFrame& frame, const CullBox& one, bool oneIsOfA, const CullBox* const* others,
-					std::uint32_t count, float* separations)
+std::uint32_t boxSeparations(const BoxFrame& frame, const CullBox& one, bool oneIsOfA, const CullBox* const* others,
+							 std::uint32_t count, float* separations, float limit)
 {
 	const auto separate = frame.isHuge ? sphereSeparations : kWide ? wide::boxSeparations : plain::boxSeparations;
-	separate(frame, one, oneIsOfA, others, count, separations);
+	return separate(frame, one, oneIsOfA, others, count, separations, limit);
 }
 
-void boxSeparationsPlain(const BoxFrame& frame, const CullBox& one, bool oneIsOfA, const CullBox* const* others,
-						 std::uint32_t count, float* separations)
+std::uint32_t boxSeparationsPlain(const BoxFrame& frame, const CullBox& one, bool oneIsOfA,
+								  const CullBox* const* others, std::uint32_t count, float* separations, float limit)
 {
-	(frame.isHuge ? sphereSeparations : plain::boxSeparations)(frame, one, oneIsOfA, others, count, separations);
+	return (frame.isHuge ? sphereSeparations : plain::boxSeparations)(frame, one, oneIsOfA, others, count, separations,
+																	  limit);
 }
 
 double boxDistance(const CullBox& box, const Vec3& point)

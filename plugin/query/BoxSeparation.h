@@ -10,6 +10,7 @@
 // Based on: Gottschalk, Lin & Manocha, "OBBTree", 1996, sec. 5.
 #pragma once
 #include <cstdint>
+#include <limits>
 
 #include "clod/query/HullDistance.h"
 #include "clod/query/Sweep.h"
@@ -46,12 +47,15 @@ struct BoxFrame
 
 // separations[i]: lower bound of the distance of everything in `one` from everything in others[i], at any time of the
 // step, rounded down; negative where none of the axes separates them. 1 <= count <= kBoxLanes; room for kBoxLanes. What
-// a pair of boxes gets depends on the two and the frame only.
-void boxSeparations(const BoxFrame& frame, const CullBox& one, bool oneIsOfA, const CullBox* const* others,
-					std::uint32_t count, float* separations);
+// a pair of boxes gets depends on the two and the frame only. Returns the set of i, as bits, whose separation is at
+// most `limit`.
+std::uint32_t boxSeparations(const BoxFrame& frame, const CullBox& one, bool oneIsOfA, const CullBox* const* others,
+							 std::uint32_t count, float* separations,
+							 float limit = std::numeric_limits<float>::infinity());
 // The same from the code for any machine.
-void boxSeparationsPlain(const BoxFrame& frame, const CullBox& one, bool oneIsOfA, const CullBox* const* others,
-						 std::uint32_t count, float* separations);
+std::uint32_t boxSeparationsPlain(const BoxFrame& frame, const CullBox& one, bool oneIsOfA,
+								  const CullBox* const* others, std::uint32_t count, float* separations,
+								  float limit = std::numeric_limits<float>::infinity());
 inline double boxSeparation(const BoxFrame& frame, const CullBox& ofA, const CullBox& ofB)
 {
 	const CullBox* const others[] = {&ofB};

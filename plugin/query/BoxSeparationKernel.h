@@ -40,6 +40,18 @@ CLOD_INLINED void rootOf(Lanes& x)
 #endif
 }
 
+// Bit i: lane i of a comparison.
+CLOD_INLINED std::uint32_t bitsOf(const Bits& mask)
+{
+#ifdef CLOD_WIDE
+	return std::uint32_t(_mm256_movemask_ps((__m256)mask));
+#else
+	std::uint32_t bits = 0;
+	for (int i = 0; i < 8; ++i) bits |= mask[i] != 0 ? 1U << i : 0;
+	return bits;
+#endif
+}
+
 // Eight rows of eight numbers become eight columns.
 CLOD_INLINED void transpose(Lanes (&m)[8])
 {
@@ -192,8 +204,8 @@ CLOD_INLINED void separate(const BoxFrame& frame, const Boxes& a, const Boxes& b
 	result -= slack;
 }
 
-void boxSeparations(const BoxFrame& frame, const CullBox& one, bool oneIsOfA, const CullBox* const* others,
-					std::uint32_t count, float* separations)
+std::uint32_t boxSeparations(const BoxFrame& frame, const CullBox& one, bool oneIsOfA, const CullBox* const* others,
+							 std::uint32_t count, float* separations, float limit)
 {
 	Boxes single, row;
 	spreadOver(one, single);
@@ -202,4 +214,5 @@ void boxSeparations(const BoxFrame& frame, const CullBox& one, bool oneIsOfA, co
 	Lanes result;
 	separate(frame, oneIsOfA ? single : row, oneIsOfA ? row : single, result);
 	std::memcpy(separations, &result, sizeof result);
+	return bitsOf(result <= limit) & ((1U << count) - 1);
 }

@@ -3,7 +3,10 @@
 #include "clod/query/ClosestPair.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+
+#include "clod/query/HullCull.h"
 
 namespace clod
 {
@@ -14,7 +17,7 @@ namespace
 //        bool counts(Candidate, double above)   - meets a pair: is it to be looked at? May raise its separation to that
 //                                                 of the pair above;
 //        bool isSettled()                       - whatever else there is makes no difference;
-//        double ofBoxes(double separation)      - below it nothing under a pair of nodes can come;
+//        double limit()                         - pairs whose boxes are farther apart have nothing up to `best`;
 //        double ofPair(const Candidate&)        - of an accepted pair.
 template <class Judge>
 class ClosestPairSearch
@@ -37,7 +40,7 @@ public:
 		{
 			const Candidate top = m_stack.back();
 			m_stack.pop_back();
-			if (m_judge.ofBoxes(top.separation) > m_judge.best) continue;
+			if (top.separation > m_judge.limit()) continue;
 			if (accepts(top))
 				m_judge.best = std::min(m_judge.best, m_judge.ofPair(top));
 			else
@@ -70,16 +73,27 @@ private:
 	void push(bool areOfA, std::uint32_t other, const std::uint32_t* nodes, std::uint32_t count, double above)
 	{
 		m_stats.boxTests += count;
-		float separations[kBoxLanes];
-		if (!m_judge.paper) boxSeparations(m_context, areOfA, other, nodes, count, separations);
-		for (std::uint32_t i = 0; i < count; ++i)
+		if (m_judge.paper)
 		{
-			const std::uint32_t a = areOfA ? nodes[i] : other, b = areOfA ? other : nodes[i];
-			const double separation =
-				m_judge.paper ? paperSeparation(m_context, a, b, m_judge.best) : double(separations[i]);
-			Candidate pair{separation, a, b};
-			if (m_judge.ofBoxes(separation) <= m_judge.best && m_judge.counts(pair, above)) m_stack.push_back(pair);
+			for (std::uint32_t i = 0; i < count; ++i)
+			{
+				const std::uint32_t a = areOfA ? nodes[i] : other, b = areOfA ? other : nodes[i];
+				meet({paperSeparation(m_context, a, b, m_judge.best), a, b}, above);
+			}
+			return;
 		}
+		float separations[kBoxLanes];
+		const float limit = std::nextafter(float(m_judge.limit()), std::numeric_limits<float>::infinity());
+		std::uint32_t within = boxSeparations(m_context, areOfA, other, nodes, count, separations, limit);
+		for (; within != 0; within &= within - 1)
+		{
+			const int i = __builtin_ctz(within);
+			meet({double(separations[i]), areOfA ? nodes[i] : other, areOfA ? other : nodes[i]}, above);
+		}
+	}
+	void meet(Candidate pair, double above)
+	{
+		if (pair.separation <= m_judge.limit() && m_judge.counts(pair, above)) m_stack.push_back(pair);
 	}
 
 	const QueryContext& m_context;
@@ -103,7 +117,7 @@ struct DistanceJudge
 		return true;
 	}
 	static bool isSettled() { return false; }
-	static double ofBoxes(double separation) { return separation; }
+	double limit() const { return best; }
 	double ofPair(const ClosestPairScratch::Candidate& pair) const
 	{
 		++stats.hullTests;
@@ -127,7 +141,7 @@ struct MotionJudge
 		return scratch.visited.insert(pair.a, pair.b);
 	}
 	bool isSettled() const { return best <= 0; }
-	double ofBoxes(double separation) const { return separation - tolerance; }
+	double limit() const { return tolerance + best; }
 	double ofPair(const ClosestPairScratch::Candidate& pair)
 	{
 		++stats.hullTests;
@@ -144,10 +158,36 @@ struct LeafJudge
 	const QueryContext& context;
 	QueryStats& stats;
 	double best;
+	RememberedDirections& directions;
 	static constexpr bool paper = false;
 
 	static bool counts(const ClosestPairScratch::Candidate&, double) { return true; }
-	static double ofBoxes(double separation) { return separation; }
+	double limit() const { return best; }
+
+protected:
+	// From the canonical start, unless the remembered direction shows that the distance is beyond `best`: then that is
+	// what comes back, and no more.
+	HullDistance distanceOf(const ClosestPairScratch::Candidate& pair)
+	{
+		++stats.hullTests;
+		RememberedDirections::Entry& known = directions.at(pair.a, pair.b);
+		if (known.a == pair.a && known.b == pair.b)
+		{
+			HullDistance far;
+			far.lower = separationAlong(contactHull(context.a, context.a.node(pair.a)),
+										contactHull(context.b, context.b.node(pair.b)), context.pose,
+										vectorOf(known.direction));
+			far.upper = std::numeric_limits<double>::infinity();
+			if (far.lower > best + roomOf(context, pair.a, pair.b, best)) return far;
+		}
+		const HullDistance distance = canonicalDistance(context, pair.a, pair.b, best);
+		if (distance.lower > best)
+		{
+			const Vec3& n = distance.normal;
+			known = {pair.a, pair.b, {float(n.x), float(n.y), float(n.z)}};
+		}
+		return distance;
+	}
 };
 
 struct SurfaceJudge : LeafJudge
@@ -158,8 +198,7 @@ struct SurfaceJudge : LeafJudge
 	bool isSettled() const { return best <= 0; }
 	double ofPair(const ClosestPairScratch::Candidate& pair)
 	{
-		++stats.hullTests;
-		const HullDistance distance = canonicalDistance(context, pair.a, pair.b, best);
+		const HullDistance distance = distanceOf(pair);
 		if (distance.lower > best) return best;
 		if (distance.upper < value) nearest = {pair.a, pair.b};
 		value = std::min(value, distance.upper);
@@ -175,8 +214,7 @@ struct GatherJudge : LeafJudge
 	static bool isSettled() { return false; }
 	double ofPair(const ClosestPairScratch::Candidate& pair)
 	{
-		++stats.hullTests;
-		const HullDistance d = canonicalContact(context, pair.a, pair.b, best);
+		const HullDistance d = distanceOf(pair);
 		if (d.lower <= best) pairs.push_back({pair.a, pair.b, d.lower, d.upper, d.pointOnA, d.pointOnB, d.normal});
 		return best;
 	}
@@ -209,10 +247,12 @@ SurfaceDistance surfaceDistance(const QueryContext& context, double known, Close
 								QueryStats& stats)
 {
 	const StopRule rule = leafRule(context);
-	SurfaceJudge judge{{context, stats, known}, scratch.ofSurfaces};
+	const std::uint32_t before = stats.hullTests;
+	SurfaceJudge judge{{context, stats, known, scratch.directions}, scratch.ofSurfaces};
 	const auto [a, b] = scratch.ofSurfaces;
 	if (isAnswer(context, rule, scratch.ofSurfaces)) judge.best = std::min(known, judge.ofPair({0, a, b}));
 	ClosestPairSearch<SurfaceJudge>(context, rule, judge, scratch, stats).run();
+	scratch.directions.reserve(stats.hullTests - before);
 	// No bracket is wider than an evaluation's accuracy, and what was not evaluated is beyond the best.
 	const double low = std::min(judge.value, judge.best) - kHullDistanceAccuracy * context.size;
 	return {judge.best > 0 ? std::max(0.0, low) : 0, judge.best, judge.value};
@@ -222,7 +262,7 @@ void gatherLeafPairs(const QueryContext& context, double tolerance, ClosestPairS
 					 std::vector<Contact>& pairs, QueryStats& stats)
 {
 	pairs.clear();
-	GatherJudge judge{{context, stats, tolerance}, pairs};
+	GatherJudge judge{{context, stats, tolerance, scratch.directions}, pairs};
 	ClosestPairSearch<GatherJudge>(context, leafRule(context), judge, scratch, stats).run();
 }
 

@@ -11,6 +11,35 @@
 
 namespace clod
 {
+// Directions that pairs of leaves were seen to be apart along, tried first the next time: most pairs that are near by
+// their boxes are met again. What does not fit is forgotten.
+class RememberedDirections
+{
+public:
+	struct Entry
+	{
+		std::uint32_t a = kNone, b = kNone;
+		float direction[3] = {0, 0, 0};  // frame A, from B to A
+	};
+	// Where the pair's direction is, if it is, and goes.
+	Entry& at(std::uint32_t a, std::uint32_t b)
+	{
+		const std::uint64_t pair = std::uint64_t(a) << 32 | b;
+		return m_entries[std::size_t((pair * 0x9E3779B97F4A7C15u) >> 40) & (m_entries.size() - 1)];
+	}
+	// Room for so many, should they come again.
+	void reserve(std::size_t pairs)
+	{
+		if (4 * pairs <= m_entries.size()) return;
+		std::size_t size = 1024;
+		while (size < 4 * pairs) size *= 2;
+		m_entries.assign(size, Entry{});
+	}
+
+private:
+	std::vector<Entry> m_entries = std::vector<Entry>(1024);
+};
+
 struct ClosestPairScratch
 {
 	struct Candidate
@@ -26,6 +55,7 @@ struct ClosestPairScratch
 		std::uint32_t a = kNone, b = kNone;
 	};
 	Nearest ofMotion, ofSurfaces;  // that clearMotion and surfaceDistance found last
+	RememberedDirections directions;
 };
 
 // The smallest tolerance at which a traversal reports a contact: over all accepted pairs and the ways to them, the

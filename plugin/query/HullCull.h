@@ -10,6 +10,13 @@
 
 namespace clod
 {
+// More than the evaluations of a hull distance near the limit can differ by.
+inline double roomOf(const QueryContext& context, std::uint32_t a, std::uint32_t b, double limit)
+{
+	const double size = double(context.a.cullBox(a).radius) + double(context.b.cullBox(b).radius);
+	return 10 * kHullDistanceAccuracy * (size + limit + context.longestMove) + 4 * context.pose.rounding;
+}
+
 class HullCull
 {
 public:
@@ -87,11 +94,7 @@ private:
 	{
 		for (int i = 0; i < 3; ++i) kept[i] = float(v[i]);
 	}
-	double room(std::uint32_t a, std::uint32_t b, double limit) const
-	{
-		const double size = double(m_context.a.cullBox(a).radius) + double(m_context.b.cullBox(b).radius);
-		return 10 * kHullDistanceAccuracy * (size + limit + m_context.longestMove) + 4 * m_context.pose.rounding;
-	}
+	double room(std::uint32_t a, std::uint32_t b, double limit) const { return roomOf(m_context, a, b, limit); }
 	const QueryContext& m_context;
 	QueryStats& m_stats;
 };

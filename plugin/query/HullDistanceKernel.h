@@ -19,17 +19,21 @@ CLOD_INLINED void supportAgainst(const ConvexHull& a, const ConvexHull& b, const
 	const Vec3 inB = pose.directionToB(direction);
 	const std::uint32_t indexA = supportVertex(a.vertices, -direction), indexB = supportVertex(b.vertices, inB);
 	const bool sweptA = dot(a.sweep, direction)<0, sweptB = dot(b.sweep, inB)> 0, moved = dot(moveB, direction) > 0;
-	corner.onA = a.vertices.vertex(indexA);
-	if (sweptA) corner.onA += a.sweep;
-	Vec3 vertexB = b.vertices.vertex(indexB);
-	if (sweptB) vertexB += b.sweep;
-	Vec3 onB = pose.apply(vertexB);
-	if (moved) onB += moveB;
+	corner.onA = a.vertices.vertex(indexA) + double(sweptA) * a.sweep;
+	const Vec3 onB = pose.apply(b.vertices.vertex(indexB) + double(sweptB) * b.sweep) + double(moved) * moveB;
 	corner.point = corner.onA - onB;
 	corner.key = std::uint64_t(indexA) << 32 | std::uint64_t(indexB) << 3 | std::uint64_t(sweptA) << 2 |
 				 std::uint64_t(sweptB) << 1 | std::uint64_t(moved);
 }
 
+// By the number of corners: lanes that are free. By the bits of the corners that stay: their lanes, packed.
+constexpr Indices kFree[4]{{-1, -1, -1, -1}, {0, -1, -1, -1}, {0, 0, -1, -1}, {0, 0, 0, -1}};
+constexpr Indices kPacked[16]{{0, 0, 0, 0}, {0, 0, 0, 0}, {1, 1, 1, 1}, {0, 1, 1, 1}, {2, 2, 2, 2}, {0, 2, 2, 2},
+							  {1, 2, 2, 2}, {0, 1, 2, 2}, {3, 3, 3, 3}, {0, 3, 3, 3}, {1, 3, 3, 3}, {0, 1, 3, 3},
+							  {2, 3, 3, 3}, {0, 2, 3, 3}, {1, 2, 3, 3}, {0, 1, 2, 3}};
+
+// Up to four corners, a lane each; free lanes repeat the last one. No lane is written to memory by itself: vectors are
+// read back at once.
 struct Simplex
 {
 	Points point, onA;
@@ -38,71 +42,56 @@ struct Simplex
 
 	CLOD_INLINED bool contains(const Corner& candidate) const
 	{
-		for (int i = 0; i < count; ++i)
-			if (key[i] == std::int64_t(candidate.key)) return true;
-		return false;
+		return count > 0 && bitsOf(key == std::int64_t(candidate.key)) != 0;
 	}
 	CLOD_INLINED void add(const Corner& candidate)
 	{
-		point.x[count] = candidate.point.x, point.y[count] = candidate.point.y, point.z[count] = candidate.point.z;
-		onA.x[count] = candidate.onA.x, onA.y[count] = candidate.onA.y, onA.z[count] = candidate.onA.z;
-		key[count++] = std::int64_t(candidate.key);
+		const Indices lanes = kFree[count++];
+		const Values none{};
+		point.x = lanes ? none + candidate.point.x : point.x;
+		point.y = lanes ? none + candidate.point.y : point.y;
+		point.z = lanes ? none + candidate.point.z : point.z;
+		onA.x = lanes ? none + candidate.onA.x : onA.x;
+		onA.y = lanes ? none + candidate.onA.y : onA.y;
+		onA.z = lanes ? none + candidate.onA.z : onA.z;
+		key = lanes ? Indices{} + std::int64_t(candidate.key) : key;
 	}
 	// Drops the corners without weight.
 	CLOD_INLINED void keepWeighted(SimplexPoint& nearest)
 	{
-		int kept = 0;
-		for (int i = 0; i < count; ++i)
-		{
-			if (!(nearest.weight[i] > 0)) continue;
-			if (kept != i)
-			{
-				point.x[kept] = point.x[i], point.y[kept] = point.y[i], point.z[kept] = point.z[i];
-				onA.x[kept] = onA.x[i], onA.y[kept] = onA.y[i], onA.z[kept] = onA.z[i];
-				key[kept] = key[i];
-				nearest.weight[kept] = nearest.weight[i];
-			}
-			++kept;
-		}
-		count = kept;
+		const unsigned kept = bitsOf(nearest.weight > 0.0);
+		const Indices lanes = kPacked[kept];
+		count = __builtin_popcount(kept);
+		shuffled(Points(point), lanes, point);
+		shuffled(Points(onA), lanes, onA);
+		key = __builtin_shuffle(key, lanes);
+		const Values packed = __builtin_shuffle(nearest.weight, lanes);
+		nearest.weight = (Indices{} + std::int64_t(count) > Indices{0, 1, 2, 3}) ? packed : Values{};
 	}
-	CLOD_INLINED double size() const
+	CLOD_INLINED double squaredSize() const
 	{
 		Values squared;
 		product(point, point, squared);
-		double largest = 0;
-		for (int i = 0; i < count; ++i) largest = std::max(largest, squared[i]);
-		return std::sqrt(largest);
+		return largestOf(squared);
 	}
 };
 
+// A point of a, and the way to it from a point of b.
 struct Witness
 {
-	Vec3 onA, apart;  // a point of a, and the way to it from a point of b
-	double moved = 0;
-};
-CLOD_INLINED Witness witnessOf(const Simplex& simplex, const SimplexPoint& nearest)
-{
-	Witness witness;
-	for (int i = 0; i < simplex.count; ++i)
-	{
-		witness.onA += nearest.weight[i] * pointOf(simplex.onA, i);
-		witness.apart += nearest.weight[i] * pointOf(simplex.point, i);
-		witness.moved += nearest.weight[i] * double(simplex.key[i] & 1);
-	}
-	return witness;
-}
+	Points onA;
+	Indices key{};
+	Values weight{};
+	Vec3 apart;
 
-CLOD_INLINED void overlapAt(const Witness& witness, HullDistance& result)
-{
-	const int iterations = result.iterations;
-	result = HullDistance{};
-	result.pointOnA = witness.onA;
-	result.pointOnB = witness.onA - witness.apart;
-	result.moved = witness.moved;
-	result.overlap = true;
-	result.iterations = iterations;
-}
+	CLOD_INLINED void describe(HullDistance& result) const
+	{
+		result.pointOnA = combined(weight, onA);
+		result.pointOnB = result.pointOnA - apart;
+		const Indices moved = (key & 1) != 0;
+		result.moved = sumOf(moved ? weight : Values{});
+	}
+};
 
 double separationAlong(const ConvexHull& a, const ConvexHull& b, const RelativePose& pose, const Vec3& direction,
 					   const Vec3& moveB)
@@ -120,6 +109,7 @@ HullDistance hullDistance(const ConvexHull& a, const ConvexHull& b, const Relati
 	result.upper = std::numeric_limits<double>::infinity();
 	result.lower = -result.upper;
 	Simplex simplex;
+	Witness witness;  // of upper
 	Vec3 towardsA = lengthSquared(start) > 0 ? start : Vec3{1, 0, 0};
 	for (; result.iterations < kMaxIterations; ++result.iterations)
 	{
@@ -138,25 +128,29 @@ HullDistance hullDistance(const ConvexHull& a, const ConvexHull& b, const Relati
 
 		// The simplex with the new corner bounds it from above.
 		simplex.add(corner);
-		const double size = simplex.size();
+		const double squaredSize = simplex.squaredSize();
 		SimplexPoint nearest;
 		closestToOrigin(simplex.point, simplex.count, nearest);
 		simplex.keepWeighted(nearest);
-		const Witness witness = witnessOf(simplex, nearest);
-		const double apart = length(witness.apart);
-		if ((nearest.inside || apart <= pose.rounding) && !(result.lower > 0))
+		const Vec3 between = combined(nearest.weight, simplex.point);
+		const double apart = length(between);
+		const bool overlaps = (nearest.inside || apart <= pose.rounding) && !(result.lower > 0);
+		if (!overlaps && !(apart + pose.rounding < result.upper)) break;
+		witness = {simplex.onA, simplex.key, nearest.weight, between};
+		if (overlaps)
 		{
-			overlapAt(witness, result);
-			return result;
+			const int iterations = result.iterations;
+			result = HullDistance{};
+			result.overlap = true;
+			result.iterations = iterations;
+			break;
 		}
-		if (!(apart + pose.rounding < result.upper)) break;
 		result.upper = apart + pose.rounding;
-		result.pointOnA = witness.onA;
-		result.pointOnB = witness.onA - witness.apart;
-		result.moved = witness.moved;
-		if (result.upper - result.lower <= kConverged * size || result.upper <= stopBelow) break;
+		const double open = result.upper - result.lower;
+		if (open * open <= kConverged * kConverged * squaredSize || result.upper <= stopBelow) break;
 		towardsA = nearest.nearest;
 	}
 	result.lower = std::max(result.lower, 0.0);
+	if (!(result.lower > stopAbove)) witness.describe(result);
 	return result;
 }

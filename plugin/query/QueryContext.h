@@ -23,14 +23,15 @@ struct QueryContext
 	BoxFrame boxes;
 };
 
-// Of one node and up to kBoxLanes of the other body: of A or not. Room for kBoxLanes.
-inline void boxSeparations(const QueryContext& context, bool areOfA, std::uint32_t other, const std::uint32_t* nodes,
-						   std::uint32_t count, float* separations)
+// Of one node and up to kBoxLanes of the other body: of A or not. Room for kBoxLanes. The bits of those within `limit`.
+inline std::uint32_t boxSeparations(const QueryContext& context, bool areOfA, std::uint32_t other,
+									const std::uint32_t* nodes, std::uint32_t count, float* separations,
+									float limit = std::numeric_limits<float>::infinity())
 {
 	const Hierarchy &side = areOfA ? context.a : context.b, &otherSide = areOfA ? context.b : context.a;
 	const CullBox* boxes[kBoxLanes];
 	for (std::uint32_t i = 0; i < count; ++i) boxes[i] = &side.cullBox(nodes[i]);
-	boxSeparations(context.boxes, otherSide.cullBox(other), !areOfA, boxes, count, separations);
+	return boxSeparations(context.boxes, otherSide.cullBox(other), !areOfA, boxes, count, separations, limit);
 }
 
 // Hull distance from the canonical start: a function of the two nodes and the pose, whatever was cached. Stops as soon

@@ -37,6 +37,44 @@ CLOD_INLINED void shuffled(const Points& a, const Indices& lanes, Points& r)
 {
 	r.x = __builtin_shuffle(a.x, lanes), r.y = __builtin_shuffle(a.y, lanes), r.z = __builtin_shuffle(a.z, lanes);
 }
+CLOD_INLINED Vec3 pointOf(const Points& points, int i)
+{
+	return {points.x[i], points.y[i], points.z[i]};
+}
+
+// The sum, the largest of all lanes.
+CLOD_INLINED double sumOf(const Values& values)
+{
+	const Values halves = values + __builtin_shuffle(values, Indices{2, 3, 0, 1});
+	return halves[0] + halves[1];
+}
+CLOD_INLINED double largestOf(const Values& values)
+{
+	const Values other = __builtin_shuffle(values, Indices{2, 3, 0, 1});
+	const Values halves = values > other ? values : other;
+	return halves[0] > halves[1] ? halves[0] : halves[1];
+}
+// Bit i: lane i of a comparison.
+CLOD_INLINED unsigned bitsOf(const Indices& mask)
+{
+#ifdef CLOD_WIDE
+	return unsigned(_mm256_movemask_pd((__m256d)mask));
+#else
+	unsigned bits = 0;
+	for (int i = 0; i < 4; ++i) bits |= mask[i] != 0 ? 1U << i : 0;
+	return bits;
+#endif
+}
+// The first lane with the smallest value.
+CLOD_INLINED int smallestLane(const Values& values)
+{
+	Values least = __builtin_shuffle(values, Indices{2, 3, 0, 1});
+	least = values < least ? values : least;
+	const Values other = __builtin_shuffle(least, Indices{1, 0, 3, 2});
+	least = least < other ? least : other;
+	return __builtin_ctz(bitsOf(values == least) | 16) & 3;
+}
+constexpr Values kUnit[4]{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
 
 // Nearest points of four triangles to the origin.
 struct NearestOnTriangles
@@ -113,14 +151,13 @@ CLOD_INLINED void nearestOnTriangles(const Points& a, const Points& b, const Poi
 
 struct SimplexPoint
 {
-	Vec3 nearest;           // of the simplex to the origin
-	double weight[4] = {};  // nearest = sum of weight * corner; all >= 0, sum 1
-	bool inside = false;    // a tetrahedron that encloses the origin; nearest is then the rounding residual
+	Vec3 nearest;         // of the simplex to the origin
+	Values weight{};      // nearest = sum of weight * corner; all >= 0, sum 1
+	bool inside = false;  // a tetrahedron that encloses the origin; nearest is then the rounding residual
 };
-
-CLOD_INLINED Vec3 pointOf(const Points& points, int i)
+CLOD_INLINED Vec3 combined(const Values& weight, const Points& points)
 {
-	return {points.x[i], points.y[i], points.z[i]};
+	return {sumOf(weight * points.x), sumOf(weight * points.y), sumOf(weight * points.z)};
 }
 
 CLOD_INLINED void closestOnSegment(const Points& corner, SimplexPoint& result)
@@ -129,8 +166,44 @@ CLOD_INLINED void closestOnSegment(const Points& corner, SimplexPoint& result)
 	const double along = -dot(p, edge), squared = lengthSquared(edge);
 	const double ofQ = along <= 0 ? 0 : along >= squared ? 1 : along / squared;
 	result.nearest = ofQ <= 0.5 ? p + ofQ * edge : q - (1 - ofQ) * edge;
-	result.weight[0] = 1 - ofQ;
-	result.weight[1] = ofQ;
+	result.weight = Values{1 - ofQ, ofQ, 0, 0};
+}
+
+// Edges side by side, in each corner's lane that to the next one; the first again in the last lane.
+CLOD_INLINED void closestOnTriangle(const Points& corner, SimplexPoint& result)
+{
+	const Values zero{};
+	Points p, q, edge, toFirst, normal, side, at;
+	shuffled(corner, Indices{0, 1, 2, 0}, p);
+	shuffled(corner, Indices{1, 2, 0, 1}, q);
+	difference(q, p, edge);
+	shuffled(edge, Indices{2, 2, 2, 2}, toFirst);
+	shuffled(edge, Indices{0, 0, 0, 0}, normal);
+	product(toFirst, Points(normal), normal);
+	product(p, edge, side);
+	// Barycentric coordinates of the projection, of the corner across from the edge; a negative one names an edge that
+	// the origin is outside of.
+	Values across, area, squared, height, ofQ;
+	product(side, normal, across);
+	product(normal, normal, area);
+	product(edge, edge, squared);
+	product(p, normal, height);
+	const bool proper = area[0] > kDegenerate * kDegenerate * (squared[0] * squared[2]);
+	const Indices inner = across > zero;
+	if (proper && bitsOf(inner) == 15)
+	{
+		const double share = 1 / (across[0] + across[1] + across[2]), step = height[0] / area[0];
+		result.nearest = step * pointOf(normal, 0);
+		result.weight = share * Values{across[1], across[2], across[0], 0};
+		return;
+	}
+	nearestOnEdges(p, q, edge, ofQ, at);
+	product(at, at, squared);
+	const Values none = zero + std::numeric_limits<double>::infinity();
+	const Values eligible = inner ? none : squared;
+	const int best = smallestLane(proper ? eligible : squared);
+	result.nearest = pointOf(at, best);
+	result.weight = (1 - ofQ[best]) * kUnit[best] + ofQ[best] * kUnit[best == 2 ? 0 : best + 1];
 }
 
 // Weights that reproduce the origin to rounding prove that a tetrahedron encloses it. gradient[i] is that of weight i.
@@ -139,20 +212,17 @@ CLOD_INLINED void enclosure(const Points& corner, const Points& gradient, Simple
 {
 	for (int step = 0; step < 3; ++step)
 	{
-		first.nearest = Vec3{};
-		for (int i = 0; i < 4; ++i) first.nearest += first.weight[i] * pointOf(corner, i);
+		first.nearest = combined(first.weight, corner);
 		if (step == 2) break;
-		double sum = 0;
-		for (int i = 0; i < 4; ++i)
-		{
-			first.weight[i] = std::max(0.0, first.weight[i] - dot(pointOf(gradient, i), first.nearest));
-			sum += first.weight[i];
-		}
-		for (double& weight : first.weight) weight /= sum;
+		const Vec3& residual = first.nearest;
+		const Values zero{},
+			refined = first.weight - (gradient.x * residual.x + gradient.y * residual.y + gradient.z * residual.z);
+		first.weight = refined > zero ? refined : zero;
+		first.weight /= sumOf(first.weight);
 	}
-	double size = 0;
-	for (int i = 0; i < 4; ++i) size = std::max(size, lengthSquared(pointOf(corner, i)));
-	first.inside = lengthSquared(first.nearest) <= kResidual * kResidual * size;
+	Values squared;
+	product(corner, corner, squared);
+	first.inside = lengthSquared(first.nearest) <= kResidual * kResidual * largestOf(squared);
 }
 
 // Corner of the face in each lane: the first, second, third; the lane's own is opposite.
@@ -175,51 +245,38 @@ CLOD_INLINED void closestOnTetrahedron(const Points& corner, SimplexPoint& resul
 	product(toOpposite, toOpposite, height);
 	const Values weight = -ofOrigin / ofOpposite;
 	const Indices within = (ofOpposite * ofOpposite > kDegenerate * kDegenerate * (area * height)) & (weight > 0.0);
-	bool enclosed = true;
-	for (int i = 0; i < 4; ++i) enclosed = enclosed && within[i] != 0;
 	Indices allowed = ~within;
-	if (enclosed)
+	if (bitsOf(within) == 15)
 	{
 		const Values share = 1.0 / ofOpposite;
 		gradient.x = share * normal.x, gradient.y = share * normal.y, gradient.z = share * normal.z;
-		for (int i = 0; i < 4; ++i) result.weight[i] = weight[i];
+		result.weight = weight;
 		enclosure(corner, gradient, result);
 		if (result.inside) return;
 		allowed = Indices{-1, -1, -1, -1};
 	}
 	NearestOnTriangles faces;
 	nearestOnTriangles(a, b, c, faces);
-	int best = -1;
-	for (int i = 0; i < 4; ++i)
-		if (allowed[i] != 0 && (best < 0 || faces.squared[i] < faces.squared[best])) best = i;
+	const Values none = Values{} + std::numeric_limits<double>::infinity();
+	const int best = smallestLane(allowed ? faces.squared : none);
 	result.nearest = pointOf(faces.at, best);
-	result.weight[best] = 0;
-	result.weight[kFaceA[best]] = faces.weight[0][best];
-	result.weight[kFaceB[best]] = faces.weight[1][best];
-	result.weight[kFaceC[best]] = faces.weight[2][best];
+	result.weight = faces.weight[0][best] * kUnit[kFaceA[best]] + faces.weight[1][best] * kUnit[kFaceB[best]] +
+					faces.weight[2][best] * kUnit[kFaceC[best]];
 }
 
-// Nearest point of the hull of the first `count` corners, 1 <= count <= 4, to the origin.
+// Nearest point of the hull of the first `count` corners, 1 <= count <= 4, to the origin. The other corners are not
+// read, their weights are 0.
 CLOD_INLINED void closestToOrigin(const Points& corner, int count, SimplexPoint& result)
 {
-	if (count == 1)
-	{
-		result.nearest = pointOf(corner, 0);
-		result.weight[0] = 1;
-	}
+	if (count == 4)
+		closestOnTetrahedron(corner, result);
+	else if (count == 3)
+		closestOnTriangle(corner, result);
 	else if (count == 2)
 		closestOnSegment(corner, result);
-	else if (count == 3)
-	{
-		Points a, b, c;
-		shuffled(corner, Indices{0, 0, 0, 0}, a);
-		shuffled(corner, Indices{1, 1, 1, 1}, b);
-		shuffled(corner, Indices{2, 2, 2, 2}, c);
-		NearestOnTriangles face;
-		nearestOnTriangles(a, b, c, face);
-		result.nearest = pointOf(face.at, 0);
-		for (int i = 0; i < 3; ++i) result.weight[i] = face.weight[i][0];
-	}
 	else
-		closestOnTetrahedron(corner, result);
+	{
+		result.nearest = pointOf(corner, 0);
+		result.weight = kUnit[0];
+	}
 }

@@ -19,6 +19,7 @@
 // the motion does not use it up, none of them is looked at.
 #pragma once
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -47,6 +48,7 @@ public:
 		  m_settings(settings),
 		  m_front(front),
 		  m_sink(sink),
+		  m_limit(atMost(settings.tolerance)),
 		  m_room(1e-9 * context.size + context.boxes.roundingOfTwo()),
 		  m_moved(float(front.pending) * (1 + 3e-7f)),
 		  m_stats(&stats),
@@ -75,19 +77,28 @@ public:
 	}
 
 private:
-	// Some of the pairs of one opened: a node of one body and children of the other's, and what is known of them.
+	// Some of the pairs of one opened: a node of one body and children of the other's, and what is known of them. Sets
+	// of children are bits.
 	struct Row
 	{
 		bool ofChildrenOfA = false;
 		std::uint32_t other = kNone;              // the node that is not opened
 		const std::uint32_t* children = nullptr;  // count of them
 		std::uint32_t count = 0, firstSlot = 0;
-		std::uint32_t old[kBoxLanes];           // entries in the traversal before, kNone
-		float low[kBoxLanes], high[kBoxLanes];  // bounds of the separation: of far pairs, of near ones
-		bool isFar[kBoxLanes];
+		std::uint32_t met = 0;                                 // in the traversal before,
+		std::uint32_t old[kBoxLanes];                          // as these entries
+		std::uint32_t near = 0;                                // within the tolerance,
+		float high[kBoxLanes];                                 // by bounds of the separation
+		float apart = std::numeric_limits<float>::infinity();  // that of all others exceeds it
+		std::uint32_t all() const { return (1U << count) - 1; }
 		std::uint32_t a(std::uint32_t k) const { return ofChildrenOfA ? children[k] : other; }
 		std::uint32_t b(std::uint32_t k) const { return ofChildrenOfA ? other : children[k]; }
 	};
+	template <class Visit>
+	static void forEach(std::uint32_t bits, Visit&& visit)
+	{
+		for (; bits != 0; bits &= bits - 1) visit(std::uint32_t(__builtin_ctz(bits)));
+	}
 
 	void startAtRoots()
 	{
@@ -99,16 +110,15 @@ private:
 		row.ofChildrenOfA = true;
 		row.children = &rootA;
 		row.count = 1;
-		row.old[0] = m_front.previous.empty() ? kNone : 0;
-		const bool wasApart = row.old[0] == 0 && m_front.previous[0].state == PairState::kSeparated;
-		if (wasApart) row.old[0] = kNone;
+		const bool wasApart = !m_front.previous.empty() && m_front.previous[0].state == PairState::kSeparated;
+		if (!m_front.previous.empty() && !wasApart) row.met = 1, row.old[0] = 0;
 		const float apart = wasApart ? lowerAfter(m_front.previous[0].apart, m_moved) : 0.0F;
 		const bool isStillApart = wasApart && isBeyond(apart);
 		examine(row, isStillApart);
-		if (row.isFar[0])
+		if (row.near == 0)
 		{
 			FrontEntry root{rootA, rootB};
-			root.apart = isStillApart ? apart : row.low[0];
+			root.apart = isStillApart ? apart : row.apart;
 			m_front.entries.push_back(root);
 			++m_stats->front;
 		}
@@ -124,7 +134,6 @@ private:
 		row.other = row.ofChildrenOfA ? pair.b : pair.a;
 		const Hierarchy& side = row.ofChildrenOfA ? m_context.a : m_context.b;
 		const Span<std::uint32_t> children = m_settings.rule.childrenOf(side, row.ofChildrenOfA ? pair.a : pair.b);
-		for (const std::uint32_t child : children) __builtin_prefetch(&side.cullBox(child));
 
 		std::uint32_t old = 0, oldEnd = 0;
 		float apart = std::numeric_limits<float>::infinity();
@@ -138,52 +147,51 @@ private:
 			stillApart = isBeyond(low);
 			if (stillApart) apart = low;
 		}
+		if (!stillApart)
+			for (const std::uint32_t child : children) __builtin_prefetch(&side.cullBox(child));
 		const std::uint32_t first = std::uint32_t(m_front.entries.size());
 		std::uint32_t& finest = row.ofChildrenOfA ? m_finestA : m_finestB;
+		for (const std::uint32_t child : children) finest = std::min(finest, child);
 		if (!m_settings.rule.isOfLeaves()) m_front.visited.reserve(children.size);
 		for (std::uint32_t slot = 0; slot < children.size; slot += kBoxLanes)
 		{
 			row.children = children.data + slot;
 			row.count = std::min(kBoxLanes, std::uint32_t(children.size) - slot);
 			row.firstSlot = slot;
-			for (std::uint32_t k = 0; k < row.count; ++k)
+			row.near = row.met = 0;
+			for (; old < oldEnd && m_front.previous[old].slot < slot + row.count; ++old)
 			{
-				finest = std::min(finest, row.children[k]);
-				while (old < oldEnd && m_front.previous[old].slot < slot + k) ++old;
-				row.old[k] = old < oldEnd && m_front.previous[old].slot == slot + k ? old : kNone;
+				const std::uint32_t k = m_front.previous[old].slot - slot;
+				row.met |= 1U << k;
+				row.old[k] = old;
 			}
 			examine(row, stillApart);
-			for (std::uint32_t k = 0; k < row.count; ++k)
-				if (row.isFar[k])
-				{
-					apart = std::min(apart, row.low[k]);
-					++m_stats->front;
-				}
-				else
-					visit(row, k);
+			m_stats->front += std::uint32_t(__builtin_popcount(row.all() & ~row.near));
+			forEach(row.near, [&](std::uint32_t k) { visit(row, k); });
 		}
 		FrontEntry& opened = m_front.entries[index];
 		opened.link = first;
 		opened.childCount = std::uint16_t(m_front.entries.size() - first);
-		opened.apart = apart;
+		opened.apart = std::min(apart, row.apart);
 	}
 
-	// Which pairs of a row are far, from cached bounds where they prove it; othersAreFar: those without an entry are.
+	// Which pairs of a row are near, from cached bounds where they prove it; othersAreFar: those not met before are.
 	void examine(Row& row, bool othersAreFar)
 	{
-		std::uint32_t unknown[kBoxLanes], count = 0;
-		for (std::uint32_t k = 0; k < row.count; ++k)
+		std::uint32_t unknown = row.all();
+		if (othersAreFar)
 		{
-			row.isFar[k] = row.old[k] == kNone && othersAreFar;
-			if (row.isFar[k])
-			{
-				row.low[k] = std::numeric_limits<float>::infinity();
-				++m_stats->skippedBySlack;
-			}
-			else if (row.old[k] == kNone || !isKnownNear(row, k))
-				unknown[count++] = k;
+			unknown = row.met;
+			m_stats->skippedBySlack += std::uint32_t(__builtin_popcount(row.all() & ~row.met));
 		}
-		if (count > 0) measure(row, unknown, count);
+		forEach(row.met,
+				[&](std::uint32_t k)
+				{
+					if (!isKnownNear(row, k)) return;
+					row.near |= 1U << k;
+					unknown &= ~(1U << k);
+				});
+		if (unknown != 0) measure(row, unknown);
 	}
 	// From the bound kept, or because the sink needs nothing of the pair, however near its boxes are.
 	bool isKnownNear(Row& row, std::uint32_t k)
@@ -199,32 +207,42 @@ private:
 		return m_sink.skips(row.a(k), row.b(k), remembered(old));
 	}
 
-	void measure(Row& row, const std::uint32_t* unknown, std::uint32_t count)
+	void measure(Row& row, std::uint32_t unknown)
 	{
+		std::uint32_t child[kBoxLanes], nodes[kBoxLanes], count = 0;
+		forEach(unknown,
+				[&](std::uint32_t k)
+				{
+					child[count] = k;
+					nodes[count++] = row.children[k];
+				});
 		float separations[kBoxLanes];
-		if (m_settings.paper)
-		{
-			m_stats->hullTests += count;
-			for (std::uint32_t i = 0; i < count; ++i)
-				separations[i] = lowerAfter(
-					float(paperSeparation(m_context, row.a(unknown[i]), row.b(unknown[i]), m_settings.tolerance)), 0);
-		}
-		else
-		{
-			m_stats->boxTests += count;
-			std::uint32_t nodes[kBoxLanes];
-			for (std::uint32_t i = 0; i < count; ++i) nodes[i] = row.children[unknown[i]];
-			boxSeparations(m_context, row.ofChildrenOfA, row.other, nodes, count, separations);
-		}
+		const std::uint32_t within = m_settings.paper ? paperSeparations(row, child, count, separations)
+													  : boxSeparations(m_context, row.ofChildrenOfA, row.other, nodes,
+																	   count, separations, m_limit);
+		(m_settings.paper ? m_stats->hullTests : m_stats->boxTests) += count;
+		float apart = std::numeric_limits<float>::infinity();
+		for (std::uint32_t i = 0; i < count; ++i)
+			apart = std::min(apart, (within >> i & 1) != 0 ? std::numeric_limits<float>::infinity() : separations[i]);
+		if (apart < row.apart) row.apart = lowerAfter(apart, 0);
+		forEach(within,
+				[&](std::uint32_t i)
+				{
+					row.near |= 1U << child[i];
+					row.high[child[i]] = upperAfter(separations[i], 0);
+				});
+	}
+	std::uint32_t paperSeparations(const Row& row, const std::uint32_t* child, std::uint32_t count,
+								   float* separations) const
+	{
+		std::uint32_t within = 0;
 		for (std::uint32_t i = 0; i < count; ++i)
 		{
-			const std::uint32_t k = unknown[i];
-			row.isFar[k] = double(separations[i]) > m_settings.tolerance;
-			if (row.isFar[k])
-				row.low[k] = lowerAfter(separations[i], 0);
-			else
-				row.high[k] = upperAfter(separations[i], 0);
+			separations[i] = lowerAfter(
+				float(paperSeparation(m_context, row.a(child[i]), row.b(child[i]), m_settings.tolerance)), 0);
+			within |= separations[i] <= m_limit ? 1U << i : 0;
 		}
+		return within;
 	}
 
 	HullMemory remembered(const FrontEntry& old) const
@@ -244,7 +262,7 @@ private:
 		FrontEntry entry{row.a(k), row.b(k)};
 		entry.slot = std::uint16_t(row.firstSlot + k);
 		entry.high = row.high[k];
-		entry.old = row.old[k];
+		if ((row.met >> k & 1) != 0) entry.old = row.old[k];
 		if (!m_settings.rule.isOfLeaves() && !m_front.visited.insert(entry.a, entry.b))
 		{
 			entry.state = PairState::kElsewhere;
@@ -320,6 +338,11 @@ private:
 		keep(entry, memory);
 	}
 
+	static float atMost(double x)
+	{
+		const float nearest = roundToFloat(x);
+		return double(nearest) <= x ? nearest : std::nextafter(nearest, -std::numeric_limits<float>::infinity());
+	}
 	bool isBeyond(float low) const { return double(low) > m_settings.tolerance + m_room; }
 	void touch(std::uint32_t a, std::uint32_t b)
 	{
@@ -337,6 +360,7 @@ private:
 	const TraversalSettings& m_settings;
 	PairFront& m_front;
 	ContactSink& m_sink;
+	const float m_limit;  // floats within the tolerance are at most this
 	const double m_room;  // for the rounding of two measurements
 	const float m_moved;  // since the cached bounds
 	PartMotion m_partMotion;

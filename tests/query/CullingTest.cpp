@@ -67,9 +67,13 @@ TEST(BoxSeparation, IsTheSameInEveryLaneFromEitherSideOnAnyMachine)
 			const std::uint32_t count = 1 + std::uint32_t(random() % kBoxLanes);
 			float row[kBoxLanes], plain[kBoxLanes], single[kBoxLanes];
 			boxSeparations(context.boxes, one, true, others, count, row);
-			boxSeparationsPlain(context.boxes, one, true, others, count, plain);
+			const float limit = row[random() % count];  // one of them is just within
+			const std::uint32_t within = boxSeparations(context.boxes, one, true, others, count, row, limit);
+			ASSERT_EQ(within, boxSeparationsPlain(context.boxes, one, true, others, count, plain, limit));
+			ASSERT_EQ(within >> count, 0U);
 			for (std::uint32_t k = 0; k < count; ++k)
 			{
+				ASSERT_EQ((within >> k & 1) != 0, row[k] <= limit);
 				const CullBox* const ofA[] = {&one};
 				boxSeparations(context.boxes, *others[k], false, ofA, 1, single);
 				ASSERT_EQ(row[k], plain[k]);
