@@ -26,11 +26,12 @@ CLOD_INLINED void supportAgainst(const ConvexHull& a, const ConvexHull& b, const
 				 std::uint64_t(sweptB) << 1 | std::uint64_t(moved);
 }
 
-// By the number of corners: lanes that are free. By the bits of the corners that stay: their lanes, packed.
+// By the number of corners: lanes that are free. By the bits of the corners that stay: their lanes, packed; how many.
 constexpr Indices kFree[4]{{-1, -1, -1, -1}, {0, -1, -1, -1}, {0, 0, -1, -1}, {0, 0, 0, -1}};
 constexpr Indices kPacked[16]{{0, 0, 0, 0}, {0, 0, 0, 0}, {1, 1, 1, 1}, {0, 1, 1, 1}, {2, 2, 2, 2}, {0, 2, 2, 2},
 							  {1, 2, 2, 2}, {0, 1, 2, 2}, {3, 3, 3, 3}, {0, 3, 3, 3}, {1, 3, 3, 3}, {0, 1, 3, 3},
 							  {2, 3, 3, 3}, {0, 2, 3, 3}, {1, 2, 3, 3}, {0, 1, 2, 3}};
+constexpr int kCount[16]{0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4};
 
 // Up to four corners, a lane each; free lanes repeat the last one. No lane is written to memory by itself: vectors are
 // read back at once.
@@ -61,7 +62,7 @@ struct Simplex
 	{
 		const unsigned kept = bitsOf(nearest.weight > 0.0);
 		const Indices lanes = kPacked[kept];
-		count = __builtin_popcount(kept);
+		count = kCount[kept];
 		shuffled(Points(point), lanes, point);
 		shuffled(Points(onA), lanes, onA);
 		key = __builtin_shuffle(key, lanes);

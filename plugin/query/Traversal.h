@@ -166,12 +166,12 @@ private:
 				row.old[k] = old;
 			}
 			examine(row, stillApart);
-			m_stats->front += std::uint32_t(__builtin_popcount(row.all() & ~row.near));
 			forEach(row.near, [&](std::uint32_t k) { visit(row, k); });
 		}
 		FrontEntry& opened = m_front.entries[index];
 		opened.link = first;
 		opened.childCount = std::uint16_t(m_front.entries.size() - first);
+		m_stats->front += std::uint32_t(children.size) - opened.childCount;
 		opened.apart = std::min(apart, row.apart);
 	}
 
@@ -182,11 +182,12 @@ private:
 		if (othersAreFar)
 		{
 			unknown = row.met;
-			m_stats->skippedBySlack += std::uint32_t(__builtin_popcount(row.all() & ~row.met));
+			m_stats->skippedBySlack += row.count;
 		}
 		forEach(row.met,
 				[&](std::uint32_t k)
 				{
+					if (othersAreFar) --m_stats->skippedBySlack;
 					if (!isKnownNear(row, k)) return;
 					row.near |= 1U << k;
 					unknown &= ~(1U << k);
