@@ -35,6 +35,35 @@ Mat3 frameOf(const Vec3& n, double angle)
 	return {{n, second, cross(n, second)}};
 }
 
+// The frame with axes i and j turned into each other.
+Mat3 turned(const Mat3& axes, int i, int j, double angle)
+{
+	Mat3 result = axes;
+	result.row[i] = std::cos(angle) * axes.row[i] + std::sin(angle) * axes.row[j];
+	result.row[j] = std::cos(angle) * axes.row[j] - std::sin(angle) * axes.row[i];
+	return result;
+}
+
+// By turns about its axes, as long as they make the box smaller, by ever smaller angles.
+Mat3 refined(Mat3 axes, double least, const std::vector<Vec3>& points)
+{
+	for (double angle = 0.2; angle > 0.004; angle *= 0.5)
+		for (bool improves = true; improves;)
+		{
+			improves = false;
+			for (int k = 0; k < 6; ++k)
+			{
+				const Mat3 other = turned(axes, k % 3, (k + 1) % 3, k < 3 ? angle : -angle);
+				const double s = surface(boundsIn(other, points));
+				if (!(s < 0.999 * least)) continue;
+				least = s;
+				axes = other;
+				improves = true;
+			}
+		}
+	return axes;
+}
+
 Mat3 bestAxes(const std::vector<Vec3>& points, const Vec3& normal)
 {
 	std::vector<Mat3> candidates{Mat3{}, principalAxes(points)};
@@ -48,7 +77,7 @@ Mat3 bestAxes(const std::vector<Vec3>& points, const Vec3& normal)
 		const double s = surface(boundsIn(axes, points));
 		if (s < 0.999 * least) least = s, best = axes;
 	}
-	return best;
+	return refined(best, least, points);
 }
 }  // namespace
 
