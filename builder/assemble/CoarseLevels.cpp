@@ -22,7 +22,7 @@ namespace clod::builder
 namespace
 {
 constexpr double kNever = std::numeric_limits<double>::infinity();
-constexpr std::size_t kMostFaces = 128;  // of a patch, twice those of the finer levels
+constexpr std::size_t kMostFaces = 256;  // of a patch; 64 in the finer levels
 constexpr double kReflex = 2;            // eps of a bridged level over what its hulls may stick out: a chord over
 										 // a reflex edge rises half as high as the edge
 constexpr double kRoomToBridge = 0.8;    // of the error, which the level that is bridged may use up itself
@@ -218,11 +218,6 @@ struct Candidate
 	std::size_t share;  // the first that it and all finer ones keep
 };
 
-bool isHalf(const Lod& coarse, const Lod& fine)
-{
-	return 2 * coarse.patchCount <= fine.patchCount + 1;
-}
-
 // The chain from the finest on in which every level halves the patches of the one below, with the least product of the
 // fewest patches within each of the counted shares; of several such the longest.
 std::vector<Lod> fewestWithinShares(std::vector<Candidate>&& levels)
@@ -239,14 +234,14 @@ std::vector<Lod> fewestWithinShares(std::vector<Candidate>&& levels)
 	};
 	const auto costUpTo = [](std::size_t end, const Candidate& level)
 	{
-		const std::size_t first = std::min(level.share, kCounted), last = std::min(end, kCounted);
-		return double(last - first) * std::log(double(level.lod.patchCount));
+		const double shares = double(std::min(end, kCounted)) - double(std::min(level.share, kCounted));
+		return shares * std::log(double(level.lod.patchCount));
 	};
 	std::vector<Chain> chains(levels.size());
 	chains[0].cost = 0;
 	for (std::size_t i = 1; i < levels.size(); ++i)
 		for (std::size_t k = 0; k < i; ++k)
-			if (isHalf(levels[i].lod, levels[k].lod))
+			if (2 * levels[i].lod.patchCount <= levels[k].lod.patchCount)
 				chains[i] = std::min(chains[i],
 									 {chains[k].cost + costUpTo(levels[i].share, levels[k]), chains[k].shorter - 1, k});
 	for (std::size_t i = 0; i < levels.size(); ++i) chains[i].cost += costUpTo(kShareCount, levels[i]);
@@ -277,8 +272,13 @@ void bridgeCoarseLevels(std::vector<Lod>& lods, const Solid& solid, const Protru
 		std::size_t end = levels.size();
 		while (end > 0 && !leavesRoom(levels[end - 1].lod)) --end;
 		if (end == 0) continue;
-		for (std::size_t i = 0; i < end; ++i) levels[i].share = std::min(levels[i].share, share);
-		const Lod& start = levels[end - 1].lod;
+		std::size_t fewest = end - 1;
+		for (std::size_t i = 0; i < end; ++i)
+		{
+			levels[i].share = std::min(levels[i].share, share);
+			if (levels[i].lod.patchCount < levels[fewest].lod.patchCount) fewest = i;
+		}
+		const Lod& start = levels[fewest].lod;
 		Lod bridged = Bridges(start, solid, scale, limit).run(threads);
 		if (bridged.patchCount < start.patchCount)
 			levels.insert(levels.begin() + std::ptrdiff_t(end), {std::move(bridged), share});
