@@ -4,7 +4,9 @@
 #include "builder/assemble/CoarseLevels.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <set>
@@ -20,11 +22,14 @@ namespace clod::builder
 namespace
 {
 constexpr double kNever = std::numeric_limits<double>::infinity();
-constexpr std::size_t kMostFaces = 64;  // of a patch, as in the finer levels
-constexpr double kReflex = 2;           // eps of a bridged level over what its hulls may stick out: a chord over
-										// a reflex edge rises half as high as the edge
-constexpr double kRoomToBridge = 0.8;   // of the error, which the level that is bridged may use up itself
-constexpr int kPairBudget = 1000;       // cells of one pair's proof; what is not settled by then is not bridged
+constexpr std::size_t kMostFaces = 256;  // of a patch; 64 in the finer levels
+constexpr double kReflex = 2;            // eps of a bridged level over what its hulls may stick out: a chord over
+										 // a reflex edge rises half as high as the edge
+constexpr double kRoomToBridge = 0.8;    // of the error, which the level that is bridged may use up itself
+constexpr double kShares[] = {0.01, 0.03, 0.1, 0.2, 0.4};  // of the radius: errors that levels are bridged within
+constexpr std::size_t kShareCount = std::size(kShares);
+constexpr std::size_t kCounted = 3;  // of them decide between levels that cannot both stay
+constexpr int kPairBudget = 1000;    // cells of one pair's proof; what is not settled by then is not bridged
 
 Triangle triangleOf(const Mesh& mesh, std::uint32_t f)
 {
@@ -81,9 +86,10 @@ private:
 	// or the union would be no patch of this tolerance.
 	double cost(std::uint32_t a, std::uint32_t b) const
 	{
+		if (m_faces[a].size() + m_faces[b].size() > kMostFaces) return kNever;
 		std::vector<std::uint32_t> faces = m_faces[a];
 		faces.insert(faces.end(), m_faces[b].begin(), m_faces[b].end());
-		if (faces.size() > kMostFaces) return kNever;
+		const auto isOwn = [&](std::uint32_t f) { return m_label[f] == a || m_label[f] == b; };
 		std::set<std::uint32_t> used;
 		ConvexBody body;
 		for (const std::uint32_t f : faces)
@@ -92,13 +98,15 @@ private:
 			body.realNormals.push_back(areaVector(triangleOf(m_lod.mesh, f)));
 		}
 		for (const std::uint32_t v : used) body.points.push_back(m_lod.mesh.vertices[v]);
-		if (!isConvexWithin(faces, body.points)) return kNever;
+		if (!isConvexWithin(faces, isOwn, body.points)) return kNever;
 		const Protrusion found = protrusion(m_solid, body, m_scale, m_limit);
-		return found.upper <= m_limit && !isEntered(faces, body.points) ? found.lower : kNever;
+		return found.upper <= m_limit && !isEntered(isOwn, body.points) ? found.lower : kNever;
 	}
 
 	// Edges within eps, all vertices within 2 eps of every face's plane.
-	bool isConvexWithin(const std::vector<std::uint32_t>& faces, const std::vector<Vec3>& points) const
+	template <class IsOwn>
+	bool isConvexWithin(const std::vector<std::uint32_t>& faces, const IsOwn& isOwn,
+						const std::vector<Vec3>& points) const
 	{
 		for (const std::uint32_t f : faces)
 		{
@@ -107,7 +115,7 @@ private:
 				if (dot(m_normals[f], p - origin) > 2 * m_tolerance) return false;
 			for (const std::uint32_t other : m_neighbours[f])
 			{
-				if (std::find(faces.begin(), faces.end(), other) == faces.end()) continue;
+				if (!isOwn(other)) continue;
 				const Triangle t = triangleOf(m_lod.mesh, other);
 				for (int k = 0; k < 3; ++k)
 					if (dot(m_normals[f], t[k] - origin) > m_tolerance) return false;
@@ -117,14 +125,13 @@ private:
 	}
 
 	// By a face of another patch, deeper than 4 eps.
-	bool isEntered(const std::vector<std::uint32_t>& faces, const std::vector<Vec3>& points) const
+	template <class IsOwn>
+	bool isEntered(const IsOwn& isOwn, const std::vector<Vec3>& points) const
 	{
 		std::vector<HalfSpace> planes = hullShape(points, 0.25 * m_scale.rounding).planes;
 		for (HalfSpace& plane : planes) plane.offset -= 4 * m_tolerance;
 		for (std::uint32_t f = 0; f < m_label.size(); ++f)
-			if (std::find(faces.begin(), faces.end(), f) == faces.end() &&
-				meetsInterior(triangleOf(m_lod.mesh, f), planes, 0))
-				return true;
+			if (!isOwn(f) && meetsInterior(triangleOf(m_lod.mesh, f), planes, 0)) return true;
 		return false;
 	}
 
@@ -159,19 +166,14 @@ private:
 		lod.patchTolerance = std::max(m_tolerance, m_lod.patchTolerance);
 		lod.errorLimit = m_limit;
 		std::map<std::uint32_t, std::uint32_t> number;
-		lod.patchOfChild.assign(m_lod.patchCount, kNone);
-		for (std::uint32_t f = 0; f < m_label.size(); ++f)
-		{
-			const std::uint32_t patch = number.emplace(m_label[f], std::uint32_t(number.size())).first->second;
-			lod.patchOfTriangle.push_back(patch);
-			lod.patchOfChild[m_lod.patchOfTriangle[f]] = patch;
-		}
+		for (const std::uint32_t label : m_label)
+			lod.patchOfTriangle.push_back(number.emplace(label, std::uint32_t(number.size())).first->second);
 		lod.patchCount = std::uint32_t(number.size());
 		lod.patchResolution.assign(lod.patchCount, 0);
-		for (std::uint32_t p = 0; p < m_lod.patchCount; ++p)
+		for (std::uint32_t f = 0; f < m_label.size(); ++f)
 		{
-			double& r = lod.patchResolution[lod.patchOfChild[p]];
-			const double own = m_lod.patchResolution[p];
+			double& r = lod.patchResolution[lod.patchOfTriangle[f]];
+			const double own = m_lod.patchResolution[m_lod.patchOfTriangle[f]];
 			if (own > 0) r = r > 0 ? std::min(r, own) : own;
 		}
 		return lod;
@@ -189,51 +191,98 @@ private:
 	std::set<std::pair<double, Pair>> m_open;
 };
 
-// Largest certified surf or protrude of a level, thickness left out.
-double deviationOf(const Lod& lod, const Solid& solid, const ProtrusionScale& scale, const ThreadLimit& threads)
+// Whether surf and protrude of every patch, thickness left out, are certified to be within the limit.
+bool isWithin(double limit, const Lod& lod, const Solid& solid, ProtrusionScale scale, const ThreadLimit& threads)
 {
+	scale.enough = limit;
+	const Tolerance tolerance{0.1, 1e-4 * scale.radius};
 	const std::vector<NodeDraft> nodes = patchNodes(lod, 0);
-	std::vector<double> most(nodes.size());
+	std::atomic<bool> within{true};
 	parallelFor(nodes.size(), threads,
 				[&](std::size_t i)
 				{
+					if (!within) return;
 					ConvexBody body{nodes[i].vertices, {}};
 					for (std::size_t f = 0; f < nodes[i].faces.size(); ++f)
 						body.realNormals.push_back(areaVector(nodes[i].face(f)));
-					most[i] = std::max(surfOf(nodes[i], solid.tree(), {0.1, 1e-4 * scale.radius}).upper,
-									   protrusion(solid, body, scale).upper);
+					if (surfOf(nodes[i], solid.tree(), tolerance).upper > limit ||
+						protrusion(solid, body, scale, limit).upper > limit)
+						within = false;
 				});
-	return *std::max_element(most.begin(), most.end());
+	return within;
+}
+
+struct Candidate
+{
+	Lod lod;
+	std::size_t share;  // the first that it and all finer ones keep
+};
+
+// The chain from the finest on in which every level halves the patches of the one below, with the least product of the
+// fewest patches within each of the counted shares; of several such the longest.
+std::vector<Lod> fewestWithinShares(std::vector<Candidate>&& levels)
+{
+	struct Chain
+	{
+		double cost = kNever;
+		int shorter = 0;
+		std::size_t before = 0;
+		bool operator<(const Chain& other) const
+		{
+			return cost != other.cost ? cost < other.cost : shorter < other.shorter;
+		}
+	};
+	const auto costUpTo = [](std::size_t end, const Candidate& level)
+	{
+		const double shares = double(std::min(end, kCounted)) - double(std::min(level.share, kCounted));
+		return shares * std::log(double(level.lod.patchCount));
+	};
+	std::vector<Chain> chains(levels.size());
+	chains[0].cost = 0;
+	for (std::size_t i = 1; i < levels.size(); ++i)
+		for (std::size_t k = 0; k < i; ++k)
+			if (2 * levels[i].lod.patchCount <= levels[k].lod.patchCount)
+				chains[i] = std::min(chains[i],
+									 {chains[k].cost + costUpTo(levels[i].share, levels[k]), chains[k].shorter - 1, k});
+	for (std::size_t i = 0; i < levels.size(); ++i) chains[i].cost += costUpTo(kShareCount, levels[i]);
+	std::vector<Lod> kept;
+	std::size_t i = std::size_t(std::min_element(chains.begin(), chains.end()) - chains.begin());
+	for (;; i = chains[i].before)
+	{
+		kept.push_back(std::move(levels[i].lod));
+		kept.back().patchOfChild.clear();  // the level below may be another one
+		if (i == 0) break;
+	}
+	std::reverse(kept.begin(), kept.end());
+	return kept;
 }
 }  // namespace
 
 void bridgeCoarseLevels(std::vector<Lod>& lods, const Solid& solid, const ProtrusionScale& scale,
 						const ThreadLimit& threads)
 {
-	for (const double share : {0.1, 0.2, 0.4})
+	if (lods.empty()) return;
+	std::vector<Candidate> levels;
+	for (Lod& lod : lods) levels.push_back({std::move(lod), kShareCount});
+	for (std::size_t share = 0; share < kShareCount; ++share)
 	{
-		const double limit = 0.999 * share * scale.radius;  // bounds are stored rounded outward
+		const double limit = 0.999 * kShares[share] * scale.radius;  // bounds are stored rounded outward
 		const auto leavesRoom = [&](const Lod& lod)
-		{ return lod.errorLimit <= limit || deviationOf(lod, solid, scale, threads) <= kRoomToBridge * limit; };
-		std::size_t end = lods.size();
-		while (end > 0 && !leavesRoom(lods[end - 1])) --end;
+		{ return lod.errorLimit <= limit || isWithin(kRoomToBridge * limit, lod, solid, scale, threads); };
+		std::size_t end = levels.size();
+		while (end > 0 && !leavesRoom(levels[end - 1].lod)) --end;
 		if (end == 0) continue;
-		Lod& start = lods[end - 1];
-		Lod bridged = Bridges(start, solid, scale, limit).run(threads);
-		if (2 * bridged.patchCount <= start.patchCount)
-			lods.resize(end);
-		else if (end > 1 && !std::isfinite(start.errorLimit) && bridged.patchCount < start.patchCount &&
-				 2 * bridged.patchCount <= lods[end - 2].patchCount)
+		std::size_t fewest = end - 1;
+		for (std::size_t i = 0; i < end; ++i)
 		{
-			// Every level has half the patches of the one below: the one that was bridged makes way.
-			std::vector<std::uint32_t> patchOfChild;
-			for (const std::uint32_t patch : start.patchOfChild) patchOfChild.push_back(bridged.patchOfChild[patch]);
-			bridged.patchOfChild = std::move(patchOfChild);
-			lods.resize(end - 1);
+			levels[i].share = std::min(levels[i].share, share);
+			if (levels[i].lod.patchCount < levels[fewest].lod.patchCount) fewest = i;
 		}
-		else
-			continue;
-		lods.push_back(std::move(bridged));
+		const Lod& start = levels[fewest].lod;
+		Lod bridged = Bridges(start, solid, scale, limit).run(threads);
+		if (bridged.patchCount < start.patchCount)
+			levels.insert(levels.begin() + std::ptrdiff_t(end), {std::move(bridged), share});
 	}
+	lods = fewestWithinShares(std::move(levels));
 }
 }  // namespace clod::builder

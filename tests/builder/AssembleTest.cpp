@@ -254,25 +254,71 @@ int pointsBeyond(const Lod& lod, const Solid& solid, double limit)
 	return beyond;
 }
 
+// Whether every patch of the coarse level is made of whole patches of the fine one, of the same triangles.
+bool isUnionOf(const Lod& fine, const Lod& coarse)
+{
+	if (fine.mesh.triangles != coarse.mesh.triangles) return false;
+	std::vector<std::uint32_t> into(fine.patchCount, kNone);
+	for (std::size_t f = 0; f < fine.patchOfTriangle.size(); ++f)
+	{
+		std::uint32_t& patch = into[fine.patchOfTriangle[f]];
+		if (patch != kNone && patch != coarse.patchOfTriangle[f]) return false;
+		patch = coarse.patchOfTriangle[f];
+	}
+	return true;
+}
+
+struct BridgedTorus
+{
+	explicit BridgedTorus(const LodSequence& sequence)
+		: solid(sequence.lods[0].mesh),
+		  radius(boundingSphere(sequence.lods[0].mesh.vertices).radius),
+		  lods(sequence.lods.begin() + 1, sequence.lods.end())
+	{
+		bridgeCoarseLevels(lods, solid, {radius, 1e-6 * radius, 15000}, 1);
+	}
+	const Solid solid;
+	const double radius;
+	std::vector<Lod> lods;
+};
+
 TEST(AssembleCoarse, BridgedLevelsHalveAndStayWithinTheirError)
 {
-	std::vector<Lod> lods = torusLods(1, 0.4, 20, 12, 2).lods;
-	const Mesh input = lods[0].mesh;
-	const Solid solid(input);
-	const double radius = boundingSphere(input.vertices).radius;
-	lods.erase(lods.begin());
-	bridgeCoarseLevels(lods, solid, {radius, 1e-6 * radius, 15000}, 1);
+	const BridgedTorus torus(torusLods(1, 0.4, 20, 12, 2));
+	const std::vector<Lod>& lods = torus.lods;
 	ASSERT_GE(lods.size(), 2u);
 	for (std::size_t k = 1; k < lods.size(); ++k)
 	{
 		EXPECT_LE(2 * lods[k].patchCount, lods[k - 1].patchCount);
-		EXPECT_EQ(pointsBeyond(lods[k], solid, lods[k].errorLimit), 0) << k;
-		for (std::size_t f = 0; f < lods[k].patchOfTriangle.size(); ++f)
-			EXPECT_EQ(lods[k].patchOfTriangle[f], lods[k].patchOfChild[lods[k - 1].patchOfTriangle[f]]);
+		EXPECT_EQ(pointsBeyond(lods[k], torus.solid, lods[k].errorLimit), 0) << k;
+		EXPECT_TRUE(isUnionOf(lods[k - 1], lods[k])) << k;
 	}
 	Lod blind = lods[1];  // merged without looking
 	for (std::uint32_t& patch : blind.patchOfTriangle) patch /= 4;
-	EXPECT_GT(pointsBeyond(blind, solid, blind.errorLimit), 0);
+	EXPECT_GT(pointsBeyond(blind, torus.solid, blind.errorLimit), 0);
+	EXPECT_FALSE(isUnionOf(lods[1], lods[0]));
+}
+
+// The fewest patches of a level whose hulls keep the limit; kNone where none is known to.
+std::uint32_t fewestWithin(const std::vector<Lod>& lods, double limit)
+{
+	std::uint32_t fewest = kNone;
+	for (const Lod& lod : lods)
+		if (lod.errorLimit <= limit) fewest = std::min(fewest, lod.patchCount);
+	return fewest;
+}
+
+TEST(AssembleCoarse, LevelsOfSmallErrorsStayBelowThoseOfLargeOnes)
+{
+	const BridgedTorus torus(torusLods(1, 0.4, 40, 24, 4));
+	const std::vector<Lod>& lods = torus.lods;
+	EXPECT_LE(fewestWithin(lods, 0.03 * torus.radius), 240u / 4);
+	EXPECT_LE(2 * fewestWithin(lods, 0.2 * torus.radius), fewestWithin(lods, 0.03 * torus.radius));
+	for (std::size_t k = 0; k < lods.size(); ++k)
+	{
+		EXPECT_TRUE(lods[k].patchOfChild.empty()) << k;  // of levels that may be gone
+		if (k > 0) EXPECT_LE(2 * lods[k].patchCount, lods[k - 1].patchCount) << k;
+	}
 }
 
 TEST(AssembleProtrusion, HullsOverHollowsAreBoundedWithinATenth)
