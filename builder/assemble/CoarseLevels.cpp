@@ -26,6 +26,7 @@ constexpr std::size_t kMostFaces = 256;  // of a patch; 64 in the finer levels
 constexpr double kReflex = 2;            // eps of a bridged level over what its hulls may stick out: a chord over
 										 // a reflex edge rises half as high as the edge
 constexpr double kRoomToBridge = 0.8;    // of the error, which the level that is bridged may use up itself
+constexpr double kSameError = 1.1;       // of the level that was bridged: up to it the bridged one takes its place
 constexpr double kShares[] = {0.01, 0.03, 0.1, 0.2, 0.4};  // of the radius: errors that levels are bridged within
 constexpr std::size_t kShareCount = std::size(kShares);
 constexpr std::size_t kCounted = 3;  // of them decide between levels that cannot both stay
@@ -191,6 +192,13 @@ private:
 	std::set<std::pair<double, Pair>> m_open;
 };
 
+ConvexBody bodyOf(const NodeDraft& node)
+{
+	ConvexBody body{node.vertices, {}};
+	for (std::size_t f = 0; f < node.faces.size(); ++f) body.realNormals.push_back(areaVector(node.face(f)));
+	return body;
+}
+
 // Whether surf and protrude of every patch, thickness left out, are certified to be within the limit.
 bool isWithin(double limit, const Lod& lod, const Solid& solid, ProtrusionScale scale, const ThreadLimit& threads)
 {
@@ -202,14 +210,27 @@ bool isWithin(double limit, const Lod& lod, const Solid& solid, ProtrusionScale 
 				[&](std::size_t i)
 				{
 					if (!within) return;
-					ConvexBody body{nodes[i].vertices, {}};
-					for (std::size_t f = 0; f < nodes[i].faces.size(); ++f)
-						body.realNormals.push_back(areaVector(nodes[i].face(f)));
+					const ConvexBody body = bodyOf(nodes[i]);
 					if (surfOf(nodes[i], solid.tree(), tolerance).upper > limit ||
 						protrusion(solid, body, scale, limit).upper > limit)
 						within = false;
 				});
 	return within;
+}
+
+// The largest surf or protrude of its patches, thickness left out.
+double deviationOf(const Lod& lod, const Solid& solid, const ProtrusionScale& scale, const ThreadLimit& threads)
+{
+	const std::vector<NodeDraft> nodes = patchNodes(lod, 0);
+	std::vector<double> most(nodes.size());
+	parallelFor(nodes.size(), threads,
+				[&](std::size_t i)
+				{
+					const ConvexBody body = bodyOf(nodes[i]);
+					most[i] = std::max(surfOf(nodes[i], solid.tree(), {0.1, 1e-4 * scale.radius}).upper,
+									   protrusion(solid, body, scale).upper);
+				});
+	return *std::max_element(most.begin(), most.end());
 }
 
 struct Candidate
@@ -262,11 +283,13 @@ void bridgeCoarseLevels(std::vector<Lod>& lods, const Solid& solid, const Protru
 						const ThreadLimit& threads)
 {
 	if (lods.empty()) return;
+	const auto limitOf = [&](std::size_t share)
+	{ return 0.999 * kShares[share] * scale.radius; };  // bounds are stored rounded outward
 	std::vector<Candidate> levels;
 	for (Lod& lod : lods) levels.push_back({std::move(lod), kShareCount});
 	for (std::size_t share = 0; share < kShareCount; ++share)
 	{
-		const double limit = 0.999 * kShares[share] * scale.radius;  // bounds are stored rounded outward
+		const double limit = limitOf(share);
 		const auto leavesRoom = [&](const Lod& lod)
 		{ return lod.errorLimit <= limit || isWithin(kRoomToBridge * limit, lod, solid, scale, threads); };
 		std::size_t end = levels.size();
@@ -278,9 +301,13 @@ void bridgeCoarseLevels(std::vector<Lod>& lods, const Solid& solid, const Protru
 			levels[i].share = std::min(levels[i].share, share);
 			if (levels[i].lod.patchCount < levels[fewest].lod.patchCount) fewest = i;
 		}
-		const Lod& start = levels[fewest].lod;
-		Lod bridged = Bridges(start, solid, scale, limit).run(threads);
-		if (bridged.patchCount < start.patchCount)
+		Candidate& start = levels[fewest];
+		Lod bridged = Bridges(start.lod, solid, scale, limit).run(threads);
+		if (bridged.patchCount == start.lod.patchCount) continue;
+		const double sameError = kSameError * deviationOf(start.lod, solid, scale, threads);
+		if (isWithin(std::min(sameError, limitOf(start.share)), bridged, solid, scale, threads))
+			start.lod = std::move(bridged);
+		else
 			levels.insert(levels.begin() + std::ptrdiff_t(end), {std::move(bridged), share});
 	}
 	lods = fewestWithinShares(std::move(levels));

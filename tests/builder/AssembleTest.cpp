@@ -317,7 +317,10 @@ TEST(AssembleCoarse, LevelsOfSmallErrorsStayBelowThoseOfLargeOnes)
 	for (std::size_t k = 0; k < lods.size(); ++k)
 	{
 		EXPECT_TRUE(lods[k].patchOfChild.empty()) << k;  // of levels that may be gone
-		if (k > 0) EXPECT_LE(2 * lods[k].patchCount, lods[k - 1].patchCount) << k;
+		if (k > 0)
+		{
+			EXPECT_LE(2 * lods[k].patchCount, lods[k - 1].patchCount) << k;
+		}
 	}
 }
 
