@@ -107,7 +107,7 @@ private:
 		if (overlap && m_settings.contactsOnly)
 			set({0, kInfinity, false});
 		else if (overlap)
-			setDepth(m_result.contacts, m_settings.tolerance);
+			surfacesMeet();
 		else if (inside > 0)
 			setInside(inside);
 		else if (!m_result.contacts.empty())
@@ -137,7 +137,8 @@ private:
 			setNothingNear(m_settings, 0, m_result);
 	}
 
-	// A depth beyond the tolerance is looked for as far as the nodes that overlap may have hidden one.
+	// A depth is searched among the leaves within so much: most are far below the tolerance, and few leaves then take
+	// part. One beyond it is looked for as far as the nodes that overlap may have hidden it.
 	void surfacesMeet()
 	{
 		double deviation = 0;
@@ -145,14 +146,43 @@ private:
 			if (contact.upper <= 0)
 				deviation = std::max(deviation, double(m_context.a.node(contact.nodeA).deviation) +
 													double(m_context.b.node(contact.nodeB).deviation));
-		for (const double share : {0.0, 0.6, 2.5})
+		if (m_inputOnly) deviation = 0;
+		const double tolerance = m_settings.tolerance;
+		const double farthest = m_settings.distance ? tolerance : tolerance + 2.5 * deviation;
+		double found = 0;  // a depth of some point
+		for (double reach = tolerance > 0 ? 0.2 * tolerance : farthest;;
+			 reach = reach < tolerance ? tolerance : 2 * reach)
 		{
-			const double tolerance = m_settings.tolerance + share * deviation;
-			gatherLeafPairs(m_context, tolerance, m_state.closest, m_state.near, m_result.stats);
-			sortPairs(m_state.near);
-			setDepth(m_state.near, tolerance);
-			if (!m_result.deep || m_settings.distance || deviation == 0) return;
+			reach = std::min(reach, farthest);
+			if ((found < reach || reach == 0) && isDepthWithin(reach, found)) return;
+			if (reach == farthest) break;
 		}
+		setInside(found);
+	}
+
+	// The depth is less than `reach`, and set; else some point's is not, or may not be, by `found`.
+	bool isDepthWithin(double reach, double& found)
+	{
+		if (m_inputOnly && reach <= m_settings.tolerance)
+		{
+			m_state.near.clear();
+			for (const Contact& contact : m_result.contacts)
+				if (contact.lower <= reach) m_state.near.push_back(contact);
+		}
+		else
+		{
+			gatherLeafPairs(m_context, reach, m_state.closest, m_state.near, m_result.stats);
+			sortPairs(m_state.near);
+		}
+		const PointBoxes counting(m_result.stats);
+		DepthAccuracy accuracy = depthAccuracy(reach);
+		accuracy.enough = reach;
+		const DepthBound depth =
+			nearPenetration(m_context, m_state.near, accuracy, m_state.penetration, m_result.stats);
+		found = std::max(found, depth.lower);
+		if (!(depth.upper < reach)) return false;
+		set(gapBetween(-depth.upper, -depth.lower));
+		return true;
 	}
 
 	// Returns the largest cover_a + cover_b of the accepted pairs that are no contacts.
@@ -238,30 +268,19 @@ private:
 	}
 
 	// The last per cent of a depth is not worth its cost, unless a limit asks for it.
-	DepthAccuracy depthAccuracy() const
+	DepthAccuracy depthAccuracy(double reach) const
 	{
 		DepthAccuracy accuracy;
 		accuracy.absolute = kDepthAccuracy * std::min(m_context.a.asset().radius, m_context.b.asset().radius);
 		if (gapLimit() < kInfinity)
 		{
-			// A coarser answer could not be told from one deeper than the tolerance.
-			accuracy.absolute = std::max(accuracy.absolute, std::min(0.5 * gapLimit(), 0.2 * m_settings.tolerance));
+			// A coarser answer could not be told from one beyond reach.
+			accuracy.absolute =
+				std::max(accuracy.absolute, std::min(0.5 * gapLimit(), 0.2 * std::min(reach, m_settings.tolerance)));
 			accuracy.relative = 0;
 		}
 		if (m_settings.distance) accuracy.cellLimit *= 10;
 		return accuracy;
-	}
-	// Pairs of leaves: all within the tolerance. What is deeper has faces outside of them.
-	void setDepth(const std::vector<Contact>& pairs, double tolerance)
-	{
-		const PointBoxes counting(m_result.stats);
-		DepthAccuracy accuracy = depthAccuracy();
-		accuracy.enough = tolerance;
-		const DepthBound depth = nearPenetration(m_context, pairs, accuracy, m_state.penetration, m_result.stats);
-		if (depth.upper < tolerance)
-			set(gapBetween(-depth.upper, -depth.lower));
-		else
-			setInside(depth.lower);
 	}
 	// So deep at some point, perhaps deeper.
 	void setInside(double depth)
@@ -272,7 +291,8 @@ private:
 			return;
 		}
 		const PointBoxes counting(m_result.stats);
-		const DepthBound whole = wholePenetration(m_context, depthAccuracy(), m_state.penetration, m_result.stats);
+		const DepthBound whole =
+			wholePenetration(m_context, depthAccuracy(m_settings.tolerance), m_state.penetration, m_result.stats);
 		set(gapBetween(-whole.upper, -whole.lower));
 		m_result.deep = true;
 	}
