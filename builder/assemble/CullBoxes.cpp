@@ -44,30 +44,37 @@ Mat3 turned(const Mat3& axes, int i, int j, double angle)
 	return result;
 }
 
-// By turns about its axes, as long as they make the box smaller, by ever smaller angles.
-Mat3 refined(Mat3 axes, double least, const std::vector<Vec3>& points)
+// By turns about its axes, as long as they make the box smaller, by ever smaller angles. Tried on some of the points
+// where there are many.
+Mat3 refined(const Mat3& start, const std::vector<Vec3>& points)
 {
-	for (double angle = 0.2; angle > 0.004; angle *= 0.5)
+	constexpr std::size_t kTried = 48;
+	std::vector<Vec3> tried;
+	const std::size_t stride = (points.size() + kTried - 1) / kTried;
+	for (std::size_t i = 0; i < points.size(); i += stride) tried.push_back(points[i]);
+	Mat3 axes = start;
+	double least = surface(boundsIn(axes, tried));
+	for (double angle = 0.2; angle > 0.006; angle *= 0.5)
 		for (bool improves = true; improves;)
 		{
 			improves = false;
 			for (int k = 0; k < 6; ++k)
 			{
 				const Mat3 other = turned(axes, k % 3, (k + 1) % 3, k < 3 ? angle : -angle);
-				const double s = surface(boundsIn(other, points));
+				const double s = surface(boundsIn(other, tried));
 				if (!(s < 0.999 * least)) continue;
 				least = s;
 				axes = other;
 				improves = true;
 			}
 		}
-	return axes;
+	return surface(boundsIn(axes, points)) < surface(boundsIn(start, points)) ? axes : start;
 }
 
 Mat3 bestAxes(const std::vector<Vec3>& points, const Vec3& normal)
 {
 	std::vector<Mat3> candidates{Mat3{}, principalAxes(points)};
-	constexpr int kTurns = 6;
+	constexpr int kTurns = 3;
 	const double quarter = std::acos(0.0);
 	for (int i = 0; i < kTurns && normal != Vec3{}; ++i) candidates.push_back(frameOf(normal, quarter * i / kTurns));
 	Mat3 best = candidates[0];
@@ -77,7 +84,7 @@ Mat3 bestAxes(const std::vector<Vec3>& points, const Vec3& normal)
 		const double s = surface(boundsIn(axes, points));
 		if (s < 0.999 * least) least = s, best = axes;
 	}
-	return refined(best, least, points);
+	return refined(best, points);
 }
 }  // namespace
 
