@@ -26,6 +26,7 @@ constexpr std::size_t kMostFaces = 256;  // of a patch; 64 in the finer levels
 constexpr double kReflex = 2;            // eps of a bridged level over what its hulls may stick out: a chord over
 										 // a reflex edge rises half as high as the edge
 constexpr double kRoomToBridge = 0.8;    // of the error, which the level that is bridged may use up itself
+constexpr double kAsFew = 1.25;          // times the patches, of fewer triangles: preferred
 constexpr double kSameError = 1.1;       // of the level that was bridged: up to it the bridged one takes its place
 constexpr double kShares[] = {0.01, 0.03, 0.1, 0.2, 0.4};  // of the radius: errors that levels are bridged within
 constexpr std::size_t kShareCount = std::size(kShares);
@@ -295,14 +296,27 @@ void bridgeCoarseLevels(std::vector<Lod>& lods, const Solid& solid, const Protru
 		std::size_t end = levels.size();
 		while (end > 0 && !leavesRoom(levels[end - 1].lod)) --end;
 		if (end == 0) continue;
-		std::size_t fewest = end - 1;
+		std::size_t fewest = 0, simplest = 0;  // patches, triangles
 		for (std::size_t i = 0; i < end; ++i)
 		{
+			const Lod &lod = levels[i].lod, &other = levels[simplest].lod;
 			levels[i].share = std::min(levels[i].share, share);
-			if (levels[i].lod.patchCount < levels[fewest].lod.patchCount) fewest = i;
+			if (lod.patchCount <= levels[fewest].lod.patchCount) fewest = i;
+			if (lod.mesh.triangles.size() <= other.mesh.triangles.size()) simplest = i;
+		}
+		const auto bridgedFrom = [&](std::size_t start)
+		{ return Bridges(levels[start].lod, solid, scale, limit).run(threads); };
+		Lod bridged = bridgedFrom(fewest);
+		if (levels[simplest].lod.mesh.triangles.size() < bridged.mesh.triangles.size())
+		{
+			Lod other = bridgedFrom(simplest);
+			if (double(other.patchCount) <= kAsFew * double(bridged.patchCount))
+			{
+				bridged = std::move(other);
+				fewest = simplest;
+			}
 		}
 		Candidate& start = levels[fewest];
-		Lod bridged = Bridges(start.lod, solid, scale, limit).run(threads);
 		if (bridged.patchCount == start.lod.patchCount) continue;
 		const double sameError = kSameError * deviationOf(start.lod, solid, scale, threads);
 		if (isWithin(std::min(sameError, limitOf(start.share)), bridged, solid, scale, threads))
