@@ -63,11 +63,11 @@ void btClodDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache* pairCac
 	m_planned.clear();
 	plan(*pairCache, info);
 	refine(budget, microsecondsSince(start));
+	std::uint64_t answers = 0;  // plans end with the queries that finish them
+	for (const Planned& planned : m_planned) answers += planned.plan.answers();
 	const Clock::time_point answering = Clock::now();
 	btCollisionDispatcher::dispatchAllCollisionPairs(pairCache, info, dispatcher);
-	std::uint64_t answers = 0;
-	for (const Planned& planned : m_planned) answers += planned.plan.answers();
-	if (answers > 0) m_microsecondsPerAnswer = microsecondsSince(answering) / double(answers);
+	m_answerCost.observe(answers, microsecondsSince(answering));
 	m_planned.clear();
 }
 
@@ -116,9 +116,11 @@ void btClodDispatcher::refine(const clod::Budget& budget, double already)
 	{
 		clod::QueryPlan& plan = m_planned[m_queue.front()].plan;
 		if (double(committed + plan.cost()) > tests) return;
-		const double answer = m_microsecondsPerAnswer * (double(answers) + 0.5 * double(plan.cost()));
-		if (budget.microseconds < clod::kOff && already + microsecondsSince(start) + answer > budget.microseconds)
-			return;
+		if (budget.microseconds < clod::kOff)
+		{
+			const double answer = m_answerCost.estimate(double(answers) + 0.5 * double(plan.cost()));
+			if (already + microsecondsSince(start) + answer > budget.microseconds) return;
+		}
 		committed -= plan.committed();
 		answers -= plan.answers();
 		std::pop_heap(m_queue.begin(), m_queue.end(), isBetter);

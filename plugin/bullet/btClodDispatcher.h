@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "clod/bullet/Context.h"
+#include "clod/query/AnswerCost.h"
 
 class btClodDispatcher : public btCollisionDispatcher
 {
@@ -34,6 +35,6 @@ private:
 
 	clod::Context& m_context;
 	std::vector<Planned> m_planned;
-	std::vector<std::uint32_t> m_queue;   // a heap of indices into m_planned
-	double m_microsecondsPerAnswer = 10;  // of the last dispatch after planning, a pair of nodes
+	std::vector<std::uint32_t> m_queue;  // a heap of indices into m_planned
+	clod::AnswerCost m_answerCost{10};   // of dispatches after planning, an answer is a pair of nodes
 };

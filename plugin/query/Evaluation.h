@@ -23,13 +23,13 @@ inline double microsecondsSince(Clock::time_point start)
 }
 
 // Refines as long as the budget pays for it and for the answer.
-inline void spend(Refinement& walk, const Budget& budget, Clock::time_point start, double microsecondsPerAnswer)
+inline void spend(Refinement& walk, const Budget& budget, Clock::time_point start, const AnswerCost& answerCost)
 {
 	const bool timed = budget.microseconds < kInfinity;
 	while (!walk.isComplete() && double(walk.committed() + walk.cost()) <= budget.tests)
 	{
-		const double answer = microsecondsPerAnswer * (double(walk.answers()) + 0.5 * double(walk.cost()));
-		if (timed && microsecondsSince(start) + answer > budget.microseconds) return;
+		const double answers = double(walk.answers()) + 0.5 * double(walk.cost());
+		if (timed && microsecondsSince(start) + answerCost.estimate(answers) > budget.microseconds) return;
 		walk.refine();
 	}
 }
@@ -84,8 +84,7 @@ public:
 		if (!m_settings.budget.isLimited()) return;
 		m_state.refinement.addTo(m_result.stats);
 		m_result.excess = m_state.refinement.excess();
-		m_state.microsecondsPerAnswer =
-			microsecondsSince(m_refined) / double(std::max<std::size_t>(1, m_state.refinement.answers()));
+		m_state.answerCost.observe(m_state.refinement.answers(), microsecondsSince(m_refined));
 	}
 
 private:
@@ -213,7 +212,7 @@ private:
 		if (!m_state.planned)
 		{
 			walk.start(m_context, rule, tolerance, m_settings.paper);
-			spend(walk, m_settings.budget, m_start, m_state.microsecondsPerAnswer);
+			spend(walk, m_settings.budget, m_start, m_state.answerCost);
 		}
 		m_refined = Clock::now();
 		ContactSink sink(m_context, tolerance, false, m_result.contacts, m_result.stats);

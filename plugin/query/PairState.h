@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "clod/query/AnswerCost.h"
 #include "clod/query/Clearance.h"
 #include "clod/query/InsideTest.h"
 #include "clod/query/PairFront.h"
@@ -32,7 +33,7 @@ struct PairCache::State
 	PenetrationScratch penetration;
 	Refinement refinement;                // of a query under a budget
 	std::optional<QueryContext> planned;  // of a plan that no query has finished yet: aFromB and settings are its own
-	double microsecondsPerAnswer = 1;     // last seen: from the end of refinement to the end of the query
+	AnswerCost answerCost{1};             // from the end of refinement to the end of the query
 	std::vector<Contact> near;            // the pairs of leaves that an overlap's depth is searched in
 	std::vector<std::uint32_t> order;
 	std::vector<Contact> unsorted;

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "clod/query/AnswerCost.h"
 #include "tests/query/Answers.h"
 #include "tests/query/TriangleGap.h"
 
@@ -215,6 +216,25 @@ TEST(Budget, ATimeOfZeroIsTheCoarsestAnswerAndALongOneChangesNothing)
 		EXPECT_EQ(difference(fresh(pair, pose, settings), unbudgeted), "");
 	};
 	forEachPose(36, 5, check);
+}
+
+// A fixed cost, a peak in between, and what was seen too long ago to count.
+TEST(AnswerCost, IsAStraightLineBetweenWhatWasSeenLately)
+{
+	AnswerCost cost(10);
+	EXPECT_EQ(cost.estimate(5), 50);
+	cost.observe(10, 100);
+	cost.observe(100, 280);
+	cost.observe(0, 1e9);  // no answers tell nothing
+	EXPECT_DOUBLE_EQ(cost.estimate(10), 100);
+	EXPECT_DOUBLE_EQ(cost.estimate(55), 190);
+	EXPECT_DOUBLE_EQ(cost.estimate(200), 560);
+	EXPECT_DOUBLE_EQ(cost.estimate(5), 50);
+	cost.observe(40, 900);
+	EXPECT_DOUBLE_EQ(cost.estimate(40), 900);
+	EXPECT_DOUBLE_EQ(cost.estimate(25), 500);
+	for (int i = 0; i < 121; ++i) cost.observe(10, 120);
+	EXPECT_DOUBLE_EQ(cost.estimate(40), 480);
 }
 
 // A plan is a query in two parts, whatever is refined between; a query for anything else drops it.
