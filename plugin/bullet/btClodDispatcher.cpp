@@ -63,11 +63,11 @@ void btClodDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache* pairCac
 	m_planned.clear();
 	plan(*pairCache, info);
 	refine(budget, microsecondsSince(start));
-	std::uint64_t answers = 0;  // plans end with the queries that finish them
-	for (const Planned& planned : m_planned) answers += planned.plan.answers();
+	m_answers = 0;  // plans end with the queries that finish them
+	for (const Planned& planned : m_planned) m_answers += planned.plan.answers();
 	const Clock::time_point answering = Clock::now();
 	btCollisionDispatcher::dispatchAllCollisionPairs(pairCache, info, dispatcher);
-	m_answerCost.observe(answers, microsecondsSince(answering));
+	m_answerCost.observe(m_answers, microsecondsSince(answering));
 	m_planned.clear();
 }
 

@@ -28,6 +28,9 @@ public:
 	void dispatchAllCollisionPairs(btOverlappingPairCache* pairCache, const btDispatcherInfo& info,
 								   btDispatcher* dispatcher) override;
 
+	// Pairs of nodes that answered in the last step under a budget: what its time is reckoned by.
+	std::uint64_t answers() const { return m_answers; }
+
 private:
 	struct Planned;
 	void plan(btOverlappingPairCache& pairCache, const btDispatcherInfo& info);
@@ -36,5 +39,6 @@ private:
 	clod::Context& m_context;
 	std::vector<Planned> m_planned;
 	std::vector<std::uint32_t> m_queue;  // a heap of indices into m_planned
-	clod::AnswerCost m_answerCost{10};   // of dispatches after planning, an answer is a pair of nodes
+	std::uint64_t m_answers = 0;
+	clod::AnswerCost m_answerCost{10};  // of dispatches after planning, an answer is a pair of nodes
 };

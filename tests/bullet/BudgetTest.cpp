@@ -93,6 +93,7 @@ public:
 		step.excess = sums.excess;
 		return step;
 	}
+	std::uint64_t answers() const { return dynamic_cast<const btClodDispatcher&>(*m_dispatcher).answers(); }
 	// Of the body that lies in the middle of another.
 	double height() const { return double(m_bodies[1]->getWorldTransform().getOrigin().y()); }
 
@@ -120,6 +121,17 @@ private:
 	std::vector<std::unique_ptr<btRigidBody>> m_bodies;
 };
 }  // namespace
+
+// A budget of time is reckoned by the pairs of nodes that answered.
+TEST(BulletBudget, CountsWhatAnsweredAndMoreWithMore)
+{
+	Toruses world(true);
+	world.run(120, kOff, 0);
+	const std::uint64_t coarsest = world.answers();
+	world.run(1, kOff, 1e9);
+	EXPECT_GT(coarsest, 0u);
+	EXPECT_GT(world.answers(), coarsest);
+}
 
 TEST(BulletBudget, AFullOneGivesTheTrajectoryOfNone)
 {
