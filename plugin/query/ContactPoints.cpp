@@ -61,6 +61,16 @@ bool isBeside(const FacePrism& prism, const Vec3& center, const Vec3& half, doub
 	return false;
 }
 
+// Is all of a ball beside, above or below the prism?
+bool isOutside(const FacePrism& prism, const MovedPatch::Ball& ball, double top)
+{
+	const double height = prism.heightOf(ball.center);
+	if (height - ball.radius > top || height + ball.radius < prism.bottom) return true;
+	for (std::size_t i = 0; i < 3; ++i)
+		if (dot(prism.side[i], ball.center) - ball.radius > prism.sideOffset[i]) return true;
+	return false;
+}
+
 // Farthest a point of the node can move over the reference in the step, and the largest height worth looking at.
 double speculativeReach(const PointFilter& filter, const Vec3& center, double radius)
 {
@@ -107,6 +117,18 @@ void movePatch(const Hierarchy& hierarchy, const Node& node, const Transform& re
 	}
 	moved.low = bounds.low;
 	moved.high = bounds.high;
+}
+
+void findBalls(const PointFilter& filter, double rounding, MovedPatch& moved)
+{
+	moved.balls.clear();
+	for (const Triangle& triangle : moved.triangles)
+	{
+		MovedPatch::Ball ball{(1.0 / 3) * (triangle[0] + triangle[1] + triangle[2]), 0};
+		for (const Vec3& corner : triangle) ball.radius = std::max(ball.radius, length(corner - ball.center));
+		ball.radius += farthestCarried(filter, ball.center, ball.radius) + rounding;
+		moved.balls.push_back(ball);
+	}
 }
 
 // Lazily the planes of the node's faces, as (normal, offset) pairs for PointFilter::keep.
@@ -197,6 +219,7 @@ void PointClipper::clipPair(const Side& reference, const Side& other, std::vecto
 	const Vec3 center = 0.5 * (m_other.low + m_other.high), half = 0.5 * (m_other.high - m_other.low);
 	const double rounding = 1e-9 * (length(center) + length(half));
 	const double carried = farthestCarried(filter, center, length(half)) + rounding;
+	findBalls(filter, rounding, m_other);
 	for (std::uint32_t i = 0; i < node.faceCount; ++i)
 	{
 		const Face& face = reference.hierarchy.faces()[node.firstFace + i];
@@ -207,8 +230,10 @@ void PointClipper::clipPair(const Side& reference, const Side& other, std::vecto
 		FacePrism prism = prismOf(reference.hierarchy, node, face);
 		prism.top = filter.topFor(prism, center, length(half));
 		if (middle - extent > prism.top || isBeside(prism, center, half, carried)) continue;
+		const double top = std::max(prism.top, filter.arrivalTop());
 		for (std::size_t j = 0; j < m_other.faces.size(); ++j)
 		{
+			if (isOutside(prism, m_other.balls[j], top)) continue;
 			if (dot(normal, m_other.normals[j]) >= kOpposingCosine) continue;
 			const auto emit = [&](const Vec3& point, double height, double predicted)
 			{

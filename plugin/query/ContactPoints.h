@@ -105,6 +105,12 @@ struct MovedPatch
 	std::vector<Vec3> normals;
 	std::vector<Triangle> triangles;
 	std::vector<std::uint32_t> faces;  // global indices of the faces kept
+	struct Ball
+	{
+		Vec3 center;
+		double radius;
+	};
+	std::vector<Ball> balls;  // each holds its triangle, where it is and where it is carried in the step
 	Vec3 low, high;
 };
 
@@ -132,6 +138,8 @@ struct PointFilter
 	const PointRules* rules;
 	RelativeMotion otherMotion;
 	double topFor(const FacePrism& prism, const Vec3& near, double reach) const;
+	// Over a face, of points that are carried into its prism.
+	double arrivalTop() const { return rules->margin + kUnderPatchShare * rules->length; }
 
 	// Calls emit(point, height, predicted) for every point of the triangle that is in touch with the face under the
 	// prism, or will be by the end of the step:
@@ -176,7 +184,7 @@ private:
 		Triangle moved = triangle;
 		for (Vec3& corner : moved) corner += otherMotion.timeStep * otherMotion.velocity(corner);
 		FacePrism arrival = prism;
-		arrival.top = rules->margin + kUnderPatchShare * rules->length;
+		arrival.top = arrivalTop();
 		const ClippedPolygon there = clipToPrism(arrival, moved);
 		for (int i = 0; i < there.count; ++i)
 		{
