@@ -22,12 +22,13 @@ namespace clod::builder
 namespace
 {
 constexpr double kNever = std::numeric_limits<double>::infinity();
-constexpr std::size_t kMostFaces = 256;  // of a patch; 64 in the finer levels
-constexpr double kReflex = 2;            // eps of a bridged level over what its hulls may stick out: a chord over
-										 // a reflex edge rises half as high as the edge
-constexpr double kRoomToBridge = 0.8;    // of the error, which the level that is bridged may use up itself
-constexpr double kAsFew = 1.25;          // times the patches, of fewer triangles: preferred
-constexpr double kSameError = 1.1;       // of the level that was bridged: up to it the bridged one takes its place
+constexpr std::size_t kMostFaces = 256;       // of a patch; 64 in the finer levels
+constexpr double kReflex = 2;                 // eps of a bridged level over what its hulls may stick out: a chord over
+											  // a reflex edge rises half as high as the edge
+constexpr double kRoomToBridge = 0.8;         // of the error, which the level that is bridged may use up itself
+constexpr double kAsFew = 1.25;               // times the patches, of fewer triangles: preferred
+constexpr std::size_t kWorthDropping = 1000;  // triangles that are stored once less
+constexpr double kSameError = 1.1;            // of the level that was bridged: up to it the bridged one takes its place
 constexpr double kShares[] = {0.01, 0.03, 0.1, 0.2, 0.4};  // of the radius: errors that levels are bridged within
 constexpr std::size_t kShareCount = std::size(kShares);
 constexpr std::size_t kCounted = 3;  // of them decide between levels that cannot both stay
@@ -318,8 +319,12 @@ void bridgeCoarseLevels(std::vector<Lod>& lods, const Solid& solid, const Protru
 		}
 		Candidate& start = levels[fewest];
 		if (bridged.patchCount == start.lod.patchCount) continue;
-		const double sameError = kSameError * deviationOf(start.lod, solid, scale, threads);
-		if (isWithin(std::min(sameError, limitOf(start.share)), bridged, solid, scale, threads))
+		const auto keepsError = [&]
+		{
+			const double sameError = kSameError * deviationOf(start.lod, solid, scale, threads);
+			return isWithin(std::min(sameError, limitOf(start.share)), bridged, solid, scale, threads);
+		};
+		if (start.lod.mesh.triangles.size() >= kWorthDropping && keepsError())
 			start.lod = std::move(bridged);
 		else
 			levels.insert(levels.begin() + std::ptrdiff_t(end), {std::move(bridged), share});
