@@ -84,7 +84,8 @@ public:
 	// holds it over the whole step. Any other dispatcher lets each pair have a share by what it needed last, so that
 	// the sum is near the budget, not under it. A budget that cannot be used is warned of and not used.
 	Budget budget;
-	// Search the signed gap of touching bodies too (PairReport::result then has it, certified). Costs a millisecond or more.
+	// Search the signed gap of touching bodies too (PairReport::result then has it, certified). Costs a millisecond or
+	// more.
 	bool searchGap = false;
 	// Receives each warning once a pair and cause; prints to stderr by default; empty = silent (lastStep() has it
 	// still).

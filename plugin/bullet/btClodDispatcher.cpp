@@ -62,9 +62,7 @@ void btClodDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache* pairCac
 	const Clock::time_point start = Clock::now();
 	m_planned.clear();
 	plan(*pairCache, info);
-	refine(budget, microsecondsSince(start));
-	m_answers = 0;  // plans end with the queries that finish them
-	for (const Planned& planned : m_planned) m_answers += planned.plan.answers();
+	m_answers = refine(budget, microsecondsSince(start));
 	const Clock::time_point answering = Clock::now();
 	btCollisionDispatcher::dispatchAllCollisionPairs(pairCache, info, dispatcher);
 	m_answerCost.observe(m_answers, microsecondsSince(answering));
@@ -96,7 +94,7 @@ void btClodDispatcher::plan(btOverlappingPairCache& pairCache, const btDispatche
 }
 
 // The worst pair of nodes of all pairs, again and again, as long as the budget pays for it and for all answers.
-void btClodDispatcher::refine(const clod::Budget& budget, double already)
+std::uint64_t btClodDispatcher::refine(const clod::Budget& budget, double already)
 {
 	BT_PROFILE("btClodDispatcher::refine");
 	const Clock::time_point start = Clock::now();
@@ -115,11 +113,11 @@ void btClodDispatcher::refine(const clod::Budget& budget, double already)
 	while (!m_queue.empty())
 	{
 		clod::QueryPlan& plan = m_planned[m_queue.front()].plan;
-		if (double(committed + plan.cost()) > tests) return;
+		if (double(committed + plan.cost()) > tests) return answers;
 		if (budget.microseconds < clod::kOff)
 		{
 			const double answer = m_answerCost.estimate(double(answers) + 0.5 * double(plan.cost()));
-			if (already + microsecondsSince(start) + answer > budget.microseconds) return;
+			if (already + microsecondsSince(start) + answer > budget.microseconds) return answers;
 		}
 		committed -= plan.committed();
 		answers -= plan.answers();
@@ -132,4 +130,5 @@ void btClodDispatcher::refine(const clod::Budget& budget, double already)
 		else
 			m_queue.pop_back();
 	}
+	return answers;
 }

@@ -34,7 +34,8 @@ public:
 private:
 	struct Planned;
 	void plan(btOverlappingPairCache& pairCache, const btDispatcherInfo& info);
-	void refine(const clod::Budget& budget, double already);
+	// Returns how many pairs of nodes will answer.
+	std::uint64_t refine(const clod::Budget& budget, double already);
 
 	clod::Context& m_context;
 	std::vector<Planned> m_planned;

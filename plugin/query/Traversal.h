@@ -225,7 +225,7 @@ private:
 		float apart = std::numeric_limits<float>::infinity();
 		for (std::uint32_t i = 0; i < count; ++i)
 			apart = std::min(apart, (within >> i & 1) != 0 ? std::numeric_limits<float>::infinity() : separations[i]);
-		if (apart < row.apart) row.apart = lowerAfter(apart, 0);
+		if (within != (1U << count) - 1) row.apart = std::min(row.apart, lowerAfter(apart, 0));
 		forEach(within,
 				[&](std::uint32_t i)
 				{
