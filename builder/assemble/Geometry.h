@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Points, triangles and directed rounding: what every step of the assembly shares.
+// Points, triangles and boxes: what every step of the assembly shares.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -68,17 +68,6 @@ inline ClosestPoint closestPoint(const Vec3& p, const Triangle& t)
 inline double distanceSquared(const Vec3& p, const Triangle& t)
 {
 	return lengthSquared(p - closestPoint(p, t).point);
-}
-
-// The smallest float that is at least v, and the largest that is at most v.
-inline float roundUp(double v)
-{
-	const float f = roundToFloat(v);
-	return double(f) < v ? std::nextafter(f, std::numeric_limits<float>::infinity()) : f;
-}
-inline float roundDown(double v)
-{
-	return -roundUp(-v);
 }
 
 struct AxisBox

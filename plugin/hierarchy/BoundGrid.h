@@ -28,8 +28,7 @@ inline bool isBound(float v)
 // The smallest number of the grid that is at least v; v in [0, kLargestBound].
 inline float boundAtLeast(double v)
 {
-	float f = roundToFloat(v);
-	if (double(f) < v) f = std::nextafter(f, HUGE_VALF);
+	float f = roundUp(v);
 	std::uint32_t bits;
 	std::memcpy(&bits, &f, sizeof bits);
 	bits = (bits + kBeyondBound) & ~kBeyondBound;
@@ -39,8 +38,7 @@ inline float boundAtLeast(double v)
 // The largest number of the grid that is at most v; v >= 0, finite.
 inline float boundAtMost(double v)
 {
-	float f = roundToFloat(v);
-	if (double(f) > v) f = std::nextafter(f, -HUGE_VALF);
+	float f = roundDown(v);
 	std::uint32_t bits;
 	std::memcpy(&bits, &f, sizeof bits);
 	bits &= ~kBeyondBound;

@@ -88,5 +88,15 @@ inline float roundToFloat(double x)
 	const volatile float rounded = float(x);
 	return rounded;
 }
+// The smallest float that is at least x, and the largest that is at most x.
+inline float roundUp(double x)
+{
+	const float nearest = roundToFloat(x);
+	return double(nearest) < x ? std::nextafter(nearest, HUGE_VALF) : nearest;
+}
+inline float roundDown(double x)
+{
+	return -roundUp(-x);
+}
 inline Float3 toFloat3(const Vec3& v) { return {roundToFloat(v.x), roundToFloat(v.y), roundToFloat(v.z)}; }
 }  // namespace clod

@@ -3,7 +3,6 @@
 #include "clod/query/ClosestPair.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "clod/query/HullCull.h"
@@ -78,12 +77,13 @@ private:
 			for (std::uint32_t i = 0; i < count; ++i)
 			{
 				const std::uint32_t a = areOfA ? nodes[i] : other, b = areOfA ? other : nodes[i];
-				meet({paperSeparation(m_context, a, b, m_judge.best), a, b}, above);
+				const double separation = paperSeparation(m_context, a, b, m_judge.best);
+				if (separation <= m_judge.limit()) meet({separation, a, b}, above);
 			}
 			return;
 		}
 		float separations[kBoxLanes];
-		const float limit = std::nextafter(float(m_judge.limit()), std::numeric_limits<float>::infinity());
+		const float limit = roundDown(m_judge.limit());
 		std::uint32_t within = boxSeparations(m_context, areOfA, other, nodes, count, separations, limit);
 		for (; within != 0; within &= within - 1)
 		{
@@ -93,7 +93,7 @@ private:
 	}
 	void meet(Candidate pair, double above)
 	{
-		if (pair.separation <= m_judge.limit() && m_judge.counts(pair, above)) m_stack.push_back(pair);
+		if (m_judge.counts(pair, above)) m_stack.push_back(pair);
 	}
 
 	const QueryContext& m_context;

@@ -25,7 +25,8 @@ public:
 	// The remembered bound alone says so.
 	bool isProvenApart(std::uint32_t a, std::uint32_t b, double limit, const HullMemory& memory) const
 	{
-		return memory.knowledge == HullKnowledge::kApart && double(memory.lower) > limit + room(a, b, limit);
+		return memory.knowledge == HullKnowledge::kApart &&
+			   double(memory.lower) > limit + roomOf(m_context, a, b, limit);
 	}
 	// As before, or seen along the remembered direction.
 	bool isStillApart(std::uint32_t a, std::uint32_t b, double limit, HullMemory& memory)
@@ -39,7 +40,7 @@ public:
 		++m_stats.hullTests;
 		const Vec3 axis = vectorOf(memory.onA);
 		const double lower = sweptSeparationAlong(m_context, a, b, axis);
-		if (!(lower > limit + room(a, b, limit))) return false;
+		if (!(lower > limit + roomOf(m_context, a, b, limit))) return false;
 		keepApart(memory, lower, axis);
 		return true;
 	}
@@ -86,7 +87,7 @@ private:
 		if (memory.knowledge != HullKnowledge::kNear) return false;
 		const double upper = sweptPointDistance(m_context, b, vectorOf(memory.onA), vectorOf(memory.onB));
 		const double rounding = 2e-7 * m_context.size;  // of points kept as floats
-		if (!(upper < limit - room(a, b, limit) - rounding)) return false;
+		if (!(upper < limit - roomOf(m_context, a, b, limit) - rounding)) return false;
 		++m_stats.skippedBySlack;
 		return true;
 	}
@@ -94,7 +95,6 @@ private:
 	{
 		for (int i = 0; i < 3; ++i) kept[i] = float(v[i]);
 	}
-	double room(std::uint32_t a, std::uint32_t b, double limit) const { return roomOf(m_context, a, b, limit); }
 	const QueryContext& m_context;
 	QueryStats& m_stats;
 };

@@ -48,7 +48,7 @@ public:
 		  m_settings(settings),
 		  m_front(front),
 		  m_sink(sink),
-		  m_limit(atMost(settings.tolerance)),
+		  m_limit(roundDown(settings.tolerance)),
 		  m_room(1e-9 * context.size + context.boxes.roundingOfTwo()),
 		  m_moved(float(front.pending) * (1 + 3e-7f)),
 		  m_stats(&stats),
@@ -136,7 +136,6 @@ private:
 		const Span<std::uint32_t> children = m_settings.rule.childrenOf(side, row.ofChildrenOfA ? pair.a : pair.b);
 
 		std::uint32_t old = 0, oldEnd = 0;
-		float apart = std::numeric_limits<float>::infinity();
 		bool stillApart = false;
 		if (pair.old != kNone && m_front.previous[pair.old].state == pair.state)
 		{
@@ -145,7 +144,7 @@ private:
 			oldEnd = old + before.childCount;
 			const float low = lowerAfter(before.apart, m_moved);
 			stillApart = isBeyond(low);
-			if (stillApart) apart = low;
+			if (stillApart) row.apart = low;
 		}
 		if (!stillApart)
 			for (const std::uint32_t child : children) __builtin_prefetch(&side.cullBox(child));
@@ -172,7 +171,7 @@ private:
 		opened.link = first;
 		opened.childCount = std::uint16_t(m_front.entries.size() - first);
 		m_stats->front += std::uint32_t(children.size) - opened.childCount;
-		opened.apart = std::min(apart, row.apart);
+		opened.apart = row.apart;
 	}
 
 	// Which pairs of a row are near, from cached bounds where they prove it; othersAreFar: those not met before are.
@@ -339,11 +338,6 @@ private:
 		keep(entry, memory);
 	}
 
-	static float atMost(double x)
-	{
-		const float nearest = roundToFloat(x);
-		return double(nearest) <= x ? nearest : std::nextafter(nearest, -std::numeric_limits<float>::infinity());
-	}
 	bool isBeyond(float low) const { return double(low) > m_settings.tolerance + m_room; }
 	void touch(std::uint32_t a, std::uint32_t b)
 	{
