@@ -93,6 +93,7 @@ public:
 		return m_best.lower + std::max(m_accuracy.absolute, m_accuracy.relative * m_best.lower);
 	}
 
+	double deepest() const { return m_best.lower; }
 	// Is the largest depth such that no larger one is asked for?
 	bool enough() const { return m_best.lower >= m_accuracy.enough; }
 

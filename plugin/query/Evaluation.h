@@ -278,7 +278,7 @@ private:
 				std::max(accuracy.absolute, std::min(0.5 * gapLimit(), 0.2 * std::min(reach, m_settings.tolerance)));
 			accuracy.relative = 0;
 		}
-		if (m_settings.distance) accuracy.cellLimit *= 10;
+		if (m_settings.distance || gapLimit() < kInfinity) accuracy.cellLimit *= 10;
 		return accuracy;
 	}
 	// So deep at some point, perhaps deeper.

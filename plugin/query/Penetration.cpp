@@ -31,26 +31,33 @@ Mover intoA(const RelativePose& pose)
 class NearSearch
 {
 public:
-	NearSearch(const ContactSide& own, bool ownIsA, const QueryContext& context, const std::vector<Contact>& near,
-			   GatheredSurface& surface, const DepthAccuracy& accuracy, PenetrationScratch& scratch)
-		: m_own(own),
+	NearSearch(PenetrationScratch::Side& own, bool ownIsA, const QueryContext& context,
+			   const std::vector<Contact>& near, GatheredSurface& surface, const DepthAccuracy& accuracy)
+		: m_own(own.contacts),
 		  m_ownIsA(ownIsA),
 		  m_intoOther(ownIsA ? intoB(context.pose) : intoA(context.pose)),
 		  m_near(near),
-		  m_scratch(scratch),
-		  m_search(surface, accuracy, scratch.heap)
+		  m_scratch(own),
+		  m_search(surface, accuracy, own.heap)
 	{
 	}
 
-	// All corners first, and those of overlapping hulls before others: most of the rest is then dropped at once.
-	DepthBound run(const DepthBound& known)
+	// Of the corners; those of overlapping hulls before others: most of the rest is then dropped at once. A depth is
+	// known already.
+	double deepestCorner(double known)
 	{
-		m_search.startFrom(known);
+		m_search.startFrom({known, 0});
 		m_scratch.samples.clear();
 		m_scratch.searched.clear();
 		for (const bool overlaps : {true, false})
 			for (std::uint32_t i = 0; i < m_own.slots.size() && !m_search.enough(); ++i)
 				if (m_own.slots[i].overlaps == overlaps && (overlaps || !isShallow(i))) sampleCorners(i);
+		return m_search.deepest();
+	}
+	// Of all points.
+	DepthBound run(const DepthBound& known)
+	{
+		m_search.startFrom(known);
 		const DepthSample* corner = m_scratch.samples.data();
 		for (const std::uint32_t i : m_scratch.searched)
 		{
@@ -89,7 +96,7 @@ private:
 	const bool m_ownIsA;
 	const Mover m_intoOther;
 	const std::vector<Contact>& m_near;
-	PenetrationScratch& m_scratch;
+	PenetrationScratch::Side& m_scratch;
 	DepthSearch<GatheredSurface> m_search;
 };
 
@@ -124,7 +131,7 @@ private:
 DepthBound searchWhole(const Hierarchy& own, const Mover& intoOther, InputSurface& surface, const DepthBound& known,
 					   const DepthAccuracy& accuracy, PenetrationScratch& scratch)
 {
-	DepthSearch<InputSurface> search(surface, accuracy, scratch.heap);
+	DepthSearch<InputSurface> search(surface, accuracy, scratch.a.heap);
 	search.startFrom(known);
 	double dropped = 0;
 	const auto push = [&](std::uint32_t node)
@@ -166,11 +173,15 @@ DepthBound searchWhole(const Hierarchy& own, const Mover& intoOther, InputSurfac
 DepthBound nearPenetration(const QueryContext& context, const std::vector<Contact>& near, const DepthAccuracy& accuracy,
 						   PenetrationScratch& scratch, QueryStats& stats)
 {
-	gatherSides(context, near, scratch.a, scratch.b);
-	GatheredSurface ofB(scratch.a, scratch.b, accuracy.enough, stats),
-		ofA(scratch.b, scratch.a, accuracy.enough, stats);
-	const DepthBound ofSideA = NearSearch(scratch.a, true, context, near, ofB, accuracy, scratch).run({});
-	return NearSearch(scratch.b, false, context, near, ofA, accuracy, scratch).run(ofSideA);
+	ContactSide &a = scratch.a.contacts, &b = scratch.b.contacts;
+	gatherSides(context, near, a, b);
+	GatheredSurface ofB(a, b, accuracy.enough, stats), ofA(b, a, accuracy.enough, stats);
+	NearSearch inB(scratch.a, true, context, near, ofB, accuracy), inA(scratch.b, false, context, near, ofA, accuracy);
+	// All corners first: the deepest point is often one of the other side.
+	double deepest = inB.deepestCorner(0);
+	if (deepest < accuracy.enough) deepest = inA.deepestCorner(deepest);
+	if (deepest >= accuracy.enough) return {deepest, std::numeric_limits<double>::infinity()};
+	return inA.run(inB.run({deepest, 0}));
 }
 
 DepthBound wholePenetration(const QueryContext& context, const DepthAccuracy& accuracy, PenetrationScratch& scratch,

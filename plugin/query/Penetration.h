@@ -12,10 +12,14 @@ namespace clod
 {
 struct PenetrationScratch
 {
-	ContactSide a, b;
-	std::vector<DepthCell> heap;
-	std::vector<DepthSample> samples;     // corners of the leaves searched, one after the other
-	std::vector<std::uint32_t> searched;  // their slots
+	struct Side
+	{
+		ContactSide contacts;
+		std::vector<DepthCell> heap;
+		std::vector<DepthSample> samples;     // corners of the leaves searched, one after the other
+		std::vector<std::uint32_t> searched;  // their slots
+	};
+	Side a, b;
 	struct TreeCell
 	{
 		double upper;

@@ -41,25 +41,51 @@ bool crosses(const Vec3& p, const Vec3& q, const std::array<Vec3, 3>& t)
 	return (a > 0 && b > 0 && c > 0) || (a < 0 && b < 0 && c < 0);
 }
 
+// A point and its depth below the surface, > 0 inside.
+struct Sample
+{
+	Vec3 point;
+	double depth = 0;
+};
 struct Cell
 {
 	std::array<Vec3, 3> corner;
 	double upper;
+	Sample center;
 	bool operator<(const Cell& o) const { return upper < o.upper; }
 };
 
-// Depth of p below the surface, > 0 inside; and the triangle that is nearest.
-double depthAt(const TriangleSoup& mesh, const Vec3& p, std::size_t& nearest)
+// Of the box round a triangle.
+double squaredToBox(const Vec3& p, const std::array<Vec3, 3>& t)
+{
+	double squared = 0;
+	for (int k = 0; k < 3; ++k)
+	{
+		const double low = std::min({t[0][k], t[1][k], t[2][k]}), high = std::max({t[0][k], t[1][k], t[2][k]});
+		const double d = std::max({low - p[k], p[k] - high, 0.0});
+		squared += d * d;
+	}
+	return squared;
+}
+
+// From the surface, and the triangle that is nearest.
+double distanceAt(const TriangleSoup& mesh, const Vec3& p, std::size_t& nearest)
 {
 	double best = 1e300;
 	for (std::size_t i = 0; i < mesh.size(); ++i)
 	{
+		if (squaredToBox(p, mesh[i]) >= best * best) continue;
 		const double distance = pointTriangleDistance(p, mesh[i]);
 		if (distance >= best) continue;
 		best = distance;
 		nearest = i;
 	}
-	return windingNumber(mesh, p) > 0.5 ? best : -best;
+	return best;
+}
+// The side of a point is that of another where no surface lies between.
+bool isInside(const TriangleSoup& mesh, const Vec3& p, const Sample& other)
+{
+	return length(p - other.point) < std::abs(other.depth) ? other.depth > 0 : windingNumber(mesh, p) > 0.5;
 }
 
 // Deepest point of `surface` inside `solid`, at least `known`.
@@ -67,11 +93,11 @@ GapInterval deepest(const TriangleSoup& surface, const TriangleSoup& solid, doub
 {
 	std::priority_queue<Cell> cells;
 	double best = known;
-	const auto push = [&](const std::array<Vec3, 3>& corner)
+	const auto push = [&](const std::array<Vec3, 3>& corner, const Sample& before)
 	{
 		const Vec3 center = (1.0 / 3) * (corner[0] + corner[1] + corner[2]);
 		std::size_t nearest = 0;
-		const double depth = depthAt(solid, center, nearest);
+		const double distance = distanceAt(solid, center, nearest);
 		// No point of the cell is deeper than its centre by more than the radius, nor farther from the nearest triangle
 		// than the farthest corner is (the distance to a convex set is convex).
 		double radius = 0, farthest = 0;
@@ -80,11 +106,13 @@ GapInterval deepest(const TriangleSoup& surface, const TriangleSoup& solid, doub
 			radius = std::max(radius, length(c - center));
 			farthest = std::max(farthest, pointTriangleDistance(c, solid[nearest]));
 		}
+		if (std::min(distance + radius, farthest) <= best + accuracy) return;  // on either side
+		const double depth = isInside(solid, center, before) ? distance : -distance;
 		best = std::max(best, depth);
 		const double upper = std::min(depth + radius, farthest);
-		if (upper > best + accuracy) cells.push({corner, upper});
+		if (upper > best + accuracy) cells.push({corner, upper, {center, depth}});
 	};
-	for (const auto& t : surface) push(t);
+	for (const auto& t : surface) push(t, {});
 	double upper = best + accuracy;
 	while (!cells.empty())
 	{
@@ -93,10 +121,10 @@ GapInterval deepest(const TriangleSoup& surface, const TriangleSoup& solid, doub
 		if (cell.upper <= best + accuracy) break;
 		const auto& c = cell.corner;
 		const Vec3 m[3] = {0.5 * (c[0] + c[1]), 0.5 * (c[1] + c[2]), 0.5 * (c[2] + c[0])};
-		push({c[0], m[0], m[2]});
-		push({c[1], m[1], m[0]});
-		push({c[2], m[2], m[1]});
-		push({m[0], m[1], m[2]});
+		push({c[0], m[0], m[2]}, cell.center);
+		push({c[1], m[1], m[0]}, cell.center);
+		push({c[2], m[2], m[1]}, cell.center);
+		push({m[0], m[1], m[2]}, cell.center);
 		upper = best + accuracy;
 	}
 	return {best, std::max(upper, best + accuracy)};
