@@ -53,7 +53,7 @@ GapInterval truthOf(std::uint64_t seed, std::size_t index, const BodyPair& pair,
 void checkBounds(const Settings& settings, std::uint64_t seed, BoundCounts& counts)
 {
 	Random random(seed);
-	const int poses = setting("CLOD_POSES", 12);
+	const int poses = setting("CLOD_POSES", 48);
 	std::size_t index = 0;
 	for (const BodyPair& pair : pairs())
 		for (int i = 0; i < poses; ++i)
@@ -135,7 +135,7 @@ TEST(Certificate, HoldsWithMaxError)
 TEST(Certificate, TheGapOfCoarseContactsIsAsExactAsAskedFor)
 {
 	Random random(32);
-	const int poses = setting("CLOD_POSES", 12);
+	const int poses = setting("CLOD_POSES", 48);
 	int apart = 0, near = 0, overlapping = 0, coarser = 0;
 	for (const BodyPair& pair : pairs())
 		for (int i = 0; i < 3 * poses; ++i)
