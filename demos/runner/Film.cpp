@@ -16,7 +16,7 @@ namespace clod::demo
 namespace
 {
 constexpr std::size_t kSheetCells = 9;
-constexpr int kSheetColumns = 3, kSheetCellWidth = 720;
+constexpr int kSheetColumns = 3, kSheetCellWidth = 1080;
 constexpr const char* kFilmRate = "30";
 
 void write(const std::string& path, const Image& image, const std::string& title)
