@@ -245,6 +245,7 @@ void add(QueryStats& sum, const QueryStats& stats)
 	sum.pending += stats.pending;
 	sum.needed += stats.needed;
 	sum.gapSearches += stats.gapSearches;
+	sum.depthsCutShort += stats.depthsCutShort;
 }
 
 // Levels of accepted nodes, over the pairs that have any.

@@ -33,14 +33,17 @@ struct DepthCell
 {
 	Triangle triangle;      // in the frame of the surface
 	DepthSample corner[3];  // at its corners
-	double upper;
-	std::uint32_t group;  // the surface's own: which faces may be near
+	double upper = 0;
+	std::uint32_t face = kNone;  // (1') bounds it by what is over this face; kNone: by another part, or (2) does
+	Vec3 top;                    // the point over the face that is farthest from it
+	std::uint32_t group = 0;     // the surface's own: which faces may be near
 	bool operator<(const DepthCell& other) const { return upper < other.upper; }
 };
 
 struct DepthBound
 {
 	double lower = 0, upper = 0;  // the deepest point's depth lies between; lower is that of a point met
+	bool isCutShort = false;      // the limit of cells was met
 };
 
 struct DepthAccuracy
@@ -77,7 +80,10 @@ public:
 	void add(std::uint32_t group, const Triangle& triangle, const DepthSample& first, const DepthSample& second,
 			 const DepthSample& third)
 	{
-		DepthCell cell{triangle, {first, second, third}, 0, group};
+		DepthCell cell;
+		cell.triangle = triangle;
+		cell.corner[0] = first, cell.corner[1] = second, cell.corner[2] = third;
+		cell.group = group;
 		push(cell);
 	}
 	// Instead of adding what is known to be no deeper. False: it is not shallow enough for that.
@@ -107,8 +113,10 @@ public:
 			const DepthCell cell = m_heap.back();
 			m_heap.pop_back();
 			undecided = cell.upper;
-			if (cell.upper <= threshold() || enough() || ++cells > m_accuracy.cellLimit) break;
-			halve(cell);
+			if (cell.upper <= threshold() || enough()) break;
+			m_best.isCutShort = m_best.isCutShort || cells == m_accuracy.cellLimit;
+			if (cells++ == m_accuracy.cellLimit) break;
+			divide(cell);
 			undecided = 0;
 		}
 		m_best.upper = std::max({m_best.upper, m_best.lower, undecided, m_dropped});
@@ -116,6 +124,48 @@ public:
 	}
 
 private:
+	// Where another face is nearer to the point that the bound comes from, the two depths cross in a line, along which
+	// the cell is cut: a ridge of equal depth has halves meet their bound only when they are as small as the accuracy.
+	void divide(const DepthCell& cell)
+	{
+		if (cell.face == kNone) return halve(cell);
+		const DepthSample here = sample(cell.group, cell.top, cell.face);
+		if (drop(cell.upper)) return;
+		if (here.face == cell.face) return halve(cell);
+		const Triangle one = m_surface.triangle(cell.face), other = m_surface.triangle(here.face);
+		const Vec3 first = normalized(cross(one.corner[1] - one.corner[0], one.corner[2] - one.corner[0]));
+		const Vec3 second = normalized(cross(other.corner[1] - other.corner[0], other.corner[2] - other.corner[0]));
+		if (!cut(cell, first - second, dot(first, one.corner[0]) - dot(second, other.corner[0]))) halve(cell);
+	}
+
+	// Into three along a plane, unless that only scratches the cell.
+	bool cut(const DepthCell& cell, const Vec3& normal, double offset)
+	{
+		constexpr double kScratch = 1e-3;
+		const Vec3* corner = cell.triangle.corner;
+		double side[3], most = 0, least = 0;
+		for (int i = 0; i < 3; ++i)
+		{
+			side[i] = dot(normal, corner[i]) - offset;
+			most = std::max(most, side[i]);
+			least = std::min(least, side[i]);
+		}
+		if (!(std::min(most, -least) > kScratch * (most - least))) return false;
+		int alone = 0;
+		while ((side[alone] < 0) == (side[(alone + 1) % 3] < 0) || (side[alone] < 0) == (side[(alone + 2) % 3] < 0))
+			++alone;
+		const int next = (alone + 1) % 3, last = (alone + 2) % 3;
+		const auto crossing = [&](int to)
+		{ return corner[alone] + (side[alone] / (side[alone] - side[to])) * (corner[to] - corner[alone]); };
+		const Vec3 first = crossing(next), second = crossing(last);
+		const DepthSample atFirst = sample(cell.group, first, cell.face),
+						  atSecond = sample(cell.group, second, cell.face);
+		add(cell.group, {{corner[alone], first, second}}, cell.corner[alone], atFirst, atSecond);
+		add(cell.group, {{first, corner[next], corner[last]}}, atFirst, cell.corner[next], cell.corner[last]);
+		add(cell.group, {{first, corner[last], second}}, atFirst, cell.corner[last], atSecond);
+		return true;
+	}
+
 	void halve(const DepthCell& cell)
 	{
 		int longest = 0;
@@ -171,9 +221,10 @@ private:
 		}
 		return std::max(upper, middle);
 	}
-	double upperBound(const DepthCell& cell)
+	double upperBound(DepthCell& cell)
 	{
 		double upper = nearCorners(cell);
+		cell.face = kNone;
 		const bool isOutside =
 			std::any_of(cell.corner, cell.corner + 3, [](const DepthSample& c) { return c.depth <= 0; });
 		if (isOutside && upper > threshold() && m_surface.crossesNothing(cell.group, cell.triangle))
@@ -184,23 +235,23 @@ private:
 		{
 			const std::uint32_t face = cell.corner[i].face;
 			if ((i > 0 && face == cell.corner[0].face) || (i > 1 && face == cell.corner[1].face)) continue;
-			upper = std::min(upper, overPrism(cell.triangle, face, upper));
+			upper = std::min(upper, overPrism(cell, face, upper));
 		}
 		return upper;
 	}
 
 	// Upper bound (1'), never above that of (1) for the same face. Stops once it is no better than `useful`.
-	double overPrism(const Triangle& cell, std::uint32_t face, double useful)
+	double overPrism(DepthCell& cell, std::uint32_t face, double useful)
 	{
 		const Triangle base = m_surface.triangle(face);
 		const Vec3 normal = cross(base.corner[1] - base.corner[0], base.corner[2] - base.corner[0]);
-		Polygon over(cell);
+		Polygon over(cell.triangle);
 		double upper = 0;
 		for (int edge = 0; edge < 3; ++edge)
 		{
 			const Vec3 outward = cross(base.corner[(edge + 1) % 3] - base.corner[edge], normal);
 			const double offset = dot(outward, base.corner[edge]);
-			const Polygon beyond = Polygon(cell).clipped(outward, offset);
+			const Polygon beyond = Polygon(cell.triangle).clipped(outward, offset);
 			over = over.clipped(-outward, -offset);
 			if (beyond.count == 0) continue;
 			const std::uint32_t across = m_surface.across(face, edge);
@@ -209,7 +260,12 @@ private:
 			upper = std::max(upper, farthest);
 			if (upper >= useful) return useful;
 		}
-		return std::max(upper, over.farthestFrom(base));
+		Vec3 top;
+		const double farthest = over.farthestFrom(base, &top);
+		if (std::max(upper, farthest) >= useful) return useful;
+		cell.face = farthest > upper ? face : kNone;
+		cell.top = top;
+		return std::max(upper, farthest);
 	}
 
 	// A convex polygon: a triangle cut by at most three planes.
@@ -233,10 +289,15 @@ private:
 			return part;
 		}
 
-		double farthestFrom(const Triangle& triangle) const
+		double farthestFrom(const Triangle& triangle, Vec3* which = nullptr) const
 		{
 			double squared = 0;
-			for (int i = 0; i < count; ++i) squared = std::max(squared, nearestOnTriangle(triangle, corner[i]).squared);
+			for (int i = 0; i < count; ++i)
+			{
+				const double here = nearestOnTriangle(triangle, corner[i]).squared;
+				if (which && here > squared) *which = corner[i];
+				squared = std::max(squared, here);
+			}
 			return std::sqrt(squared);
 		}
 

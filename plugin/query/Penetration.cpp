@@ -46,7 +46,7 @@ public:
 	// known already.
 	double deepestCorner(double known)
 	{
-		m_search.startFrom({known, 0});
+		m_search.startFrom({known, 0, false});
 		m_scratch.samples.clear();
 		m_scratch.searched.clear();
 		for (const bool overlaps : {true, false})
@@ -180,8 +180,10 @@ DepthBound nearPenetration(const QueryContext& context, const std::vector<Contac
 	// All corners first: the deepest point is often one of the other side.
 	double deepest = inB.deepestCorner(0);
 	if (deepest < accuracy.enough) deepest = inA.deepestCorner(deepest);
-	if (deepest >= accuracy.enough) return {deepest, std::numeric_limits<double>::infinity()};
-	return inA.run(inB.run({deepest, 0}));
+	if (deepest >= accuracy.enough) return {deepest, std::numeric_limits<double>::infinity(), false};
+	const DepthBound bound = inA.run(inB.run({deepest, 0, false}));
+	stats.depthsCutShort += bound.isCutShort ? 1 : 0;
+	return bound;
 }
 
 DepthBound wholePenetration(const QueryContext& context, const DepthAccuracy& accuracy, PenetrationScratch& scratch,
@@ -189,6 +191,8 @@ DepthBound wholePenetration(const QueryContext& context, const DepthAccuracy& ac
 {
 	InputSurface ofA(context.a, stats), ofB(context.b, stats);
 	const DepthBound boundA = searchWhole(context.a, intoB(context.pose), ofB, {}, accuracy, scratch);
-	return searchWhole(context.b, intoA(context.pose), ofA, boundA, accuracy, scratch);
+	const DepthBound bound = searchWhole(context.b, intoA(context.pose), ofA, boundA, accuracy, scratch);
+	stats.depthsCutShort += bound.isCutShort ? 1 : 0;
+	return bound;
 }
 }  // namespace clod

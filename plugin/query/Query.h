@@ -82,8 +82,9 @@ struct QueryStats
 	std::uint32_t touchedFinestLevel = 0;              // finest level whose node data was read at all
 	std::uint32_t pending = 0;  // pairs that answered coarser than the metric asks, for want of budget
 	std::uint64_t needed = 0;   // under a budget: of so many tests, it would have bought as much
-	std::uint32_t gapSearches =
-		0;  // 1: the gap is of the input surfaces, as the nodes overlapped or proved less than asked for
+	// 1: the gap is of the input surfaces, as the nodes overlapped or proved less than asked for
+	std::uint32_t gapSearches = 0;
+	std::uint32_t depthsCutShort = 0;  // searches of a depth that met their limit of cells: the bound may be wider
 };
 
 struct QueryResult
