@@ -10,8 +10,9 @@
 //   (2) depth on T <= depth(v) + max over w of |v - w| for each v, as sd is 1-Lipschitz;
 //   (3) depth(v) of a corner is reached;
 //   (4) a triangle that crosses nothing of the surface is outside where one of its corners is.
-// Cells are halved across their longest edge until the largest upper bound exceeds the best depth by no more than the
-// accuracy asked for. (2) removes what is outside without looking at it twice.
+// Cells are halved across their longest edge, or cut where the depths below two faces cross, until the largest upper
+// bound exceeds the best depth by no more than the accuracy asked for. (2) removes what is outside without looking at
+// it twice.
 #pragma once
 #include <algorithm>
 #include <limits>
@@ -240,7 +241,8 @@ private:
 		return upper;
 	}
 
-	// Upper bound (1'), never above that of (1) for the same face. Stops once it is no better than `useful`.
+	// Upper bound (1'), never above that of (1) for the same face. Stops once it is no better than `useful`; else the
+	// cell keeps what it comes from.
 	double overPrism(DepthCell& cell, std::uint32_t face, double useful)
 	{
 		const Triangle base = m_surface.triangle(face);
