@@ -165,26 +165,38 @@ struct LeafJudge
 	double limit() const { return best; }
 
 protected:
-	// From the canonical start, unless the remembered direction shows that the distance is beyond `best`: then that is
-	// what comes back, and no more.
+	// From the canonical start, unless a remembered direction shows that the distance is beyond `best`: then that is
+	// what comes back, and no more. Tried are the pair's own direction and the last one of the smaller leaf: what that
+	// is near lies much the same way.
 	HullDistance distanceOf(const ClosestPairScratch::Candidate& pair)
 	{
 		++stats.hullTests;
-		RememberedDirections::Entry& known = directions.at(pair.a, pair.b);
-		if (known.a == pair.a && known.b == pair.b)
+		const std::uint32_t a = pair.a, b = pair.b;
+		const bool isASmaller = context.a.cullBox(a).radius <= context.b.cullBox(b).radius;
+		const std::uint32_t keyA = isASmaller ? a : kNone, keyB = isASmaller ? kNone : b;
+		RememberedDirections::Entry &ofPair = directions.at(a, b), &ofSmaller = directions.at(keyA, keyB);
+		HullDistance far;
+		far.upper = std::numeric_limits<double>::infinity();
+		const auto isFar = [&](const RememberedDirections::Entry& known)
 		{
-			HullDistance far;
-			far.lower = separationAlong(contactHull(context.a, context.a.node(pair.a)),
-										contactHull(context.b, context.b.node(pair.b)), context.pose,
-										vectorOf(known.direction));
-			far.upper = std::numeric_limits<double>::infinity();
-			if (far.lower > best + roomOf(context, pair.a, pair.b, best)) return far;
+			far.lower =
+				separationAlong(contactHull(context.a, context.a.node(a)), contactHull(context.b, context.b.node(b)),
+								context.pose, vectorOf(known.direction));
+			return far.lower > best + roomOf(context, a, b, best);
+		};
+		if (ofPair.isOf(a, b) && isFar(ofPair)) return far;
+		if (ofSmaller.isOf(keyA, keyB) && isFar(ofSmaller))
+		{
+			ofPair = ofSmaller.with(a, b);
+			return far;
 		}
-		const HullDistance distance = canonicalDistance(context, pair.a, pair.b, best);
+		// A little beyond: so the direction still tells at the next pose.
+		const HullDistance distance = canonicalDistance(context, a, b, 1.1 * best);
 		if (distance.lower > best)
 		{
 			const Vec3& n = distance.normal;
-			known = {pair.a, pair.b, {float(n.x), float(n.y), float(n.z)}};
+			ofSmaller = {keyA, keyB, {float(n.x), float(n.y), float(n.z)}};
+			ofPair = ofSmaller.with(a, b);
 		}
 		return distance;
 	}

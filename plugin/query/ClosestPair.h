@@ -20,8 +20,13 @@ public:
 	{
 		std::uint32_t a = kNone, b = kNone;
 		float direction[3] = {0, 0, 0};  // frame A, from B to A
+		bool isOf(std::uint32_t nodeA, std::uint32_t nodeB) const { return a == nodeA && b == nodeB; }
+		Entry with(std::uint32_t nodeA, std::uint32_t nodeB) const
+		{
+			return {nodeA, nodeB, {direction[0], direction[1], direction[2]}};
+		}
 	};
-	// Where the pair's direction is, if it is, and goes.
+	// Where the direction of a pair, or of one leaf and kNone, is, if it is, and goes.
 	Entry& at(std::uint32_t a, std::uint32_t b)
 	{
 		const std::uint64_t pair = std::uint64_t(a) << 32 | b;
@@ -30,9 +35,9 @@ public:
 	// Room for so many, should they come again.
 	void reserve(std::size_t pairs)
 	{
-		if (4 * pairs <= m_entries.size()) return;
+		if (16 * pairs <= m_entries.size()) return;
 		std::size_t size = 1024;
-		while (size < 4 * pairs) size *= 2;
+		while (size < 16 * pairs) size *= 2;
 		m_entries.assign(size, Entry{});
 	}
 
