@@ -29,7 +29,7 @@ struct Lod
 	std::uint32_t patchCount = 0;
 	std::vector<double> patchResolution;  // r_a per patch, 1/length (method 2.1); 0 at level 0 and where nothing collapsed
 	// Label inheritance: the patch that each patch of the next finer Lod was merged into. Only --paper asks; empty in
-	// the first and in the levels that bridgeCoarseLevels has seen.
+	// the first, where patches were grown anew, and in the levels that bridgeCoarseLevels has seen.
 	std::vector<std::uint32_t> patchOfChild;
 	double patchTolerance = 0;  // eps_k
 	double errorLimit = std::numeric_limits<double>::infinity();  // that hulls keep, their thickness included

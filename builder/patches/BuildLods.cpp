@@ -20,6 +20,8 @@ constexpr double kFineBound = 0.0005;                 // below it collapses go b
 constexpr double kBoundGrowth = 1.5;
 constexpr double kToleranceShare = 0.25;  // eps_k of the deviation reached
 constexpr std::uint32_t kRetries = 3;     // of a blocked edge after changes nearby
+constexpr double kStuck = 3;              // times the last cut's bound without another: patches are grown anew
+constexpr double kWorthRegrowing = 0.98;  // of what is left to the next cut
 
 // The current state as a level; patches are numbered by their first triangle.
 Lod snapshot(const PatchMesh& mesh, double tolerance, std::vector<std::uint32_t>& idOfPatch)
@@ -66,7 +68,9 @@ public:
 
 	void run()
 	{
+		m_validity.coversMeanPlane = true;
 		decompose(m_mesh, m_validity, m_progress);
+		m_validity.coversMeanPlane = false;
 		cut();
 		m_collapser.emplace(m_mesh, m_validity, m_guard, m_config);
 		m_firstFaces = m_mesh.faceCount;
@@ -77,8 +81,21 @@ public:
 	}
 
 private:
+	// What collapses and joins change.
+	struct State
+	{
+		PatchMesh mesh;
+		DeviationGuard::Held held;
+		std::vector<Quadric> quadrics;
+		double tolerance;
+	};
+
 	void runPaper();
 	void runGuarded();
+	void regrow();
+	State state() const { return {m_mesh, m_guard.held(), m_collapser->quadrics(), m_validity.tolerance}; }
+	void restore(State&& state);
+	double shareOfLastCut() const;
 	void raiseTolerance(double tolerance);
 	std::size_t drainQueue();
 	void pushAll();
@@ -89,6 +106,7 @@ private:
 	void joinAround();
 	void cut();
 	void cutIfHalved();
+	bool tell() const;
 	bool isFinished() const;
 
 	const BuildConfig& m_config;
@@ -103,10 +121,19 @@ private:
 	{
 		std::uint32_t patches = 0;
 		std::size_t triangles = 0;
-	} m_last;  // level
+		double bound = 0;
+	} m_last;                  // level
+	bool m_isLoose = false;    // every face is a patch, and stays one
+	bool m_isRegrown = false;  // since the last cut: whose patches went where is not known
 	std::size_t m_firstFaces = 0;
 	std::size_t m_attempts = 0;
 };
+
+// False to cancel.
+bool Simplifier::tell() const
+{
+	return !m_progress || m_progress("simplify", 1 - double(m_mesh.faceCount) / double(m_firstFaces));
+}
 
 bool Simplifier::isFinished() const
 {
@@ -117,16 +144,17 @@ void Simplifier::cut()
 {
 	std::vector<std::uint32_t> idOfPatch;
 	Lod lod = snapshot(m_mesh, m_validity.tolerance, idOfPatch);
-	lod.patchOfChild.assign(m_last.patches, kNone);
+	if (!m_isRegrown) lod.patchOfChild.assign(m_last.patches, kNone);
 	for (std::uint32_t p = 0; p < m_mesh.patches.size(); ++p)
 	{
 		std::vector<std::uint32_t>& kids = m_mesh.patches[p].kids;
-		if (m_last.patches > 0)
+		if (m_last.patches > 0 && !m_isRegrown)
 			for (const std::uint32_t kid : kids) lod.patchOfChild[kid] = idOfPatch[p];
 		kids.clear();
 		if (idOfPatch[p] != kNone) kids.push_back(idOfPatch[p]);
 	}
-	m_last = {lod.patchCount, lod.mesh.triangles.size()};
+	m_last = {lod.patchCount, lod.mesh.triangles.size(), m_guard.bound};
+	m_isRegrown = false;
 	m_sink(std::move(lod));
 }
 
@@ -217,15 +245,13 @@ std::size_t Simplifier::drainQueue()
 	while (!isFinished() && m_queue.pop(edge))
 	{
 		if (!isEdge(edge.first, edge.second)) continue;
-		if (++m_attempts % 512 == 0 && m_progress &&
-			!m_progress("simplify", 1 - double(m_mesh.faceCount) / double(m_firstFaces)))
-			throw Cancelled{};
+		if (++m_attempts % 512 == 0 && !tell()) throw Cancelled{};
 		if (m_collapser->attempt(edge.first, edge.second) != Outcome::Done) continue;
 		++done;
-		joinAround();
+		if (!m_isLoose) joinAround();
 		pushAround(edge.first);
 		retryRing(edge.first);
-		cutIfHalved();
+		if (!m_isLoose) cutIfHalved();
 	}
 	return done;
 }
@@ -251,6 +277,43 @@ void Simplifier::raiseTolerance(double tolerance)
 	}
 }
 
+void Simplifier::restore(State&& state)
+{
+	m_mesh = std::move(state.mesh);
+	m_guard.restore(std::move(state.held));
+	m_collapser->restore(std::move(state.quadrics));
+	m_validity.tolerance = state.tolerance;
+}
+
+// A level is cut when neither of the two is more than half.
+double Simplifier::shareOfLastCut() const
+{
+	return std::max(double(m_mesh.patchCount) / m_last.patches, double(m_mesh.faceCount) / double(m_last.triangles));
+}
+
+// Patches that can neither merge nor bend hold the collapses up (threads, wrinkles). Without any the mesh is simplified
+// as far as the bound allows, and cut into patches anew. Patches that have been merged for long are the better ones
+// elsewhere: the new ones stay only where they are nearer to the next level.
+void Simplifier::regrow()
+{
+	State before = state();
+	const double share = shareOfLastCut();
+	m_mesh.dissolve();
+	m_isLoose = true;
+	pushAll();
+	drainQueue();
+	m_isLoose = false;
+	raiseTolerance(kToleranceShare * m_guard.reached());
+	decompose(m_mesh, m_validity, [this](const char*, double) { return tell(); });
+	if (shareOfLastCut() >= kWorthRegrowing * share)
+	{
+		restore(std::move(before));
+		return;
+	}
+	m_isRegrown = true;
+	cutIfHalved();
+}
+
 void Simplifier::runGuarded()
 {
 	for (double bound = kFirstBound; !isFinished(); bound = std::min(kBoundGrowth * bound, m_config.stopDeviation))
@@ -261,7 +324,9 @@ void Simplifier::runGuarded()
 		drainQueue();
 		joinEverywhere(m_mesh, m_validity);
 		cutIfHalved();
-		if (bound >= m_config.stopDeviation) break;
+		const bool isLast = bound >= m_config.stopDeviation;
+		if (isLast || bound >= kStuck * std::max(m_last.bound / m_mesh.radius, kFirstBound)) regrow();
+		if (isLast) break;
 	}
 }
 }  // namespace

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "builder/patches/DeviationGuard.h"
@@ -38,6 +39,8 @@ public:
 	Outcome attempt(std::uint32_t u, std::uint32_t w);
 	// Of the last successful attempt: faces round the new vertex, in order.
 	const std::vector<std::uint32_t>& newStar() const { return m_star; }
+	const std::vector<Quadric>& quadrics() const { return m_quadrics; }
+	void restore(std::vector<Quadric>&& quadrics) { m_quadrics = std::move(quadrics); }
 
 private:
 	// 1 topology

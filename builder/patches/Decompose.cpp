@@ -15,7 +15,7 @@ std::vector<std::vector<std::uint32_t>> componentsOf(const PatchMesh& mesh)
 	std::vector<char> seen(mesh.faces.size(), 0);
 	for (std::uint32_t seed = 0; seed < mesh.faces.size(); ++seed)
 	{
-		if (seen[seed]) continue;
+		if (seen[seed] || !mesh.isAlive(seed)) continue;
 		seen[seed] = 1;
 		std::vector<std::uint32_t> faces = {seed};
 		for (std::size_t i = 0; i < faces.size(); ++i)
@@ -65,13 +65,17 @@ bool isFreeOfOthers(const PatchMesh& mesh, const std::vector<std::uint32_t>& fac
 void adopt(PatchMesh& mesh, const std::vector<std::uint32_t>& faces, std::vector<Plane> hull)
 {
 	const std::uint32_t patch = faces[0];
+	double resolution = 0;
 	for (const std::uint32_t f : faces)
 	{
+		const double own = mesh.patches[f].resolution;
+		if (own > 0) resolution = resolution > 0 ? std::min(resolution, own) : own;
 		mesh.label[f] = patch;
 		mesh.patches[f].faces.clear();
 		mesh.patches[f].box = {};
 	}
 	mesh.patches[patch].faces = faces;
+	mesh.patches[patch].resolution = resolution;
 	mesh.patches[patch].hull = std::move(hull);
 	mesh.patches[patch].box = mesh.boxOfPatch(patch);
 	mesh.patchCount -= faces.size() - 1;
@@ -109,7 +113,6 @@ std::vector<std::uint32_t> neighboursOf(const PatchMesh& mesh, std::uint32_t pat
 
 void decompose(PatchMesh& mesh, Validity& validity, const Progress& progress)
 {
-	validity.coversMeanPlane = true;
 	std::vector<char> taken(mesh.faces.size(), 0);
 	for (const auto& component : componentsOf(mesh))
 		if (isConvexComponent(mesh, component, validity.tolerance) &&
@@ -125,7 +128,7 @@ void decompose(PatchMesh& mesh, Validity& validity, const Progress& progress)
 	{
 		if (seed % 1024 == 0 && progress && !progress("decompose", double(seed) / double(mesh.faces.size())))
 			throw Cancelled{};
-		if (taken[seed]) continue;
+		if (taken[seed] || !mesh.isAlive(seed)) continue;
 		const auto faces = growFrom(mesh, validity, seed, triedFor, taken);
 		for (const std::uint32_t f : faces) taken[f] = 1;
 		std::vector<Plane> hull = validity.grownHull();
@@ -135,7 +138,6 @@ void decompose(PatchMesh& mesh, Validity& validity, const Progress& progress)
 	}
 	mesh.rebuildTrees();
 	joinEverywhere(mesh, validity);
-	validity.coversMeanPlane = false;
 }
 
 bool tryJoin(PatchMesh& mesh, Validity& validity, std::uint32_t a, std::uint32_t b)

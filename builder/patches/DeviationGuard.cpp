@@ -6,8 +6,9 @@
 
 namespace clod::builder
 {
-DeviationGuard::DeviationGuard(const Mesh& input, double radius) : m_input(input), m_held(input.triangles.size())
+DeviationGuard::DeviationGuard(const Mesh& input, double radius) : m_input(input)
 {
+	m_held.samples.resize(input.triangles.size());
 	const double spacing = 0.02 * radius;
 	std::vector<Box> boxes;
 	std::vector<char> sampled(input.vertices.size(), 0);
@@ -18,7 +19,7 @@ DeviationGuard::DeviationGuard(const Mesh& input, double radius) : m_input(input
 		boxes.push_back(boxOf(p));
 		const auto add = [&](const Vec3& x)
 		{
-			m_held[f].push_back(std::uint32_t(m_samples.size()));
+			m_held.samples[f].push_back(std::uint32_t(m_samples.size()));
 			m_samples.push_back(x);
 		};
 		for (std::size_t k = 0; k < 3; ++k)
@@ -70,7 +71,7 @@ bool DeviationGuard::inputIsNear(const std::vector<std::uint32_t>& oldFaces, con
 	const double limit = bound * bound;
 	double worst = 0;
 	for (const std::uint32_t old : oldFaces)
-		for (const std::uint32_t sample : m_held[old])
+		for (const std::uint32_t sample : m_held.samples[old])
 		{
 			double best = 1e300;
 			std::uint32_t holder = kNone;
@@ -91,8 +92,8 @@ bool DeviationGuard::inputIsNear(const std::vector<std::uint32_t>& oldFaces, con
 
 void DeviationGuard::commit(const std::vector<std::uint32_t>& oldFaces)
 {
-	for (const std::uint32_t face : oldFaces) m_held[face].clear();
-	for (const Handover& h : m_handover) m_held[h.face].push_back(h.sample);
-	m_reached = std::max(m_reached, m_trialReached);
+	for (const std::uint32_t face : oldFaces) m_held.samples[face].clear();
+	for (const Handover& h : m_handover) m_held.samples[h.face].push_back(h.sample);
+	m_held.reached = std::max(m_held.reached, m_trialReached);
 }
 }  // namespace clod::builder

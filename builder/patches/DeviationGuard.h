@@ -5,6 +5,7 @@
 // Source of the second half: R. Klein, G. Liebich, W. Strasser, Mesh Reduction with Error Control, 1996.
 #pragma once
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "builder/patches/PatchMesh.h"
@@ -25,19 +26,28 @@ public:
 	// Hands the samples over as the last inputIsNear found.
 	void commit(const std::vector<std::uint32_t>& oldFaces);
 	// Largest distance of a sample of the input to the faces that hold it, over all commits.
-	double reached() const { return m_reached; }
+	double reached() const { return m_held.reached; }
+
+	// What collapses change.
+	struct Held
+	{
+		std::vector<std::vector<std::uint32_t>> samples;  // of each face of the simplified mesh
+		double reached = 0;
+	};
+	const Held& held() const { return m_held; }
+	void restore(Held&& held) { m_held = std::move(held); }
 
 private:
 	bool isNear(const Vec3& p) const;
 	const Mesh& m_input;
 	BoxTree m_tree;
 	std::vector<Vec3> m_samples;
-	std::vector<std::vector<std::uint32_t>> m_held;  // samples of each face of the simplified mesh
+	Held m_held;
 	struct Handover
 	{
 		std::uint32_t sample, face;
 	};
 	std::vector<Handover> m_handover;
-	double m_trialReached = 0, m_reached = 0;
+	double m_trialReached = 0;
 };
 }  // namespace clod::builder

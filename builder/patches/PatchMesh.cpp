@@ -96,6 +96,23 @@ void PatchMesh::join(std::uint32_t into, std::uint32_t from, std::vector<Plane> 
 	--patchCount;
 }
 
+void PatchMesh::dissolve()
+{
+	std::vector<Patch> single(faces.size());
+	for (std::uint32_t f = 0; f < faces.size(); ++f)
+	{
+		leaning[f].clear();
+		if (!isAlive(f)) continue;
+		single[f].faces = {f};
+		single[f].box = boxOf(points(f));
+		single[f].resolution = patches[label[f]].resolution;
+		label[f] = f;
+	}
+	patches = std::move(single);
+	patchCount = faceCount;
+	rebuildTrees();
+}
+
 // Entries are never removed: a stale one costs a test.
 void PatchMesh::lean(std::uint32_t patch, const std::vector<std::uint32_t>& supports)
 {

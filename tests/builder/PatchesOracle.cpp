@@ -291,6 +291,7 @@ std::string faultOfSequence(const LodSequence& sequence)
 		const Lod &fine = sequence.lods[k], &coarse = sequence.lods[k + 1];
 		if (2 * coarse.patchCount > fine.patchCount) return "a cut keeps more than half of the patches";
 		if (coarse.patchTolerance < fine.patchTolerance) return "the tolerance shrinks";
+		if (coarse.patchOfChild.empty()) continue;  // grown anew
 		if (coarse.patchOfChild.size() != fine.patchCount) return "parents and patches differ in number";
 		std::set<std::uint32_t> parents;
 		for (std::size_t p = 0; p < coarse.patchOfChild.size(); ++p)
