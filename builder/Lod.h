@@ -70,7 +70,7 @@ LodSequence buildLods(const Mesh& input, const BuildConfig& config, const Progre
 using LodSink = std::function<void(Lod&& lod)>;
 void buildLods(const Mesh& input, const BuildConfig& config, const Progress& progress, const LodSink& sink);
 
-// Tree, completion, certified numbers, thickness, areas, culling boxes (design 3 to 7; method 3.3 to 3.7, 6.1).
+// Tree, completion, certified numbers, thickness, areas, culling boxes (assemble/README.md).
 HierarchyContent assembleHierarchy(LodSequence lods, const BuildConfig& config, const Progress& progress);
 
 // Both. With several threads fine levels are assembled while coarse ones are still being made.

@@ -201,37 +201,40 @@ ConvexBody bodyOf(const NodeDraft& node)
 	return body;
 }
 
-// Whether surf and protrude of every patch, thickness left out, are certified to be within the limit.
+// visit(i, patch, its hull) for every patch, thickness left out.
+template <class Visit>
+void forEachPatch(const Lod& lod, const ThreadLimit& threads, const Visit& visit)
+{
+	const std::vector<NodeDraft> nodes = patchNodes(lod, 0);
+	parallelFor(nodes.size(), threads, [&](std::size_t i) { visit(i, nodes[i], bodyOf(nodes[i])); });
+}
+
+// Whether surf and protrude of every patch are certified to be within the limit.
 bool isWithin(double limit, const Lod& lod, const Solid& solid, ProtrusionScale scale, const ThreadLimit& threads)
 {
 	scale.enough = limit;
 	const Tolerance tolerance{0.1, 1e-4 * scale.radius};
-	const std::vector<NodeDraft> nodes = patchNodes(lod, 0);
 	std::atomic<bool> within{true};
-	parallelFor(nodes.size(), threads,
-				[&](std::size_t i)
-				{
-					if (!within) return;
-					const ConvexBody body = bodyOf(nodes[i]);
-					if (surfOf(nodes[i], solid.tree(), tolerance).upper > limit ||
-						protrusion(solid, body, scale, limit).upper > limit)
-						within = false;
-				});
+	forEachPatch(lod, threads,
+				 [&](std::size_t, const NodeDraft& patch, const ConvexBody& body)
+				 {
+					 if (within && (surfOf(patch, solid.tree(), tolerance).upper > limit ||
+									protrusion(solid, body, scale, limit).upper > limit))
+						 within = false;
+				 });
 	return within;
 }
 
-// The largest surf or protrude of its patches, thickness left out.
+// The largest surf or protrude of its patches.
 double deviationOf(const Lod& lod, const Solid& solid, const ProtrusionScale& scale, const ThreadLimit& threads)
 {
-	const std::vector<NodeDraft> nodes = patchNodes(lod, 0);
-	std::vector<double> most(nodes.size());
-	parallelFor(nodes.size(), threads,
-				[&](std::size_t i)
-				{
-					const ConvexBody body = bodyOf(nodes[i]);
-					most[i] = std::max(surfOf(nodes[i], solid.tree(), {0.1, 1e-4 * scale.radius}).upper,
-									   protrusion(solid, body, scale).upper);
-				});
+	std::vector<double> most(lod.patchCount);
+	forEachPatch(lod, threads,
+				 [&](std::size_t i, const NodeDraft& patch, const ConvexBody& body)
+				 {
+					 most[i] = std::max(surfOf(patch, solid.tree(), {0.1, 1e-4 * scale.radius}).upper,
+										protrusion(solid, body, scale).upper);
+				 });
 	return *std::max_element(most.begin(), most.end());
 }
 

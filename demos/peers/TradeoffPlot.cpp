@@ -23,12 +23,14 @@ struct Look
 	const char* title;
 	const char* color;
 	int marker;  // gnuplot's point type
+	const char* labels = "left offset 0.8,0.5";
 };
-// Okabe & Ito's colours, told apart by colour-blind readers too. Filled markers: whole dispatches; open: queries.
+// Okabe & Ito's colours, told apart by colour-blind readers too. Filled markers: whole dispatches; open: queries. On
+// the full meshes our own query is met twice, hence the labels on the other side.
 constexpr Look kLooks[] = {{"clod", "CLOD, contacts", "#000000", 4},
 						   {"clod-gap", "CLOD, contacts and gap", "#000000", 2},
 						   {"clod-dispatch", "CLOD in Bullet (dispatch)", "#000000", 5},
-						   {"decimated-exact", "our exact query, decimated", "#999999", 8},
+						   {"decimated-exact", "our exact query, decimated", "#999999", 8, "right offset -0.8,-0.6"},
 						   {"coal-contacts", "Coal, all contacts", "#0072B2", 6},
 						   {"coal-distance", "Coal, closest pair", "#56B4E9", 12},
 						   {"gimpact", "GImpact (dispatch)", "#D55E00", 7},
@@ -122,10 +124,8 @@ std::string drawPanel(const Tradeoff& tradeoff, std::size_t index)
 		text += block + " << EOD\n" + data + "EOD\n";
 		plots += fmt::format("{}{} using 1:2 with points lc rgb \"{}\" pt {} ps 1.3 lw 1.5 notitle",
 							 plots.empty() ? "plot " : ", \\\n  ", block, look.color, look.marker);
-		// On the full meshes our own query is met twice.
-		const bool isOurs = std::string(look.family) == "decimated-exact";
 		plots += fmt::format(", \\\n  {} using 1:2:3 with labels {} font \",11\" tc rgb \"{}\" notitle", block,
-							 isOurs ? "right offset -0.8,-0.6" : "left offset 0.8,0.5", look.color);
+							 look.labels, look.color);
 		const std::string front = dataOf(tradeoff, paretoFront(points), panel);
 		if (index != kFrontPanel || front.empty()) continue;
 		text += fmt::format("$front{} << EOD\n{}EOD\n", &look - kLooks, front);

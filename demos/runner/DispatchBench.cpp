@@ -75,7 +75,7 @@ nlohmann::ordered_json comparePeer(const HierarchyPointer& a, const HierarchyPoi
 								   const std::vector<PoseRow>& poses, const std::vector<ReplayRow>& rows,
 								   const ReplayOptions& options)
 {
-	const double tolerance = options.toleranceOf(*a, *b);
+	const double tolerance = options.tolerance.inMeshUnit(smallerRadius(*a, *b));
 	PoseSample sample;
 	sample.dt = options.dt;
 	sample.tolerance = tolerance;

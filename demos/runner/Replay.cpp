@@ -141,11 +141,6 @@ RelativeMotion relativeMotion(const Hierarchy& a, const Hierarchy& b, const Pose
 	return {-1.0 * linear, -1.0 * angular, seconds};
 }
 
-double ReplayOptions::toleranceOf(const Hierarchy& a, const Hierarchy& b) const
-{
-	return toleranceIsShare ? tolerance * smallerRadius(a, b) : tolerance;
-}
-
 Settings settingsOf(const ReplayOptions& options, const Hierarchy& a, const Hierarchy& b, const PoseRow& poses,
 					const RelativeMotion& motion)
 {
@@ -158,9 +153,9 @@ Settings settingsOf(const ReplayOptions& options, const Hierarchy& a, const Hier
 	Settings settings;
 	settings.budget = options.budget;
 	settings.metric = resolve(options.metric, frame);
-	settings.tolerance = options.toleranceOf(a, b);
+	settings.tolerance = options.tolerance.inMeshUnit(frame.radius);
 	settings.distance = options.distance;
-	settings.gapError = options.gapErrorIsShare ? options.gapError * smallerRadius(a, b) : options.gapError;
+	if (options.gapError) settings.gapError = options.gapError->inMeshUnit(frame.radius);
 	settings.paper = options.paper;
 	return settings;
 }

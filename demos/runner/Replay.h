@@ -10,6 +10,7 @@
 
 #include "clod/query/ContactMetric.h"
 #include "clod/query/Query.h"
+#include "demos/cli/Length.h"
 #include "demos/runner/Motion.h"
 #include "demos/scenes/CameraPath.h"
 #include "demos/scenes/Poses.h"
@@ -18,20 +19,17 @@ namespace clod::demo
 {
 // The bodies that a row's bodyA and bodyB count; several may be the same hierarchy.
 using Bodies = std::vector<const Hierarchy*>;
-struct ReplayOptions
+struct ReplayOptions  // lengths: shares are of a pair's smaller radius
 {
 	ContactMetric metric;
 	std::optional<CameraPath> camera;  // of view metrics; the meshes' unit
 	Budget budget;                     // of every query
-	double tolerance = 0;              // a length, or
-	bool toleranceIsShare = false;     // a share of a pair's smaller radius
-	double gapError = kOff;            // Settings::gapError: a length, or
-	bool gapErrorIsShare = false;      // a share of a pair's smaller radius
+	cli::Length tolerance;
+	std::optional<cli::Length> gapError;  // Settings::gapError
 	bool distance = false, paper = false;
 	int repeat = 1;      // whole passes, all caches dropped before each; a row keeps its least time
 	bool fresh = false;  // caches dropped before every row as well
 	double dt = 1.0 / 240;
-	double toleranceOf(const Hierarchy& a, const Hierarchy& b) const;
 };
 
 // What a pair is asked at a pose it moves through; `motion` in the body frame of A.

@@ -80,19 +80,13 @@ cli::Length toleranceOf(const ReplayCommandOptions& options, const Subject& subj
 
 ReplayOptions replayOptions(const ReplayCommandOptions& options, const Subject& subject, std::int64_t lastStep)
 {
-	const cli::Length tolerance = toleranceOf(options, subject);
 	ReplayOptions result;
 	result.metric = toMetric(options.selection);
 	result.camera = toCameraPath(options.selection, lastStep);
 	result.budget = options.selection.budget;
-	result.tolerance = tolerance.value;
-	result.toleranceIsShare = tolerance.shareOfRadius;
+	result.tolerance = toleranceOf(options, subject);
 	result.distance = options.distance;
-	if (options.gapError)
-	{
-		result.gapError = options.gapError->value;
-		result.gapErrorIsShare = options.gapError->shareOfRadius;
-	}
+	result.gapError = options.gapError;
 	result.paper = options.selection.paper;
 	result.repeat = options.repeat;
 	result.fresh = options.selection.fresh;

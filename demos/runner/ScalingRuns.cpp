@@ -98,7 +98,7 @@ nlohmann::ordered_json measureScaling(const std::vector<ScaledPair>& pairs, cons
 			{
 				ReplayOptions asked;
 				asked.metric = selections[s].metric;
-				asked.tolerance = options.tolerance;
+				asked.tolerance.value = options.tolerance;
 				asked.dt = options.dt;
 				const Rows rows = replay({pairs[p].a.get(), pairs[p].b.get()}, poses, asked,
 										 [&](double fraction) { progress((done + fraction) / all); });

@@ -88,7 +88,7 @@ ReplayOptions SceneRunOptions::queries() const
 	options.metric = scene.metric;
 	options.camera = scene.camera;
 	options.budget = scene.budget;
-	options.tolerance = info.tolerance;
+	options.tolerance.value = info.tolerance;
 	options.paper = paper;
 	options.fresh = fresh;
 	options.dt = scene.dt;

@@ -15,16 +15,14 @@ btVector3 toBullet(const Vec3& v)
 	return {btScalar(v.x), btScalar(v.y), btScalar(v.z)};
 }
 
-// The child's index where the body is a compound, else -1.
+// The child's index where the body is a compound.
+int childOr(int otherwise, const btCollisionObjectWrapper& wrapper)
+{
+	return wrapper.m_parent ? wrapper.m_index : otherwise;
+}
 int childOf(const btCollisionObjectWrapper& wrapper)
 {
-	return wrapper.m_parent ? wrapper.m_index : -1;
-}
-
-// Part of a feature id: the level, or the child's index where the body is a compound.
-int partOf(const btCollisionObjectWrapper& wrapper, std::uint32_t level)
-{
-	return wrapper.m_parent ? wrapper.m_index : int(level);
+	return childOr(-1, wrapper);
 }
 
 // What Bullet makes of the two bodies' materials, the same for all their points.
@@ -190,7 +188,7 @@ void ManifoldSet::writePoint(const ClusterPoint& clusterPoint, const WorldFrame&
 	const ContactPoint& point = clusterPoint.point;
 	const bool aIsManifoldBody0 = m_target->getBody0() == frame.a->getCollisionObject();
 	const bool aIsResultBody0 = out.getBody0Internal() == frame.a->getCollisionObject();
-	const int partA = partOf(*frame.a, frame.levelA), partB = partOf(*frame.b, frame.levelB);
+	const int partA = childOr(int(frame.levelA), *frame.a), partB = childOr(int(frame.levelB), *frame.b);
 	out.setShapeIdentifiersA(aIsResultBody0 ? partA : partB, int(aIsResultBody0 ? point.faceA : point.faceB));
 	out.setShapeIdentifiersB(aIsResultBody0 ? partB : partA, int(aIsResultBody0 ? point.faceB : point.faceA));
 

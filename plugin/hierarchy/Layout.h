@@ -99,7 +99,7 @@ struct Level
 	std::uint32_t firstFace, faceCount;  // faceCount 0 in completion levels
 	std::uint32_t flags;                 // kClodNode: every node of the level may answer
 	float maxHausdorff, maxDeviation, maxCover, maxProtrude, maxSurf;
-	float patchTolerance;  // eps_k of design: convexity/protrusion tolerance the level was built with
+	float patchTolerance;  // eps_k: convexity tolerance that the level was built with
 	std::uint32_t padding;
 };
 static_assert(sizeof(Level) == 48);

@@ -35,14 +35,16 @@ public:
 	// Room for so many, should they come again.
 	void reserve(std::size_t pairs)
 	{
-		if (16 * pairs <= m_entries.size()) return;
-		std::size_t size = 1024;
-		while (size < 16 * pairs) size *= 2;
+		constexpr std::size_t kSlotsAPair = 16;
+		if (kSlotsAPair * pairs <= m_entries.size()) return;
+		std::size_t size = kFewest;
+		while (size < kSlotsAPair * pairs) size *= 2;
 		m_entries.assign(size, Entry{});
 	}
 
 private:
-	std::vector<Entry> m_entries = std::vector<Entry>(1024);
+	static constexpr std::size_t kFewest = 1024;
+	std::vector<Entry> m_entries = std::vector<Entry>(kFewest);
 };
 
 struct ClosestPairScratch

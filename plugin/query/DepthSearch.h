@@ -115,8 +115,11 @@ public:
 			m_heap.pop_back();
 			undecided = cell.upper;
 			if (cell.upper <= threshold() || enough()) break;
-			m_best.isCutShort = m_best.isCutShort || cells == m_accuracy.cellLimit;
-			if (cells++ == m_accuracy.cellLimit) break;
+			if (cells++ == m_accuracy.cellLimit)
+			{
+				m_best.isCutShort = true;
+				break;
+			}
 			divide(cell);
 			undecided = 0;
 		}
@@ -134,9 +137,12 @@ private:
 		if (drop(cell.upper)) return;
 		if (here.face == cell.face) return halve(cell);
 		const Triangle one = m_surface.triangle(cell.face), other = m_surface.triangle(here.face);
-		const Vec3 first = normalized(cross(one.corner[1] - one.corner[0], one.corner[2] - one.corner[0]));
-		const Vec3 second = normalized(cross(other.corner[1] - other.corner[0], other.corner[2] - other.corner[0]));
+		const Vec3 first = normalized(normalOf(one)), second = normalized(normalOf(other));
 		if (!cut(cell, first - second, dot(first, one.corner[0]) - dot(second, other.corner[0]))) halve(cell);
+	}
+	static Vec3 normalOf(const Triangle& triangle)
+	{
+		return cross(triangle.corner[1] - triangle.corner[0], triangle.corner[2] - triangle.corner[0]);
 	}
 
 	// Into three along a plane, unless that only scratches the cell.
@@ -246,7 +252,7 @@ private:
 	double overPrism(DepthCell& cell, std::uint32_t face, double useful)
 	{
 		const Triangle base = m_surface.triangle(face);
-		const Vec3 normal = cross(base.corner[1] - base.corner[0], base.corner[2] - base.corner[0]);
+		const Vec3 normal = normalOf(base);
 		Polygon over(cell.triangle);
 		double upper = 0;
 		for (int edge = 0; edge < 3; ++edge)

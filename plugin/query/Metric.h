@@ -63,7 +63,7 @@ enum class Combine
 	kRelaxed  // one is enough: the largest s0
 };
 
-// When may a pair of nodes answer? Evaluated in this order (design 12): a pair of level-0 nodes always answers; a
+// When may a pair of nodes answer? Evaluated in this order: a pair of level-0 nodes always answers; a
 // completion node never does; then s* must not exceed the combined s0, nor the certified error maxError.
 struct Metric
 {
