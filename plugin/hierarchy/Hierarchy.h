@@ -49,6 +49,13 @@ struct HierarchyContent
 	std::vector<float> hullX, hullY, hullZ;
 };
 
+// A contact level as a whole. Derived at load.
+struct LevelBounds
+{
+	float cover = 0, protrude = 0;  // the largest of its nodes
+	bool isWhole = true;            // no child skips the level: whatever is above reaches the surface through it
+};
+
 class Hierarchy
 {
 public:
@@ -63,13 +70,19 @@ public:
 	const Node& node(std::uint32_t i) const { return m_nodes[i]; }
 	const CullBox& cullBox(std::uint32_t i) const { return m_cullBoxes[i]; }
 	Span<std::uint32_t> children(const Node& n) const { return {m_children.data + n.firstChild, n.childCount}; }
-	// What stands for a node's primary children where none of the levels between may answer: its primary descendants,
-	// the largest boxes opened first, as long as they are at most kWideChildren. Derived at load; only nodes met on the
-	// way from the root have any.
-	Span<std::uint32_t> wideChildren(std::uint32_t node) const
+	// What stands for the primary children of a node above level `base` where no level above that may answer: its
+	// primary descendants down to the base, the largest boxes opened first, as long as they are at most kWideChildren.
+	// Derived at load; only nodes met on the way from the root have any.
+	Span<std::uint32_t> wideChildren(std::uint32_t node, std::uint32_t base) const
 	{
-		return {m_wideChildren.data() + m_wide[node].first, m_wide[node].count};
+		const WideTree& tree = m_wide[base];
+		const Range range = tree.ranges[node - tree.firstNode];
+		return {tree.children.data() + range.first, range.count};
 	}
+	const LevelBounds& bounds(std::uint32_t contactLevel) const { return m_bounds[contactLevel]; }
+	// How many nodes of mixed levels, the coarsest for each part of the surface, have a cover and protrude within the
+	// error; rounded up to that of a power of two of the radius. Derived at load.
+	std::uint32_t fewestWithin(double error) const;
 	Span<Face> faces() const { return m_faces; }
 	Span<Face> faces(const Node& n) const { return {m_faces.data + n.firstFace, n.faceCount}; }
 	HullView hull(const Node& n) const
@@ -81,9 +94,6 @@ public:
 	std::size_t hullSize() const { return m_hullSize; }  // floats in each of the three coordinate arrays
 	std::uint32_t root() const { return std::uint32_t(m_nodes.size - 1); }
 	std::uint32_t coarsestClodLevel() const { return m_coarsestClodLevel; }
-	// What nine in ten nodes of the finest level above the input surface are within: the larger of cover and protrude,
-	// their error beside a perfect partner. Infinite where no level above answers. Derived at load.
-	float finestError() const { return m_finestError; }
 	bool isPaperBuild() const { return (asset().flags & kPaperBuild) != 0; }
 	// Hash of the whole block (xxh3, 64 bits): identifies the asset.
 	std::uint64_t contentHash() const { return m_contentHash; }
@@ -106,12 +116,19 @@ private:
 	{
 		std::uint32_t first = 0, count = 0;
 	};
-	std::vector<std::uint32_t> m_wideChildren;
-	std::vector<Range> m_wide;  // one a node
+	struct WideTree
+	{
+		std::uint32_t firstNode = 0;  // above the base
+		std::vector<Range> ranges;    // of each from there on
+		std::vector<std::uint32_t> children;
+	};
+	std::vector<WideTree> m_wide;           // one a contact level
+	std::vector<LevelBounds> m_bounds;      // one a contact level
+	std::vector<std::uint32_t> m_fewest;    // within the radius, its half, its quarter, ...
 	std::uint32_t m_coarsestClodLevel = 0;
-	float m_finestError = std::numeric_limits<float>::infinity();
 	std::uint64_t m_contentHash = 0;
 	friend struct HierarchyReader;
+	friend struct HierarchyDerivation;
 };
 
 // The bytes of a .clod file. Same content, same bytes.

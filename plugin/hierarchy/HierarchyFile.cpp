@@ -12,6 +12,8 @@
 
 namespace clod
 {
+void deriveData(Hierarchy& hierarchy);  // HierarchyDerivation.cpp
+
 namespace
 {
 constexpr std::array<const char*, kSectionCount> kSectionNames = {"asset", "levels", "nodes", "cullBoxes", "children",
@@ -153,63 +155,6 @@ struct HierarchyReader
 		h.m_contentHash = XXH3_64bits(h.m_bytes.data(), h.m_bytes.size());
 	}
 
-	static Span<std::uint32_t> primaryChildren(const Hierarchy& h, std::uint32_t node)
-	{
-		return {h.children(h.node(node)).data, h.node(node).primaryChildCount};
-	}
-	// Which of the descendants listed so far to replace by its children: the largest that leaves room; their number:
-	// none.
-	static std::size_t widest(const Hierarchy& h, const std::uint32_t* listed, std::size_t count)
-	{
-		std::size_t best = count;
-		for (std::size_t i = 0; i < count; ++i)
-		{
-			const std::size_t children = primaryChildren(h, listed[i]).size;
-			if (children == 0 || count - 1 + children > kWideChildren) continue;
-			if (best == count || h.cullBox(listed[i]).radius > h.cullBox(listed[best]).radius) best = i;
-		}
-		return best;
-	}
-	// Collapses the tree of primary children (Hierarchy::wideChildren). Parents lie behind their children.
-	static void collapse(Hierarchy& h)
-	{
-		std::vector<std::uint32_t>& list = h.m_wideChildren;
-		h.m_wide.resize(h.m_nodes.size);
-		std::vector<bool> isMet(h.m_nodes.size, false);
-		isMet[h.root()] = true;
-		for (std::uint32_t node = h.root() + 1; node-- > 0;)
-		{
-			if (!isMet[node]) continue;
-			const std::uint32_t first = std::uint32_t(list.size());
-			for (const std::uint32_t child : primaryChildren(h, node)) list.push_back(child);
-			for (;;)
-			{
-				const std::size_t count = list.size() - first, i = widest(h, list.data() + first, count);
-				if (i == count) break;
-				const Span<std::uint32_t> finer = primaryChildren(h, list[first + i]);
-				list[first + i] = finer[0];
-				list.insert(list.end(), finer.begin() + 1, finer.end());
-			}
-			for (std::size_t i = first; i < list.size(); ++i) isMet[list[i]] = true;
-			h.m_wide[node] = {first, std::uint32_t(list.size() - first)};
-		}
-	}
-
-	static void rateFinest(Hierarchy& h)
-	{
-		if (h.coarsestClodLevel() == 0) return;
-		const Level& level = h.m_levels[1];
-		std::vector<float> errors;
-		for (std::uint32_t i = 0; i < level.nodeCount; ++i)
-		{
-			const Node& node = h.node(level.firstNode + i);
-			errors.push_back(std::max(node.cover, node.protrude));
-		}
-		const auto most = errors.begin() + std::ptrdiff_t(errors.size() * 9 / 10);
-		std::nth_element(errors.begin(), most, errors.end());
-		h.m_finestError = *most;
-	}
-
 	static Result<std::shared_ptr<const Hierarchy>> read(std::vector<std::byte> bytes)
 	{
 		std::string problem = checkFileStart(startOf(bytes), bytes.size());
@@ -224,10 +169,7 @@ struct HierarchyReader
 		bind(*hierarchy, table);
 		problem = validate(*hierarchy);
 		if (!problem.empty()) return Error{problem};
-		for (std::uint32_t i = 0; i < hierarchy->m_levels.size; ++i)
-			if (hierarchy->m_levels[i].flags & kClodNode) hierarchy->m_coarsestClodLevel = i;
-		collapse(*hierarchy);
-		rateFinest(*hierarchy);
+		deriveData(*hierarchy);
 		return std::shared_ptr<const Hierarchy>(hierarchy);
 	}
 };

@@ -58,8 +58,7 @@ private:
 	void open(const Candidate& pair)
 	{
 		const bool opensA = m_rule.opensA(pair.a, pair.b);
-		const Span<std::uint32_t> children =
-			m_rule.childrenOf(opensA ? m_context.a : m_context.b, opensA ? pair.a : pair.b);
+		const Span<std::uint32_t> children = m_rule.childrenOf(opensA, opensA ? pair.a : pair.b);
 		const std::size_t first = m_stack.size();
 		for (std::uint32_t i = 0; i < children.size; i += kBoxLanes)
 			push(opensA, opensA ? pair.b : pair.a, children.data + i,

@@ -13,23 +13,23 @@ namespace clod
 class ContactSink
 {
 public:
-	// ofLeaves: no other pairs come (StopRule.h).
-	ContactSink(const QueryContext& context, double tolerance, bool ofLeaves, std::vector<Contact>& contacts,
+	// hasBase: covers are bounded without the sink's help (StopRule.h).
+	ContactSink(const QueryContext& context, double tolerance, bool hasBase, std::vector<Contact>& contacts,
 				QueryStats& stats)
 		: m_context(context),
 		  m_tolerance(tolerance),
-		  m_ofLeaves(ofLeaves),
+		  m_hasBase(hasBase),
 		  m_contacts(contacts),
 		  m_stats(stats),
 		  m_hulls(context, stats)
 	{
 	}
 
-	// An accepted pair needs nothing, its boxes are not even compared: one of leaves that is no contact leaves no
-	// trace, near or far.
+	// An accepted pair needs nothing, its boxes are not even compared: one that is no contact leaves no trace then,
+	// near or far.
 	bool skips(std::uint32_t a, std::uint32_t b, const HullMemory& memory) const
 	{
-		return m_ofLeaves && m_hulls.isProvenApart(a, b, m_tolerance, memory);
+		return m_hasBase && m_hulls.isProvenApart(a, b, m_tolerance, memory);
 	}
 
 	// An accepted pair within the tolerance by its culling volumes. evaluated: what canonicalContact says, where it was
@@ -45,7 +45,7 @@ private:
 
 	const QueryContext& m_context;
 	const double m_tolerance;
-	const bool m_ofLeaves;
+	const bool m_hasBase;
 	std::vector<Contact>& m_contacts;
 	QueryStats& m_stats;
 	HullCull m_hulls;

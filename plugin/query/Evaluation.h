@@ -189,20 +189,20 @@ private:
 	{
 		const StopRule rule(m_context, m_settings.metric, m_settings.paper);
 		if (m_settings.budget.isLimited()) return refine(rule, tolerance);
-		if (m_state.isOfLeaves != rule.isOfLeaves()) m_state.clearFronts();
+		if (m_state.base != rule.base()) m_state.clearFronts();
 		const double maxError = m_settings.metric.maxError;
 		const bool sameRule =
 			m_state.filled && m_state.threshold == rule.constantThreshold() && m_state.maxError == maxError;
 		const TraversalSettings settings{rule, tolerance, m_settings.paper, sameRule};
-		ContactSink sink(m_context, tolerance, rule.isOfLeaves(), m_result.contacts, m_result.stats);
+		ContactSink sink(m_context, tolerance, rule.base().isUsed(), m_result.contacts, m_result.stats);
 		m_result.stats.front = m_result.stats.frontInner = 0;
 		Traversal(m_context, settings, m_state.front, sink, m_result.stats).run();
 		m_state.threshold = rule.constantThreshold();
 		m_state.maxError = maxError;
-		m_state.isOfLeaves = rule.isOfLeaves();
+		m_state.base = rule.base();
 		m_state.settings = m_settings;
 		m_state.filled = true;
-		return sink.largestCover();
+		return std::max(sink.largestCover(), rule.baseCover());
 	}
 
 	// The same under a budget: best first, without the front.
@@ -219,7 +219,7 @@ private:
 		walk.answer(sink);
 		m_state.settings = m_settings;
 		m_state.filled = true;
-		return sink.largestCover();
+		return std::max(sink.largestCover(), rule.baseCover());
 	}
 
 	bool rootIsApart() const

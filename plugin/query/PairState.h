@@ -23,7 +23,7 @@ struct PairCache::State
 	Transform aFromB;
 	Settings settings;
 	double threshold = 0, maxError = 0;  // of the rule that the front was made with; StopRule::constantThreshold
-	bool isOfLeaves = false;             // StopRule::isOfLeaves
+	BaseLevels base;                     // StopRule::base
 	RelativePose pose;
 	PairFront front;
 	double lastMove = 0;  // of front.motion, what came by the last query

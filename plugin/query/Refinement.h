@@ -61,7 +61,7 @@ public:
 	std::uint64_t cost() const
 	{
 		const std::uint64_t children = sideOf(m_pending.front()).node->childCount;
-		return std::uint64_t(cullsByHulls(m_pending.front())) + children + m_testsPerAnswer * (children - 1);
+		return std::uint64_t(comparesHulls(m_pending.front())) + children + m_testsPerAnswer * (children - 1);
 	}
 
 	// Precondition: not complete.
@@ -146,10 +146,14 @@ private:
 		return {isA, &hierarchy, &hierarchy.node(isA ? pair.a : pair.b)};
 	}
 
+	bool comparesHulls(const Pending& pair) const
+	{
+		return cullsByHulls(pair) || m_rule->acceptance(pair.a, pair.b) == Acceptance::kWhileApart;
+	}
 	// As Traversal.h does before a pair is opened.
 	bool cullsByHulls(const Pending& pair) const
 	{
-		return !m_paper && mayCullByHulls(m_context->a.node(pair.a), m_context->b.node(pair.b));
+		return !m_rule->base().isUsed() && !m_paper && mayCullByHulls(m_context->a.node(pair.a), m_context->b.node(pair.b));
 	}
 	bool hullsApart(const Pending& pair)
 	{

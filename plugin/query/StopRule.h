@@ -42,6 +42,16 @@ enum class Acceptance : std::uint8_t
 	kYes
 };
 
+// One level of each body, the same for all contacts of a query: no node above them answers. Input surfaces: 0 and 0.
+struct BaseLevels
+{
+	std::uint32_t a = kNone, b = kNone;
+	bool isUsed() const { return a != kNone; }
+	bool isOfLeaves() const { return a == 0 && b == 0; }
+	bool operator==(const BaseLevels& other) const { return a == other.a && b == other.b; }
+	bool operator!=(const BaseLevels& other) const { return !(*this == other); }
+};
+
 class StopRule
 {
 public:
@@ -51,20 +61,41 @@ public:
 		  m_threshold(metric, fastest(context, metric)),
 		  m_isExact(metric.exact),
 		  m_isPaper(paper),
-		  m_isOfLeaves(metric.exact || (!paper && isOutOfReach(context, metric.maxError))),
-		  m_maxError(metric.maxError)
+		  m_maxError(metric.maxError),
+		  m_base(metric.exact ? BaseLevels{0, 0} : baseLevels())
 	{
+		if (m_base.isUsed() && !m_base.isOfLeaves())
+			m_baseCover = double(context.a.bounds(m_base.a).cover) + double(context.b.bounds(m_base.b).cover);
 	}
 
-	// No pair answers but those of two leaves: so it is in exact mode, and where few coarser ones could keep the
-	// certified limit. A front is of one of the two kinds of rules.
-	bool isOfLeaves() const { return m_isOfLeaves; }
+	// Where every node of a level of each body keeps the certified limit beside every node of the other's, and mixed
+	// levels would not keep it with far fewer nodes, those levels answer: the trees of primary children above them
+	// cost less than half of what choosing a level at each contact does. In exact mode the levels are the input
+	// surfaces. A front is of one pair of base levels, or of none.
+	const BaseLevels& base() const { return m_base; }
+	bool isOfLeaves() const { return m_base.isOfLeaves(); }
+	// A pair can be met on several ways only where children are shared: below the base levels, or where there are none.
+	bool isInTree(std::uint32_t i, std::uint32_t j) const
+	{
+		if (!m_base.isUsed() || m_base.isOfLeaves()) return m_base.isUsed();
+		return m_context->a.node(i).level >= m_base.a && m_context->b.node(j).level >= m_base.b;
+	}
+	// Neither of the two nodes is above the base levels; so it is with any two where there are none.
+	bool isWithinBase(std::uint32_t i, std::uint32_t j) const
+	{
+		return !m_base.isUsed() || (isWithinBaseA(i) && isWithinBaseB(j));
+	}
+	// The boxes of a tree's node hold the hulls of all that is below, but of the surface only what the node itself
+	// answers for: the rest is within the largest covers of the base levels of those hulls. A pair of which a node is
+	// above the base is culled only so much beyond the tolerance.
+	double baseCover() const { return m_baseCover; }
 
 	Acceptance acceptance(std::uint32_t i, std::uint32_t j) const
 	{
 		const Node &a = m_context->a.node(i), &b = m_context->b.node(j);
 		if (a.childCount == 0 && b.childCount == 0) return Acceptance::kYes;
-		if (m_isOfLeaves || !mayAnswer(i, j) || !isWithinThreshold(i, j)) return Acceptance::kNo;
+		if (m_base.isOfLeaves() || !isWithinBase(i, j)) return Acceptance::kNo;
+		if (!mayAnswer(i, j) || !isWithinThreshold(i, j)) return Acceptance::kNo;
 		if (!dependsOnHulls()) return Acceptance::kYes;
 		if (certifiedErrorApart(a, b) > m_maxError) return Acceptance::kNo;
 		if (certifiedError(a, b) <= m_maxError) return Acceptance::kYes;
@@ -86,7 +117,9 @@ public:
 		const auto factor = [](double error, double limit) {
 			return limit == kOff ? 0 : error > 0 ? error / limit : 0;
 		};
-		return std::max(factor(weightedDeviation(a, b), thresholdOf(i, j)), factor(certifiedError(a, b), m_maxError));
+		const double byMetric =
+			std::max(factor(weightedDeviation(a, b), thresholdOf(i, j)), factor(certifiedError(a, b), m_maxError));
+		return isWithinBase(i, j) ? byMetric : std::max(1.0, byMetric);
 	}
 
 	// What a front was made with: equal constants and maxError make equal rules. Not a number where the place counts.
@@ -104,8 +137,9 @@ public:
 		return volume > 0 ? volume * (1 / double(a.contactArea) + 1 / double(b.contactArea)) : 0;
 	}
 
-	// Precondition: not a pair of leaves. A leaf is never opened, a completion node first; then, where nodes may
-	// answer, the one with the larger number of the metric; ties and the rest by size.
+	// Precondition: not a pair of leaves. A leaf is never opened, nor one within the base beside one above it, a
+	// completion node first; then, where nodes may answer, the one with the larger number of the metric; ties and the
+	// rest by size.
 	bool opensA(std::uint32_t i, std::uint32_t j) const
 	{
 		const Node &nodeA = m_context->a.node(i), &nodeB = m_context->b.node(j);
@@ -113,7 +147,9 @@ public:
 		if (nodeB.childCount == 0) return true;
 		const bool clodA = (nodeA.flags & kClodNode) != 0, clodB = (nodeB.flags & kClodNode) != 0;
 		if (clodA != clodB) return clodB;
-		if (clodA && !m_isOfLeaves)
+		const bool isAbove = !isWithinBase(i, j);
+		if (isAbove && isWithinBaseA(i) != isWithinBaseB(j)) return isWithinBaseB(j);
+		if (clodA && !isAbove && !m_base.isOfLeaves())
 		{
 			const bool volume = !m_threshold.isConstant() || m_threshold.constant() < kOff;
 			const float errorA = volume ? nodeA.featureVolume : nodeA.deviation;
@@ -124,20 +160,48 @@ public:
 	}
 
 	// What stands for a node that is opened. In paper mode level by level, as there.
-	Span<std::uint32_t> childrenOf(const Hierarchy& side, std::uint32_t index) const
+	Span<std::uint32_t> childrenOf(bool isOfA, std::uint32_t index) const
 	{
+		const Hierarchy& side = isOfA ? m_context->a : m_context->b;
 		const Node& node = side.node(index);
-		if (!m_isOfLeaves) return side.children(node);
+		const std::uint32_t base = isOfA ? m_base.a : m_base.b;
+		if (base == kNone || node.level <= base) return side.children(node);
 		if (m_isPaper) return {side.children(node).data, node.primaryChildCount};
-		return side.wideChildren(index);
+		return side.wideChildren(index, base);
 	}
 
 private:
-	// Where the finest simplified nodes hardly keep the limit, following every child of every node to the few that do
-	// costs more than the tree of exact mode: spoon-cup at 0.05 % of the radius 1.8 times.
-	static bool isOutOfReach(const QueryContext& context, double maxError)
+	static constexpr double kWorthMixing = 16;  // times the pairs of nodes that mixed levels would need
+
+	bool isWithinBaseA(std::uint32_t i) const { return m_context->a.node(i).level <= m_base.a; }
+	bool isWithinBaseB(std::uint32_t j) const { return m_context->b.node(j).level <= m_base.b; }
+
+	// Of the levels that keep the limit together those with the fewest pairs of nodes. Where a threshold may ask for
+	// finer nodes here and there only the input surfaces, when nothing else keeps the limit.
+	BaseLevels baseLevels() const
 	{
-		return maxError < double(context.a.finestError()) + double(context.b.finestError());
+		if (m_isPaper || !std::isfinite(m_maxError)) return {};
+		const Hierarchy &a = m_context->a, &b = m_context->b;
+		const auto nodes = [](const Hierarchy& h, std::uint32_t level) { return double(h.levels()[level].nodeCount); };
+		BaseLevels best{0, 0};
+		std::uint32_t levelB = b.coarsestClodLevel();
+		for (std::uint32_t levelA = 0; levelA <= a.coarsestClodLevel(); ++levelA)
+		{
+			if (!a.bounds(levelA).isWhole) continue;
+			while (levelB > 0 && !keepsLimit(a.bounds(levelA), b.bounds(levelB))) --levelB;
+			if (!keepsLimit(a.bounds(levelA), b.bounds(levelB))) break;
+			if (nodes(a, levelA) * nodes(b, levelB) < nodes(a, best.a) * nodes(b, best.b)) best = {levelA, levelB};
+		}
+		const double mixed =
+			double(a.fewestWithin(0.5 * m_maxError)) * double(b.fewestWithin(0.5 * m_maxError));
+		const bool isFree = m_threshold.isConstant() && !(m_threshold.constant() < kOff);
+		if (!best.isOfLeaves() && !isFree) return {};
+		return nodes(a, best.a) * nodes(b, best.b) <= kWorthMixing * mixed ? best : BaseLevels{};
+	}
+	bool keepsLimit(const LevelBounds& a, const LevelBounds& b) const
+	{
+		const double cover = double(a.cover) + double(b.cover), protrude = double(a.protrude) + double(b.protrude);
+		return b.isWhole && std::max(cover, protrude) <= m_maxError;
 	}
 	bool isWithinThreshold(std::uint32_t i, std::uint32_t j) const
 	{
@@ -166,7 +230,9 @@ private:
 
 	const QueryContext* m_context;
 	Threshold m_threshold;
-	bool m_isExact, m_isPaper, m_isOfLeaves;
+	bool m_isExact, m_isPaper;
 	double m_maxError;
+	BaseLevels m_base;
+	double m_baseCover = 0;
 };
 }  // namespace clod

@@ -83,24 +83,53 @@ TEST(BoxSeparation, IsTheSameInEveryLaneFromEitherSideOnAnyMachine)
 	}
 }
 
-TEST(Hierarchy, WideChildrenReachEveryLeafOnce)
+TEST(Hierarchy, WideChildrenReachEveryNodeOfTheBaseOnce)
+{
+	for (const BodyPair& pair : pairs())
+		for (const Hierarchy* h : {pair.a.hierarchy.get(), pair.b.hierarchy.get()})
+			for (std::uint32_t base = 0; base <= h->coarsestClodLevel(); ++base)
+			{
+				ASSERT_TRUE(h->bounds(base).isWhole);
+				std::vector<std::uint32_t> open{h->root()};
+				std::vector<int> reached(h->nodes().size, 0);
+				while (!open.empty())
+				{
+					const std::uint32_t node = open.back();
+					open.pop_back();
+					++reached[node];
+					if (h->node(node).level <= base) continue;
+					const Span<std::uint32_t> children = h->wideChildren(node, base);
+					EXPECT_FALSE(children.empty());
+					EXPECT_LE(children.size, std::max<std::size_t>(kWideChildren, h->node(node).primaryChildCount));
+					for (const std::uint32_t child : children) open.push_back(child);
+				}
+				for (std::uint32_t node = 0; node < h->nodes().size; ++node)
+				{
+					const std::uint32_t level = h->node(node).level;
+					EXPECT_TRUE(level > base || reached[node] == int(level == base)) << node << " base " << base;
+				}
+			}
+}
+
+// By looking at every node and its primary parent.
+TEST(Hierarchy, FewestWithinCountsTheCoarsestNodesOfMixedLevels)
 {
 	for (const BodyPair& pair : pairs())
 		for (const Hierarchy* h : {pair.a.hierarchy.get(), pair.b.hierarchy.get()})
 		{
-			std::vector<std::uint32_t> open{h->root()};
-			std::vector<int> reached(h->nodes().size, 0);
-			while (!open.empty())
+			const auto keeps = [&](const Node& node, double error)
+			{ return (node.flags & kClodNode) != 0 && std::max(node.cover, node.protrude) <= error; };
+			for (const int power : {0, 3, 6, 9, 12})
 			{
-				const std::uint32_t node = open.back();
-				open.pop_back();
-				++reached[node];
-				EXPECT_EQ(h->wideChildren(node).empty(), h->node(node).childCount == 0);
-				EXPECT_LE(h->wideChildren(node).size,
-						  std::max<std::size_t>(kWideChildren, h->node(node).primaryChildCount));
-				for (const std::uint32_t child : h->wideChildren(node)) open.push_back(child);
+				const double error = std::ldexp(double(h->asset().radius), -power);
+				std::uint32_t expected = keeps(h->node(h->root()), error);
+				for (const Node& node : h->nodes())
+					for (std::uint32_t i = 0; i < node.primaryChildCount; ++i)
+						expected += !keeps(node, error) && keeps(h->node(h->children(node)[i]), error);
+				EXPECT_EQ(h->fewestWithin(error), expected);
+				EXPECT_EQ(h->fewestWithin(1.9 * error), expected);
 			}
-			for (std::uint32_t node = 0; node < h->levels()[0].nodeCount; ++node) EXPECT_EQ(reached[node], 1) << node;
+			EXPECT_EQ(h->fewestWithin(0), h->levels()[0].nodeCount);
 		}
 }
 }  // namespace

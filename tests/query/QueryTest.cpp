@@ -3,9 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <set>
 
 #include "clod/query/QueryContext.h"
+#include "clod/query/StopRule.h"
 #include "tests/query/Questions.h"
 #include "tests/query/TriangleGap.h"
 
@@ -140,16 +143,131 @@ TEST(Query, LargerThresholdNeverOpensMore)
 		}
 }
 
-// A certified limit that simplified nodes cannot keep is answered by the tree of exact mode, one that they can is not:
-// the same contacts, and as few boxes compared.
+struct Worst
+{
+	double cover = 0, protrude = 0, nodes = 0;
+};
+Worst worstOf(const Hierarchy& hierarchy, std::uint32_t level)
+{
+	Worst worst;
+	for (const Node& node : hierarchy.nodes())
+	{
+		if (node.level != level) continue;
+		worst.cover = std::max(worst.cover, double(node.cover));
+		worst.protrude = std::max(worst.protrude, double(node.protrude));
+		++worst.nodes;
+	}
+	return worst;
+}
+// Of all pairs of contact levels.
+BaseLevels fewestThatKeep(double limit, const Hierarchy& a, const Hierarchy& b, double& nodePairs)
+{
+	BaseLevels best{0, 0};
+	nodePairs = worstOf(a, 0).nodes * worstOf(b, 0).nodes;
+	for (std::uint32_t i = 0; i <= a.coarsestClodLevel(); ++i)
+		for (std::uint32_t j = 0; j <= b.coarsestClodLevel(); ++j)
+		{
+			const Worst ofA = worstOf(a, i), ofB = worstOf(b, j);
+			if (ofA.cover + ofB.cover > limit || ofA.protrude + ofB.protrude > limit) continue;
+			if (!(ofA.nodes * ofB.nodes < nodePairs)) continue;
+			best = {i, j};
+			nodePairs = ofA.nodes * ofB.nodes;
+		}
+	return best;
+}
+
+TEST(StopRule, ACertifiedLimitIsAnsweredByTheLevelsThatKeepIt)
+{
+	int used = 0, mixed = 0, leaves = 0;
+	for (const BodyPair& pair : pairs())
+	{
+		const Hierarchy &a = *pair.a.hierarchy, &b = *pair.b.hierarchy;
+		const QueryContext context(a, b, Transform{});
+		for (double share = 1e-7; share < 10; share *= 1.3)
+		{
+			Metric metric;
+			metric.maxError = share * smallerRadius(pair.a, pair.b);
+			double nodePairs = 0;
+			const BaseLevels expected = fewestThatKeep(metric.maxError, a, b, nodePairs);
+			const StopRule rule(context, metric, false);
+			const double half = 0.5 * metric.maxError;
+			if (nodePairs > 16 * double(a.fewestWithin(half)) * double(b.fewestWithin(half)))
+			{
+				EXPECT_FALSE(rule.base().isUsed());
+				++mixed;
+				continue;
+			}
+			EXPECT_EQ(rule.base(), expected) << pair.a.name << " " << share;
+			++(expected.isOfLeaves() ? leaves : used);
+			metric.weightedDeviation = 0.1 * metric.maxError;  // may ask for finer nodes
+			EXPECT_EQ(StopRule(context, metric, false).base().isUsed(), expected.isOfLeaves());
+			EXPECT_FALSE(StopRule(context, metric, true).base().isUsed());
+		}
+	}
+	std::printf("%d limits answered by simplified levels, %d by the input surfaces, %d by mixed levels\n", used, leaves,
+				mixed);
+	EXPECT_GT(used, 50);
+	EXPECT_GT(leaves, 20);
+}
+
+// All pairs of nodes of the base levels, and what stands for those that overlap where their error would then be too
+// large.
+TEST(Query, ACertifiedLimitFindsEveryPairOfTheBaseLevels)
+{
+	Random random(29);
+	std::size_t contacts = 0, opened = 0;
+	for (const BodyPair& pair : pairs())
+		for (int i = 0; i < 200; ++i)
+		{
+			const Hierarchy &a = *pair.a.hierarchy, &b = *pair.b.hierarchy;
+			const double radius = smallerRadius(pair.a, pair.b);
+			Settings settings;
+			settings.tolerance = uniform(random, 0, 0.05) * radius;
+			settings.metric.maxError = std::pow(10, uniform(random, -3, -0.5)) * radius;
+			const Transform pose = poseWithGap(random, pair.a, pair.b, stratifiedGap(random, i));
+			const QueryContext context(a, b, pose);
+			const StopRule rule(context, settings.metric, false);
+			if (!rule.base().isUsed()) continue;
+			const Level levelA = a.levels()[rule.base().a], levelB = b.levels()[rule.base().b];
+			if (double(levelA.nodeCount) * double(levelB.nodeCount) > 3e5) continue;
+			const QueryResult result = fresh(pair, pose, settings);
+			std::size_t ofBase = 0, expected = 0;
+			for (const Contact& contact : result.contacts)
+				ofBase += a.node(contact.nodeA).level == rule.base().a && b.node(contact.nodeB).level == rule.base().b;
+			for (std::uint32_t nodeA = levelA.firstNode; nodeA < levelA.firstNode + levelA.nodeCount; ++nodeA)
+				for (std::uint32_t nodeB = levelB.firstNode; nodeB < levelB.firstNode + levelB.nodeCount; ++nodeB)
+				{
+					const HullDistance distance = canonicalDistance(context, nodeA, nodeB, settings.tolerance);
+					if (distance.lower > settings.tolerance) continue;
+					const bool isOpened = !rule.isOfLeaves() && distance.lower <= 0 &&
+										  certifiedError(a.node(nodeA), b.node(nodeB)) > settings.metric.maxError;
+					opened += isOpened;
+					if (isOpened) continue;
+					++expected;
+					const auto found = std::find_if(result.contacts.begin(), result.contacts.end(),
+													[&](const Contact& contact)
+													{ return contact.nodeA == nodeA && contact.nodeB == nodeB; });
+					ASSERT_NE(found, result.contacts.end()) << pair.a.name << " pose " << i;
+					EXPECT_EQ(found->upper, distance.upper);
+				}
+			EXPECT_EQ(ofBase, expected) << pair.a.name << " pose " << i;
+			contacts += expected;
+		}
+	std::printf("%zu contacts, %zu pairs opened further\n", contacts, opened);
+	EXPECT_GT(contacts, 500u);
+	EXPECT_GT(opened, 50u);
+}
+
+// What no simplified level keeps is answered as in exact mode.
 TEST(Query, ALimitOutOfReachCostsWhatExactDoes)
 {
 	Random random(29);
-	int coarse = 0, withContacts = 0;
+	int withContacts = 0;
 	for (const BodyPair& pair : pairs())
 	{
+		const Worst ofA = worstOf(*pair.a.hierarchy, 1), ofB = worstOf(*pair.b.hierarchy, 1);
 		const double radius = smallerRadius(pair.a, pair.b);
-		const double finest = double(pair.a.hierarchy->finestError()) + double(pair.b.hierarchy->finestError());
+		const double least = std::min(std::max(ofA.cover, ofA.protrude), std::max(ofB.cover, ofB.protrude));
 		for (int i = 0; i < 20; ++i)
 		{
 			const Transform pose = poseWithGap(random, pair.a, pair.b, uniform(random, 0, 0.01));
@@ -157,16 +275,13 @@ TEST(Query, ALimitOutOfReachCostsWhatExactDoes)
 			const QueryResult expected = fresh(pair, pose, exact);
 			Settings limited = exact;
 			limited.metric.exact = false;
-			limited.metric.maxError = std::min(0.99 * finest, 0.1 * radius);
+			limited.metric.maxError = 0.99 * least;
 			const QueryResult result = fresh(pair, pose, limited);
 			EXPECT_EQ(difference(result, expected), "") << pair.a.name << " pose " << i;
 			EXPECT_EQ(result.stats.boxTests, expected.stats.boxTests);
-			limited.metric.maxError = 4 * finest;
-			coarse += fresh(pair, pose, limited).stats.coarsestLevel > 0;
 			withContacts += !expected.contacts.empty();
 		}
 	}
-	EXPECT_GT(coarse, 5);
 	EXPECT_GT(withContacts, 40);
 }
 
