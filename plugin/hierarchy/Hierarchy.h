@@ -122,9 +122,9 @@ private:
 		std::vector<Range> ranges;    // of each from there on
 		std::vector<std::uint32_t> children;
 	};
-	std::vector<WideTree> m_wide;           // one a contact level
-	std::vector<LevelBounds> m_bounds;      // one a contact level
-	std::vector<std::uint32_t> m_fewest;    // within the radius, its half, its quarter, ...
+	std::vector<WideTree> m_wide;         // one a contact level
+	std::vector<LevelBounds> m_bounds;    // one a contact level
+	std::vector<std::uint32_t> m_fewest;  // within the radius, its half, its quarter, ...
 	std::uint32_t m_coarsestClodLevel = 0;
 	std::uint64_t m_contentHash = 0;
 	friend struct HierarchyReader;

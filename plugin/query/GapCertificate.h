@@ -10,7 +10,8 @@
 //                   tolerance - cover_a - cover_b over accepted pairs that are no contacts,
 //                   lower_ab - cover_a - cover_b over contacts )
 //     as x is within cover_a of hull a and y within cover_b of hull b, and their hulls are lower_ab apart; culling
-//     boxes enclose the surface itself, so a pruned pair's surfaces are farther apart than the tolerance.
+//     boxes enclose the surface itself, so a pruned pair's surfaces are farther apart than the tolerance. Above base
+//     levels (StopRule.h) boxes enclose the hulls of the base's nodes: less the largest covers of the two levels.
 //   gap <= U = min over contacts ( upper_ab + protrude_a + protrude_b )
 //     as both witness points are within protrude of points of the solids.
 //   With every cover and protrude 0 (level 0) both are the exact distance of the surfaces.

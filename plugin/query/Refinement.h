@@ -153,7 +153,8 @@ private:
 	// As Traversal.h does before a pair is opened.
 	bool cullsByHulls(const Pending& pair) const
 	{
-		return !m_rule->base().isUsed() && !m_paper && mayCullByHulls(m_context->a.node(pair.a), m_context->b.node(pair.b));
+		return !m_rule->base().isUsed() && !m_paper &&
+			   mayCullByHulls(m_context->a.node(pair.a), m_context->b.node(pair.b));
 	}
 	bool hullsApart(const Pending& pair)
 	{

@@ -85,9 +85,9 @@ public:
 	{
 		return !m_base.isUsed() || (isWithinBaseA(i) && isWithinBaseB(j));
 	}
-	// The boxes of a tree's node hold the hulls of all that is below, but of the surface only what the node itself
-	// answers for: the rest is within the largest covers of the base levels of those hulls. A pair of which a node is
-	// above the base is culled only so much beyond the tolerance.
+	// The box of a node above the base holds the hulls of all its descendants, but of the surface only what the node
+	// itself answers for; the rest is within the cover of a base level's hull. Surfaces of a pair that is culled may
+	// therefore be nearer than its boxes, by no more than this.
 	double baseCover() const { return m_baseCover; }
 
 	Acceptance acceptance(std::uint32_t i, std::uint32_t j) const
@@ -192,8 +192,7 @@ private:
 			if (!keepsLimit(a.bounds(levelA), b.bounds(levelB))) break;
 			if (nodes(a, levelA) * nodes(b, levelB) < nodes(a, best.a) * nodes(b, best.b)) best = {levelA, levelB};
 		}
-		const double mixed =
-			double(a.fewestWithin(0.5 * m_maxError)) * double(b.fewestWithin(0.5 * m_maxError));
+		const double mixed = double(a.fewestWithin(0.5 * m_maxError)) * double(b.fewestWithin(0.5 * m_maxError));
 		const bool isFree = m_threshold.isConstant() && !(m_threshold.constant() < kOff);
 		if (!best.isOfLeaves() && !isFree) return {};
 		return nodes(a, best.a) * nodes(b, best.b) <= kWorthMixing * mixed ? best : BaseLevels{};

@@ -48,9 +48,7 @@ public:
 		  m_settings(settings),
 		  m_front(front),
 		  m_sink(sink),
-		  m_reach(settings.tolerance + settings.rule.baseCover()),
-		  m_limit(roundDown(m_reach)),
-		  m_withinBase(float(settings.rule.baseCover() - 3e-7 * m_reach)),
+		  m_limit(roundDown(settings.tolerance)),
 		  m_room(1e-9 * context.size + context.boxes.roundingOfTwo()),
 		  m_moved(float(front.pending) * (1 + 3e-7f)),
 		  m_stats(&stats),
@@ -135,7 +133,8 @@ private:
 		row.ofChildrenOfA = pair.state == PairState::kOpenA;
 		row.other = row.ofChildrenOfA ? pair.b : pair.a;
 		const Hierarchy& side = row.ofChildrenOfA ? m_context.a : m_context.b;
-		const Span<std::uint32_t> children = m_settings.rule.childrenOf(row.ofChildrenOfA, row.ofChildrenOfA ? pair.a : pair.b);
+		const Span<std::uint32_t> children =
+			m_settings.rule.childrenOf(row.ofChildrenOfA, row.ofChildrenOfA ? pair.a : pair.b);
 
 		std::uint32_t old = 0, oldEnd = 0;
 		bool stillApart = false;
@@ -200,7 +199,7 @@ private:
 	{
 		const FrontEntry& old = m_front.previous[row.old[k]];
 		row.high[k] = upperAfter(old.high, m_moved);
-		if (double(row.high[k]) < m_reach - m_room)
+		if (double(row.high[k]) < m_settings.tolerance - m_room)
 		{
 			++m_stats->skippedBySlack;
 			return true;
@@ -219,10 +218,9 @@ private:
 					nodes[count++] = row.children[k];
 				});
 		float separations[kBoxLanes];
-		std::uint32_t within = m_settings.paper ? paperSeparations(row, child, count, separations)
-												: boxSeparations(m_context, row.ofChildrenOfA, row.other, nodes, count,
-																 separations, m_limit);
-		if (m_settings.rule.baseCover() > 0) within &= shiftWithinBase(row, child, count, separations);
+		const std::uint32_t within = m_settings.paper ? paperSeparations(row, child, count, separations)
+													  : boxSeparations(m_context, row.ofChildrenOfA, row.other, nodes,
+																	   count, separations, m_limit);
 		(m_settings.paper ? m_stats->hullTests : m_stats->boxTests) += count;
 		float apart = std::numeric_limits<float>::infinity();
 		for (std::uint32_t i = 0; i < count; ++i)
@@ -234,18 +232,6 @@ private:
 					row.near |= 1U << child[i];
 					row.high[child[i]] = upperAfter(separations[i], 0);
 				});
-	}
-	// Which are within the limit still.
-	std::uint32_t shiftWithinBase(const Row& row, const std::uint32_t* child, std::uint32_t count,
-								  float* separations) const
-	{
-		std::uint32_t within = 0;
-		for (std::uint32_t i = 0; i < count; ++i)
-		{
-			if (m_settings.rule.isWithinBase(row.a(child[i]), row.b(child[i]))) separations[i] += m_withinBase;
-			within |= separations[i] <= m_limit ? 1U << i : 0;
-		}
-		return within;
 	}
 	std::uint32_t paperSeparations(const Row& row, const std::uint32_t* child, std::uint32_t count,
 								   float* separations) const
@@ -353,7 +339,7 @@ private:
 		keep(entry, memory);
 	}
 
-	bool isBeyond(float low) const { return double(low) > m_reach + m_room; }
+	bool isBeyond(float low) const { return double(low) > m_settings.tolerance + m_room; }
 	void touch(std::uint32_t a, std::uint32_t b)
 	{
 		m_finestA = std::min(m_finestA, a);
@@ -370,9 +356,7 @@ private:
 	const TraversalSettings& m_settings;
 	PairFront& m_front;
 	ContactSink& m_sink;
-	const double m_reach;      // of pairs above the base levels: beyond it there is nothing within the tolerance
-	const float m_limit;       // floats within it are at most this
-	const float m_withinBase;  // added to the separation of other pairs, which then have the same limit
+	const float m_limit;  // floats within the tolerance are at most this
 	const double m_room;  // for the rounding of two measurements
 	const float m_moved;  // since the cached bounds
 	PartMotion m_partMotion;

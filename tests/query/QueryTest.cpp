@@ -258,6 +258,36 @@ TEST(Query, ACertifiedLimitFindsEveryPairOfTheBaseLevels)
 	EXPECT_GT(opened, 50u);
 }
 
+// Surfaces just within the tolerance whose levels' hulls are beyond it: the bound says so.
+TEST(Query, ABoundOfBaseLevelsHoldsJustBelowTheTolerance)
+{
+	Random random(37);
+	int onlyByCover = 0;
+	for (const BodyPair& pair : pairs())
+		for (int i = 0; i < 120; ++i)
+		{
+			const double radius = smallerRadius(pair.a, pair.b);
+			Settings settings;
+			settings.tolerance = 0.02 * radius;
+			settings.metric.maxError = std::pow(10, uniform(random, -3, -1)) * radius;
+			const Transform pose = poseWithGap(random, pair.a, pair.b, uniform(random, 0.017, 0.023));
+			const QueryContext context(*pair.a.hierarchy, *pair.b.hierarchy, pose);
+			const StopRule rule(context, settings.metric, false);
+			if (!rule.base().isUsed()) continue;
+			const double truth = fresh(pair, pose, exactSettings(0.04 * radius)).minDistance;
+			const QueryResult result = fresh(pair, pose, settings);
+			const bool isFar = result.contacts.empty();
+			EXPECT_LE((isFar ? settings.tolerance : result.minDistance) - result.errorBound, truth)
+				<< pair.a.name << " pose " << i;
+			const double covers =
+				worstOf(*pair.a.hierarchy, rule.base().a).cover + worstOf(*pair.b.hierarchy, rule.base().b).cover;
+			EXPECT_EQ(isFar ? result.errorBound : covers, covers);  // pairs culled above the base levels count, too
+			onlyByCover += isFar && truth < settings.tolerance;
+		}
+	std::printf("%d surfaces within the tolerance, their levels not\n", onlyByCover);
+	EXPECT_GT(onlyByCover, 10);
+}
+
 // What no simplified level keeps is answered as in exact mode.
 TEST(Query, ALimitOutOfReachCostsWhatExactDoes)
 {
