@@ -171,13 +171,14 @@ public:
 	}
 
 private:
-	static constexpr double kWorthMixing = 16;  // times the pairs of nodes that mixed levels would need
+	static constexpr double kWorthMixing = 16;         // times the pairs of nodes that mixed levels would need
+	static constexpr double kWorthSimplifying = 0.25;  // of the pairs of leaves; else leaves, whose boxes are tighter
 
 	bool isWithinBaseA(std::uint32_t i) const { return m_context->a.node(i).level <= m_base.a; }
 	bool isWithinBaseB(std::uint32_t j) const { return m_context->b.node(j).level <= m_base.b; }
 
-	// Of the levels that keep the limit together those with the fewest pairs of nodes. Where a threshold may ask for
-	// finer nodes here and there only the input surfaces, when nothing else keeps the limit.
+	// Of the levels that keep the limit together those with the fewest pairs of nodes, if they save enough. Where a
+	// threshold may ask for finer nodes here and there only the input surfaces, when nothing else keeps the limit.
 	BaseLevels baseLevels() const
 	{
 		if (m_isPaper || !std::isfinite(m_maxError)) return {};
@@ -192,6 +193,7 @@ private:
 			if (!keepsLimit(a.bounds(levelA), b.bounds(levelB))) break;
 			if (nodes(a, levelA) * nodes(b, levelB) < nodes(a, best.a) * nodes(b, best.b)) best = {levelA, levelB};
 		}
+		if (nodes(a, best.a) * nodes(b, best.b) > kWorthSimplifying * nodes(a, 0) * nodes(b, 0)) best = {0, 0};
 		const double mixed = double(a.fewestWithin(0.5 * m_maxError)) * double(b.fewestWithin(0.5 * m_maxError));
 		const bool isFree = m_threshold.isConstant() && !(m_threshold.constant() < kOff);
 		if (!best.isOfLeaves() && !isFree) return {};

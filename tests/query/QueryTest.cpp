@@ -173,7 +173,10 @@ BaseLevels fewestThatKeep(double limit, const Hierarchy& a, const Hierarchy& b, 
 			best = {i, j};
 			nodePairs = ofA.nodes * ofB.nodes;
 		}
-	return best;
+	const double leafPairs = worstOf(a, 0).nodes * worstOf(b, 0).nodes;
+	if (nodePairs <= 0.25 * leafPairs) return best;
+	nodePairs = leafPairs;
+	return {0, 0};
 }
 
 TEST(StopRule, ACertifiedLimitIsAnsweredByTheLevelsThatKeepIt)
