@@ -59,14 +59,32 @@ void btClodDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache* pairCac
 		btCollisionDispatcher::dispatchAllCollisionPairs(pairCache, info, dispatcher);
 		return;
 	}
+	const bool isOfTime = budget.microseconds < clod::kOff && !(budget.tests < clod::kOff);
+	if (isOfTime && m_whole.isDue())
+	{
+		dispatchWhole(pairCache, info, dispatcher);
+		return;
+	}
 	const Clock::time_point start = Clock::now();
 	m_planned.clear();
 	plan(*pairCache, info);
 	m_answers = refine(budget, microsecondsSince(start));
+	if (isOfTime) m_whole.observeRefined(m_queue.empty() ? 0 : m_planned[m_queue.front()].plan.excess());
 	const Clock::time_point answering = Clock::now();
 	btCollisionDispatcher::dispatchAllCollisionPairs(pairCache, info, dispatcher);
 	m_answerCost.observe(m_answers, microsecondsSince(answering));
 	m_planned.clear();
+}
+
+void btClodDispatcher::dispatchWhole(btOverlappingPairCache* pairCache, const btDispatcherInfo& info,
+									 btDispatcher* dispatcher)
+{
+	const clod::Budget budget = m_context.budget;
+	m_context.budget = clod::Budget{};
+	const Clock::time_point start = Clock::now();
+	btCollisionDispatcher::dispatchAllCollisionPairs(pairCache, info, dispatcher);
+	m_whole.observeWhole(microsecondsSince(start), budget.microseconds);
+	m_context.budget = budget;
 }
 
 // Every pair of two shapes of ours at its coarsest valid answer.

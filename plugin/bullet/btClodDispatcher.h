@@ -2,8 +2,8 @@
 // A collision dispatcher that spends Context::budget over a whole step: every pair of btClodShapes is first brought to
 // its coarsest valid answer, then one queue over all pairs refines where the metric is exceeded by the largest factor,
 // then Bullet's dispatch makes the contacts. A budget of tests is never exceeded, unless the coarsest answers alone
-// cost more, and gives the same contacts every time; a budget of time is compared with a clock, see Query.h. Without a
-// budget it is a btCollisionDispatcher.
+// cost more, and gives the same contacts every time; a budget of time is compared with a clock, see Query.h, and steps
+// that fit in without being refined are not (WholeStep.h). Without a budget it is a btCollisionDispatcher.
 //
 // Pairs are planned for the poses before dispatch. Not planned are shapes inside compounds and shapes of different
 // scale (the former get shares by what they needed last, see Context; the latter meet as plain triangles, without
@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "clod/bullet/Context.h"
+#include "clod/bullet/WholeStep.h"
 #include "clod/query/AnswerCost.h"
 
 class btClodDispatcher : public btCollisionDispatcher
@@ -33,6 +34,7 @@ public:
 
 private:
 	struct Planned;
+	void dispatchWhole(btOverlappingPairCache* pairCache, const btDispatcherInfo& info, btDispatcher* dispatcher);
 	void plan(btOverlappingPairCache& pairCache, const btDispatcherInfo& info);
 	// Returns how many pairs of nodes will answer.
 	std::uint64_t refine(const clod::Budget& budget, double already);
@@ -42,4 +44,5 @@ private:
 	std::vector<std::uint32_t> m_queue;  // a heap of indices into m_planned
 	std::uint64_t m_answers = 0;
 	clod::AnswerCost m_answerCost{10};  // of dispatches after planning, an answer is a pair of nodes
+	clod::WholeStep m_whole;
 };

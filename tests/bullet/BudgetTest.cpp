@@ -2,6 +2,7 @@
 // Budgets over whole steps: held by btClodDispatcher, shared out without it.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <memory>
 
@@ -140,7 +141,38 @@ TEST(BulletBudget, AFullOneGivesTheTrajectoryOfNone)
 	EXPECT_EQ(Toruses(true).run(120, 1e9), none);
 	EXPECT_EQ(Toruses(true).run(120, 1e9, 1e12), none);
 	EXPECT_EQ(Toruses(false).run(120, 1e9), none);
-	EXPECT_NE(Toruses(true).run(120, 300), none);  // the comparison sees a smaller one
+	EXPECT_EQ(Toruses(true).run(120, kOff, 1e12), none);  // from the second step on not refined (WholeStep.h)
+	EXPECT_NE(Toruses(true).run(120, 300), none);         // the comparison sees a smaller one
+}
+
+TEST(WholeStep, IsTriedNearTheMetricAndKeptWhileItFits)
+{
+	WholeStep whole;
+	EXPECT_FALSE(whole.isDue());
+	whole.observeRefined(20);
+	EXPECT_FALSE(whole.isDue());
+	whole.observeRefined(3.7);
+	ASSERT_TRUE(whole.isDue());
+	whole.observeWhole(190, 100);  // the first may take twice as long
+	ASSERT_TRUE(whole.isDue());
+	for (int i = 0; i < 10; ++i) whole.observeWhole(99, 100);
+	ASSERT_TRUE(whole.isDue());
+	whole.observeWhole(101, 100);
+	// One step later it is tried again; after attempts that fail three, seven, ... and at last 63 steps later.
+	int waits = 1;
+	for (int attempt = 0; attempt < 8; ++attempt)
+	{
+		for (int i = 0; i < waits; ++i)
+		{
+			EXPECT_FALSE(whole.isDue());
+			whole.observeRefined(0);
+		}
+		EXPECT_FALSE(whole.isDue());
+		whole.observeRefined(0);
+		ASSERT_TRUE(whole.isDue());
+		whole.observeWhole(201, 100);
+		waits = std::min(2 * waits + 1, 63);
+	}
 }
 
 TEST(BulletBudget, TheSameBudgetGivesTheSameTrajectory)
