@@ -41,13 +41,14 @@ struct PairReport
 	double errorBound = 0;                  // see QueryResult
 	std::uint32_t candidates = 0, points = 0, clusterCount = 0, leaks = 0;
 	std::uint32_t finestLevel = 0, coarsestLevel = 0;
-	double demand = 0;       // tests that its query took, or would have with a larger budget, as a guess
-	bool isPlanned = false;  // by btClodDispatcher
-	bool deep = false;       // penetration beyond what the contacts can prove
-	bool fast = false;       // one step moves the bodies farther than the thinnest wall
-	bool loose = false;      // the error bound exceeds the thinnest wall
-	bool kept = false;       // nothing has changed: manifolds were left as the last dispatch wrote them
-	double queryMicroseconds = 0, contactMicroseconds = 0;
+	double demand = 0;               // tests that its query took, or would have with a larger budget, as a guess
+	bool isPlanned = false;          // by btClodDispatcher
+	bool deep = false;               // penetration beyond what the contacts can prove
+	bool fast = false;               // one step moves the bodies farther than the thinnest wall
+	bool loose = false;              // the error bound exceeds the thinnest wall
+	bool kept = false;               // nothing has changed: manifolds were left as the last dispatch wrote them
+	double queryMicroseconds = 0;    // up to the contact list,
+	double contactMicroseconds = 0;  // and from there to its points, before they are written
 };
 
 // Sums over all live pairs, each as of its last dispatch.

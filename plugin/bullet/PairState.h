@@ -5,6 +5,7 @@
 #pragma once
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 
+#include <chrono>
 #include <optional>
 
 #include "clod/bullet/Manifolds.h"
@@ -53,7 +54,8 @@ private:
 	bool answersAgain() const;
 	void answer();
 	void linkToThemselves();
-	void findPoints();
+	using Clock = std::chrono::steady_clock;
+	Clock::time_point findPoints();
 	void clipForeign();
 	void reduce();
 	void judge();
