@@ -2,8 +2,8 @@
 // When a pair of nodes answers, and which of its two nodes is opened when it may not. The latter is a fixed function of
 // the two nodes and the settings; the former too, unless a metric asks for the place of the contact (Metric.h) or a
 // certified limit holds only while the two hulls are apart, then of the pose as well: no history. The set of pairs a
-// query visits is a function of the pose and the settings alone, whatever the order, and a larger threshold never opens
-// more.
+// query visits is a function of the pose and the settings alone, whatever the order, and a larger threshold s0 never
+// opens more.
 //
 // Based on: Otaduy & Lin 2003, sec. 3.3, eq. 2 and 3. Departs from it: the contact area D of a pair is the harmonic
 // combination of node constants, not interpolated at the witness points (outside paper mode there is no witness yet).

@@ -8,12 +8,13 @@
 // within, each with some room for rounding. Everything else is measured anew. Both proofs decide as a measurement
 // would, hence the set of visited pairs never depends on the cache.
 //
-// Outside exact and paper mode a pair of contact nodes that is not accepted is opened only where its hulls, too, are
-// near: boxes of curved patches are far from tight.
+// Where there are no base levels, outside paper mode, a pair of contact nodes that is not accepted is opened only where
+// its hulls, too, are near: boxes of curved patches are far from tight.
 //
-// Exact mode follows primary children only: a tree, each pair once; and as no level above the input surface may answer
-// there, it jumps over levels (Hierarchy::wideChildren). Otherwise all children: a directed acyclic graph, each pair is
-// opened where it is met first. Either way up to eight children are compared with the other node at once.
+// Above base levels (StopRule.h; in exact mode the input surfaces) only primary children are followed: a tree, each
+// pair once; and as no level there may answer, it jumps over levels (Hierarchy::wideChildren). Otherwise all children:
+// a directed acyclic graph, each pair is opened where it is met first. Either way up to eight children are compared
+// with the other node at once.
 //
 // Children that are apart leave no trace but the smallest of their separations, in the entry of the pair opened: while
 // the motion does not use it up, none of them is looked at.
