@@ -178,7 +178,7 @@ void Collapser::commit(const Vec3& position)
 	for (std::size_t i = 0; i < m_patches.size(); ++i)
 	{
 		Patch& patch = m_mesh.patches[m_patches[i]];
-		patch.resolution = patch.resolution > 0 ? std::min(patch.resolution, r) : r;
+		patch.resolution = smallerResolution(patch.resolution, r);
 		m_mesh.setHull(m_patches[i], std::move(m_newHulls[i]));
 	}
 }
@@ -209,8 +209,7 @@ void Collapser::vanish(std::uint32_t patch)
 	Patch& lost = m_mesh.patches[patch];
 	Patch& heir = m_mesh.patches[heirOf(patch)];
 	heir.kids.insert(heir.kids.end(), lost.kids.begin(), lost.kids.end());
-	if (lost.resolution > 0 && (heir.resolution == 0 || lost.resolution < heir.resolution))
-		heir.resolution = lost.resolution;
+	heir.resolution = smallerResolution(heir.resolution, lost.resolution);
 	lost.kids.clear();
 	lost.hull.clear();
 	m_mesh.patchTree.update(patch, Box{});

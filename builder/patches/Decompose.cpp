@@ -68,8 +68,7 @@ void adopt(PatchMesh& mesh, const std::vector<std::uint32_t>& faces, std::vector
 	double resolution = 0;
 	for (const std::uint32_t f : faces)
 	{
-		const double own = mesh.patches[f].resolution;
-		if (own > 0) resolution = resolution > 0 ? std::min(resolution, own) : own;
+		resolution = smallerResolution(resolution, mesh.patches[f].resolution);
 		mesh.label[f] = patch;
 		mesh.patches[f].faces.clear();
 		mesh.patches[f].box = {};

@@ -89,7 +89,7 @@ void PatchMesh::join(std::uint32_t into, std::uint32_t from, std::vector<Plane> 
 	for (const std::uint32_t f : b.faces) label[f] = into;
 	a.faces.insert(a.faces.end(), b.faces.begin(), b.faces.end());
 	a.kids.insert(a.kids.end(), b.kids.begin(), b.kids.end());
-	if (b.resolution > 0 && (a.resolution == 0 || b.resolution < a.resolution)) a.resolution = b.resolution;
+	a.resolution = smallerResolution(a.resolution, b.resolution);
 	b = Patch{};
 	patchTree.update(from, b.box);
 	setHull(into, std::move(hull));

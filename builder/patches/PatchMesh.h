@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The mesh while it is simplified: faces with labels, patches with hulls, and one box tree over each of them.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -12,6 +13,12 @@
 namespace clod::builder
 {
 constexpr std::uint32_t kNone = 0xffffffffu;
+
+// The smaller of two resolutions, 0 = none: any other counts.
+inline double smallerResolution(double a, double b)
+{
+	return a > 0 && b > 0 ? std::min(a, b) : std::max(a, b);
+}
 
 struct Patch
 {
