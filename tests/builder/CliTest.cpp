@@ -17,6 +17,7 @@
 #include "demos/cli/Suggestion.h"
 #include "tests/builder/ObjText.h"
 #include "tests/support/ChildProgram.h"
+#include "tests/support/Files.h"
 #include "tests/support/Meshes.h"
 
 namespace clod::test
@@ -25,21 +26,14 @@ namespace
 {
 namespace fs = std::filesystem;
 
-// An empty folder of its own for each test, removed at the end.
+// A folder of its own for each test.
 class Cli : public ::testing::Test
 {
 protected:
-	void SetUp() override
-	{
-		m_folder = fs::temp_directory_path() / ("clod-cli-" + std::to_string(getpid()) + "-" +
-												::testing::UnitTest::GetInstance()->current_test_info()->name());
-		fs::create_directories(m_folder);
-		writeMesh("torus.obj", torusMesh(1, 0.4, 24, 12));
-	}
-	void TearDown() override { fs::remove_all(m_folder); }
+	void SetUp() override { writeMesh("torus.obj", torusMesh(1, 0.4, 24, 12)); }
 
-	std::string path(const std::string& name) const { return (m_folder / name).string(); }
-	void writeText(const std::string& name, const std::string& text) const { std::ofstream(path(name)) << text; }
+	std::string path(const std::string& name) const { return m_folder.file(name); }
+	void writeText(const std::string& name, const std::string& text) const { m_folder.file(name, text); }
 	void writeMesh(const std::string& name, const builder::Mesh& mesh) const { writeText(name, objText(mesh)); }
 	pid_t start(std::vector<std::string> arguments)
 	{
@@ -58,11 +52,11 @@ protected:
 	std::size_t filesBesides(const std::string& prefix) const
 	{
 		std::size_t count = 0;
-		for (const auto& entry : fs::directory_iterator(m_folder))
+		for (const auto& entry : fs::directory_iterator(m_folder.path()))
 			count += entry.path().filename().string().rfind(prefix, 0) == 0 ? 1 : 0;
 		return count;
 	}
-	fs::path m_folder;
+	const TemporaryFolder m_folder;
 };
 }  // namespace
 
@@ -172,7 +166,7 @@ TEST_F(Cli, BadInputIsExitCode3AndWritesNothing)
 	EXPECT_EQ(run({"build", path("open.obj"), "-o", path("a.clod")}), 3);
 	EXPECT_NE(err().find("open boundary: edge (0, 1) of face 0"), std::string::npos) << err();
 	EXPECT_EQ(run({"build", path("none.obj"), "-o", path("a.clod")}), 3);
-	EXPECT_EQ(run({"build", m_folder.string(), "-o", path("a.clod")}), 3);
+	EXPECT_EQ(run({"build", m_folder.path().string(), "-o", path("a.clod")}), 3);
 	writeText("bad.clod", "not a hierarchy");
 	EXPECT_EQ(run({"info", path("bad.clod")}), 3);
 	EXPECT_EQ(run({"check", path("bad.clod")}), 3);

@@ -3,7 +3,6 @@
 // REFUSED (exit code 3, the reason and the first element) or LIMIT (exit code 5), never anything else: no crash, no
 // hang, no other exit code, nothing half written. X19, real collections, is scripts/real-meshes.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -14,6 +13,7 @@
 
 #include "tests/builder/ObjText.h"
 #include "tests/support/ChildProgram.h"
+#include "tests/support/Files.h"
 #include "tests/support/Meshes.h"
 
 namespace clod::test
@@ -23,27 +23,17 @@ namespace
 namespace fs = std::filesystem;
 using builder::Mesh;
 
-class Folder
+std::size_t count(const TemporaryFolder& folder)
 {
-public:
-	explicit Folder(const std::string& name)
-		: m_path(fs::temp_directory_path() / ("clod-extremes-" + std::to_string(getpid()) + "-" + name))
-	{
-		fs::create_directories(m_path);
-	}
-	~Folder() { fs::remove_all(m_path); }
-	std::string file(const std::string& name) const { return (m_path / name).string(); }
-	std::size_t count() const { return std::size_t(std::distance(fs::directory_iterator(m_path), {})); }
-
-private:
-	fs::path m_path;
-};
+	return std::size_t(std::distance(fs::directory_iterator(folder.path()), {}));
+}
 
 // "BUILT", "REFUSED ...message", "LIMIT ...message", or "ILLEGAL ..." with what was wrong.
-std::string outcome(const std::string& program, const Folder& folder, const std::string& mesh, double seconds = 500)
+std::string outcome(const std::string& program, const TemporaryFolder& folder, const std::string& mesh,
+					double seconds = 500)
 {
 	const std::string out = folder.file("out.clod");
-	const std::size_t filesBefore = folder.count();
+	const std::size_t filesBefore = count(folder);
 	const auto run = [&](std::vector<std::string> words)
 	{ return waitForProgram(startProgram(std::move(words), folder.file("stdout"), folder.file("stderr")), seconds); };
 	const int code = run({program, "build", mesh, "-o", out, "--quiet", "--json", folder.file("report.json")});
@@ -53,7 +43,7 @@ std::string outcome(const std::string& program, const Folder& folder, const std:
 		const int proof = run({program, "check", out, "--quiet"});
 		return proof == 0 ? "BUILT" : "ILLEGAL: check ends with " + std::to_string(proof);
 	}
-	if (folder.count() != filesBefore + 2) return "ILLEGAL: leaves files behind";  // stdout, stderr
+	if (count(folder) != filesBefore + 2) return "ILLEGAL: leaves files behind";  // stdout, stderr
 	if (code != 3 && code != 5) return "ILLEGAL: ends with " + std::to_string(code) + " " + message;
 	if (message.find(": ") == std::string::npos) return "ILLEGAL: no reason: " + message;
 	return (code == 3 ? "REFUSED " : "LIMIT ") + message;
@@ -247,9 +237,8 @@ class Extreme : public ::testing::TestWithParam<Case>
 TEST_P(Extreme, IsBuiltRefusedOrALimit)
 {
 	const Case& entry = GetParam();
-	const Folder folder(entry.name);
-	std::ofstream(folder.file(entry.file), std::ios::binary) << entry.text();
-	const std::string found = outcome(CLOD_BUILD_PROGRAM, folder, folder.file(entry.file));
+	const TemporaryFolder folder;
+	const std::string found = outcome(CLOD_BUILD_PROGRAM, folder, folder.file(entry.file, entry.text()));
 	EXPECT_EQ(found.substr(0, entry.expected.size()), entry.expected) << found;
 	EXPECT_NE(found.find(entry.message), std::string::npos) << found;
 	if (entry.patches == 0 || found != "BUILT") return;
@@ -262,7 +251,7 @@ INSTANTIATE_TEST_SUITE_P(Input, Extreme, ::testing::ValuesIn(kCases),
 
 TEST(Extremes, LongPathIsRefusedOrBuilt)
 {
-	const Folder folder("path");
+	const TemporaryFolder folder;
 	const std::string longName(4096, 'x');
 	EXPECT_EQ(outcome(CLOD_BUILD_PROGRAM, folder, "/" + longName + ".obj").substr(0, 7), "REFUSED");
 }
@@ -270,21 +259,20 @@ TEST(Extremes, LongPathIsRefusedOrBuilt)
 // The judge itself, before programs that misbehave.
 TEST(Extremes, JudgeNamesWhatIsIllegal)
 {
-	const auto judged = [](const std::string& name, const std::string& script)
+	const auto judged = [](const std::string& script)
 	{
-		const Folder folder(name);
-		const std::string program = folder.file("program");
-		std::ofstream(program) << "#!/bin/sh\n" << script << "\n";
+		const TemporaryFolder folder;
+		const std::string program = folder.file("program", "#!/bin/sh\n" + script + "\n");
 		fs::permissions(program, fs::perms::owner_all);
 		return outcome(program, folder, "mesh.obj", 1);
 	};
-	EXPECT_EQ(judged("sound", "echo mesh.obj: empty: it is >&2; exit 3").substr(0, 7), "REFUSED");
-	EXPECT_EQ(judged("limit", "echo mesh.obj: limit: it is >&2; exit 5").substr(0, 5), "LIMIT");
-	EXPECT_EQ(judged("code", "echo mesh.obj: failure >&2; exit 1").substr(0, 7), "ILLEGAL");
-	EXPECT_EQ(judged("crash", "kill -SEGV $$").substr(0, 7), "ILLEGAL");
-	EXPECT_EQ(judged("hang", "exec sleep 60").substr(0, 7), "ILLEGAL");
-	EXPECT_EQ(judged("half", "echo x > $4; echo mesh.obj: empty: it is >&2; exit 3").substr(0, 7), "ILLEGAL");
-	EXPECT_EQ(judged("silent", "exit 3").substr(0, 7), "ILLEGAL");
-	EXPECT_EQ(judged("unsound", "test $1 = build && exit 0; exit 4").substr(0, 7), "ILLEGAL");
+	EXPECT_EQ(judged("echo mesh.obj: empty: it is >&2; exit 3").substr(0, 7), "REFUSED");
+	EXPECT_EQ(judged("echo mesh.obj: limit: it is >&2; exit 5").substr(0, 5), "LIMIT");
+	EXPECT_EQ(judged("echo mesh.obj: failure >&2; exit 1").substr(0, 7), "ILLEGAL");
+	EXPECT_EQ(judged("kill -SEGV $$").substr(0, 7), "ILLEGAL");
+	EXPECT_EQ(judged("exec sleep 60").substr(0, 7), "ILLEGAL");
+	EXPECT_EQ(judged("echo x > $4; echo mesh.obj: empty: it is >&2; exit 3").substr(0, 7), "ILLEGAL");
+	EXPECT_EQ(judged("exit 3").substr(0, 7), "ILLEGAL");
+	EXPECT_EQ(judged("test $1 = build && exit 0; exit 4").substr(0, 7), "ILLEGAL");
 }
 }  // namespace clod::test

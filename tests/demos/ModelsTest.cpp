@@ -5,15 +5,18 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <sstream>
 
 #include "demos/models/Models.h"
 #include "tests/demos/MeshFacts.h"
+#include "tests/support/Files.h"
 
 namespace clod::demo::test
 {
+using clod::test::readText;
+using clod::test::TemporaryFolder;
+
 namespace
 {
 constexpr double PI = 3.14159265358979323846;
@@ -61,14 +64,6 @@ bool sameBytes(const ModelMesh& a, const ModelMesh& b)
 {
 	return a.vertices.size() == b.vertices.size() && a.triangles == b.triangles &&
 		   std::memcmp(a.vertices.data(), b.vertices.data(), a.vertices.size() * sizeof(Vec3)) == 0;
-}
-
-std::string fileText(const std::filesystem::path& path)
-{
-	std::ifstream file(path, std::ios::binary);
-	std::stringstream text;
-	text << file.rdbuf();
-	return text.str();
 }
 }  // namespace
 
@@ -275,14 +270,15 @@ TEST(Models, BadRequestsAreRefusedByName)
 
 TEST(Models, ObjFilesHoldEveryDigitAndReplaceWhole)
 {
-	const std::filesystem::path path = std::filesystem::path(::testing::TempDir()) / "models-test.obj";
+	const TemporaryFolder folder;
+	const std::string path = folder.file("models-test.obj");
 	const ModelMesh& mesh = built("number7");
-	const auto bytes = writeObj(path.string(), mesh);
+	const auto bytes = writeObj(path, mesh);
 	ASSERT_TRUE(bytes) << bytes.error();
 	EXPECT_EQ(bytes.value(), std::filesystem::file_size(path));
-	EXPECT_FALSE(std::filesystem::exists(path.string() + ".part"));
+	EXPECT_FALSE(std::filesystem::exists(path + ".part"));
 	ModelMesh read;
-	std::istringstream text(fileText(path));
+	std::istringstream text(readText(path));
 	for (std::string line; std::getline(text, line);)
 	{
 		Vec3 v;
@@ -292,7 +288,6 @@ TEST(Models, ObjFilesHoldEveryDigitAndReplaceWhole)
 			read.triangles.push_back({t[0] - 1, t[1] - 1, t[2] - 1});
 	}
 	EXPECT_TRUE(sameBytes(read, mesh));
-	std::filesystem::remove(path);
 }
 
 // The measures above, each shown failing.

@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the trade-off says of an answer, shown on answers with planted faults; fronts; files of pieces.
-#include <nlohmann/json.hpp>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 
 #include "demos/peers/Accuracy.h"
 #include "demos/peers/Pareto.h"
 #include "demos/peers/PeerMesh.h"
 #include "demos/peers/Preparation.h"
+#include "tests/support/Files.h"
 
 namespace
 {
 using namespace clod;
 using namespace clod::demo;
+using clod::test::TemporaryFolder;
 
 // Ten contacts along x, 1 apart, normals up, distances 0 to 0.9; asked for up to 1.
 ExactRow exactRow()
@@ -152,18 +152,17 @@ TEST(Pareto, ARowKeepsItsLeastTime)
 	EXPECT_EQ(result.passHigh, 7);
 }
 
-std::string writeFile(const std::string& text)
+Result<PieceFile> piecesOf(const std::string& text)
 {
-	const std::string path = (std::filesystem::path(testing::TempDir()) / "pieces.obj").string();
-	std::ofstream(path) << text;
-	return path;
+	const TemporaryFolder folder;
+	return readPieces(folder.file("pieces.obj", text));
 }
 
 TEST(PieceFile, ReadsPiecesAndNotes)
 {
-	const auto file =
-		readPieces(writeFile("# seconds 2.5\no p0\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no p1\nv 5 0 0\nv 6 0 0\nv 5 1 "
-							 "0\nv 5 0 1\nf 4 5 6\n"));
+	const auto file = piecesOf(
+		"# seconds 2.5\no p0\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no p1\nv 5 0 0\nv 6 0 0\nv 5 1 "
+		"0\nv 5 0 1\nf 4 5 6\n");
 	ASSERT_TRUE(file) << file.error();
 	ASSERT_EQ(file.value().pieces.size(), 2u);
 	EXPECT_EQ(file.value().pieces[1].vertices.size(), 4u);
@@ -184,7 +183,7 @@ TEST(PieceFile, RefusesWhatIsNoPiece)
 														 {"v 0 0 0\no a\nv 1 1 1\nf 1 2 2\n", "line 4"}};
 	for (const auto& [text, part] : cases)
 	{
-		const auto file = readPieces(writeFile(text));
+		const auto file = piecesOf(text);
 		ASSERT_FALSE(file) << text;
 		EXPECT_NE(file.error().find(part), std::string::npos) << file.error();
 	}

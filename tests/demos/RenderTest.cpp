@@ -7,12 +7,15 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 
 #include "demos/render/Overlay.h"
+#include "tests/support/Files.h"
 
 namespace clod::demo::test
 {
+using clod::test::readText;
+using clod::test::TemporaryFolder;
+
 namespace
 {
 constexpr int WIDTH = 320, HEIGHT = 240;
@@ -289,28 +292,23 @@ Image readPng(const std::string& path)
 	png_image_finish_read(&png, nullptr, image.rgba.data(), 0, nullptr);
 	return image;
 }
-
-std::string fileBytes(const std::string& path)
-{
-	std::ifstream file(path, std::ios::binary);
-	return {std::istreambuf_iterator<char>(file), {}};
-}
 }  // namespace
 
 TEST(RenderImages, PngFilesHoldThePictureAndItsText)
 {
 	Image image(7, 5, {0.2f, 0.4f, 0.6f, 1});
 	image.rgba[8] = 17;
-	const std::string path = ::testing::TempDir() + "/render-test.png";
+	const TemporaryFolder folder;
+	const std::string path = folder.file("render-test.png");
 	const PngText text = {{"Title", "spoon-cup, step 480"}};
 	const auto bytes = writePng(path, image, text);
 	ASSERT_TRUE(bytes) << bytes.error();
 	EXPECT_EQ(bytes.value(), std::filesystem::file_size(path));
 	EXPECT_EQ(readPng(path).rgba, image.rgba);
-	const std::string first = fileBytes(path);
+	const std::string first = readText(path);
 	EXPECT_NE(first.find("spoon-cup, step 480"), std::string::npos);
 	ASSERT_TRUE(writePng(path, image, text));
-	EXPECT_EQ(fileBytes(path), first);
+	EXPECT_EQ(readText(path), first);
 	EXPECT_FALSE(std::filesystem::exists(path + ".part"));
 	std::filesystem::remove(path);
 	EXPECT_NE(writePng("/nonexistent-folder/a.png", image).error().find("/nonexistent-folder/a.png"),

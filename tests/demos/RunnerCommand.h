@@ -3,14 +3,15 @@
 #pragma once
 #include <gtest/gtest.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+
+#include "tests/support/Files.h"
 
 namespace clod::test
 {
@@ -19,12 +20,6 @@ using nlohmann::json;
 
 // A scene that builds and runs in seconds.
 inline const std::string kSmallScene = "run spoon-cup --resolution 0.03 --steps 40 --quiet";
-
-inline std::string readAll(const fs::path& path)
-{
-	std::ifstream file(path, std::ios::binary);
-	return {std::istreambuf_iterator<char>(file), {}};
-}
 
 struct Outcome
 {
@@ -36,23 +31,19 @@ struct Outcome
 class RunnerCommand : public testing::Test
 {
 protected:
-	static void SetUpTestSuite()
-	{
-		s_folder = fs::temp_directory_path() / ("clod-runner-test-" + std::to_string(getpid()));
-		fs::create_directories(s_folder);
-	}
-	static void TearDownTestSuite() { fs::remove_all(s_folder); }
+	static void SetUpTestSuite() { s_folder.emplace(); }
+	static void TearDownTestSuite() { s_folder.reset(); }
 
-	static std::string path(const std::string& name) { return (s_folder / name).string(); }
+	static std::string path(const std::string& name) { return s_folder->file(name); }
 	static std::string cache() { return " --cache-dir " + path("cache"); }
 	static Outcome runProgram(const std::string& program, const std::string& words)
 	{
 		const std::string command = program + " " + words + " >" + path("out") + " 2>" + path("err");
 		const int status = std::system(command.c_str());
-		return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, readAll(path("out")), readAll(path("err"))};
+		return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, readText(path("out")), readText(path("err"))};
 	}
 	static Outcome bench(const std::string& words) { return runProgram(CLOD_BENCH, words); }
-	static json report(const std::string& name) { return json::parse(readAll(path(name))); }
+	static json report(const std::string& name) { return json::parse(readText(path(name))); }
 
 	// A recorded run of the small scene and its meshes, made once.
 	static void needRecording()
@@ -68,6 +59,6 @@ protected:
 		return "replay " + path("cup.obj") + " " + path("spoon.obj") + " " + path("poses.csv");
 	}
 
-	static inline fs::path s_folder;
+	static inline std::optional<TemporaryFolder> s_folder;
 };
 }  // namespace clod::test

@@ -49,8 +49,8 @@ TEST_F(RunnerCommand, ModelWritesTheSameBytesTwice)
 {
 	ASSERT_EQ(bench("model torus --triangles 800 -o " + path("one.obj")).code, 0);
 	ASSERT_EQ(bench("model torus --triangles 800 -o " + path("two.obj")).code, 0);
-	EXPECT_FALSE(readAll(path("one.obj")).empty());
-	EXPECT_EQ(readAll(path("one.obj")), readAll(path("two.obj")));
+	EXPECT_FALSE(readText(path("one.obj")).empty());
+	EXPECT_EQ(readText(path("one.obj")), readText(path("two.obj")));
 }
 
 TEST_F(RunnerCommand, ListNamesTheScenes)
@@ -133,10 +133,10 @@ TEST_F(RunnerCommand, ReplayAnswersTheSameWarmAndFreshAndTwice)
 		ASSERT_EQ(bench(words + " --repeat 2 --csv " + path("warm.csv")).code, 0);
 		ASSERT_EQ(bench(words + " --csv " + path("again.csv")).code, 0);
 		ASSERT_EQ(bench(words + " --fresh --csv " + path("fresh.csv")).code, 0);
-		const std::string warm = readAll(path("warm.csv"));
+		const std::string warm = readText(path("warm.csv"));
 		EXPECT_EQ(warm.rfind(kColumns, 0), 0u) << warm.substr(0, 200);
-		EXPECT_EQ(withoutTimes(warm), withoutTimes(readAll(path("again.csv")))) << selection;
-		EXPECT_EQ(answers(warm), answers(readAll(path("fresh.csv")))) << selection;
+		EXPECT_EQ(withoutTimes(warm), withoutTimes(readText(path("again.csv")))) << selection;
+		EXPECT_EQ(answers(warm), answers(readText(path("fresh.csv")))) << selection;
 		EXPECT_NE(answers(warm), answers(warm.substr(0, warm.size() / 2)));
 	}
 }
@@ -170,7 +170,7 @@ TEST_F(RunnerCommand, ADamagedCacheEntryIsBuiltAgain)
 	const Outcome again = bench(words + path("after.csv"));
 	EXPECT_EQ(again.code, 0);
 	EXPECT_NE(again.err.find("damaged"), std::string::npos) << again.err;
-	EXPECT_EQ(withoutTimes(readAll(path("before.csv"))), withoutTimes(readAll(path("after.csv"))));
+	EXPECT_EQ(withoutTimes(readText(path("before.csv"))), withoutTimes(readText(path("after.csv"))));
 	const Outcome third = bench(words + path("after.csv"));
 	EXPECT_EQ(third.err.find("damaged"), std::string::npos) << third.err;
 	for (const auto& entry : fs::directory_iterator(path("cache")))
@@ -198,7 +198,7 @@ TEST_F(RunnerCommand, ShortSceneTwiceHasOneTrajectoryInEachPrecision)
 			ASSERT_TRUE(poses) << poses.error();
 			EXPECT_EQ(poses.value().size(), 40u);
 			const std::string checksum = summary["poses"]["xxh64"];
-			EXPECT_EQ(readAll(path("run-poses.csv.xxh64")), checksum + "  run-poses.csv\n");
+			EXPECT_EQ(readText(path("run-poses.csv.xxh64")), checksum + "  run-poses.csv\n");
 		}
 		EXPECT_EQ(hashes[0], hashes[1]) << program;
 	}
@@ -219,7 +219,7 @@ TEST_F(RunnerCommand, ASceneOfFourBodiesIsRecordedAndReplayedWhole)
 	const std::string replayed = "replay mixed-needs " + path("four.csv") + " --resolution 0.03 --quiet" + cache();
 	ASSERT_EQ(bench(replayed + " --csv " + path("four-warm.csv") + " --json " + path("four-replay.json")).code, 0);
 	ASSERT_EQ(bench(replayed + " --fresh --csv " + path("four-fresh.csv")).code, 0);
-	EXPECT_EQ(answers(readAll(path("four-warm.csv"))), answers(readAll(path("four-fresh.csv"))));
+	EXPECT_EQ(answers(readText(path("four-warm.csv"))), answers(readText(path("four-fresh.csv"))));
 	const json replay = report("four-replay.json");
 	EXPECT_EQ(replay["poses"]["trajectory_hash"], report("four.json")["trajectory_hash"]);
 	EXPECT_EQ(replay["summary"]["all_rows"]["rows"], 60);

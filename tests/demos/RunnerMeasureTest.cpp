@@ -38,7 +38,7 @@ TEST_F(RunnerCommand, TradeoffMeasuresOursAndWhatBulletHas)
 								  " --rows contact --tolerance 2mm --stride 6 --repeat 1 --quiet --peers-dir " +
 								  path("no-peers") + " -o " + path("tradeoff"));
 	ASSERT_EQ(outcome.code, 0) << outcome.err;
-	const std::string csv = readAll(path("tradeoff/tradeoff.csv"));
+	const std::string csv = readText(path("tradeoff/tradeoff.csv"));
 	const auto gap = csvColumn(csv, "gap_error_p95"), covered = csvColumn(csv, "covered_mean"),
 			   time = csvColumn(csv, "us_median");
 	ASSERT_TRUE(gap.count("clod,exact") && gap.count("clod-dispatch,exact") && gap.count("gimpact,full") &&
@@ -51,7 +51,7 @@ TEST_F(RunnerCommand, TradeoffMeasuresOursAndWhatBulletHas)
 	for (const auto& [method, microseconds] : time) EXPECT_GT(microseconds, 0) << method;
 	const json left = report("tradeoff/tradeoff.json")["tradeoff"]["left_out"];
 	EXPECT_NE(left.dump().find("scripts/peers"), std::string::npos) << left;
-	EXPECT_NE(readAll(path("tradeoff/pareto.csv")).find("gimpact,full"), std::string::npos);
+	EXPECT_NE(readText(path("tradeoff/pareto.csv")).find("gimpact,full"), std::string::npos);
 }
 
 TEST_F(RunnerCommand, TradeoffLeavesABrokenPeerOutAndSaysSo)
@@ -68,7 +68,7 @@ TEST_F(RunnerCommand, TradeoffLeavesABrokenPeerOutAndSaysSo)
 	ASSERT_EQ(outcome.code, 0) << outcome.err;
 	EXPECT_NE(outcome.out.find("left out: coal-distance full: clod-coal answered too little"), std::string::npos)
 		<< outcome.out;
-	EXPECT_EQ(readAll(path("broken/tradeoff.csv")).find("coal-distance"), std::string::npos);
+	EXPECT_EQ(readText(path("broken/tradeoff.csv")).find("coal-distance"), std::string::npos);
 }
 
 TEST_F(RunnerCommand, LevelsArePlottedWhereGnuplotIs)
@@ -91,7 +91,7 @@ TEST_F(RunnerCommand, FigureFourHasARowAStepAndEveryRowARegime)
 	const Outcome paper = bench("paper --only figure4 --resolution 0.03 --steps 40 --quiet -o " + path("figures") +
 								cache() + " --json " + path("figures.json"));
 	ASSERT_EQ(paper.code, 0) << paper.err;
-	std::istringstream lines(readAll(path("figures/figure4.csv")));
+	std::istringstream lines(readText(path("figures/figure4.csv")));
 	std::string line;
 	std::getline(lines, line);
 	EXPECT_EQ(line.rfind("step,time,regime,ours_exact_us,ours_exact_front,ours_exact_churn", 0), 0u) << line;

@@ -15,6 +15,7 @@
 
 #include "clod/hierarchy/BoundGrid.h"
 #include "clod/hierarchy/HierarchyFormat.h"
+#include "tests/support/Files.h"
 #include "tests/support/LeafHierarchy.h"
 #include "tests/support/Meshes.h"
 
@@ -155,21 +156,10 @@ TEST(HierarchyFile, ReadsTheFirstFileOfThisVersion)
 	EXPECT_EQ(h.node(h.root()).flags, 0u);
 }
 
-class TemporaryFolder
-{
-public:
-	TemporaryFolder() : path(std::filesystem::temp_directory_path() / ("clod-file-test-" + std::to_string(getpid())))
-	{
-		std::filesystem::create_directories(path);
-	}
-	~TemporaryFolder() { std::filesystem::remove_all(path); }
-	const std::filesystem::path path;
-};
-
 TEST(HierarchyFile, LoadReadsRegularFilesOnly)
 {
 	const TemporaryFolder folder;
-	const std::string good = folder.path / "good.clod", fifo = folder.path / "fifo", huge = folder.path / "huge";
+	const std::string good = folder.file("good.clod"), fifo = folder.file("fifo"), huge = folder.file("huge");
 	const Bytes bytes = encode(box());
 	std::ofstream(good, std::ios::binary)
 		.write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
@@ -177,7 +167,7 @@ TEST(HierarchyFile, LoadReadsRegularFilesOnly)
 	std::ofstream(huge) << "x";
 	std::filesystem::resize_file(huge, std::uintmax_t(1) << 33);
 	ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
-	for (const std::string& path : {folder.path.string(), fifo, std::string("/dev/zero"), huge, good + ".missing"})
+	for (const std::string& path : {folder.path().string(), fifo, std::string("/dev/zero"), huge, good + ".missing"})
 	{
 		const auto result = Hierarchy::load(path);
 		ASSERT_FALSE(result) << path;

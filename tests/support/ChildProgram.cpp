@@ -7,8 +7,6 @@
 
 #include <chrono>
 #include <cstdio>
-#include <fstream>
-#include <iterator>
 #include <thread>
 
 namespace clod::test
@@ -39,11 +37,5 @@ int waitForProgram(pid_t child, double seconds)
 		std::this_thread::sleep_for(std::chrono::milliseconds(2));
 	}
 	return late ? kTimedOut : WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
-}
-
-std::string readText(const std::string& path)
-{
-	std::ifstream file(path, std::ios::binary);
-	return {std::istreambuf_iterator<char>(file), {}};
 }
 }  // namespace clod::test

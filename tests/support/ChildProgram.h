@@ -14,6 +14,4 @@ pid_t startProgram(std::vector<std::string> words, const std::string& stdoutPath
 inline constexpr int kTimedOut = -1000;
 // Its exit code, minus the signal that ended it, or kTimedOut: then it was killed after `seconds`.
 int waitForProgram(pid_t child, double seconds = 500);
-
-std::string readText(const std::string& path);
 }  // namespace clod::test
