@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // A pair's contacts in one dispatch, and when those of the last one are the answer already: two bodies that stay where
 // they are cost what writing their manifolds costs.
-#include <chrono>
-
 #include "clod/bullet/PairState.h"
 
 namespace clod
@@ -11,11 +9,6 @@ namespace
 {
 constexpr int kLeakRounds = 3;          // reductions after dropping leaking points
 constexpr double kTestsPerPending = 8;  // what a pair that was not refined would have taken
-
-double microseconds(std::chrono::steady_clock::duration time)
-{
-	return std::chrono::duration<double, std::micro>(time).count();
-}
 
 bool same(const PointRules& l, const PointRules& r)
 {
@@ -34,7 +27,7 @@ bool PairState::answersAgain() const
 }
 
 // Returns when the query ended.
-PairState::Clock::time_point PairState::findPoints()
+Clock::time_point PairState::findPoints()
 {
 	m_points.clear();
 	const Clock::time_point start = Clock::now();
@@ -48,7 +41,7 @@ PairState::Clock::time_point PairState::findPoints()
 	settings.budget = chooseBudget();
 	query(m_shapeA->hierarchy(), m_shapeB->hierarchy(), m_aFromB, settings, m_cache, m_result);
 	const Clock::time_point end = Clock::now();
-	m_report.queryMicroseconds = microseconds(end - start);
+	m_report.queryMicroseconds = microsecondsBetween(start, end);
 	const QueryStats& stats = m_result.stats;
 	const double tests = double(stats.boxTests) + stats.hullTests;
 	if (settings.budget.isLimited()) m_context.setDemand(m_report, tests + kTestsPerPending * stats.pending);
@@ -109,7 +102,7 @@ void PairState::answer()
 	else
 		reduce();
 	judge();
-	m_report.contactMicroseconds = staysEmpty ? 0 : microseconds(Clock::now() - found);
+	m_report.contactMicroseconds = staysEmpty ? 0 : microsecondsSince(found);
 	m_question = {m_aFromB, querySettings(), m_rules};
 	m_hasQuestion = true;
 }

@@ -5,11 +5,11 @@
 #pragma once
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 
-#include <chrono>
 #include <optional>
 
 #include "clod/bullet/Manifolds.h"
 #include "clod/bullet/btClodShape.h"
+#include "clod/query/Clock.h"
 #include "clod/query/ContactPointsForeign.h"
 #include "clod/query/ContactPointsSurface.h"
 
@@ -54,7 +54,6 @@ private:
 	bool answersAgain() const;
 	void answer();
 	void linkToThemselves();
-	using Clock = std::chrono::steady_clock;
 	Clock::time_point findPoints();
 	void clipForeign();
 	void reduce();

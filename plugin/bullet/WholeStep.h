@@ -3,7 +3,7 @@
 // what it remembers and takes half the time of refinement from the coarsest answer, so a step may fit in whole although
 // refinement does not get there. It is tried where refinement came near to the metric, and kept up while it fits.
 #pragma once
-#include <algorithm>
+#include "clod/query/Patience.h"
 
 namespace clod
 {
@@ -16,30 +16,24 @@ public:
 	// A step was refined, and misses the metric by this factor still; 0: it does not.
 	void observeRefined(double excess)
 	{
-		if (m_waits > 0)
-			--m_waits;
-		else if (excess <= kNearlyMet)
-		{
-			m_isDue = m_isFirst = true;
-		}
+		if (m_patience.isOver() && excess <= kNearlyMet) m_isDue = m_isFirst = true;
 	}
 	// A step was answered whole. The first one of several has nothing to remember.
 	void observeWhole(double microseconds, double budget)
 	{
 		const bool fits = microseconds <= (m_isFirst ? kFirst : 1) * budget;
-		if (fits && !m_isFirst) m_patience = 0;
+		if (fits && !m_isFirst) m_patience.succeed();
 		m_isFirst = false;
 		if (fits) return;
 		m_isDue = false;
-		m_patience = std::min(2 * m_patience + 1, kMostPatience);
-		m_waits = m_patience;
+		m_patience.fail();
 	}
 
 private:
 	static constexpr double kNearlyMet = 6;  // spoon-cup 3.7, torus-spiral 4.4 where it then fits, 20 and 25 where not
 	static constexpr double kFirst = 2;
-	static constexpr int kMostPatience = 63;  // steps until the next attempt
+	static constexpr std::uint32_t kMostPatience = 63;  // steps until the next attempt
 	bool m_isDue = false, m_isFirst = false;
-	int m_patience = 0, m_waits = 0;
+	Patience m_patience{kMostPatience};
 };
 }  // namespace clod

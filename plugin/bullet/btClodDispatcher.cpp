@@ -6,18 +6,32 @@
 #include <LinearMath/btQuickprof.h>
 
 #include <algorithm>
-#include <chrono>
 #include <tuple>
 
 #include "clod/bullet/btClodCollisionAlgorithm.h"
+#include "clod/query/Clock.h"
 
 namespace
 {
-using Clock = std::chrono::steady_clock;
-double microsecondsSince(Clock::time_point start)
+using clod::Clock;
+using clod::microsecondsSince;
+
+// Takes a context's budget away for a while.
+class WithoutBudget
 {
-	return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
-}
+public:
+	explicit WithoutBudget(clod::Context& context) : m_context(context), m_budget(context.budget)
+	{
+		context.budget = clod::Budget{};
+	}
+	~WithoutBudget() { m_context.budget = m_budget; }
+	WithoutBudget(const WithoutBudget&) = delete;
+	WithoutBudget& operator=(const WithoutBudget&) = delete;
+
+private:
+	clod::Context& m_context;
+	const clod::Budget m_budget;
+};
 
 bool isClod(const btCollisionObject& object)
 {
@@ -79,12 +93,11 @@ void btClodDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache* pairCac
 void btClodDispatcher::dispatchWhole(btOverlappingPairCache* pairCache, const btDispatcherInfo& info,
 									 btDispatcher* dispatcher)
 {
-	const clod::Budget budget = m_context.budget;
-	m_context.budget = clod::Budget{};
+	const double budget = m_context.budget.microseconds;
+	const WithoutBudget unlimited(m_context);
 	const Clock::time_point start = Clock::now();
 	btCollisionDispatcher::dispatchAllCollisionPairs(pairCache, info, dispatcher);
-	m_whole.observeWhole(microsecondsSince(start), budget.microseconds);
-	m_context.budget = budget;
+	m_whole.observeWhole(microsecondsSince(start), budget);
 }
 
 // Every pair of two shapes of ours at its coarsest valid answer.

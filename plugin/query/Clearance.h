@@ -13,6 +13,7 @@
 #include "clod/query/ClosestPair.h"
 #include "clod/query/InsideTest.h"
 #include "clod/query/MotionBound.h"
+#include "clod/query/Patience.h"
 
 namespace clod
 {
@@ -47,15 +48,10 @@ public:
 		if (!isPlain) return;
 		const StopRule rule(context, settings.metric, settings.paper);
 		if (!rule.hasConstantThreshold() || !(settings.contactsOnly || rule.isOfLeaves())) return;
-		if (m_isKnown) m_patience = m_uses < kWorthwhile ? std::min(2 * m_patience + 1, kMostPatience) : 0;
-		if (m_isKnown) m_waits = m_patience;
+		if (m_isKnown) m_uses < kWorthwhile ? m_patience.fail() : m_patience.succeed();
 		m_isKnown = false;
 		m_uses = 0;
-		if (m_waits > 0)
-		{
-			--m_waits;
-			return;
-		}
+		if (!m_patience.isOver()) return;
 		const double cap = lastMove > 0 ? kFarthest * lastMove : settings.tolerance;
 		m_motion = clearMotion(context, rule, settings.tolerance, cap, tools.scratch, tools.stats);
 		if (m_motion > 0) m_motion = std::min(m_motion, outside(context, tools));
@@ -96,6 +92,7 @@ private:
 	Settings m_settings;
 	RelativePose m_pose;
 	double m_motion = 0;  // from there, what uses it up
-	std::uint32_t m_uses = 0, m_patience = 0, m_waits = 0;
+	std::uint32_t m_uses = 0;
+	Patience m_patience{kMostPatience};
 };
 }  // namespace clod

@@ -58,7 +58,8 @@ inline constexpr double kTieCurvature = 1e-6;       // curvatures closer than th
 // A convex polygon left of a triangle after clipping.
 struct ClippedPolygon
 {
-	std::array<Vec3, 8> vertex;
+	static constexpr int kMost = 8;
+	std::array<Vec3, kMost> vertex;
 	int count = 0;
 };
 

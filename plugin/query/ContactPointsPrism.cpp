@@ -16,23 +16,29 @@ Vec3 toVec3(const float (&v)[3])
 // Keeps the part of the polygon with dot(normal, p) <= offset.
 void clipByPlane(ClippedPolygon& polygon, const Vec3& normal, double offset)
 {
-	ClippedPolygon kept;
-	double height[8];
-	for (int i = 0; i < polygon.count; ++i) height[i] = dot(normal, polygon.vertex[std::size_t(i)]) - offset;
+	double height[ClippedPolygon::kMost];
+	bool isCut = false;
 	for (int i = 0; i < polygon.count; ++i)
 	{
-		const int next = i + 1 == polygon.count ? 0 : i + 1;
-		const Vec3 &p = polygon.vertex[std::size_t(i)], &q = polygon.vertex[std::size_t(next)];
+		height[i] = dot(normal, polygon.vertex[std::size_t(i)]) - offset;
+		isCut = isCut || height[i] > 0;
+	}
+	if (!isCut) return;
+	const ClippedPolygon whole = polygon;
+	polygon.count = 0;
+	const auto push = [&polygon](const Vec3& v)
+	{
+		if (polygon.count < ClippedPolygon::kMost) polygon.vertex[std::size_t(polygon.count++)] = v;
+	};
+	for (int i = 0; i < whole.count; ++i)
+	{
+		const int next = i + 1 == whole.count ? 0 : i + 1;
+		const Vec3 &p = whole.vertex[std::size_t(i)], &q = whole.vertex[std::size_t(next)];
 		const double heightP = height[i], heightQ = height[next];
-		const auto push = [&kept](const Vec3& v)
-		{
-			if (kept.count < int(kept.vertex.size())) kept.vertex[std::size_t(kept.count++)] = v;
-		};
 		if (heightP <= 0) push(p);
 		if ((heightP < 0 && heightQ > 0) || (heightP > 0 && heightQ < 0))
 			push(p + (heightP / (heightP - heightQ)) * (q - p));
 	}
-	polygon = kept;
 }
 
 void setSide(FacePrism& prism, std::size_t edge, const Vec3& from, const Vec3& direction)

@@ -12,23 +12,23 @@ void ContactSink::noContact(std::uint32_t a, std::uint32_t b)
 	m_largestCover = std::max(m_largestCover, double(nodeA.cover) + double(nodeB.cover));
 }
 
-void ContactSink::answer(std::uint32_t a, std::uint32_t b, HullMemory& memory,
-						 const std::optional<HullDistance>& evaluated)
+void ContactSink::answer(std::uint32_t a, std::uint32_t b, HullMemory& memory, const HullEvaluations& known)
 {
 	if (m_hulls.isStillApart(a, b, m_tolerance, memory)) return noContact(a, b);
 	const bool moves = m_context.longestMove > 0;
 	if (moves)
 	{
-		++m_stats.hullTests;
-		const SweptBound bound = canonicalSweptBound(m_context, a, b, m_tolerance);
+		if (!known.onTheWay) ++m_stats.hullTests;
+		const SweptBound bound =
+			known.onTheWay ? *known.onTheWay : canonicalSweptBound(m_context, a, b, m_tolerance, m_tolerance);
 		if (bound.lower > m_tolerance)
 		{
 			HullCull::keepApart(memory, bound.lower, bound.normal);
 			return noContact(a, b);
 		}
 	}
-	if (!evaluated) ++m_stats.hullTests;
-	const HullDistance distance = evaluated ? *evaluated : canonicalContact(m_context, a, b, m_tolerance);
+	if (!known.atRest) ++m_stats.hullTests;
+	const HullDistance distance = known.atRest ? *known.atRest : canonicalContact(m_context, a, b, m_tolerance);
 	if (!moves && distance.lower > m_tolerance)
 	{
 		HullCull::keepApart(memory, distance.lower, distance.normal);

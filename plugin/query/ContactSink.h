@@ -32,10 +32,11 @@ public:
 		return m_hasBase && m_hulls.isProvenApart(a, b, m_tolerance, memory);
 	}
 
-	// An accepted pair within the tolerance by its culling volumes. evaluated: what canonicalContact says, where it was
-	// asked.
-	void answer(std::uint32_t a, std::uint32_t b, HullMemory& memory,
-				const std::optional<HullDistance>& evaluated = {});
+	// An accepted pair within the tolerance by its culling volumes.
+	void answer(std::uint32_t a, std::uint32_t b, HullMemory& memory, const HullEvaluations& known = {});
+
+	// An accepted pair that is no contact leaves no trace.
+	bool forgetsOthers() const { return m_hasBase; }
 
 	// max over the pairs that are near by their boxes, but no contacts, of cover_a + cover_b.
 	double largestCover() const { return m_largestCover; }

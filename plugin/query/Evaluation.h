@@ -3,24 +3,20 @@
 // life. Included by Query.cpp only.
 #pragma once
 #include <algorithm>
-#include <chrono>
 #include <limits>
+#include <optional>
 
+#include "clod/query/Clock.h"
 #include "clod/query/ContactSink.h"
 #include "clod/query/GapCertificate.h"
 #include "clod/query/PairState.h"
+#include "clod/query/Repetition.h"
 #include "clod/query/Traversal.h"
 
 namespace clod
 {
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 inline constexpr double kDepthAccuracy = 1e-6;  // of the smaller radius: how exactly a depth is searched at least
-
-using Clock = std::chrono::steady_clock;
-inline double microsecondsSince(Clock::time_point start)
-{
-	return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
-}
 
 // Refines as long as the budget pays for it and for the answer.
 inline void spend(Refinement& walk, const Budget& budget, Clock::time_point start, const AnswerCost& answerCost)
@@ -194,15 +190,27 @@ private:
 		const bool sameRule =
 			m_state.filled && m_state.threshold == rule.constantThreshold() && m_state.maxError == maxError;
 		const TraversalSettings settings{rule, tolerance, m_settings.paper, sameRule};
-		ContactSink sink(m_context, tolerance, rule.base().isUsed(), m_result.contacts, m_result.stats);
-		m_result.stats.front = m_result.stats.frontInner = 0;
-		Traversal(m_context, settings, m_state.front, sink, m_result.stats).run();
+		std::optional<double> cover;
+		if (Repetition::isWorthTrying(settings, m_state.front)) cover = answered<Repetition>(settings);
+		if (!cover) cover = answered<Traversal>(settings);
 		m_state.threshold = rule.constantThreshold();
 		m_state.maxError = maxError;
 		m_state.base = rule.base();
 		m_state.settings = m_settings;
 		m_state.filled = true;
-		return std::max(sink.largestCover(), rule.baseCover());
+		return std::max(*cover, rule.baseCover());
+	}
+	// The sink's largest cover, where the front is the one that was looked for.
+	template <class Way>
+	std::optional<double> answered(const TraversalSettings& settings)
+	{
+		m_result.contacts.clear();
+		m_result.stats.front = m_result.stats.frontInner = 0;
+		ContactSink sink(m_context, settings.tolerance, settings.rule.base().isUsed(), m_result.contacts,
+						 m_result.stats);
+		Way way(m_context, settings, m_state.front, sink, m_result.stats);
+		if (!way.run()) return std::nullopt;
+		return sink.largestCover();
 	}
 
 	// The same under a budget: best first, without the front.
@@ -234,6 +242,7 @@ private:
 	}
 	void sortPairs(std::vector<Contact>& contacts)
 	{
+		if (std::is_sorted(contacts.begin(), contacts.end(), before)) return;
 		m_state.order.resize(contacts.size());
 		for (std::uint32_t i = 0; i < contacts.size(); ++i) m_state.order[i] = i;
 		std::sort(m_state.order.begin(), m_state.order.end(),

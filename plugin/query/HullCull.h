@@ -17,6 +17,20 @@ inline double roomOf(const QueryContext& context, std::uint32_t a, std::uint32_t
 	return 10 * kHullDistanceAccuracy * (size + limit + context.longestMove) + 4 * context.pose.rounding;
 }
 
+// Whether two hulls are apart, and how much motion that can take, from either side; at most 0: none is known.
+struct HullDecision
+{
+	bool apart;
+	double slack;
+};
+
+// What canonical evaluations of a pair have said of it.
+struct HullEvaluations
+{
+	std::optional<HullDistance> atRest;  // canonicalContact
+	std::optional<SweptBound> onTheWay;  // canonicalSweptBound, to either side of the tolerance
+};
+
 class HullCull
 {
 public:
@@ -44,34 +58,50 @@ public:
 		keepApart(memory, lower, axis);
 		return true;
 	}
-	bool isApart(std::uint32_t a, std::uint32_t b, double limit, HullMemory& memory)
+	HullDecision isApart(std::uint32_t a, std::uint32_t b, double limit, HullMemory& memory)
 	{
-		if (isStillNear(a, b, limit, memory)) return false;
-		if (isStillApart(a, b, limit, memory)) return true;
+		const double room = roomOf(m_context, a, b, limit);
+		if (const double below = belowLimit(b, limit - room, memory); below > 0)
+		{
+			++m_stats.skippedBySlack;
+			return {false, below};
+		}
+		if (isStillApart(a, b, limit, memory)) return {true, double(memory.lower) - limit - room};
 		++m_stats.hullTests;
 		const SweptBound bound = canonicalSweptBound(m_context, a, b, limit, limit);
 		if (bound.lower > limit)
 		{
 			keepApart(memory, bound.lower, bound.normal);
-			return true;
+			return {true, double(memory.lower) - limit - room};
 		}
 		memory.knowledge = HullKnowledge::kNear;
 		keep(bound.onA, memory.onA);
 		keep(bound.onB, memory.onB);
-		return false;
+		return {false, belowLimit(b, limit - room, memory)};
 	}
-	// As they are, whatever the sweep. What had to be evaluated for that is handed on, as far as a contact needs it.
-	bool areApart(std::uint32_t a, std::uint32_t b, double tolerance, const HullMemory& memory,
-				  std::optional<HullDistance>& evaluated)
+	// As they are, whatever the sweep; where they stay beyond the tolerance on the way as well, that is remembered.
+	// What else had to be evaluated is handed on, as far as a contact needs it.
+	bool areApart(std::uint32_t a, std::uint32_t b, double tolerance, HullMemory& memory, HullEvaluations& known)
 	{
 		if (isProvenApart(a, b, 0, memory))
 		{
 			++m_stats.skippedBySlack;
 			return true;
 		}
+		if (isStillApart(a, b, tolerance, memory)) return true;
 		++m_stats.hullTests;
-		evaluated = canonicalContact(m_context, a, b, tolerance);
-		return evaluated->lower > 0;
+		if (m_context.longestMove > 0)
+		{
+			known.onTheWay = canonicalSweptBound(m_context, a, b, tolerance, tolerance);
+			if (known.onTheWay->lower > tolerance + roomOf(m_context, a, b, tolerance))
+			{
+				keepApart(memory, known.onTheWay->lower, known.onTheWay->normal);
+				return true;
+			}
+			++m_stats.hullTests;
+		}
+		known.atRest = canonicalContact(m_context, a, b, tolerance);
+		return known.atRest->lower > 0;
 	}
 	static void keepApart(HullMemory& memory, double lower, const Vec3& direction)
 	{
@@ -81,15 +111,12 @@ public:
 	}
 
 private:
-	// The points that were near are.
-	bool isStillNear(std::uint32_t a, std::uint32_t b, double limit, const HullMemory& memory)
+	// By how much the points that were near are nearer than the limit.
+	double belowLimit(std::uint32_t b, double limit, const HullMemory& memory) const
 	{
-		if (memory.knowledge != HullKnowledge::kNear) return false;
-		const double upper = sweptPointDistance(m_context, b, vectorOf(memory.onA), vectorOf(memory.onB));
+		if (memory.knowledge != HullKnowledge::kNear) return 0;
 		const double rounding = 2e-7 * m_context.size;  // of points kept as floats
-		if (!(upper < limit - roomOf(m_context, a, b, limit) - rounding)) return false;
-		++m_stats.skippedBySlack;
-		return true;
+		return limit - rounding - sweptPointDistance(m_context, b, vectorOf(memory.onA), vectorOf(memory.onB));
 	}
 	static void keep(const Vec3& v, float (&kept)[3])
 	{

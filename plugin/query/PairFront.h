@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // The bounding volume test tree of one query, kept for the next: every pair met but those that are apart, breadth
-// first, with bounds of its last distances that are carried on with the motion. A cache: see Traversal.h for what it
-// may decide.
+// first, with bounds of its last distances that are carried on with the motion. A cache: see PairDecisions.h for what
+// it may decide.
 //
 // Based on: Otaduy & Lin 2003, sec. 3.3 (generalised front tracking of Ehmann & Lin 2001). Departs from it: the whole
 // tree above the front is kept, so that raising the front needs no search, and pairs that cannot have changed are not
@@ -13,6 +13,8 @@
 #include <vector>
 
 #include "clod/query/HullDistance.h"
+#include "clod/query/Patience.h"
+#include "clod/query/Query.h"
 
 namespace clod
 {
@@ -25,6 +27,10 @@ enum class PairState : std::uint8_t
 	kHullsApart,  // not accepted, and nothing the two nodes answer for is within the tolerance (HullCull.h)
 	kAnswer       // accepted by the stop rule, culling volumes within the tolerance
 };
+inline bool isOpen(PairState state)
+{
+	return state == PairState::kOpenA || state == PairState::kOpenB;
+}
 
 // Bounds are of the pose of the last finished traversal, in float, rounded outward.
 struct FrontEntry
@@ -38,6 +44,7 @@ struct FrontEntry
 	float apart = 0;               // opened: that of every child which is not kept exceeds
 	std::uint32_t old = kNone;     // its entry in the traversal before
 	PairState state = PairState::kSeparated;
+	bool whileApart = false;  // answers, or is opened, as its hulls are apart, or not
 };
 static_assert(sizeof(FrontEntry) == 36);
 
@@ -116,6 +123,21 @@ private:
 	std::uint64_t m_epoch = 1;
 };
 
+// What QueryStats says of a front.
+struct FrontCounts
+{
+	std::uint32_t leaves = 0, inner = 0, duplicates = 0, touchedFinestLevel = 0;
+};
+inline void addTo(QueryStats& stats, const FrontCounts& counts)
+{
+	stats.front += counts.leaves;
+	stats.frontInner += counts.inner;
+	stats.duplicates += counts.duplicates;
+	stats.touchedFinestLevel = counts.touchedFinestLevel;
+}
+
+inline constexpr std::uint32_t kLongestPatience = 15;
+
 struct PairFront
 {
 	std::vector<FrontEntry> entries;  // of the last finished traversal; [0] is the pair of roots, children lie together
@@ -126,6 +148,15 @@ struct PairFront
 	double pending = 0;        // the part of it since the last finished traversal
 	double pendingChange = 0;  // the part of that which is the sweep's
 	RelativePose pose;         // of the last finished traversal
+
+	// To give the answers of that traversal again where its decisions are what they were (Repetition.h).
+	double tolerance = 0;
+	std::vector<float> holds;  // an entry's decisions do while `pending` is less, those on its children too
+	std::vector<std::uint32_t>
+		answers;  // of the entries, what is evaluated each time, by their nodes; made when needed
+	FrontCounts counts;
+	std::size_t spent = 0;                // tests since then that another traversal would spare
+	Patience patience{kLongestPatience};  // traversals until the next attempt, without books
 
 	void move(double by, double sweepChange)
 	{
@@ -138,7 +169,10 @@ struct PairFront
 		entries.clear();
 		previous.clear();
 		hulls.clear();
+		holds.clear();
+		answers.clear();
 		motion = pending = pendingChange = 0;
+		patience.succeed();
 	}
 };
 }  // namespace clod

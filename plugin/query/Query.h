@@ -75,6 +75,7 @@ struct QueryStats
 	std::uint32_t hullTests = 0;   // hull distances evaluated (GJK runs)
 	std::uint32_t skippedBySlack = 0;
 	std::uint32_t stillClear = 0;  // 1: the bodies were apart by more than they have moved since; nothing was looked at
+	std::uint32_t frontKept = 0;   // 1: no decision of the last traversal has changed; only its answers were evaluated
 	std::uint32_t duplicates = 0;  // pairs reached twice through shared children
 	std::uint32_t pointBoxes = 0;  // boxes that nearest-surface queries met; boxTests are between the bodies only
 	std::uint32_t pointQueries = 0;                    // nearest-surface queries of the penetration solver

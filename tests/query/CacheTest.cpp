@@ -16,7 +16,7 @@ TEST(Query, CachedEqualsFreshBitForBit)
 {
 	Random random(6);
 	const int steps = setting("CLOD_WALK_STEPS", 500);
-	int withContacts = 0, deep = 0, stillClear = 0;
+	int withContacts = 0, deep = 0, stillClear = 0, frontKept = 0;
 	std::uint64_t cachedTests = 0, freshTests = 0;
 	for (const BodyPair& pair : pairs())
 	{
@@ -25,9 +25,11 @@ TEST(Query, CachedEqualsFreshBitForBit)
 		QueryResult result;
 		Settings settings = exactSettings(0.01 * radius);
 		Transform pose = poseWithGap(random, pair.a, pair.b, 0);
+		double smallest = -6;  // power of ten of the motion: at times the bodies are almost at rest
 		for (int step = 0; step < steps; ++step)
 		{
-			const double size = std::pow(10, uniform(random, -6, -1));
+			if (random() % 30 == 0) smallest = random() % 2 ? -6 : -9;
+			const double size = std::pow(10, uniform(random, smallest, smallest < -6 ? -6 : -1));
 			if (random() % 40 == 0)
 				pose = poseWithGap(random, pair.a, pair.b, uniform(random, -0.05, 0.05));
 			else if (random() % 10)
@@ -37,8 +39,9 @@ TEST(Query, CachedEqualsFreshBitForBit)
 			}
 			if (random() % 30 == 0)
 			{
+				const double tolerance = settings.tolerance;
 				settings = Settings{};
-				settings.tolerance = uniform(random, 0, 0.03) * radius;
+				settings.tolerance = random() % 2 ? tolerance : uniform(random, 0, 0.03) * radius;
 				settings.metric.exact = random() % 3 == 0;
 				if (random() % 2) settings.metric.weightedDeviation = std::pow(10, uniform(random, -4, 0)) * radius;
 				if (random() % 3 == 0) settings.metric.maxError = std::pow(10, uniform(random, -3, -1)) * radius;
@@ -62,15 +65,58 @@ TEST(Query, CachedEqualsFreshBitForBit)
 			withContacts += !result.contacts.empty();
 			deep += result.deep;
 			stillClear += int(result.stats.stillClear);
+			frontKept += int(result.stats.frontKept);
 			cachedTests += result.stats.boxTests;
 			freshTests += expected.stats.boxTests;
 		}
 	}
-	std::printf("%d steps with contacts, %d deep, %d still clear, box tests %.0f %% of fresh\n", withContacts, deep,
-				stillClear, 100.0 * double(cachedTests) / double(freshTests));
+	std::printf("%d steps with contacts, %d deep, %d still clear, %d fronts kept, box tests %.0f %% of fresh\n",
+				withContacts, deep, stillClear, frontKept, 100.0 * double(cachedTests) / double(freshTests));
 	EXPECT_GT(withContacts, steps);
+	EXPECT_GT(frontKept, steps / 2);
 	EXPECT_GT(stillClear, steps / 20);
 	EXPECT_LT(cachedTests, freshTests);
+}
+
+// Bodies that creep straight into each other: most steps keep the front, and none that brings another contact does.
+TEST(Query, CreepingBodiesKeepTheirFrontUntilItChanges)
+{
+	Random random(17);
+	int kept = 0, total = 0, changes = 0;
+	for (const BodyPair& pair : pairs())
+		for (int creep = 0; creep < setting("CLOD_CREEPS", 24); ++creep)
+		{
+			const double radius = smallerRadius(pair.a, pair.b);
+			Settings settings;
+			settings.tolerance = 0.02 * radius;
+			settings.contactsOnly = true;
+			if (creep % 4 == 0) settings.metric.exact = true;
+			if (creep % 4 == 1) settings.metric.weightedDeviation = 0.03 * radius;
+			if (creep % 4 == 2) settings.metric.maxError = 0.01 * radius;
+			if (creep % 4 == 3) settings.metric.weightedDeviation = settings.metric.maxError = 0.02 * radius;
+			if (creep % 3 == 2) settings.sweep.linear = 0.01 * radius * randomDirection(random);
+			// One contact at first, or a little more; the motion of a translation is known exactly.
+			Transform pose = poseWithGap(random, pair.a, pair.b, 0.015);
+			const Vec3 way =
+				4e-5 * radius * (uniform(random, 0, 1) * randomDirection(random) - normalized(pose.translation));
+			PairCache cache;
+			QueryResult result;
+			std::size_t contacts = 0;
+			for (int step = 0; step < 400; ++step)
+			{
+				pose.translation += way;
+				query(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache, result);
+				ASSERT_EQ(difference(result, fresh(pair, pose, settings)), "")
+					<< pair.a.name << " creep " << creep << " step " << step;
+				changes += result.contacts.size() != contacts;
+				contacts = result.contacts.size();
+				kept += int(result.stats.frontKept);
+				++total;
+			}
+		}
+	std::printf("%d queries, %d kept their front, the number of contacts changed in %d\n", total, kept, changes);
+	EXPECT_GT(kept, total / 2);
+	EXPECT_GT(changes, total / 200);
 }
 
 // Bodies that come near each other, turning, past each other or into contact: not looked at while they are apart, and
