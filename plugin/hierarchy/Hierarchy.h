@@ -54,7 +54,15 @@ struct LevelBounds
 {
 	float cover = 0, protrude = 0;  // the largest of its nodes
 	bool isWhole = true;            // no child skips the level: whatever is above reaches the surface through it
+	double boxes = 0, volume = 0, area = 0, edges = 0;  // its culling boxes, and three edges of each: numbers and sums
 };
+// Proportional to the pairs of culling boxes of two levels that meet when the bodies lie anywhere near each other: of
+// two convex bodies the measure of all places where they do is V + V' + (S M' + M S') / (4 pi), and of a box M = pi
+// (x + y + z) (the principal kinematic formula; Santalo, Integral Geometry and Geometric Probability, III.15.4).
+inline double meetingBoxes(const LevelBounds& a, const LevelBounds& b)
+{
+	return b.boxes * a.volume + a.boxes * b.volume + 0.25 * (a.area * b.edges + a.edges * b.area);
+}
 
 class Hierarchy
 {

@@ -92,7 +92,16 @@ private:
 			bounds.cover = std::max(bounds.cover, node.cover);
 			bounds.protrude = std::max(bounds.protrude, node.protrude);
 			bounds.isWhole = bounds.isWhole && (node.flags & kClodNode) != 0;
+			addBox(h.cullBox(std::uint32_t(&node - h.m_nodes.begin())), bounds);
 		}
+	}
+	static void addBox(const CullBox& box, LevelBounds& bounds)
+	{
+		const double x = 2 * double(box.half[0]), y = 2 * double(box.half[1]), z = 2 * double(box.half[2]);
+		bounds.boxes += 1;
+		bounds.volume += x * y * z;
+		bounds.area += 2 * (x * y + y * z + z * x);
+		bounds.edges += x + y + z;
 	}
 	// A node is among the fewest within every error from its own up to its primary parent's.
 	static void countFewest(Hierarchy& h)

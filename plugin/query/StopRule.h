@@ -173,31 +173,38 @@ public:
 private:
 	static constexpr double kWorthMixing = 16;         // times the pairs of nodes that mixed levels would need
 	static constexpr double kWorthSimplifying = 0.25;  // of the pairs of leaves; else leaves, whose boxes are tighter
+	static constexpr double kFewer = 0.75;             // of the boxes that meet, for more pairs of nodes
 
 	bool isWithinBaseA(std::uint32_t i) const { return m_context->a.node(i).level <= m_base.a; }
 	bool isWithinBaseB(std::uint32_t j) const { return m_context->b.node(j).level <= m_base.b; }
 
-	// Of the levels that keep the limit together those with the fewest pairs of nodes, if they save enough. Where a
-	// threshold may ask for finer nodes here and there only the input surfaces, when nothing else keeps the limit.
+	// Of the levels that keep the limit together those with the fewest pairs of nodes, if they save enough, unless of
+	// others far fewer boxes meet: those of long patches meet many that touch none. Where a threshold may ask for finer
+	// nodes here and there only the input surfaces, when nothing else keeps the limit.
 	BaseLevels baseLevels() const
 	{
 		if (m_isPaper || !std::isfinite(m_maxError)) return {};
 		const Hierarchy &a = m_context->a, &b = m_context->b;
 		const auto nodes = [](const Hierarchy& h, std::uint32_t level) { return double(h.levels()[level].nodeCount); };
-		BaseLevels best{0, 0};
+		BaseLevels best{0, 0}, slim{0, 0};
+		const auto meeting = [&](const BaseLevels& l) { return meetingBoxes(a.bounds(l.a), b.bounds(l.b)); };
+		const auto pairs = [&](const BaseLevels& l) { return nodes(a, l.a) * nodes(b, l.b); };
 		std::uint32_t levelB = b.coarsestClodLevel();
 		for (std::uint32_t levelA = 0; levelA <= a.coarsestClodLevel(); ++levelA)
 		{
 			if (!a.bounds(levelA).isWhole) continue;
 			while (levelB > 0 && !keepsLimit(a.bounds(levelA), b.bounds(levelB))) --levelB;
 			if (!keepsLimit(a.bounds(levelA), b.bounds(levelB))) break;
-			if (nodes(a, levelA) * nodes(b, levelB) < nodes(a, best.a) * nodes(b, best.b)) best = {levelA, levelB};
+			const BaseLevels next{levelA, levelB};
+			if (pairs(next) < pairs(best)) best = next;
+			if (meeting(next) < meeting(slim)) slim = next;
 		}
-		if (nodes(a, best.a) * nodes(b, best.b) > kWorthSimplifying * nodes(a, 0) * nodes(b, 0)) best = {0, 0};
+		if (pairs(best) > kWorthSimplifying * pairs({0, 0})) best = {0, 0};
+		if (meeting(slim) < kFewer * meeting(best)) best = slim;
 		const double mixed = double(a.fewestWithin(0.5 * m_maxError)) * double(b.fewestWithin(0.5 * m_maxError));
 		const bool isFree = m_threshold.isConstant() && !(m_threshold.constant() < kOff);
 		if (!best.isOfLeaves() && !isFree) return {};
-		return nodes(a, best.a) * nodes(b, best.b) <= kWorthMixing * mixed ? best : BaseLevels{};
+		return pairs(best) <= kWorthMixing * mixed ? best : BaseLevels{};
 	}
 	bool keepsLimit(const LevelBounds& a, const LevelBounds& b) const
 	{

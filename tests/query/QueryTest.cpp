@@ -159,24 +159,65 @@ Worst worstOf(const Hierarchy& hierarchy, std::uint32_t level)
 	}
 	return worst;
 }
-// Of all pairs of contact levels.
-BaseLevels fewestThatKeep(double limit, const Hierarchy& a, const Hierarchy& b, double& nodePairs)
+// The mean of the boxes' Minkowski sums over all directions of one of them, pair by pair: V + V' + (S M' + M S') / (4
+// pi). A box has M = pi (x + y + z).
+double meetingByPairs(const Hierarchy& a, std::uint32_t levelA, const Hierarchy& b, std::uint32_t levelB)
 {
-	BaseLevels best{0, 0};
-	nodePairs = worstOf(a, 0).nodes * worstOf(b, 0).nodes;
+	const auto edges = [](const CullBox& box) {
+		return 2 * Vec3{double(box.half[0]), double(box.half[1]), double(box.half[2])};
+	};
+	const auto surface = [](const Vec3& e) { return 2 * (e.x * e.y + e.y * e.z + e.z * e.x); };
+	const double pi = std::acos(-1.0);
+	double sum = 0;
+	for (std::uint32_t i = 0; i < a.levels()[levelA].nodeCount; ++i)
+		for (std::uint32_t j = 0; j < b.levels()[levelB].nodeCount; ++j)
+		{
+			const Vec3 e = edges(a.cullBox(a.levels()[levelA].firstNode + i)),
+					   f = edges(b.cullBox(b.levels()[levelB].firstNode + j));
+			sum += e.x * e.y * e.z + f.x * f.y * f.z +
+				   (surface(e) * pi * (f.x + f.y + f.z) + pi * (e.x + e.y + e.z) * surface(f)) / (4 * pi);
+		}
+	return sum;
+}
+
+// Of all pairs of contact levels: the fewest pairs of nodes, the leaves unless those are a quarter of theirs, or the
+// fewest boxes that meet, if those are three quarters.
+BaseLevels bestThatKeep(double limit, const Hierarchy& a, const Hierarchy& b)
+{
+	const auto pairsOf = [&](const BaseLevels& l) { return worstOf(a, l.a).nodes * worstOf(b, l.b).nodes; };
+	const auto meeting = [&](const BaseLevels& l) { return meetingByPairs(a, l.a, b, l.b); };
+	const BaseLevels leaves{0, 0};
+	BaseLevels best = leaves, slim = leaves;
 	for (std::uint32_t i = 0; i <= a.coarsestClodLevel(); ++i)
+	{
+		std::uint32_t keeps = kNone;  // the coarsest
+		const Worst ofA = worstOf(a, i);
 		for (std::uint32_t j = 0; j <= b.coarsestClodLevel(); ++j)
 		{
-			const Worst ofA = worstOf(a, i), ofB = worstOf(b, j);
-			if (ofA.cover + ofB.cover > limit || ofA.protrude + ofB.protrude > limit) continue;
-			if (!(ofA.nodes * ofB.nodes < nodePairs)) continue;
-			best = {i, j};
-			nodePairs = ofA.nodes * ofB.nodes;
+			const Worst ofB = worstOf(b, j);
+			if (ofA.cover + ofB.cover <= limit && ofA.protrude + ofB.protrude <= limit) keeps = j;
 		}
-	const double leafPairs = worstOf(a, 0).nodes * worstOf(b, 0).nodes;
-	if (nodePairs <= 0.25 * leafPairs) return best;
-	nodePairs = leafPairs;
-	return {0, 0};
+		if (keeps == kNone) continue;
+		const BaseLevels next{i, keeps};
+		if (pairsOf(next) < pairsOf(best)) best = next;
+		if (meeting(next) < meeting(slim)) slim = next;
+	}
+	if (pairsOf(best) > 0.25 * pairsOf(leaves)) best = leaves;
+	return meeting(slim) < 0.75 * meeting(best) ? slim : best;
+}
+
+TEST(StopRule, MeetingBoxesAreThoseOfAllPairs)
+{
+	for (const BodyPair& pair : pairs())
+	{
+		const Hierarchy &a = *pair.a.hierarchy, &b = *pair.b.hierarchy;
+		for (std::uint32_t i = 0; i <= a.coarsestClodLevel(); ++i)
+			for (std::uint32_t j = 0; j <= b.coarsestClodLevel(); ++j)
+			{
+				const double expected = meetingByPairs(a, i, b, j);
+				EXPECT_NEAR(meetingBoxes(a.bounds(i), b.bounds(j)), expected, 1e-9 * expected);
+			}
+	}
 }
 
 TEST(StopRule, ACertifiedLimitIsAnsweredByTheLevelsThatKeepIt)
@@ -190,8 +231,8 @@ TEST(StopRule, ACertifiedLimitIsAnsweredByTheLevelsThatKeepIt)
 		{
 			Metric metric;
 			metric.maxError = share * smallerRadius(pair.a, pair.b);
-			double nodePairs = 0;
-			const BaseLevels expected = fewestThatKeep(metric.maxError, a, b, nodePairs);
+			const BaseLevels expected = bestThatKeep(metric.maxError, a, b);
+			const double nodePairs = worstOf(a, expected.a).nodes * worstOf(b, expected.b).nodes;
 			const StopRule rule(context, metric, false);
 			const double half = 0.5 * metric.maxError;
 			if (nodePairs > 16 * double(a.fewestWithin(half)) * double(b.fewestWithin(half)))
