@@ -149,9 +149,9 @@ TEST(WholeStep, IsTriedNearTheMetricAndKeptWhileItFits)
 {
 	WholeStep whole;
 	EXPECT_FALSE(whole.isDue());
-	whole.observeRefined(20);
+	whole.observeRefined(40);
 	EXPECT_FALSE(whole.isDue());
-	whole.observeRefined(3.7);
+	whole.observeRefined(28);
 	ASSERT_TRUE(whole.isDue());
 	whole.observeWhole(190, 100);  // the first may take twice as long
 	ASSERT_TRUE(whole.isDue());
