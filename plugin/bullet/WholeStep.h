@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // When a step under a budget of time is answered as if there were none. Without a budget a query walks its trees with
 // what it remembers and takes half the time of refinement from the coarsest answer, so a step may fit in whole although
-// refinement does not get there. It is tried where refinement came near to the metric, and kept up while it fits.
+// refinement does not get there. It is tried where refinement came within a factor of the metric, kept up
+// while it fits, and tried again after a while when it no longer does.
 #pragma once
 #include "clod/query/Patience.h"
 
@@ -30,8 +31,7 @@ public:
 	}
 
 private:
-	static constexpr double kNearlyMet =
-		30;  // torus-spiral under 1 ms 23, numbers-bowl under 10 ms 28: both fit at rest
+	static constexpr double kNearlyMet = 30;  // torus-spiral, 1 ms: 23, numbers-bowl, 10 ms: 28; both fit at rest
 	static constexpr double kFirst = 2;
 	static constexpr std::uint32_t kMostPatience = 63;  // steps until the next attempt
 	bool m_isDue = false, m_isFirst = false;
