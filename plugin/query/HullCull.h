@@ -17,13 +17,6 @@ inline double roomOf(const QueryContext& context, std::uint32_t a, std::uint32_t
 	return 10 * kHullDistanceAccuracy * (size + limit + context.longestMove) + 4 * context.pose.rounding;
 }
 
-// Whether two hulls are apart, and how much motion that can take, from either side; at most 0: none is known.
-struct HullDecision
-{
-	bool apart;
-	double slack;
-};
-
 // What canonical evaluations of a pair have said of it.
 struct HullEvaluations
 {
@@ -58,26 +51,32 @@ public:
 		keepApart(memory, lower, axis);
 		return true;
 	}
-	HullDecision isApart(std::uint32_t a, std::uint32_t b, double limit, HullMemory& memory)
+	bool isApart(std::uint32_t a, std::uint32_t b, double limit, HullMemory& memory)
 	{
-		const double room = roomOf(m_context, a, b, limit);
-		if (const double below = belowLimit(b, limit - room, memory); below > 0)
+		if (belowLimit(b, limit - roomOf(m_context, a, b, limit), memory) > 0)
 		{
 			++m_stats.skippedBySlack;
-			return {false, below};
+			return false;
 		}
-		if (isStillApart(a, b, limit, memory)) return {true, double(memory.lower) - limit - room};
+		if (isStillApart(a, b, limit, memory)) return true;
 		++m_stats.hullTests;
 		const SweptBound bound = canonicalSweptBound(m_context, a, b, limit, limit);
 		if (bound.lower > limit)
 		{
 			keepApart(memory, bound.lower, bound.normal);
-			return {true, double(memory.lower) - limit - room};
+			return true;
 		}
 		memory.knowledge = HullKnowledge::kNear;
 		keep(bound.onA, memory.onA);
 		keep(bound.onB, memory.onB);
-		return {false, belowLimit(b, limit - room, memory)};
+		return false;
+	}
+	// How much motion that decision can take, from either side, by what is remembered of it; at most 0: none.
+	double slackOf(std::uint32_t a, std::uint32_t b, double limit, const HullMemory& memory) const
+	{
+		const double room = roomOf(m_context, a, b, limit);
+		return memory.knowledge == HullKnowledge::kApart ? double(memory.lower) - limit - room
+														 : belowLimit(b, limit - room, memory);
 	}
 	// As they are, whatever the sweep; where they stay beyond the tolerance on the way as well, that is remembered.
 	// What else had to be evaluated is handed on, as far as a contact needs it.

@@ -44,6 +44,7 @@ public:
 		  m_settings(settings),
 		  m_front(front),
 		  m_sink(sink),
+		  m_rootA(context.a.root()),
 		  m_limit(roundDown(settings.tolerance)),
 		  m_room(1e-9 * context.size + context.boxes.roundingOfTwo()),
 		  m_moved(motionSince(front)),
@@ -80,12 +81,13 @@ protected:
 		for (; bits != 0; bits &= bits - 1) visit(std::uint32_t(__builtin_ctz(bits)));
 	}
 
-	Row rowOfRoots(const std::uint32_t& rootA) const
+	// Of the pair of roots alone.
+	Row rowOfRoots() const
 	{
 		Row row;
 		row.other = m_context.b.root();
 		row.ofChildrenOfA = true;
-		setRow(row, {&rootA, 1}, 0);
+		setRow(row, {&m_rootA, 1}, 0);
 		return row;
 	}
 	static Row rowOf(const FrontEntry& opened)
@@ -162,10 +164,18 @@ protected:
 		return !m_settings.rule.base().isUsed() && !m_settings.paper &&
 			   mayCullByHulls(m_context.a.node(entry.a), m_context.b.node(entry.b));
 	}
-	HullDecision hullsApart(const FrontEntry& entry, HullMemory& memory)
+	double cullLimitOf(const FrontEntry& entry) const
 	{
-		const double limit = cullLimit(m_context.a.node(entry.a), m_context.b.node(entry.b), m_settings.tolerance);
-		return m_hulls.isApart(entry.a, entry.b, limit, memory);
+		return cullLimit(m_context.a.node(entry.a), m_context.b.node(entry.b), m_settings.tolerance);
+	}
+	bool areHullsApart(const FrontEntry& entry, HullMemory& memory)
+	{
+		return m_hulls.isApart(entry.a, entry.b, cullLimitOf(entry), memory);
+	}
+	// What that decision can take.
+	double slackOfHulls(const FrontEntry& entry, const HullMemory& memory) const
+	{
+		return m_hulls.slackOf(entry.a, entry.b, cullLimitOf(entry), memory);
 	}
 	// Whether an entry answers that may, as its hulls decide; and its answer.
 	bool answers(const FrontEntry& entry, HullMemory& memory)
@@ -206,13 +216,15 @@ protected:
 	void hold(std::uint32_t i, float moved, double slack)
 	{
 		if (!(slack < kAlways)) return;
-		m_front.holds[i] = std::min(m_front.holds[i], lowerAfter(float(slack - 1e-6 * m_settings.tolerance), -moved));
+		float& holds = m_front.books.holds[i];
+		holds = std::min(holds, lowerAfter(float(slack - 1e-6 * m_settings.tolerance), -moved));
 	}
 
 	const QueryContext& m_context;
 	const TraversalSettings& m_settings;
 	PairFront& m_front;
 	ContactSink& m_sink;
+	const std::uint32_t m_rootA;
 	const float m_limit;  // floats within the tolerance are at most this
 	const double m_room;  // for the rounding of two measurements
 	const float m_moved;  // since the cached bounds

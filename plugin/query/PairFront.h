@@ -136,6 +136,20 @@ inline void addTo(QueryStats& stats, const FrontCounts& counts)
 	stats.touchedFinestLevel = counts.touchedFinestLevel;
 }
 
+// What it takes to give the answers of a traversal again where its decisions are what they were (Repetition.h).
+struct FrontBooks
+{
+	std::vector<float> holds;            // an entry's decisions do while `pending` is less, those on its children too
+	std::vector<std::uint32_t> answers;  // entries that are evaluated each time, by their nodes; listed when needed
+	std::size_t spent = 0;               // tests that another traversal would spare
+	void clear()
+	{
+		holds.clear();
+		answers.clear();
+		spent = 0;
+	}
+};
+
 inline constexpr std::uint32_t kLongestPatience = 15;
 
 struct PairFront
@@ -149,14 +163,10 @@ struct PairFront
 	double pendingChange = 0;  // the part of that which is the sweep's
 	RelativePose pose;         // of the last finished traversal
 
-	// To give the answers of that traversal again where its decisions are what they were (Repetition.h).
-	double tolerance = 0;
-	std::vector<float> holds;  // an entry's decisions do while `pending` is less, those on its children too
-	std::vector<std::uint32_t>
-		answers;  // of the entries, what is evaluated each time, by their nodes; made when needed
+	double tolerance = 0;  // of the last finished traversal
 	FrontCounts counts;
-	std::size_t spent = 0;                // tests since then that another traversal would spare
-	Patience patience{kLongestPatience};  // traversals until the next attempt, without books
+	FrontBooks books;
+	Patience patience{kLongestPatience};  // traversals without books, until the next attempt to repeat one
 
 	void move(double by, double sweepChange)
 	{
@@ -169,8 +179,7 @@ struct PairFront
 		entries.clear();
 		previous.clear();
 		hulls.clear();
-		holds.clear();
-		answers.clear();
+		books.clear();
 		motion = pending = pendingChange = 0;
 		patience.succeed();
 	}

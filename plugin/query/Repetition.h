@@ -19,12 +19,12 @@ public:
 	// and the books for it kept, after some traversals only.
 	static bool isWorthTrying(const TraversalSettings& settings, PairFront& front)
 	{
-		if (front.holds.empty() || !settings.sameRule || front.tolerance != settings.tolerance) return false;
-		if (front.spent > front.holds.size()) return false;
+		if (front.books.holds.empty() || !settings.sameRule || front.tolerance != settings.tolerance) return false;
+		if (front.books.spent > front.books.holds.size()) return false;
 		const float moved = motionSince(front);
 		std::size_t used = 0;
-		for (const float holds : front.holds) used += moved < holds ? 0 : 1;
-		if (kEntriesADecision * used < front.holds.size()) return true;
+		for (const float holds : front.books.holds) used += moved < holds ? 0 : 1;
+		if (kEntriesADecision * used < front.books.holds.size()) return true;
 		front.patience.fail();
 		return false;
 	}
@@ -50,22 +50,22 @@ private:
 	bool areAllAsTheyWere()
 	{
 		const std::uint32_t testsBefore = m_stats->boxTests + m_stats->hullTests;
-		for (std::uint32_t i = 0; i < m_front.holds.size(); ++i)
-			if (!(m_moved < m_front.holds[i]) && !isAsItWas(i)) return false;
-		m_front.spent += m_stats->boxTests + m_stats->hullTests - testsBefore;
+		for (std::uint32_t i = 0; i < m_front.books.holds.size(); ++i)
+			if (!(m_moved < m_front.books.holds[i]) && !isAsItWas(i)) return false;
+		m_front.books.spent += m_stats->boxTests + m_stats->hullTests - testsBefore;
 		return true;
 	}
 	// False where one that answered does not now, or the other way round.
 	bool giveAnswers()
 	{
-		if (m_front.answers.empty()) listAnswers();
-		for (const std::uint32_t i : m_front.answers)
+		if (m_front.books.answers.empty()) listAnswers();
+		for (const std::uint32_t i : m_front.books.answers)
 		{
 			const FrontEntry& entry = m_front.entries[i];
 			HullMemory memory = remembered(entry, m_front.hulls);
 			const std::uint32_t before = m_stats->hullTests;
 			if (answers(entry, memory) != (entry.state == PairState::kAnswer)) return false;
-			if (memory.knowledge == HullKnowledge::kApart) m_front.spent += m_stats->hullTests - before;
+			if (memory.knowledge == HullKnowledge::kApart) m_front.books.spent += m_stats->hullTests - before;
 		}
 		return true;
 	}
@@ -73,11 +73,10 @@ private:
 	bool isAsItWas(std::uint32_t i)
 	{
 		const FrontEntry& entry = m_front.entries[i];
-		m_front.holds[i] = std::numeric_limits<float>::infinity();
+		m_front.books.holds[i] = std::numeric_limits<float>::infinity();
 		if (i == 0)
 		{
-			const std::uint32_t rootA = m_context.a.root();
-			Row row = rowOfRoots(rootA);
+			Row row = rowOfRoots();
 			measure(row, 1);
 			if (row.near == 0) return false;
 			hold(0, m_moved, slackOf(row, 1));
@@ -85,9 +84,8 @@ private:
 		if (!entry.whileApart && entry.state != PairState::kAnswer && cullsByHulls(entry))
 		{
 			HullMemory memory = remembered(entry, m_front.hulls);
-			const HullDecision decision = hullsApart(entry, memory);
-			if (decision.apart != (entry.state == PairState::kHullsApart)) return false;
-			hold(i, m_moved, decision.slack);
+			if (areHullsApart(entry, memory) != (entry.state == PairState::kHullsApart)) return false;
+			hold(i, m_moved, slackOfHulls(entry, memory));
 		}
 		if (!isOpen(entry.state)) return true;
 		Row row = rowOf(entry);
@@ -110,8 +108,8 @@ private:
 	{
 		const std::vector<FrontEntry>& entries = m_front.entries;
 		for (std::uint32_t i = 0; i < entries.size(); ++i)
-			if (entries[i].state == PairState::kAnswer || entries[i].whileApart) m_front.answers.push_back(i);
-		std::sort(m_front.answers.begin(), m_front.answers.end(),
+			if (entries[i].state == PairState::kAnswer || entries[i].whileApart) m_front.books.answers.push_back(i);
+		std::sort(m_front.books.answers.begin(), m_front.books.answers.end(),
 				  [&](std::uint32_t l, std::uint32_t r)
 				  { return std::tie(entries[l].a, entries[l].b) < std::tie(entries[r].a, entries[r].b); });
 	}

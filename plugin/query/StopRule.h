@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "clod/query/BaseLevels.h"
 #include "clod/query/QueryContext.h"
 
 namespace clod
@@ -42,16 +43,6 @@ enum class Acceptance : std::uint8_t
 	kYes
 };
 
-// One level of each body, the same for all contacts of a query: no node above them answers. Input surfaces: 0 and 0.
-struct BaseLevels
-{
-	std::uint32_t a = kNone, b = kNone;
-	bool isUsed() const { return a != kNone; }
-	bool isOfLeaves() const { return a == 0 && b == 0; }
-	bool operator==(const BaseLevels& other) const { return a == other.a && b == other.b; }
-	bool operator!=(const BaseLevels& other) const { return !(*this == other); }
-};
-
 class StopRule
 {
 public:
@@ -62,16 +53,14 @@ public:
 		  m_isExact(metric.exact),
 		  m_isPaper(paper),
 		  m_maxError(metric.maxError),
-		  m_base(metric.exact ? BaseLevels{0, 0} : baseLevels())
+		  m_base(baseLevels())
 	{
 		if (m_base.isUsed() && !m_base.isOfLeaves())
 			m_baseCover = double(context.a.bounds(m_base.a).cover) + double(context.b.bounds(m_base.b).cover);
 	}
 
-	// Where every node of a level of each body keeps the certified limit beside every node of the other's, and mixed
-	// levels would not keep it with far fewer nodes, those levels answer: the trees of primary children above them
-	// cost less than half of what choosing a level at each contact does. In exact mode the levels are the input
-	// surfaces. A front is of one pair of base levels, or of none.
+	// The levels that keep a certified limit (BaseLevels.h); in exact mode the input surfaces. A front is of one pair
+	// of base levels, or of none.
 	const BaseLevels& base() const { return m_base; }
 	bool isOfLeaves() const { return m_base.isOfLeaves(); }
 	// A pair can be met on several ways only where children are shared: below the base levels, or where there are none.
@@ -171,45 +160,15 @@ public:
 	}
 
 private:
-	static constexpr double kWorthMixing = 16;         // times the pairs of nodes that mixed levels would need
-	static constexpr double kWorthSimplifying = 0.25;  // of the pairs of leaves; else leaves, whose boxes are tighter
-	static constexpr double kFewer = 0.75;             // of the boxes that meet, for more pairs of nodes
-
 	bool isWithinBaseA(std::uint32_t i) const { return m_context->a.node(i).level <= m_base.a; }
 	bool isWithinBaseB(std::uint32_t j) const { return m_context->b.node(j).level <= m_base.b; }
 
-	// Of the levels that keep the limit together those with the fewest pairs of nodes, if they save enough, unless of
-	// others far fewer boxes meet: those of long patches meet many that touch none. Where a threshold may ask for finer
-	// nodes here and there only the input surfaces, when nothing else keeps the limit.
 	BaseLevels baseLevels() const
 	{
+		if (m_isExact) return {0, 0};
 		if (m_isPaper || !std::isfinite(m_maxError)) return {};
-		const Hierarchy &a = m_context->a, &b = m_context->b;
-		const auto nodes = [](const Hierarchy& h, std::uint32_t level) { return double(h.levels()[level].nodeCount); };
-		BaseLevels best{0, 0}, slim{0, 0};
-		const auto meeting = [&](const BaseLevels& l) { return meetingBoxes(a.bounds(l.a), b.bounds(l.b)); };
-		const auto pairs = [&](const BaseLevels& l) { return nodes(a, l.a) * nodes(b, l.b); };
-		std::uint32_t levelB = b.coarsestClodLevel();
-		for (std::uint32_t levelA = 0; levelA <= a.coarsestClodLevel(); ++levelA)
-		{
-			if (!a.bounds(levelA).isWhole) continue;
-			while (levelB > 0 && !keepsLimit(a.bounds(levelA), b.bounds(levelB))) --levelB;
-			if (!keepsLimit(a.bounds(levelA), b.bounds(levelB))) break;
-			const BaseLevels next{levelA, levelB};
-			if (pairs(next) < pairs(best)) best = next;
-			if (meeting(next) < meeting(slim)) slim = next;
-		}
-		if (pairs(best) > kWorthSimplifying * pairs({0, 0})) best = {0, 0};
-		if (meeting(slim) < kFewer * meeting(best)) best = slim;
-		const double mixed = double(a.fewestWithin(0.5 * m_maxError)) * double(b.fewestWithin(0.5 * m_maxError));
-		const bool isFree = m_threshold.isConstant() && !(m_threshold.constant() < kOff);
-		if (!best.isOfLeaves() && !isFree) return {};
-		return pairs(best) <= kWorthMixing * mixed ? best : BaseLevels{};
-	}
-	bool keepsLimit(const LevelBounds& a, const LevelBounds& b) const
-	{
-		const double cover = double(a.cover) + double(b.cover), protrude = double(a.protrude) + double(b.protrude);
-		return b.isWhole && std::max(cover, protrude) <= m_maxError;
+		const bool isAlone = m_threshold.isConstant() && !(m_threshold.constant() < kOff);
+		return chooseBaseLevels(m_context->a, m_context->b, m_maxError, isAlone);
 	}
 	bool isWithinThreshold(std::uint32_t i, std::uint32_t j) const
 	{

@@ -49,9 +49,7 @@ private:
 	// For Repetition.h; where that was in vain, now and then only.
 	void startBooks()
 	{
-		m_front.answers.clear();
-		m_front.holds.clear();
-		m_front.spent = 0;
+		m_front.books.clear();
 		m_keepsBooks = m_front.patience.isOver();
 	}
 	// As much as this one took: a steady query allocates nothing.
@@ -59,8 +57,8 @@ private:
 	{
 		m_front.previous.reserve(m_front.entries.capacity());
 		m_front.previousHulls.reserve(m_front.hulls.capacity());
-		m_front.holds.reserve(m_front.entries.capacity());
-		m_front.answers.reserve(m_front.entries.capacity());
+		m_front.books.holds.reserve(m_front.entries.capacity());
+		m_front.books.answers.reserve(m_front.entries.capacity());
 	}
 
 	void startAtRoots()
@@ -68,7 +66,7 @@ private:
 		const std::uint32_t rootA = m_context.a.root(), rootB = m_context.b.root();
 		touch(rootA, rootB);
 		m_front.visited.reserve(1);
-		Row row = rowOfRoots(rootA);
+		Row row = rowOfRoots();
 		const bool wasApart = !m_front.previous.empty() && m_front.previous[0].state == PairState::kSeparated;
 		if (!m_front.previous.empty() && !wasApart) row.met = 1, row.old[0] = 0;
 		const float apart = wasApart ? lowerAfter(m_front.previous[0].apart, m_moved) : 0.0F;
@@ -184,11 +182,11 @@ private:
 			slack = decide(entry);
 		m_front.entries.push_back(entry);
 		if (!m_keepsBooks) return;
-		m_front.holds.push_back(std::numeric_limits<float>::infinity());
-		hold(std::uint32_t(m_front.holds.size() - 1), 0, slack);
+		m_front.books.holds.push_back(std::numeric_limits<float>::infinity());
+		hold(std::uint32_t(m_front.books.holds.size() - 1), 0, slack);
 	}
 
-	// What the decision can take.
+	// What the decision can take, where books are kept.
 	double decide(FrontEntry& entry)
 	{
 		PairState before = PairState::kSeparated;
@@ -211,9 +209,8 @@ private:
 		}
 		else if (cullsByHulls(entry))
 		{
-			const HullDecision decision = hullsApart(entry, memory);
-			if (decision.apart) entry.state = PairState::kHullsApart;
-			slack = decision.slack;
+			if (areHullsApart(entry, memory)) entry.state = PairState::kHullsApart;
+			if (m_keepsBooks) slack = slackOfHulls(entry, memory);
 			keep(entry, memory);
 		}
 		if (entry.state == PairState::kSeparated)

@@ -5,7 +5,6 @@
 #include <array>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <string>
 
 #include "tests/bullet/PatchHierarchy.h"
@@ -35,11 +34,8 @@ Output run(const std::string& command)
 TEST(Example, TwoModelsComeToRestOnEachOther)
 {
 	const TemporaryFolder folder;
-	const std::string file = folder.file("model.clod");
 	const auto model = patchHierarchy(boxMesh({0.04, 0.02, 0.03}, {8, 4, 6}, 2));
-	std::ofstream(file, std::ios::binary)
-		.write(reinterpret_cast<const char*>(model->bytes().data()), std::streamsize(model->bytes().size()));
-	const Output output = run(CLOD_EXAMPLE " " + file);
+	const Output output = run(CLOD_EXAMPLE " " + folder.fileOf("model.clod", model->bytes()));
 	EXPECT_EQ(output.status, 0) << output.text;
 	// The radius is 1, so half the height is 0.01 / 0.02693 = 0.371 of it; contacts rest 0.0005 apart.
 	EXPECT_NE(output.text.find("step 480: heights  0.372  1.115"), std::string::npos) << output.text;

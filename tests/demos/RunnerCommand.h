@@ -35,6 +35,7 @@ protected:
 	static void TearDownTestSuite() { s_folder.reset(); }
 
 	static std::string path(const std::string& name) { return s_folder->file(name); }
+	static std::string file(const std::string& name, const std::string& text) { return s_folder->file(name, text); }
 	static std::string cache() { return " --cache-dir " + path("cache"); }
 	static Outcome runProgram(const std::string& program, const std::string& words)
 	{

@@ -112,9 +112,9 @@ TEST_F(RunnerCommand, UsageErrorsExitWith2AndTheNearestMatch)
 TEST_F(RunnerCommand, BadInputExitsWith3)
 {
 	needRecording();
-	std::ofstream(path("bad.csv")) << clod::demo::kPosesHeader << "\n1,2\n";
-	std::ofstream(path("bad.clod")) << "not a hierarchy";
-	std::ofstream(path("bad.obj")) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+	file("bad.csv", std::string(clod::demo::kPosesHeader) + "\n1,2\n");
+	file("bad.clod", "not a hierarchy");
+	file("bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
 	const std::string cup = path("cup.obj") + " ", spoon = path("spoon.obj") + " ";
 	const Outcome poses = bench("replay --quiet " + cup + spoon + path("bad.csv") + cache());
 	EXPECT_EQ(poses.code, 3);
@@ -144,7 +144,7 @@ TEST_F(RunnerCommand, ReplayAnswersTheSameWarmAndFreshAndTwice)
 TEST_F(RunnerCommand, DistanceReportsAFiniteGapWhereTheToleranceDoesNot)
 {
 	needRecording();
-	std::ofstream(path("apart.csv")) << clod::demo::kPosesHeader << "\n0,0,0,0,0,0,0,1,1,0,0,0,0,0,1\n";
+	file("apart.csv", std::string(clod::demo::kPosesHeader) + "\n0,0,0,0,0,0,0,1,1,0,0,0,0,0,1\n");
 	const std::string words =
 		"replay " + path("cup.obj ") + path("spoon.obj ") + path("apart.csv") + cache() + " --quiet --csv -";
 	EXPECT_NE(bench(words).out.find(",inf,"), std::string::npos);

@@ -58,8 +58,7 @@ TEST_F(RunnerCommand, TradeoffLeavesABrokenPeerOutAndSaysSo)
 {
 	needRecording();
 	fs::create_directories(path("peers"));
-	std::ofstream(path("peers/clod-coal")) << "#!/bin/sh\nprintf short > \"$4\"\n";
-	fs::permissions(path("peers/clod-coal"), fs::perms::owner_all);
+	fs::permissions(file("peers/clod-coal", "#!/bin/sh\nprintf short > \"$4\"\n"), fs::perms::owner_all);
 	const std::string inputs = path("cup.obj ") + path("spoon.obj ") + path("poses.csv");
 	const Outcome outcome = bench(
 		"tradeoff " + inputs + cache() +

@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <limits>
 
@@ -159,12 +158,9 @@ TEST(HierarchyFile, ReadsTheFirstFileOfThisVersion)
 TEST(HierarchyFile, LoadReadsRegularFilesOnly)
 {
 	const TemporaryFolder folder;
-	const std::string good = folder.file("good.clod"), fifo = folder.file("fifo"), huge = folder.file("huge");
-	const Bytes bytes = encode(box());
-	std::ofstream(good, std::ios::binary)
-		.write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
+	const std::string good = folder.fileOf("good.clod", encode(box()));
+	const std::string fifo = folder.file("fifo"), huge = folder.file("huge", "x");
 	EXPECT_TRUE(Hierarchy::load(good));
-	std::ofstream(huge) << "x";
 	std::filesystem::resize_file(huge, std::uintmax_t(1) << 33);
 	ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
 	for (const std::string& path : {folder.path().string(), fifo, std::string("/dev/zero"), huge, good + ".missing"})

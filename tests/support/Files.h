@@ -33,6 +33,12 @@ public:
 		std::ofstream(file(name), std::ios::binary) << text;
 		return file(name);
 	}
+	// With these bytes in it: anything with data() and size().
+	template <class Bytes>
+	std::string fileOf(const std::string& name, const Bytes& bytes) const
+	{
+		return file(name, std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+	}
 
 private:
 	std::filesystem::path m_path;

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Zlib
+#include "clod/query/BaseLevels.h"
+
+#include <algorithm>
+
+namespace clod
+{
+namespace
+{
+constexpr double kWorthMixing = 16;         // times the pairs of nodes that mixed levels would need
+constexpr double kWorthSimplifying = 0.25;  // of the pairs of leaves; else leaves, whose boxes are tighter
+constexpr double kFewer = 0.75;             // of the boxes that meet, for more pairs of nodes
+
+bool keepLimit(const LevelBounds& a, const LevelBounds& b, double maxError)
+{
+	const double cover = double(a.cover) + double(b.cover), protrude = double(a.protrude) + double(b.protrude);
+	return b.isWhole && std::max(cover, protrude) <= maxError;
+}
+}  // namespace
+
+BaseLevels chooseBaseLevels(const Hierarchy& a, const Hierarchy& b, double maxError, bool isAlone)
+{
+	struct Choice
+	{
+		BaseLevels levels;
+		double pairs, meeting;
+	};
+	const auto choiceOf = [&](const BaseLevels& levels)
+	{
+		const double nodes = double(a.levels()[levels.a].nodeCount);
+		return Choice{levels, nodes * double(b.levels()[levels.b].nodeCount),
+					  meetingBoxes(a.bounds(levels.a), b.bounds(levels.b))};
+	};
+	const Choice leaves = choiceOf({0, 0});
+	Choice fewest = leaves, slimmest = leaves;
+	std::uint32_t levelB = b.coarsestClodLevel();
+	for (std::uint32_t levelA = 0; levelA <= a.coarsestClodLevel(); ++levelA)
+	{
+		if (!a.bounds(levelA).isWhole) continue;
+		while (levelB > 0 && !keepLimit(a.bounds(levelA), b.bounds(levelB), maxError)) --levelB;
+		if (!keepLimit(a.bounds(levelA), b.bounds(levelB), maxError)) break;
+		const Choice next = choiceOf({levelA, levelB});
+		if (next.pairs < fewest.pairs) fewest = next;
+		if (next.meeting < slimmest.meeting) slimmest = next;
+	}
+	Choice best = fewest.pairs > kWorthSimplifying * leaves.pairs ? leaves : fewest;
+	if (slimmest.meeting < kFewer * best.meeting) best = slimmest;
+	if (!best.levels.isOfLeaves() && !isAlone) return {};
+	const double mixed = double(a.fewestWithin(0.5 * maxError)) * double(b.fewestWithin(0.5 * maxError));
+	return best.pairs <= kWorthMixing * mixed ? best.levels : BaseLevels{};
+}
+}  // namespace clod
