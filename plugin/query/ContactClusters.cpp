@@ -23,6 +23,31 @@ std::uint64_t binKey(const ContactPoint& point, double cell)
 		   direction(n.z) << 47;
 }
 
+// Which of up to 32 places are near a point, as bits: places by slabs along each axis, wrapped round, so that a few
+// more may seem near.
+class PlaceSlabs
+{
+public:
+	explicit PlaceSlabs(double limit) : m_limit(limit) {}
+	void add(std::uint32_t bit, const Vec3& place)
+	{
+		const double reach = 1.001 * m_limit;  // rounding included
+		for (int axis = 0; axis < 3; ++axis)
+		{
+			const std::int64_t first = slabOf(place[axis] - reach), last = slabOf(place[axis] + reach);
+			for (std::int64_t i = first; i <= last; ++i) m_bits[axis][std::size_t(i & kMask)] |= 1U << bit;
+		}
+	}
+	std::uint32_t near(const Vec3& point) const { return bitsAt(0, point.x) & bitsAt(1, point.y) & bitsAt(2, point.z); }
+
+private:
+	static constexpr std::int64_t kMask = 255;
+	std::int64_t slabOf(double x) const { return std::int64_t(std::floor(x / m_limit)); }
+	std::uint32_t bitsAt(int axis, double x) const { return m_bits[axis][std::size_t(slabOf(x) & kMask)]; }
+	const double m_limit;
+	std::uint32_t m_bits[3][kMask + 1] = {};
+};
+
 bool lower(const std::vector<ContactPoint>& points, std::uint32_t i, std::uint32_t j)
 {
 	return points[i].predicted != points[j].predicted ? points[i].predicted < points[j].predicted : i < j;
@@ -93,7 +118,7 @@ void ContactReducer::findSeeds(const ClusterSet& previous)
 	{
 		const ContactCluster& cluster = previous.slots[std::size_t(slot)];
 		if (cluster.count == 0) continue;
-		const Seed seed{cluster.normal, cluster.center, slot, {}};
+		const Seed seed{cluster.normal, cluster.center, slot};
 		const bool supported = std::any_of(m_binned.begin(), m_binned.end(),
 										   [&](std::uint32_t i) { return belongs(seed, (*m_candidates)[i], score); });
 		if (!supported) continue;
@@ -110,29 +135,30 @@ void ContactReducer::findSeeds(const ClusterSet& previous)
 		if (covered) continue;
 		const int slot = int(std::find(used.begin(), used.end(), false) - used.begin());
 		used[std::size_t(slot)] = true;
-		m_seeds.push_back({point.normal, point.pointOnA, slot, {}});
+		m_seeds.push_back({point.normal, point.pointOnA, slot});
 	}
 }
 
 // Every candidate goes to the seed that suits it best: one that covers it, or, when all slots are taken, the nearest.
 void ContactReducer::assign()
 {
+	for (Members& members : m_members) members.clear();
 	for (const std::uint32_t i : m_binned)
 	{
-		Seed* best = nullptr;
+		std::size_t best = m_seeds.size();
 		double bestScore = 0;
 		bool bestCovers = false;
-		for (Seed& seed : m_seeds)
+		for (std::size_t seed = 0; seed < m_seeds.size(); ++seed)
 		{
 			double score = 0;
-			const bool covers = belongs(seed, (*m_candidates)[i], score);
-			const bool better = !best || (covers != bestCovers ? covers : score < bestScore);
+			const bool covers = belongs(m_seeds[seed], (*m_candidates)[i], score);
+			const bool better = best == m_seeds.size() || (covers != bestCovers ? covers : score < bestScore);
 			if (!better) continue;
-			best = &seed;
+			best = seed;
 			bestScore = score;
 			bestCovers = covers;
 		}
-		best->members.push_back(i);
+		m_members[best].push_back(i);
 	}
 }
 
@@ -153,52 +179,64 @@ double ContactReducer::mismatch(const ClusterPoint& old, const ContactPoint& poi
 	return best;
 }
 
-// Ties fall to the lower index, so that the order of the search makes no difference.
-std::uint32_t ContactReducer::nearestTo(const ClusterPoint& old) const
+// For each old point the candidates that it may have become.
+void ContactReducer::matchWithOld(const ClusterSet& previous)
 {
+	for (std::vector<Match>& matches : m_matches) matches.clear();
+	if (previous.pointCount() == 0) return;
 	const double limit = m_rules.matchRadius * m_rules.length;
-	double bestSquared = limit * limit;
-	std::uint32_t best = kNone;
-	// False where nothing farther along x can be nearer. A mismatch is no less than the distance of the places.
-	const auto visit = [&](const Place& place, double x)
+	PlaceSlabs slabs(limit);
+	const auto oldPoint = [&](std::uint32_t old) -> const ClusterPoint&
+	{ return previous.slots[old / kClusterPoints].points[old % kClusterPoints]; };
+	for (std::uint32_t old = 0; old < kMostPoints; ++old)
 	{
-		const double along = place.onA.x - x;
-		if (along * along > bestSquared) return false;
-		const double least =
-			std::min(lengthSquared(place.onA - old.point.pointOnA), lengthSquared(place.onA - old.placeWithB));
-		if (least > bestSquared || m_taken[place.candidate]) return true;
-		const double squared = mismatch(old, (*m_candidates)[place.candidate]);
-		const bool isNearer = squared < bestSquared || (squared == bestSquared && place.candidate < best);
-		if (!isNearer || squared == limit * limit) return true;
-		best = place.candidate;
-		bestSquared = squared;
-		return true;
-	};
-	for (const double x : {old.point.pointOnA.x, old.placeWithB.x})
+		if (int(old % kClusterPoints) >= previous.slots[old / kClusterPoints].count) continue;
+		slabs.add(old, oldPoint(old).point.pointOnA);
+		slabs.add(old, oldPoint(old).placeWithB);
+	}
+	for (std::uint32_t i = 0; i < m_candidates->size(); ++i)
 	{
-		const auto middle = std::lower_bound(m_byX.begin(), m_byX.end(), Place{{x, 0, 0}, 0});
-		for (auto at = middle; at != m_byX.end() && visit(*at, x); ++at)
+		if ((*m_excluded)[i]) continue;
+		const ContactPoint& point = (*m_candidates)[i];
+		for (std::uint32_t bits = slabs.near(point.pointOnA); bits != 0; bits &= bits - 1)
 		{
-		}
-		for (auto at = middle; at != m_byX.begin() && visit(*(at - 1), x); --at)
-		{
+			const std::uint32_t old = std::uint32_t(__builtin_ctz(bits));
+			const double squared = mismatch(oldPoint(old), point);
+			if (squared < limit * limit) m_matches[old].push_back({squared, i});
 		}
 	}
-	return best;
 }
 
-void ContactReducer::remember(const Seed& seed, const ClusterSet& previous, double spacing,
-							  std::vector<std::uint32_t>& kept)
+// Ties fall to the lower index.
+std::uint32_t ContactReducer::nearestTo(std::uint32_t old) const
 {
-	const ContactCluster& old = previous.slots[std::size_t(seed.slot)];
+	double best = std::numeric_limits<double>::infinity();
+	std::uint32_t nearest = kNone;
+	for (const Match& match : m_matches[old])
+	{
+		if (!(match.squared < best) || m_taken[match.candidate]) continue;
+		best = match.squared;
+		nearest = match.candidate;
+	}
+	return nearest;
+}
+
+void ContactReducer::remember(int slot, const ClusterSet& previous, double spacing, Kept& kept)
+{
+	const ContactCluster& old = previous.slots[std::size_t(slot)];
+	const auto impulseOf = [&old](int i) { return old.points[std::size_t(i)].impulse; };
+	// Insertion sort: strong points first, of equal ones the first.
 	std::array<int, kClusterPoints> order{};
-	for (int i = 0; i < old.count; ++i) order[std::size_t(i)] = i;
-	std::stable_sort(order.begin(), order.begin() + old.count,
-					 [&old](int i, int j)
-					 { return old.points[std::size_t(i)].impulse > old.points[std::size_t(j)].impulse; });
 	for (int i = 0; i < old.count; ++i)
 	{
-		const std::uint32_t match = nearestTo(old.points[std::size_t(order[std::size_t(i)])]);
+		int at = i;
+		for (; at > 0 && impulseOf(order[std::size_t(at - 1)]) < impulseOf(i); --at)
+			order[std::size_t(at)] = order[std::size_t(at - 1)];
+		order[std::size_t(at)] = i;
+	}
+	for (int i = 0; i < old.count; ++i)
+	{
+		const std::uint32_t match = nearestTo(std::uint32_t(slot * kClusterPoints + order[std::size_t(i)]));
 		if (match == kNone) continue;
 		const Vec3& place = (*m_candidates)[match].pointOnA;
 		const bool crowded =
@@ -206,34 +244,34 @@ void ContactReducer::remember(const Seed& seed, const ClusterSet& previous, doub
 						[&](std::uint32_t other) { return length((*m_candidates)[other].pointOnA - place) < spacing; });
 		if (crowded) continue;  // remembered points that drifted together hold nothing
 		m_taken[match] = 1;
-		kept.push_back(match);
+		kept.push(match);
 	}
 }
 
 // Least distance between two points of a cluster: a share of how far its lowest candidates reach.
-double ContactReducer::spacingOf(const Seed& seed) const
+double ContactReducer::spacingOf(const Members& members) const
 {
 	const std::vector<ContactPoint>& candidates = *m_candidates;
-	const ContactPoint& first = candidates[seed.members.front()];
+	const ContactPoint& first = candidates[members.front()];
 	double extent = 0;
-	for (const std::uint32_t i : seed.members)
+	for (const std::uint32_t i : members)
 		if (candidates[i].predicted < first.predicted + m_rules.tolerance * m_rules.length)
 			extent = std::max(extent, length(candidates[i].pointOnA - first.pointOnA));
 	return std::max(m_rules.spacing * m_rules.length, m_rules.spacingOfExtent * extent);
 }
 
 // Adds candidates far from those kept, preferring low ones, until the cluster is full.
-void ContactReducer::fill(const Seed& seed, double spacing, std::vector<std::uint32_t>& kept) const
+void ContactReducer::fill(const Members& members, double spacing, Kept& kept) const
 {
 	const std::vector<ContactPoint>& candidates = *m_candidates;
 	const double tolerance = m_rules.tolerance * m_rules.length;
 	double lowest = 1e300;
 	for (const std::uint32_t i : kept) lowest = std::min(lowest, candidates[i].predicted);
-	while (kept.size() < std::size_t(kClusterPoints))
+	while (kept.count < std::size_t(kClusterPoints))
 	{
 		std::uint32_t best = kNone;
 		double bestScore = 0;
-		for (const std::uint32_t i : seed.members)
+		for (const std::uint32_t i : members)
 		{
 			const double weight = 1 - (candidates[i].predicted - lowest) / tolerance;
 			if (weight <= 0 || m_taken[i]) continue;
@@ -245,70 +283,66 @@ void ContactReducer::fill(const Seed& seed, double spacing, std::vector<std::uin
 			bestScore = weight * distance;
 		}
 		if (best == kNone) return;
-		kept.push_back(best);
+		kept.push(best);
 	}
 }
 
-void ContactReducer::choose(const Seed& seed, const ClusterSet& previous, ClusterSet& next)
+void ContactReducer::choose(std::size_t seed, const ClusterSet& previous, ClusterSet& next)
 {
-	if (seed.members.empty()) return;
+	const Members& members = m_members[seed];
+	if (members.empty()) return;
 	const std::vector<ContactPoint>& candidates = *m_candidates;
-	std::vector<std::uint32_t> kept;
-	kept.reserve(kClusterPoints + 1);
-	const double spacing = spacingOf(seed);
-	remember(seed, previous, spacing, kept);
+	const std::size_t slot = std::size_t(m_seeds[seed].slot);
+	const double spacing = spacingOf(members);
+	Kept kept;
+	remember(m_seeds[seed].slot, previous, spacing, kept);
 	// The lowest candidate enters if it is clearly lower than everything remembered.
-	const std::uint32_t lowest = seed.members.front();
+	const std::uint32_t lowest = members.front();
 	const double clear = m_rules.enterShare * m_rules.tolerance * m_rules.length;
 	const bool enters =
 		std::all_of(kept.begin(), kept.end(),
 					[&](std::uint32_t i) { return candidates[lowest].predicted < candidates[i].predicted - clear; });
 	if (enters && !m_taken[lowest])
 	{
-		if (kept.size() == std::size_t(kClusterPoints)) kept.pop_back();
-		kept.push_back(lowest);
+		kept.count = std::min(kept.count, std::size_t(kClusterPoints - 1));
+		kept.push(lowest);
 	}
-	if (kept.empty()) return;
-	fill(seed, spacing, kept);
+	if (kept.count == 0) return;
+	fill(members, spacing, kept);
 
-	ContactCluster& cluster = next.slots[std::size_t(seed.slot)];
+	ContactCluster& cluster = next.slots[slot];
 	for (const std::uint32_t i : kept)
 	{
 		m_taken[i] = 1;
-		m_chosen[std::size_t(seed.slot)][std::size_t(cluster.count)] = i;
+		m_chosen[slot][std::size_t(cluster.count)] = i;
 		cluster.points[std::size_t(cluster.count++)].point = candidates[i];
 		cluster.normal += candidates[i].normal;
-		cluster.center += (1.0 / double(kept.size())) * candidates[i].pointOnA;
+		cluster.center += (1.0 / double(kept.count)) * candidates[i].pointOnA;
 	}
 	cluster.normal = normalized(cluster.normal);
-	if (lengthSquared(cluster.normal) == 0) cluster.normal = candidates[kept.front()].normal;
+	if (lengthSquared(cluster.normal) == 0) cluster.normal = candidates[*kept.begin()].normal;
 }
 
 // Each new point continues the nearest old one, of any cluster, that no other point has claimed.
-void ContactReducer::link(const ClusterSet& previous, ClusterSet& next) const
+void ContactReducer::link(const ClusterSet& previous, ClusterSet& next)
 {
-	struct Pair
-	{
-		double squared;
-		std::uint32_t from, to;
-	};
-	std::vector<Pair> pairs;
-	for (std::uint32_t i = 0; i < kMaxClusters * kClusterPoints; ++i)
+	m_links.clear();
+	for (std::uint32_t i = 0; i < kMostPoints; ++i)
 	{
 		const ContactCluster& to = next.slots[i / kClusterPoints];
 		if (int(i % kClusterPoints) >= to.count) continue;
 		const ContactPoint& newPoint = to.points[i % kClusterPoints].point;
-		for (std::uint32_t j = 0; j < kMaxClusters * kClusterPoints; ++j)
+		for (std::uint32_t j = 0; j < kMostPoints; ++j)
 		{
 			const ContactCluster& from = previous.slots[j / kClusterPoints];
 			if (int(j % kClusterPoints) >= from.count) continue;
 			const double squared = mismatch(from.points[j % kClusterPoints], newPoint);
-			if (squared < std::numeric_limits<double>::infinity()) pairs.push_back({squared, j, i});
+			if (squared < std::numeric_limits<double>::infinity()) m_links.push_back({squared, j, i});
 		}
 	}
-	std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& p, const Pair& q) { return p.squared < q.squared; });
-	std::array<bool, kMaxClusters * kClusterPoints> claimed{};
-	for (const Pair& pair : pairs)
+	std::sort(m_links.begin(), m_links.end());
+	std::array<bool, kMostPoints> claimed{};
+	for (const Link& pair : m_links)
 	{
 		ClusterPoint& point = next.slots[pair.to / kClusterPoints].points[pair.to % kClusterPoints];
 		if (claimed[pair.from] || point.previous != kNone) continue;
@@ -325,15 +359,12 @@ void ContactReducer::reduce(const std::vector<ContactPoint>& candidates, const s
 	m_excluded = &excluded;
 	m_rules = rules;
 	m_taken.assign(candidates.size(), 0);
-	m_byX.clear();
-	for (std::uint32_t i = 0; i < candidates.size() && previous.pointCount() > 0; ++i)
-		if (!excluded[i]) m_byX.push_back({candidates[i].pointOnA, i});
-	std::sort(m_byX.begin(), m_byX.end());
 	next.clear();
 	binCandidates();
+	matchWithOld(previous);
 	findSeeds(previous);
 	assign();
-	for (const Seed& seed : m_seeds) choose(seed, previous, next);
+	for (std::size_t seed = 0; seed < m_seeds.size(); ++seed) choose(seed, previous, next);
 	link(previous, next);
 }
 }  // namespace clod

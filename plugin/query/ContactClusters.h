@@ -71,23 +71,34 @@ public:
 	std::uint32_t candidateOf(int slot, int index) const { return m_chosen[std::size_t(slot)][std::size_t(index)]; }
 
 private:
+	static constexpr std::uint32_t kMostPoints = kMaxClusters * kClusterPoints;
 	struct Seed
 	{
 		Vec3 normal, center;
 		int slot;
-		std::vector<std::uint32_t> members;
 	};
+	// Candidates chosen for one cluster.
+	struct Kept
+	{
+		std::array<std::uint32_t, kClusterPoints + 1> candidate{};
+		std::size_t count = 0;
+		void push(std::uint32_t i) { candidate[count++] = i; }
+		const std::uint32_t* begin() const { return candidate.data(); }
+		const std::uint32_t* end() const { return candidate.data() + count; }
+	};
+	using Members = std::vector<std::uint32_t>;
 	void binCandidates();
+	void matchWithOld(const ClusterSet& previous);
 	void findSeeds(const ClusterSet& previous);
 	void assign();
-	void choose(const Seed& seed, const ClusterSet& previous, ClusterSet& next);
-	double spacingOf(const Seed& seed) const;
-	void remember(const Seed& seed, const ClusterSet& previous, double spacing, std::vector<std::uint32_t>& kept);
-	void fill(const Seed& seed, double spacing, std::vector<std::uint32_t>& kept) const;
-	void link(const ClusterSet& previous, ClusterSet& next) const;
+	void choose(std::size_t seed, const ClusterSet& previous, ClusterSet& next);
+	double spacingOf(const Members& members) const;
+	void remember(int slot, const ClusterSet& previous, double spacing, Kept& kept);
+	void fill(const Members& members, double spacing, Kept& kept) const;
+	void link(const ClusterSet& previous, ClusterSet& next);
 	bool belongs(const Seed& seed, const ContactPoint& point, double& score) const;
 	double mismatch(const ClusterPoint& old, const ContactPoint& point) const;
-	std::uint32_t nearestTo(const ClusterPoint& old) const;
+	std::uint32_t nearestTo(std::uint32_t old) const;
 
 	const std::vector<ContactPoint>* m_candidates = nullptr;
 	const std::vector<char>* m_excluded = nullptr;
@@ -95,17 +106,25 @@ private:
 	std::vector<std::uint32_t> m_binned, m_table;
 	std::vector<std::uint64_t> m_keys;
 	std::vector<Seed> m_seeds;
+	std::array<Members, kMaxClusters> m_members;  // of a seed, the lowest first
 	std::vector<char> m_taken;
-	struct Place
+	struct Match
 	{
-		Vec3 onA;
+		double squared;  // mismatch
 		std::uint32_t candidate;
-		bool operator<(const Place& other) const
+	};
+	std::array<std::vector<Match>, kMostPoints> m_matches;  // of an old point, by candidate
+	struct Link
+	{
+		double squared;
+		std::uint32_t from, to;
+		bool operator<(const Link& other) const
 		{
-			return onA.x != other.onA.x ? onA.x < other.onA.x : candidate < other.candidate;
+			if (squared != other.squared) return squared < other.squared;
+			return to != other.to ? to < other.to : from < other.from;
 		}
 	};
-	std::vector<Place> m_byX;  // candidates along A's x axis
+	std::vector<Link> m_links;
 	std::array<std::array<std::uint32_t, kClusterPoints>, kMaxClusters> m_chosen{};
 };
 }  // namespace clod

@@ -29,19 +29,6 @@ struct Bounds
 	}
 };
 
-bool overlap(const Vec3& lowA, const Vec3& highA, const Vec3& lowB, const Vec3& highB)
-{
-	return lowA.x <= highB.x && lowB.x <= highA.x && lowA.y <= highB.y && lowB.y <= highA.y && lowA.z <= highB.z &&
-		   lowB.z <= highA.z;
-}
-
-Bounds boundsOf(const Triangle& triangle)
-{
-	Bounds bounds;
-	for (const Vec3& corner : triangle) bounds.add(corner);
-	return bounds;
-}
-
 // No point within a radius of the center is carried farther in the step.
 double farthestCarried(const PointFilter& filter, const Vec3& center, double radius)
 {
@@ -58,16 +45,6 @@ bool isBeside(const FacePrism& prism, const Vec3& center, const Vec3& half, doub
 		const double extent = half.x * std::abs(side.x) + half.y * std::abs(side.y) + half.z * std::abs(side.z);
 		if (dot(side, center) - extent - carried > prism.sideOffset[i]) return true;
 	}
-	return false;
-}
-
-// Is all of a ball beside, above or below the prism?
-bool isOutside(const FacePrism& prism, const MovedPatch::Ball& ball, double top)
-{
-	const double height = prism.heightOf(ball.center);
-	if (height - ball.radius > top || height + ball.radius < prism.bottom) return true;
-	for (std::size_t i = 0; i < 3; ++i)
-		if (dot(prism.side[i], ball.center) - ball.radius > prism.sideOffset[i]) return true;
 	return false;
 }
 
@@ -90,45 +67,6 @@ double deepest(const Hierarchy& hierarchy, const Node& node)
 	double thickness = 0;
 	for (const Face& face : hierarchy.faces(node)) thickness = std::max(thickness, double(face.thickness));
 	return thickness;
-}
-
-// Moves the node's real faces into the reference's frame and keeps those that meet the box `near`.
-void movePatch(const Hierarchy& hierarchy, const Node& node, const Transform& referenceFromOther, const Bounds& near,
-			   MovedPatch& moved)
-{
-	moved.vertices.clear();
-	moved.normals.clear();
-	moved.triangles.clear();
-	moved.faces.clear();
-	Bounds bounds;
-	const HullView hull = hierarchy.hull(node);
-	for (std::uint32_t i = 0; i < hull.count; ++i) moved.vertices.push_back(referenceFromOther * hull.vertex(i));
-	for (std::uint32_t i = 0; i < node.faceCount; ++i)
-	{
-		const Face& face = hierarchy.faces()[node.firstFace + i];
-		const Triangle triangle = {moved.vertices[face.vertex[0]], moved.vertices[face.vertex[1]],
-								   moved.vertices[face.vertex[2]]};
-		const Bounds box = boundsOf(triangle);
-		if (!overlap(box.low, box.high, near.low, near.high)) continue;
-		for (const Vec3& corner : triangle) bounds.add(corner);
-		moved.triangles.push_back(triangle);
-		moved.normals.push_back(referenceFromOther.rotation * toVec3(face.normal));
-		moved.faces.push_back(node.firstFace + i);
-	}
-	moved.low = bounds.low;
-	moved.high = bounds.high;
-}
-
-void findBalls(const PointFilter& filter, double rounding, MovedPatch& moved)
-{
-	moved.balls.clear();
-	for (const Triangle& triangle : moved.triangles)
-	{
-		MovedPatch::Ball ball{(1.0 / 3) * (triangle[0] + triangle[1] + triangle[2]), 0};
-		for (const Vec3& corner : triangle) ball.radius = std::max(ball.radius, length(corner - ball.center));
-		ball.radius += farthestCarried(filter, ball.center, ball.radius) + rounding;
-		moved.balls.push_back(ball);
-	}
 }
 
 // Lazily the planes of the node's faces, as (normal, offset) pairs for PointFilter::keep.
@@ -212,14 +150,14 @@ void PointClipper::clipPair(const Side& reference, const Side& other, std::vecto
 	const double reach = speculativeReach(filter, otherCenter, double(otherBox.radius));
 	Bounds near = boundsOf(reference.hierarchy, node);
 	near.grow(std::max(reach, deepest(reference.hierarchy, node)));
-	movePatch(other.hierarchy, other.hierarchy.node(other.node), referenceFromOther, near, m_other);
-	if (m_other.faces.empty()) return;
+	const Node& otherNode = other.hierarchy.node(other.node);
+	m_other.move(other.hierarchy, otherNode, referenceFromOther, filter.otherMotion);
+	if (!m_other.keepNear(near.low, near.high)) return;
 
 	const PatchPlanes under{reference.hierarchy.faces().data + node.firstFace, node.faceCount};
-	const Vec3 center = 0.5 * (m_other.low + m_other.high), half = 0.5 * (m_other.high - m_other.low);
+	const Vec3 center = 0.5 * (m_other.low() + m_other.high()), half = 0.5 * (m_other.high() - m_other.low());
 	const double rounding = 1e-9 * (length(center) + length(half));
 	const double carried = farthestCarried(filter, center, length(half)) + rounding;
-	findBalls(filter, rounding, m_other);
 	for (std::uint32_t i = 0; i < node.faceCount; ++i)
 	{
 		const Face& face = reference.hierarchy.faces()[node.firstFace + i];
@@ -230,11 +168,8 @@ void PointClipper::clipPair(const Side& reference, const Side& other, std::vecto
 		FacePrism prism = prismOf(reference.hierarchy, node, face);
 		prism.top = filter.topFor(prism, center, length(half));
 		if (middle - extent > prism.top || isBeside(prism, center, half, carried)) continue;
-		const double top = std::max(prism.top, filter.arrivalTop());
-		for (std::size_t j = 0; j < m_other.faces.size(); ++j)
+		const auto clip = [&](std::uint32_t j, const Triangle& triangle, const Triangle& moved)
 		{
-			if (isOutside(prism, m_other.balls[j], top)) continue;
-			if (dot(normal, m_other.normals[j]) >= kOpposingCosine) continue;
 			const auto emit = [&](const Vec3& point, double height, double predicted)
 			{
 				ContactPoint out{};
@@ -248,12 +183,13 @@ void PointClipper::clipPair(const Side& reference, const Side& other, std::vecto
 				out.normal = reference.isA ? -normal : m_aFromB.rotation * normal;
 				out.nodeA = reference.isA ? reference.node : other.node;
 				out.nodeB = reference.isA ? other.node : reference.node;
-				out.faceA = reference.isA ? node.firstFace + i : m_other.faces[j];
-				out.faceB = reference.isA ? m_other.faces[j] : node.firstFace + i;
+				out.faceA = reference.isA ? node.firstFace + i : otherNode.firstFace + j;
+				out.faceB = reference.isA ? otherNode.firstFace + j : node.firstFace + i;
 				points.push_back(out);
 			};
-			filter.visit(prism, m_other.triangles[j], under, emit);
-		}
+			filter.visit(prism, triangle, moved, under, emit);
+		};
+		m_other.visitMeeting(prism, filter.stepCounts(prism), filter.arrivalTop(), clip);
 	}
 }
 }  // namespace clod

@@ -118,7 +118,7 @@ void clipFaceToTriangle(FacePrism prism, const Face& face, const Triangle& corne
 		named.pointOnB = point - height * prism.normal;
 		points.push_back(named);
 	};
-	filter.visit(prism, corners, under, emit);
+	filter.visit(prism, corners, filter.carried(corners), under, emit);
 }
 
 // Points of one triangle against one hierarchy face, the face being the reference.
@@ -140,7 +140,7 @@ void clipTriangleToFace(FacePrism prism, const Triangle& triangle, const Vec3& t
 		named.pointOnB = point;
 		points.push_back(named);
 	};
-	filter.visit(prism, triangle, under, emit);
+	filter.visit(prism, triangle, filter.carried(triangle), under, emit);
 }
 }  // namespace
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
-// The prism over a reference face and the clipping of a triangle to it (Sutherland and Hodgman, five planes).
-#include <algorithm>
+// Clipping after Sutherland and Hodgman: five planes.
+#include "clod/query/FacePrism.h"
 
-#include "clod/query/ContactPoints.h"
+#include <algorithm>
 
 namespace clod
 {
@@ -47,13 +47,6 @@ void setSide(FacePrism& prism, std::size_t edge, const Vec3& from, const Vec3& d
 	prism.sideOffset[edge] = dot(direction, from);
 }
 }  // namespace
-
-RelativeMotion inFrame(const RelativeMotion& motion, const Transform& hereFromThere)
-{
-	const Mat3 thereFromHere = transposed(hereFromThere.rotation);
-	return {thereFromHere * motion.velocity(hereFromThere.translation), thereFromHere * motion.angular,
-			motion.timeStep};
-}
 
 Triangle triangleOf(const Hierarchy& hierarchy, const Node& node, const Face& face)
 {

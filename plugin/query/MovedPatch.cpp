@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Zlib
+#include "clod/query/MovedPatch.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+
+#include "clod/query/InstructionSets.h"
+
+namespace clod
+{
+namespace
+{
+namespace plain
+{
+#include "clod/query/MovedPatchKernel.h"
+}  // namespace plain
+
+#if CLOD_HAS_WIDE
+CLOD_WIDE_BEGIN
+#define CLOD_WIDE
+namespace wide
+{
+#include "clod/query/MovedPatchKernel.h"
+}  // namespace wide
+#undef CLOD_WIDE
+CLOD_WIDE_END
+const bool kWide = hasWideInstructions();
+#else
+namespace wide = plain;
+constexpr bool kWide = false;
+#endif
+
+void setLane(double (&lanes)[3][MovedPatch::kLanes], std::uint32_t lane, const Vec3& v)
+{
+	lanes[0][lane] = v.x;
+	lanes[1][lane] = v.y;
+	lanes[2][lane] = v.z;
+}
+}  // namespace
+
+void MovedPatch::move(const Hierarchy& hierarchy, const Node& node, const Transform& intoFrame,
+					  const RelativeMotion& motion)
+{
+	m_faces = hierarchy.faces().data + node.firstFace;
+	m_vertices.clear();
+	m_carried.clear();
+	const HullView hull = hierarchy.hull(node);
+	for (std::uint32_t i = 0; i < hull.count; ++i)
+	{
+		const Vec3 here = intoFrame * hull.vertex(i);
+		m_vertices.push_back(here);
+		m_carried.push_back(here + motion.timeStep * motion.velocity(here));
+	}
+	const std::uint32_t count = node.faceCount, groups = (count + kLanes - 1) / kLanes;
+	m_groups.resize(groups);
+	m_near.resize(groups);
+	for (std::uint32_t i = 0; i < groups * kLanes; ++i)
+	{
+		const Face& face = m_faces[std::min(i, count - 1)];
+		Group& group = m_groups[i / kLanes];
+		for (int k = 0; k < 3; ++k)
+		{
+			setLane(group.corner[k], i % kLanes, m_vertices[face.vertex[k]]);
+			setLane(group.carried[k], i % kLanes, m_carried[face.vertex[k]]);
+		}
+		const Vec3 normal{double(face.normal[0]), double(face.normal[1]), double(face.normal[2])};
+		setLane(group.normal, i % kLanes, intoFrame.rotation * normal);
+		m_near[i / kLanes] = 0;
+	}
+	for (std::uint32_t i = 0; i < count; ++i) m_near[i / kLanes] |= std::uint8_t(1U << i % kLanes);
+}
+
+bool MovedPatch::keepNear(const Vec3& low, const Vec3& high)
+{
+	constexpr double kFar = std::numeric_limits<double>::max();
+	m_low = {kFar, kFar, kFar};
+	m_high = {-kFar, -kFar, -kFar};
+	bool isAny = false;
+	for (std::uint32_t i = 0; i < m_groups.size(); ++i)
+	{
+		m_near[i] &= std::uint8_t((kWide ? wide::nearFaces : plain::nearFaces)(m_groups[i], low, high));
+		isAny = isAny || m_near[i] != 0;
+		for (std::uint32_t bits = m_near[i]; bits != 0; bits &= bits - 1)
+			for (const auto& corner : m_groups[i].corner)
+				for (int axis = 0; axis < 3; ++axis)
+				{
+					const double x = corner[axis][__builtin_ctz(bits)];
+					m_low[axis] = std::min(m_low[axis], x);
+					m_high[axis] = std::max(m_high[axis], x);
+				}
+	}
+	return isAny;
+}
+
+std::uint32_t MovedPatch::meeting(std::uint32_t group, const FacePrism& prism, bool stepCounts, double arrivalTop) const
+{
+	if (m_near[group] == 0) return 0;
+	const auto find = kWide ? wide::meetingFaces : plain::meetingFaces;
+	return m_near[group] & find(m_groups[group], prism, stepCounts, arrivalTop);
+}
+
+std::uint32_t nearFacesPlain(const MovedPatch::Group& group, const Vec3& low, const Vec3& high)
+{
+	return plain::nearFaces(group, low, high);
+}
+std::uint32_t meetingFacesPlain(const MovedPatch::Group& group, const FacePrism& prism, bool stepCounts,
+								double arrivalTop)
+{
+	return plain::meetingFaces(group, prism, stepCounts, arrivalTop);
+}
+}  // namespace clod

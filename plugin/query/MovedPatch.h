@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Zlib
+// The real faces of one node, moved into another body's frame, and which of them can meet the prism over a face there
+// now or at the end of the step: four at a time, before any is clipped (ContactPoints.h).
+#pragma once
+#include <vector>
+
+#include "clod/query/FacePrism.h"
+#include "clod/query/RelativeMotion.h"
+
+namespace clod
+{
+class MovedPatch
+{
+public:
+	// motion: of the node's body relative to the other frame's, in that frame.
+	void move(const Hierarchy& hierarchy, const Node& node, const Transform& intoFrame, const RelativeMotion& motion);
+	// Of the faces those whose boxes meet this one take part from now on, and make up the bounds. False: none does.
+	bool keepNear(const Vec3& low, const Vec3& high);
+	Vec3 low() const { return m_low; }
+	Vec3 high() const { return m_high; }
+
+	// Calls visit(index, triangle, carried) for every face taking part that has a corner on the inner side of each of
+	// the prism's planes, or, if the step counts, where it is carried to, under arrivalTop instead of the prism's top;
+	// unless the two normals agree better than kOpposingCosine. In the order of the faces.
+	template <class Visit>
+	void visitMeeting(const FacePrism& prism, bool stepCounts, double arrivalTop, const Visit& visit)
+	{
+		for (std::uint32_t group = 0; group < m_groups.size(); ++group)
+			for (std::uint32_t bits = meeting(group, prism, stepCounts, arrivalTop); bits != 0; bits &= bits - 1)
+			{
+				const std::uint32_t i = kLanes * group + std::uint32_t(__builtin_ctz(bits));
+				visit(i, triangle(m_vertices, i), triangle(m_carried, i));
+			}
+	}
+
+	static constexpr std::uint32_t kLanes = 4;
+	// Of each corner its x, y and z, a face a lane. Lanes beyond the last face repeat it and take no part.
+	struct Group
+	{
+		double corner[3][3][kLanes], carried[3][3][kLanes], normal[3][kLanes];
+	};
+
+private:
+	std::uint32_t meeting(std::uint32_t group, const FacePrism& prism, bool stepCounts, double arrivalTop) const;
+	Triangle triangle(const std::vector<Vec3>& vertices, std::uint32_t face) const
+	{
+		const std::uint16_t* corner = m_faces[face].vertex;
+		return {vertices[corner[0]], vertices[corner[1]], vertices[corner[2]]};
+	}
+
+	const Face* m_faces = nullptr;
+	std::vector<Vec3> m_vertices, m_carried;
+	std::vector<Group> m_groups;
+	std::vector<std::uint8_t> m_near;  // of a group, bits
+	Vec3 m_low, m_high;
+};
+
+// The loops of the two searches, for a test: for any machine.
+std::uint32_t nearFacesPlain(const MovedPatch::Group& group, const Vec3& low, const Vec3& high);
+std::uint32_t meetingFacesPlain(const MovedPatch::Group& group, const FacePrism& prism, bool stepCounts,
+								double arrivalTop);
+}  // namespace clod
