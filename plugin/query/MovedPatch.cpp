@@ -31,7 +31,7 @@ namespace wide = plain;
 constexpr bool kWide = false;
 #endif
 
-void setLane(double (&lanes)[3][MovedPatch::kLanes], std::uint32_t lane, const Vec3& v)
+void setLane(double (&lanes)[3][kFaceLanes], std::uint32_t lane, const Vec3& v)
 {
 	lanes[0][lane] = v.x;
 	lanes[1][lane] = v.y;
@@ -52,23 +52,23 @@ void MovedPatch::move(const Hierarchy& hierarchy, const Node& node, const Transf
 		m_vertices.push_back(here);
 		m_carried.push_back(here + motion.timeStep * motion.velocity(here));
 	}
-	const std::uint32_t count = node.faceCount, groups = (count + kLanes - 1) / kLanes;
+	const std::uint32_t count = node.faceCount, groups = (count + kFaceLanes - 1) / kFaceLanes;
 	m_groups.resize(groups);
 	m_near.resize(groups);
-	for (std::uint32_t i = 0; i < groups * kLanes; ++i)
+	for (std::uint32_t i = 0; i < groups * kFaceLanes; ++i)
 	{
 		const Face& face = m_faces[std::min(i, count - 1)];
-		Group& group = m_groups[i / kLanes];
+		FaceLanes& group = m_groups[i / kFaceLanes];
 		for (int k = 0; k < 3; ++k)
 		{
-			setLane(group.corner[k], i % kLanes, m_vertices[face.vertex[k]]);
-			setLane(group.carried[k], i % kLanes, m_carried[face.vertex[k]]);
+			setLane(group.corner[k], i % kFaceLanes, m_vertices[face.vertex[k]]);
+			setLane(group.carried[k], i % kFaceLanes, m_carried[face.vertex[k]]);
 		}
 		const Vec3 normal{double(face.normal[0]), double(face.normal[1]), double(face.normal[2])};
-		setLane(group.normal, i % kLanes, intoFrame.rotation * normal);
-		m_near[i / kLanes] = 0;
+		setLane(group.normal, i % kFaceLanes, intoFrame.rotation * normal);
+		m_near[i / kFaceLanes] = 0;
 	}
-	for (std::uint32_t i = 0; i < count; ++i) m_near[i / kLanes] |= std::uint8_t(1U << i % kLanes);
+	for (std::uint32_t i = 0; i < count; ++i) m_near[i / kFaceLanes] |= std::uint8_t(1U << i % kFaceLanes);
 }
 
 bool MovedPatch::keepNear(const Vec3& low, const Vec3& high)
@@ -79,7 +79,7 @@ bool MovedPatch::keepNear(const Vec3& low, const Vec3& high)
 	bool isAny = false;
 	for (std::uint32_t i = 0; i < m_groups.size(); ++i)
 	{
-		m_near[i] &= std::uint8_t((kWide ? wide::nearFaces : plain::nearFaces)(m_groups[i], low, high));
+		m_near[i] &= std::uint8_t(nearFaces(m_groups[i], low, high));
 		isAny = isAny || m_near[i] != 0;
 		for (std::uint32_t bits = m_near[i]; bits != 0; bits &= bits - 1)
 			for (const auto& corner : m_groups[i].corner)
@@ -93,19 +93,19 @@ bool MovedPatch::keepNear(const Vec3& low, const Vec3& high)
 	return isAny;
 }
 
-std::uint32_t MovedPatch::meeting(std::uint32_t group, const FacePrism& prism, bool stepCounts, double arrivalTop) const
+std::uint32_t nearFaces(const FaceLanes& group, const Vec3& low, const Vec3& high)
 {
-	if (m_near[group] == 0) return 0;
-	const auto find = kWide ? wide::meetingFaces : plain::meetingFaces;
-	return m_near[group] & find(m_groups[group], prism, stepCounts, arrivalTop);
+	return (kWide ? wide::nearFaces : plain::nearFaces)(group, low, high);
 }
-
-std::uint32_t nearFacesPlain(const MovedPatch::Group& group, const Vec3& low, const Vec3& high)
+std::uint32_t meetingFaces(const FaceLanes& group, const FacePrism& prism, bool stepCounts, double arrivalTop)
+{
+	return (kWide ? wide::meetingFaces : plain::meetingFaces)(group, prism, stepCounts, arrivalTop);
+}
+std::uint32_t nearFacesPlain(const FaceLanes& group, const Vec3& low, const Vec3& high)
 {
 	return plain::nearFaces(group, low, high);
 }
-std::uint32_t meetingFacesPlain(const MovedPatch::Group& group, const FacePrism& prism, bool stepCounts,
-								double arrivalTop)
+std::uint32_t meetingFacesPlain(const FaceLanes& group, const FacePrism& prism, bool stepCounts, double arrivalTop)
 {
 	return plain::meetingFaces(group, prism, stepCounts, arrivalTop);
 }

@@ -9,6 +9,20 @@
 
 namespace clod
 {
+inline constexpr std::uint32_t kFaceLanes = 4;
+// Of each corner its x, y and z, a face a lane.
+struct FaceLanes
+{
+	double corner[3][3][kFaceLanes], carried[3][3][kFaceLanes], normal[3][kFaceLanes];
+};
+
+// Of the four faces of a group, as bits: whose boxes meet a box; which can meet a prism (visitMeeting).
+std::uint32_t nearFaces(const FaceLanes& group, const Vec3& low, const Vec3& high);
+std::uint32_t meetingFaces(const FaceLanes& group, const FacePrism& prism, bool stepCounts, double arrivalTop);
+// The same for any machine, for a test.
+std::uint32_t nearFacesPlain(const FaceLanes& group, const Vec3& low, const Vec3& high);
+std::uint32_t meetingFacesPlain(const FaceLanes& group, const FacePrism& prism, bool stepCounts, double arrivalTop);
+
 class MovedPatch
 {
 public:
@@ -28,20 +42,17 @@ public:
 		for (std::uint32_t group = 0; group < m_groups.size(); ++group)
 			for (std::uint32_t bits = meeting(group, prism, stepCounts, arrivalTop); bits != 0; bits &= bits - 1)
 			{
-				const std::uint32_t i = kLanes * group + std::uint32_t(__builtin_ctz(bits));
+				const std::uint32_t i = kFaceLanes * group + std::uint32_t(__builtin_ctz(bits));
 				visit(i, triangle(m_vertices, i), triangle(m_carried, i));
 			}
 	}
 
-	static constexpr std::uint32_t kLanes = 4;
-	// Of each corner its x, y and z, a face a lane. Lanes beyond the last face repeat it and take no part.
-	struct Group
-	{
-		double corner[3][3][kLanes], carried[3][3][kLanes], normal[3][kLanes];
-	};
-
 private:
-	std::uint32_t meeting(std::uint32_t group, const FacePrism& prism, bool stepCounts, double arrivalTop) const;
+	std::uint32_t meeting(std::uint32_t group, const FacePrism& prism, bool stepCounts, double arrivalTop) const
+	{
+		if (m_near[group] == 0) return 0;
+		return m_near[group] & meetingFaces(m_groups[group], prism, stepCounts, arrivalTop);
+	}
 	Triangle triangle(const std::vector<Vec3>& vertices, std::uint32_t face) const
 	{
 		const std::uint16_t* corner = m_faces[face].vertex;
@@ -50,13 +61,9 @@ private:
 
 	const Face* m_faces = nullptr;
 	std::vector<Vec3> m_vertices, m_carried;
-	std::vector<Group> m_groups;
-	std::vector<std::uint8_t> m_near;  // of a group, bits
+	std::vector<FaceLanes> m_groups;   // lanes beyond the last face repeat it
+	std::vector<std::uint8_t> m_near;  // of a group the faces that take part
 	Vec3 m_low, m_high;
 };
 
-// The loops of the two searches, for a test: for any machine.
-std::uint32_t nearFacesPlain(const MovedPatch::Group& group, const Vec3& low, const Vec3& high);
-std::uint32_t meetingFacesPlain(const MovedPatch::Group& group, const FacePrism& prism, bool stepCounts,
-								double arrivalTop);
 }  // namespace clod

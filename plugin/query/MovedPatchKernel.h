@@ -39,7 +39,7 @@ CLOD_INLINED void mostOf(const Lanes (&of)[3], Lanes& r)
 }
 
 // Faces whose boxes meet a box.
-std::uint32_t nearFaces(const MovedPatch::Group& group, const Vec3& low, const Vec3& high)
+std::uint32_t nearFaces(const FaceLanes& group, const Vec3& low, const Vec3& high)
 {
 	Bits apart{};
 	for (int axis = 0; axis < 3; ++axis)
@@ -73,7 +73,7 @@ CLOD_INLINED void beyond(const double (&corner)[3][3][4], const FacePrism& prism
 	}
 }
 
-std::uint32_t meetingFaces(const MovedPatch::Group& group, const FacePrism& prism, bool stepCounts, double arrivalTop)
+std::uint32_t meetingFaces(const FaceLanes& group, const FacePrism& prism, bool stepCounts, double arrivalTop)
 {
 	Bits outside;
 	beyond(group.corner, prism, prism.top, outside);
