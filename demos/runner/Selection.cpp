@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "demos/cli/Failure.h"
 #include "demos/cli/Program.h"
 
 namespace clod::demo
@@ -129,6 +130,19 @@ void addSelection(CLI::App& command, Selection& selection)
 	addBudget(command, selection);
 }
 
+void refuseUnusedCamera(const Selection& selection)
+{
+	if (selection.camera && !selection.view)
+		throw cli::Failure(cli::ExitCode::usage, "--camera has no effect without --view");
+}
+
+void refuseClock(const Selection& selection, int repeat)
+{
+	if (selection.budget.microseconds < kOff && repeat > 1)
+		throw cli::Failure(cli::ExitCode::usage,
+						   "--budget-us answers by the clock, which --repeat would not find again");
+}
+
 ContactMetric toMetric(const Selection& selection)
 {
 	ContactMetric metric;
@@ -146,9 +160,7 @@ ContactMetric toMetric(const Selection& selection)
 	}
 	if (selection.view) metric.viewPixels = *selection.view;
 	metric.combine = selection.combine == "relaxed" ? Combine::kRelaxed : Combine::kStrict;
-	const bool any =
-		selection.exact || selection.s0 || selection.size || selection.maxError || selection.velocity || selection.view;
-	if (!any) metric.maxErrorShare = kDefaultMaxError;
+	if (!selection.hasMetric()) metric.maxErrorShare = kDefaultMaxError;
 	return metric;
 }
 
@@ -174,12 +186,15 @@ std::string describe(const Selection& selection, double radius)
 	if (selection.velocity)
 		add(fmt::format("s0 {:g} of a step's motion, at least {}", *selection.velocity, cli::describe(floor, radius)));
 	if (selection.view) add(fmt::format("s0 {:g} pixels of {}", *selection.view, kViewImageHeight));
-	if (selection.combine == "relaxed") add("the largest s0");
+	const int thresholds = int(selection.s0 || selection.size) + int(bool(selection.velocity)) + int(bool(selection.view));
+	if (selection.combine == "relaxed" && thresholds > 1) add("the largest s0");
 	if (selection.maxError) add("certified error at most " + cli::describe(*selection.maxError, radius));
-	if (text.empty())
+	if (!selection.hasMetric())
 		add("certified error at most " + cli::describe(cli::Length{kDefaultMaxError, true, "0.5%"}, radius));
 	if (selection.budget.tests < kOff) add(fmt::format("at most {:.0f} tests", selection.budget.tests));
 	if (selection.budget.microseconds < kOff) add(fmt::format("about {:g} us", selection.budget.microseconds));
+	if (selection.paper) add("by the paper's rules");
+	if (selection.fresh) add("without caches");
 	return text;
 }
 

@@ -96,10 +96,7 @@ RigidScene::~RigidScene()
 void RigidScene::placeCamera()
 {
 	if (!m_settings.camera) return;
-	ViewCamera camera = m_settings.camera->at(m_step + 1);
-	camera.eye = m_definition.info.worldScale * camera.eye;
-	camera.nearDistance *= m_definition.info.worldScale;
-	m_bullet->context.camera = camera;
+	m_bullet->context.camera = scaled(m_settings.camera->at(m_step + 1), m_definition.info.worldScale);
 }
 
 void RigidScene::setUpSolver()
