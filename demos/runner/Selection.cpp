@@ -133,7 +133,7 @@ void addSelection(CLI::App& command, Selection& selection)
 void refuseUnusedCamera(const Selection& selection)
 {
 	if (selection.camera && !selection.view)
-		throw cli::Failure(cli::ExitCode::usage, "--camera has no effect without --view");
+		throw cli::Failure(cli::ExitCode::usage, "--camera has no effect without --view (or --frames of run)");
 }
 
 void refuseClock(const Selection& selection, int repeat)
