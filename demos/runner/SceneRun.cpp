@@ -171,19 +171,23 @@ std::string formatSceneRows(const SceneInfo& info, const std::vector<SceneRow>& 
 		std::string(info.isPair() ? kPosesHeader : "step") +
 		",time,gap,error_bound,contacts,points,manifolds,finest_level,coarsest_level,front,hull_tests,"
 		"query_us,gap_us,dispatch_us,step_us,speed_m_per_s,turning_rad_per_s,speed_radii_per_s,motion,deep,pairs,"
-		"pending,excess,dispatch_error_bound\n";
+		"pending,excess,dispatch_error_bound,touched_finest_level,still_clear,front_kept,front_came,front_gone,skipped_"
+		"by_slack,depths_cut_short\n";
 	for (const SceneRow& row : rows)
 	{
 		const SceneState& s = row.state;
 		const ReplayRow& q = row.query;
 		text += info.isPair() ? formatPose(posesOf(s).front()) : std::to_string(s.step);
 		text += fmt::format(
-			",{},{},{},{},{},{},{},{},{},{},{:.3f},{:.3f},{:.3f},{:.3f},{:.6g},{:.6g},{:.5g},{},{},{},{},{},{}\n",
+			",{},{},{},{},{},{},{},{},{},{},{:.3f},{:.3f},{:.3f},{:.3f},{:.6g},{:.6g},{:.5g},{},{},{},{},{},{}",
 			number(s.time), number(q.minDistance), number(q.errorBound), q.contacts, s.points.size(), s.manifolds,
 			q.stats.finestLevel, q.stats.coarsestLevel, q.stats.front, q.tests(), q.queryMicroseconds,
 			q.gapMicroseconds, s.dispatchMicroseconds, s.stepMicroseconds, fastest(s, &BodyState::velocity),
 			fastest(s, &BodyState::turning), q.speed, name(q.motion()), int(q.deep), s.pairs.size(), q.stats.pending,
 			number(q.excess), number(s.errorBound));
+		text += fmt::format(",{},{},{},{},{},{},{}\n", q.stats.touchedFinestLevel, q.stats.stillClear,
+							q.stats.frontKept, q.stats.frontCame, q.stats.frontGone, q.stats.skippedBySlack,
+							q.stats.depthsCutShort);
 	}
 	return text;
 }

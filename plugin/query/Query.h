@@ -76,6 +76,9 @@ struct QueryStats
 	std::uint32_t skippedBySlack = 0;
 	std::uint32_t stillClear = 0;  // 1: the bodies were apart by more than they have moved since; nothing was looked at
 	std::uint32_t frontKept = 0;   // 1: no decision of the last traversal has changed; only its answers were evaluated
+	// Moves of the front: pairs of nodes kept in its tree that the query before did not keep, and the other way round.
+	// None under a budget, nor where the last front still holds.
+	std::uint32_t frontCame = 0, frontGone = 0;
 	std::uint32_t duplicates = 0;  // pairs reached twice through shared children
 	std::uint32_t pointBoxes = 0;  // boxes that nearest-surface queries met; boxTests are between the bodies only
 	std::uint32_t pointQueries = 0;                    // nearest-surface queries of the penetration solver
