@@ -194,7 +194,7 @@ TEST(Query, MovesOfTheFrontAddUp)
 			EXPECT_EQ(result.stats.frontGone, 0u) << pair.a.name << " step " << step;
 		}
 	}
-	EXPECT_GT(moves, 1000u);
+	EXPECT_GT(moves, 500u);
 	EXPECT_GE(apart, 3);
 }
 
