@@ -55,7 +55,7 @@ public:
 			PeerAnswer answer;
 			answer.microseconds = time;
 			const bool open = m_isOfContacts && std::any_of(result.contacts.begin(), result.contacts.end(),
-																	 [](const Contact& c) { return c.upper <= 0; });
+															[](const Contact& c) { return c.upper <= 0; });
 			answer.gap = open ? std::numeric_limits<double>::quiet_NaN() : result.minDistance;
 			for (const Contact& contact : result.contacts) answer.contacts.push_back(contactOf(*m_a, *m_b, contact));
 			answers.push_back(std::move(answer));

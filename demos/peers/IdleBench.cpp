@@ -211,8 +211,7 @@ std::vector<IdleRow> measureIdle(const HierarchyPointer& a, const HierarchyPoint
 		{
 			PeerInfo info;
 			info.setting = threshold.label;
-			rows.push_back(
-				measure(*clodDispatch(info, a, b, threshold, frame), at(ours), state, options.dispatches));
+			rows.push_back(measure(*clodDispatch(info, a, b, threshold, frame), at(ours), state, options.dispatches));
 		}
 		PeerInfo info;
 		info.setting = "two hulls of " + std::to_string(kIdleHullVertices) + " vertices";

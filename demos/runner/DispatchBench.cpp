@@ -2,8 +2,8 @@
 // Dispatch times of our shape and of btGImpactMeshShape, on the same meshes and poses in one run.
 #include "demos/runner/DispatchBench.h"
 
-#include <nlohmann/json.hpp>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 

@@ -75,9 +75,8 @@ void runIdle(const IdleCommandOptions& options)
 	const PairSubject subject = pairSubject(options.input, cache, progress);
 	progress.finish();
 	const HierarchyPointer &a = subject.models.a, &b = subject.models.b;
-	const std::vector<IdleRow> rows =
-		measureIdle(a, b, subject.poses, idleThresholds(),
-					pairFrame(*a, *b, subject.worldScale, subject.tolerance), options.idle);
+	const std::vector<IdleRow> rows = measureIdle(
+		a, b, subject.poses, idleThresholds(), pairFrame(*a, *b, subject.worldScale, subject.tolerance), options.idle);
 	if (rows.empty()) throw cli::Failure(cli::ExitCode::badInput, "no row of " + subject.title + " touches");
 	nlohmann::ordered_json report = startReport("idle");
 	report["subject"] = subject.title;

@@ -85,7 +85,10 @@ ReplayRow MeasuredQuery::at(const PoseRow& poses, const Settings& settings)
 	// The gap is searched at what the budget has bought for the contacts.
 	Settings withGap = settings;
 	if (settings.budget.isLimited()) withGap.budget = {double(m_contacts.stats.needed), kOff};
-	row.gapMicroseconds = timed(aFromB, withGap, m_gapCache, m_gap);
+	if (settings.contactsOnly)
+		m_gap = m_contacts;
+	else
+		row.gapMicroseconds = timed(aFromB, withGap, m_gapCache, m_gap);
 	row.contacts = m_contacts.contacts.size();
 	m_current.clear();
 	for (const Contact& contact : m_contacts.contacts) m_current.emplace_back(contact.nodeA, contact.nodeB);
@@ -159,6 +162,7 @@ Settings settingsOf(const ReplayOptions& options, const Hierarchy& a, const Hier
 	settings.distance = options.distance;
 	if (options.gapError) settings.gapError = options.gapError->inMeshUnit(frame.radius);
 	settings.paper = options.paper;
+	settings.contactsOnly = options.contactsOnly;
 	return settings;
 }
 

@@ -2,9 +2,9 @@
 // Which frames of a run are painted, and from what.
 #include "demos/runner/SceneFrames.h"
 
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>

@@ -186,7 +186,8 @@ std::string describe(const Selection& selection, double radius)
 	if (selection.velocity)
 		add(fmt::format("s0 {:g} of a step's motion, at least {}", *selection.velocity, cli::describe(floor, radius)));
 	if (selection.view) add(fmt::format("s0 {:g} pixels of {}", *selection.view, kViewImageHeight));
-	const int thresholds = int(selection.s0 || selection.size) + int(bool(selection.velocity)) + int(bool(selection.view));
+	const int thresholds =
+		int(selection.s0 || selection.size) + int(bool(selection.velocity)) + int(bool(selection.view));
 	if (selection.combine == "relaxed" && thresholds > 1) add("the largest s0");
 	if (selection.maxError) add("certified error at most " + cli::describe(*selection.maxError, radius));
 	if (!selection.hasMetric())

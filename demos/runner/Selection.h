@@ -43,7 +43,7 @@ inline constexpr int kViewImageHeight = 720;
 void addSelection(CLI::App& command, Selection& selection);
 
 // Usage errors (2) of a command that would otherwise ignore a flag.
-void refuseUnusedCamera(const Selection& selection);      // one that nothing is seen from
+void refuseUnusedCamera(const Selection& selection);       // one that nothing is seen from
 void refuseClock(const Selection& selection, int repeat);  // --budget-us in passes that have to answer the same
 
 // The metric, and for a pair whose smaller bounding radius is `radius` the same in words.

@@ -61,8 +61,9 @@ void checkUsage(const TradeoffOptions& options)
 	{ return std::find(std::begin(kOurFamilies), std::end(kOurFamilies), family) != std::end(kOurFamilies); };
 	const bool hasOurs = families.empty() || std::any_of(families.begin(), families.end(), isOfOurs);
 	if (!hasOurs && (selection.hasMetric() || selection.budget.isLimited()))
-		throw Failure(ExitCode::usage, "a selection is one more setting of clod, clod-gap and clod-dispatch; --methods "
-									   "names none of them");
+		throw Failure(ExitCode::usage,
+					  "a selection is one more setting of clod, clod-gap and clod-dispatch; --methods "
+					  "names none of them");
 	refuseUnusedCamera(selection);
 	refuseClock(selection, options.repeat);
 	if (selection.hasQueryOnly())

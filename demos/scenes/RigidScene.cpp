@@ -259,8 +259,8 @@ void RigidScene::addAnswers(SceneState& state) const
 	const auto add = [&](const PairReport& pair)
 	{
 		if (!pair.result) return;
-		state.answers.push_back({{std::uint32_t(pair.objectA->getUserIndex()), std::uint32_t(pair.objectB->getUserIndex())},
-								 *pair.result});
+		state.answers.push_back(
+			{{std::uint32_t(pair.objectA->getUserIndex()), std::uint32_t(pair.objectB->getUserIndex())}, *pair.result});
 		QueryStats& stats = state.answers.back().result.stats;
 		if (pair.queryMicroseconds == 0) stats.boxTests = stats.hullTests = 0;
 		state.queryMicroseconds += pair.queryMicroseconds;
