@@ -261,7 +261,8 @@ void addRunCommand(CLI::App& program)
 		->type_name("SECONDS")
 		->check(between(1e-6, 1.0));
 	addResolution(*command, options->resolution);
-	command->add_option("--csv", options->csv, "A row a step; - is stdout")->type_name("FILE");
+	command->add_option("--csv", options->csv, "A row a step, under a budget of its own dispatch; - is stdout")
+		->type_name("FILE");
 	command->add_option("--poses", options->poses, "Record the poses as POSES.csv, with a checksum beside it")
 		->type_name("FILE");
 	command->add_flag("--verify-penetration", options->verifyPenetration,
