@@ -37,6 +37,7 @@ public:
 		std::vector<PeerAnswer> answers;
 		for (const PoseSample::Row& row : sample.rows)
 		{
+			prepare(row.poses);
 			const double time =
 				world.dispatch(bodyTransform(row.poses.a, m_frame.originA, m_frame.worldScale),
 							   bodyTransform(row.poses.b, m_frame.originB, m_frame.worldScale), sample.dt);
@@ -54,6 +55,7 @@ protected:
 		m_info.timed = Timed::dispatch;
 	}
 	virtual void addAlgorithms(btCollisionDispatcher&) {}
+	virtual void prepare(const PoseRow&) {}  // before a row's dispatch
 	virtual double promisedBound() const { return std::numeric_limits<double>::quiet_NaN(); }
 	void setShape(int index, std::unique_ptr<btCollisionShape> shape) { m_shapes[index] = std::move(shape); }
 
@@ -86,24 +88,17 @@ double clodMargin(const Hierarchy& a, const Hierarchy& b, double tolerance)
 	return std::max(0.0, (tolerance - (kRestingShare + kSkinShare) * smallerRadius(a, b)) / 2);
 }
 
-ContactMetric contactMetric(const Metric& metric)
-{
-	ContactMetric result;
-	result.exact = metric.exact;
-	result.weightedDeviation = metric.weightedDeviation;
-	result.maxError = metric.maxError;
-	return result;
-}
-
 class ClodDispatchPeer : public DispatchPeer
 {
 public:
-	ClodDispatchPeer(PeerInfo info, const HierarchyPointer& a, const HierarchyPointer& b, const Metric& metric,
+	ClodDispatchPeer(PeerInfo info, const HierarchyPointer& a, const HierarchyPointer& b, const Threshold& threshold,
 					 const PairFrame& frame)
 		: DispatchPeer(std::move(info), frame,
-					   2 * clodMargin(*a, *b, frame.tolerance) + kSkinShare * smallerRadius(*a, *b))
+					   2 * clodMargin(*a, *b, frame.tolerance) + kSkinShare * smallerRadius(*a, *b)),
+		  m_camera(threshold.camera)
 	{
-		m_context.worldMetric = contactMetric(metric);
+		m_context.worldMetric = threshold.metric;
+		m_context.budget = threshold.budget;
 		m_context.warn = nullptr;
 		const double scaledMargin = frame.worldScale * clodMargin(*a, *b, frame.tolerance);
 		int index = 0;
@@ -130,6 +125,11 @@ private:
 		m_context.forEachPair([&](const PairReport& report) { bound = report.errorBound; });
 		return bound;
 	}
+	void prepare(const PoseRow& poses) override
+	{
+		if (m_camera) m_context.camera = scaled(m_camera->at(poses.step), m_frame.worldScale);
+	}
+	std::optional<CameraPath> m_camera;
 	Context m_context;  // outlives the worlds that pass() makes
 };
 
@@ -242,10 +242,10 @@ PairFrame pairFrame(const Hierarchy& a, const Hierarchy& b, double worldScale, d
 	return {meshFromBody(a), meshFromBody(b), worldScale, tolerance};
 }
 
-PeerPointer clodDispatch(PeerInfo info, const HierarchyPointer& a, const HierarchyPointer& b, const Metric& metric,
-						 const PairFrame& frame)
+PeerPointer clodDispatch(PeerInfo info, const HierarchyPointer& a, const HierarchyPointer& b,
+						 const Threshold& threshold, const PairFrame& frame)
 {
-	return std::make_unique<ClodDispatchPeer>(std::move(info), a, b, metric, frame);
+	return std::make_unique<ClodDispatchPeer>(std::move(info), a, b, threshold, frame);
 }
 
 PeerPointer gimpact(PeerInfo info, const ModelMesh& a, const ModelMesh& b, const PairFrame& frame)

@@ -5,6 +5,7 @@
 #include "clod/query/Query.h"
 #include "demos/models/Models.h"
 #include "demos/peers/Peer.h"
+#include "demos/peers/Threshold.h"
 #include "demos/runner/HierarchyCache.h"
 
 namespace clod::demo
@@ -19,8 +20,9 @@ struct PairFrame
 };
 PairFrame pairFrame(const Hierarchy& a, const Hierarchy& b, double worldScale, double tolerance);
 
-PeerPointer clodDispatch(PeerInfo info, const HierarchyPointer& a, const HierarchyPointer& b, const Metric& metric,
-						 const PairFrame& frame);
+// Bodies that are placed have no velocity: one of the threshold's metric is its floor.
+PeerPointer clodDispatch(PeerInfo info, const HierarchyPointer& a, const HierarchyPointer& b,
+						 const Threshold& threshold, const PairFrame& frame);
 PeerPointer gimpact(PeerInfo info, const ModelMesh& a, const ModelMesh& b, const PairFrame& frame);
 // A is a static btBvhTriangleMeshShape, B a moving btGImpactMeshShape.
 PeerPointer bvhGimpact(PeerInfo info, const ModelMesh& a, const ModelMesh& b, const PairFrame& frame);

@@ -2,8 +2,6 @@
 // Our query as one of the methods, and as the measure of all of them.
 #include "demos/peers/ClodPeer.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 #include "demos/runner/Replay.h"
@@ -14,8 +12,6 @@ namespace
 {
 constexpr std::size_t kWarmRows = 2;  // recorded rows before each measured one that only warm caches and manifolds
 constexpr double kDepthShare = 2e-5;  // of the radius: how exactly an overlap's depth is known
-constexpr double kSizes[] = {0.28, 0.14, 0.07, 0.035, 0.0175, 0.007, 0.0035, 0.00175, 0.0007, 0.00035};
-constexpr double kErrors[] = {0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002};
 
 PeerContact contactOf(const Hierarchy& a, const Hierarchy& b, const Contact& contact)
 {
@@ -31,11 +27,12 @@ class ClodQueryPeer : public Peer
 public:
 	ClodQueryPeer(PeerInfo info, const HierarchyPointer& a, const HierarchyPointer& b, const Threshold& threshold,
 				  ClodQuestion question)
-		: Peer(std::move(info)), m_a(a), m_b(b)
+		: Peer(std::move(info)), m_a(a), m_b(b), m_isOfContacts(question == ClodQuestion::contacts)
 	{
-		m_settings.metric = threshold.metric;
-		m_settings.gapError = threshold.gapError;
-		m_settings.contactsOnly = question == ClodQuestion::contacts;
+		m_options.metric = threshold.metric;
+		m_options.camera = threshold.camera;
+		m_options.budget = threshold.budget;
+		if (threshold.gapError < kOff) m_options.gapError = cli::Length{threshold.gapError, false, ""};
 		m_info.bytes = a->bytes().size() + b->bytes().size();
 		m_info.sizeA = a->asset().triangleCount;
 		m_info.sizeB = b->asset().triangleCount;
@@ -43,20 +40,22 @@ public:
 	std::vector<PeerAnswer> pass(const PoseSample& sample) override
 	{
 		std::vector<PeerAnswer> answers;
-		m_settings.tolerance = sample.tolerance;
+		m_options.tolerance.value = sample.tolerance;
 		PairCache cache;
 		QueryResult result;
 		for (const PoseSample::Row& row : sample.rows)
 		{
+			Settings settings = settingsOf(m_options, *m_a, *m_b, row.poses, {});
+			settings.contactsOnly = m_isOfContacts;
 			const Transform aFromB = relativePose(row.poses, meshFromBody(*m_a), meshFromBody(*m_b));
 			const double start = threadMicroseconds();
-			query(*m_a, *m_b, aFromB, m_settings, cache, result);
+			query(*m_a, *m_b, aFromB, settings, cache, result);
 			const double time = threadMicroseconds() - start;
 			if (!row.measured) continue;
 			PeerAnswer answer;
 			answer.microseconds = time;
-			const bool open = m_settings.contactsOnly && std::any_of(result.contacts.begin(), result.contacts.end(),
-																	 [](const Contact& c) { return c.upper <= 0; });
+			const bool open = m_isOfContacts && std::any_of(result.contacts.begin(), result.contacts.end(),
+															[](const Contact& c) { return c.upper <= 0; });
 			answer.gap = open ? std::numeric_limits<double>::quiet_NaN() : result.minDistance;
 			for (const Contact& contact : result.contacts) answer.contacts.push_back(contactOf(*m_a, *m_b, contact));
 			answers.push_back(std::move(answer));
@@ -66,7 +65,8 @@ public:
 
 private:
 	HierarchyPointer m_a, m_b;
-	Settings m_settings;
+	bool m_isOfContacts;
+	ReplayOptions m_options;
 };
 
 // Exact mode with the signed gap.
@@ -120,34 +120,6 @@ PeerPointer clodQuery(PeerInfo info, const HierarchyPointer& a, const HierarchyP
 	return std::make_unique<ClodQueryPeer>(std::move(info), a, b, threshold, question);
 }
 
-std::vector<Threshold> thresholdLadder(double radius)
-{
-	const auto ofSize = [radius](double share)
-	{
-		Threshold threshold{fmt::format("size {:g} %", 100 * share), {}};
-		threshold.metric.weightedDeviation = share * radius;
-		return threshold;
-	};
-	const auto ofError = [radius](double share)
-	{
-		Threshold threshold{fmt::format("max-error {:g} %", 100 * share), {}};
-		threshold.metric.maxError = share * radius;
-		return threshold;
-	};
-	std::vector<Threshold> ladder(1);
-	ladder[0].label = "exact";
-	ladder[0].metric.exact = true;
-	for (const double size : kSizes) ladder.push_back(ofSize(size));
-	for (const double error : kErrors) ladder.push_back(ofError(error));
-	for (Threshold threshold : {ofError(0.1), ofSize(0.035), ofError(0.005)})
-	{
-		threshold.label += " + exact gap";
-		threshold.gapError = 0;
-		ladder.push_back(threshold);
-	}
-	return ladder;
-}
-
 ExactSample takeSample(const HierarchyPointer& a, const HierarchyPointer& b, const std::vector<PoseRow>& poses,
 					   const SampleRules& rules, const std::function<void(double)>& progress)
 {
@@ -161,13 +133,18 @@ ExactSample takeSample(const HierarchyPointer& a, const HierarchyPointer& b, con
 	ExactQuery exact(*a, *b, kReach * rules.tolerance);
 	ExactSample result;
 	std::vector<std::size_t> measured;
-	for (std::size_t k = 0; k < candidates.size(); k += stride)
+	// Of every `stride` moving rows the first that touches.
+	for (std::size_t k = 0; k < candidates.size();)
 	{
 		progress(double(k + 1) / double(candidates.size()));
 		ExactRow row = exact.at(poses[candidates[k]]);
-		if (!(row.gap <= rules.tolerance)) continue;
-		measured.push_back(candidates[k]);
-		result.exact.push_back(std::move(row));
+		const bool touches = row.gap <= rules.tolerance;
+		if (touches)
+		{
+			measured.push_back(candidates[k]);
+			result.exact.push_back(std::move(row));
+		}
+		k = touches ? (k / stride + 1) * stride : k + 1;
 	}
 	result.sample = sampleOf(poses, measured, rules);
 	return result;

@@ -7,6 +7,7 @@
 
 #include "clod/query/Query.h"
 #include "demos/peers/Accuracy.h"
+#include "demos/peers/Threshold.h"
 #include "demos/runner/HierarchyCache.h"
 
 namespace clod::demo
@@ -18,21 +19,11 @@ enum class ClodQuestion
 	contacts,
 	gap
 };
-struct Threshold
-{
-	std::string label;
-	Metric metric;
-	double gapError = kOff;  // Settings::gapError
-};
 PeerPointer clodQuery(PeerInfo info, const HierarchyPointer& a, const HierarchyPointer& b, const Threshold& threshold,
 					  ClodQuestion question);
 
-// One ladder for all scenes: exact, s0 from 28 to 0.035 % of the radius, certified errors from 10 to 0.02 %; then three
-// of them with an exact gap besides.
-std::vector<Threshold> thresholdLadder(double radius);
-
-// The rows of a recording to measure: every `stride`-th of those that touch within the tolerance (gap in exact mode)
-// and, unless `resting` rows are wanted too, move (Motion.h). Each is preceded by the recorded rows before it, not
+// The rows of a recording to measure: of every `stride` that move (Motion.h; any, where `resting` rows are wanted too)
+// the first that touches within the tolerance (gap in exact mode). Each is preceded by the recorded rows before it, not
 // measured.
 struct SampleRules
 {

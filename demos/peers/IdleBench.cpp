@@ -191,7 +191,7 @@ const char* name(IdleState state)
 }
 
 std::vector<IdleRow> measureIdle(const HierarchyPointer& a, const HierarchyPointer& b,
-								 const std::vector<PoseRow>& poses, const std::vector<NamedMetric>& metrics,
+								 const std::vector<PoseRow>& poses, const std::vector<Threshold>& thresholds,
 								 const PairFrame& frame, const IdleOptions& options)
 {
 	const PoseFinder finder(a, b, frame.tolerance);
@@ -207,12 +207,11 @@ std::vector<IdleRow> measureIdle(const HierarchyPointer& a, const HierarchyPoint
 		if (ours.empty()) continue;
 		const auto at = [&](const std::vector<PoseRow>& where)
 		{ return sampleOf(where, state, finder.step(), frame.tolerance, options.dispatches); };
-		for (const NamedMetric& metric : metrics)
+		for (const Threshold& threshold : thresholds)
 		{
 			PeerInfo info;
-			info.setting = metric.name;
-			rows.push_back(
-				measure(*clodDispatch(info, a, b, metric.metric, frame), at(ours), state, options.dispatches));
+			info.setting = threshold.label;
+			rows.push_back(measure(*clodDispatch(info, a, b, threshold, frame), at(ours), state, options.dispatches));
 		}
 		PeerInfo info;
 		info.setting = "two hulls of " + std::to_string(kIdleHullVertices) + " vertices";

@@ -36,14 +36,9 @@ struct IdleOptions
 	int dispatches = 200;  // measured at each pose, after some that settle
 };
 
-// Ours at each named metric, then the hulls, state by state. Touching poses are taken evenly from the recording; apart
+// Ours at each threshold, then the hulls, state by state. Touching poses are taken evenly from the recording; apart
 // ones move B away from those as little as clears the tolerance. Empty where nothing touches.
-struct NamedMetric
-{
-	std::string name;
-	Metric metric;
-};
 std::vector<IdleRow> measureIdle(const HierarchyPointer& a, const HierarchyPointer& b,
-								 const std::vector<PoseRow>& poses, const std::vector<NamedMetric>& metrics,
+								 const std::vector<PoseRow>& poses, const std::vector<Threshold>& thresholds,
 								 const PairFrame& frame, const IdleOptions& options);
 }  // namespace clod::demo

@@ -57,7 +57,8 @@ private:
 
 	void addOurs()
 	{
-		for (const Threshold& threshold : thresholdLadder(smallerRadius(*m_models.a, *m_models.b)))
+		const double radius = smallerRadius(*m_models.a, *m_models.b);
+		for (const Threshold& threshold : thresholdLadder(m_options.own, radius))
 		{
 			PeerInfo own = info("clod", threshold.label);
 			own.buildSeconds = m_models.buildSeconds;
@@ -71,7 +72,7 @@ private:
 				m_roster.peers.push_back(clodQuery(own, m_models.a, m_models.b, threshold, ClodQuestion::gap));
 			own.family = "clod-dispatch";
 			if (isOfContacts && has("clod-dispatch"))
-				m_roster.peers.push_back(clodDispatch(own, m_models.a, m_models.b, threshold.metric, m_options.frame));
+				m_roster.peers.push_back(clodDispatch(own, m_models.a, m_models.b, threshold, m_options.frame));
 		}
 	}
 

@@ -21,6 +21,7 @@ struct RosterOptions
 	std::vector<std::string> families;  // empty: all
 	int decimations = 12;               // versions of each mesh, the full one included
 	PairFrame frame;
+	std::optional<Threshold> own;  // one more setting of ours, without a label
 	bool has(const char* family) const;
 };
 

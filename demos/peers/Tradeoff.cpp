@@ -58,14 +58,20 @@ nlohmann::ordered_json describe(const TradeoffPoint& point)
 			{"bytes", point.info.bytes}};
 }
 
+// "-" where no row has the figure.
+std::string figure(double value, int digits)
+{
+	return std::isnan(value) ? "-" : fmt::format("{:.{}f}", value, digits);
+}
+
 std::string line(const TradeoffPoint& point, double radius)
 {
 	const Accuracy& a = point.accuracy;
-	return fmt::format(
-		"{:<16}{:<26}{:>10.1f}{:>10.1f}{:>11.4f}{:>11.4f}{:>9.2f}{:>9.1f}{:>9.0f}{:>9.0f}{:>9.0f}{:>8.0f}\n",
-		point.info.family, point.info.setting, point.median, point.p95, 100 * a.gapMedian / radius,
-		100 * a.gapP95 / radius, a.normalMedian, a.normalP95, 100 * a.coveredMean, 100 * a.foundedMean,
-		a.contactsMedian, 100 * a.missedShare);
+	return fmt::format("{:<16}{:<26}{:>10.1f}{:>10.1f}{:>11.4f}{:>11.4f}{:>9}{:>9}{:>9}{:>9}{:>9.0f}{:>8.0f}\n",
+					   point.info.family, point.info.setting, point.median, point.p95, 100 * a.gapMedian / radius,
+					   100 * a.gapP95 / radius, figure(a.normalMedian, 2), figure(a.normalP95, 1),
+					   figure(100 * a.coveredMean, 0), figure(100 * a.foundedMean, 0), a.contactsMedian,
+					   100 * a.missedShare);
 }
 
 std::string verdict(const ParetoRow& row)

@@ -36,7 +36,8 @@ void runBudget(const BudgetCommandOptions& options)
 	for (const std::string& name : options.scenes) sceneNamed(name);  // a typing error is told before anything is built
 	if (options.selection.budget.isLimited())
 		throw Failure(ExitCode::usage, "budget runs its own budgets: --budgets instead of --budget-tests, --budget-us");
-	if (options.selection.paper || options.selection.fresh)
+	refuseUnusedCamera(options.selection);
+	if (options.selection.hasQueryOnly())
 		throw Failure(ExitCode::usage, "--paper and --fresh are for replay: a simulation has neither");
 	makeDirectory(options.directory);
 	HierarchyCache cache(options.cache, options.common.quiet);

@@ -2,8 +2,8 @@
 // Dispatch times of our shape and of btGImpactMeshShape, on the same meshes and poses in one run.
 #include "demos/runner/DispatchBench.h"
 
-#include <nlohmann/json.hpp>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 
@@ -81,7 +81,7 @@ nlohmann::ordered_json comparePeer(const HierarchyPointer& a, const HierarchyPoi
 	sample.tolerance = tolerance;
 	for (const PoseRow& row : poses) sample.rows.push_back({row, true});
 	const PairFrame frame = pairFrame(*a, *b, kWorldScale, tolerance);
-	const PeerPointer clod = clodDispatch({}, a, b, settingsOf(options, *a, *b, {}, {}).metric, frame);
+	const PeerPointer clod = clodDispatch({}, a, b, {"", options.metric, kOff, options.budget, options.camera}, frame);
 	const PeerPointer other = gimpact({}, inputSurface(*a), inputSurface(*b), frame);
 	const DispatchRows ours = measure(*clod, sample, options.repeat);
 	const DispatchRows peer = measure(*other, sample, options.repeat);

@@ -164,8 +164,8 @@ std::string plotScript(const std::vector<Curve>& curves, const std::string& csv)
 	return text + "unset multiplot\n";
 }
 
-std::vector<Curve> measure(const SceneInfo& info, const Figure4Options& options, HierarchyCache& cache,
-						   const std::function<void(const std::string&, double)>& progress)
+std::vector<Curve> measure(const SceneInfo& info, const FigureOptions& options, HierarchyCache& cache,
+						   const FigureProgress& progress)
 {
 	std::vector<Curve> curves;
 	std::vector<PoseRow> poses;
@@ -195,8 +195,7 @@ std::vector<Curve> measure(const SceneInfo& info, const Figure4Options& options,
 }
 }  // namespace
 
-nlohmann::ordered_json makeFigure4(const Figure4Options& options, HierarchyCache& cache,
-								   const std::function<void(const std::string& phase, double fraction)>& progress)
+nlohmann::ordered_json makeFigure4(const FigureOptions& options, HierarchyCache& cache, const FigureProgress& progress)
 {
 	const SceneInfo& info = *findScene(kScene);
 	const std::vector<Curve> curves = measure(info, options, cache, progress);

@@ -49,13 +49,6 @@ struct FrameContact
 	Vec3 position, normal;
 };
 
-// The query's answer to a pair of bodies.
-struct PairAnswer
-{
-	BodyPair bodies;
-	QueryResult result;
-};
-
 // The answers to one moment.
 struct FrameAnswer
 {

@@ -25,16 +25,14 @@ struct IdleCommandOptions
 	IdleOptions idle;
 };
 
-std::vector<NamedMetric> idleMetrics(double radius)
+std::vector<Threshold> idleThresholds()
 {
-	std::vector<NamedMetric> metrics(3);
-	metrics[0].name = "exact";
-	metrics[0].metric.exact = true;
-	metrics[1].name = fmt::format("max-error {:g} %", 100 * kDefaultMaxError);
-	metrics[1].metric.maxError = kDefaultMaxError * radius;
-	metrics[2].name = "size 3.5 %";
-	metrics[2].metric.weightedDeviation = 0.035 * radius;
-	return metrics;
+	std::vector<Threshold> thresholds(3);
+	thresholds[0].metric = ContactMetric::exactly();
+	thresholds[1].metric = ContactMetric::errorShare(kDefaultMaxError);
+	thresholds[2].metric = ContactMetric::deviationShare(0.035);
+	for (Threshold& threshold : thresholds) threshold.label = labelOf(threshold, 1);
+	return thresholds;
 }
 
 nlohmann::ordered_json describe(const std::vector<IdleRow>& rows)
@@ -77,9 +75,8 @@ void runIdle(const IdleCommandOptions& options)
 	const PairSubject subject = pairSubject(options.input, cache, progress);
 	progress.finish();
 	const HierarchyPointer &a = subject.models.a, &b = subject.models.b;
-	const std::vector<IdleRow> rows =
-		measureIdle(a, b, subject.poses, idleMetrics(smallerRadius(*a, *b)),
-					pairFrame(*a, *b, subject.worldScale, subject.tolerance), options.idle);
+	const std::vector<IdleRow> rows = measureIdle(
+		a, b, subject.poses, idleThresholds(), pairFrame(*a, *b, subject.worldScale, subject.tolerance), options.idle);
 	if (rows.empty()) throw cli::Failure(cli::ExitCode::badInput, "no row of " + subject.title + " touches");
 	nlohmann::ordered_json report = startReport("idle");
 	report["subject"] = subject.title;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // clod-bench paper: what Otaduy & Lin 2003 print, beside ours. Table 1: models and associated hierarchies, built with
 // --paper; the numbers row is the mean over the ten digits, as in the paper. Figure 4: see Figure4.h. Figure 5: every
-// model at every contact level.
+// model at every contact level. Contact area (sec. 3.1): see AreaCurve.h.
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -12,6 +12,7 @@
 
 #include "demos/cli/Progress.h"
 #include "demos/models/Models.h"
+#include "demos/runner/AreaCurve.h"
 #include "demos/runner/Commands.h"
 #include "demos/runner/Figure4.h"
 #include "demos/runner/LevelPictures.h"
@@ -28,7 +29,7 @@ struct PaperCommandOptions
 	cli::CommonOptions common;
 	CacheOptions cache;
 	std::string directory, only;
-	double resolution = 1;  // of Figure 4
+	double resolution = 1;  // of Figure 4 and the contact area
 	int steps = 0;
 	bool pictures = true;
 	bool has(const char* part) const { return only.empty() || only == part; }
@@ -140,12 +141,18 @@ void runPaper(const PaperCommandOptions& options)
 		text += formatTable(report["table1"]);
 		writeText(options.directory + "/table1.txt", text);
 	}
+	const FigureOptions figure{options.directory, options.resolution, options.steps};
+	const auto show = [&](const std::string& phase, double fraction) { progress.update(phase, fraction); };
 	if (options.has("figure4"))
 	{
-		const Figure4Options figure{options.directory, options.resolution, options.steps};
-		report["figure4"] = makeFigure4(
-			figure, cache, [&](const std::string& phase, double fraction) { progress.update(phase, fraction); });
+		report["figure4"] = makeFigure4(figure, cache, show);
 		for (const auto& file : report["figure4"]["files"]) text += "wrote " + file.get<std::string>() + "\n";
+	}
+	if (options.has("area"))
+	{
+		report["area"] = makeAreaCurve(figure, cache, show);
+		text += report["area"]["table"].get<std::string>();
+		for (const auto& file : report["area"]["files"]) text += "wrote " + file.get<std::string>() + "\n";
 	}
 	progress.finish();
 	if (options.common.textOnStdout()) fmt::print("{}", text);
@@ -157,16 +164,20 @@ void runPaper(const PaperCommandOptions& options)
 void addPaperCommand(CLI::App& program)
 {
 	auto options = std::make_shared<PaperCommandOptions>();
-	CLI::App* command = program.add_subcommand(
-		"paper", "The paper's Table 1, Figure 4 and Figure 5 beside ours (hierarchies built with --paper)");
+	CLI::App* command = program.add_subcommand("paper",
+											   "The paper's Table 1, Figure 4 and Figure 5 beside ours (hierarchies "
+											   "built with --paper), and cost over contact "
+											   "area");
 	command->footer("Example: clod-bench paper -o out/paper");
-	command->add_option("-o", options->directory, "Directory for table1.txt, figure4.*, figure5/*.png and paper.json")
+	command
+		->add_option("-o", options->directory,
+					 "Directory for table1.txt, figure4.*, area.*, figure5/*.png and paper.json")
 		->required();
-	cli::addChoice(*command, "--only", options->only, {"table1", "figure4"},
+	cli::addChoice(*command, "--only", options->only, {"table1", "figure4", "area"},
 				   "One of them; Figure 5 comes with Table 1");
 	command->add_flag_callback(
 		"--no-pictures", [options] { options->pictures = false; }, "Without Figure 5");
-	command->add_option("--steps", options->steps, "Steps of Figure 4's simulation (default: the scene's)")
+	command->add_option("--steps", options->steps, "Steps of the figures' scenes (default: the scene's)")
 		->type_name("N")
 		->check(CLI::Range(1, 10'000'000));
 	addResolution(*command, options->resolution);

@@ -85,7 +85,10 @@ ReplayRow MeasuredQuery::at(const PoseRow& poses, const Settings& settings)
 	// The gap is searched at what the budget has bought for the contacts.
 	Settings withGap = settings;
 	if (settings.budget.isLimited()) withGap.budget = {double(m_contacts.stats.needed), kOff};
-	row.gapMicroseconds = timed(aFromB, withGap, m_gapCache, m_gap);
+	if (settings.contactsOnly)
+		m_gap = m_contacts;
+	else
+		row.gapMicroseconds = timed(aFromB, withGap, m_gapCache, m_gap);
 	row.contacts = m_contacts.contacts.size();
 	m_current.clear();
 	for (const Contact& contact : m_contacts.contacts) m_current.emplace_back(contact.nodeA, contact.nodeB);
@@ -97,6 +100,8 @@ ReplayRow MeasuredQuery::at(const PoseRow& poses, const Settings& settings)
 	row.excess = m_contacts.excess;
 	row.stats = m_contacts.stats;
 	row.stats.pointQueries = m_gap.stats.pointQueries;
+	row.stats.gapSearches = m_gap.stats.gapSearches;
+	row.stats.depthsCutShort = m_gap.stats.depthsCutShort;
 	// With a signed gap asked for at any separation, the time is that of the gap.
 	if (settings.distance) row.queryMicroseconds = row.gapMicroseconds;
 	return row;
@@ -157,6 +162,7 @@ Settings settingsOf(const ReplayOptions& options, const Hierarchy& a, const Hier
 	settings.distance = options.distance;
 	if (options.gapError) settings.gapError = options.gapError->inMeshUnit(frame.radius);
 	settings.paper = options.paper;
+	settings.contactsOnly = options.contactsOnly;
 	return settings;
 }
 
@@ -234,6 +240,10 @@ void add(QueryStats& sum, const QueryStats& stats)
 	sum.boxTests += stats.boxTests;
 	sum.hullTests += stats.hullTests;
 	sum.skippedBySlack += stats.skippedBySlack;
+	sum.stillClear += stats.stillClear;
+	sum.frontKept += stats.frontKept;
+	sum.frontCame += stats.frontCame;
+	sum.frontGone += stats.frontGone;
 	sum.duplicates += stats.duplicates;
 	sum.pointBoxes += stats.pointBoxes;
 	sum.pointQueries += stats.pointQueries;
@@ -343,14 +353,20 @@ std::string formatReplay(const std::vector<ReplayRow>& rows)
 		"step,query_us,front,hull_tests,contacts,min_distance,error_bound,finest_level,coarsest_level,"
 		"gap_us,box_tests,gjk_runs,skipped_by_slack,point_queries,gap_searches,deep,speed_radii_per_s,motion,front_"
 		"inner,"
-		"duplicates,body_a,body_b,churn,pending,excess\n";
+		"duplicates,body_a,body_b,churn,pending,excess,needed,touched_finest_level,still_clear,front_kept,front_came,"
+		"front_gone,depths_cut_short\n";
 	for (const ReplayRow& r : rows)
-		text += fmt::format("{},{:.3f},{},{},{},{},{},{},{},{:.3f},{},{},{},{},{},{},{:.5g},{},{},{},{},{},{},{},{}\n",
-							r.step, r.queryMicroseconds, r.stats.front, r.tests(), r.contacts, number(r.minDistance),
-							number(r.errorBound), r.stats.finestLevel, r.stats.coarsestLevel, r.gapMicroseconds,
-							r.stats.boxTests, r.stats.hullTests, r.stats.skippedBySlack, r.stats.pointQueries,
-							r.stats.gapSearches, int(r.deep), r.speed, name(r.motion()), r.stats.frontInner,
-							r.stats.duplicates, r.bodyA, r.bodyB, r.churn, r.stats.pending, number(r.excess));
+	{
+		const QueryStats& q = r.stats;
+		text += fmt::format("{},{:.3f},{},{},{},{},{},{},{},{:.3f},{},{},{},{},{},{},{:.5g},{},{},{},{},{},{},{},{}",
+							r.step, r.queryMicroseconds, q.front, r.tests(), r.contacts, number(r.minDistance),
+							number(r.errorBound), q.finestLevel, q.coarsestLevel, r.gapMicroseconds, q.boxTests,
+							q.hullTests, q.skippedBySlack, q.pointQueries, q.gapSearches, int(r.deep), r.speed,
+							name(r.motion()), q.frontInner, q.duplicates, r.bodyA, r.bodyB, r.churn, q.pending,
+							number(r.excess));
+		text += fmt::format(",{},{},{},{},{},{},{}\n", q.needed, q.touchedFinestLevel, q.stillClear, q.frontKept,
+							q.frontCame, q.frontGone, q.depthsCutShort);
+	}
 	return text;
 }
 

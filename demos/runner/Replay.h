@@ -27,6 +27,7 @@ struct ReplayOptions  // lengths: shares are of a pair's smaller radius
 	cli::Length tolerance;
 	std::optional<cli::Length> gapError;  // Settings::gapError
 	bool distance = false, paper = false;
+	bool contactsOnly = false;  // no gap is asked for: Settings::contactsOnly
 	int repeat = 1;      // whole passes, all caches dropped before each; a row keeps its least time
 	bool fresh = false;  // caches dropped before every row as well
 	double dt = 1.0 / 240;

@@ -91,8 +91,6 @@ ReplayOptions replayOptions(const ReplayCommandOptions& options, const Subject& 
 	result.repeat = options.repeat;
 	result.fresh = options.selection.fresh;
 	result.dt = options.dt;
-	if (result.budget.microseconds < kOff && options.repeat > 1)
-		throw Failure(ExitCode::usage, "--budget-us answers by the clock, which --repeat would not find again");
 	if (const std::string problem = optionsError(result, subject.bodies); !problem.empty())
 		throw Failure(ExitCode::usage, problem);
 	return result;
@@ -126,8 +124,21 @@ nlohmann::ordered_json summarizeReplay(const Subject& subject, const std::vector
 	return summary;
 }
 
+// Before anything is built.
+void checkUsage(const ReplayCommandOptions& options)
+{
+	refuseUnusedCamera(options.selection);
+	refuseClock(options.selection, options.repeat);
+	if (options.peer.empty()) return;
+	if (options.selection.hasQueryOnly())
+		throw Failure(ExitCode::usage, "--paper and --fresh are of queries: the dispatches of --peer have neither");
+	if (options.selection.velocity)
+		throw Failure(ExitCode::usage, "--peer dispatches bodies that are placed: --velocity finds none there");
+}
+
 void runReplay(const ReplayCommandOptions& options)
 {
+	checkUsage(options);
 	HierarchyCache cache(options.cache, options.common.quiet);
 	const Subject subject = openSubject(options, cache);
 	if (!options.peer.empty() && subject.bodies.size() > 2)

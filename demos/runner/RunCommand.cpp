@@ -115,6 +115,7 @@ nlohmann::ordered_json verifyPenetration(const RunOptions& options, const SceneR
 		}
 		for (const ReplayRow& pair : rows[i].pairs)
 			if (!std::isinf(pair.errorBound)) bound = std::max(bound, pair.errorBound);
+		if (options.selection.budget.isLimited()) bound = std::max(bound, rows[i].state.errorBound);
 		progress.update("interpenetration", double(i + 1) / double(rows.size()));
 	}
 	const double limit = kPenetrationShare * info.thinnerWall + (options.selection.exact ? 0 : bound);
@@ -178,6 +179,8 @@ void print(const RunOptions& options, const nlohmann::ordered_json& report)
 	const auto share = [&](const char* key) { return 100 * summary[key].get<double>(); };
 	fmt::print("{}: {} steps, selection {}\n", options.scene, summary["rows"].get<std::size_t>(),
 			   report["selection"]["description"].get<std::string>());
+	if (options.selection.hasQueryOnly())
+		fmt::print("queries are so at the simulated poses; the simulation itself has our own rules, and caches\n");
 	fmt::print("rows within the tolerance {:.1f} %, moving {:.1f} %, at rest {:.1f} %\n",
 			   share("share_within_tolerance"), share("share_moving"), share("share_at_rest"));
 	fmt::print("at the end {}, {}; fastest point {:.4f} radii/s\n", summary["stays_in_place"] ? "in place" : "GONE",
@@ -196,8 +199,19 @@ void print(const RunOptions& options, const nlohmann::ordered_json& report)
 	fmt::print("trajectory_hash {}\n", report["trajectory_hash"].get<std::string>());
 }
 
+// Before anything is built.
+void checkUsage(const RunOptions& options)
+{
+	if (options.frames.directory.empty()) refuseUnusedCamera(options.selection);
+	if (options.selection.hasQueryOnly() && options.selection.budget.isLimited())
+		throw Failure(ExitCode::usage,
+					  "--paper and --fresh are of the queries beside a simulation; under a budget the simulation's own "
+					  "are reported, which have neither");
+}
+
 void runRun(const RunOptions& options)
 {
+	checkUsage(options);
 	const SceneDefinition definition = definitionOf(options);
 	const SceneInfo& info = definition.info;
 	HierarchyCache cache(options.cache, options.common.quiet);
@@ -247,7 +261,8 @@ void addRunCommand(CLI::App& program)
 		->type_name("SECONDS")
 		->check(between(1e-6, 1.0));
 	addResolution(*command, options->resolution);
-	command->add_option("--csv", options->csv, "A row a step; - is stdout")->type_name("FILE");
+	command->add_option("--csv", options->csv, "A row a step, under a budget of its own dispatch; - is stdout")
+		->type_name("FILE");
 	command->add_option("--poses", options->poses, "Record the poses as POSES.csv, with a checksum beside it")
 		->type_name("FILE");
 	command->add_flag("--verify-penetration", options->verifyPenetration,

@@ -2,9 +2,9 @@
 // Which frames of a run are painted, and from what.
 #include "demos/runner/SceneFrames.h"
 
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +20,8 @@ namespace
 // The threshold that an exact run is compared with: the paper's, as a share of the smaller radius.
 constexpr double kComparedSize = 0.035;
 
-// Answers at chosen moments of a run under one metric.
+// Answers at chosen moments of a run under one metric. Under a budget, which the pairs of a step share, those that the
+// step's own dispatch gave.
 class Answers
 {
 public:
@@ -33,6 +34,7 @@ public:
 	// Times of warm queries over all rows; without this call, the run's own.
 	void measureAll()
 	{
+		if (isOfDispatch()) return;
 		PairQueries queries(m_options.bodies(), m_options.queries());
 		for (const SceneRow& row : m_run.rows)
 		{
@@ -45,6 +47,11 @@ public:
 	{
 		const Bodies bodies = m_options.bodies();
 		FrameAnswer answer{m_selection, {}, m_rows.empty() ? m_run.rows[row].query : m_rows[row]};
+		if (isOfDispatch())
+		{
+			answer.pairs = m_run.rows[row].state.answers;
+			return answer;
+		}
 		for (const PoseRow& poses : posesOf(m_run.rows[row].state))
 		{
 			const Hierarchy &a = *bodies[poses.bodyA], &b = *bodies[poses.bodyB];
@@ -59,6 +66,7 @@ public:
 	}
 
 private:
+	bool isOfDispatch() const { return m_options.scene.budget.isLimited(); }
 	// How the pair moved in the step before the row; at rest where it was not followed then.
 	RelativeMotion motionBefore(std::size_t row, const PoseRow& poses) const
 	{
@@ -121,6 +129,7 @@ nlohmann::ordered_json paintScene(const SceneFrameOptions& options, const FrameS
 	if (own.metric.exact)
 	{
 		coarse.metric = ContactMetric::deviationShare(kComparedSize);
+		coarse.budget = Budget{};
 		coarseName = "paper's threshold 3.5 % of the radius";
 	}
 	Answers answers(run, own, run.selection), exact(run, full, "exact: full resolution"),

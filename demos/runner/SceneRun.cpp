@@ -75,6 +75,24 @@ nlohmann::ordered_json endOf(const std::vector<SceneRow>& rows)
 			{"largest_speed_m_per_s", linear},
 			{"at_rest", classify(speed) == Motion::rest}};
 }
+
+// Contacts, levels, front, tests and time of a row: those of the step's own dispatch.
+void takeFromDispatch(ReplayRow& row, const SceneState& state)
+{
+	std::vector<ReplayRow> pairs;
+	for (const PairAnswer& answer : state.answers)
+	{
+		pairs.emplace_back();
+		pairs.back().contacts = answer.result.contacts.size();
+		pairs.back().excess = answer.result.excess;
+		pairs.back().stats = answer.result.stats;
+	}
+	const ReplayRow sum = sumOfPairs(pairs, 0);
+	row.contacts = sum.contacts;
+	row.excess = sum.excess;
+	row.stats = sum.stats;
+	row.queryMicroseconds = state.queryMicroseconds;
+}
 }  // namespace
 
 Bodies SceneRunOptions::bodies() const
@@ -87,7 +105,6 @@ ReplayOptions SceneRunOptions::queries() const
 	ReplayOptions options;
 	options.metric = scene.metric;
 	options.camera = scene.camera;
-	options.budget = scene.budget;
 	options.tolerance.value = info.tolerance;
 	options.paper = paper;
 	options.fresh = fresh;
@@ -107,6 +124,7 @@ std::vector<SceneRow> runScene(Scene& scene, const SceneRunOptions& options,
 		requireFinite(row.state);
 		for (const PoseRow& poses : posesOf(row.state)) row.pairs.push_back(queries.at(poses));
 		row.query = sumOfPairs(row.pairs, options.info.tolerance);
+		if (options.scene.budget.isLimited()) takeFromDispatch(row.query, row.state);
 		rows.push_back(std::move(row));
 		progress(double(step + 1) / options.steps);
 	}
@@ -152,18 +170,24 @@ std::string formatSceneRows(const SceneInfo& info, const std::vector<SceneRow>& 
 	std::string text =
 		std::string(info.isPair() ? kPosesHeader : "step") +
 		",time,gap,error_bound,contacts,points,manifolds,finest_level,coarsest_level,front,hull_tests,"
-		"query_us,gap_us,dispatch_us,step_us,speed_m_per_s,turning_rad_per_s,speed_radii_per_s,motion,deep,pairs\n";
+		"query_us,gap_us,dispatch_us,step_us,speed_m_per_s,turning_rad_per_s,speed_radii_per_s,motion,deep,pairs,"
+		"pending,excess,dispatch_error_bound,touched_finest_level,still_clear,front_kept,front_came,front_gone,skipped_"
+		"by_slack,depths_cut_short\n";
 	for (const SceneRow& row : rows)
 	{
 		const SceneState& s = row.state;
 		const ReplayRow& q = row.query;
 		text += info.isPair() ? formatPose(posesOf(s).front()) : std::to_string(s.step);
 		text += fmt::format(
-			",{},{},{},{},{},{},{},{},{},{},{:.3f},{:.3f},{:.3f},{:.3f},{:.6g},{:.6g},{:.5g},{},{},{}\n",
+			",{},{},{},{},{},{},{},{},{},{},{:.3f},{:.3f},{:.3f},{:.3f},{:.6g},{:.6g},{:.5g},{},{},{},{},{},{}",
 			number(s.time), number(q.minDistance), number(q.errorBound), q.contacts, s.points.size(), s.manifolds,
 			q.stats.finestLevel, q.stats.coarsestLevel, q.stats.front, q.tests(), q.queryMicroseconds,
 			q.gapMicroseconds, s.dispatchMicroseconds, s.stepMicroseconds, fastest(s, &BodyState::velocity),
-			fastest(s, &BodyState::turning), q.speed, name(q.motion()), int(q.deep), s.pairs.size());
+			fastest(s, &BodyState::turning), q.speed, name(q.motion()), int(q.deep), s.pairs.size(), q.stats.pending,
+			number(q.excess), number(s.errorBound));
+		text +=
+			fmt::format(",{},{},{},{},{},{},{}\n", q.stats.touchedFinestLevel, q.stats.stillClear, q.stats.frontKept,
+						q.stats.frontCame, q.stats.frontGone, q.stats.skippedBySlack, q.stats.depthsCutShort);
 	}
 	return text;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Runs a scene step by step and keeps a row a step: the scene's own state, and a query of every pair at the recorded
-// poses.
+// poses. A budget is shared by the pairs of a step's dispatch: there the row has what that did, and only the gap is of
+// the queries.
 #pragma once
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
@@ -16,7 +17,7 @@ struct SceneRow
 {
 	SceneState state;
 	std::vector<ReplayRow> pairs;  // one for each of state.pairs, with the scene's tolerance and the run's metric
-	ReplayRow query;               // their sum, see sumOfPairs
+	ReplayRow query;               // their sum, see sumOfPairs; under a budget with what the step's dispatch did
 };
 
 struct SceneRunOptions
@@ -26,7 +27,7 @@ struct SceneRunOptions
 	bool paper = false, fresh = false;
 	int steps = 0;
 	Bodies bodies() const;
-	ReplayOptions queries() const;
+	ReplayOptions queries() const;  // without a budget: that is the step's
 };
 
 // Throws cli::Failure (1) when a pose or a velocity stops being finite.

@@ -3,12 +3,15 @@
 #include "demos/runner/Selection.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <cstdio>
+#include <vector>
 
+#include "demos/cli/Failure.h"
 #include "demos/cli/Program.h"
 
 namespace clod::demo
@@ -129,6 +132,19 @@ void addSelection(CLI::App& command, Selection& selection)
 	addBudget(command, selection);
 }
 
+void refuseUnusedCamera(const Selection& selection)
+{
+	if (selection.camera && !selection.view)
+		throw cli::Failure(cli::ExitCode::usage, "--camera has no effect without --view (or --frames of run)");
+}
+
+void refuseClock(const Selection& selection, int repeat)
+{
+	if (selection.budget.microseconds < kOff && repeat > 1)
+		throw cli::Failure(cli::ExitCode::usage,
+						   "--budget-us answers by the clock, which --repeat would not find again");
+}
+
 ContactMetric toMetric(const Selection& selection)
 {
 	ContactMetric metric;
@@ -146,9 +162,7 @@ ContactMetric toMetric(const Selection& selection)
 	}
 	if (selection.view) metric.viewPixels = *selection.view;
 	metric.combine = selection.combine == "relaxed" ? Combine::kRelaxed : Combine::kStrict;
-	const bool any =
-		selection.exact || selection.s0 || selection.size || selection.maxError || selection.velocity || selection.view;
-	if (!any) metric.maxErrorShare = kDefaultMaxError;
+	if (!selection.hasMetric()) metric.maxErrorShare = kDefaultMaxError;
 	return metric;
 }
 
@@ -163,24 +177,35 @@ std::optional<CameraPath> toCameraPath(const Selection& selection, std::int64_t 
 	return CameraPath{toView(*selection.camera), toView(selection.cameraTo.value_or(*selection.camera)), steps};
 }
 
+// The thresholds s0, and which of them counts.
+static std::vector<std::string> thresholdsInWords(const Selection& selection, double radius)
+{
+	std::vector<std::string> words;
+	if (selection.s0) words.push_back("s0 " + cli::describe(*selection.s0, radius));
+	if (selection.size) words.push_back("s0 " + cli::describe(shareOf(*selection.size), radius));
+	const cli::Length floor =
+		selection.velocityFloor.value_or(cli::Length{ContactMetric{}.velocityFloorShare, true, "0.1%"});
+	if (selection.velocity)
+		words.push_back(
+			fmt::format("s0 {:g} of a step's motion, at least {}", *selection.velocity, cli::describe(floor, radius)));
+	if (selection.view) words.push_back(fmt::format("s0 {:g} pixels of {}", *selection.view, kViewImageHeight));
+	if (selection.combine == "relaxed" && words.size() > 1) words.push_back("the largest s0");
+	return words;
+}
+
 std::string describe(const Selection& selection, double radius)
 {
-	std::string text = selection.exact ? "exact" : "";
-	const auto add = [&](const std::string& words) { text += (text.empty() ? "" : ", ") + words; };
-	if (selection.s0) add("s0 " + cli::describe(*selection.s0, radius));
-	if (selection.size) add("s0 " + cli::describe(shareOf(*selection.size), radius));
-	const cli::Length floor = selection.velocityFloor ? *selection.velocityFloor
-													  : cli::Length{ContactMetric{}.velocityFloorShare, true, "0.1%"};
-	if (selection.velocity)
-		add(fmt::format("s0 {:g} of a step's motion, at least {}", *selection.velocity, cli::describe(floor, radius)));
-	if (selection.view) add(fmt::format("s0 {:g} pixels of {}", *selection.view, kViewImageHeight));
-	if (selection.combine == "relaxed") add("the largest s0");
-	if (selection.maxError) add("certified error at most " + cli::describe(*selection.maxError, radius));
-	if (text.empty())
-		add("certified error at most " + cli::describe(cli::Length{kDefaultMaxError, true, "0.5%"}, radius));
-	if (selection.budget.tests < kOff) add(fmt::format("at most {:.0f} tests", selection.budget.tests));
-	if (selection.budget.microseconds < kOff) add(fmt::format("about {:g} us", selection.budget.microseconds));
-	return text;
+	std::vector<std::string> words = thresholdsInWords(selection, radius);
+	const cli::Length error = selection.maxError.value_or(cli::Length{kDefaultMaxError, true, "0.5%"});
+	if (selection.exact) words.push_back("exact");
+	if (selection.maxError || !selection.hasMetric())
+		words.push_back("certified error at most " + cli::describe(error, radius));
+	if (selection.budget.tests < kOff) words.push_back(fmt::format("at most {:.0f} tests", selection.budget.tests));
+	if (selection.budget.microseconds < kOff)
+		words.push_back(fmt::format("about {:g} us", selection.budget.microseconds));
+	if (selection.paper) words.push_back("by the paper's rules");
+	if (selection.fresh) words.push_back("without caches");
+	return fmt::format("{}", fmt::join(words, ", "));
 }
 
 // As on the command line.

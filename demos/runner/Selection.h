@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The selection flags that run and replay share: how coarse a contact may be answered.
+// The selection flags that run, replay, tradeoff and budget share: how coarse a contact may be answered.
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -26,7 +26,9 @@ struct Selection
 	std::optional<Camera> camera;          // the frames' too
 	std::optional<Camera> cameraTo;        // where it has gone by the last step
 	std::string combine = "strict";
-	Budget budget;  // of a query in replay, of a step in run
+	Budget budget;  // of a query in replay and tradeoff, of a step in run
+	bool hasMetric() const { return exact || s0 || size || maxError || velocity || view; }
+	bool hasQueryOnly() const { return paper || fresh; }  // a simulation and a dispatch have neither
 };
 
 // Where nothing is selected: certified error, as a share of the radius.
@@ -39,6 +41,10 @@ inline constexpr int kViewImageHeight = 720;
 // --budget-us
 // --paper --fresh.
 void addSelection(CLI::App& command, Selection& selection);
+
+// Usage errors (2) of a command that would otherwise ignore a flag.
+void refuseUnusedCamera(const Selection& selection);       // one that nothing is seen from
+void refuseClock(const Selection& selection, int repeat);  // --budget-us in passes that have to answer the same
 
 // The metric, and for a pair whose smaller bounding radius is `radius` the same in words.
 ContactMetric toMetric(const Selection& selection);

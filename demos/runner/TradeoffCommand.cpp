@@ -14,6 +14,7 @@
 #include "demos/runner/Commands.h"
 #include "demos/runner/PairSubject.h"
 #include "demos/runner/Replay.h"
+#include "demos/runner/Selection.h"
 
 namespace clod::demo
 {
@@ -26,6 +27,7 @@ struct TradeoffOptions
 {
 	cli::CommonOptions common;
 	CacheOptions cache;
+	Selection selection;
 	PairInput input;
 	std::string directory, peers, peerDirectory, rows = "moving";
 	int stride = 0, mostRows = 40, repeat = 3, decimations = 12;
@@ -50,6 +52,28 @@ std::vector<std::string> familiesOf(const std::string& list)
 	return families;
 }
 
+// Before anything is built: what cannot be one more setting of our families.
+void checkUsage(const TradeoffOptions& options)
+{
+	const Selection& selection = options.selection;
+	const std::vector<std::string> families = familiesOf(options.peers);
+	const auto isOfOurs = [](const std::string& family)
+	{ return std::find(std::begin(kOurFamilies), std::end(kOurFamilies), family) != std::end(kOurFamilies); };
+	const bool hasOurs = families.empty() || std::any_of(families.begin(), families.end(), isOfOurs);
+	if (!hasOurs && (selection.hasMetric() || selection.budget.isLimited()))
+		throw Failure(ExitCode::usage,
+					  "a selection is one more setting of clod, clod-gap and clod-dispatch; --methods "
+					  "names none of them");
+	refuseUnusedCamera(selection);
+	refuseClock(selection, options.repeat);
+	if (selection.hasQueryOnly())
+		throw Failure(ExitCode::usage,
+					  "--paper and --fresh are for replay: tradeoff measures one build of the models, as a simulation "
+					  "would find their caches");
+	if (selection.velocity)
+		throw Failure(ExitCode::usage, "tradeoff dispatches bodies that are placed: --velocity finds none there");
+}
+
 Roster rosterOf(const TradeoffOptions& options, const PairSubject& subject, HierarchyCache& cache,
 				cli::Progress& progress)
 {
@@ -59,6 +83,9 @@ Roster rosterOf(const TradeoffOptions& options, const PairSubject& subject, Hier
 	RosterOptions roster;
 	roster.families = familiesOf(options.peers);
 	roster.decimations = options.decimations;
+	const std::int64_t lastStep = subject.poses.empty() ? 0 : subject.poses.back().step;
+	roster.own = Threshold{"", toMetric(options.selection), kOff, options.selection.budget,
+						   toCameraPath(options.selection, lastStep)};
 	roster.frame = pairFrame(*subject.models.a, *subject.models.b, subject.worldScale, subject.tolerance);
 	return makeRoster(subject.models, cache, preparation, roster,
 					  [&](const std::string& phase, double fraction) { progress.update(phase, fraction); });
@@ -73,6 +100,7 @@ void write(const TradeoffOptions& options, const PairSubject& subject, const Tra
 	report["subject"] = subject.title;
 	report["models"] = {describeHierarchy(*subject.models.a, "a"), describeHierarchy(*subject.models.b, "b")};
 	report["poses"] = {{"rows", subject.poses.size()}, {"trajectory_hash", trajectoryHash(subject.poses)}};
+	report["selection"] = toJson(options.selection, tradeoff.radius);
 	report["stride"] = options.stride;
 	report["most_rows"] = options.mostRows;
 	report["rows"] = options.rows;
@@ -95,7 +123,7 @@ void write(const TradeoffOptions& options, const PairSubject& subject, const Tra
 
 void runTradeoff(const TradeoffOptions& options)
 {
-	familiesOf(options.peers);  // a typing error is told before anything is built
+	checkUsage(options);
 	HierarchyCache cache(options.cache, options.common.quiet);
 	cli::Progress progress(options.common.quiet);
 	const PairSubject subject = pairSubject(options.input, cache, progress);
@@ -129,6 +157,8 @@ void addTradeoffCommand(CLI::App& program)
 	command->footer(
 		"Example: clod-bench tradeoff spoon-cup -o out/tradeoff\n"
 		"         clod-bench tradeoff cup.clod spoon.clod poses.csv -o out/tradeoff --methods clod,coal-contacts\n"
+		"         clod-bench tradeoff spoon-cup -o out/tradeoff --size 5\n"
+		"A selection is measured as one more setting of clod, clod-gap and clod-dispatch.\n"
 		"scripts/peers sets up the peers that Bullet does not have (CoACD, V-HACD, Coal, decimation).");
 	addPairInput(*command, options->input);
 	command->add_option("-o", options->directory, "Directory for tradeoff.csv, .txt, .json, .png and pareto.csv")
@@ -159,6 +189,7 @@ void addTradeoffCommand(CLI::App& program)
 	command
 		->add_option("--peers-dir", options->peerDirectory, "Where scripts/peers put its tools (default build/peers)")
 		->type_name("DIR");
+	addSelection(*command, options->selection);
 	addCache(*command, options->cache);
 	cli::addQuiet(*command, options->common);
 	cli::addJson(*command, options->common);

@@ -14,6 +14,14 @@ inline double partOfWay(std::int64_t step, std::int64_t steps)
 	return steps > 0 ? std::clamp(double(step) / double(steps), 0.0, 1.0) : 0.0;
 }
 
+// The same picture of a world whose lengths are multiplied.
+inline ViewCamera scaled(ViewCamera camera, double scale)
+{
+	camera.eye = scale * camera.eye;
+	camera.nearDistance *= scale;
+	return camera;
+}
+
 // A camera that goes evenly and straight from `start` to `end` in `steps` steps, then stays; 0: it stands.
 struct CameraPath
 {

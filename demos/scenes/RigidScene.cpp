@@ -96,10 +96,7 @@ RigidScene::~RigidScene()
 void RigidScene::placeCamera()
 {
 	if (!m_settings.camera) return;
-	ViewCamera camera = m_settings.camera->at(m_step + 1);
-	camera.eye = m_definition.info.worldScale * camera.eye;
-	camera.nearDistance *= m_definition.info.worldScale;
-	m_bullet->context.camera = camera;
+	m_bullet->context.camera = scaled(m_settings.camera->at(m_step + 1), m_definition.info.worldScale);
 }
 
 void RigidScene::setUpSolver()
@@ -210,6 +207,7 @@ SceneState RigidScene::state() const
 	bullet.context.forEachPair([&](const PairReport& pair)
 							   { state.errorBound = std::max(state.errorBound, pair.errorBound); });
 	addPoints(state);
+	if (m_settings.budget.isLimited()) addAnswers(state);
 	return state;
 }
 
@@ -254,6 +252,20 @@ void RigidScene::addPoints(SceneState& state) const
 									double(p.getAppliedImpulse()) / scale});
 		}
 	}
+}
+
+void RigidScene::addAnswers(SceneState& state) const
+{
+	const auto add = [&](const PairReport& pair)
+	{
+		if (!pair.result) return;
+		state.answers.push_back(
+			{{std::uint32_t(pair.objectA->getUserIndex()), std::uint32_t(pair.objectB->getUserIndex())}, *pair.result});
+		QueryStats& stats = state.answers.back().result.stats;
+		if (pair.queryMicroseconds == 0) stats.boxTests = stats.hullTests = 0;
+		state.queryMicroseconds += pair.queryMicroseconds;
+	};
+	m_bullet->context.forEachPair(add);
 }
 
 std::vector<SceneConstant> RigidScene::constants() const

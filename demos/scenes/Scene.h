@@ -81,7 +81,14 @@ struct SceneSettings
 
 struct BodyPair
 {
-	std::uint32_t a, b;  // a < b
+	std::uint32_t a, b;  // a < b, but for PairAnswer
+};
+
+// The query's answer to a pair of bodies, in the order of its A and B.
+struct PairAnswer
+{
+	BodyPair bodies;
+	QueryResult result;
 };
 
 // A point of Bullet's persistent manifolds, in the world, in the meshes' unit.
@@ -114,6 +121,10 @@ struct SceneState
 	int manifolds = 0;
 	bool inPlace = true;  // every body is still where the scene means it to be
 	std::vector<ScenePoint> points;
+	// Under a budget what the step's own dispatch answered, for the poses that the step began with, and in what time.
+	// Tests are those of this step: none for a pair whose last answer still held.
+	std::vector<PairAnswer> answers;
+	double queryMicroseconds = 0;
 	std::vector<std::string> warnings;  // of the plugin in this step
 };
 

@@ -76,9 +76,12 @@ struct QueryStats
 	std::uint32_t skippedBySlack = 0;
 	std::uint32_t stillClear = 0;  // 1: the bodies were apart by more than they have moved since; nothing was looked at
 	std::uint32_t frontKept = 0;   // 1: no decision of the last traversal has changed; only its answers were evaluated
-	std::uint32_t duplicates = 0;  // pairs reached twice through shared children
-	std::uint32_t pointBoxes = 0;  // boxes that nearest-surface queries met; boxTests are between the bodies only
-	std::uint32_t pointQueries = 0;                    // nearest-surface queries of the penetration solver
+	// Moves of the front: pairs of nodes kept in its tree that the query before did not keep, and the other way round.
+	// None under a budget, nor where the last front still holds.
+	std::uint32_t frontCame = 0, frontGone = 0;
+	std::uint32_t duplicates = 0;    // pairs reached twice through shared children
+	std::uint32_t pointBoxes = 0;    // boxes that nearest-surface queries met; boxTests are between the bodies only
+	std::uint32_t pointQueries = 0;  // nearest-surface queries of the penetration solver
 	std::uint32_t finestLevel = 0, coarsestLevel = 0;  // over both bodies' accepted nodes within the tolerance
 	std::uint32_t touchedFinestLevel = 0;              // finest level whose node data was read at all
 	std::uint32_t pending = 0;  // pairs that answered coarser than the metric asks, for want of budget

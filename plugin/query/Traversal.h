@@ -42,6 +42,8 @@ public:
 		m_front.counts.touchedFinestLevel = std::min(levelOf(m_context.a, m_finestA), levelOf(m_context.b, m_finestB));
 		m_front.tolerance = m_settings.tolerance;
 		addTo(*m_stats, m_front.counts);
+		m_stats->frontCame = std::uint32_t(m_front.entries.size()) - m_carried;
+		m_stats->frontGone = std::uint32_t(m_front.previous.size()) - m_carried;
 		return true;
 	}
 
@@ -72,6 +74,7 @@ private:
 		const float apart = wasApart ? lowerAfter(m_front.previous[0].apart, m_moved) : 0.0F;
 		const bool isStillApart = wasApart && isBeyond(apart);
 		examine(row, isStillApart);
+		if (wasApart || (row.near == 0 && !m_front.previous.empty())) ++m_carried;  // without a link to its old entry
 		if (row.near == 0)
 		{
 			FrontEntry root{rootA, rootB};
@@ -171,7 +174,11 @@ private:
 		FrontEntry entry{row.a(k), row.b(k)};
 		entry.slot = std::uint16_t(row.firstSlot + k);
 		entry.high = row.high[k];
-		if ((row.met >> k & 1) != 0) entry.old = row.old[k];
+		if ((row.met >> k & 1) != 0)
+		{
+			entry.old = row.old[k];
+			++m_carried;
+		}
 		double slack = kAlways;
 		if (!m_settings.rule.isInTree(entry.a, entry.b) && !m_front.visited.insert(entry.a, entry.b))
 		{
@@ -250,6 +257,7 @@ private:
 	}
 
 	bool m_keepsBooks = false;
+	std::uint32_t m_carried = 0;  // entries that the traversal before had
 	// Finer levels come first.
 	std::uint32_t m_finestA = kNone - 1, m_finestB = kNone - 1;
 };

@@ -9,6 +9,7 @@
 #include "demos/peers/Pareto.h"
 #include "demos/peers/PeerMesh.h"
 #include "demos/peers/Preparation.h"
+#include "demos/peers/Tradeoff.h"
 #include "tests/support/Files.h"
 
 namespace
@@ -116,6 +117,26 @@ TradeoffPoint point(const std::string& family, double time, double median, doubl
 	result.accuracy.gapMedian = median;
 	result.accuracy.gapP95 = p95;
 	return result;
+}
+
+TEST(Tradeoff, WhatNoRowHasIsNamedNotANumber)
+{
+	// Exact contacts, but none within half the tolerance.
+	ExactRow far = exactRow();
+	far.contacts.erase(far.contacts.begin(), far.contacts.begin() + 6);
+	const RowAccuracy row = compare(far, answerOf(far), rules());
+	EXPECT_TRUE(std::isnan(row.covered));
+	Tradeoff tradeoff;
+	tradeoff.radius = 1;
+	tradeoff.points.emplace_back();
+	tradeoff.points[0].info.family = "clod";
+	tradeoff.points[0].info.setting = "exact";
+	tradeoff.points[0].accuracy = summarize({row});
+	const std::string text = printable(tradeoff, {}), csv = formatPoints(tradeoff);
+	EXPECT_EQ(text.find("nan"), std::string::npos) << text;
+	EXPECT_NE(text.find(" - "), std::string::npos) << text;
+	// Empty: mean and 5 % quantile of what is covered, then what is founded.
+	EXPECT_NE(csv.find(",,,1,4,0,"), std::string::npos) << csv;
 }
 
 TEST(Pareto, FrontDropsWhatIsSlowerAndNoMoreExact)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What every command of clod-bench keeps to: exit codes, columns, the cache, and the short scene twice in both
 // precisions.
+#include <algorithm>
 #include <sstream>
 
 #include "demos/scenes/Poses.h"
@@ -43,6 +44,26 @@ std::string answers(const std::string& csv)
 		result += "\n";
 	}
 	return result;
+}
+
+// A named column of a csv.
+std::vector<double> column(const std::string& csv, const std::string& name)
+{
+	std::istringstream lines(csv);
+	std::string header, line, field;
+	std::getline(lines, header);
+	std::istringstream names(header);
+	int wanted = 0;
+	while (std::getline(names, field, ',') && field != name) ++wanted;
+	std::vector<double> values;
+	if (field != name) return values;
+	while (std::getline(lines, line))
+	{
+		std::istringstream fields(line);
+		for (int i = 0; i <= wanted; ++i) std::getline(fields, field, ',');
+		values.push_back(std::strtod(field.c_str(), nullptr));
+	}
+	return values;
 }
 
 TEST_F(RunnerCommand, ModelWritesTheSameBytesTwice)
@@ -92,6 +113,21 @@ TEST_F(RunnerCommand, UsageErrorsExitWith2AndTheNearestMatch)
 		{"replay a.obj b.obj", "POSES"},
 		{"replay a.obj b.obj p.csv --repeat 0", "--repeat"},
 		{"replay a.obj b.obj p.csv --peer coal", "gimpact"},
+		{"replay a.obj b.obj p.csv --peer gimpact --velocity 1", "--velocity finds none"},
+		{"replay a.obj b.obj p.csv --peer gimpact --fresh", "--paper and --fresh"},
+		{"replay a.obj b.obj p.csv --peer gimpact --paper", "--paper and --fresh"},
+		{"replay a.obj b.obj p.csv --budget-us 5 --repeat 2", "by the clock"},
+		{"replay a.obj b.obj p.csv --camera 0,0,1,0,0,0,40", "--camera has no effect without --view"},
+		{"run spoon-cup --camera 0,0,1,0,0,0,40", "--camera has no effect without --view"},
+		{"run spoon-cup --paper --budget-tests 100", "have neither"},
+		{"run spoon-cup --fresh --budget-us 100", "have neither"},
+		{"tradeoff spoon-cup -o x --paper", "--paper and --fresh are for replay"},
+		{"tradeoff spoon-cup -o x --fresh", "--paper and --fresh are for replay"},
+		{"tradeoff spoon-cup -o x --velocity 1", "--velocity finds none"},
+		{"tradeoff spoon-cup -o x --budget-us 5", "by the clock"},
+		{"tradeoff spoon-cup -o x --camera 0,0,1,0,0,0,40", "--camera has no effect without --view"},
+		{"tradeoff spoon-cup -o x --size 3.5 --methods gimpact", "names none of them"},
+		{"tradeoff spoon-cup -o x --exact --size 3", "excludes"},
 		{"tradeoff spoon-cub -o x", "did you mean spoon-cup"},
 		{"tradeoff a.obj b.obj -o x", "POSES.csv"},
 		{"tradeoff spoon-cup", "-o"},
@@ -139,6 +175,74 @@ TEST_F(RunnerCommand, ReplayAnswersTheSameWarmAndFreshAndTwice)
 		EXPECT_EQ(answers(warm), answers(readText(path("fresh.csv")))) << selection;
 		EXPECT_NE(answers(warm), answers(warm.substr(0, warm.size() / 2)));
 	}
+}
+
+TEST_F(RunnerCommand, ReplayPrintsTheSelectionInUse)
+{
+	needRecording();
+	const std::string words = replayWords() + cache() + " --quiet --combine relaxed";
+	const std::string alone = bench(words).out;
+	EXPECT_NE(alone.find("selection  certified error at most 0.5% of the radius"), std::string::npos) << alone;
+	EXPECT_EQ(alone.find("the largest s0"), std::string::npos) << alone;
+	const std::string both = bench(words + " --size 3.5 --velocity 1 --fresh").out;
+	EXPECT_NE(both.find("the largest s0"), std::string::npos) << both;
+	EXPECT_NE(both.find("without caches"), std::string::npos) << both;
+}
+
+// Every figure of a query is in its row, of the query that it belongs to.
+TEST_F(RunnerCommand, ReplayWritesAllThatAQueryTells)
+{
+	needRecording();
+	ASSERT_EQ(bench(replayWords() + cache() + " --quiet --gap-error 0 --csv " + path("told.csv")).code, 0);
+	const std::string csv = readText(path("told.csv"));
+	const std::vector<double> came = column(csv, "front_came"), gone = column(csv, "front_gone"),
+							  clear = column(csv, "still_clear"), searches = column(csv, "gap_searches"),
+							  contacts = column(csv, "contacts");
+	ASSERT_EQ(came.size(), 40u);
+	EXPECT_GT(came[0], 0);
+	EXPECT_EQ(gone[0], 0);
+	double moves = 0, searched = 0, touching = 0, left = 0;
+	for (std::size_t i = 0; i < came.size(); ++i)
+	{
+		moves += came[i] - gone[i];
+		EXPECT_GE(moves, 0) << i;
+		EXPECT_TRUE(clear[i] == 0 || came[i] + gone[i] == 0) << i;
+		searched += searches[i];
+		touching += contacts[i] > 0 ? 1 : 0;
+		left += clear[i];
+	}
+	EXPECT_GT(touching, 0);
+	EXPECT_GE(searched, touching);  // the exact gap is searched wherever nodes are near
+	EXPECT_GT(left, 0);
+	for (const char* name : {"needed", "touched_finest_level", "front_kept", "depths_cut_short"})
+		EXPECT_EQ(column(csv, name).size(), 40u) << name;
+}
+
+// A step's tests are those of its dispatch: within the budget that all pairs share.
+TEST_F(RunnerCommand, ARunUnderABudgetReportsWhatItsStepsDid)
+{
+	const auto run = [&](const std::string& words)
+	{
+		const Outcome outcome = bench("run mixed-needs --resolution 0.03 --steps 60 --quiet" + cache() + words +
+									  " --csv " + path("budget.csv"));
+		EXPECT_EQ(outcome.code, 0) << outcome.err;
+		return readText(path("budget.csv"));
+	};
+	const auto largest = [](const std::vector<double>& values)
+	{ return values.empty() ? -1 : *std::max_element(values.begin(), values.end()); };
+	constexpr double tests = 400;
+	const std::string limited = run(" --budget-tests 400"), enough = run(" --budget-tests 1e9"), none = run("");
+	EXPECT_LE(largest(column(limited, "hull_tests")), tests);
+	EXPECT_GT(largest(column(limited, "hull_tests")), tests / 2);
+	EXPECT_GT(largest(column(limited, "pending")), 0);
+	EXPECT_GT(largest(column(limited, "excess")), 1);
+	EXPECT_GT(largest(column(limited, "dispatch_error_bound")), largest(column(enough, "dispatch_error_bound")));
+	EXPECT_EQ(largest(column(enough, "pending")), 0);
+	EXPECT_EQ(largest(column(enough, "excess")), 0);
+	EXPECT_GT(largest(column(enough, "hull_tests")), tests);
+	EXPECT_EQ(column(none, "pending").size(), 60u);
+	// The gap is of the recorded poses all the same.
+	EXPECT_EQ(column(enough, "gap"), column(none, "gap"));
 }
 
 TEST_F(RunnerCommand, DistanceReportsAFiniteGapWhereTheToleranceDoesNot)

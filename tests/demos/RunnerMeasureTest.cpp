@@ -54,6 +54,79 @@ TEST_F(RunnerCommand, TradeoffMeasuresOursAndWhatBulletHas)
 	EXPECT_NE(readText(path("tradeoff/pareto.csv")).find("gimpact,full"), std::string::npos);
 }
 
+// Once a family, under the ladder's name where the ladder has it.
+TEST_F(RunnerCommand, TradeoffMeasuresTheSelectionGiven)
+{
+	needRecording();
+	const std::string words = "tradeoff " + path("cup.obj ") + path("spoon.obj ") + path("poses.csv") + cache() +
+							  " --rows contact --tolerance 2mm --most-rows 1 --repeat 1 --quiet --methods "
+							  "clod,clod-gap,clod-dispatch --decimations 1 -o " +
+							  path("own");
+	const auto rows = [&](const std::string& selection)
+	{
+		const Outcome outcome = bench(words + selection);
+		EXPECT_EQ(outcome.code, 0) << outcome.err;
+		return readText(path("own/tradeoff.csv"));
+	};
+	const auto count = [](const std::string& csv, const std::string& label)
+	{
+		int found = 0;
+		for (std::size_t at = csv.find(label); at != std::string::npos; at = csv.find(label, at + 1)) ++found;
+		return found;
+	};
+	const std::string plain = rows("");
+	const auto lines = [&](const std::string& csv) { return count(csv, "\n"); };
+	for (const char* known : {" --s0 3.5%", " --max-error 0.5%", " --combine relaxed"})
+		EXPECT_EQ(lines(rows(known)), lines(plain)) << known;
+	const std::pair<const char*, const char*> others[] = {
+		{" --size 5 --max-error 3%", ",size 5 % + max-error 3 %,"},
+		{" --exact --budget-tests 50", ",exact + at most 50 tests,"},
+		{" --size 5 --view 3 --camera 0,0.2,0.2,0,0,0,40 --combine relaxed", ",size 5 % or view 3 px,"}};
+	for (const auto& [selection, label] : others)
+	{
+		const std::string csv = rows(selection);
+		EXPECT_EQ(lines(csv), lines(plain) + 3) << selection;
+		EXPECT_EQ(count(csv, label), 3) << selection << csv;
+	}
+	// The settings reach all three: few tests are a coarse answer, no pixels an exact one.
+	const auto contacts = csvColumn(rows(" --exact --budget-tests 0"), "contacts_median"),
+			   sharp = csvColumn(rows(" --view 1e-6 --camera 0,0.2,0.2,0,0,0,40"), "contacts_median");
+	for (const std::string family : {"clod", "clod-gap", "clod-dispatch"})
+	{
+		EXPECT_LT(contacts.at(family + ",exact + at most 0 tests"), contacts.at(family + ",exact")) << family;
+		EXPECT_EQ(sharp.at(family + ",view 1e-06 px"), sharp.at(family + ",exact")) << family;
+	}
+}
+
+TEST_F(RunnerCommand, ThePeersDispatchIsOfTheSelection)
+{
+	needRecording();
+	const auto points = [&](const std::string& selection)
+	{
+		const Outcome outcome = bench(replayWords() + cache() + " --tolerance 2mm --quiet --peer gimpact --json " +
+									  path("peer.json") + selection);
+		EXPECT_EQ(outcome.code, 0) << outcome.err;
+		return report("peer.json")["peer"]["all_rows"]["clod_points"]["mean"].get<double>();
+	};
+	const std::string camera = " --camera 0,0.2,0.2,0,0,0,40";
+	const double exact = points(" --exact"), coarsest = points(" --exact --budget-tests 0");
+	EXPECT_LT(coarsest, exact);
+	EXPECT_EQ(points(" --view 1e-6" + camera), exact);
+	EXPECT_EQ(points(" --view 1e6" + camera), points(" --size 1e6"));
+	EXPECT_EQ(points(" --view 1e-6 --size 1e6 --combine relaxed" + camera), points(" --size 1e6"));
+}
+
+// The first of the rows that are not moving or do not touch do not make a sample empty.
+TEST_F(RunnerCommand, ASampleOfOneRowIsOneThatTouches)
+{
+	needRecording();
+	const Outcome outcome =
+		bench("tradeoff " + path("cup.obj ") + path("spoon.obj ") + path("poses.csv") + cache() +
+			  " --rows contact --most-rows 1 --repeat 1 --quiet --methods clod --decimations 1 -o " + path("one"));
+	ASSERT_EQ(outcome.code, 0) << outcome.err;
+	EXPECT_EQ(report("one/tradeoff.json")["tradeoff"]["rows"], 1);
+}
+
 TEST_F(RunnerCommand, TradeoffLeavesABrokenPeerOutAndSaysSo)
 {
 	needRecording();
@@ -105,6 +178,35 @@ TEST_F(RunnerCommand, FigureFourHasARowAStepAndEveryRowARegime)
 		for (const json& regime : curve["regimes"]) sum += regime["rows"].get<int>();
 		EXPECT_EQ(sum, 40) << curve["mode"] << curve["selection"];
 	}
+}
+
+TEST_F(RunnerCommand, CostOverContactAreaHasItsPartsAndGrowth)
+{
+	const Outcome paper = bench("paper --only area --resolution 0.02 --quiet -o " + path("area") + cache() +
+								" --json " + path("area.json"));
+	ASSERT_EQ(paper.code, 0) << paper.err;
+	const json area = report("area.json")["area"];
+	const auto exact = csvColumn(readText(path("area/area.csv")), "area");  // keys: step and area
+	EXPECT_EQ(exact.size(), 240u);
+	double largest = 0;
+	for (const auto& [row, contacts] : exact) largest = std::max(largest, contacts);
+	EXPECT_EQ(area["largest_area"], largest);
+	ASSERT_EQ(area["curves"].size(), 4u);
+	for (const json& curve : area["curves"])
+		for (const char* figure : {"query_us", "tests", "contacts"})
+		{
+			ASSERT_EQ(curve[figure].size(), 6u);
+			EXPECT_DOUBLE_EQ(curve["growth"][figure], curve[figure][5].get<double>() / curve[figure][0].get<double>());
+		}
+	// By its own measure the area grows from within the first sixth to within the last.
+	const json contacts = area["curves"][0]["contacts"];
+	for (int part = 0; part < 6; ++part)
+	{
+		EXPECT_GT(contacts[part], largest * part / 6);
+		EXPECT_LE(contacts[part], largest * (part + 1) / 6);
+	}
+	EXPECT_NE(readText(path("area/area.txt")).find("s0 = 3.5 %"), std::string::npos);
+	EXPECT_EQ(bench("paper --only area --steps 5 --resolution 0.02 --quiet -o " + path("area") + cache()).code, 3);
 }
 
 TEST_F(RunnerCommand, IdlePairsAreMeasuredBesideHullsInEveryState)

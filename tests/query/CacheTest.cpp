@@ -156,6 +156,48 @@ TEST(Query, BodiesApartAreLeftAloneUntilTheyCanTouch)
 	EXPECT_GT(contacts, total / 10);
 }
 
+// Those that came less those that left are the pairs of nodes a fresh query finds; where nothing has changed but the
+// settings' last bits nothing moves, and the pair of roots stays when all below it leaves.
+TEST(Query, MovesOfTheFrontAddUp)
+{
+	Random random(23);
+	std::uint64_t moves = 0;
+	int apart = 0;
+	for (const BodyPair& pair : pairs())
+	{
+		const double radius = smallerRadius(pair.a, pair.b);
+		Settings settings = exactSettings(0.01 * radius);
+		settings.metric.exact = false;
+		PairCache cache;
+		QueryResult result;
+		std::uint64_t kept = 0;
+		Transform pose = poseWithGap(random, pair.a, pair.b, 0.005);
+		for (int step = 0; step < 40; ++step)
+		{
+			if (step % 20 == 10) pose.translation = 3 * pose.translation;
+			if (step % 20 == 11) pose = poseWithGap(random, pair.a, pair.b, -0.01);
+			pose.rotation = randomRotation(random, 0.02) * pose.rotation;
+			settings.metric.weightedDeviation = 0.02 * radius;
+			query(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache, result);
+			const QueryStats first = result.stats;
+			const std::uint64_t before = kept;
+			kept += first.frontCame;
+			kept -= first.frontGone;
+			ASSERT_EQ(kept, fresh(pair, pose, settings).stats.frontCame) << pair.a.name << " step " << step;
+			EXPECT_TRUE(before != 1 || first.frontGone == 0) << pair.a.name << " step " << step;
+			moves += first.frontCame + first.frontGone;
+			apart += int(kept == 1);
+			settings.metric.weightedDeviation *= 1 + 1e-12;
+			query(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache, result);
+			EXPECT_EQ(result.stats.frontKept, 0u);
+			EXPECT_EQ(result.stats.frontCame, 0u) << pair.a.name << " step " << step;
+			EXPECT_EQ(result.stats.frontGone, 0u) << pair.a.name << " step " << step;
+		}
+	}
+	EXPECT_GT(moves, 500u);
+	EXPECT_GE(apart, 3);
+}
+
 TEST(Query, TheComparisonSeesOneBit)
 {
 	const BodyPair pair = pairs()[0];
