@@ -67,8 +67,8 @@ double finestLevel(const std::string& csv, const std::string& bodies, int from, 
 // From the near cup to the far one, along with the run and at its poses.
 TEST_F(RunnerCommand, AMovingCameraAsksForFinerContactsWhereItComesNear)
 {
-	const std::string scene = " --resolution 0.03 --quiet" + cache(), start = " --camera 0.10,0.16,0.22,0.01,0.06,0,35";
-	const std::string moving = start + " --camera-to 0.05,0.1,-0.52,0.03,0.075,-0.6,35", view = " --view 16";
+	const std::string scene = " --resolution 0.03 --quiet" + cache(), start = " --camera 0.10,0.16,0.22,0.02,0.06,0,35";
+	const std::string moving = start + " --camera-to 0.05,0.1,-0.52,0.04,0.065,-0.6,35", view = " --view 16";
 	const std::string poses = path("mixed.csv"), csv = path("levels.csv");
 	const Outcome run =
 		bench("run mixed-needs --steps 60 --poses " + poses + " --csv " + path("run.csv") + view + moving + scene);
