@@ -123,15 +123,15 @@ protected:
 		{
 			Pair& pair = pairs[{row.bodyA, row.bodyB}];
 			if (pair.caches.empty()) pair.caches.resize(selections.size());
-			if (row.step % kPeriod < setting("CLOD_SCENE_BLOCK", 8))
-				askAt(row, *bodies[row.bodyA], *bodies[row.bodyB], selections, pair, scene);
+			if (row.step % kPeriod < setting("CLOD_SCENE_BLOCK", 8)) askAt(scene, selections, row, bodies, pair);
 			pair.previous = row;
 		}
 	}
 
-	void askAt(const PoseRow& row, const Hierarchy& a, const Hierarchy& b, const std::vector<Asked>& selections,
-			   Pair& pair, const SceneInfo& scene)
+	void askAt(const SceneInfo& scene, const std::vector<Asked>& selections, const PoseRow& row,
+			   const demo::Bodies& bodies, Pair& pair)
 	{
+		const Hierarchy &a = *bodies[row.bodyA], &b = *bodies[row.bodyB];
 		const double radius = demo::smallerRadius(a, b);
 		const Transform pose = demo::relativePose(row, demo::meshFromBody(a), demo::meshFromBody(b));
 		RelativeMotion motion;
