@@ -13,12 +13,12 @@
 // value over the ball, so a pair that answers may do so wherever in it the contact is. The place is a function of the
 // two nodes and the pose: what a query visits stays a function of pose and settings.
 //
-// Corners. Eye at the contact or nearer than `nearest`: l = nearest, so s0 is that of the near plane, never 0 for N >
-// 0. Eye behind the contact, or the contact behind the eye: l is the distance whatever the direction, for the camera
-// may turn; as in the paper l is not the depth along the view axis: towards the corners of a picture N pixels may show
-// as N / cos(angle off the axis)^2. At rest: the velocity metric is its floor. An own threshold that is negative or not
-// a number counts as 0. A pair whose contact area is 0 has s* = inf and is refined; one of which nothing was filtered
-// out (f = 0) has s* = 0, whatever its area: 0 / 0 does not occur.
+// Corners. Eye at the contact or nearer than `nearest`: l = nearest, so s0 is that of the near plane: 0, hence exact,
+// where `nearest` is 0. Eye behind the contact, or the contact behind the eye: l is the distance whatever the
+// direction, for the camera may turn; as in the paper l is not the depth along the view axis: towards the corners of a
+// picture N pixels may show as N / cos(angle off the axis)^2. At rest: the velocity metric is its floor. An own
+// threshold that is negative or not a number counts as 0. A pair whose contact area is 0 has s* = inf and is refined;
+// one of which nothing was filtered out (f = 0) has s* = 0, whatever its area: 0 / 0 does not occur.
 //
 // Based on: Otaduy & Lin 2003, sec. 5.2. The paper gives no rule for combining.
 #pragma once

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The commands that measure: what they write, whom they leave out, and that every row is accounted for.
+#include <algorithm>
+#include <cstdio>
 #include <map>
 #include <sstream>
 
@@ -8,6 +10,14 @@
 namespace
 {
 using namespace clod::test;
+
+std::vector<std::string> fieldsOf(const std::string& line)
+{
+	std::istringstream fields(line);
+	std::vector<std::string> result;
+	for (std::string field; std::getline(fields, field, ',');) result.push_back(field);
+	return result;
+}
 
 // The column of a csv as numbers, by the row's first two fields.
 std::map<std::string, double> csvColumn(const std::string& csv, const std::string& name)
@@ -28,6 +38,54 @@ std::map<std::string, double> csvColumn(const std::string& csv, const std::strin
 		values[key] = std::atof(field.c_str());
 	}
 	return values;
+}
+
+// The finest level of a pair's answers with a contact, in the mean over the rows of those steps.
+double finestLevel(const std::string& csv, const std::string& bodies, int from, int to)
+{
+	std::istringstream lines(csv);
+	std::string line;
+	std::getline(lines, line);
+	const std::vector<std::string> names = fieldsOf(line);
+	const auto column = [&](const char* name)
+	{ return std::size_t(std::find(names.begin(), names.end(), name) - names.begin()); };
+	double sum = 0;
+	int count = 0;
+	while (std::getline(lines, line))
+	{
+		const std::vector<std::string> fields = fieldsOf(line);
+		const auto number = [&](const char* name) { return std::atoi(fields.at(column(name)).c_str()); };
+		if (fields.at(column("body_a")) + "," + fields.at(column("body_b")) != bodies) continue;
+		if (number("step") < from || number("step") > to || number("contacts") == 0) continue;
+		sum += number("finest_level");
+		++count;
+	}
+	EXPECT_GT(count, 5) << bodies << " from step " << from;
+	return sum / count;
+}
+
+// From the near cup to the far one, along with the run and at its poses.
+TEST_F(RunnerCommand, AMovingCameraAsksForFinerContactsWhereItComesNear)
+{
+	const std::string scene = " --resolution 0.03 --quiet" + cache(), start = " --camera 0.10,0.16,0.22,0.02,0.06,0,35";
+	const std::string moving = start + " --camera-to 0.05,0.1,-0.52,0.04,0.065,-0.6,35", view = " --view 16";
+	const std::string poses = path("mixed.csv"), csv = path("levels.csv");
+	const Outcome run =
+		bench("run mixed-needs --steps 60 --poses " + poses + " --csv " + path("run.csv") + view + moving + scene);
+	ASSERT_EQ(run.code, 0) << run.err;
+	const auto levels = [&](const std::string& camera)
+	{
+		const Outcome replay = bench("replay mixed-needs " + poses + " --csv " + csv + view + camera + scene);
+		EXPECT_EQ(replay.code, 0) << replay.err;
+		return readText(csv);
+	};
+	const std::string near = "0,1", far = "2,3";
+	const std::string followed = levels(moving), stood = levels(start);
+	const double before = finestLevel(followed, far, 1, 24), after = finestLevel(followed, far, 45, 60);
+	std::printf("far cup: finest level %.2f, then %.2f; near cup %.2f, then %.2f\n", before, after,
+				finestLevel(followed, near, 1, 24), finestLevel(followed, near, 45, 60));
+	EXPECT_LT(after, before - 0.5);
+	EXPECT_LT(after, finestLevel(stood, far, 45, 60) - 0.5);  // at the same poses, the camera where it was
 }
 
 TEST_F(RunnerCommand, TradeoffMeasuresOursAndWhatBulletHas)

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Answers of queries, compared bit for bit.
+// Answers of queries, compared bit for bit; their certificates, against the truth.
 #pragma once
 #include <cstring>
+#include <limits>
 #include <string>
 
 #include "tests/query/Bodies.h"
+#include "tests/query/TriangleGap.h"
 
 namespace clod::test
 {
@@ -42,5 +44,16 @@ inline std::string difference(const QueryResult& l, const QueryResult& r)
 	if (std::memcmp(&l.minDistance, &r.minDistance, sizeof(double)) != 0) return "minDistance";
 	if (std::memcmp(&l.errorBound, &r.errorBound, sizeof(double)) != 0) return "errorBound";
 	return l.deep != r.deep ? "deep" : "";
+}
+
+// What an answer promises of the gap and does not keep, or nothing. Room for the rounding of bodies some cm wide.
+inline std::string broken(const QueryResult& result, const GapInterval& truth, double tolerance)
+{
+	if (result.errorBound == std::numeric_limits<double>::infinity()) return {};
+	if (result.minDistance == std::numeric_limits<double>::infinity())
+		return truth.high > tolerance - result.errorBound - 1e-9 ? "" : "said to be beyond the tolerance";
+	if (result.minDistance - result.errorBound > truth.high + 1e-8) return "gap is smaller than certified";
+	if (result.minDistance + result.errorBound < truth.low - 1e-8) return "gap is larger than certified";
+	return {};
 }
 }  // namespace clod::test

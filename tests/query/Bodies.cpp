@@ -6,7 +6,6 @@
 #include <map>
 #include <tuple>
 
-#include "builder/Lod.h"
 #include "demos/models/Models.h"
 
 namespace clod::test
@@ -42,25 +41,34 @@ Body build(const std::string& name, std::size_t triangles, const BodyOptions& op
 {
 	auto model = demo::makeModel(name, triangles);
 	if (!model) fail(model.error());
-	const auto progress = [](const char*, double) { return true; };
-	builder::BuildConfig config;
-	config.paper = options.paper;
-	const auto content = builder::buildHierarchy(bodyMesh(*model, options.scale), config, progress);
-	auto hierarchy = Hierarchy::fromBytes(encode(content));
-	if (!hierarchy) fail(name + ": " + hierarchy.error());
-	Body result{name, *hierarchy, {}};
-	const Level& input = result.hierarchy->levels()[0];
-	for (std::uint32_t n = input.firstNode; n < input.firstNode + input.nodeCount; ++n)
-	{
-		const Node& node = result.hierarchy->node(n);
-		const HullView hull = result.hierarchy->hull(node);
-		for (const Face& face : result.hierarchy->faces(node))
-			result.triangles.push_back(
-				{hull.vertex(face.vertex[0]), hull.vertex(face.vertex[1]), hull.vertex(face.vertex[2])});
-	}
-	return result;
+	return bodyOf(name, bodyMesh(*model, options.scale), options.paper);
 }
 }  // namespace
+
+Body bodyOf(const std::string& name, const builder::Mesh& mesh, bool paper)
+{
+	const auto progress = [](const char*, double) { return true; };
+	builder::BuildConfig config;
+	config.paper = paper;
+	auto hierarchy = Hierarchy::fromBytes(encode(builder::buildHierarchy(mesh, config, progress)));
+	if (!hierarchy) fail(name + ": " + hierarchy.error());
+	return {name, *hierarchy, inputTriangles(**hierarchy)};
+}
+
+std::vector<std::array<Vec3, 3>> inputTriangles(const Hierarchy& hierarchy)
+{
+	std::vector<std::array<Vec3, 3>> triangles;
+	const Level& input = hierarchy.levels()[0];
+	for (std::uint32_t n = input.firstNode; n < input.firstNode + input.nodeCount; ++n)
+	{
+		const Node& node = hierarchy.node(n);
+		const HullView hull = hierarchy.hull(node);
+		for (const Face& face : hierarchy.faces(node))
+			triangles.push_back(
+				{hull.vertex(face.vertex[0]), hull.vertex(face.vertex[1]), hull.vertex(face.vertex[2])});
+	}
+	return triangles;
+}
 
 const Body& body(const std::string& model, std::size_t triangles, const BodyOptions& options)
 {

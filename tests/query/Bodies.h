@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "builder/Lod.h"
 #include "clod/query/Query.h"
 
 namespace clod::test
@@ -17,6 +18,11 @@ struct Body
 	std::shared_ptr<const Hierarchy> hierarchy;
 	std::vector<std::array<Vec3, 3>> triangles;  // level 0, body frame
 };
+
+// Those of level 0, in the body frame.
+std::vector<std::array<Vec3, 3>> inputTriangles(const Hierarchy& hierarchy);
+// Through the real builder; aborts where it fails.
+Body bodyOf(const std::string& name, const builder::Mesh& mesh, bool paper = false);
 
 // Builds once per process, model and options.
 struct BodyOptions

@@ -50,6 +50,14 @@ TEST(ContactMetric, ResolvesForAScaledPairSeenFromTheWorld)
 	EXPECT_NEAR(Threshold(onlyView, kAnySpeed).at({}), 0.12, 1e-12);
 	onlyView.view.pixels = 0;
 	EXPECT_EQ(Threshold(onlyView, kAnySpeed).at({}), 0);
+	// The eye at the contact: the near plane's share, nothing without one.
+	camera.eye = {0, 0, 20};
+	onlyView.view = resolve(metric, frame).view;
+	EXPECT_NEAR(Threshold(onlyView, kAnySpeed).at({}), 0.004, 1e-12);
+	camera.nearDistance = 0;
+	ASSERT_EQ(contactMetricError(metric, &camera), "");
+	onlyView.view = resolve(metric, frame).view;
+	EXPECT_EQ(Threshold(onlyView, kAnySpeed).at({}), 0);
 	const ContactPlace place = inWorld({{0.1, 0, 0}, 0.01}, frame);
 	EXPECT_DOUBLE_EQ(place.center.x, 1);
 	EXPECT_DOUBLE_EQ(place.center.z, 20);

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "clod/query/StopRule.h"
-#include "tests/query/Answers.h"
+#include "tests/query/Questions.h"
 
 namespace
 {
@@ -66,6 +66,23 @@ TEST(Threshold, ViewFollowsEquationFour)
 	EXPECT_DOUBLE_EQ(thresholdAt(seen(3, {0, 0, 0.2}), {}), 3 * 0.5 * 0.02);   // before the near plane
 	EXPECT_DOUBLE_EQ(thresholdAt(seen(3, {0, 0, 1}), {}, 2), 3 * 0.5 * 0.02);  // inside the ball
 	EXPECT_EQ(thresholdAt(seen(0, {0, 0, 10}), {}), 0);
+}
+
+// The near plane is the nearest that anything is seen from; without one the eye at a contact asks for all there is.
+TEST(Threshold, AnEyeAtBehindOrInsideTheContactSeesItFromTheNearPlane)
+{
+	for (const double nearest : {0.0, 0.5})
+	{
+		const double closest = 3 * nearest * 0.02;
+		EXPECT_DOUBLE_EQ(thresholdAt(seen(3, {0, 0, 0}, nearest), {}), closest);           // at a point
+		EXPECT_DOUBLE_EQ(thresholdAt(seen(3, {0, 0, 0}, nearest), {}, 2), closest);        // in the middle of a ball
+		EXPECT_DOUBLE_EQ(thresholdAt(seen(3, {0, 0, 1}, nearest), {}, 2), closest);        // inside it
+		EXPECT_DOUBLE_EQ(thresholdAt(seen(3, {0, 0, -1}, nearest), {}, 2), closest);       // inside, on the other side
+		EXPECT_DOUBLE_EQ(thresholdAt(seen(3, {0, 0, 2}, nearest), {}, 2), closest);        // on it
+		EXPECT_DOUBLE_EQ(thresholdAt(seen(3, {0, 0, 5}, nearest), {}, 2), 3 * 3 * 0.02);   // before it
+		EXPECT_DOUBLE_EQ(thresholdAt(seen(3, {0, 0, -5}, nearest), {}, 2), 3 * 3 * 0.02);  // behind it
+	}
+	EXPECT_GT(thresholdAt(seen(1e-3, {0, 0, 0}, 0.5), {}), 0);  // a near plane leaves any N > 0 something
 }
 
 TEST(Threshold, StrictTakesTheSmallestRelaxedTheLargest)
@@ -248,6 +265,43 @@ TEST(Metric, TheNearerContactIsFiner)
 	ASSERT_GT(counts[0], 5);
 	ASSERT_GT(counts[1], 5);
 	EXPECT_LT(levels[0] / counts[0] + 0.5, levels[1] / counts[1]);
+}
+
+// The eye in a contact: what it lies in is of the input surface, unless a near plane keeps it away.
+TEST(Metric, AnEyeInAContactAsksForTheInputSurfaceWithoutANearPlane)
+{
+	Random random(26);
+	const BodyPair& pair = toruses();
+	const double radius = smallerRadius(pair.a, pair.b);
+	int inside = 0, coarse = 0;
+	for (int i = 0; i < 12; ++i)
+	{
+		const Transform pose = poseWithGap(random, pair.a, pair.b, uniform(random, 0, 0.005));
+		Settings settings = exactSettings(0.02 * radius);
+		const QueryResult exact = fresh(pair, pose, settings);
+		ASSERT_FALSE(exact.contacts.empty());
+		const Vec3 eye = exact.contacts[0].pointOnA;
+		for (const double nearest : {0.0, 0.1 * radius})
+		{
+			settings.metric = seen(10, eye, nearest);
+			for (const Contact& contact : fresh(pair, pose, settings).contacts)
+			{
+				const Node &a = pair.a.hierarchy->node(contact.nodeA), &b = pair.b.hierarchy->node(contact.nodeB);
+				const double deviation = StopRule::weightedDeviation(a, b);
+				const CullBox &boxA = pair.a.hierarchy->cullBox(contact.nodeA),
+							  &boxB = pair.b.hierarchy->cullBox(contact.nodeB);
+				const bool isA = boxA.radius <= boxB.radius;  // the place is the ball of the smaller box
+				const Vec3 center = isA ? centerOf(boxA) : pose * centerOf(boxB);
+				if (length(eye - center) > double(isA ? boxA.radius : boxB.radius)) continue;
+				inside += nearest == 0;
+				coarse += nearest > 0 && deviation > 0;
+				const bool isOfLeaves = a.childCount == 0 && b.childCount == 0;
+				EXPECT_TRUE(isOfLeaves || deviation <= 10 * nearest * 0.02) << "near plane " << nearest / radius;
+			}
+		}
+	}
+	EXPECT_GT(inside, 10);
+	EXPECT_GT(coarse, 10);
 }
 
 TEST(Metric, AtRestTheVelocityMetricIsItsFloor)
