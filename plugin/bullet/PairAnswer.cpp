@@ -104,6 +104,7 @@ void PairState::answer()
 	judge();
 	m_report.contactMicroseconds = staysEmpty ? 0 : microsecondsSince(found);
 	m_question = {m_aFromB, querySettings(), m_rules};
-	m_hasQuestion = true;
+	// What a budget cut short answers only under that budget: the next dispatch asks anew, with what it may cost then.
+	m_hasQuestion = !(m_result.excess > 0);
 }
 }  // namespace clod
