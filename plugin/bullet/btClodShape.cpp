@@ -100,7 +100,6 @@ void walk(const Hierarchy& hierarchy, const Skip& skip, const Visit& visit)
 btClodShape::btClodShape(std::shared_ptr<const clod::Hierarchy> hierarchy, int shapeType)
 	: m_hierarchy(std::move(hierarchy)), m_scaling(1, 1, 1)
 {
-	clod::requireMatchingBullet();
 	m_shapeType = shapeType;
 	m_collisionMargin = 0;
 	updateBounds();
