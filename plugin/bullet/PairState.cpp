@@ -13,8 +13,7 @@ namespace clod
 {
 namespace
 {
-constexpr double kBreakingShare = 0.003;  // of the length: drift that refreshContactPoints tolerates
-constexpr double kSameScale = 1e-6;       // scales whose ratio differs by less are equal
+constexpr double kSameScale = 1e-6;  // scales whose ratio differs by less are equal
 
 Vec3 sphereCenter(const Hierarchy& hierarchy)
 {
@@ -60,6 +59,12 @@ PairState::~PairState()
 	m_context.remove(&m_report);
 }
 
+PairState::Seen PairState::seen(const btCollisionShape& shape, const btClodShape* ours)
+{
+	if (!ours) return {&shape, 0, 0};
+	return {&shape, ours->hierarchy().contentHash(), ours->revision()};
+}
+
 // Which body is A? The one whose content hashes lower, so that Bullet's order of a pair changes nothing but signs.
 bool PairState::chooseBodies(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1)
 {
@@ -79,16 +84,14 @@ bool PairState::chooseBodies(const btCollisionObjectWrapper& body0, const btColl
 				: partner->getShapeType() == STATIC_PLANE_PROXYTYPE ? Partner::Plane
 				: partner->isConcave()                              ? Partner::Concave
 																	: Partner::None;
-	// Shapes can change under a live pair.
-	const int revisions = m_shapeA->revision() + (m_shapeB ? 65536 * m_shapeB->revision() : 0);
-	if (m_seenA != m_shapeA || m_seenB != partner || m_seenRevisions != revisions)
+	const Seen seenA = seen(*m_shapeA, m_shapeA), seenB = seen(*partner, m_shapeB);
+	if (!(m_seenA == seenA && m_seenB == seenB))
 	{
 		m_cache.clear();
 		m_clusters.clear();
 		m_hasQuestion = false;
-		m_seenA = m_shapeA;
-		m_seenB = partner;
-		m_seenRevisions = revisions;
+		m_seenA = seenA;
+		m_seenB = seenB;
 	}
 	return m_partner != Partner::None;
 }

@@ -16,8 +16,6 @@ using clod::CullBox;
 using clod::Hierarchy;
 using clod::Vec3;
 
-constexpr double kBreakingShare = 0.003;  // of the radius: remembered points drift no farther
-
 Vec3 toVec3(const float (&v)[3])
 {
 	return {double(v[0]), double(v[1]), double(v[2])};
@@ -172,7 +170,7 @@ void btClodShape::getAabb(const btTransform& worldFromBody, btVector3& aabbMin, 
 
 btScalar btClodShape::getContactBreakingThreshold(btScalar defaultFactor) const
 {
-	const btScalar fine = btScalar(kBreakingShare * double(m_hierarchy->asset().radius) * m_scale);
+	const btScalar fine = btScalar(clod::kBreakingShare * double(m_hierarchy->asset().radius) * m_scale);
 	return btMin(btConcaveShape::getContactBreakingThreshold(defaultFactor), fine);
 }
 

@@ -5,6 +5,7 @@
 
 #include <cstring>
 #include <limits>
+#include <optional>
 
 #include "tests/bullet/CubeOnSlab.h"
 #include "tests/bullet/ManifoldState.h"
@@ -155,6 +156,43 @@ TEST(Lifecycle, SetCollisionShapeAtRunTimeIsNoticed)
 	scene.body.setLinearVelocity(btVector3(0, 0, 0));
 	scene.step(120);
 	EXPECT_NEAR(heightOf(scene.body), 2.0, 0.01);
+}
+
+// A shape of a pool: another one in its place has its address and its revision, here even the same surface.
+TEST(Lifecycle, AnotherHierarchyInTheSamePlaceIsNoticed)
+{
+	const auto fine = patchHierarchy(boxMesh({1, 1, 1}, {4, 4, 4}, 1)),
+			   coarse = patchHierarchy(boxMesh({1, 1, 1}, {4, 4, 4}, 4));
+	std::optional<btClodShape> place(fine);
+	BulletWorld scene;
+	scene.addBody(*place, 0, {});
+	scene.addBody(*place, 1, {0.013, 0.9995, 0.027});
+	std::size_t largest = 0, nodes = 0;
+	const auto dispatch = [&]
+	{
+		scene.world.performDiscreteCollisionDetection();
+		largest = 0;
+		scene.context.forEachPair(
+			[&](const PairReport& pair)
+			{
+				nodes = pair.hierarchyA->nodes().size;
+				for (const ContactCluster& cluster : pair.clusters->slots)
+					for (int i = 0; i < cluster.count; ++i)
+					{
+						const ContactPoint& point = cluster.points[std::size_t(i)].point;
+						largest = std::max({largest, std::size_t(point.nodeA), std::size_t(point.nodeB)});
+					}
+			});
+		EXPECT_GT(scene.contacts(), 0);
+		EXPECT_LT(largest, nodes);
+		return scene.context.lastStep().keptPairs;
+	};
+	EXPECT_EQ(dispatch(), 0u);
+	EXPECT_EQ(dispatch(), 1u);
+	ASSERT_GE(largest, coarse->nodes().size);  // an old answer would show
+	place.emplace(coarse);
+	EXPECT_EQ(dispatch(), 0u);
+	EXPECT_EQ(dispatch(), 1u);
 }
 
 TEST(Lifecycle, ARestingPairSleepsAndWakes)
