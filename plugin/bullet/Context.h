@@ -36,6 +36,7 @@ struct PairReport
 	const ClusterSet* clusters = nullptr;   // frame A, hierarchy unit
 	Metric metric;                          // as used; exact where the user's could not be used
 	std::string metricError;                // empty, or why the user's metric could not be used
+	std::string notFinite;                  // empty, or what is not finite: the pair then has no contacts
 	double tolerance = 0;                   // contact distance used, hierarchy unit
 	double motion = 0;                      // bound on the relative motion of one step, hierarchy unit
 	double errorBound = 0;                  // see QueryResult

@@ -11,12 +11,18 @@ namespace
 constexpr double kUnansweredShare = 2;  // depth found over depth answered by points that is reported as deep
 }
 
+void PairState::sayOnce(unsigned bit, const std::string& message)
+{
+	if ((m_warned & bit) != 0) return;
+	m_warned |= bit;
+	m_context.say(message);
+}
+
 void PairState::warnOnce(bool now, unsigned bit, const char* cause)
 {
 	if (!now || (m_warned & bit) != 0) return;
-	m_warned |= bit;
-	m_context.say(std::string(cause) + " (radius " + std::to_string(m_rules.length) + ", motion of a step " +
-				  std::to_string(m_report.motion) + ", hierarchy unit)");
+	sayOnce(bit, std::string(cause) + " (radius " + std::to_string(m_rules.length) + ", motion of a step " +
+					 std::to_string(m_report.motion) + ", hierarchy unit)");
 }
 
 // Is there a depth that the chosen points do not answer? A component inside the other body, a chosen point where its

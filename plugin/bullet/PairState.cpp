@@ -125,7 +125,7 @@ void PairState::chooseMetric()
 	if (error.empty() && metric.own) m_report.metric.own = &m_own;
 	m_report.metricError = error;
 	if (error.empty()) return;
-	warnOnce(true, 8, ("a pair's metric cannot be used, its contacts are exact: " + error).c_str());
+	sayOnce(8, "a pair's metric cannot be used, its contacts are exact: " + error);
 	m_report.metric = Metric{};
 	m_report.metric.exact = true;
 }
@@ -175,27 +175,62 @@ Sweep PairState::sweepOfStep() const
 bool PairState::prepare(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 						const btDispatcherInfo& info, double closestPoints)
 {
+	m_report.notFinite.clear();
 	if (!chooseBodies(body0, body1)) return false;
+	m_report.objectA = m_a->getCollisionObject();
+	m_report.objectB = m_b->getCollisionObject();
 	const double scale = m_shapeA->scale();
-	const btTransform& poseA = m_a->getWorldTransform();
-	m_worldFromA = toTransform(poseA);
+	m_worldFromA = toTransform(m_a->getWorldTransform());
 	m_aFromB = inverse(m_worldFromA) * toTransform(m_b->getWorldTransform());
 	m_aFromB.translation = (1 / scale) * m_aFromB.translation;
-	if (!isFinite(m_worldFromA) || !isFinite(m_aFromB)) return false;
-
 	m_rules.length = double(m_shapeA->hierarchy().asset().radius);
 	if (m_partner == Partner::Clod)
 		m_rules.length = std::min(m_rules.length, double(m_shapeB->hierarchy().asset().radius));
 	setMotion(double(info.m_timeStep), closestPoints);
-	if (!isFinite(m_rules.motion.linear) || !isFinite(m_rules.motion.angular)) return false;
+	if (!isFinite(m_a->getWorldTransform()) || !isFinite(m_b->getWorldTransform()) || !isFinite(m_aFromB) ||
+		!isFinite(m_rules.motion))
+	{
+		m_report.notFinite = whatIsNotFinite(m_rules.motion.timeStep);
+		sayOnce(32, "a pair has no contacts: " + m_report.notFinite);
+		return false;
+	}
 	chooseMetric();
-	m_report.objectA = m_a->getCollisionObject();
-	m_report.objectB = m_b->getCollisionObject();
 	m_report.hierarchyA = &m_shapeA->hierarchy();
 	m_report.hierarchyB = m_partner == Partner::Clod ? &m_shapeB->hierarchy() : nullptr;
 	m_report.result = &m_result;
 	m_report.clusters = &m_clusters;
 	return true;
+}
+
+std::string PairState::whatIsNotFinite(double timeStep) const
+{
+	for (const btCollisionObjectWrapper* body : {m_a, m_b})
+	{
+		const btCollisionObject& object = *body->getCollisionObject();
+		const bool hasPose = isFinite(body->getWorldTransform());
+		if (hasPose && isFinite(worldMotion(object, timeStep))) continue;
+		return std::string(hasPose ? "the velocity of, or a force on," : "the pose of") + " the body of world index " +
+			   std::to_string(object.getWorldArrayIndex()) + " (user index " + std::to_string(object.getUserIndex()) +
+			   ") is not finite";
+	}
+	return "the motion of its bodies relative to each other is not finite";
+}
+
+// Nothing was asked: of the dispatch before, neither points nor report hold any longer.
+void PairState::forget()
+{
+	m_clusters.clear();
+	m_result.clear();
+	m_hasQuestion = false;
+	PairReport report;
+	report.objectA = m_report.objectA;
+	report.objectB = m_report.objectB;
+	report.notFinite = m_report.notFinite;
+	report.result = &m_result;
+	report.clusters = &m_clusters;
+	report.demand = m_report.demand;
+	report.isPlanned = m_report.isPlanned;
+	m_report = report;
 }
 
 void PairState::clipForeign()
@@ -248,7 +283,7 @@ Budget PairState::chooseBudget()
 	if (std::exchange(m_hasPlan, false)) return kSpent;
 	const std::string error = budgetError(m_context.budget);
 	if (error.empty()) return m_context.shareOf(m_report);
-	warnOnce(true, 16, ("the budget cannot be used: " + error).c_str());
+	sayOnce(16, "the budget cannot be used: " + error);
 	return {};
 }
 
@@ -292,10 +327,7 @@ void PairState::process(const btCollisionObjectWrapper& body0, const btCollision
 	else if (isAsked)
 		answer();
 	else
-	{
-		m_clusters.clear();
-		m_hasQuestion = false;
-	}
+		forget();
 	const auto levelOf = [this](const ContactPoint& point, std::uint32_t& levelA, std::uint32_t& levelB)
 	{
 		levelA = m_shapeA->hierarchy().node(point.nodeA).level;

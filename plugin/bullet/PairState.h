@@ -73,6 +73,9 @@ private:
 	bool deeperThanPoints();
 	double widthOfContacts() const;
 	WorldFrame worldFrame(bool aIsFirst, double closestPoints) const;
+	std::string whatIsNotFinite(double timeStep) const;
+	void forget();
+	void sayOnce(unsigned bit, const std::string& message);
 	void warnOnce(bool now, unsigned bit, const char* cause);
 
 	Context& m_context;

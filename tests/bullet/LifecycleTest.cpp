@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <optional>
 
@@ -303,6 +304,57 @@ TEST(Lifecycle, ANotFinitePoseIsIgnored)
 	btManifoldResult result;
 	scene.world.performDiscreteCollisionDetection();
 	SUCCEED();
+}
+
+TEST(Lifecycle, WhatIsNotFiniteIsSaidAndHasNoContacts)
+{
+	const btScalar nan = std::numeric_limits<btScalar>::quiet_NaN();
+	const btScalar infinity = std::numeric_limits<btScalar>::infinity();
+	struct Case
+	{
+		const char* what;
+		std::function<void(btRigidBody&)> make, mend;
+	};
+	const Case cases[] = {{"velocity", [&](btRigidBody& b) { b.setAngularVelocity(btVector3(nan, 0, 0)); },
+						   [](btRigidBody& b) { b.setAngularVelocity(btVector3(0, 0, 0)); }},
+						  {"velocity", [&](btRigidBody& b) { b.setLinearVelocity(btVector3(0, infinity, 0)); },
+						   [](btRigidBody& b) { b.setLinearVelocity(btVector3(0, 0, 0)); }},
+						  {"force", [&](btRigidBody& b) { b.applyCentralForce(btVector3(0, 0, nan)); },
+						   [](btRigidBody& b) { b.clearForces(); }},
+						  {"pose", [&](btRigidBody& b) { b.getWorldTransform().getOrigin().setX(nan); },
+						   [](btRigidBody& b) { b.getWorldTransform().getOrigin().setX(0); }},
+						  {"pose", [&](btRigidBody& b) { b.getWorldTransform().getBasis()[0][0] = nan; },
+						   [](btRigidBody& b) { b.getWorldTransform().getBasis().setIdentity(); }}};
+	for (const Case& each : cases)
+	{
+		CubeOnSlab scene;
+		scene.body.setUserIndex(7);
+		scene.world.getDispatchInfo().m_timeStep = btScalar(scene.timeStep);
+		scene.body.getWorldTransform().setOrigin(btVector3(0, btScalar(0.4995), 0));
+		scene.world.performDiscreteCollisionDetection();
+		const StepStatistics before = scene.context.lastStep();
+		EXPECT_GT(before.points, 0u);
+		for (int again = 0; again < 2; ++again)
+		{
+			each.make(scene.body);
+			scene.world.performDiscreteCollisionDetection();
+			const StepStatistics sums = scene.context.lastStep();
+			EXPECT_EQ(scene.contacts(), 0) << each.what;
+			EXPECT_EQ(sums.pairs, 1u);
+			EXPECT_EQ(sums.points + sums.candidates + sums.clusters + sums.nodePairs + sums.hullTests, 0u) << each.what;
+			ASSERT_EQ(sums.warnings.size(), 1u) << each.what;
+			for (const std::string& text : {sums.warnings[0], scene.warnings.at(0)})
+			{
+				EXPECT_NE(text.find(each.what), std::string::npos) << text;
+				EXPECT_NE(text.find("world index 1 (user index 7)"), std::string::npos) << text;
+			}
+		}
+		EXPECT_EQ(scene.warnings.size(), 1u);  // said once
+		each.mend(scene.body);
+		scene.world.performDiscreteCollisionDetection();
+		EXPECT_EQ(scene.context.lastStep().points, before.points) << each.what;
+		EXPECT_TRUE(scene.context.lastStep().warnings.empty()) << each.what;
+	}
 }
 
 TEST(Context, PairCallbackThenShapesThenWorld)
