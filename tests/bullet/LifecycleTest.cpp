@@ -385,6 +385,57 @@ TEST(Context, PairCallbackThenShapesThenWorld)
 	EXPECT_FALSE(look().exact);
 }
 
+TEST(Context, HandlersAndVisitorsMayCallItAgain)
+{
+	CubeOnSlab scene;
+	scene.step(10);
+	StepStatistics seen;
+	std::size_t messages = 0;
+	scene.context.warn = [&](const std::string&)
+	{
+		++messages;
+		seen = scene.context.lastStep();
+		scene.context.forEachPair([&](const PairReport& pair) { EXPECT_FALSE(pair.metricError.empty()); });
+		scene.context.warn = {};
+	};
+	scene.context.worldMetric.maxError = -1;
+	scene.step();
+	EXPECT_EQ(messages, 1u);
+	EXPECT_EQ(seen.pairs, 1u);
+
+	struct Count : btCollisionWorld::ContactResultCallback
+	{
+		int points = 0;
+		btScalar addSingleResult(btManifoldPoint&, const btCollisionObjectWrapper*, int, int,
+								 const btCollisionObjectWrapper*, int, int) override
+		{
+			return btScalar(++points);
+		}
+	} count;
+	int visits = 0;
+	scene.context.forEachPair(
+		[&](const PairReport& pair)
+		{
+			++visits;
+			EXPECT_EQ(scene.context.lastStep().points, pair.points);
+			scene.world.contactPairTest(&scene.ground, &scene.body, count);  // a pair that comes and goes
+			EXPECT_EQ(scene.context.lastStep().pairs, 1u);
+		});
+	EXPECT_EQ(visits, 1);
+	EXPECT_GT(count.points, 0);
+	// One that goes for good.
+	scene.addBody(scene.bodyShape, 1, {2, 0.4995, 0});
+	scene.step();
+	visits = 0;
+	scene.context.forEachPair(
+		[&](const PairReport&)
+		{
+			if (visits++ == 0) scene.world.removeRigidBody(&scene.body);
+		});
+	EXPECT_EQ(scene.context.lastStep().pairs, 1u);
+	EXPECT_LE(visits, 2);
+}
+
 TEST(Context, AStepFasterThanTheWallIsSaidOnce)
 {
 	BulletWorld scene;
