@@ -39,14 +39,17 @@ struct PairReport
 	std::string notFinite;                  // empty, or what is not finite: the pair then has no contacts
 	double tolerance = 0;                   // contact distance used, hierarchy unit
 	double motion = 0;                      // bound on the relative motion of one step, hierarchy unit
-	double errorBound = 0;                  // see QueryResult
+	// How far the nodes of the coarsest contact may be from the surfaces they stand for, both bodies together
+	// (StopRule.h, certifiedErrorApart). While their hulls are apart the true gap there is within it of the hulls'
+	// distance; of a depth it says nothing. The certified gap is result's, with Context::searchGap.
+	double contactError = 0;
 	std::uint32_t candidates = 0, points = 0, clusterCount = 0, leaks = 0;
 	std::uint32_t finestLevel = 0, coarsestLevel = 0;
 	double demand = 0;               // tests that its query took, or would have with a larger budget, as a guess
 	bool isPlanned = false;          // by btClodDispatcher
 	bool deep = false;               // penetration beyond what the contacts can prove
 	bool fast = false;               // one step moves the bodies farther than the thinnest wall
-	bool loose = false;              // the error bound exceeds the thinnest wall
+	bool loose = false;              // contactError exceeds the thinnest wall
 	bool kept = false;               // nothing has changed: manifolds were left as the last dispatch wrote them
 	double queryMicroseconds = 0;    // up to the contact list,
 	double contactMicroseconds = 0;  // and from there to its points, before they are written

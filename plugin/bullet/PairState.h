@@ -71,7 +71,7 @@ private:
 	void reduce();
 	void judge();
 	bool deeperThanPoints();
-	double widthOfContacts() const;
+	double errorOfContacts() const;
 	WorldFrame worldFrame(bool aIsFirst, double closestPoints) const;
 	std::string whatIsNotFinite(double timeStep) const;
 	void forget();
