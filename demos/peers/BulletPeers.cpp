@@ -119,10 +119,11 @@ private:
 		const Result<int> registered = btClodCollisionAlgorithm::registerAlgorithm(&dispatcher, &m_context);
 		if (!registered) throw cli::Failure(cli::ExitCode::failure, registered.error());
 	}
+	// Of a depth nothing is promised; an exact contact lies no farther from ours than this all the same.
 	double promisedBound() const override
 	{
 		double bound = std::numeric_limits<double>::quiet_NaN();
-		m_context.forEachPair([&](const PairReport& report) { bound = report.errorBound; });
+		m_context.forEachPair([&](const PairReport& report) { bound = report.contactError; });
 		return bound;
 	}
 	void prepare(const PoseRow& poses) override

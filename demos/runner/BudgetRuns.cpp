@@ -31,7 +31,7 @@ nlohmann::ordered_json describe(const BudgetRun& run, double radius)
 	nlohmann::ordered_json json = {{"budget_us", nullptr}, {"steps", run.rows.size()}};
 	if (run.rows.empty()) return json;
 	json["dispatch_us"] = spread(column(run, [](const BudgetRow& r) { return r.dispatchMicroseconds; }));
-	json["error_percent"] = spread(column(run, [&](const BudgetRow& r) { return 100 * r.errorBound / radius; }));
+	json["error_percent"] = spread(column(run, [&](const BudgetRow& r) { return 100 * r.contactError / radius; }));
 	json["excess"] = spread(column(run, [](const BudgetRow& r) { return r.excess; }));
 	if (!std::isfinite(run.budget)) return json;
 	json["budget_us"] = run.budget;
@@ -113,7 +113,7 @@ SceneUnderBudgets runUnderBudgets(const SceneInfo& info, const SceneSettings& se
 	const auto advance = [&] { progress(++done / (steps * (double(budgets.size()) + 1))); };
 	const auto add = [](BudgetRun& run, const SceneState& state)
 	{
-		if (!state.points.empty()) run.rows.push_back({state.dispatchMicroseconds, state.errorBound, state.excess});
+		if (!state.points.empty()) run.rows.push_back({state.dispatchMicroseconds, state.contactError, state.excess});
 	};
 	const std::unique_ptr<Scene> leader = makeScene(info.name, silent);
 	std::vector<SceneState> states = {leader->state()};
@@ -158,7 +158,7 @@ std::string formatCsv(const std::vector<SceneUnderBudgets>& scenes)
 		for (const BudgetRun& run : scene.runs)
 			for (const BudgetRow& row : run.rows)
 				text += fmt::format("{},{},{:.3f},{},{}\n", scene.scene, number(run.budget), row.dispatchMicroseconds,
-									number(row.errorBound), number(row.excess));
+									number(row.contactError), number(row.excess));
 	return text;
 }
 

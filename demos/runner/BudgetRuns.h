@@ -15,7 +15,7 @@ namespace clod::demo
 struct BudgetRow
 {
 	double dispatchMicroseconds = 0;  // wall time of the whole dispatch, broadphase included
-	double errorBound = 0, excess = 0;
+	double contactError = 0, excess = 0;
 };
 
 // One run. Budget T: microseconds a step for all pairs; infinite: none.
@@ -32,8 +32,8 @@ struct SceneUnderBudgets
 	std::vector<BudgetRun> runs;
 };
 
-// Simulates the scene without a budget, then dispatches every step again, from the same poses and velocities, under each
-// budget; the last run is the one without.
+// Simulates the scene without a budget, then dispatches every step again, from the same poses and velocities, under
+// each budget; the last run is the one without.
 SceneUnderBudgets runUnderBudgets(const SceneInfo& info, const SceneSettings& settings, int steps,
 								  const std::vector<double>& budgets,
 								  const std::function<void(double fraction)>& progress);

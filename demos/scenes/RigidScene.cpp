@@ -205,7 +205,7 @@ SceneState RigidScene::state() const
 	state.warnings = statistics.warnings;
 	state.excess = statistics.excess;
 	bullet.context.forEachPair([&](const PairReport& pair)
-							   { state.errorBound = std::max(state.errorBound, pair.errorBound); });
+							   { state.contactError = std::max(state.contactError, pair.contactError); });
 	addPoints(state);
 	if (m_settings.budget.isLimited()) addAnswers(state);
 	return state;

@@ -116,7 +116,7 @@ struct SceneState
 	std::vector<BodyPair> pairs;      // followed now, see SceneInfo::isPair
 	double stepMicroseconds = 0;      // the whole of stepSimulation
 	double dispatchMicroseconds = 0;  // its collision dispatch
-	double errorBound = 0;            // certified, of the coarsest contact of any pair; the meshes' unit
+	double contactError = 0;          // certified, of the coarsest contact of any pair; the meshes' unit
 	double excess = 0;                // under a budget: by which factor the worst contact misses its metric
 	int manifolds = 0;
 	bool inPlace = true;  // every body is still where the scene means it to be

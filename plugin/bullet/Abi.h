@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Guard against mixing Bullet's float and double builds, or its versions: they link silently and then corrupt memory.
-// Every program that includes a header of this plugin refers to a symbol that exists in the matching library only; a
+// Every unit that includes a header of this plugin refers to a symbol that exists in the matching library only; a
 // mismatch is a link error that names it.
 #pragma once
 #include <LinearMath/btScalar.h>
@@ -16,10 +16,13 @@
 
 extern "C" int CLOD_ABI_SYMBOL;  // 1
 
-namespace clod
+namespace
 {
-inline int requireMatchingBullet()
-{
-	return CLOD_ABI_SYMBOL;
-}
-}  // namespace clod
+// In every unit, whatever of it is called; kept, too, by a linker that drops unused sections.
+#if __has_cpp_attribute(gnu::retain)
+[[gnu::used, gnu::retain]]
+#else
+[[gnu::used]]
+#endif
+const int* const kMatchingBullet = &CLOD_ABI_SYMBOL;
+}  // namespace

@@ -19,10 +19,22 @@ Transform toTransform(const btTransform& t)
 	return {transposed({{x, y, cross(x, y)}}), toVec3(t.getOrigin())};
 }
 
+bool isFinite(const btTransform& t)
+{
+	const btMatrix3x3& m = t.getBasis();
+	return isFinite(toVec3(t.getOrigin())) && isFinite(toVec3(m[0])) && isFinite(toVec3(m[1])) &&
+		   isFinite(toVec3(m[2]));
+}
+
 bool isFinite(const Transform& t)
 {
 	return isFinite(t.translation) && isFinite(t.rotation.row[0]) && isFinite(t.rotation.row[1]) &&
 		   isFinite(t.rotation.row[2]);
+}
+
+bool isFinite(const RelativeMotion& motion)
+{
+	return isFinite(motion.linear) && isFinite(motion.angular);
 }
 
 RelativeMotion worldMotion(const btCollisionObject& object, double timeStep)

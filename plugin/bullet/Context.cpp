@@ -93,6 +93,7 @@ StepStatistics Context::lastStep() const
 			sum.deepPairs += pair.deep ? 1 : 0;
 			sum.fastPairs += pair.fast ? 1 : 0;
 			sum.loosePairs += pair.loose ? 1 : 0;
+			if (!pair.notFinite.empty()) sum.warnings.push_back(name + ": no contacts, as " + pair.notFinite);
 			if (!pair.metricError.empty()) sum.warnings.push_back(name + ": exact, as " + pair.metricError);
 			if (pair.deep) sum.warnings.push_back(name + ": penetration deeper than the contacts can prove");
 			if (pair.fast) sum.warnings.push_back(name + ": one step moves farther than the thinnest wall");

@@ -36,16 +36,20 @@ struct PairReport
 	const ClusterSet* clusters = nullptr;   // frame A, hierarchy unit
 	Metric metric;                          // as used; exact where the user's could not be used
 	std::string metricError;                // empty, or why the user's metric could not be used
+	std::string notFinite;                  // empty, or what is not finite: the pair then has no contacts
 	double tolerance = 0;                   // contact distance used, hierarchy unit
 	double motion = 0;                      // bound on the relative motion of one step, hierarchy unit
-	double errorBound = 0;                  // see QueryResult
+	// How far the nodes of the coarsest contact may be from the surfaces they stand for, both bodies together
+	// (StopRule.h, certifiedErrorApart). While their hulls are apart the true gap there is within it of the hulls'
+	// distance; of a depth it says nothing. The certified gap is result's, with Context::searchGap.
+	double contactError = 0;
 	std::uint32_t candidates = 0, points = 0, clusterCount = 0, leaks = 0;
 	std::uint32_t finestLevel = 0, coarsestLevel = 0;
 	double demand = 0;               // tests that its query took, or would have with a larger budget, as a guess
 	bool isPlanned = false;          // by btClodDispatcher
 	bool deep = false;               // penetration beyond what the contacts can prove
 	bool fast = false;               // one step moves the bodies farther than the thinnest wall
-	bool loose = false;              // the error bound exceeds the thinnest wall
+	bool loose = false;              // contactError exceeds the thinnest wall
 	bool kept = false;               // nothing has changed: manifolds were left as the last dispatch wrote them
 	double queryMicroseconds = 0;    // up to the contact list,
 	double contactMicroseconds = 0;  // and from there to its points, before they are written
@@ -76,8 +80,8 @@ public:
 	// may change between steps. A metric that cannot be used (contactMetricError) makes its pairs exact and is warned
 	// of.
 	ContactMetric worldMetric = ContactMetric::errorShare(0.005);
-	// Returns true and fills the metric to decide a pair. Called once a pair and dispatch, twice under
-	// a budget, maybe from several threads.
+	// Returns true and fills the metric to decide a pair. Called once a pair and dispatch, twice under a budget, maybe
+	// from several threads.
 	std::function<bool(const btCollisionObject& a, const btCollisionObject& b, ContactMetric& metric)> pairMetric;
 	// The eye of view metrics; none: a pair with a view metric is exact and warned of.
 	std::optional<ViewCamera> camera;

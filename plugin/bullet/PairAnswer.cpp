@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // A pair's contacts in one dispatch, and when those of the last one are the answer already: two bodies that stay where
 // they are cost what writing their manifolds costs.
+#include <tuple>
+
 #include "clod/bullet/PairState.h"
 
 namespace clod
@@ -10,11 +12,12 @@ namespace
 constexpr int kLeakRounds = 3;          // reductions after dropping leaking points
 constexpr double kTestsPerPending = 8;  // what a pair that was not refined would have taken
 
-bool same(const PointRules& l, const PointRules& r)
+// Every field: one more does not compile before it is named here.
+auto fieldsOf(const PointRules& rules)
 {
-	return l.length == r.length && l.resting == r.resting && l.margin == r.margin &&
-		   l.motion.linear == r.motion.linear && l.motion.angular == r.motion.angular &&
-		   l.motion.timeStep == r.motion.timeStep;
+	const auto& [length, resting, margin, motion] = rules;
+	const auto& [linear, angular, timeStep] = motion;
+	return std::tie(length, resting, margin, linear, angular, timeStep);
 }
 }  // namespace
 
@@ -22,7 +25,7 @@ bool same(const PointRules& l, const PointRules& r)
 bool PairState::answersAgain() const
 {
 	return m_hasQuestion && m_partner == Partner::Clod && !m_context.budget.isLimited() &&
-		   same(m_question.aFromB, m_aFromB) && same(m_question.rules, m_rules) &&
+		   same(m_question.aFromB, m_aFromB) && fieldsOf(m_question.rules) == fieldsOf(m_rules) &&
 		   same(m_question.settings, querySettings());
 }
 
@@ -104,6 +107,7 @@ void PairState::answer()
 	judge();
 	m_report.contactMicroseconds = staysEmpty ? 0 : microsecondsSince(found);
 	m_question = {m_aFromB, querySettings(), m_rules};
-	m_hasQuestion = true;
+	// What a budget cut short answers only under that budget: the next dispatch asks anew, with what it may cost then.
+	m_hasQuestion = !(m_result.excess > 0);
 }
 }  // namespace clod

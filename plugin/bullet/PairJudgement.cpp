@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Zlib
-// What a pair says about its own contacts: levels, error bound, and what it warns of.
+// What a pair says about its own contacts: levels, certified error, and what it warns of.
 #include <algorithm>
 
 #include "clod/bullet/PairState.h"
+#include "clod/query/StopRule.h"
 
 namespace clod
 {
@@ -11,12 +12,18 @@ namespace
 constexpr double kUnansweredShare = 2;  // depth found over depth answered by points that is reported as deep
 }
 
+void PairState::sayOnce(unsigned bit, const std::string& message)
+{
+	if ((m_warned & bit) != 0) return;
+	m_warned |= bit;
+	m_context.say(message);
+}
+
 void PairState::warnOnce(bool now, unsigned bit, const char* cause)
 {
 	if (!now || (m_warned & bit) != 0) return;
-	m_warned |= bit;
-	m_context.say(std::string(cause) + " (radius " + std::to_string(m_rules.length) + ", motion of a step " +
-				  std::to_string(m_report.motion) + ", hierarchy unit)");
+	sayOnce(bit, std::string(cause) + " (radius " + std::to_string(m_rules.length) + ", motion of a step " +
+					 std::to_string(m_report.motion) + ", hierarchy unit)");
 }
 
 // Is there a depth that the chosen points do not answer? A component inside the other body, a chosen point where its
@@ -48,18 +55,18 @@ bool PairState::deeperThanPoints()
 	return atBottom || depth > kUnansweredShare * answered + m_rules.resting;
 }
 
-// Certified width of the nodes in contact: the true gap of a pair is within it of the hulls' distance.
-double PairState::widthOfContacts() const
+// See PairReport::contactError.
+double PairState::errorOfContacts() const
 {
 	if (m_partner != Partner::Clod) return m_foreignStats.errorBound;
-	double width = 0;
+	double error = 0;
 	for (const Contact& contact : m_result.contacts)
 	{
 		const Node& a = m_shapeA->hierarchy().node(contact.nodeA);
 		const Node& b = m_shapeB->hierarchy().node(contact.nodeB);
-		width = std::max({width, double(a.cover) + double(b.cover), double(a.protrude) + double(b.protrude)});
+		error = std::max(error, certifiedErrorApart(a, b));
 	}
-	return width;
+	return error;
 }
 
 void PairState::judge()
@@ -68,14 +75,14 @@ void PairState::judge()
 	m_report.points = std::uint32_t(m_clusters.pointCount());
 	m_report.clusterCount = 0;
 	for (const ContactCluster& cluster : m_clusters.slots) m_report.clusterCount += cluster.count > 0 ? 1 : 0;
-	m_report.errorBound = widthOfContacts();
+	m_report.contactError = errorOfContacts();
 	m_report.finestLevel = m_result.stats.finestLevel;
 	m_report.coarsestLevel = m_result.stats.coarsestLevel;
 	double wall = double(m_shapeA->hierarchy().asset().thinnestWall);
 	if (m_partner == Partner::Clod) wall = std::min(wall, double(m_shapeB->hierarchy().asset().thinnestWall));
 	m_report.deep = deeperThanPoints();
 	m_report.fast = wall > 0 && m_report.motion > wall;
-	m_report.loose = wall > 0 && std::isfinite(m_report.errorBound) && m_report.errorBound > wall;
+	m_report.loose = wall > 0 && m_report.contactError > wall;
 	if (m_isClosestPoints) return;
 	warnOnce(m_report.deep, 1, "two bodies overlap deeper than their contacts can prove");
 	warnOnce(m_report.fast, 2, "a step moves two bodies farther than their thinnest wall: use smaller steps");

@@ -13,8 +13,7 @@ namespace clod
 {
 namespace
 {
-constexpr double kBreakingShare = 0.003;  // of the length: drift that refreshContactPoints tolerates
-constexpr double kSameScale = 1e-6;       // scales whose ratio differs by less are equal
+constexpr double kSameScale = 1e-6;  // scales whose ratio differs by less are equal
 
 Vec3 sphereCenter(const Hierarchy& hierarchy)
 {
@@ -60,6 +59,12 @@ PairState::~PairState()
 	m_context.remove(&m_report);
 }
 
+PairState::Seen PairState::seen(const btCollisionShape& shape, const btClodShape* ours)
+{
+	if (!ours) return {&shape, 0, 0};
+	return {&shape, ours->hierarchy().contentHash(), ours->revision()};
+}
+
 // Which body is A? The one whose content hashes lower, so that Bullet's order of a pair changes nothing but signs.
 bool PairState::chooseBodies(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1)
 {
@@ -79,16 +84,14 @@ bool PairState::chooseBodies(const btCollisionObjectWrapper& body0, const btColl
 				: partner->getShapeType() == STATIC_PLANE_PROXYTYPE ? Partner::Plane
 				: partner->isConcave()                              ? Partner::Concave
 																	: Partner::None;
-	// Shapes can change under a live pair.
-	const int revisions = m_shapeA->revision() + (m_shapeB ? 65536 * m_shapeB->revision() : 0);
-	if (m_seenA != m_shapeA || m_seenB != partner || m_seenRevisions != revisions)
+	const Seen seenA = seen(*m_shapeA, m_shapeA), seenB = seen(*partner, m_shapeB);
+	if (!(m_seenA == seenA && m_seenB == seenB))
 	{
 		m_cache.clear();
 		m_clusters.clear();
 		m_hasQuestion = false;
-		m_seenA = m_shapeA;
-		m_seenB = partner;
-		m_seenRevisions = revisions;
+		m_seenA = seenA;
+		m_seenB = seenB;
 	}
 	return m_partner != Partner::None;
 }
@@ -122,7 +125,7 @@ void PairState::chooseMetric()
 	if (error.empty() && metric.own) m_report.metric.own = &m_own;
 	m_report.metricError = error;
 	if (error.empty()) return;
-	warnOnce(true, 8, ("a pair's metric cannot be used, its contacts are exact: " + error).c_str());
+	sayOnce(8, "a pair's metric cannot be used, its contacts are exact: " + error);
 	m_report.metric = Metric{};
 	m_report.metric.exact = true;
 }
@@ -172,27 +175,62 @@ Sweep PairState::sweepOfStep() const
 bool PairState::prepare(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 						const btDispatcherInfo& info, double closestPoints)
 {
+	m_report.notFinite.clear();
 	if (!chooseBodies(body0, body1)) return false;
+	m_report.objectA = m_a->getCollisionObject();
+	m_report.objectB = m_b->getCollisionObject();
 	const double scale = m_shapeA->scale();
-	const btTransform& poseA = m_a->getWorldTransform();
-	m_worldFromA = toTransform(poseA);
+	m_worldFromA = toTransform(m_a->getWorldTransform());
 	m_aFromB = inverse(m_worldFromA) * toTransform(m_b->getWorldTransform());
 	m_aFromB.translation = (1 / scale) * m_aFromB.translation;
-	if (!isFinite(m_worldFromA) || !isFinite(m_aFromB)) return false;
-
 	m_rules.length = double(m_shapeA->hierarchy().asset().radius);
 	if (m_partner == Partner::Clod)
 		m_rules.length = std::min(m_rules.length, double(m_shapeB->hierarchy().asset().radius));
 	setMotion(double(info.m_timeStep), closestPoints);
-	if (!isFinite(m_rules.motion.linear) || !isFinite(m_rules.motion.angular)) return false;
+	if (!isFinite(m_a->getWorldTransform()) || !isFinite(m_b->getWorldTransform()) || !isFinite(m_aFromB) ||
+		!isFinite(m_rules.motion))
+	{
+		m_report.notFinite = whatIsNotFinite(m_rules.motion.timeStep);
+		sayOnce(32, "a pair has no contacts: " + m_report.notFinite);
+		return false;
+	}
 	chooseMetric();
-	m_report.objectA = m_a->getCollisionObject();
-	m_report.objectB = m_b->getCollisionObject();
 	m_report.hierarchyA = &m_shapeA->hierarchy();
 	m_report.hierarchyB = m_partner == Partner::Clod ? &m_shapeB->hierarchy() : nullptr;
 	m_report.result = &m_result;
 	m_report.clusters = &m_clusters;
 	return true;
+}
+
+std::string PairState::whatIsNotFinite(double timeStep) const
+{
+	for (const btCollisionObjectWrapper* body : {m_a, m_b})
+	{
+		const btCollisionObject& object = *body->getCollisionObject();
+		const bool hasPose = isFinite(body->getWorldTransform());
+		if (hasPose && isFinite(worldMotion(object, timeStep))) continue;
+		return std::string(hasPose ? "the velocity of, or a force on," : "the pose of") + " the body of world index " +
+			   std::to_string(object.getWorldArrayIndex()) + " (user index " + std::to_string(object.getUserIndex()) +
+			   ") is not finite";
+	}
+	return "the motion of its bodies relative to each other is not finite";
+}
+
+// Nothing was asked: of the dispatch before, neither points nor report hold any longer.
+void PairState::forget()
+{
+	m_clusters.clear();
+	m_result.clear();
+	m_hasQuestion = false;
+	PairReport report;
+	report.objectA = m_report.objectA;
+	report.objectB = m_report.objectB;
+	report.notFinite = m_report.notFinite;
+	report.result = &m_result;
+	report.clusters = &m_clusters;
+	report.demand = m_report.demand;
+	report.isPlanned = m_report.isPlanned;
+	m_report = report;
 }
 
 void PairState::clipForeign()
@@ -245,7 +283,7 @@ Budget PairState::chooseBudget()
 	if (std::exchange(m_hasPlan, false)) return kSpent;
 	const std::string error = budgetError(m_context.budget);
 	if (error.empty()) return m_context.shareOf(m_report);
-	warnOnce(true, 16, ("the budget cannot be used: " + error).c_str());
+	sayOnce(16, "the budget cannot be used: " + error);
 	return {};
 }
 
@@ -289,10 +327,7 @@ void PairState::process(const btCollisionObjectWrapper& body0, const btCollision
 	else if (isAsked)
 		answer();
 	else
-	{
-		m_clusters.clear();
-		m_hasQuestion = false;
-	}
+		forget();
 	const auto levelOf = [this](const ContactPoint& point, std::uint32_t& levelA, std::uint32_t& levelB)
 	{
 		levelA = m_shapeA->hierarchy().node(point.nodeA).level;

@@ -43,6 +43,18 @@ private:
 		Concave,
 		None
 	};
+	// Which shape a body has. Shapes change under a live pair, and others are made in their place.
+	struct Seen
+	{
+		const btCollisionShape* shape = nullptr;
+		std::uint64_t contentHash = 0;  // of the hierarchy, where it is one of ours,
+		int revision = -1;              // and the shape's
+		bool operator==(const Seen& other) const
+		{
+			return shape == other.shape && contentHash == other.contentHash && revision == other.revision;
+		}
+	};
+	static Seen seen(const btCollisionShape& shape, const btClodShape* ours);
 	bool prepare(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 				 const btDispatcherInfo& info, double closestPoints);
 	bool chooseBodies(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1);
@@ -59,8 +71,11 @@ private:
 	void reduce();
 	void judge();
 	bool deeperThanPoints();
-	double widthOfContacts() const;
+	double errorOfContacts() const;
 	WorldFrame worldFrame(bool aIsFirst, double closestPoints) const;
+	std::string whatIsNotFinite(double timeStep) const;
+	void forget();
+	void sayOnce(unsigned bit, const std::string& message);
 	void warnOnce(bool now, unsigned bit, const char* cause);
 
 	Context& m_context;
@@ -71,17 +86,16 @@ private:
 	const btCollisionObjectWrapper* m_a = nullptr;
 	const btCollisionObjectWrapper* m_b = nullptr;
 	const btClodShape* m_shapeA = nullptr;
-	const btClodShape* m_shapeB = nullptr;  // null unless Partner::Clod
-	Transform m_worldFromA;                 // world lengths
-	Transform m_aFromB;                     // hierarchy unit
+	const btClodShape* m_shapeB =
+		nullptr;             // null where B is no shape of ours; of another scale than A: Partner::Concave
+	Transform m_worldFromA;  // world lengths
+	Transform m_aFromB;      // hierarchy unit
 	PointRules m_rules;
 	MetricFrame m_frame;
 	std::shared_ptr<const ContactThreshold> m_ownThreshold;  // of the user's metric
 	OwnThreshold m_own;                                      // the same as the query calls it
 	// From dispatch to dispatch.
-	const void* m_seenA = nullptr;
-	const void* m_seenB = nullptr;
-	int m_seenRevisions = -1;
+	Seen m_seenA, m_seenB;
 	Transform m_oldAFromB;
 	PairCache m_cache;
 	QueryResult m_result, m_searched;

@@ -88,7 +88,6 @@ void btClodCollisionAlgorithm::getAllContactManifolds(btManifoldArray& manifolds
 clod::Result<int> btClodCollisionAlgorithm::registerAlgorithm(btCollisionDispatcher* dispatcher, clod::Context* context,
 															  int shapeType)
 {
-	clod::requireMatchingBullet();
 	const std::string reason = reasonAgainst(dispatcher, context, shapeType);
 	if (!reason.empty()) return clod::Error{reason};
 	auto contacts = std::make_unique<CreateFunction>(*context, false);

@@ -16,8 +16,6 @@ using clod::CullBox;
 using clod::Hierarchy;
 using clod::Vec3;
 
-constexpr double kBreakingShare = 0.003;  // of the radius: remembered points drift no farther
-
 Vec3 toVec3(const float (&v)[3])
 {
 	return {double(v[0]), double(v[1]), double(v[2])};
@@ -100,7 +98,6 @@ void walk(const Hierarchy& hierarchy, const Skip& skip, const Visit& visit)
 btClodShape::btClodShape(std::shared_ptr<const clod::Hierarchy> hierarchy, int shapeType)
 	: m_hierarchy(std::move(hierarchy)), m_scaling(1, 1, 1)
 {
-	clod::requireMatchingBullet();
 	m_shapeType = shapeType;
 	m_collisionMargin = 0;
 	updateBounds();
@@ -173,7 +170,7 @@ void btClodShape::getAabb(const btTransform& worldFromBody, btVector3& aabbMin, 
 
 btScalar btClodShape::getContactBreakingThreshold(btScalar defaultFactor) const
 {
-	const btScalar fine = btScalar(kBreakingShare * double(m_hierarchy->asset().radius) * m_scale);
+	const btScalar fine = btScalar(clod::kBreakingShare * double(m_hierarchy->asset().radius) * m_scale);
 	return btMin(btConcaveShape::getContactBreakingThreshold(defaultFactor), fine);
 }
 

@@ -15,6 +15,11 @@
 
 #include "clod/bullet/Context.h"
 
+namespace clod
+{
+inline constexpr double kBreakingShare = 0.003;  // of the radius: points that Bullet remembers drift no farther
+}
+
 ATTRIBUTE_ALIGNED16(class)
 btClodShape : public btConcaveShape
 {

@@ -2,17 +2,22 @@
 // Comparison and validity of metrics.
 #include "clod/query/Metric.h"
 
+#include <tuple>
+
 namespace clod
 {
 namespace
 {
-bool same(const VelocityThreshold& l, const VelocityThreshold& r)
+// Every field: one more does not compile before it is named here.
+auto fieldsOf(const VelocityThreshold& threshold)
 {
-	return l.time == r.time && l.floor == r.floor && l.linear == r.linear && l.angular == r.angular;
+	const auto& [time, floor, linear, angular] = threshold;
+	return std::tie(time, floor, linear, angular);
 }
-bool same(const ViewThreshold& l, const ViewThreshold& r)
+auto fieldsOf(const ViewThreshold& threshold)
 {
-	return l.pixels == r.pixels && l.eye == r.eye && l.pixelSize == r.pixelSize && l.nearest == r.nearest;
+	const auto& [pixels, eye, pixelSize, nearest] = threshold;
+	return std::tie(pixels, eye, pixelSize, nearest);
 }
 
 std::string below(const char* field, double value)
@@ -31,8 +36,13 @@ bool usable(double value)
 
 bool same(const Metric& l, const Metric& r)
 {
-	return !l.own && !r.own && l.exact == r.exact && l.weightedDeviation == r.weightedDeviation &&
-		   l.combine == r.combine && l.maxError == r.maxError && same(l.velocity, r.velocity) && same(l.view, r.view);
+	const auto fields = [](const Metric& metric)
+	{
+		const auto& [exact, weightedDeviation, velocity, view, own, combine, maxError] = metric;
+		return std::tuple_cat(std::tie(exact, weightedDeviation, own, combine, maxError), fieldsOf(velocity),
+							  fieldsOf(view));
+	};
+	return !l.own && !r.own && fields(l) == fields(r);
 }
 
 std::string metricError(const Metric& metric)

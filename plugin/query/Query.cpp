@@ -3,6 +3,7 @@
 #include "clod/query/Query.h"
 
 #include <string>
+#include <tuple>
 
 #include "clod/query/Evaluation.h"
 #include "clod/query/MotionBound.h"
@@ -30,9 +31,14 @@ void QueryResult::clear()
 
 bool same(const Settings& l, const Settings& r)
 {
-	return l.budget.tests == r.budget.tests && l.budget.microseconds == r.budget.microseconds &&
-		   same(l.metric, r.metric) && l.tolerance == r.tolerance && l.distance == r.distance &&
-		   l.gapError == r.gapError && l.contactsOnly == r.contactsOnly && l.paper == r.paper && l.sweep == r.sweep;
+	// Every field but the metric: one more does not compile before it is named here.
+	const auto fields = [](const Settings& settings)
+	{
+		const auto& [metric, tolerance, sweep, distance, gapError, paper, contactsOnly, budget] = settings;
+		const auto& [tests, microseconds] = budget;
+		return std::tie(tolerance, sweep, distance, gapError, paper, contactsOnly, tests, microseconds);
+	};
+	return fields(l) == fields(r) && same(l.metric, r.metric);
 }
 
 bool same(const Transform& l, const Transform& r)
@@ -105,7 +111,7 @@ void answer(const QueryContext& context, const Settings& settings, PairCache::St
 	if (state.clearance.holds(context, settings))
 	{
 		state.settings = settings;
-		setNothingNear(settings, 0, result);
+		setNothingNear(settings, state.clearance.largestCover(), result);
 		result.stats.front = state.last.stats.front;
 		result.stats.frontInner = state.last.stats.frontInner;
 		result.stats.stillClear = 1;

@@ -24,6 +24,7 @@ inline double distanceToSegment(const Vec3& p, const Vec3& move)
 }
 inline bool operator==(const Sweep& l, const Sweep& r)
 {
-	return l.linear == r.linear && l.angular == r.angular;
+	const auto& [linear, angular] = l;  // every field: one more does not compile before it is named here
+	return linear == r.linear && angular == r.angular;
 }
 }  // namespace clod

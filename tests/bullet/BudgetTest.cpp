@@ -241,6 +241,31 @@ TEST(BulletBudget, TheCoarsestAnswersCarryBodiesToo)
 	EXPECT_NEAR(hurried.height(), exact.height(), 0.1);
 }
 
+// What was cut short answers no dispatch that may cost more, however still the bodies lie.
+TEST(BulletBudget, ACoarseAnswerEndsWithItsBudget)
+{
+	for (const double microseconds : {kOff, 1e12})  // the whole step of WholeStep.h has no budget either
+	{
+		Toruses scene(true);
+		scene.context.worldMetric = ContactMetric::deviationShare(0.1);
+		scene.run(60, kOff);
+		const Toruses::Step full = scene.detect(1e9);
+		scene.context.budget = {kOff, 0};
+		const Toruses::Step coarse = scene.detect(kOff);
+		ASSERT_GT(coarse.excess, 0);
+		ASSERT_LT(coarse.excess, 30);  // near enough for a whole step
+		scene.context.budget = {kOff, microseconds};
+		const Toruses::Step free = scene.detect(kOff);
+		EXPECT_EQ(free.excess, 0) << microseconds;
+		EXPECT_EQ(free.contacts, full.contacts) << microseconds;
+		// And the other way round: a budget is held although a finer answer is at hand.
+		scene.context.budget = {};
+		const Toruses::Step none = scene.detect(0);
+		EXPECT_EQ(none.contacts, coarse.contacts) << microseconds;
+		EXPECT_EQ(none.excess, coarse.excess) << microseconds;
+	}
+}
+
 TEST(BulletBudget, OneThatCannotBeUsedIsSaidAndNotUsed)
 {
 	Toruses scene(true);

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <functional>
 #include <limits>
+#include <optional>
 
 #include "tests/bullet/CubeOnSlab.h"
 #include "tests/bullet/ManifoldState.h"
@@ -157,6 +159,43 @@ TEST(Lifecycle, SetCollisionShapeAtRunTimeIsNoticed)
 	EXPECT_NEAR(heightOf(scene.body), 2.0, 0.01);
 }
 
+// A shape of a pool: another one in its place has its address and its revision, here even the same surface.
+TEST(Lifecycle, AnotherHierarchyInTheSamePlaceIsNoticed)
+{
+	const auto fine = patchHierarchy(boxMesh({1, 1, 1}, {4, 4, 4}, 1)),
+			   coarse = patchHierarchy(boxMesh({1, 1, 1}, {4, 4, 4}, 4));
+	std::optional<btClodShape> place(fine);
+	BulletWorld scene;
+	scene.addBody(*place, 0, {});
+	scene.addBody(*place, 1, {0.013, 0.9995, 0.027});
+	std::size_t largest = 0, nodes = 0;
+	const auto dispatch = [&]
+	{
+		scene.world.performDiscreteCollisionDetection();
+		largest = 0;
+		scene.context.forEachPair(
+			[&](const PairReport& pair)
+			{
+				nodes = pair.hierarchyA->nodes().size;
+				for (const ContactCluster& cluster : pair.clusters->slots)
+					for (int i = 0; i < cluster.count; ++i)
+					{
+						const ContactPoint& point = cluster.points[std::size_t(i)].point;
+						largest = std::max({largest, std::size_t(point.nodeA), std::size_t(point.nodeB)});
+					}
+			});
+		EXPECT_GT(scene.contacts(), 0);
+		EXPECT_LT(largest, nodes);
+		return scene.context.lastStep().keptPairs;
+	};
+	EXPECT_EQ(dispatch(), 0u);
+	EXPECT_EQ(dispatch(), 1u);
+	ASSERT_GE(largest, coarse->nodes().size);  // an old answer would show
+	place.emplace(coarse);
+	EXPECT_EQ(dispatch(), 0u);
+	EXPECT_EQ(dispatch(), 1u);
+}
+
 TEST(Lifecycle, ARestingPairSleepsAndWakes)
 {
 	CubeOnSlab scene;
@@ -267,6 +306,57 @@ TEST(Lifecycle, ANotFinitePoseIsIgnored)
 	SUCCEED();
 }
 
+TEST(Lifecycle, WhatIsNotFiniteIsSaidAndHasNoContacts)
+{
+	const btScalar nan = std::numeric_limits<btScalar>::quiet_NaN();
+	const btScalar infinity = std::numeric_limits<btScalar>::infinity();
+	struct Case
+	{
+		const char* what;
+		std::function<void(btRigidBody&)> make, mend;
+	};
+	const Case cases[] = {{"velocity", [&](btRigidBody& b) { b.setAngularVelocity(btVector3(nan, 0, 0)); },
+						   [](btRigidBody& b) { b.setAngularVelocity(btVector3(0, 0, 0)); }},
+						  {"velocity", [&](btRigidBody& b) { b.setLinearVelocity(btVector3(0, infinity, 0)); },
+						   [](btRigidBody& b) { b.setLinearVelocity(btVector3(0, 0, 0)); }},
+						  {"force", [&](btRigidBody& b) { b.applyCentralForce(btVector3(0, 0, nan)); },
+						   [](btRigidBody& b) { b.clearForces(); }},
+						  {"pose", [&](btRigidBody& b) { b.getWorldTransform().getOrigin().setX(nan); },
+						   [](btRigidBody& b) { b.getWorldTransform().getOrigin().setX(0); }},
+						  {"pose", [&](btRigidBody& b) { b.getWorldTransform().getBasis()[0][0] = nan; },
+						   [](btRigidBody& b) { b.getWorldTransform().getBasis().setIdentity(); }}};
+	for (const Case& each : cases)
+	{
+		CubeOnSlab scene;
+		scene.body.setUserIndex(7);
+		scene.world.getDispatchInfo().m_timeStep = btScalar(scene.timeStep);
+		scene.body.getWorldTransform().setOrigin(btVector3(0, btScalar(0.4995), 0));
+		scene.world.performDiscreteCollisionDetection();
+		const StepStatistics before = scene.context.lastStep();
+		EXPECT_GT(before.points, 0u);
+		for (int again = 0; again < 2; ++again)
+		{
+			each.make(scene.body);
+			scene.world.performDiscreteCollisionDetection();
+			const StepStatistics sums = scene.context.lastStep();
+			EXPECT_EQ(scene.contacts(), 0) << each.what;
+			EXPECT_EQ(sums.pairs, 1u);
+			EXPECT_EQ(sums.points + sums.candidates + sums.clusters + sums.nodePairs + sums.hullTests, 0u) << each.what;
+			ASSERT_EQ(sums.warnings.size(), 1u) << each.what;
+			for (const std::string& text : {sums.warnings[0], scene.warnings.at(0)})
+			{
+				EXPECT_NE(text.find(each.what), std::string::npos) << text;
+				EXPECT_NE(text.find("world index 1 (user index 7)"), std::string::npos) << text;
+			}
+		}
+		EXPECT_EQ(scene.warnings.size(), 1u);  // said once
+		each.mend(scene.body);
+		scene.world.performDiscreteCollisionDetection();
+		EXPECT_EQ(scene.context.lastStep().points, before.points) << each.what;
+		EXPECT_TRUE(scene.context.lastStep().warnings.empty()) << each.what;
+	}
+}
+
 TEST(Context, PairCallbackThenShapesThenWorld)
 {
 	CubeOnSlab scene;
@@ -293,6 +383,57 @@ TEST(Context, PairCallbackThenShapesThenWorld)
 	EXPECT_TRUE(look().exact);
 	scene.context.pairMetric = [](const btCollisionObject&, const btCollisionObject&, ContactMetric&) { return false; };
 	EXPECT_FALSE(look().exact);
+}
+
+TEST(Context, HandlersAndVisitorsMayCallItAgain)
+{
+	CubeOnSlab scene;
+	scene.step(10);
+	StepStatistics seen;
+	std::size_t messages = 0;
+	scene.context.warn = [&](const std::string&)
+	{
+		++messages;
+		seen = scene.context.lastStep();
+		scene.context.forEachPair([&](const PairReport& pair) { EXPECT_FALSE(pair.metricError.empty()); });
+		scene.context.warn = {};
+	};
+	scene.context.worldMetric.maxError = -1;
+	scene.step();
+	EXPECT_EQ(messages, 1u);
+	EXPECT_EQ(seen.pairs, 1u);
+
+	struct Count : btCollisionWorld::ContactResultCallback
+	{
+		int points = 0;
+		btScalar addSingleResult(btManifoldPoint&, const btCollisionObjectWrapper*, int, int,
+								 const btCollisionObjectWrapper*, int, int) override
+		{
+			return btScalar(++points);
+		}
+	} count;
+	int visits = 0;
+	scene.context.forEachPair(
+		[&](const PairReport& pair)
+		{
+			++visits;
+			EXPECT_EQ(scene.context.lastStep().points, pair.points);
+			scene.world.contactPairTest(&scene.ground, &scene.body, count);  // a pair that comes and goes
+			EXPECT_EQ(scene.context.lastStep().pairs, 1u);
+		});
+	EXPECT_EQ(visits, 1);
+	EXPECT_GT(count.points, 0);
+	// One that goes for good.
+	scene.addBody(scene.bodyShape, 1, {2, 0.4995, 0});
+	scene.step();
+	visits = 0;
+	scene.context.forEachPair(
+		[&](const PairReport&)
+		{
+			if (visits++ == 0) scene.world.removeRigidBody(&scene.body);
+		});
+	EXPECT_EQ(scene.context.lastStep().pairs, 1u);
+	EXPECT_LE(visits, 2);
 }
 
 TEST(Context, AStepFasterThanTheWallIsSaidOnce)

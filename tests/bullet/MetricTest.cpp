@@ -2,8 +2,11 @@
 // Error metrics set per world, shape and pair, changed between steps, as the pairs of a Bullet world use them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
+#include "clod/query/StopRule.h"
 #include "tests/bullet/BulletWorld.h"
 #include "tests/query/Bodies.h"
 
@@ -65,7 +68,7 @@ struct Touching : BulletWorld
 				answer = {pair.metric,      pair.result->contacts.size(),
 						  pair.finestLevel, pair.coarsestLevel,
 						  pair.points,      pair.metricError,
-						  pair.errorBound};
+						  pair.contactError};
 				if (!pair.hierarchyB) answer.contacts = pair.points;
 			});
 		return answer;
@@ -114,6 +117,41 @@ TEST(BulletMetric, SizeVelocityViewAndOwnReachThePair)
 	EXPECT_EQ(own.contacts, constant.contacts);
 	EXPECT_EQ(own.coarsest, constant.coarsest);
 	EXPECT_TRUE(scene.warnings.empty());
+}
+
+// A small error of the contacts' nodes is no bound of how deep bodies overlap: the result has that, or says that it has
+// none.
+TEST(BulletMetric, TheErrorOfContactsIsOfTheirNodesAndOfNoDepth)
+{
+	Touching scene;
+	scene.raise(double(scene.upper.getWorldTransform().getOrigin().y()) - 0.05);
+	for (const ContactMetric& metric : {ContactMetric::exactly(), ContactMetric::deviationShare(1)})
+		for (const bool searches : {false, true})
+		{
+			scene.context.worldMetric = metric;
+			scene.context.searchGap = searches;
+			scene.dispatch();
+			int overlapping = 0;
+			scene.context.forEachPair(
+				[&](const PairReport& pair)
+				{
+					double largest = 0;
+					for (const Contact& contact : pair.result->contacts)
+					{
+						largest = std::max(largest, certifiedErrorApart(pair.hierarchyA->node(contact.nodeA),
+																		pair.hierarchyB->node(contact.nodeB)));
+						overlapping += contact.upper <= 0;
+					}
+					EXPECT_EQ(pair.contactError, largest);
+					// Deep: at least so deep.
+					EXPECT_EQ(std::isfinite(pair.result->errorBound), searches && !pair.result->deep);
+					if (!metric.exact) return;
+					const double radius = double(pair.hierarchyA->asset().radius);
+					EXPECT_LT(pair.contactError, 1e-4 * radius);
+					EXPECT_EQ(pair.result->minDistance < -0.01 * radius, searches);
+				});
+			EXPECT_GT(overlapping, 0);
+		}
 }
 
 TEST(BulletMetric, ChangesBetweenStepsTakeEffectAtOnceAndComeBack)
