@@ -74,7 +74,7 @@ void btClodDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache* pairCac
 		return;
 	}
 	const bool isOfTime = budget.microseconds < clod::kOff && !(budget.tests < clod::kOff);
-	if (isOfTime && m_whole.isDue())
+	if (isOfTime && m_whole.isDue(budget.microseconds))
 	{
 		dispatchWhole(pairCache, info, dispatcher);
 		return;
@@ -83,7 +83,8 @@ void btClodDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache* pairCac
 	m_planned.clear();
 	plan(*pairCache, info);
 	m_answers = refine(budget, microsecondsSince(start));
-	if (isOfTime) m_whole.observeRefined(m_queue.empty() ? 0 : m_planned[m_queue.front()].plan.excess());
+	const double excess = m_queue.empty() ? 0 : m_planned[m_queue.front()].plan.excess();
+	if (isOfTime) m_whole.observeRefined(excess, budget.microseconds);
 	const Clock::time_point answering = Clock::now();
 	btCollisionDispatcher::dispatchAllCollisionPairs(pairCache, info, dispatcher);
 	m_answerCost.observe(m_answers, microsecondsSince(answering));

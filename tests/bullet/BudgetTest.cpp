@@ -148,15 +148,15 @@ TEST(BulletBudget, AFullOneGivesTheTrajectoryOfNone)
 TEST(WholeStep, IsTriedNearTheMetricAndKeptWhileItFits)
 {
 	WholeStep whole;
-	EXPECT_FALSE(whole.isDue());
-	whole.observeRefined(40);
-	EXPECT_FALSE(whole.isDue());
-	whole.observeRefined(28);
-	ASSERT_TRUE(whole.isDue());
+	EXPECT_FALSE(whole.isDue(100));
+	whole.observeRefined(40, 100);
+	EXPECT_FALSE(whole.isDue(100));
+	whole.observeRefined(28, 100);
+	ASSERT_TRUE(whole.isDue(100));
 	whole.observeWhole(190, 100);  // the first may take twice as long
-	ASSERT_TRUE(whole.isDue());
+	ASSERT_TRUE(whole.isDue(100));
 	for (int i = 0; i < 10; ++i) whole.observeWhole(99, 100);
-	ASSERT_TRUE(whole.isDue());
+	ASSERT_TRUE(whole.isDue(100));
 	whole.observeWhole(101, 100);
 	// One step later it is tried again; after attempts that fail three, seven, ... and at last 63 steps later.
 	int waits = 1;
@@ -164,14 +164,50 @@ TEST(WholeStep, IsTriedNearTheMetricAndKeptWhileItFits)
 	{
 		for (int i = 0; i < waits; ++i)
 		{
-			EXPECT_FALSE(whole.isDue());
-			whole.observeRefined(0);
+			EXPECT_FALSE(whole.isDue(100));
+			whole.observeRefined(0, 100);
 		}
-		EXPECT_FALSE(whole.isDue());
-		whole.observeRefined(0);
-		ASSERT_TRUE(whole.isDue());
+		EXPECT_FALSE(whole.isDue(100));
+		whole.observeRefined(0, 100);
+		ASSERT_TRUE(whole.isDue(100));
 		whole.observeWhole(201, 100);
 		waits = std::min(2 * waits + 1, 63);
+	}
+}
+
+TEST(WholeStep, IsNotTriedForWhatWasNotSeenToFit)
+{
+	WholeStep whole;
+	whole.observeRefined(0, 0);
+	EXPECT_FALSE(whole.isDue(0));
+	EXPECT_FALSE(whole.isDue(100));
+	whole.observeRefined(0, 100);
+	EXPECT_TRUE(whole.isDue(100));
+	EXPECT_FALSE(whole.isDue(99));  // not tried yet
+	EXPECT_TRUE(whole.isDue(200));
+	whole.observeWhole(190, 100);
+	EXPECT_TRUE(whole.isDue(100));
+	whole.observeWhole(60, 100);
+	for (const double budget : {60.0, 80.0, 1e9}) EXPECT_TRUE(whole.isDue(budget)) << budget;
+	for (const double budget : {0.0, 1e-9, 59.0}) EXPECT_FALSE(whole.isDue(budget)) << budget;
+}
+
+// Whatever fitted in before.
+TEST(BulletBudget, NoTimeIsTheCoarsestAnswerAtEveryStep)
+{
+	const auto coarsest = [](Toruses& scene, int before, double microseconds, bool inTests)
+	{
+		scene.context.worldMetric = ContactMetric::deviationShare(0.1);  // so near that a whole step is tried
+		scene.run(before, kOff, microseconds);
+		return inTests ? scene.run(120, 0) : scene.run(120, kOff, 0);
+	};
+	for (const int before : {0, 60})
+	{
+		Toruses tests(true), time(true);
+		const std::uint64_t expected = coarsest(tests, before, kOff, true);
+		EXPECT_EQ(coarsest(time, before, 1e12, false), expected) << before;
+		ASSERT_GT(time.look().excess, 1);
+		ASSERT_LT(time.look().excess, 30);
 	}
 }
 
