@@ -20,7 +20,8 @@ namespace
 class Toruses
 {
 public:
-	explicit Toruses(bool planned)
+	// inCompounds: of the upper bodies, so many are children of compounds.
+	explicit Toruses(bool planned, int pairs = 4, int inCompounds = 0)
 	{
 		if (planned)
 			m_dispatcher = std::make_unique<btClodDispatcher>(&m_configuration, &context);
@@ -35,10 +36,12 @@ public:
 		m_world->getDispatchInfo().m_deterministicOverlappingPairs = true;
 		const btScalar scale = btScalar(1 / double(m_shape.hierarchy().asset().radius));
 		m_shape.setLocalScaling({scale, scale, scale});
-		for (int i = 0; i < 4; ++i)
+		m_compound.addChildShape(btTransform::getIdentity(), &m_shape);
+		for (int i = 0; i < pairs; ++i)
 		{
 			addBody(0, btVector3(btScalar(4 * i), 0, 0), 0);
-			addBody(1, btVector3(btScalar(4 * i), btScalar(0.75 + 0.05 * i), btScalar(0.3 * i)), btScalar(0.4 * i));
+			addBody(1, btVector3(btScalar(4 * i), btScalar(0.75 + 0.05 * i), btScalar(0.3 * i)), btScalar(0.4 * i),
+					i < inCompounds);
 		}
 	}
 	~Toruses()
@@ -49,6 +52,8 @@ public:
 	struct Step
 	{
 		std::uint64_t tests = 0, contacts = 0;
+		std::uint64_t planned = 0;   // of the tests, those of pairs that the dispatcher plans,
+		std::uint64_t searched = 0;  // of the tests, those of depths that no point answers
 		std::uint32_t pending = 0, coarsest = 0;
 		double excess = 0, least = kOff;  // least: of the pairs that were cut short
 		int cut = 0;
@@ -84,7 +89,11 @@ public:
 		context.forEachPair(
 			[&step](const PairReport& pair)
 			{
-				step.tests += std::uint64_t(pair.result->stats.boxTests) + pair.result->stats.hullTests;
+				const std::uint64_t tests =
+					std::uint64_t(pair.result->stats.boxTests) + pair.result->stats.hullTests + pair.searchTests;
+				step.tests += tests;
+				if (pair.isPlanned) step.planned += tests;
+				step.searched += pair.searchTests;
 				step.contacts += pair.result->contacts.size();
 				step.coarsest = std::max(step.coarsest, pair.coarsestLevel);
 				if (pair.result->excess > 0) step.least = std::min(step.least, pair.result->excess), ++step.cut;
@@ -95,17 +104,30 @@ public:
 		return step;
 	}
 	std::uint64_t answers() const { return dynamic_cast<const btClodDispatcher&>(*m_dispatcher).answers(); }
+	// The bodies above the fixed ones, at this height and a little more from one to the next; upright and turned.
+	void place(double height, double turn)
+	{
+		for (std::size_t i = 0; 2 * i < m_bodies.size(); ++i)
+		{
+			btTransform& pose = m_bodies[2 * i + 1]->getWorldTransform();
+			pose.setOrigin(btVector3(btScalar(4 * double(i)), btScalar(height + 0.03 * double(i)), 0));
+			pose.setRotation(btQuaternion(btVector3(1, 0, 0), btScalar(turn + double(i))));
+			m_bodies[2 * i + 1]->setLinearVelocity(btVector3(0, 0, 0));
+			m_bodies[2 * i + 1]->setAngularVelocity(btVector3(0, 0, 0));
+		}
+	}
 	// Of the body that lies in the middle of another.
 	double height() const { return double(m_bodies[1]->getWorldTransform().getOrigin().y()); }
 
 	Context context;
 
 private:
-	void addBody(btScalar mass, const btVector3& at, btScalar turn)
+	void addBody(btScalar mass, const btVector3& at, btScalar turn, bool inCompound = false)
 	{
+		btCollisionShape& shape = inCompound ? static_cast<btCollisionShape&>(m_compound) : m_shape;
 		btVector3 inertia(0, 0, 0);
 		if (mass > 0) m_shape.calculateLocalInertia(mass, inertia);
-		btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, &m_shape, inertia);
+		btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, &shape, inertia);
 		info.m_startWorldTransform.setOrigin(at);
 		info.m_startWorldTransform.setRotation(btQuaternion(btVector3(0, 1, 0), turn));
 		m_bodies.push_back(std::make_unique<btRigidBody>(info));
@@ -114,6 +136,7 @@ private:
 	}
 
 	btClodShape m_shape{test::body("torus", 900).hierarchy};
+	btCompoundShape m_compound;
 	btDefaultCollisionConfiguration m_configuration;
 	std::unique_ptr<btCollisionDispatcher> m_dispatcher;
 	btDbvtBroadphase m_broadphase;
@@ -236,6 +259,128 @@ TEST(BulletBudget, IsNeverExceededByAWholeStep)
 		cut += step.pending > 0;
 	}
 	EXPECT_GT(cut, 3);
+}
+
+// Hulls that overlap without a point: the search of the depth is in the budget, and finds what it finds without one.
+TEST(BulletBudget, PaysForDepthsThatAreSearched)
+{
+	Toruses scene(true), free(false);
+	scene.run(1, kOff);
+	free.run(1, kOff);
+	free.context.worldMetric = ContactMetric::deviationShare(1e6);  // what a budget of 0 answers
+	int searches = 0, deep = 0, bought = 0, unpaid = 0;
+	for (double height = 0.3; height < 1.6; height += 0.004)
+	{
+		scene.place(height, 10 * height);
+		free.place(height, 10 * height);
+		const Toruses::Step whole = free.detect(kOff);
+		scene.detect(0);
+		const Toruses::Step none = scene.detect(0);
+		EXPECT_EQ(none.contacts, whole.contacts);
+		EXPECT_EQ(none.searched > 0, whole.searched > 0) << height;
+		EXPECT_EQ(scene.context.lastStep().deepPairs, free.context.lastStep().deepPairs) << height;
+		EXPECT_EQ(scene.context.lastStep().searchTests, none.searched);
+		deep += int(scene.context.lastStep().deepPairs);
+		if (none.searched == 0) continue;
+		++searches;
+		const std::uint64_t answers = none.tests - none.searched;
+		for (double tests = double(answers); tests < 4.0 * double(none.tests); tests *= 1.3)
+		{
+			const Toruses::Step step = scene.detect(std::floor(tests));
+			EXPECT_LE(step.tests, std::max(std::uint64_t(tests), answers + step.searched)) << height;
+			bought += step.searched > 0 && step.tests > answers + step.searched;
+			unpaid += answers + step.searched > std::uint64_t(tests);
+			scene.detect(0);  // again the pairs whose coarsest answer leaves a depth open
+		}
+	}
+	std::printf("%d steps with searches, %d deep pairs, %d refined besides, %d not paid by the budget\n", searches,
+				deep, bought, unpaid);
+	EXPECT_GT(searches, 3);
+	EXPECT_GT(deep, 0);
+	EXPECT_GT(bought, 10);
+	EXPECT_GT(unpaid, 3);
+}
+
+// The only pair's share is all there is.
+TEST(BulletBudget, AShareIsWhatASearchedDepthLeavesOfIt)
+{
+	Toruses scene(false, 1);
+	scene.run(1, kOff);
+	int searches = 0, bought = 0;
+	for (double height = 0.3; height < 1.6; height += 0.002)
+	{
+		scene.place(height, 10 * height);
+		scene.detect(0);
+		const Toruses::Step none = scene.detect(0);
+		if (none.searched == 0) continue;
+		++searches;
+		for (double tests = double(none.tests); tests < 4.0 * double(none.tests); tests *= 1.3)
+		{
+			const Toruses::Step step = scene.detect(std::floor(tests));
+			EXPECT_LE(step.tests, std::uint64_t(tests)) << height;
+			bought += step.tests > none.tests;
+			scene.detect(0);
+		}
+	}
+	std::printf("%d steps with searches, %d refined besides\n", searches, bought);
+	EXPECT_GT(searches, 3);
+	EXPECT_GT(bought, 3);
+}
+
+// What the dispatcher cannot plan gets a share by what it needed last, and the rest is spent as ever.
+TEST(BulletBudget, ChildrenOfCompoundsGetASharedPart)
+{
+	EXPECT_EQ(Toruses(true, 4, 2).run(120, 1e9), Toruses(false, 4, 2).run(120, kOff));
+	EXPECT_EQ(Toruses(true, 4, 2).run(120, 1500), Toruses(true, 4, 2).run(120, 1500));
+	for (const int compounds : {1, 2, 4})
+	{
+		Toruses scene(true, 4, compounds);
+		scene.run(60, kOff);
+		const auto settle = [&scene](double tests)
+		{
+			for (int i = 0; i < 5; ++i) scene.detect(tests);
+			return scene.detect(tests);
+		};
+		const Toruses::Step none = settle(0), full = settle(1e9);
+		EXPECT_EQ(full.pending, 0u);
+		EXPECT_EQ(none.planned == 0, compounds == 4);
+		EXPECT_LT(none.planned, none.tests);
+		const double budget = std::floor(0.5 * double(none.tests + full.tests));
+		const Toruses::Step half = settle(budget);
+		EXPECT_GT(half.pending, 0u);
+		EXPECT_EQ(half.planned > none.planned, compounds < 4);
+		EXPECT_LT(half.tests - half.planned, full.tests - full.planned);
+		EXPECT_GT(half.tests - half.planned, none.tests - none.planned);
+		EXPECT_LE(double(half.planned), budget - scene.context.unplannedShare());
+		EXPECT_LT(double(half.tests), 1.25 * budget);
+		EXPECT_GT(double(half.tests), 0.5 * budget);
+	}
+}
+
+// By time, without the dispatcher: none is the coarsest answer, plenty is all of it, whoever shares it.
+TEST(BulletBudget, SharesOfTimeRunFromTheCoarsestAnswerToTheWholeOne)
+{
+	for (const int compounds : {0, 2})
+	{
+		EXPECT_EQ(Toruses(false, 4, compounds).run(120, kOff, 0), Toruses(false, 4, compounds).run(120, 0));
+		EXPECT_EQ(Toruses(false, 4, compounds).run(120, kOff, 1e12), Toruses(false, 4, compounds).run(120, kOff));
+		Toruses scene(false, 4, compounds);
+		scene.run(60, kOff);
+		const Toruses::Step none = scene.detect(0);
+		// A pair's own answer cannot tell how long it took, but what it bought lies between the two.
+		for (const double microseconds : {0.0, 1.0, 30.0, 1000.0, 1e9})
+		{
+			scene.context.budget.microseconds = microseconds;
+			for (int i = 0; i < 4; ++i)
+			{
+				const Toruses::Step step = scene.detect(kOff);
+				EXPECT_GE(step.tests, none.tests);
+				EXPECT_LE(step.excess, none.excess);
+				EXPECT_TRUE(microseconds > 0 || step.tests == none.tests);
+				EXPECT_TRUE(microseconds < 1e9 || step.pending == 0);
+			}
+		}
+	}
 }
 
 // One queue over all pairs: no pair is refined while another exceeds its metric by more.
