@@ -86,8 +86,16 @@ SurfaceDistance surfaceDistance(const QueryContext& context, double known, Close
 void gatherLeafPairs(const QueryContext& context, double tolerance, ClosestPairScratch& scratch,
 					 std::vector<Contact>& pairs, QueryStats& stats);
 
-// By how much the pair may move, sweep included (MotionBound.h), before a traversal can report a contact at this
-// tolerance; at most `cap`. <= 0: it may already. Not in paper mode.
-double clearMotion(const QueryContext& context, const StopRule& rule, double tolerance, double cap,
-				   ClosestPairScratch& scratch, QueryStats& stats);
+// What a traversal is to find nothing of: contacts, or pairs whose surfaces may be within the tolerance, too.
+struct ClearOf
+{
+	const StopRule& strict;   // a pair that answers by this rule is not opened by any in question,
+	const StopRule& relaxed;  // one that does not by this rule answers by none: differing in the threshold only
+	double tolerance;
+	bool surfaces;
+};
+// By how much the pair may move, sweep included (MotionBound.h), before a traversal can find something by the two rules
+// or any between them; at most `cap`. <= 0: it may already. Not in paper mode.
+double clearMotion(const QueryContext& context, const ClearOf& what, double cap, ClosestPairScratch& scratch,
+				   QueryStats& stats);
 }  // namespace clod

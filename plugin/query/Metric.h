@@ -80,6 +80,11 @@ bool same(const Metric& l, const Metric& r);
 // Empty, or one sentence naming the first field that cannot be used, and its value.
 std::string metricError(const Metric& metric);
 
+struct ThresholdRange
+{
+	double least, most;
+};
+
 // s0 of a metric at a place.
 class Threshold
 {
@@ -117,7 +122,34 @@ public:
 		return s0;
 	}
 
+	// All of at() for places within the ball, whatever an own threshold is.
+	ThresholdRange within(const Place& ball) const
+	{
+		ThresholdRange range{m_constant, m_constant};
+		const auto addBoth = [&](double least, double most)
+		{
+			add(range.least, kDown * least);
+			add(range.most, kUp * most);
+		};
+		if (m_moves)
+		{
+			const VelocityThreshold& v = m_metric.velocity;
+			const double fastest = length(v.linear + cross(v.angular, ball.center)) + length(v.angular) * ball.radius;
+			addBoth(std::max(v.floor, v.time * slowest(ball)), std::max(v.floor, v.time * fastest));
+		}
+		if (m_isSeen)
+		{
+			const ViewThreshold& view = m_metric.view;
+			const double distance = length(view.eye - ball.center), share = view.pixels * view.pixelSize;
+			addBoth(share * std::max(view.nearest, distance - ball.radius),
+					share * std::max(view.nearest, distance + ball.radius));
+		}
+		if (m_metric.own) addBoth(0, kOff);
+		return range;
+	}
+
 private:
+	static constexpr double kUp = 1 + 1e-9, kDown = 1 - 1e-9;  // for rounding
 	static constexpr double kUnset = -1;
 
 	void add(double& s0, double other) const

@@ -105,7 +105,7 @@ void answer(const QueryContext& context, const Settings& settings, PairCache::St
 	if (state.clearance.holds(context, settings))
 	{
 		state.settings = settings;
-		setNothingNear(settings, 0, result);
+		setNothingNear(settings, state.clearance.largestCover(), result);
 		result.stats.front = state.last.stats.front;
 		result.stats.frontInner = state.last.stats.frontInner;
 		result.stats.stillClear = 1;

@@ -117,7 +117,17 @@ public:
 		return m_threshold.isConstant() ? m_threshold.constant() : std::numeric_limits<double>::quiet_NaN();
 	}
 
-	bool hasConstantThreshold() const { return m_threshold.isConstant(); }
+	// Between which thresholds s0 all pairs of nodes are judged at this pose: infinite only where none is set.
+	static ThresholdRange thresholds(const QueryContext& context, const Metric& metric)
+	{
+		const Threshold threshold(metric, fastest(context, metric));
+		if (threshold.isConstant()) return {threshold.constant(), threshold.constant()};
+		// The places: no node's centre is beyond the reach of its body, nor its ball wider than what is within.
+		const ThresholdRange ofA = threshold.within({Vec3{}, 3 * context.reachA});
+		const ThresholdRange ofB = threshold.within({context.pose.translation, 3 * context.reachB});
+		return {std::min(ofA.least, ofB.least),
+				std::min(std::max(ofA.most, ofB.most), std::numeric_limits<double>::max())};
+	}
 
 	// s*_ab = max(f_a, f_b) / D_ab with 1 / D_ab = 1 / D_a + 1 / D_b (eq. 3).
 	static double weightedDeviation(const Node& a, const Node& b)

@@ -156,6 +156,179 @@ TEST(Query, BodiesApartAreLeftAloneUntilTheyCanTouch)
 	EXPECT_GT(contacts, total / 10);
 }
 
+// Coarse hulls that overlap where surfaces are apart answer as soon as they part: that, too, is a contact to come.
+TEST(Query, BodiesThatPartMayTouchByCoarserHulls)
+{
+	Random random(21);
+	int stillClear = 0, total = 0, began = 0;
+	for (const BodyPair& pair : pairs())
+		for (int parting = 0; parting < setting("CLOD_PARTINGS", 60); ++parting)
+		{
+			const double radius = smallerRadius(pair.a, pair.b);
+			Settings settings;
+			settings.metric.maxError = std::pow(10, uniform(random, -2, -0.5)) * radius;
+			if (parting % 3 == 1) settings.metric.weightedDeviation = 10 * settings.metric.maxError;
+			settings.tolerance = (parting % 2 ? 1e-4 : 1e-3) * radius;
+			settings.contactsOnly = parting % 5 != 4;
+			Transform pose = poseWithGap(random, pair.a, pair.b, uniform(random, 0.001, 0.02));
+			const Vec3 way = 2e-4 * radius * normalized(normalized(pose.translation) + 0.5 * randomDirection(random));
+			PairCache cache;
+			QueryResult result;
+			bool hadContacts = true;
+			for (int step = 0; step < 100; ++step)
+			{
+				pose.translation += way;
+				query(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache, result);
+				ASSERT_EQ(difference(result, fresh(pair, pose, settings)), "")
+					<< pair.a.name << " parting " << parting << " step " << step;
+				stillClear += int(result.stats.stillClear);
+				began += !hadContacts && !result.contacts.empty();
+				hadContacts = !result.contacts.empty();
+				++total;
+			}
+		}
+	std::printf("%d queries, %d still clear, contacts began %d times\n", total, stillClear, began);
+	EXPECT_GT(stillClear, total / 20);
+	EXPECT_GT(began, 0);
+}
+
+namespace
+{
+// Every kind of selection, with its gap or without: exact, size, certified, both, velocity, view, own, and mixed.
+constexpr int kSelections = 8;
+const char* const kSelectionNames[kSelections] = {"exact",    "size", "certified", "both",
+												  "velocity", "view", "own",       "mixed"};
+Settings selection(Random& random, int kind, double radius, const OwnThreshold& own)
+{
+	Settings settings;
+	settings.tolerance = std::pow(10, uniform(random, -3, -1.5)) * radius;
+	settings.contactsOnly = random() % 2;
+	if (!settings.contactsOnly && random() % 3 == 0) settings.gapError = uniform(random, 0, 0.01) * radius;
+	Metric& metric = settings.metric;
+	metric.exact = kind == 0;
+	if (kind == 1 || kind == 3 || kind == 7) metric.weightedDeviation = std::pow(10, uniform(random, -3, 0)) * radius;
+	if (kind == 2 || kind == 3) metric.maxError = std::pow(10, uniform(random, -3, -1)) * radius;
+	if (kind == 4 || kind == 7) metric.velocity.time = 0.1, metric.velocity.floor = 0.01 * radius;
+	if (kind == 5 || kind == 7)
+		metric.view.pixels = 2, metric.view.pixelSize = 0.002, metric.view.nearest = 0.1 * radius;
+	if (kind == 6) metric.own = &own;
+	if (kind >= 4 && random() % 2) metric.combine = Combine::kRelaxed;
+	if (kind >= 4 && random() % 3 == 0) metric.maxError = 0.05 * radius;
+	return settings;
+}
+}  // namespace
+
+// Most of the time apart, whatever selects: now nearer, now farther, along a way of its own for hundreds of steps,
+// while the velocity and the eye change as they like.
+TEST(Query, WalksApartOfEverySelection)
+{
+	Random random(22);
+	const int steps = setting("CLOD_WALK_STEPS", 500);
+	int clear[kSelections][2] = {}, total[kSelections][2] = {}, contacts = 0;
+	for (const BodyPair& pair : pairs())
+		for (int kind = 0; kind < kSelections; ++kind)
+		{
+			const double radius = smallerRadius(pair.a, pair.b);
+			double level = 0.1;
+			const OwnThreshold own = [&](const Place& place)
+			{ return level * radius * (1.1 + std::sin(place.center.x / radius)); };
+			PairCache cache;
+			QueryResult result;
+			Settings settings = selection(random, kind, radius, own);
+			Transform pose = poseWithGap(random, pair.a, pair.b, 0.1);
+			Vec3 way, turn;
+			for (int step = 0; step < steps; ++step)
+			{
+				if (step % 60 == 0)
+				{
+					pose = poseWithGap(random, pair.a, pair.b, uniform(random, 0.01, 0.3));
+					const double size = std::pow(10, uniform(random, -5, -2.5)) * radius;
+					way = size * (0.5 * randomDirection(random) - normalized(pose.translation));
+					if (random() % 3 == 0) way = -1.0 * way;
+					settings = selection(random, kind, radius, own);
+				}
+				if (step % 20 == 0)
+				{
+					Metric& metric = settings.metric;
+					metric.velocity.linear = std::pow(10, uniform(random, -2, 1)) * radius * randomDirection(random);
+					metric.velocity.angular = std::pow(10, uniform(random, -2, 1)) * randomDirection(random);
+					metric.view.eye = uniform(random, 0, 20) * radius * randomDirection(random);
+					level = std::pow(10, uniform(random, -3, 0));
+					settings.sweep = random() % 3 ? Sweep{} : Sweep{2.0 * way, {}};
+				}
+				pose.translation += way;
+				pose.rotation = randomRotation(random, 0.1 * length(way) / radius) * pose.rotation;
+				settings.metric.velocity.linear +=
+					0.02 * length(settings.metric.velocity.linear) * randomDirection(random);
+				settings.metric.view.eye += 0.02 * length(settings.metric.view.eye) * randomDirection(random);
+				query(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache, result);
+				const QueryResult expected = fresh(pair, pose, settings);
+				ASSERT_EQ(difference(result, expected), "")
+					<< pair.a.name << ", " << kSelectionNames[kind] << " step " << step << ": +- " << result.errorBound
+					<< ", fresh +- " << expected.errorBound << ", still clear " << result.stats.stillClear
+					<< ", contacts only " << settings.contactsOnly << ", gap error " << settings.gapError;
+				contacts += !result.contacts.empty();
+				if (!expected.contacts.empty()) continue;
+				clear[kind][settings.contactsOnly] += int(result.stats.stillClear);
+				++total[kind][settings.contactsOnly];
+			}
+		}
+	for (int kind = 0; kind < kSelections; ++kind)
+	{
+		const auto share = [&](int only) { return 100.0 * clear[kind][only] / std::max(1, total[kind][only]); };
+		std::printf("%s: apart and still clear, gap %.0f %%, contacts only %.0f %%\n", kSelectionNames[kind], share(0),
+					share(1));
+		EXPECT_GT(share(0), 30) << kSelectionNames[kind];
+		EXPECT_GT(share(1), 30) << kSelectionNames[kind];
+	}
+	EXPECT_GT(contacts, steps / 4);
+}
+
+// Coarse hulls reach farther than fine ones: what is apart at one speed may touch at another, and where it is seen
+// from.
+TEST(Query, ThresholdsThatRiseAreSeenAtOnce)
+{
+	Random random(23);
+	int stillClear = 0, changes = 0, total = 0;
+	for (const BodyPair& pair : pairs())
+		for (int walk = 0; walk < 30; ++walk)
+		{
+			const double radius = smallerRadius(pair.a, pair.b);
+			double level = 0;
+			const OwnThreshold own = [&](const Place&) { return level; };
+			Settings settings;
+			settings.tolerance = 1e-4 * radius;
+			settings.contactsOnly = walk % 2 == 0;
+			Metric& metric = settings.metric;
+			if (walk % 3 == 0) metric.velocity.time = 1;
+			if (walk % 3 == 1) metric.view.pixels = metric.view.pixelSize = 1;
+			if (walk % 3 == 2) metric.own = &own;
+			Transform pose = poseWithGap(random, pair.a, pair.b, uniform(random, 0.002, 0.02));
+			const Vec3 way = 1e-5 * radius * randomDirection(random);
+			PairCache cache;
+			QueryResult result;
+			bool touched = false;
+			for (int step = 0; step < 120; ++step)
+			{
+				pose.translation += way;
+				if (step % 12 == 0) level = (step % 24 == 0 ? 1e-4 : 3.0) * radius;
+				metric.velocity.linear = {level, 0, 0};
+				metric.view.nearest = level;
+				query(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache, result);
+				ASSERT_EQ(difference(result, fresh(pair, pose, settings)), "")
+					<< pair.a.name << " walk " << walk << " step " << step << ", still clear "
+					<< result.stats.stillClear;
+				stillClear += int(result.stats.stillClear);
+				changes += touched == result.contacts.empty();
+				touched = !result.contacts.empty();
+				++total;
+			}
+		}
+	std::printf("%d queries, %d still clear, contacts came or went %d times\n", total, stillClear, changes);
+	EXPECT_GT(stillClear, total / 10);
+	EXPECT_GT(changes, 20);
+}
+
 TEST(Query, TheComparisonSeesOneBit)
 {
 	const BodyPair pair = pairs()[0];
