@@ -21,7 +21,8 @@ class Toruses
 {
 public:
 	// inCompounds: of the upper bodies, so many are children of compounds.
-	explicit Toruses(bool planned, int pairs = 4, int inCompounds = 0)
+	explicit Toruses(bool planned, int pairs = 4, int inCompounds = 0, Context* shared = nullptr)
+		: context(shared ? *shared : m_context)
 	{
 		if (planned)
 			m_dispatcher = std::make_unique<btClodDispatcher>(&m_configuration, &context);
@@ -46,7 +47,7 @@ public:
 	}
 	~Toruses()
 	{
-		for (const auto& body : m_bodies) m_world->removeRigidBody(body.get());
+		for (std::size_t i = 0; i < m_bodies.size(); ++i) setPresent(i, false);
 	}
 
 	struct Step
@@ -119,7 +120,25 @@ public:
 	// Of the body that lies in the middle of another.
 	double height() const { return double(m_bodies[1]->getWorldTransform().getOrigin().y()); }
 
-	Context context;
+	// A body that comes and goes while its world lives.
+	void setPresent(std::size_t body, bool now)
+	{
+		btRigidBody* which = m_bodies[body].get();
+		if (which->isInWorld() == now) return;
+		if (now)
+			m_world->addRigidBody(which);
+		else
+			m_world->removeRigidBody(which);
+	}
+	void setNearCallback(btNearCallback callback) { m_dispatcher->setNearCallback(callback); }
+	btClodShape& shape() { return m_shape; }
+	const btRigidBody& body(std::size_t which) const { return *m_bodies[which]; }
+
+private:
+	Context m_context;  // unless it is shared
+
+public:
+	Context& context;
 
 private:
 	void addBody(btScalar mass, const btVector3& at, btScalar turn, bool inCompound = false)
@@ -380,6 +399,84 @@ TEST(BulletBudget, SharesOfTimeRunFromTheCoarsestAnswerToTheWholeOne)
 				EXPECT_TRUE(microseconds < 1e9 || step.pending == 0);
 			}
 		}
+	}
+}
+
+// World, shape and pair, from step to step: a full budget still gives what none does.
+TEST(BulletBudget, MetricsMayChangeWithEveryStep)
+{
+	const auto run = [](bool planned, double tests)
+	{
+		Toruses scene(planned);
+		const btRigidBody& special = scene.body(3);
+		int step = 0;
+		scene.context.pairMetric = [&](const btCollisionObject& a, const btCollisionObject& b, ContactMetric& metric)
+		{
+			metric = ContactMetric::deviationShare(0.3);
+			return step % 4 > 1 && (&a == &special || &b == &special);
+		};
+		std::uint64_t hash = 0;
+		for (; step < 120; ++step)
+		{
+			scene.context.worldMetric = step % 3 == 0   ? ContactMetric::deviationShare(0.01)
+										: step % 3 == 1 ? ContactMetric::errorShare(0.02)
+														: ContactMetric::velocityFactor(1);
+			if (step % 40 == 20) scene.shape().setMetric(ContactMetric::exactly());
+			if (step % 40 == 30) scene.shape().clearMetric();
+			hash = 31 * hash + scene.run(1, tests);
+		}
+		return hash;
+	};
+	const std::uint64_t none = run(false, kOff);
+	EXPECT_EQ(run(true, 1e9), none);
+	EXPECT_EQ(run(false, 1e9), none);
+	EXPECT_NE(run(true, 300), none);
+	EXPECT_EQ(run(true, 300), run(true, 300));
+}
+
+// Planned pairs whose bodies leave, return, or are not dispatched after all.
+TEST(BulletBudget, BodiesComeAndGoBetweenPlannedSteps)
+{
+	const auto run = [](bool planned, double tests)
+	{
+		Toruses scene(planned);
+		std::uint64_t hash = 0;
+		for (int step = 0; step < 90; ++step)
+		{
+			scene.setPresent(1, step % 30 < 20);
+			scene.setPresent(4, step % 20 < 15);  // one that others lie on
+			const bool isFiltered = step % 7 == 3;
+			scene.setNearCallback(isFiltered ? [](btBroadphasePair&, btCollisionDispatcher&, const btDispatcherInfo&) {}
+											 : &btCollisionDispatcher::defaultNearCallback);
+			hash = 31 * hash + scene.run(1, tests);
+			EXPECT_LE(scene.context.lastStep().pairs, 4U);
+		}
+		scene.setPresent(1, false);
+		scene.setPresent(4, false);
+		EXPECT_LE(scene.context.lastStep().pairs, 2U);
+		return hash;
+	};
+	const std::uint64_t none = run(false, kOff);
+	EXPECT_EQ(run(true, 1e9), none);
+	EXPECT_EQ(run(false, 1e9), none);
+	EXPECT_EQ(run(true, 400), run(true, 400));
+}
+
+// Each has its budget, and neither takes from the other's.
+TEST(BulletBudget, WorldsMayShareAContext)
+{
+	for (const double tests : {kOff, 1500.0})
+	{
+		Toruses alone(true), aloneToo(true, 2);
+		Context shared;
+		Toruses first(true, 4, 0, &shared), second(true, 2, 0, &shared);
+		for (int step = 0; step < 60; ++step)
+		{
+			ASSERT_EQ(first.run(1, tests), alone.run(1, tests)) << step;
+			ASSERT_EQ(second.run(1, tests), aloneToo.run(1, tests)) << step;
+		}
+		EXPECT_EQ(shared.lastStep().pairs, alone.context.lastStep().pairs + aloneToo.context.lastStep().pairs);
+		EXPECT_EQ(first.look().tests, alone.look().tests + aloneToo.look().tests);
 	}
 }
 
