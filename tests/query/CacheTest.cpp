@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a cache may do: nothing but save time. CLOD_WALK_STEPS, CLOD_CREEPS and CLOD_APPROACHES lengthen the tests.
+// What a cache may do: nothing but save time. CLOD_WALK_STEPS, CLOD_CREEPS, CLOD_APPROACHES and CLOD_PARTINGS lengthen
+// the tests.
 #include <gtest/gtest.h>
 
 #include <cmath>
