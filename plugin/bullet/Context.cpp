@@ -30,9 +30,15 @@ void Context::setDemand(PairReport& report, double tests)
 {
 	const std::lock_guard<std::mutex> lock(m_mutex);
 	m_demand += tests - report.demand;
-	// isPlanned is this dispatch's; a pair changes sides only with its shapes.
 	if (!report.isPlanned) m_unplannedDemand += tests - report.demand;
 	report.demand = tests;
+}
+
+void Context::setPlanned(PairReport& report)
+{
+	const std::lock_guard<std::mutex> lock(m_mutex);
+	if (!report.isPlanned) m_unplannedDemand -= report.demand;
+	report.isPlanned = true;
 }
 
 // A pair that is new counts as the average of the others.
@@ -87,6 +93,7 @@ StepStatistics Context::lastStep() const
 				sum.excess = std::max(sum.excess, pair.result->excess);
 				sum.boxTests += pair.result->stats.boxTests;
 			}
+			sum.searchTests += pair.searchTests;
 			sum.queryMicroseconds += pair.queryMicroseconds;
 			sum.contactMicroseconds += pair.contactMicroseconds;
 			sum.keptPairs += pair.kept ? 1 : 0;

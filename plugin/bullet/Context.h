@@ -45,7 +45,8 @@ struct PairReport
 	double contactError = 0;
 	std::uint32_t candidates = 0, points = 0, clusterCount = 0, leaks = 0;
 	std::uint32_t finestLevel = 0, coarsestLevel = 0;
-	double demand = 0;               // tests that its query took, or would have with a larger budget, as a guess
+	double demand = 0;               // tests that it took, or would have with a larger budget, as a guess
+	std::uint32_t searchTests = 0;   // of a depth searched, as hulls overlapped and no point answered; not in `result`
 	bool isPlanned = false;          // by btClodDispatcher
 	bool deep = false;               // penetration beyond what the contacts can prove
 	bool fast = false;               // one step moves the bodies farther than the thinnest wall
@@ -61,8 +62,9 @@ struct StepStatistics
 	std::uint32_t pairs = 0, pairsInContact = 0;
 	std::uint32_t nodePairs = 0, candidates = 0, points = 0, clusters = 0, leaks = 0;
 	std::uint32_t front = 0, hullTests = 0, boxTests = 0;
-	std::uint32_t pending = 0;  // node pairs that answered coarser than asked, for want of budget
-	double excess = 0;          // by which factor the worst of them exceeds its metric
+	std::uint32_t searchTests = 0;  // besides, see PairReport
+	std::uint32_t pending = 0;      // node pairs that answered coarser than asked, for want of budget
+	double excess = 0;              // by which factor the worst of them exceeds its metric
 	std::uint32_t keptPairs = 0, deepPairs = 0, fastPairs = 0, loosePairs = 0;
 	double queryMicroseconds = 0, contactMicroseconds = 0;
 	std::vector<std::string> warnings;  // one sentence a pair and cause
@@ -87,7 +89,8 @@ public:
 	std::optional<ViewCamera> camera;
 	// What the queries of a step may cost together, tests or time; pairs of two shapes of ours only. btClodDispatcher
 	// holds it over the whole step. Any other dispatcher lets each pair have a share by what it needed last, so that
-	// the sum is near the budget, not under it. A budget that cannot be used is warned of and not used.
+	// the sum is near the budget, not under it. A depth that has to be searched (PairReport::searchTests) is paid for
+	// first. A budget that cannot be used is warned of and not used.
 	Budget budget;
 	// Search the signed gap of touching bodies too (PairReport::result then has it, certified). Costs a millisecond or
 	// more.
@@ -108,6 +111,7 @@ private:
 	// A pair's part of the budget; 0 <= demand: tests that it needed last.
 	Budget shareOf(const PairReport& report) const;
 	void setDemand(PairReport& report, double tests);
+	void setPlanned(PairReport& report);  // by btClodDispatcher from now on
 	void add(const PairReport* report);
 	void remove(const PairReport* report);
 	void say(const std::string& message) const;

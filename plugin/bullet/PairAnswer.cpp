@@ -46,7 +46,7 @@ Clock::time_point PairState::findPoints()
 	const Clock::time_point end = Clock::now();
 	m_report.queryMicroseconds = microsecondsBetween(start, end);
 	const QueryStats& stats = m_result.stats;
-	const double tests = double(stats.boxTests) + stats.hullTests;
+	const double tests = double(stats.boxTests) + stats.hullTests + m_report.searchTests;
 	if (settings.budget.isLimited()) m_context.setDemand(m_report, tests + kTestsPerPending * stats.pending);
 	m_clipper.clip(m_shapeA->hierarchy(), m_shapeB->hierarchy(), m_aFromB, m_result.contacts, m_rules, m_points);
 	return end;

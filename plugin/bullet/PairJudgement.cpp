@@ -26,6 +26,35 @@ void PairState::warnOnce(bool now, unsigned bit, const char* cause)
 					 std::to_string(m_report.motion) + ", hierarchy unit)");
 }
 
+// Hulls overlap, and no point tells how deep.
+bool PairState::isUnanswered() const
+{
+	return m_report.points == 0 && !m_context.searchGap && m_partner == Partner::Clod &&
+		   std::any_of(m_result.contacts.begin(), m_result.contacts.end(),
+					   [](const Contact& contact) { return contact.upper <= 0; });
+}
+
+// Of the input surfaces, whatever answers; <= 0: none.
+double PairState::searchDepth()
+{
+	Settings settings;
+	settings.metric = m_report.metric;
+	settings.tolerance = m_report.tolerance;
+	if (hasBudget()) settings.budget = kSpent;
+	query(m_shapeA->hierarchy(), m_shapeB->hierarchy(), m_aFromB, settings, m_cache, m_searched);
+	m_report.searchTests = m_searched.stats.boxTests + m_searched.stats.hullTests;
+	return -m_searched.minDistance;
+}
+
+// Under a budget, before it is spent: what a search takes is known only afterwards. So a pair whose last dispatch left
+// a depth unanswered searches it now, in case this one does.
+void PairState::searchAhead()
+{
+	m_report.searchTests = 0;
+	m_depth.reset();
+	if (hasBudget() && m_wasUnanswered) m_depth = searchDepth();
+}
+
 // Is there a depth that the chosen points do not answer? A component inside the other body, a chosen point where its
 // face's stored thickness ends, or hulls that overlap without any point: then the gap is searched after all.
 bool PairState::deeperThanPoints()
@@ -39,19 +68,10 @@ bool PairState::deeperThanPoints()
 			answered = std::max(answered, -point.height);
 			atBottom = atBottom || point.atBottom;
 		}
+	m_wasUnanswered = isUnanswered();
 	if (m_result.deep && !m_context.searchGap) return true;
-	const bool overlap = std::any_of(m_result.contacts.begin(), m_result.contacts.end(),
-									 [](const Contact& contact) { return contact.upper <= 0; });
 	double depth = -m_result.minDistance;
-	if (overlap && m_report.points == 0 && !m_context.searchGap && m_partner == Partner::Clod)
-	{
-		Settings settings;
-		settings.metric = m_report.metric;
-		settings.tolerance = m_report.tolerance;
-		if (m_context.budget.isLimited()) settings.budget = kSpent;
-		query(m_shapeA->hierarchy(), m_shapeB->hierarchy(), m_aFromB, settings, m_cache, m_searched);
-		depth = -m_searched.minDistance;
-	}
+	if (m_wasUnanswered) depth = hasBudget() ? m_depth.value_or(0) : searchDepth();
 	return atBottom || depth > kUnansweredShare * answered + m_rules.resting;
 }
 

@@ -89,7 +89,7 @@ bool PairState::chooseBodies(const btCollisionObjectWrapper& body0, const btColl
 	{
 		m_cache.clear();
 		m_clusters.clear();
-		m_hasQuestion = false;
+		m_hasQuestion = m_wasUnanswered = false;
 		m_seenA = seenA;
 		m_seenB = seenB;
 	}
@@ -276,27 +276,43 @@ Settings PairState::querySettings() const
 	return settings;
 }
 
-// A planned query has spent its part already. What is asked by contactTest and the like is answered in full.
-Budget PairState::chooseBudget()
+// What is asked by contactTest and the like is answered in full.
+bool PairState::hasBudget() const
 {
-	if (m_isClosestPoints || !m_context.budget.isLimited()) return {};
-	if (std::exchange(m_hasPlan, false)) return kSpent;
-	const std::string error = budgetError(m_context.budget);
-	if (error.empty()) return m_context.shareOf(m_report);
-	sayOnce(16, "the budget cannot be used: " + error);
-	return {};
+	return !m_isClosestPoints && m_context.budget.isLimited() && budgetError(m_context.budget).empty();
 }
 
-std::optional<QueryPlan> PairState::plan(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-										 const btDispatcherInfo& info, double& radius)
+// A planned query has spent its part already; else a depth searched is paid for first.
+Budget PairState::chooseBudget()
+{
+	const bool hasPlan = std::exchange(m_hasPlan, false);
+	if (!hasBudget())
+	{
+		m_report.searchTests = 0;
+		const std::string error = m_isClosestPoints ? std::string() : budgetError(m_context.budget);
+		if (!error.empty()) sayOnce(16, "the budget cannot be used: " + error);
+		return {};
+	}
+	if (hasPlan) return kSpent;
+	const Clock::time_point start = Clock::now();
+	searchAhead();
+	Budget share = m_context.shareOf(m_report);
+	share.tests = std::max(0.0, share.tests - m_report.searchTests);
+	share.microseconds = std::max(0.0, share.microseconds - microsecondsSince(start));
+	return share;
+}
+
+std::optional<PairPlan> PairState::plan(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+										const btDispatcherInfo& info)
 {
 	if (m_isClosestPoints || !prepare(body0, body1, info, 0) || m_partner != Partner::Clod) return {};
-	radius = m_rules.length;
-	m_context.setDemand(m_report, 0);
-	m_report.isPlanned = m_hasPlan = true;
+	m_context.setPlanned(m_report);
+	m_hasPlan = true;
+	searchAhead();
 	Settings settings = querySettings();
 	settings.budget = kSpent;
-	return QueryPlan(m_shapeA->hierarchy(), m_shapeB->hierarchy(), m_aFromB, settings, m_cache);
+	return PairPlan{QueryPlan(m_shapeA->hierarchy(), m_shapeB->hierarchy(), m_aFromB, settings, m_cache),
+					m_rules.length, m_report.searchTests};
 }
 
 WorldFrame PairState::worldFrame(bool aIsFirst, double closestPoints) const

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "clod/bullet/Manifolds.h"
+#include "clod/bullet/btClodCollisionAlgorithm.h"
 #include "clod/bullet/btClodShape.h"
 #include "clod/query/Clock.h"
 #include "clod/query/ContactPointsForeign.h"
@@ -31,8 +32,8 @@ public:
 	void process(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 				 const btDispatcherInfo& info, btManifoldResult& out);
 	// The first part of the coming process() under a budget over many pairs; empty where there is nothing to plan.
-	std::optional<QueryPlan> plan(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-								  const btDispatcherInfo& info, double& radius);
+	std::optional<PairPlan> plan(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+								 const btDispatcherInfo& info);
 	void append(btManifoldArray& manifolds) const { m_manifolds.append(manifolds); }
 
 private:
@@ -60,7 +61,10 @@ private:
 	bool chooseBodies(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1);
 	void chooseMetric();
 	Settings querySettings() const;
+	bool hasBudget() const;
 	Budget chooseBudget();
+	double searchDepth();
+	void searchAhead();
 	void setMotion(double timeStep, double closestPoints);
 	Sweep sweepOfStep() const;
 	bool answersAgain() const;
@@ -71,6 +75,7 @@ private:
 	void reduce();
 	void judge();
 	bool deeperThanPoints();
+	bool isUnanswered() const;
 	double errorOfContacts() const;
 	WorldFrame worldFrame(bool aIsFirst, double closestPoints) const;
 	std::string whatIsNotFinite(double timeStep) const;
@@ -112,7 +117,9 @@ private:
 	Question m_question;
 	bool m_hasQuestion = false;
 	unsigned m_warned = 0;
-	bool m_hasPlan = false;  // made by plan(), for the coming process()
+	bool m_hasPlan = false;         // made by plan(), for the coming process()
+	bool m_wasUnanswered = false;   // hulls overlapped in the last dispatch, and no point answered
+	std::optional<double> m_depth;  // searched under a budget, for this dispatch's pose
 	// Buffers.
 	PointClipper m_clipper;
 	ForeignClipper m_foreign;

@@ -2,8 +2,11 @@
 // When a step under a budget of time is answered as if there were none. Without a budget a query walks its trees with
 // what it remembers and takes half the time of refinement from the coarsest answer, so a step may fit in whole although
 // refinement does not get there. It is tried where refinement came within a factor of the metric, kept up
-// while it fits, and tried again after a while when it no longer does.
+// while it fits, and tried again after a while when it no longer does. No time at all pays for nothing, and a smaller
+// budget only for what was seen to fit in.
 #pragma once
+#include <algorithm>
+
 #include "clod/query/Patience.h"
 
 namespace clod
@@ -11,19 +14,22 @@ namespace clod
 class WholeStep
 {
 public:
-	// The next step.
-	bool isDue() const { return m_isDue; }
+	// The next step, under this budget.
+	bool isDue(double budget) const { return m_isDue && (m_isFirst ? m_triedUnder : m_took) <= budget; }
 
 	// A step was refined, and misses the metric by this factor still; 0: it does not.
-	void observeRefined(double excess)
+	void observeRefined(double excess, double budget)
 	{
-		if (m_patience.isOver() && excess <= kNearlyMet) m_isDue = m_isFirst = true;
+		if (!(budget > 0) || !m_patience.isOver() || !(excess <= kNearlyMet)) return;
+		m_isDue = m_isFirst = true;
+		m_triedUnder = budget;
 	}
 	// A step was answered whole. The first one of several has nothing to remember.
 	void observeWhole(double microseconds, double budget)
 	{
 		const bool fits = microseconds <= (m_isFirst ? kFirst : 1) * budget;
 		if (fits && !m_isFirst) m_patience.succeed();
+		m_took = m_isFirst ? std::min(microseconds, budget) : microseconds;
 		m_isFirst = false;
 		if (fits) return;
 		m_isDue = false;
@@ -35,6 +41,8 @@ private:
 	static constexpr double kFirst = 2;
 	static constexpr std::uint32_t kMostPatience = 63;  // steps until the next attempt
 	bool m_isDue = false, m_isFirst = false;
+	double m_triedUnder = 0;  // the budget that the first whole step of several is for,
+	double m_took = 0;        // and what the last one took
 	Patience m_patience{kMostPatience};
 };
 }  // namespace clod

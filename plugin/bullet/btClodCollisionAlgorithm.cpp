@@ -73,11 +73,11 @@ btScalar btClodCollisionAlgorithm::calculateTimeOfImpact(btCollisionObject*, btC
 	return btScalar(1);
 }
 
-std::optional<clod::QueryPlan> btClodCollisionAlgorithm::plan(const btCollisionObjectWrapper& body0,
-															  const btCollisionObjectWrapper& body1,
-															  const btDispatcherInfo& info, double& radius)
+std::optional<clod::PairPlan> btClodCollisionAlgorithm::plan(const btCollisionObjectWrapper& body0,
+															 const btCollisionObjectWrapper& body1,
+															 const btDispatcherInfo& info)
 {
-	return m_state->plan(body0, body1, info, radius);
+	return m_state->plan(body0, body1, info);
 }
 
 void btClodCollisionAlgorithm::getAllContactManifolds(btManifoldArray& manifolds)

@@ -15,7 +15,14 @@
 namespace clod
 {
 class PairState;
-}
+// The first part of a pair's dispatch, see Query.h.
+struct PairPlan
+{
+	QueryPlan query;
+	double radius;            // of the smaller body
+	std::uint32_t spent = 0;  // tests besides those of the query
+};
+}  // namespace clod
 
 class btClodCollisionAlgorithm : public btActivatingCollisionAlgorithm
 {
@@ -37,9 +44,9 @@ public:
 	btScalar calculateTimeOfImpact(btCollisionObject* body0, btCollisionObject* body1, const btDispatcherInfo& info,
 								   btManifoldResult* out) override;
 	// For budgets over a whole step: the first part of the coming processCollision, at the poses of the two objects.
-	// Empty where there is nothing to plan; radius receives the pair's smaller bounding radius.
-	std::optional<clod::QueryPlan> plan(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-										const btDispatcherInfo& info, double& radius);
+	// Empty where there is nothing to plan.
+	std::optional<clod::PairPlan> plan(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+									   const btDispatcherInfo& info);
 	void getAllContactManifolds(btManifoldArray& manifolds) override;
 
 private:

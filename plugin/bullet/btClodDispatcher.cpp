@@ -46,13 +46,12 @@ btCollisionObject* objectOf(const btBroadphaseProxy* proxy)
 struct btClodDispatcher::Planned
 {
 	int low, high;  // broadphase ids: Bullet's order of pairs is not always the same
-	clod::QueryPlan plan;
-	double radius;
+	clod::PairPlan plan;
 	// The heap's front is the worst; ties by s* over the radius, then by id.
 	static bool isBetter(const Planned& l, const Planned& r)
 	{
 		const auto key = [](const Planned& p)
-		{ return std::make_tuple(p.plan.excess(), p.plan.deviation() / p.radius, -p.low, -p.high); };
+		{ return std::make_tuple(p.plan.query.excess(), p.plan.query.deviation() / p.plan.radius, -p.low, -p.high); };
 		return key(l) < key(r);
 	}
 };
@@ -74,7 +73,7 @@ void btClodDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache* pairCac
 		return;
 	}
 	const bool isOfTime = budget.microseconds < clod::kOff && !(budget.tests < clod::kOff);
-	if (isOfTime && m_whole.isDue())
+	if (isOfTime && m_whole.isDue(budget.microseconds))
 	{
 		dispatchWhole(pairCache, info, dispatcher);
 		return;
@@ -83,7 +82,8 @@ void btClodDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache* pairCac
 	m_planned.clear();
 	plan(*pairCache, info);
 	m_answers = refine(budget, microsecondsSince(start));
-	if (isOfTime) m_whole.observeRefined(m_queue.empty() ? 0 : m_planned[m_queue.front()].plan.excess());
+	const double excess = m_queue.empty() ? 0 : m_planned[m_queue.front()].plan.query.excess();
+	if (isOfTime) m_whole.observeRefined(excess, budget.microseconds);
 	const Clock::time_point answering = Clock::now();
 	btCollisionDispatcher::dispatchAllCollisionPairs(pairCache, info, dispatcher);
 	m_answerCost.observe(m_answers, microsecondsSince(answering));
@@ -117,10 +117,9 @@ void btClodDispatcher::plan(btOverlappingPairCache& pairCache, const btDispatche
 		if (!pair.m_algorithm) pair.m_algorithm = findAlgorithm(&body0, &body1, nullptr, BT_CONTACT_POINT_ALGORITHMS);
 		auto* algorithm = dynamic_cast<btClodCollisionAlgorithm*>(pair.m_algorithm);
 		if (!algorithm) continue;
-		double radius = 1;
-		if (auto plan = algorithm->plan(body0, body1, info, radius))
+		if (auto plan = algorithm->plan(body0, body1, info))
 			m_planned.push_back({std::min(pair.m_pProxy0->m_uniqueId, pair.m_pProxy1->m_uniqueId),
-								 std::max(pair.m_pProxy0->m_uniqueId, pair.m_pProxy1->m_uniqueId), *plan, radius});
+								 std::max(pair.m_pProxy0->m_uniqueId, pair.m_pProxy1->m_uniqueId), *plan});
 	}
 }
 
@@ -136,14 +135,15 @@ std::uint64_t btClodDispatcher::refine(const clod::Budget& budget, double alread
 	m_queue.clear();
 	for (std::uint32_t i = 0; i < m_planned.size(); ++i)
 	{
-		committed += m_planned[i].plan.committed();
-		answers += m_planned[i].plan.answers();
-		if (m_planned[i].plan.excess() > 0) m_queue.push_back(i);
+		const clod::PairPlan& plan = m_planned[i].plan;
+		committed += plan.spent + plan.query.committed();
+		answers += plan.query.answers();
+		if (plan.query.excess() > 0) m_queue.push_back(i);
 	}
 	std::make_heap(m_queue.begin(), m_queue.end(), isBetter);
 	while (!m_queue.empty())
 	{
-		clod::QueryPlan& plan = m_planned[m_queue.front()].plan;
+		clod::QueryPlan& plan = m_planned[m_queue.front()].plan.query;
 		if (double(committed + plan.cost()) > tests) return answers;
 		if (budget.microseconds < clod::kOff)
 		{

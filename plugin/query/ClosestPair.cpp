@@ -134,6 +134,9 @@ struct MotionJudge
 	double best;
 	ClosestPairScratch& scratch;
 	static constexpr bool paper = false;
+	// Pairs that leave half as much to go as the best are not looked at, and half of the best is the answer: a fifth of
+	// the tests, for a search a half more often (README.md).
+	static constexpr double kShare = 0.5;
 
 	// Once: its own separation is a bound whichever the way.
 	bool counts(const ClosestPairScratch::Candidate& pair, double)
@@ -147,13 +150,14 @@ struct MotionJudge
 	{
 		return what.relaxed.acceptance(pair.a, pair.b) != Acceptance::kNo;
 	}
-	double limit() const { return what.tolerance + best; }
+	double limit() const { return what.tolerance + kShare * best; }
 	double ofPair(const ClosestPairScratch::Candidate& pair)
 	{
-		if (what.boxes) return pair.separation - what.tolerance;
 		++stats.hullTests;
-		const SweptBound bound = canonicalSweptBound(context, pair.a, pair.b, what.tolerance + best);
-		const double motion = std::max(pair.separation, bound.lower) - what.tolerance;
+		const double reached =
+			what.surfaces ? cullLimit(context.a.node(pair.a), context.b.node(pair.b), what.tolerance) : what.tolerance;
+		const SweptBound bound = canonicalSweptBound(context, pair.a, pair.b, reached + best);
+		const double motion = std::max(pair.separation - what.tolerance, bound.lower - reached);
 		if (motion < best) scratch.ofMotion = {pair.a, pair.b};
 		return motion;
 	}
@@ -299,6 +303,6 @@ double clearMotion(const QueryContext& context, const ClearOf& what, double cap,
 			cap, judge.ofPair({boxSeparation(context.boxes, context.a.cullBox(a), context.b.cullBox(b)), a, b}));
 	}
 	ClosestPairSearch<MotionJudge>(context, what.strict, judge, scratch, stats).run();
-	return judge.best;
+	return judge.best > 0 ? MotionJudge::kShare * judge.best : judge.best;
 }
 }  // namespace clod

@@ -86,13 +86,13 @@ SurfaceDistance surfaceDistance(const QueryContext& context, double known, Close
 void gatherLeafPairs(const QueryContext& context, double tolerance, ClosestPairScratch& scratch,
 					 std::vector<Contact>& pairs, QueryStats& stats);
 
-// What a traversal is to find nothing of: contacts, or pairs that answer and are near by their boxes alone.
+// What a traversal is to find nothing of: contacts, or pairs whose surfaces may be within the tolerance, too.
 struct ClearOf
 {
 	const StopRule& strict;   // a pair that answers by this rule is not opened by any in question,
 	const StopRule& relaxed;  // one that does not by this rule answers by none: differing in the threshold only
 	double tolerance;
-	bool boxes;
+	bool surfaces;
 };
 // By how much the pair may move, sweep included (MotionBound.h), before a traversal can find something by the two rules
 // or any between them; at most `cap`. <= 0: it may already. Not in paper mode.

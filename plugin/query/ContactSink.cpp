@@ -12,9 +12,19 @@ void ContactSink::noContact(std::uint32_t a, std::uint32_t b)
 	m_largestCover = std::max(m_largestCover, double(nodeA.cover) + double(nodeB.cover));
 }
 
+// Beyond the limit not known any better. What was evaluated before may have stopped at the tolerance.
+HullDistance ContactSink::distanceAtRest(std::uint32_t a, std::uint32_t b, double limit, const HullEvaluations& known)
+{
+	if (known.atRest && !(known.atRest->lower > m_tolerance && known.atRest->lower <= limit)) return *known.atRest;
+	++m_stats.hullTests;
+	return canonicalContact(m_context, a, b, limit);
+}
+
 void ContactSink::answer(std::uint32_t a, std::uint32_t b, HullMemory& memory, const HullEvaluations& known)
 {
-	if (m_hulls.isStillApart(a, b, m_tolerance, memory)) return noContact(a, b);
+	const bool areWanted = m_covers == Covers::kWanted;
+	const double limit = areWanted ? cullLimit(m_context.a.node(a), m_context.b.node(b), m_tolerance) : m_tolerance;
+	if (m_hulls.isStillApart(a, b, limit, memory)) return;
 	const bool moves = m_context.longestMove > 0;
 	if (moves)
 	{
@@ -24,15 +34,16 @@ void ContactSink::answer(std::uint32_t a, std::uint32_t b, HullMemory& memory, c
 		if (bound.lower > m_tolerance)
 		{
 			HullCull::keepApart(memory, bound.lower, bound.normal);
-			return noContact(a, b);
+			if (areWanted && !(distanceAtRest(a, b, limit, known).lower > limit)) noContact(a, b);
+			return;
 		}
 	}
-	if (!known.atRest) ++m_stats.hullTests;
-	const HullDistance distance = known.atRest ? *known.atRest : canonicalContact(m_context, a, b, m_tolerance);
+	const HullDistance distance = distanceAtRest(a, b, limit, known);
 	if (!moves && distance.lower > m_tolerance)
 	{
 		HullCull::keepApart(memory, distance.lower, distance.normal);
-		return noContact(a, b);
+		if (!(distance.lower > limit)) noContact(a, b);
+		return;
 	}
 	memory = HullMemory{};
 	m_contacts.push_back({a, b, distance.lower, distance.upper, distance.pointOnA, distance.pointOnB, distance.normal});

@@ -13,12 +13,18 @@ namespace clod
 class ContactSink
 {
 public:
-	// hasBase: covers are bounded without the sink's help (StopRule.h).
-	ContactSink(const QueryContext& context, double tolerance, bool hasBase, std::vector<Contact>& contacts,
+	// What becomes of covers.
+	enum class Covers
+	{
+		kBounded,  // without the sink's help: there are base levels (StopRule.h)
+		kWanted,   // largestCover() is
+		kUnwanted  // no gap is asked for
+	};
+	ContactSink(const QueryContext& context, double tolerance, Covers covers, std::vector<Contact>& contacts,
 				QueryStats& stats)
 		: m_context(context),
 		  m_tolerance(tolerance),
-		  m_hasBase(hasBase),
+		  m_covers(covers),
 		  m_contacts(contacts),
 		  m_stats(stats),
 		  m_hulls(context, stats)
@@ -29,24 +35,26 @@ public:
 	// near or far.
 	bool skips(std::uint32_t a, std::uint32_t b, const HullMemory& memory) const
 	{
-		return m_hasBase && m_hulls.isProvenApart(a, b, m_tolerance, memory);
+		return forgetsOthers() && m_hulls.isProvenApart(a, b, m_tolerance, memory);
 	}
 
 	// An accepted pair within the tolerance by its culling volumes.
 	void answer(std::uint32_t a, std::uint32_t b, HullMemory& memory, const HullEvaluations& known = {});
 
 	// An accepted pair that is no contact leaves no trace.
-	bool forgetsOthers() const { return m_hasBase; }
+	bool forgetsOthers() const { return m_covers == Covers::kBounded; }
 
-	// max over the pairs that are near by their boxes, but no contacts, of cover_a + cover_b.
+	// max over the pairs that are near by their boxes, but no contacts, of cover_a + cover_b; not of those whose hulls
+	// are farther apart than that and the tolerance: their surfaces are beyond it.
 	double largestCover() const { return m_largestCover; }
 
 private:
+	HullDistance distanceAtRest(std::uint32_t a, std::uint32_t b, double limit, const HullEvaluations& known);
 	void noContact(std::uint32_t a, std::uint32_t b);
 
 	const QueryContext& m_context;
 	const double m_tolerance;
-	const bool m_hasBase;
+	const Covers m_covers;
 	std::vector<Contact>& m_contacts;
 	QueryStats& m_stats;
 	HullCull m_hulls;

@@ -206,11 +206,16 @@ private:
 	{
 		m_result.contacts.clear();
 		m_result.stats.front = m_result.stats.frontInner = 0;
-		ContactSink sink(m_context, settings.tolerance, settings.rule.base().isUsed(), m_result.contacts,
-						 m_result.stats);
+		const auto covers = settings.rule.base().isUsed() ? ContactSink::Covers::kBounded : coversOfMixedLevels();
+		ContactSink sink(m_context, settings.tolerance, covers, m_result.contacts, m_result.stats);
 		Way way(m_context, settings, m_state.front, sink, m_result.stats);
 		if (!way.run()) return std::nullopt;
 		return sink.largestCover();
+	}
+
+	ContactSink::Covers coversOfMixedLevels() const
+	{
+		return m_settings.contactsOnly ? ContactSink::Covers::kUnwanted : ContactSink::Covers::kWanted;
 	}
 
 	// The same under a budget: best first, without the front.
@@ -223,7 +228,7 @@ private:
 			spend(walk, m_settings.budget, m_start, m_state.answerCost);
 		}
 		m_refined = Clock::now();
-		ContactSink sink(m_context, tolerance, false, m_result.contacts, m_result.stats);
+		ContactSink sink(m_context, tolerance, coversOfMixedLevels(), m_result.contacts, m_result.stats);
 		walk.answer(sink);
 		m_state.settings = m_settings;
 		m_state.filled = true;

@@ -7,7 +7,8 @@
 //
 // Apart (no accepted pair's hulls overlap, no component inside the other body):
 //   gap >= L = min( tolerance over pruned pairs,
-//                   tolerance - cover_a - cover_b over accepted pairs that are no contacts,
+//                   tolerance - cover_a - cover_b over accepted pairs that are no contacts, but whose hulls are within
+//                       tolerance + cover_a + cover_b,
 //                   lower_ab - cover_a - cover_b over contacts )
 //     as x is within cover_a of hull a and y within cover_b of hull b, and their hulls are lower_ab apart; culling
 //     boxes enclose the surface itself, so a pruned pair's surfaces are farther apart than the tolerance. Above base

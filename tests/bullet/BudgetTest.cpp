@@ -3,126 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstring>
-#include <memory>
 
-#include "clod/bullet/btClodCollisionAlgorithm.h"
-#include "clod/bullet/btClodDispatcher.h"
-#include "tests/query/Bodies.h"
-
-#include <btBulletDynamicsCommon.h>
+#include "tests/bullet/Toruses.h"
 
 namespace clod::test
 {
-namespace
-{
-// Four toruses, each fallen or falling on a fixed one: four pairs of which some touch more than others.
-class Toruses
-{
-public:
-	explicit Toruses(bool planned)
-	{
-		if (planned)
-			m_dispatcher = std::make_unique<btClodDispatcher>(&m_configuration, &context);
-		else
-			m_dispatcher = std::make_unique<btCollisionDispatcher>(&m_configuration);
-		m_world =
-			std::make_unique<btDiscreteDynamicsWorld>(m_dispatcher.get(), &m_broadphase, &m_solver, &m_configuration);
-		if (!btClodCollisionAlgorithm::registerAlgorithm(m_dispatcher.get(), &context)) std::abort();
-		context.warn = {};
-		context.worldMetric = ContactMetric::deviationShare(0.001);
-		m_world->setGravity(btVector3(0, btScalar(-9.81), 0));
-		m_world->getDispatchInfo().m_deterministicOverlappingPairs = true;
-		const btScalar scale = btScalar(1 / double(m_shape.hierarchy().asset().radius));
-		m_shape.setLocalScaling({scale, scale, scale});
-		for (int i = 0; i < 4; ++i)
-		{
-			addBody(0, btVector3(btScalar(4 * i), 0, 0), 0);
-			addBody(1, btVector3(btScalar(4 * i), btScalar(0.75 + 0.05 * i), btScalar(0.3 * i)), btScalar(0.4 * i));
-		}
-	}
-	~Toruses()
-	{
-		for (const auto& body : m_bodies) m_world->removeRigidBody(body.get());
-	}
-
-	struct Step
-	{
-		std::uint64_t tests = 0, contacts = 0;
-		std::uint32_t pending = 0, coarsest = 0;
-		double excess = 0, least = kOff;  // least: of the pairs that were cut short
-		int cut = 0;
-	};
-	// Collision detection at the poses as they are.
-	Step detect(double tests)
-	{
-		context.budget.tests = tests;
-		m_world->performDiscreteCollisionDetection();
-		return look();
-	}
-	std::uint64_t run(int steps, double tests, double microseconds = kOff)
-	{
-		context.budget = {tests, microseconds};
-		std::uint64_t hash = 0;
-		for (int i = 0; i < steps; ++i)
-		{
-			m_world->stepSimulation(btScalar(1.0 / 240), 0);
-			for (const auto& body : m_bodies)
-				for (int k = 0; k < 3; ++k)
-				{
-					const double at = double(body->getWorldTransform().getOrigin()[k]);
-					std::uint64_t bits;
-					std::memcpy(&bits, &at, sizeof bits);
-					hash = (hash ^ bits) * 0x100000001B3u;
-				}
-		}
-		return hash;
-	}
-	Step look() const
-	{
-		Step step;
-		context.forEachPair(
-			[&step](const PairReport& pair)
-			{
-				step.tests += std::uint64_t(pair.result->stats.boxTests) + pair.result->stats.hullTests;
-				step.contacts += pair.result->contacts.size();
-				step.coarsest = std::max(step.coarsest, pair.coarsestLevel);
-				if (pair.result->excess > 0) step.least = std::min(step.least, pair.result->excess), ++step.cut;
-			});
-		const StepStatistics sums = context.lastStep();
-		step.pending = sums.pending;
-		step.excess = sums.excess;
-		return step;
-	}
-	std::uint64_t answers() const { return dynamic_cast<const btClodDispatcher&>(*m_dispatcher).answers(); }
-	// Of the body that lies in the middle of another.
-	double height() const { return double(m_bodies[1]->getWorldTransform().getOrigin().y()); }
-
-	Context context;
-
-private:
-	void addBody(btScalar mass, const btVector3& at, btScalar turn)
-	{
-		btVector3 inertia(0, 0, 0);
-		if (mass > 0) m_shape.calculateLocalInertia(mass, inertia);
-		btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, &m_shape, inertia);
-		info.m_startWorldTransform.setOrigin(at);
-		info.m_startWorldTransform.setRotation(btQuaternion(btVector3(0, 1, 0), turn));
-		m_bodies.push_back(std::make_unique<btRigidBody>(info));
-		m_bodies.back()->setActivationState(DISABLE_DEACTIVATION);
-		m_world->addRigidBody(m_bodies.back().get());
-	}
-
-	btClodShape m_shape{test::body("torus", 900).hierarchy};
-	btDefaultCollisionConfiguration m_configuration;
-	std::unique_ptr<btCollisionDispatcher> m_dispatcher;
-	btDbvtBroadphase m_broadphase;
-	btSequentialImpulseConstraintSolver m_solver;
-	std::unique_ptr<btDiscreteDynamicsWorld> m_world;
-	std::vector<std::unique_ptr<btRigidBody>> m_bodies;
-};
-}  // namespace
-
 // A budget of time is reckoned by the pairs of nodes that answered.
 TEST(BulletBudget, CountsWhatAnsweredAndMoreWithMore)
 {
@@ -148,15 +33,15 @@ TEST(BulletBudget, AFullOneGivesTheTrajectoryOfNone)
 TEST(WholeStep, IsTriedNearTheMetricAndKeptWhileItFits)
 {
 	WholeStep whole;
-	EXPECT_FALSE(whole.isDue());
-	whole.observeRefined(40);
-	EXPECT_FALSE(whole.isDue());
-	whole.observeRefined(28);
-	ASSERT_TRUE(whole.isDue());
+	EXPECT_FALSE(whole.isDue(100));
+	whole.observeRefined(40, 100);
+	EXPECT_FALSE(whole.isDue(100));
+	whole.observeRefined(28, 100);
+	ASSERT_TRUE(whole.isDue(100));
 	whole.observeWhole(190, 100);  // the first may take twice as long
-	ASSERT_TRUE(whole.isDue());
+	ASSERT_TRUE(whole.isDue(100));
 	for (int i = 0; i < 10; ++i) whole.observeWhole(99, 100);
-	ASSERT_TRUE(whole.isDue());
+	ASSERT_TRUE(whole.isDue(100));
 	whole.observeWhole(101, 100);
 	// One step later it is tried again; after attempts that fail three, seven, ... and at last 63 steps later.
 	int waits = 1;
@@ -164,14 +49,50 @@ TEST(WholeStep, IsTriedNearTheMetricAndKeptWhileItFits)
 	{
 		for (int i = 0; i < waits; ++i)
 		{
-			EXPECT_FALSE(whole.isDue());
-			whole.observeRefined(0);
+			EXPECT_FALSE(whole.isDue(100));
+			whole.observeRefined(0, 100);
 		}
-		EXPECT_FALSE(whole.isDue());
-		whole.observeRefined(0);
-		ASSERT_TRUE(whole.isDue());
+		EXPECT_FALSE(whole.isDue(100));
+		whole.observeRefined(0, 100);
+		ASSERT_TRUE(whole.isDue(100));
 		whole.observeWhole(201, 100);
 		waits = std::min(2 * waits + 1, 63);
+	}
+}
+
+TEST(WholeStep, IsNotTriedForWhatWasNotSeenToFit)
+{
+	WholeStep whole;
+	whole.observeRefined(0, 0);
+	EXPECT_FALSE(whole.isDue(0));
+	EXPECT_FALSE(whole.isDue(100));
+	whole.observeRefined(0, 100);
+	EXPECT_TRUE(whole.isDue(100));
+	EXPECT_FALSE(whole.isDue(99));  // not tried yet
+	EXPECT_TRUE(whole.isDue(200));
+	whole.observeWhole(190, 100);
+	EXPECT_TRUE(whole.isDue(100));
+	whole.observeWhole(60, 100);
+	for (const double budget : {60.0, 80.0, 1e9}) EXPECT_TRUE(whole.isDue(budget)) << budget;
+	for (const double budget : {0.0, 1e-9, 59.0}) EXPECT_FALSE(whole.isDue(budget)) << budget;
+}
+
+// Whatever fitted in before.
+TEST(BulletBudget, NoTimeIsTheCoarsestAnswerAtEveryStep)
+{
+	const auto coarsest = [](Toruses& scene, int before, double microseconds, bool inTests)
+	{
+		scene.context.worldMetric = ContactMetric::deviationShare(0.1);  // so near that a whole step is tried
+		scene.run(before, kOff, microseconds);
+		return inTests ? scene.run(120, 0) : scene.run(120, kOff, 0);
+	};
+	for (const int before : {0, 60})
+	{
+		Toruses tests(true), time(true);
+		const std::uint64_t expected = coarsest(tests, before, kOff, true);
+		EXPECT_EQ(coarsest(time, before, 1e12, false), expected) << before;
+		ASSERT_GT(time.look().excess, 1);
+		ASSERT_LT(time.look().excess, 30);
 	}
 }
 
@@ -200,6 +121,206 @@ TEST(BulletBudget, IsNeverExceededByAWholeStep)
 		cut += step.pending > 0;
 	}
 	EXPECT_GT(cut, 3);
+}
+
+// Hulls that overlap without a point: the search of the depth is in the budget, and finds what it finds without one.
+TEST(BulletBudget, PaysForDepthsThatAreSearched)
+{
+	Toruses scene(true), free(false);
+	scene.run(1, kOff);
+	free.run(1, kOff);
+	free.context.worldMetric = ContactMetric::deviationShare(1e6);  // what a budget of 0 answers
+	int searches = 0, deep = 0, bought = 0, unpaid = 0;
+	for (double height = 0.3; height < 1.6; height += 0.004)
+	{
+		scene.place(height, 10 * height);
+		free.place(height, 10 * height);
+		const Toruses::Step whole = free.detect(kOff);
+		scene.detect(0);
+		const Toruses::Step none = scene.detect(0);
+		EXPECT_EQ(none.contacts, whole.contacts);
+		EXPECT_EQ(none.searched > 0, whole.searched > 0) << height;
+		EXPECT_EQ(scene.context.lastStep().deepPairs, free.context.lastStep().deepPairs) << height;
+		EXPECT_EQ(scene.context.lastStep().searchTests, none.searched);
+		deep += int(scene.context.lastStep().deepPairs);
+		if (none.searched == 0) continue;
+		++searches;
+		const std::uint64_t answers = none.tests - none.searched;
+		for (double tests = double(answers); tests < 4.0 * double(none.tests); tests *= 1.3)
+		{
+			const Toruses::Step step = scene.detect(std::floor(tests));
+			EXPECT_LE(step.tests, std::max(std::uint64_t(tests), answers + step.searched)) << height;
+			bought += step.searched > 0 && step.tests > answers + step.searched;
+			unpaid += answers + step.searched > std::uint64_t(tests);
+			scene.detect(0);  // again the pairs whose coarsest answer leaves a depth open
+		}
+	}
+	std::printf("%d steps with searches, %d deep pairs, %d refined besides, %d not paid by the budget\n", searches,
+				deep, bought, unpaid);
+	EXPECT_GT(searches, 3);
+	EXPECT_GT(deep, 0);
+	EXPECT_GT(bought, 10);
+	EXPECT_GT(unpaid, 3);
+}
+
+// The only pair's share is all there is.
+TEST(BulletBudget, AShareIsWhatASearchedDepthLeavesOfIt)
+{
+	Toruses scene(false, 1);
+	scene.run(1, kOff);
+	int searches = 0, bought = 0;
+	for (double height = 0.3; height < 1.6; height += 0.002)
+	{
+		scene.place(height, 10 * height);
+		scene.detect(0);
+		const Toruses::Step none = scene.detect(0);
+		if (none.searched == 0) continue;
+		++searches;
+		for (double tests = double(none.tests); tests < 4.0 * double(none.tests); tests *= 1.3)
+		{
+			const Toruses::Step step = scene.detect(std::floor(tests));
+			EXPECT_LE(step.tests, std::uint64_t(tests)) << height;
+			bought += step.tests > none.tests;
+			scene.detect(0);
+		}
+	}
+	std::printf("%d steps with searches, %d refined besides\n", searches, bought);
+	EXPECT_GT(searches, 3);
+	EXPECT_GT(bought, 3);
+}
+
+// What the dispatcher cannot plan gets a share by what it needed last, and the rest is spent as ever.
+TEST(BulletBudget, ChildrenOfCompoundsGetASharedPart)
+{
+	EXPECT_EQ(Toruses(true, 4, 2).run(120, 1e9), Toruses(false, 4, 2).run(120, kOff));
+	EXPECT_EQ(Toruses(true, 4, 2).run(120, 1500), Toruses(true, 4, 2).run(120, 1500));
+	for (const int compounds : {1, 2, 4})
+	{
+		Toruses scene(true, 4, compounds);
+		scene.run(60, kOff);
+		const auto settle = [&scene](double tests)
+		{
+			for (int i = 0; i < 5; ++i) scene.detect(tests);
+			return scene.detect(tests);
+		};
+		const Toruses::Step none = settle(0), full = settle(1e9);
+		EXPECT_EQ(full.pending, 0u);
+		EXPECT_EQ(none.planned == 0, compounds == 4);
+		EXPECT_LT(none.planned, none.tests);
+		const double budget = std::floor(0.5 * double(none.tests + full.tests));
+		const Toruses::Step half = settle(budget);
+		EXPECT_GT(half.pending, 0u);
+		EXPECT_EQ(half.planned > none.planned, compounds < 4);
+		EXPECT_LT(half.tests - half.planned, full.tests - full.planned);
+		EXPECT_GT(half.tests - half.planned, none.tests - none.planned);
+		EXPECT_LE(double(half.planned), budget - scene.context.unplannedShare());
+		EXPECT_LT(double(half.tests), 1.25 * budget);
+		EXPECT_GT(double(half.tests), 0.5 * budget);
+	}
+}
+
+// By time, without the dispatcher: none is the coarsest answer, plenty is all of it, whoever shares it.
+TEST(BulletBudget, SharesOfTimeRunFromTheCoarsestAnswerToTheWholeOne)
+{
+	for (const int compounds : {0, 2})
+	{
+		EXPECT_EQ(Toruses(false, 4, compounds).run(120, kOff, 0), Toruses(false, 4, compounds).run(120, 0));
+		EXPECT_EQ(Toruses(false, 4, compounds).run(120, kOff, 1e12), Toruses(false, 4, compounds).run(120, kOff));
+		Toruses scene(false, 4, compounds);
+		scene.run(60, kOff);
+		const Toruses::Step none = scene.detect(0);
+		// A pair's own answer cannot tell how long it took, but what it bought lies between the two.
+		for (const double microseconds : {0.0, 1.0, 30.0, 1000.0, 1e9})
+		{
+			scene.context.budget.microseconds = microseconds;
+			for (int i = 0; i < 4; ++i)
+			{
+				const Toruses::Step step = scene.detect(kOff);
+				EXPECT_GE(step.tests, none.tests);
+				EXPECT_LE(step.excess, none.excess);
+				EXPECT_TRUE(microseconds > 0 || step.tests == none.tests);
+				EXPECT_TRUE(microseconds < 1e9 || step.pending == 0);
+			}
+		}
+	}
+}
+
+// World, shape and pair, from step to step: a full budget still gives what none does.
+TEST(BulletBudget, MetricsMayChangeWithEveryStep)
+{
+	const auto run = [](bool planned, double tests)
+	{
+		Toruses scene(planned);
+		const btRigidBody& special = scene.body(3);
+		int step = 0;
+		scene.context.pairMetric = [&](const btCollisionObject& a, const btCollisionObject& b, ContactMetric& metric)
+		{
+			metric = ContactMetric::deviationShare(0.3);
+			return step % 4 > 1 && (&a == &special || &b == &special);
+		};
+		std::uint64_t hash = 0;
+		for (; step < 120; ++step)
+		{
+			scene.context.worldMetric = step % 3 == 0   ? ContactMetric::deviationShare(0.01)
+										: step % 3 == 1 ? ContactMetric::errorShare(0.02)
+														: ContactMetric::velocityFactor(1);
+			if (step % 40 == 20) scene.shape().setMetric(ContactMetric::exactly());
+			if (step % 40 == 30) scene.shape().clearMetric();
+			hash = 31 * hash + scene.run(1, tests);
+		}
+		return hash;
+	};
+	const std::uint64_t none = run(false, kOff);
+	EXPECT_EQ(run(true, 1e9), none);
+	EXPECT_EQ(run(false, 1e9), none);
+	EXPECT_NE(run(true, 300), none);
+	EXPECT_EQ(run(true, 300), run(true, 300));
+}
+
+// Planned pairs whose bodies leave, return, or are not dispatched after all.
+TEST(BulletBudget, BodiesComeAndGoBetweenPlannedSteps)
+{
+	const auto run = [](bool planned, double tests)
+	{
+		Toruses scene(planned);
+		std::uint64_t hash = 0;
+		for (int step = 0; step < 90; ++step)
+		{
+			scene.setPresent(1, step % 30 < 20);
+			scene.setPresent(4, step % 20 < 15);  // one that others lie on
+			const bool isFiltered = step % 7 == 3;
+			scene.setNearCallback(isFiltered ? [](btBroadphasePair&, btCollisionDispatcher&, const btDispatcherInfo&) {}
+											 : &btCollisionDispatcher::defaultNearCallback);
+			hash = 31 * hash + scene.run(1, tests);
+			EXPECT_LE(scene.context.lastStep().pairs, 4U);
+		}
+		scene.setPresent(1, false);
+		scene.setPresent(4, false);
+		EXPECT_LE(scene.context.lastStep().pairs, 2U);
+		return hash;
+	};
+	const std::uint64_t none = run(false, kOff);
+	EXPECT_EQ(run(true, 1e9), none);
+	EXPECT_EQ(run(false, 1e9), none);
+	EXPECT_EQ(run(true, 400), run(true, 400));
+}
+
+// Each has its budget, and neither takes from the other's.
+TEST(BulletBudget, WorldsMayShareAContext)
+{
+	for (const double tests : {kOff, 1500.0})
+	{
+		Toruses alone(true), aloneToo(true, 2);
+		Context shared;
+		Toruses first(true, 4, 0, &shared), second(true, 2, 0, &shared);
+		for (int step = 0; step < 60; ++step)
+		{
+			ASSERT_EQ(first.run(1, tests), alone.run(1, tests)) << step;
+			ASSERT_EQ(second.run(1, tests), aloneToo.run(1, tests)) << step;
+		}
+		EXPECT_EQ(shared.lastStep().pairs, alone.context.lastStep().pairs + aloneToo.context.lastStep().pairs);
+		EXPECT_EQ(first.look().tests, alone.look().tests + aloneToo.look().tests);
+	}
 }
 
 // One queue over all pairs: no pair is refined while another exceeds its metric by more.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a cache may do: nothing but save time. CLOD_WALK_STEPS, CLOD_CREEPS and CLOD_APPROACHES lengthen the tests.
+// What a cache may do: nothing but save time. CLOD_WALK_STEPS, CLOD_CREEPS, CLOD_APPROACHES and CLOD_PARTINGS lengthen
+// the tests.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -324,6 +325,51 @@ TEST(Query, WalksApartOfEverySelection)
 		EXPECT_GT(share(1), 30) << kSelectionNames[kind];
 	}
 	EXPECT_GT(contacts, steps / 4);
+}
+
+// Coarse hulls reach farther than fine ones: what is apart at one speed may touch at another, and where it is seen
+// from.
+TEST(Query, ThresholdsThatRiseAreSeenAtOnce)
+{
+	Random random(23);
+	int stillClear = 0, changes = 0, total = 0;
+	for (const BodyPair& pair : pairs())
+		for (int walk = 0; walk < 30; ++walk)
+		{
+			const double radius = smallerRadius(pair.a, pair.b);
+			double level = 0;
+			const OwnThreshold own = [&](const Place&) { return level; };
+			Settings settings;
+			settings.tolerance = 1e-4 * radius;
+			settings.contactsOnly = walk % 2 == 0;
+			Metric& metric = settings.metric;
+			if (walk % 3 == 0) metric.velocity.time = 1;
+			if (walk % 3 == 1) metric.view.pixels = metric.view.pixelSize = 1;
+			if (walk % 3 == 2) metric.own = &own;
+			Transform pose = poseWithGap(random, pair.a, pair.b, uniform(random, 0.002, 0.02));
+			const Vec3 way = 1e-5 * radius * randomDirection(random);
+			PairCache cache;
+			QueryResult result;
+			bool touched = false;
+			for (int step = 0; step < 120; ++step)
+			{
+				pose.translation += way;
+				if (step % 12 == 0) level = (step % 24 == 0 ? 1e-4 : 3.0) * radius;
+				metric.velocity.linear = {level, 0, 0};
+				metric.view.nearest = level;
+				query(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache, result);
+				ASSERT_EQ(difference(result, fresh(pair, pose, settings)), "")
+					<< pair.a.name << " walk " << walk << " step " << step << ", still clear "
+					<< result.stats.stillClear;
+				stillClear += int(result.stats.stillClear);
+				changes += touched == result.contacts.empty();
+				touched = !result.contacts.empty();
+				++total;
+			}
+		}
+	std::printf("%d queries, %d still clear, contacts came or went %d times\n", total, stillClear, changes);
+	EXPECT_GT(stillClear, total / 10);
+	EXPECT_GT(changes, 20);
 }
 
 TEST(Query, TheComparisonSeesOneBit)
