@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Depth-first branch and bound, the nearest child first.
+// Branch and bound: depth first, the nearest child first, or the nearest pair of all first.
 #include "clod/query/ClosestPair.h"
 
 #include <algorithm>
@@ -12,9 +12,12 @@ namespace clod
 namespace
 {
 // Judge: bool paper;
+//        bool nearestFirst                      - of all pairs met, not only of the children met last;
+//        bool answersWhileApart                 - pairs that answer while their hulls are apart do in any case;
 //        double best                            - no pair beyond it is looked for;
 //        bool counts(Candidate, double above)   - meets a pair: is it to be looked at? May raise its separation to that
 //                                                 of the pair above;
+//        bool takes(Candidate)                  - its turn has come: still to be looked at?
 //        bool isSettled()                       - whatever else there is makes no difference;
 //        double limit()                         - pairs whose boxes are farther apart have nothing up to `best`;
 //        double ofPair(const Candidate&)        - of an accepted pair.
@@ -37,9 +40,8 @@ public:
 		push(true, m_context.b.root(), &rootA, 1, 0);
 		while (!m_stack.empty() && !m_judge.isSettled())
 		{
-			const Candidate top = m_stack.back();
-			m_stack.pop_back();
-			if (top.separation > m_judge.limit()) continue;
+			const Candidate top = next();
+			if (top.separation > m_judge.limit() || !m_judge.takes(top)) continue;
 			if (accepts(top))
 				m_judge.best = std::min(m_judge.best, m_judge.ofPair(top));
 			else
@@ -48,10 +50,18 @@ public:
 	}
 
 private:
+	static bool isFarther(const Candidate& l, const Candidate& r) { return l.separation > r.separation; }
+	Candidate next()
+	{
+		if (Judge::nearestFirst) std::pop_heap(m_stack.begin(), m_stack.end(), isFarther);
+		const Candidate top = m_stack.back();
+		m_stack.pop_back();
+		return top;
+	}
 	bool accepts(const Candidate& pair)
 	{
 		const Acceptance acceptance = m_rule.acceptance(pair.a, pair.b);
-		if (acceptance != Acceptance::kWhileApart) return acceptance == Acceptance::kYes;
+		if (acceptance != Acceptance::kWhileApart || Judge::answersWhileApart) return acceptance != Acceptance::kNo;
 		++m_stats.hullTests;
 		return canonicallyApart(m_context, pair.a, pair.b);
 	}
@@ -63,8 +73,7 @@ private:
 		for (std::uint32_t i = 0; i < children.size; i += kBoxLanes)
 			push(opensA, opensA ? pair.b : pair.a, children.data + i,
 				 std::min(kBoxLanes, std::uint32_t(children.size) - i), pair.separation);
-		std::sort(m_stack.begin() + std::ptrdiff_t(first), m_stack.end(),
-				  [](const Candidate& l, const Candidate& r) { return l.separation > r.separation; });
+		if (!Judge::nearestFirst) std::sort(m_stack.begin() + std::ptrdiff_t(first), m_stack.end(), isFarther);
 	}
 
 	// Pairs of `other` and nodes of the other body, of A or not.
@@ -92,7 +101,9 @@ private:
 	}
 	void meet(Candidate pair, double above)
 	{
-		if (m_judge.counts(pair, above)) m_stack.push_back(pair);
+		if (!m_judge.counts(pair, above)) return;
+		m_stack.push_back(pair);
+		if (Judge::nearestFirst) std::push_heap(m_stack.begin(), m_stack.end(), isFarther);
 	}
 
 	const QueryContext& m_context;
@@ -107,15 +118,22 @@ struct DistanceJudge
 	const QueryContext& context;
 	QueryStats& stats;
 	bool paper;
+	VisitedPairs& visited;
 	double best = std::numeric_limits<double>::infinity();
+	static constexpr bool nearestFirst = true, answersWhileApart = false;
 
-	// Along every way, as the ways' separations differ.
-	bool counts(ClosestPairScratch::Candidate& pair, double above) const
+	// The ways to a pair differ in their largest separation. Nearest first, a pair's first turn comes by the least.
+	static bool counts(ClosestPairScratch::Candidate& pair, double above)
 	{
 		pair.separation = std::max(pair.separation, above);
 		return true;
 	}
-	static bool isSettled() { return false; }
+	bool takes(const ClosestPairScratch::Candidate& pair)
+	{
+		visited.reserve(1);
+		return visited.insert(pair.a, pair.b);
+	}
+	bool isSettled() const { return best <= 0; }
 	double limit() const { return best; }
 	double ofPair(const ClosestPairScratch::Candidate& pair) const
 	{
@@ -131,7 +149,8 @@ struct MotionJudge
 	QueryStats& stats;
 	double tolerance, best;
 	ClosestPairScratch& scratch;
-	static constexpr bool paper = false;
+	// Where hulls overlap that answer while they are apart, a little motion may part them: they count as what answers.
+	static constexpr bool paper = false, nearestFirst = false, answersWhileApart = true;
 
 	// Once: its own separation is a bound whichever the way.
 	bool counts(const ClosestPairScratch::Candidate& pair, double)
@@ -139,6 +158,7 @@ struct MotionJudge
 		scratch.visited.reserve(1);
 		return scratch.visited.insert(pair.a, pair.b);
 	}
+	static bool takes(const ClosestPairScratch::Candidate&) { return true; }
 	bool isSettled() const { return best <= 0; }
 	double limit() const { return tolerance + best; }
 	double ofPair(const ClosestPairScratch::Candidate& pair)
@@ -158,9 +178,10 @@ struct LeafJudge
 	QueryStats& stats;
 	double best;
 	RememberedDirections& directions;
-	static constexpr bool paper = false;
+	static constexpr bool paper = false, nearestFirst = false, answersWhileApart = false;
 
 	static bool counts(const ClosestPairScratch::Candidate&, double) { return true; }
+	static bool takes(const ClosestPairScratch::Candidate&) { return true; }
 	double limit() const { return best; }
 
 protected:
@@ -249,7 +270,8 @@ StopRule leafRule(const QueryContext& context)
 double closestDistance(const QueryContext& context, const StopRule& rule, bool paper, ClosestPairScratch& scratch,
 					   QueryStats& stats)
 {
-	DistanceJudge judge{context, stats, paper};
+	scratch.visited.clear();
+	DistanceJudge judge{context, stats, paper, scratch.visited};
 	ClosestPairSearch<DistanceJudge>(context, rule, judge, scratch, stats).run();
 	return judge.best;
 }
