@@ -147,6 +147,7 @@ std::string faceRecord(const Hierarchy& h, const Node& n, const Face& f)
 	const HullView hull = h.hull(n);
 	const Vec3 normal = vec(f.normal), p0 = hull.vertex(f.vertex[0]), p1 = hull.vertex(f.vertex[1]),
 			   p2 = hull.vertex(f.vertex[2]);
+	if (p0 == p1 || p1 == p2 || p2 == p0) return "two corners in one place";
 	const double reach = std::max({dot(normal, p0), dot(normal, p1), dot(normal, p2)});
 	if (!std::isfinite(f.offset) || double(f.offset) < reach) return "offset is below a vertex";
 	if (double(f.offset) > reach + double(h.asset().storageTolerance)) return "offset is above every vertex";

@@ -138,18 +138,18 @@ private:
 		if (here.face == cell.face) return halve(cell);
 		const Triangle one = m_surface.triangle(cell.face), other = m_surface.triangle(here.face);
 		const Vec3 first = normalized(normalOf(one)), second = normalized(normalOf(other));
-		if (!cut(cell, first - second, dot(first, one.corner[0]) - dot(second, other.corner[0]))) halve(cell);
+		if (!cut(cell, first - second, dot(first, one[0]) - dot(second, other[0]))) halve(cell);
 	}
 	static Vec3 normalOf(const Triangle& triangle)
 	{
-		return cross(triangle.corner[1] - triangle.corner[0], triangle.corner[2] - triangle.corner[0]);
+		return cross(triangle[1] - triangle[0], triangle[2] - triangle[0]);
 	}
 
 	// Into three along a plane, unless that only scratches the cell.
 	bool cut(const DepthCell& cell, const Vec3& normal, double offset)
 	{
 		constexpr double kScratch = 1e-3;
-		const Vec3* corner = cell.triangle.corner;
+		const Triangle& corner = cell.triangle;
 		double side[3], most = 0, least = 0;
 		for (int i = 0; i < 3; ++i)
 		{
@@ -167,9 +167,9 @@ private:
 		const Vec3 first = crossing(next), second = crossing(last);
 		const DepthSample atFirst = sample(cell.group, first, cell.face),
 						  atSecond = sample(cell.group, second, cell.face);
-		add(cell.group, {{corner[alone], first, second}}, cell.corner[alone], atFirst, atSecond);
-		add(cell.group, {{first, corner[next], corner[last]}}, atFirst, cell.corner[next], cell.corner[last]);
-		add(cell.group, {{first, corner[last], second}}, atFirst, cell.corner[last], atSecond);
+		add(cell.group, {corner[alone], first, second}, cell.corner[alone], atFirst, atSecond);
+		add(cell.group, {first, corner[next], corner[last]}, atFirst, cell.corner[next], cell.corner[last]);
+		add(cell.group, {first, corner[last], second}, atFirst, cell.corner[last], atSecond);
 		return true;
 	}
 
@@ -179,7 +179,7 @@ private:
 		double most = -1;
 		for (int i = 0; i < 3; ++i)
 		{
-			const double squared = lengthSquared(cell.triangle.corner[(i + 1) % 3] - cell.triangle.corner[i]);
+			const double squared = lengthSquared(cell.triangle[(i + 1) % 3] - cell.triangle[i]);
 			if (squared > most)
 			{
 				most = squared;
@@ -187,12 +187,12 @@ private:
 			}
 		}
 		const int next = (longest + 1) % 3;
-		const Vec3 middle = 0.5 * (cell.triangle.corner[longest] + cell.triangle.corner[next]);
+		const Vec3 middle = 0.5 * (cell.triangle[longest] + cell.triangle[next]);
 		const DepthSample here = sample(cell.group, middle, cell.corner[longest].face);
 		for (const int replaced : {longest, next})
 		{
 			DepthCell half = cell;
-			half.triangle.corner[replaced] = middle;
+			half.triangle[replaced] = middle;
 			half.corner[replaced] = here;
 			push(half);
 		}
@@ -208,7 +208,7 @@ private:
 	// Upper bound (2), for each quarter of the triangle from its best corner.
 	static double nearCorners(const DepthCell& cell)
 	{
-		const Vec3* corner = cell.triangle.corner;
+		const Triangle& corner = cell.triangle;
 		double half[3], median[3];  // of the edge from corner i; from corner i to the middle of the opposite edge
 		for (int i = 0; i < 3; ++i)
 		{
@@ -257,8 +257,8 @@ private:
 		double upper = 0;
 		for (int edge = 0; edge < 3; ++edge)
 		{
-			const Vec3 outward = cross(base.corner[(edge + 1) % 3] - base.corner[edge], normal);
-			const double offset = dot(outward, base.corner[edge]);
+			const Vec3 outward = cross(base[(edge + 1) % 3] - base[edge], normal);
+			const double offset = dot(outward, base[edge]);
 			const Polygon beyond = Polygon(cell.triangle).clipped(outward, offset);
 			over = over.clipped(-outward, -offset);
 			if (beyond.count == 0) continue;
@@ -280,7 +280,7 @@ private:
 	struct Polygon
 	{
 		Polygon() = default;
-		explicit Polygon(const Triangle& triangle) : count(3) { std::copy_n(triangle.corner, 3, corner); }
+		explicit Polygon(const Triangle& triangle) : count(3) { std::copy_n(triangle.data(), 3, corner); }
 
 		// The part with dot(normal, x) >= offset.
 		Polygon clipped(const Vec3& normal, double offset) const

@@ -48,12 +48,6 @@ void setSide(FacePrism& prism, std::size_t edge, const Vec3& from, const Vec3& d
 }
 }  // namespace
 
-Triangle triangleOf(const Hierarchy& hierarchy, const Node& node, const Face& face)
-{
-	const HullView hull = hierarchy.hull(node);
-	return {hull.vertex(face.vertex[0]), hull.vertex(face.vertex[1]), hull.vertex(face.vertex[2])};
-}
-
 FacePrism prismOf(const Hierarchy& hierarchy, const Node& node, const Face& face)
 {
 	FacePrism prism;

@@ -3,7 +3,7 @@
 #pragma once
 #include <array>
 
-#include "clod/hierarchy/Hierarchy.h"
+#include "clod/query/Triangle.h"
 
 namespace clod
 {
@@ -40,9 +40,6 @@ inline bool atBottom(const FacePrism& prism, double height)
 	return height <= prism.bottom * (1 - 1e-9);
 }
 
-using Triangle = std::array<Vec3, 3>;
-
-Triangle triangleOf(const Hierarchy& hierarchy, const Node& node, const Face& face);
 // Side planes through the edges that bisect this face and its neighbours; bottom = -thickness, top = 0.
 FacePrism prismOf(const Hierarchy& hierarchy, const Node& node, const Face& face);
 // Side planes perpendicular to a triangle whose neighbours are unknown; false for a triangle without area.

@@ -12,10 +12,7 @@ struct Mover
 	Mat3 rotation;
 	Vec3 translation;
 	Vec3 operator()(const Vec3& p) const { return rotation * p + translation; }
-	Triangle operator()(const Triangle& t) const
-	{
-		return {{(*this)(t.corner[0]), (*this)(t.corner[1]), (*this)(t.corner[2])}};
-	}
+	Triangle operator()(const Triangle& t) const { return {(*this)(t[0]), (*this)(t[1]), (*this)(t[2])}; }
 };
 
 Mover intoB(const RelativePose& pose)
@@ -158,9 +155,9 @@ DepthBound searchWhole(const Hierarchy& own, const Mover& intoOther, InputSurfac
 		for (std::uint32_t i = 0; node.childCount == 0 && i < node.faceCount; ++i)
 		{
 			const Triangle triangle = intoOther(triangleOf(own, node, own.faces(node)[i]));
-			const DepthSample first = search.sample(0, triangle.corner[0], kNone),
-							  second = search.sample(0, triangle.corner[1], kNone);
-			search.add(0, triangle, first, second, search.sample(0, triangle.corner[2], kNone));
+			const DepthSample first = search.sample(0, triangle[0], kNone),
+							  second = search.sample(0, triangle[1], kNone);
+			search.add(0, triangle, first, second, search.sample(0, triangle[2], kNone));
 		}
 	}
 	if (!scratch.tree.empty()) dropped = std::max(dropped, scratch.tree.front().upper);

@@ -243,6 +243,14 @@ const Fault kFaults[] = {
 	{"less than that of child", [](auto& c) { c.nodes.back().surf = 0; }},
 	{"outside its node", [](auto& c) { c.faces[0].vertex[0] = 60000; }},
 	{"same vertex twice", [](auto& c) { c.faces[0].vertex[0] = c.faces[0].vertex[1]; }},
+	{"face 0: two corners in one place",
+	 [](auto& c)
+	 {
+		 // Not the last vertex, which the padding repeats.
+		 const std::uint16_t(&v)[3] = c.faces[0].vertex;
+		 const int i = v[0] + 1U == c.nodes[0].vertexCount ? 1 : 0;
+		 for (auto* x : {&c.hullX, &c.hullY, &c.hullZ}) (*x)[v[i]] = (*x)[v[i + 1]];
+	 }},
 	{"face 0: padding", [](auto& c) { c.faces[0].padding = 1; }},
 	{"face 0: thickness", [](auto& c) { c.faces[0].thickness = kNan; }},
 	{"normal is not", [](auto& c) { c.faces[0].normal[0] = 2; }},
