@@ -201,7 +201,7 @@ protected:
 		{
 			far.lower =
 				separationAlong(contactHull(context.a, context.a.node(a)), contactHull(context.b, context.b.node(b)),
-								context.pose, vectorOf(known.direction));
+								context.pose, toVec3(known.direction));
 			return far.lower > best + roomOf(context, a, b, best);
 		};
 		if (ofPair.isOf(a, b) && isFar(ofPair)) return far;

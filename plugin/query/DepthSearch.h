@@ -3,10 +3,9 @@
 //
 // depth(x) = -sd(x), the distance to the surface where x is inside. For a triangle T with corners v,
 //   (1) depth on T <= min over surface faces t of max over v of dist(v, t), as the distance to a convex set is convex;
-//   (1') the same for each part of T, cut along the prism over a face t: the part over t against t, the part beyond an
-//   edge
-//       of t against the face across that edge. Where a flat or nearly flat surface is met, (1) alone would cut cells
-//       down to the depth's own size all along every edge.
+//   (1') the same for each part of T, cut along the prism over a face t: the part over t against t, the part beyond
+//       an edge of t against the face across that edge. Where a flat or nearly flat surface is met, (1) alone would
+//       cut cells down to the depth's own size all along every edge.
 //   (2) depth on T <= depth(v) + max over w of |v - w| for each v, as sd is 1-Lipschitz;
 //   (3) depth(v) of a corner is reached;
 //   (4) a triangle that crosses nothing of the surface is outside where one of its corners is.
@@ -18,6 +17,7 @@
 #include <limits>
 #include <vector>
 
+#include "clod/query/ClippedPolygon.h"
 #include "clod/query/SurfaceFaces.h"
 
 namespace clod
@@ -253,65 +253,42 @@ private:
 	{
 		const Triangle base = m_surface.triangle(face);
 		const Vec3 normal = normalOf(base);
-		Polygon over(cell.triangle);
+		ClippedPolygon over(cell.triangle);
 		double upper = 0;
 		for (int edge = 0; edge < 3; ++edge)
 		{
 			const Vec3 outward = cross(base[(edge + 1) % 3] - base[edge], normal);
 			const double offset = dot(outward, base[edge]);
-			const Polygon beyond = Polygon(cell.triangle).clipped(outward, offset);
-			over = over.clipped(-outward, -offset);
+			ClippedPolygon beyond(cell.triangle);
+			clipByPlane(beyond, -outward, -offset);
+			clipByPlane(over, outward, offset);
 			if (beyond.count == 0) continue;
 			const std::uint32_t across = m_surface.across(face, edge);
-			double farthest = beyond.farthestFrom(base);
-			if (across != kNone) farthest = std::min(farthest, beyond.farthestFrom(m_surface.triangle(across)));
+			double farthest = farthestFrom(base, beyond);
+			if (across != kNone) farthest = std::min(farthest, farthestFrom(m_surface.triangle(across), beyond));
 			upper = std::max(upper, farthest);
 			if (upper >= useful) return useful;
 		}
 		Vec3 top;
-		const double farthest = over.farthestFrom(base, &top);
+		const double farthest = farthestFrom(base, over, &top);
 		if (std::max(upper, farthest) >= useful) return useful;
 		cell.face = farthest > upper ? face : kNone;
 		cell.top = top;
 		return std::max(upper, farthest);
 	}
 
-	// A convex polygon: a triangle cut by at most three planes.
-	struct Polygon
+	static double farthestFrom(const Triangle& triangle, const ClippedPolygon& polygon, Vec3* which = nullptr)
 	{
-		Polygon() = default;
-		explicit Polygon(const Triangle& triangle) : count(3) { std::copy_n(triangle.data(), 3, corner); }
-
-		// The part with dot(normal, x) >= offset.
-		Polygon clipped(const Vec3& normal, double offset) const
+		double squared = 0;
+		for (int i = 0; i < polygon.count; ++i)
 		{
-			Polygon part;
-			for (int i = 0; i < count; ++i)
-			{
-				const Vec3 &here = corner[i], &next = corner[(i + 1) % count];
-				const double side = dot(normal, here) - offset, nextSide = dot(normal, next) - offset;
-				if (side >= 0) part.corner[part.count++] = here;
-				if ((side < 0) != (nextSide < 0))
-					part.corner[part.count++] = here + (side / (side - nextSide)) * (next - here);
-			}
-			return part;
+			const Vec3& corner = polygon.vertex[std::size_t(i)];
+			const double here = nearestOnTriangle(triangle, corner).squared;
+			if (which && here > squared) *which = corner;
+			squared = std::max(squared, here);
 		}
-
-		double farthestFrom(const Triangle& triangle, Vec3* which = nullptr) const
-		{
-			double squared = 0;
-			for (int i = 0; i < count; ++i)
-			{
-				const double here = nearestOnTriangle(triangle, corner[i]).squared;
-				if (which && here > squared) *which = corner[i];
-				squared = std::max(squared, here);
-			}
-			return std::sqrt(squared);
-		}
-
-		Vec3 corner[8];
-		int count = 0;
-	};
+		return std::sqrt(squared);
+	}
 
 	Surface& m_surface;
 	const DepthAccuracy m_accuracy;

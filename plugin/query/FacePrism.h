@@ -3,19 +3,11 @@
 #pragma once
 #include <array>
 
-#include "clod/query/Triangle.h"
+#include "clod/query/ClippedPolygon.h"
 
 namespace clod
 {
 inline constexpr double kOpposingCosine = -0.3;  // faces whose normals agree better than this cannot touch
-
-// A convex polygon left of a triangle after clipping.
-struct ClippedPolygon
-{
-	static constexpr int kMost = 8;
-	std::array<Vec3, kMost> vertex;
-	int count = 0;
-};
 
 // The region a reference face answers for: over and under its triangle, between three side planes.
 struct FacePrism

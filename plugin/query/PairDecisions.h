@@ -154,7 +154,7 @@ protected:
 		HullMemory memory = hulls[old.hull];
 		if (memory.knowledge != HullKnowledge::kApart) return memory;
 		const CullBox& box = m_context.b.cullBox(old.b);
-		const double nearer = m_partMotion.along(vectorOf(memory.onA), centerOf(box), double(box.radius)) + m_change;
+		const double nearer = m_partMotion.along(toVec3(memory.onA), centerOf(box), double(box.radius)) + m_change;
 		memory.lower = lowerAfter(memory.lower, float(nearer + 3e-7 * std::abs(nearer)));
 		return memory;
 	}

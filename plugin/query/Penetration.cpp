@@ -134,7 +134,7 @@ DepthBound searchWhole(const Hierarchy& own, const Mover& intoOther, InputSurfac
 	const auto push = [&](std::uint32_t node)
 	{
 		const CullBox& box = own.cullBox(node);
-		const Vec3 center = intoOther(Vec3{double(box.center[0]), double(box.center[1]), double(box.center[2])});
+		const Vec3 center = intoOther(centerOf(box));
 		const double upper = box.radius - surface.signedDistance(center).distance;
 		if (upper <= search.threshold())
 		{
@@ -165,6 +165,13 @@ DepthBound searchWhole(const Hierarchy& own, const Mover& intoOther, InputSurfac
 	bound.upper = std::max(bound.upper, dropped);
 	return bound;
 }
+
+// Of points moved into the other body's frame, and of what is evaluated there.
+DepthBound withRounding(const QueryContext& context, DepthBound bound)
+{
+	const double rounding = 4 * context.pose.rounding;
+	return {bound.lower - rounding, bound.upper + rounding, bound.isCutShort};
+}
 }  // namespace
 
 DepthBound nearPenetration(const QueryContext& context, const std::vector<Contact>& near, const DepthAccuracy& accuracy,
@@ -180,7 +187,7 @@ DepthBound nearPenetration(const QueryContext& context, const std::vector<Contac
 	if (deepest >= accuracy.enough) return {deepest, std::numeric_limits<double>::infinity(), false};
 	const DepthBound bound = inA.run(inB.run({deepest, 0, false}));
 	stats.depthsCutShort += bound.isCutShort ? 1 : 0;
-	return bound;
+	return withRounding(context, bound);
 }
 
 DepthBound wholePenetration(const QueryContext& context, const DepthAccuracy& accuracy, PenetrationScratch& scratch,
@@ -190,6 +197,6 @@ DepthBound wholePenetration(const QueryContext& context, const DepthAccuracy& ac
 	const DepthBound boundA = searchWhole(context.a, intoB(context.pose), ofB, {}, accuracy, scratch);
 	const DepthBound bound = searchWhole(context.b, intoA(context.pose), ofA, boundA, accuracy, scratch);
 	stats.depthsCutShort += bound.isCutShort ? 1 : 0;
-	return bound;
+	return withRounding(context, bound);
 }
 }  // namespace clod

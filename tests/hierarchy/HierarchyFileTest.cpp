@@ -264,6 +264,14 @@ const Fault kFaults[] = {
 	{"leaves the culling box", [](auto& c) { c.cullBoxes.back().half[0] *= 0.9f; }},
 	{"leaves the culling box", [](auto& c) { c.cullBoxes[0].radius *= 0.5f; }},
 	{"axis of the culling box", [](auto& c) { c.cullBoxes[0].axis[0][0] += 0.5f; }},
+	{"axis of the culling box", [](auto& c) { c.cullBoxes[0].axis[0][0] *= 1 + 1e-6f; }},
+	{"axes of the culling box",
+	 [](auto& c)
+	 {
+		 float(&axis)[3][3] = c.cullBoxes[0].axis;
+		 for (int k = 0; k < 3; ++k) axis[0][k] += 5e-7f * axis[1][k];
+	 }},
+	{"culling box is larger", [](auto& c) { c.cullBoxes[0].half[0] = 256; }},
 	{"half extent", [](auto& c) { c.cullBoxes[0].half[1] = kNan; }},
 	{"areaTolerance is off", [](auto& c) { c.asset.areaTolerance = next(c.asset.areaTolerance); }},
 	{"thinnestWall is off", [](auto& c) { c.asset.thinnestWall = next(c.asset.thinnestWall); }},

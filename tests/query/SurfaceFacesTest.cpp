@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The nearest point of a triangle, those without area among them.
+// Triangles: the nearest point, also where there is no area, and clipping, also where rounding decides.
 #include "clod/query/SurfaceFaces.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 
+#include "clod/query/ClippedPolygon.h"
 #include "tests/query/Bodies.h"
 
 namespace
@@ -59,5 +61,49 @@ TEST(NearestOnTriangle, IsNoFartherThanAnyPointOfIt)
 		ASSERT_LE(std::sqrt(nearest.squared), length(from - other) * (1 + 1e-12));
 		ASSERT_LE(std::sqrt(nearest.squared), distanceToEdges(triangle, from) * (1 + 1e-12));
 	}
+}
+// Each plane adds a corner at most, and what is left is all of the triangle that is not beyond a plane.
+TEST(ClippedPolygon, HoldsWhatFivePlanesLeave)
+{
+	Random random(43);
+	int most = 0;
+	for (int i = 0; i < 20000; ++i)
+	{
+		const Triangle triangle = {randomDirection(random), randomDirection(random), randomDirection(random)};
+		ClippedPolygon polygon(triangle);
+		double u = uniform(random, 0, 1), v = uniform(random, 0, 1);
+		if (u + v > 1) u = 1 - u, v = 1 - v;
+		const Vec3 inside = triangle[0] + u * (triangle[1] - triangle[0]) + v * (triangle[2] - triangle[0]);
+		for (int plane = 0; plane < 5; ++plane)
+		{
+			const Vec3 normal = randomDirection(random);
+			const int before = polygon.count;
+			clipByPlane(polygon, normal, dot(normal, inside) + 0.1 * uniform(random, 0, 1));
+			ASSERT_LE(polygon.count, before + 1);
+			ASSERT_GE(polygon.count, 3);
+		}
+		most = std::max(most, polygon.count);
+		Vec3 sum;
+		for (int k = 0; k < polygon.count; ++k) sum += polygon.vertex[std::size_t(k)];
+		const Vec3 middle = (1.0 / polygon.count) * sum;
+		// On the same side of each edge as the middle.
+		for (int k = 0; k < polygon.count; ++k)
+		{
+			const Vec3 from = polygon.vertex[std::size_t(k)],
+					   edge = polygon.vertex[std::size_t((k + 1) % polygon.count)] - from;
+			ASSERT_GT(dot(cross(edge, middle - from), cross(edge, inside - from)), -1e-12);
+		}
+	}
+	EXPECT_EQ(most, ClippedPolygon::kMost);
+}
+
+// Corners in one line have signs that rounding gives them, in any order.
+TEST(ClippedPolygon, StaysWholeWhereRoundingDecides)
+{
+	ClippedPolygon zigzag;
+	zigzag.count = 6;
+	for (int i = 0; i < 6; ++i) zigzag.vertex[std::size_t(i)] = {double(i), 0, i % 2 ? 1e-17 : -1e-17};
+	clipByPlane(zigzag, {0, 0, 1}, 0);
+	EXPECT_EQ(zigzag.count, 6);
 }
 }  // namespace
