@@ -14,12 +14,9 @@ namespace
 {
 using clod::CullBox;
 using clod::Hierarchy;
+using clod::toVec3;
 using clod::Vec3;
 
-Vec3 toVec3(const float (&v)[3])
-{
-	return {double(v[0]), double(v[1]), double(v[2])};
-}
 btVector3 scaled(const Vec3& v, double scale)
 {
 	return {btScalar(v.x * scale), btScalar(v.y * scale), btScalar(v.z * scale)};

@@ -133,6 +133,22 @@ void deriveData(Hierarchy& hierarchy)
 	HierarchyDerivation::derive(hierarchy);
 }
 
+// The root's box and the asset's box enclose everything: their farthest corner from the origin is at R. The corners of
+// a box that fits what it encloses along each of its axes are then within sqrt(3) R; load() refuses others.
+double Hierarchy::reach() const
+{
+	const CullBox& box = cullBox(root());
+	const double half = std::sqrt(double(box.half[0]) * box.half[0] + double(box.half[1]) * box.half[1] +
+								  double(box.half[2]) * box.half[2]);
+	double squared = 0;
+	for (int i = 0; i < 3; ++i)
+	{
+		const double far = std::max(std::abs(asset().boxMin[i]), std::abs(asset().boxMax[i]));
+		squared += far * far;
+	}
+	return 1.7321 * std::max(std::sqrt(squared), length(toVec3(box.center)) + std::max(half, double(box.radius)));
+}
+
 std::uint32_t Hierarchy::fewestWithin(double error) const
 {
 	std::size_t i = 0;

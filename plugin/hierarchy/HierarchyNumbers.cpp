@@ -11,7 +11,7 @@ namespace clod::rules
 {
 namespace
 {
-constexpr double kUnitTolerance = 1e-5;  // of the squared length of a stored unit vector
+constexpr double kUnitTolerance = 1e-5;  // of the squared length of a stored unit vector, axes of boxes apart
 
 bool sound(float v)
 {
@@ -20,14 +20,14 @@ bool sound(float v)
 
 std::string nodeVectors(const Node& n)
 {
-	if (!isUnit(vec(n.inward), kUnitTolerance)) return "inward is not a unit vector";
+	if (!isUnit(toVec3(n.inward), kUnitTolerance)) return "inward is not a unit vector";
 	if (!std::isfinite(n.curvature)) return "curvature is not finite";
 	if (n.flags == 0)
 	{
-		if (vec(n.meanNormal) != Vec3{} || n.coneCosine != -1) return "a completion node has no mean normal";
+		if (toVec3(n.meanNormal) != Vec3{} || n.coneCosine != -1) return "a completion node has no mean normal";
 		return n.thickness == 0 ? "" : "a completion node has no thickness";
 	}
-	if (!isUnit(vec(n.meanNormal), kUnitTolerance)) return "meanNormal is not a unit vector";
+	if (!isUnit(toVec3(n.meanNormal), kUnitTolerance)) return "meanNormal is not a unit vector";
 	return n.coneCosine >= -1 && n.coneCosine <= 1 ? "" : "coneCosine is outside [-1, 1]";
 }
 
@@ -56,21 +56,33 @@ std::string nodeBounds(const Node& n)
 // The point's distance to the box along each axis must be inside half.
 bool encloses(const CullBox& box, const Vec3& p)
 {
-	const Vec3 d = p - vec(box.center);
+	const Vec3 d = p - toVec3(box.center);
 	if (lengthSquared(d) > double(box.radius) * double(box.radius)) return false;
 	for (int i = 0; i < 3; ++i)
-		if (std::fabs(dot(vec(box.axis[i]), d)) > double(box.half[i])) return false;
+		if (std::fabs(dot(toVec3(box.axis[i]), d)) > double(box.half[i])) return false;
 	return true;
+}
+
+// From the origin.
+double farthestCorner(const CullBox& box)
+{
+	double squared = 0;
+	for (int i = 0; i < 3; ++i)
+	{
+		const double far = std::fabs(dot(toVec3(box.axis[i]), toVec3(box.center))) + double(box.half[i]);
+		squared += far * far;
+	}
+	return std::sqrt(squared);
 }
 
 std::string boxFrame(const CullBox& box)
 {
-	if (!isFinite(vec(box.center)) || !sound(box.radius)) return "culling sphere is not finite";
+	if (!isFinite(toVec3(box.center)) || !sound(box.radius)) return "culling sphere is not finite";
 	for (int i = 0; i < 3; ++i)
 	{
 		if (!sound(box.half[i])) return "half extent of the culling box is not a length";
-		if (!isUnit(vec(box.axis[i]), kUnitTolerance)) return "axis of the culling box is not a unit vector";
-		if (!(std::fabs(dot(vec(box.axis[i]), vec(box.axis[(i + 1) % 3]))) <= kUnitTolerance))
+		if (!isUnit(toVec3(box.axis[i]), kAxisTolerance)) return "axis of the culling box is not a unit vector";
+		if (!(std::fabs(dot(toVec3(box.axis[i]), toVec3(box.axis[(i + 1) % 3]))) <= kAxisTolerance))
 			return "axes of the culling box are not perpendicular";
 	}
 	return "";
@@ -86,13 +98,13 @@ std::string hulls(const Hierarchy& h)
 		for (std::uint32_t v = 0; v < hull.padded; ++v)
 		{
 			const float p[3] = {hull.x[v], hull.y[v], hull.z[v]};
-			if (!isFinite(vec(p))) return element("node", i) + "hull vertex is not finite";
+			if (!isFinite(toVec3(p))) return element("node", i) + "hull vertex is not finite";
 			if (v >= hull.count && hull.vertex(v) != hull.vertex(hull.count - 1))
 				return element("node", i) + "hull padding does not repeat the last vertex";
 			for (int k = 0; k < 3; ++k)
 				if (p[k] < a.boxMin[k] || p[k] > a.boxMax[k])
 					return element("node", i) + "hull vertex outside the asset's box";
-			if (h.nodes()[i].level == 0 && length(vec(p) - vec(a.sphereCenter)) > double(a.radius))
+			if (h.nodes()[i].level == 0 && length(toVec3(p) - toVec3(a.sphereCenter)) > double(a.radius))
 				return element("node", i) + "input vertex outside the bounding sphere";
 		}
 	}
@@ -143,16 +155,18 @@ std::string faceRecord(const Hierarchy& h, const Node& n, const Face& f)
 		return "the same vertex twice";
 	if (f.padding != 0) return "padding is not zero";
 	if (!sound(f.thickness)) return "thickness is not a length";
-	if (!isUnit(vec(f.normal), kUnitTolerance)) return "normal is not a unit vector";
+	if (!isUnit(toVec3(f.normal), kUnitTolerance)) return "normal is not a unit vector";
 	const HullView hull = h.hull(n);
-	const Vec3 normal = vec(f.normal), p0 = hull.vertex(f.vertex[0]), p1 = hull.vertex(f.vertex[1]),
+	const Vec3 normal = toVec3(f.normal), p0 = hull.vertex(f.vertex[0]), p1 = hull.vertex(f.vertex[1]),
 			   p2 = hull.vertex(f.vertex[2]);
+	if (p0 == p1 || p1 == p2 || p2 == p0) return "two corners in one place";
 	const double reach = std::max({dot(normal, p0), dot(normal, p1), dot(normal, p2)});
 	if (!std::isfinite(f.offset) || double(f.offset) < reach) return "offset is below a vertex";
 	if (double(f.offset) > reach + double(h.asset().storageTolerance)) return "offset is above every vertex";
 	const Vec3 area = cross(p1 - p0, p2 - p0);
 	if (area != Vec3{} && dot(area, normal) <= 0) return "normal points inward";
-	if (dot(normal, vec(n.meanNormal)) < double(n.coneCosine) - kUnitTolerance) return "normal outside its node's cone";
+	if (dot(normal, toVec3(n.meanNormal)) < double(n.coneCosine) - kUnitTolerance)
+		return "normal outside its node's cone";
 	return (f.source == kNone) == (n.level > 0) ? "" : "source belongs to level 0 faces and only to them";
 }
 
@@ -222,12 +236,15 @@ std::string cullBoxes(const Hierarchy& h)
 	std::vector<std::uint32_t> parent(h.nodes().size, kNone);
 	for (std::uint32_t i = 0; i < h.nodes().size; ++i)
 		for (std::uint32_t k = 0; k < h.node(i).primaryChildCount; ++k) parent[h.children(h.node(i))[k]] = i;
+	const double reach = h.reach();
 	for (std::uint32_t i = 0; i < h.nodes().size; ++i)
 	{
 		const std::string problem = boxFrame(h.cullBox(i));
 		if (!problem.empty()) return element("node", i) + problem;
+		if (!(farthestCorner(h.cullBox(i)) <= reach))
+			return element("node", i) + "culling box is larger than the asset";
 		const Node& n = h.node(i);
-		const Vec3 sweep = double(n.thickness) * vec(n.inward);
+		const Vec3 sweep = double(n.thickness) * toVec3(n.inward);
 		for (std::uint32_t v = 0; v < n.vertexCount; ++v)
 			for (std::uint32_t box = i; box != kNone; box = parent[box])
 				if (!encloses(h.cullBox(box), h.hull(n).vertex(v)) ||

@@ -26,10 +26,6 @@ inline bool isUnit(const Vec3& v, double tolerance)
 {
 	return std::fabs(lengthSquared(v) - 1) <= tolerance;
 }
-inline Vec3 vec(const float v[3])
-{
-	return {double(v[0]), double(v[1]), double(v[2])};
-}
 inline std::string element(const char* kind, std::size_t index)
 {
 	return kind + (" " + std::to_string(index)) + ": ";

@@ -33,10 +33,12 @@ struct CullBox
 {
 	float center[3];
 	float radius;      // of the sphere round center that encloses the same things
-	float axis[3][3];  // orthonormal rows to rounding; the box is { c + sum_i t_i axis[i], |t_i| <= half[i] } with half
+	float axis[3][3];  // orthonormal rows to kAxisTolerance; the box is { c + sum_i t_i axis[i], |t_i| <= half[i] } with half
 	float half[3];     // enlarged for the rounding of the axes
 };
 static_assert(sizeof(CullBox) == 64);
+// Of the axes' squared lengths and of their products. Rounding unit vectors to float takes 1.1e-7.
+inline constexpr double kAxisTolerance = 1.5e-7;
 
 // One bounding volume = one contact hull = one convex patch of one level of detail (paper: C_{i,j}).
 //

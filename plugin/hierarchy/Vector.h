@@ -81,6 +81,7 @@ struct Float3
 	float x = 0, y = 0, z = 0;
 };
 inline Vec3 toVec3(const Float3& v) { return {double(v.x), double(v.y), double(v.z)}; }
+inline Vec3 toVec3(const float (&v)[3]) { return {double(v[0]), double(v[1]), double(v[2])}; }
 // GCC 12 at -O2 pairs float conversions into vectors and then cancels (double)(float)x as if it were exact: the volatile
 // keeps the rounding, which every stored bound relies on.
 inline float roundToFloat(double x)

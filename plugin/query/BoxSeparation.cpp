@@ -13,8 +13,9 @@ namespace clod
 namespace
 {
 constexpr double kUnit = 0x1p-24;
-// The stored axes are orthonormal to float rounding; every projection is off by at most this share of the sizes.
-constexpr double kAxisRounding = 6e-7;
+// What is along a box's axes is known to load()'s tolerance: an axis of another length takes half of it off a
+// projection on that axis, axes that are not orthonormal three times it off a corner. Of the sizes.
+constexpr double kAxisRounding = 4 * kAxisTolerance;
 // Projections in float: fewer than 40 roundings, of sums below sqrt(3) times the sizes, and the axes' own.
 constexpr double kRounding = kAxisRounding + 40 * 1.7321 * kUnit;
 constexpr double kHuge = 1e15;
@@ -47,9 +48,9 @@ std::uint32_t sphereSeparations(const BoxFrame& frame, const CullBox& one, bool 
 	for (std::uint32_t i = 0; i < count; ++i)
 	{
 		const CullBox &a = oneIsOfA ? one : *others[i], &b = oneIsOfA ? *others[i] : one;
-		Vec3 center = vectorOf(frame.translation);
-		for (int c = 0; c < 3; ++c) center[c] += dot(vectorOf(frame.rotation[c]), centerOf(b));
-		const Vec3 move = vectorOf(frame.linear) + cross(vectorOf(frame.angular), center);
+		Vec3 center = toVec3(frame.translation);
+		for (int c = 0; c < 3; ++c) center[c] += dot(toVec3(frame.rotation[c]), centerOf(b));
+		const Vec3 move = toVec3(frame.linear) + cross(toVec3(frame.angular), center);
 		const double radii = double(a.radius) + double(b.radius), turn = double(frame.turn) * double(b.radius);
 		const double distance = distanceToSegment(center - centerOf(a), move);
 		separations[i] = float(distance - radii - turn - (kRounding + 1e-6) * frame.size);

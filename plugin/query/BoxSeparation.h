@@ -19,13 +19,9 @@ namespace clod
 {
 inline constexpr std::uint32_t kBoxLanes = 8;
 
-inline Vec3 vectorOf(const float (&v)[3])
-{
-	return {double(v[0]), double(v[1]), double(v[2])};
-}
 inline Vec3 centerOf(const CullBox& box)
 {
-	return vectorOf(box.center);
+	return toVec3(box.center);
 }
 
 // Where B's boxes are in frame A, and how they move; prepared once a query.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Depth-first branch and bound, the nearest child first.
+// Branch and bound: depth first, the nearest child first, or the nearest pair of all first.
 #include "clod/query/ClosestPair.h"
 
 #include <algorithm>
@@ -12,9 +12,11 @@ namespace clod
 namespace
 {
 // Judge: bool paper;
+//        bool nearestFirst                      - of all pairs met, not only of the children met last;
 //        double best                            - no pair beyond it is looked for;
 //        bool counts(Candidate, double above)   - meets a pair: is it to be looked at? May raise its separation to that
 //                                                 of the pair above;
+//        bool takes(Candidate)                  - its turn has come: still to be looked at?
 //        bool isSettled()                       - whatever else there is makes no difference;
 //        double limit()                         - pairs whose boxes are farther apart have nothing up to `best`;
 //        bool mayAnswer(const Candidate&)       - counts as an accepted one even where it is not, but opened;
@@ -38,9 +40,8 @@ public:
 		push(true, m_context.b.root(), &rootA, 1, 0);
 		while (!m_stack.empty() && !m_judge.isSettled())
 		{
-			const Candidate top = m_stack.back();
-			m_stack.pop_back();
-			if (top.separation > m_judge.limit()) continue;
+			const Candidate top = next();
+			if (top.separation > m_judge.limit() || !m_judge.takes(top)) continue;
 			const bool answers = accepts(top);
 			if (answers || m_judge.mayAnswer(top)) m_judge.best = std::min(m_judge.best, m_judge.ofPair(top));
 			if (!answers) open(top);
@@ -48,10 +49,18 @@ public:
 	}
 
 private:
+	static bool isFarther(const Candidate& l, const Candidate& r) { return l.separation > r.separation; }
+	Candidate next()
+	{
+		if (Judge::nearestFirst) std::pop_heap(m_stack.begin(), m_stack.end(), isFarther);
+		const Candidate top = m_stack.back();
+		m_stack.pop_back();
+		return top;
+	}
 	bool accepts(const Candidate& pair)
 	{
 		const Acceptance acceptance = m_rule.acceptance(pair.a, pair.b);
-		if (acceptance != Acceptance::kWhileApart) return acceptance == Acceptance::kYes;
+		if (acceptance != Acceptance::kWhileApart) return acceptance != Acceptance::kNo;
 		++m_stats.hullTests;
 		return canonicallyApart(m_context, pair.a, pair.b);
 	}
@@ -63,8 +72,7 @@ private:
 		for (std::uint32_t i = 0; i < children.size; i += kBoxLanes)
 			push(opensA, opensA ? pair.b : pair.a, children.data + i,
 				 std::min(kBoxLanes, std::uint32_t(children.size) - i), pair.separation);
-		std::sort(m_stack.begin() + std::ptrdiff_t(first), m_stack.end(),
-				  [](const Candidate& l, const Candidate& r) { return l.separation > r.separation; });
+		if (!Judge::nearestFirst) std::sort(m_stack.begin() + std::ptrdiff_t(first), m_stack.end(), isFarther);
 	}
 
 	// Pairs of `other` and nodes of the other body, of A or not.
@@ -92,7 +100,9 @@ private:
 	}
 	void meet(Candidate pair, double above)
 	{
-		if (m_judge.counts(pair, above)) m_stack.push_back(pair);
+		if (!m_judge.counts(pair, above)) return;
+		m_stack.push_back(pair);
+		if (Judge::nearestFirst) std::push_heap(m_stack.begin(), m_stack.end(), isFarther);
 	}
 
 	const QueryContext& m_context;
@@ -107,15 +117,22 @@ struct DistanceJudge
 	const QueryContext& context;
 	QueryStats& stats;
 	bool paper;
+	VisitedPairs& visited;
 	double best = std::numeric_limits<double>::infinity();
+	static constexpr bool nearestFirst = true;
 
-	// Along every way, as the ways' separations differ.
-	bool counts(ClosestPairScratch::Candidate& pair, double above) const
+	// The ways to a pair differ in their largest separation. Nearest first, a pair's first turn comes by the least.
+	static bool counts(ClosestPairScratch::Candidate& pair, double above)
 	{
 		pair.separation = std::max(pair.separation, above);
 		return true;
 	}
-	static bool isSettled() { return false; }
+	bool takes(const ClosestPairScratch::Candidate& pair)
+	{
+		visited.reserve(1);
+		return visited.insert(pair.a, pair.b);
+	}
+	bool isSettled() const { return best <= 0; }
 	static bool mayAnswer(const ClosestPairScratch::Candidate&) { return false; }
 	double limit() const { return best; }
 	double ofPair(const ClosestPairScratch::Candidate& pair) const
@@ -133,7 +150,7 @@ struct MotionJudge
 	const ClearOf& what;
 	double best;
 	ClosestPairScratch& scratch;
-	static constexpr bool paper = false;
+	static constexpr bool paper = false, nearestFirst = false;
 	// Pairs that leave half as much to go as the best are not looked at, and half of the best is the answer: a fifth of
 	// the tests, for a search a half more often (README.md).
 	static constexpr double kShare = 0.5;
@@ -144,6 +161,7 @@ struct MotionJudge
 		scratch.visited.reserve(1);
 		return scratch.visited.insert(pair.a, pair.b);
 	}
+	static bool takes(const ClosestPairScratch::Candidate&) { return true; }
 	bool isSettled() const { return best <= 0; }
 	// Hulls that overlap now may answer as soon as they part.
 	bool mayAnswer(const ClosestPairScratch::Candidate& pair) const
@@ -170,9 +188,10 @@ struct LeafJudge
 	QueryStats& stats;
 	double best;
 	RememberedDirections& directions;
-	static constexpr bool paper = false;
+	static constexpr bool paper = false, nearestFirst = false;
 
 	static bool counts(const ClosestPairScratch::Candidate&, double) { return true; }
+	static bool takes(const ClosestPairScratch::Candidate&) { return true; }
 	static bool mayAnswer(const ClosestPairScratch::Candidate&) { return false; }
 	double limit() const { return best; }
 
@@ -193,7 +212,7 @@ protected:
 		{
 			far.lower =
 				separationAlong(contactHull(context.a, context.a.node(a)), contactHull(context.b, context.b.node(b)),
-								context.pose, vectorOf(known.direction));
+								context.pose, toVec3(known.direction));
 			return far.lower > best + roomOf(context, a, b, best);
 		};
 		if (ofPair.isOf(a, b) && isFar(ofPair)) return far;
@@ -262,7 +281,8 @@ StopRule leafRule(const QueryContext& context)
 double closestDistance(const QueryContext& context, const StopRule& rule, bool paper, ClosestPairScratch& scratch,
 					   QueryStats& stats)
 {
-	DistanceJudge judge{context, stats, paper};
+	scratch.visited.clear();
+	DistanceJudge judge{context, stats, paper, scratch.visited};
 	ClosestPairSearch<DistanceJudge>(context, rule, judge, scratch, stats).run();
 	return judge.best;
 }

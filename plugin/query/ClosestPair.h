@@ -54,7 +54,7 @@ struct ClosestPairScratch
 		double separation;  // of the culling volumes
 		std::uint32_t a, b;
 	};
-	std::vector<Candidate> stack;
+	std::vector<Candidate> stack;  // or a heap, the nearest at its front
 	VisitedPairs visited;
 	// Tried first next time: prunes at once, and decides nothing else.
 	struct Nearest
@@ -68,7 +68,7 @@ struct ClosestPairScratch
 // The smallest tolerance at which a traversal reports a contact: over all accepted pairs and the ways to them, the
 // smallest max(hull distance, culling separations on the way). That is the smallest hull distance, but for pairs met
 // through shared children only, whose parents' boxes need not enclose their hulls. Hull distances are upper ends of the
-// certified bracket from the canonical start.
+// certified bracket from the canonical start. Each pair is opened once at most.
 double closestDistance(const QueryContext& context, const StopRule& rule, bool paper, ClosestPairScratch& scratch,
 					   QueryStats& stats);
 

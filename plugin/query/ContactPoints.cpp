@@ -9,11 +9,6 @@ namespace clod
 {
 namespace
 {
-Vec3 toVec3(const float (&v)[3])
-{
-	return {double(v[0]), double(v[1]), double(v[2])};
-}
-
 struct Bounds
 {
 	Vec3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};

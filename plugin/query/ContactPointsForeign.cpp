@@ -8,11 +8,6 @@ namespace clod
 {
 namespace
 {
-Vec3 toVec3(const float (&v)[3])
-{
-	return {double(v[0]), double(v[1]), double(v[2])};
-}
-
 // Interval of dot(direction, p) over the box.
 std::pair<double, double> interval(const CullBox& box, const Vec3& direction)
 {

@@ -3,10 +3,9 @@
 //
 // depth(x) = -sd(x), the distance to the surface where x is inside. For a triangle T with corners v,
 //   (1) depth on T <= min over surface faces t of max over v of dist(v, t), as the distance to a convex set is convex;
-//   (1') the same for each part of T, cut along the prism over a face t: the part over t against t, the part beyond an
-//   edge
-//       of t against the face across that edge. Where a flat or nearly flat surface is met, (1) alone would cut cells
-//       down to the depth's own size all along every edge.
+//   (1') the same for each part of T, cut along the prism over a face t: the part over t against t, the part beyond
+//       an edge of t against the face across that edge. Where a flat or nearly flat surface is met, (1) alone would
+//       cut cells down to the depth's own size all along every edge.
 //   (2) depth on T <= depth(v) + max over w of |v - w| for each v, as sd is 1-Lipschitz;
 //   (3) depth(v) of a corner is reached;
 //   (4) a triangle that crosses nothing of the surface is outside where one of its corners is.
@@ -18,6 +17,7 @@
 #include <limits>
 #include <vector>
 
+#include "clod/query/ClippedPolygon.h"
 #include "clod/query/SurfaceFaces.h"
 
 namespace clod
@@ -138,18 +138,18 @@ private:
 		if (here.face == cell.face) return halve(cell);
 		const Triangle one = m_surface.triangle(cell.face), other = m_surface.triangle(here.face);
 		const Vec3 first = normalized(normalOf(one)), second = normalized(normalOf(other));
-		if (!cut(cell, first - second, dot(first, one.corner[0]) - dot(second, other.corner[0]))) halve(cell);
+		if (!cut(cell, first - second, dot(first, one[0]) - dot(second, other[0]))) halve(cell);
 	}
 	static Vec3 normalOf(const Triangle& triangle)
 	{
-		return cross(triangle.corner[1] - triangle.corner[0], triangle.corner[2] - triangle.corner[0]);
+		return cross(triangle[1] - triangle[0], triangle[2] - triangle[0]);
 	}
 
 	// Into three along a plane, unless that only scratches the cell.
 	bool cut(const DepthCell& cell, const Vec3& normal, double offset)
 	{
 		constexpr double kScratch = 1e-3;
-		const Vec3* corner = cell.triangle.corner;
+		const Triangle& corner = cell.triangle;
 		double side[3], most = 0, least = 0;
 		for (int i = 0; i < 3; ++i)
 		{
@@ -167,9 +167,9 @@ private:
 		const Vec3 first = crossing(next), second = crossing(last);
 		const DepthSample atFirst = sample(cell.group, first, cell.face),
 						  atSecond = sample(cell.group, second, cell.face);
-		add(cell.group, {{corner[alone], first, second}}, cell.corner[alone], atFirst, atSecond);
-		add(cell.group, {{first, corner[next], corner[last]}}, atFirst, cell.corner[next], cell.corner[last]);
-		add(cell.group, {{first, corner[last], second}}, atFirst, cell.corner[last], atSecond);
+		add(cell.group, {corner[alone], first, second}, cell.corner[alone], atFirst, atSecond);
+		add(cell.group, {first, corner[next], corner[last]}, atFirst, cell.corner[next], cell.corner[last]);
+		add(cell.group, {first, corner[last], second}, atFirst, cell.corner[last], atSecond);
 		return true;
 	}
 
@@ -179,7 +179,7 @@ private:
 		double most = -1;
 		for (int i = 0; i < 3; ++i)
 		{
-			const double squared = lengthSquared(cell.triangle.corner[(i + 1) % 3] - cell.triangle.corner[i]);
+			const double squared = lengthSquared(cell.triangle[(i + 1) % 3] - cell.triangle[i]);
 			if (squared > most)
 			{
 				most = squared;
@@ -187,12 +187,12 @@ private:
 			}
 		}
 		const int next = (longest + 1) % 3;
-		const Vec3 middle = 0.5 * (cell.triangle.corner[longest] + cell.triangle.corner[next]);
+		const Vec3 middle = 0.5 * (cell.triangle[longest] + cell.triangle[next]);
 		const DepthSample here = sample(cell.group, middle, cell.corner[longest].face);
 		for (const int replaced : {longest, next})
 		{
 			DepthCell half = cell;
-			half.triangle.corner[replaced] = middle;
+			half.triangle[replaced] = middle;
 			half.corner[replaced] = here;
 			push(half);
 		}
@@ -208,7 +208,7 @@ private:
 	// Upper bound (2), for each quarter of the triangle from its best corner.
 	static double nearCorners(const DepthCell& cell)
 	{
-		const Vec3* corner = cell.triangle.corner;
+		const Triangle& corner = cell.triangle;
 		double half[3], median[3];  // of the edge from corner i; from corner i to the middle of the opposite edge
 		for (int i = 0; i < 3; ++i)
 		{
@@ -253,65 +253,42 @@ private:
 	{
 		const Triangle base = m_surface.triangle(face);
 		const Vec3 normal = normalOf(base);
-		Polygon over(cell.triangle);
+		ClippedPolygon over(cell.triangle);
 		double upper = 0;
 		for (int edge = 0; edge < 3; ++edge)
 		{
-			const Vec3 outward = cross(base.corner[(edge + 1) % 3] - base.corner[edge], normal);
-			const double offset = dot(outward, base.corner[edge]);
-			const Polygon beyond = Polygon(cell.triangle).clipped(outward, offset);
-			over = over.clipped(-outward, -offset);
+			const Vec3 outward = cross(base[(edge + 1) % 3] - base[edge], normal);
+			const double offset = dot(outward, base[edge]);
+			ClippedPolygon beyond(cell.triangle);
+			clipByPlane(beyond, -outward, -offset);
+			clipByPlane(over, outward, offset);
 			if (beyond.count == 0) continue;
 			const std::uint32_t across = m_surface.across(face, edge);
-			double farthest = beyond.farthestFrom(base);
-			if (across != kNone) farthest = std::min(farthest, beyond.farthestFrom(m_surface.triangle(across)));
+			double farthest = farthestFrom(base, beyond);
+			if (across != kNone) farthest = std::min(farthest, farthestFrom(m_surface.triangle(across), beyond));
 			upper = std::max(upper, farthest);
 			if (upper >= useful) return useful;
 		}
 		Vec3 top;
-		const double farthest = over.farthestFrom(base, &top);
+		const double farthest = farthestFrom(base, over, &top);
 		if (std::max(upper, farthest) >= useful) return useful;
 		cell.face = farthest > upper ? face : kNone;
 		cell.top = top;
 		return std::max(upper, farthest);
 	}
 
-	// A convex polygon: a triangle cut by at most three planes.
-	struct Polygon
+	static double farthestFrom(const Triangle& triangle, const ClippedPolygon& polygon, Vec3* which = nullptr)
 	{
-		Polygon() = default;
-		explicit Polygon(const Triangle& triangle) : count(3) { std::copy_n(triangle.corner, 3, corner); }
-
-		// The part with dot(normal, x) >= offset.
-		Polygon clipped(const Vec3& normal, double offset) const
+		double squared = 0;
+		for (int i = 0; i < polygon.count; ++i)
 		{
-			Polygon part;
-			for (int i = 0; i < count; ++i)
-			{
-				const Vec3 &here = corner[i], &next = corner[(i + 1) % count];
-				const double side = dot(normal, here) - offset, nextSide = dot(normal, next) - offset;
-				if (side >= 0) part.corner[part.count++] = here;
-				if ((side < 0) != (nextSide < 0))
-					part.corner[part.count++] = here + (side / (side - nextSide)) * (next - here);
-			}
-			return part;
+			const Vec3& corner = polygon.vertex[std::size_t(i)];
+			const double here = nearestOnTriangle(triangle, corner).squared;
+			if (which && here > squared) *which = corner;
+			squared = std::max(squared, here);
 		}
-
-		double farthestFrom(const Triangle& triangle, Vec3* which = nullptr) const
-		{
-			double squared = 0;
-			for (int i = 0; i < count; ++i)
-			{
-				const double here = nearestOnTriangle(triangle, corner[i]).squared;
-				if (which && here > squared) *which = corner[i];
-				squared = std::max(squared, here);
-			}
-			return std::sqrt(squared);
-		}
-
-		Vec3 corner[8];
-		int count = 0;
-	};
+		return std::sqrt(squared);
+	}
 
 	Surface& m_surface;
 	const DepthAccuracy m_accuracy;

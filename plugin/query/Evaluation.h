@@ -9,7 +9,7 @@
 #include "clod/query/Clock.h"
 #include "clod/query/ContactSink.h"
 #include "clod/query/GapCertificate.h"
-#include "clod/query/PairState.h"
+#include "clod/query/PairCacheState.h"
 #include "clod/query/Repetition.h"
 #include "clod/query/Traversal.h"
 
@@ -238,7 +238,7 @@ private:
 	bool rootIsApart() const
 	{
 		return m_settings.budget.isLimited() ? m_state.refinement.rootIsApart()
-											 : m_state.front.entries[0].state == PairState::kSeparated;
+											 : m_state.front.entries[0].state == NodePairState::kSeparated;
 	}
 
 	static bool before(const Contact& l, const Contact& r)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Clipping after Sutherland and Hodgman: five planes.
+// Side planes from the faces across the edges; clipping by five planes.
 #include "clod/query/FacePrism.h"
 
 #include <algorithm>
@@ -8,51 +8,12 @@ namespace clod
 {
 namespace
 {
-Vec3 toVec3(const float (&v)[3])
-{
-	return {double(v[0]), double(v[1]), double(v[2])};
-}
-
-// Keeps the part of the polygon with dot(normal, p) <= offset.
-void clipByPlane(ClippedPolygon& polygon, const Vec3& normal, double offset)
-{
-	double height[ClippedPolygon::kMost];
-	bool isCut = false;
-	for (int i = 0; i < polygon.count; ++i)
-	{
-		height[i] = dot(normal, polygon.vertex[std::size_t(i)]) - offset;
-		isCut = isCut || height[i] > 0;
-	}
-	if (!isCut) return;
-	const ClippedPolygon whole = polygon;
-	polygon.count = 0;
-	const auto push = [&polygon](const Vec3& v)
-	{
-		if (polygon.count < ClippedPolygon::kMost) polygon.vertex[std::size_t(polygon.count++)] = v;
-	};
-	for (int i = 0; i < whole.count; ++i)
-	{
-		const int next = i + 1 == whole.count ? 0 : i + 1;
-		const Vec3 &p = whole.vertex[std::size_t(i)], &q = whole.vertex[std::size_t(next)];
-		const double heightP = height[i], heightQ = height[next];
-		if (heightP <= 0) push(p);
-		if ((heightP < 0 && heightQ > 0) || (heightP > 0 && heightQ < 0))
-			push(p + (heightP / (heightP - heightQ)) * (q - p));
-	}
-}
-
 void setSide(FacePrism& prism, std::size_t edge, const Vec3& from, const Vec3& direction)
 {
 	prism.side[edge] = direction;
 	prism.sideOffset[edge] = dot(direction, from);
 }
 }  // namespace
-
-Triangle triangleOf(const Hierarchy& hierarchy, const Node& node, const Face& face)
-{
-	const HullView hull = hierarchy.hull(node);
-	return {hull.vertex(face.vertex[0]), hull.vertex(face.vertex[1]), hull.vertex(face.vertex[2])};
-}
 
 FacePrism prismOf(const Hierarchy& hierarchy, const Node& node, const Face& face)
 {
@@ -96,8 +57,7 @@ ClippedPolygon clipToPrism(const FacePrism& prism, const Triangle& triangle)
 		if (out == 3) return polygon;
 		isCut[i] = out > 0;
 	}
-	polygon.count = 3;
-	std::copy(triangle.begin(), triangle.end(), polygon.vertex.begin());
+	polygon = ClippedPolygon(triangle);
 	for (std::size_t i = 0; i < 3; ++i)
 		if (isCut[i]) clipByPlane(polygon, prism.side[i], prism.sideOffset[i]);
 	if (*highest > prism.top) clipByPlane(polygon, prism.normal, prism.offset + prism.top);

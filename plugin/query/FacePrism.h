@@ -3,19 +3,11 @@
 #pragma once
 #include <array>
 
-#include "clod/hierarchy/Hierarchy.h"
+#include "clod/query/ClippedPolygon.h"
 
 namespace clod
 {
 inline constexpr double kOpposingCosine = -0.3;  // faces whose normals agree better than this cannot touch
-
-// A convex polygon left of a triangle after clipping.
-struct ClippedPolygon
-{
-	static constexpr int kMost = 8;
-	std::array<Vec3, kMost> vertex;
-	int count = 0;
-};
 
 // The region a reference face answers for: over and under its triangle, between three side planes.
 struct FacePrism
@@ -40,9 +32,6 @@ inline bool atBottom(const FacePrism& prism, double height)
 	return height <= prism.bottom * (1 - 1e-9);
 }
 
-using Triangle = std::array<Vec3, 3>;
-
-Triangle triangleOf(const Hierarchy& hierarchy, const Node& node, const Face& face);
 // Side planes through the edges that bisect this face and its neighbours; bottom = -thickness, top = 0.
 FacePrism prismOf(const Hierarchy& hierarchy, const Node& node, const Face& face);
 // Side planes perpendicular to a triangle whose neighbours are unknown; false for a triangle without area.

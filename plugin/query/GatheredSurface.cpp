@@ -58,7 +58,7 @@ void ContactSide::gather(Slot& slot)
 		GatheredFace face{};
 		face.triangle = triangleOf(*hierarchy, owner, hierarchy->faces(owner)[i]);
 		face.face = owner.firstFace + i;
-		const Vec3* corner = face.triangle.corner;
+		const Triangle& corner = face.triangle;
 		face.center = (1.0 / 3) * (corner[0] + corner[1] + corner[2]);
 		double squared = 0;
 		for (int k = 0; k < 3; ++k) squared = std::max(squared, lengthSquared(corner[k] - face.center));
@@ -123,7 +123,7 @@ double GatheredSurface::above(ContactSide::Slot& slot, const Triangle& triangle)
 	{
 		const GatheredFace& face = m_other.faces[i];
 		double lowest = std::numeric_limits<double>::infinity();
-		for (const Vec3& corner : triangle.corner) lowest = std::min(lowest, dot(face.normal, corner - face.center));
+		for (const Vec3& corner : triangle) lowest = std::min(lowest, dot(face.normal, corner - face.center));
 		best = std::max(best, lowest - face.top);
 	}
 	return best;
@@ -168,7 +168,6 @@ std::uint32_t GatheredSurface::across(std::uint32_t face, int edge) const
 {
 	const GatheredFace& here = m_other.faces[face];
 	const std::uint32_t neighbour = m_other.hierarchy->faces()[here.face].neighbour[edge];
-	if (neighbour == kNone) return kNone;
 	const std::uint32_t owner = ownerOf(*m_other.hierarchy, neighbour);
 	const std::uint32_t index = slotOf(m_other, owner);
 	if (index >= m_other.slots.size()) return kNone;

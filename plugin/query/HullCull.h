@@ -45,7 +45,7 @@ public:
 			return true;
 		}
 		++m_stats.hullTests;
-		const Vec3 axis = vectorOf(memory.onA);
+		const Vec3 axis = toVec3(memory.onA);
 		const double lower = sweptSeparationAlong(m_context, a, b, axis);
 		if (!(lower > limit + roomOf(m_context, a, b, limit))) return false;
 		keepApart(memory, lower, axis);
@@ -66,7 +66,7 @@ public:
 			keepApart(memory, bound.lower, bound.normal);
 			return true;
 		}
-		memory.knowledge = HullKnowledge::kNear;
+		memory.knowledge = bound.hasPoints ? HullKnowledge::kNear : HullKnowledge::kNothing;
 		keep(bound.onA, memory.onA);
 		keep(bound.onB, memory.onB);
 		return false;
@@ -115,7 +115,7 @@ private:
 	{
 		if (memory.knowledge != HullKnowledge::kNear) return 0;
 		const double rounding = 2e-7 * m_context.size;  // of points kept as floats
-		return limit - rounding - sweptPointDistance(m_context, b, vectorOf(memory.onA), vectorOf(memory.onB));
+		return limit - rounding - sweptPointDistance(m_context, b, toVec3(memory.onA), toVec3(memory.onB));
 	}
 	static void keep(const Vec3& v, float (&kept)[3])
 	{

@@ -48,10 +48,11 @@ struct RelativePose
 struct HullDistance
 {
 	double lower = 0, upper = 0;  // both 0 when the hulls overlap
-	Vec3 pointOnA, pointOnB;      // witness points, meaningless when stopped early
+	Vec3 pointOnA, pointOnB;      // witness points, unless stopped above
 	Vec3 normal;                  // unit, from B to A: the direction that lower was measured along; zero on overlap
 	double moved = 0;             // pointOnB is a point of b at rest moved by this share of moveB
 	bool overlap = false;
+	bool stoppedAbove = false;  // lower > stopAbove: the witness points are meaningless
 	int iterations = 0;
 };
 

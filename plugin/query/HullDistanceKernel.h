@@ -152,6 +152,7 @@ HullDistance hullDistance(const ConvexHull& a, const ConvexHull& b, const Relati
 		towardsA = nearest.nearest;
 	}
 	result.lower = std::max(result.lower, 0.0);
-	if (!(result.lower > stopAbove)) witness.describe(result);
+	result.stoppedAbove = result.lower > stopAbove;
+	if (!result.stoppedAbove) witness.describe(result);
 	return result;
 }

@@ -21,7 +21,7 @@ std::vector<Vec3> componentPoints(const Hierarchy& hierarchy)
 		if (seen[first]) continue;
 		const std::uint32_t face = level.firstFace + first;
 		const Node& owner = hierarchy.node(ownerOf(hierarchy, face));
-		points.push_back(triangleOf(hierarchy, owner, hierarchy.faces()[face]).corner[0]);
+		points.push_back(triangleOf(hierarchy, owner, hierarchy.faces()[face])[0]);
 		if (points.size() == hierarchy.asset().componentCount) break;
 		seen[first] = true;
 		stack.push_back(first);
@@ -31,7 +31,7 @@ std::vector<Vec3> componentPoints(const Hierarchy& hierarchy)
 			stack.pop_back();
 			for (const std::uint32_t neighbour : top.neighbour)
 			{
-				if (neighbour == kNone || seen[neighbour - level.firstFace]) continue;
+				if (seen[neighbour - level.firstFace]) continue;
 				seen[neighbour - level.firstFace] = true;
 				stack.push_back(neighbour - level.firstFace);
 			}

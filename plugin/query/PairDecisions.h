@@ -93,7 +93,7 @@ protected:
 	static Row rowOf(const FrontEntry& opened)
 	{
 		Row row;
-		row.ofChildrenOfA = opened.state == PairState::kOpenA;
+		row.ofChildrenOfA = opened.state == NodePairState::kOpenA;
 		row.other = row.ofChildrenOfA ? opened.b : opened.a;
 		return row;
 	}
@@ -106,7 +106,7 @@ protected:
 	}
 	Span<std::uint32_t> childrenOf(const FrontEntry& opened) const
 	{
-		const bool isA = opened.state == PairState::kOpenA;
+		const bool isA = opened.state == NodePairState::kOpenA;
 		return m_settings.rule.childrenOf(isA, isA ? opened.a : opened.b);
 	}
 
@@ -154,7 +154,7 @@ protected:
 		HullMemory memory = hulls[old.hull];
 		if (memory.knowledge != HullKnowledge::kApart) return memory;
 		const CullBox& box = m_context.b.cullBox(old.b);
-		const double nearer = m_partMotion.along(vectorOf(memory.onA), centerOf(box), double(box.radius)) + m_change;
+		const double nearer = m_partMotion.along(toVec3(memory.onA), centerOf(box), double(box.radius)) + m_change;
 		memory.lower = lowerAfter(memory.lower, float(nearer + 3e-7 * std::abs(nearer)));
 		return memory;
 	}
@@ -200,7 +200,7 @@ protected:
 			const FrontEntry& entry = m_front.entries[i];
 			const std::uint32_t bit = 1U << (entry.slot - firstSlot);
 			kept.all |= bit;
-			if (m_sink.forgetsOthers() && entry.state == PairState::kAnswer) kept.traceless |= bit;
+			if (m_sink.forgetsOthers() && entry.state == NodePairState::kAnswer) kept.traceless |= bit;
 		}
 		return kept;
 	}

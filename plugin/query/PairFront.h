@@ -18,7 +18,7 @@
 
 namespace clod
 {
-enum class PairState : std::uint8_t
+enum class NodePairState : std::uint8_t
 {
 	kSeparated,   // culling volumes are farther apart than the tolerance: only the pair of roots is kept then
 	kElsewhere,   // met before in this walk, through other parents
@@ -27,9 +27,9 @@ enum class PairState : std::uint8_t
 	kHullsApart,  // not accepted, and nothing the two nodes answer for is within the tolerance (HullCull.h)
 	kAnswer       // accepted by the stop rule, culling volumes within the tolerance
 };
-inline bool isOpen(PairState state)
+inline bool isOpen(NodePairState state)
 {
-	return state == PairState::kOpenA || state == PairState::kOpenB;
+	return state == NodePairState::kOpenA || state == NodePairState::kOpenB;
 }
 
 // Bounds are of the pose of the last finished traversal, in float, rounded outward.
@@ -43,7 +43,7 @@ struct FrontEntry
 	float high = 0;                // the separation of the culling volumes is less
 	float apart = 0;               // opened: that of every child which is not kept exceeds
 	std::uint32_t old = kNone;     // its entry in the traversal before
-	PairState state = PairState::kSeparated;
+	NodePairState state = NodePairState::kSeparated;
 	bool whileApart = false;  // answers, or is opened, as its hulls are apart, or not
 };
 static_assert(sizeof(FrontEntry) == 36);

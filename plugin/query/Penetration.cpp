@@ -12,10 +12,7 @@ struct Mover
 	Mat3 rotation;
 	Vec3 translation;
 	Vec3 operator()(const Vec3& p) const { return rotation * p + translation; }
-	Triangle operator()(const Triangle& t) const
-	{
-		return {{(*this)(t.corner[0]), (*this)(t.corner[1]), (*this)(t.corner[2])}};
-	}
+	Triangle operator()(const Triangle& t) const { return {(*this)(t[0]), (*this)(t[1]), (*this)(t[2])}; }
 };
 
 Mover intoB(const RelativePose& pose)
@@ -137,7 +134,7 @@ DepthBound searchWhole(const Hierarchy& own, const Mover& intoOther, InputSurfac
 	const auto push = [&](std::uint32_t node)
 	{
 		const CullBox& box = own.cullBox(node);
-		const Vec3 center = intoOther(Vec3{double(box.center[0]), double(box.center[1]), double(box.center[2])});
+		const Vec3 center = intoOther(centerOf(box));
 		const double upper = box.radius - surface.signedDistance(center).distance;
 		if (upper <= search.threshold())
 		{
@@ -158,15 +155,22 @@ DepthBound searchWhole(const Hierarchy& own, const Mover& intoOther, InputSurfac
 		for (std::uint32_t i = 0; node.childCount == 0 && i < node.faceCount; ++i)
 		{
 			const Triangle triangle = intoOther(triangleOf(own, node, own.faces(node)[i]));
-			const DepthSample first = search.sample(0, triangle.corner[0], kNone),
-							  second = search.sample(0, triangle.corner[1], kNone);
-			search.add(0, triangle, first, second, search.sample(0, triangle.corner[2], kNone));
+			const DepthSample first = search.sample(0, triangle[0], kNone),
+							  second = search.sample(0, triangle[1], kNone);
+			search.add(0, triangle, first, second, search.sample(0, triangle[2], kNone));
 		}
 	}
 	if (!scratch.tree.empty()) dropped = std::max(dropped, scratch.tree.front().upper);
 	DepthBound bound = search.run();
 	bound.upper = std::max(bound.upper, dropped);
 	return bound;
+}
+
+// Of points moved into the other body's frame, and of what is evaluated there.
+DepthBound withRounding(const QueryContext& context, DepthBound bound)
+{
+	const double rounding = 4 * context.pose.rounding;
+	return {bound.lower - rounding, bound.upper + rounding, bound.isCutShort};
 }
 }  // namespace
 
@@ -183,7 +187,7 @@ DepthBound nearPenetration(const QueryContext& context, const std::vector<Contac
 	if (deepest >= accuracy.enough) return {deepest, std::numeric_limits<double>::infinity(), false};
 	const DepthBound bound = inA.run(inB.run({deepest, 0, false}));
 	stats.depthsCutShort += bound.isCutShort ? 1 : 0;
-	return bound;
+	return withRounding(context, bound);
 }
 
 DepthBound wholePenetration(const QueryContext& context, const DepthAccuracy& accuracy, PenetrationScratch& scratch,
@@ -193,6 +197,6 @@ DepthBound wholePenetration(const QueryContext& context, const DepthAccuracy& ac
 	const DepthBound boundA = searchWhole(context.a, intoB(context.pose), ofB, {}, accuracy, scratch);
 	const DepthBound bound = searchWhole(context.b, intoA(context.pose), ofA, boundA, accuracy, scratch);
 	stats.depthsCutShort += bound.isCutShort ? 1 : 0;
-	return bound;
+	return withRounding(context, bound);
 }
 }  // namespace clod

@@ -29,6 +29,7 @@ struct PenetrationScratch
 	std::vector<TreeCell> tree;
 };
 
+// Both ends with room for rounding: a lower end <= 0 shows no depth.
 // Pairs of leaves sorted by (nodeA, nodeB), not empty: all those within accuracy.enough, the tolerance.
 DepthBound nearPenetration(const QueryContext& context, const std::vector<Contact>& near, const DepthAccuracy& accuracy,
 						   PenetrationScratch& scratch, QueryStats& stats);

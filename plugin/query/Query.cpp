@@ -129,8 +129,10 @@ void query(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, cons
 {
 	PairCache::State& state = cache.state();
 	const bool samePose = isSamePose(a, b, aFromB, state);
+	// A plan has moved the cache to its pose; the last result stayed behind.
+	const bool wasPlanned = state.planned.has_value();
 	if (!(samePose && sameButOwn(state.settings, settings))) state.planned.reset();
-	if (samePose && !state.planned && answersAgain(settings, state))
+	if (samePose && !wasPlanned && answersAgain(settings, state))
 	{
 		state.settings = settings;
 		result = state.last;

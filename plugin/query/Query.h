@@ -44,7 +44,7 @@ struct Settings
 	// overlap, it is that of the input surfaces (their nearest pair, or a depth searched in them). >= 0; infinite: as
 	// the nodes prove it where none overlap. metric.maxError asks for the same gap, and for contacts as exact besides.
 	double gapError = kOff;
-	bool paper = false;  // paper's culling (d + h_a + h_b), witness D; needs isPaperBuild() on both
+	bool paper = false;  // paper's culling (d + h_a + h_b); needs isPaperBuild() on both
 	// Contacts without the signed gap: where hulls overlap no depth is searched (minDistance 0, errorBound inf); deep
 	// then tells only of a component wholly inside the other body. Without any contact errorBound is inf too, and two
 	// bodies apart are not looked at again until they have moved enough. For callers that make their own contact

@@ -5,33 +5,12 @@
 
 namespace clod
 {
-namespace
-{
-// The root's box and the asset's box enclose everything: their farthest corner from the body's origin is at R. The
-// corners of a box that fits what it encloses along each of its axes are then within sqrt(3) R.
-double reachOf(const Hierarchy& hierarchy)
-{
-	const CullBox& root = hierarchy.cullBox(hierarchy.root());
-	const double half = std::sqrt(double(root.half[0]) * root.half[0] + double(root.half[1]) * root.half[1] +
-								  double(root.half[2]) * root.half[2]);
-	const Vec3 center = centerOf(root);
-	double squared = 0;
-	for (int i = 0; i < 3; ++i)
-	{
-		const double far = std::max(std::abs(hierarchy.asset().boxMin[i]), std::abs(hierarchy.asset().boxMax[i]));
-		squared += far * far;
-	}
-	return 1.7321 * std::max(std::sqrt(squared), length(center) + std::max(half, double(root.radius)));
-}
-
-}  // namespace
-
 QueryContext::QueryContext(const Hierarchy& hierarchyA, const Hierarchy& hierarchyB, const Transform& aFromB,
 						   const Sweep& motion)
 	: a(hierarchyA),
 	  b(hierarchyB),
-	  reachA(reachOf(hierarchyA)),
-	  reachB(reachOf(hierarchyB)),
+	  reachA(hierarchyA.reach()),
+	  reachB(hierarchyB.reach()),
 	  pose(aFromB, std::max(reachA, reachB)),
 	  sweep(motion),
 	  longestMove(length(sweep.of(aFromB.translation)) + length(sweep.angular) * reachB),
@@ -73,8 +52,12 @@ SweptBound canonicalSweptBound(const QueryContext& context, std::uint32_t a, std
 		hullDistance(contactHull(context.a, context.a.node(a)), contactHull(context.b, context.b.node(b)), context.pose,
 					 start, stopAbove + moving.spread, moving.move, stopBelow + moving.spread);
 	const Vec3 atRest = distance.pointOnB - distance.moved * moving.move;
-	return {distance.lower - moving.spread, distance.upper - moving.spread, distance.normal, distance.pointOnA,
-			context.pose.directionToB(atRest - context.pose.translation)};
+	return {distance.lower - moving.spread,
+			distance.upper - moving.spread,
+			distance.normal,
+			distance.pointOnA,
+			context.pose.directionToB(atRest - context.pose.translation),
+			!distance.stoppedAbove};
 }
 
 double sweptSeparationAlong(const QueryContext& context, std::uint32_t a, std::uint32_t b, const Vec3& direction)

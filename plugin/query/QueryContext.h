@@ -15,7 +15,7 @@ struct QueryContext
 
 	const Hierarchy& a;
 	const Hierarchy& b;
-	double reachA, reachB;  // of everything in either hierarchy from its body's origin, corners of tight boxes included
+	double reachA, reachB;  // Hierarchy::reach
 	RelativePose pose;
 	Sweep sweep;
 	double longestMove;  // no point of B moves farther in the step
@@ -58,7 +58,8 @@ struct SweptBound
 {
 	double lower, upper;
 	Vec3 normal;
-	Vec3 onA, onB;  // points of the two hulls at rest that come so near, each in its own frame
+	Vec3 onA, onB;   // points of the two hulls at rest that come so near, each in its own frame
+	bool hasPoints;  // not where it stopped above: lower may still be stopAbove then, by rounding
 };
 SweptBound canonicalSweptBound(const QueryContext& context, std::uint32_t a, std::uint32_t b, double stopAbove,
 							   double stopBelow = -std::numeric_limits<double>::infinity());

@@ -64,7 +64,7 @@ private:
 			const FrontEntry& entry = m_front.entries[i];
 			HullMemory memory = remembered(entry, m_front.hulls);
 			const std::uint32_t before = m_stats->hullTests;
-			if (answers(entry, memory) != (entry.state == PairState::kAnswer)) return false;
+			if (answers(entry, memory) != (entry.state == NodePairState::kAnswer)) return false;
 			if (memory.knowledge == HullKnowledge::kApart) m_front.books.spent += m_stats->hullTests - before;
 		}
 		return true;
@@ -81,10 +81,10 @@ private:
 			if (row.near == 0) return false;
 			hold(0, m_moved, slackOf(row, 1));
 		}
-		if (!entry.whileApart && entry.state != PairState::kAnswer && cullsByHulls(entry))
+		if (!entry.whileApart && entry.state != NodePairState::kAnswer && cullsByHulls(entry))
 		{
 			HullMemory memory = remembered(entry, m_front.hulls);
-			if (areHullsApart(entry, memory) != (entry.state == PairState::kHullsApart)) return false;
+			if (areHullsApart(entry, memory) != (entry.state == NodePairState::kHullsApart)) return false;
 			hold(i, m_moved, slackOfHulls(entry, memory));
 		}
 		if (!isOpen(entry.state)) return true;
@@ -108,7 +108,7 @@ private:
 	{
 		const std::vector<FrontEntry>& entries = m_front.entries;
 		for (std::uint32_t i = 0; i < entries.size(); ++i)
-			if (entries[i].state == PairState::kAnswer || entries[i].whileApart) m_front.books.answers.push_back(i);
+			if (entries[i].state == NodePairState::kAnswer || entries[i].whileApart) m_front.books.answers.push_back(i);
 		std::sort(m_front.books.answers.begin(), m_front.books.answers.end(),
 				  [&](std::uint32_t l, std::uint32_t r)
 				  { return std::tie(entries[l].a, entries[l].b) < std::tie(entries[r].a, entries[r].b); });

@@ -19,8 +19,8 @@ NearestOnTriangle nearestFeature(const Vec3& from, const Vec3& point, int featur
 // Angle of a triangle at corner i.
 double angleAt(const Triangle& triangle, int i)
 {
-	const Vec3 u = normalized(triangle.corner[(i + 1) % 3] - triangle.corner[i]);
-	const Vec3 v = normalized(triangle.corner[(i + 2) % 3] - triangle.corner[i]);
+	const Vec3 u = normalized(triangle[(i + 1) % 3] - triangle[i]);
+	const Vec3 v = normalized(triangle[(i + 2) % 3] - triangle[i]);
 	return std::acos(std::max(-1.0, std::min(1.0, dot(u, v))));
 }
 
@@ -29,32 +29,48 @@ Vec3 normalOf(const Face& face)
 	return {double(face.normal[0]), double(face.normal[1]), double(face.normal[2])};
 }
 
-// The edge of `face` whose neighbour is `from`, searched so that walking round a corner stays on that corner.
+// Which corner is there. Precondition: one is.
 int cornerAt(const Triangle& triangle, const Vec3& position)
 {
-	for (int i = 0; i < 3; ++i)
-		if (triangle.corner[i] == position) return i;
-	return -1;
+	int i = 0;
+	while (i < 2 && triangle[i] != position) ++i;
+	return i;
 }
 
+// Each face leads to the one across its edge that ends in the corner, and none is led to by two: neighbours are mutual,
+// and no face has two corners in one place (hierarchy/Layout.h). So the walk comes back to where it began.
 Vec3 normalRoundCorner(const Hierarchy& hierarchy, std::uint32_t first, int corner)
 {
-	constexpr int kMostFaces = 4096;  // round one corner; more means a corner shared by several fans
+	const auto triangleAt = [&](std::uint32_t face)
+	{ return triangleOf(hierarchy, hierarchy.node(ownerOf(hierarchy, face)), hierarchy.faces()[face]); };
+	const Vec3 position = triangleAt(first)[corner];
 	Vec3 sum;
 	std::uint32_t index = first;
-	Vec3 position;
-	for (int i = 0; i < kMostFaces; ++i)
+	do
 	{
 		const Face& face = hierarchy.faces()[index];
-		const Triangle triangle = triangleOf(hierarchy, hierarchy.node(ownerOf(hierarchy, index)), face);
-		if (i == 0) position = triangle.corner[corner];
+		const Triangle triangle = triangleAt(index);
 		const int at = cornerAt(triangle, position);
-		if (at < 0) break;
 		sum += angleAt(triangle, at) * normalOf(face);
-		index = face.neighbour[(at + 2) % 3];  // across the edge that ends in the corner
-		if (index == first || index == kNone) break;
-	}
+		index = face.neighbour[(at + 2) % 3];
+	} while (index != first);
 	return sum;
+}
+
+// Of a triangle whose area is lost in rounding.
+NearestOnTriangle nearestOnEdges(const Triangle& triangle, const Vec3& from)
+{
+	NearestOnTriangle best{Vec3{}, std::numeric_limits<double>::infinity(), 0};
+	for (int i = 0; i < 3; ++i)
+	{
+		const Vec3 &corner = triangle[i], edge = triangle[(i + 1) % 3] - corner;
+		const double along = dot(from - corner, edge), squared = lengthSquared(edge);
+		const bool isInner = along > 0 && along < squared;
+		const NearestOnTriangle here =
+			nearestFeature(from, isInner ? corner + (along / squared) * edge : corner, isInner ? 3 + i : i);
+		if (here.squared < best.squared) best = here;
+	}
+	return best;
 }
 }  // namespace
 
@@ -72,7 +88,7 @@ std::uint32_t ownerOf(const Hierarchy& hierarchy, std::uint32_t face)
 
 NearestOnTriangle nearestOnTriangle(const Triangle& triangle, const Vec3& from)
 {
-	const Vec3 &a = triangle.corner[0], &b = triangle.corner[1], &c = triangle.corner[2];
+	const Vec3 &a = triangle[0], &b = triangle[1], &c = triangle[2];
 	const Vec3 ab = b - a, ac = c - a, ap = from - a;
 	const double d1 = dot(ab, ap), d2 = dot(ac, ap);
 	if (d1 <= 0 && d2 <= 0) return nearestFeature(from, a, 0);
@@ -80,16 +96,20 @@ NearestOnTriangle nearestOnTriangle(const Triangle& triangle, const Vec3& from)
 	const double d3 = dot(ab, bp), d4 = dot(ac, bp);
 	if (d3 >= 0 && d4 <= d3) return nearestFeature(from, b, 1);
 	const double ofC = d1 * d4 - d3 * d2;
-	if (ofC <= 0 && d1 >= 0 && d3 <= 0) return nearestFeature(from, a + (d1 / (d1 - d3)) * ab, 3);
+	if (ofC <= 0 && d1 >= 0 && d3 <= 0 && d1 > d3) return nearestFeature(from, a + (d1 / (d1 - d3)) * ab, 3);
 	const Vec3 cp = from - c;
 	const double d5 = dot(ab, cp), d6 = dot(ac, cp);
 	if (d6 >= 0 && d5 <= d6) return nearestFeature(from, c, 2);
 	const double ofB = d5 * d2 - d1 * d6;
-	if (ofB <= 0 && d2 >= 0 && d6 <= 0) return nearestFeature(from, a + (d2 / (d2 - d6)) * ac, 5);
+	if (ofB <= 0 && d2 >= 0 && d6 <= 0 && d2 > d6) return nearestFeature(from, a + (d2 / (d2 - d6)) * ac, 5);
 	const double ofA = d3 * d6 - d5 * d4;
-	if (ofA <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0)
+	if (ofA <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0 && (d4 - d3) + (d5 - d6) > 0)
 		return nearestFeature(from, b + ((d4 - d3) / ((d4 - d3) + (d5 - d6))) * (c - b), 4);
-	const double scale = 1 / (ofA + ofB + ofC);
+	// The square of twice the area, against those of two edges: of a sliver of an angle below 1e-6 it is mere rounding.
+	constexpr double kNoArea = 1e-12;
+	const double sum = ofA + ofB + ofC;
+	if (!(sum > kNoArea * (d1 - d3) * (d2 - d6))) return nearestOnEdges(triangle, from);
+	const double scale = 1 / sum;
 	return nearestFeature(from, a + (ofB * scale) * ab + (ofC * scale) * ac, 6);
 }
 
@@ -98,8 +118,7 @@ Vec3 pseudonormal(const Hierarchy& hierarchy, std::uint32_t face, int feature)
 	const Face& nearest = hierarchy.faces()[face];
 	if (feature == 6) return normalOf(nearest);
 	if (feature < 3) return normalRoundCorner(hierarchy, face, feature);
-	const std::uint32_t across = nearest.neighbour[feature - 3];
-	return across == kNone ? normalOf(nearest) : normalOf(nearest) + normalOf(hierarchy.faces()[across]);
+	return normalOf(nearest) + normalOf(hierarchy.faces()[nearest.neighbour[feature - 3]]);
 }
 
 SignedDistance distanceToInput(const Hierarchy& hierarchy, const Vec3& point, std::uint32_t& visited, double within)

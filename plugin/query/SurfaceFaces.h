@@ -10,22 +10,10 @@
 #pragma once
 #include <limits>
 
-#include "clod/hierarchy/Hierarchy.h"
+#include "clod/query/Triangle.h"
 
 namespace clod
 {
-struct Triangle
-{
-	Vec3 corner[3];
-};
-
-// Corners of a real face, body frame.
-inline Triangle triangleOf(const Hierarchy& hierarchy, const Node& owner, const Face& face)
-{
-	const HullView hull = hierarchy.hull(owner);
-	return {{hull.vertex(face.vertex[0]), hull.vertex(face.vertex[1]), hull.vertex(face.vertex[2])}};
-}
-
 // Index of the leaf that owns a face of the input surface. O(log nodes).
 std::uint32_t ownerOf(const Hierarchy& hierarchy, std::uint32_t face);
 
@@ -35,6 +23,7 @@ struct NearestOnTriangle
 	double squared;  // squared distance
 	int feature;     // 0-2: corner i; 3-5: edge from corner i-3 to the next; 6: interior
 };
+// Of a triangle without area, or with so little that rounding hides it, the nearest of its edges.
 NearestOnTriangle nearestOnTriangle(const Triangle& triangle, const Vec3& from);
 
 // The normal that tells the side at a feature of a face of the input surface; not normalised.

@@ -69,7 +69,7 @@ private:
 		touch(rootA, rootB);
 		m_front.visited.reserve(1);
 		Row row = rowOfRoots();
-		const bool wasApart = !m_front.previous.empty() && m_front.previous[0].state == PairState::kSeparated;
+		const bool wasApart = !m_front.previous.empty() && m_front.previous[0].state == NodePairState::kSeparated;
 		if (!m_front.previous.empty() && !wasApart) row.met = 1, row.old[0] = 0;
 		const float apart = wasApart ? lowerAfter(m_front.previous[0].apart, m_moved) : 0.0F;
 		const bool isStillApart = wasApart && isBeyond(apart);
@@ -164,7 +164,7 @@ private:
 			++m_stats->skippedBySlack;
 			return true;
 		}
-		if (!m_settings.sameRule || old.state != PairState::kAnswer || old.hull == kNone) return false;
+		if (!m_settings.sameRule || old.state != NodePairState::kAnswer || old.hull == kNone) return false;
 		return m_sink.skips(row.a(k), row.b(k), remembered(old, m_front.previousHulls));
 	}
 
@@ -182,7 +182,7 @@ private:
 		double slack = kAlways;
 		if (!m_settings.rule.isInTree(entry.a, entry.b) && !m_front.visited.insert(entry.a, entry.b))
 		{
-			entry.state = PairState::kElsewhere;
+			entry.state = NodePairState::kElsewhere;
 			++m_front.counts.duplicates;
 		}
 		else
@@ -196,7 +196,7 @@ private:
 	// What the decision can take, where books are kept.
 	double decide(FrontEntry& entry)
 	{
-		PairState before = PairState::kSeparated;
+		NodePairState before = NodePairState::kSeparated;
 		HullMemory memory;
 		if (entry.old != kNone)
 		{
@@ -210,21 +210,21 @@ private:
 		{
 			if (answers(entry, memory))
 			{
-				entry.state = PairState::kAnswer;
+				entry.state = NodePairState::kAnswer;
 				keep(entry, memory);
 			}
 		}
 		else if (cullsByHulls(entry))
 		{
-			if (areHullsApart(entry, memory)) entry.state = PairState::kHullsApart;
+			if (areHullsApart(entry, memory)) entry.state = NodePairState::kHullsApart;
 			if (m_keepsBooks) slack = slackOfHulls(entry, memory);
 			keep(entry, memory);
 		}
-		if (entry.state == PairState::kSeparated)
+		if (entry.state == NodePairState::kSeparated)
 		{
 			const bool wasOpened = m_settings.sameRule && isOpen(before);
-			const bool opensA = wasOpened ? before == PairState::kOpenA : m_settings.rule.opensA(entry.a, entry.b);
-			entry.state = opensA ? PairState::kOpenA : PairState::kOpenB;
+			const bool opensA = wasOpened ? before == NodePairState::kOpenA : m_settings.rule.opensA(entry.a, entry.b);
+			entry.state = opensA ? NodePairState::kOpenA : NodePairState::kOpenB;
 		}
 		++(isOpen(entry.state) ? m_front.counts.inner : m_front.counts.leaves);
 		return slack;
@@ -236,11 +236,11 @@ private:
 		m_front.hulls.push_back(memory);
 	}
 
-	Acceptance acceptanceOf(const FrontEntry& entry, PairState before) const
+	Acceptance acceptanceOf(const FrontEntry& entry, NodePairState before) const
 	{
-		const bool isKnown = before == PairState::kAnswer || isOpen(before);
+		const bool isKnown = before == NodePairState::kAnswer || isOpen(before);
 		if (m_settings.sameRule && isKnown && !m_settings.rule.dependsOnHulls())
-			return before == PairState::kAnswer ? Acceptance::kYes : Acceptance::kNo;
+			return before == NodePairState::kAnswer ? Acceptance::kYes : Acceptance::kNo;
 		return m_settings.rule.acceptance(entry.a, entry.b);
 	}
 	bool isBeyond(float low) const { return double(low) > m_settings.tolerance + m_room; }

@@ -243,6 +243,14 @@ const Fault kFaults[] = {
 	{"less than that of child", [](auto& c) { c.nodes.back().surf = 0; }},
 	{"outside its node", [](auto& c) { c.faces[0].vertex[0] = 60000; }},
 	{"same vertex twice", [](auto& c) { c.faces[0].vertex[0] = c.faces[0].vertex[1]; }},
+	{"face 0: two corners in one place",
+	 [](auto& c)
+	 {
+		 // Not the last vertex, which the padding repeats.
+		 const std::uint16_t(&v)[3] = c.faces[0].vertex;
+		 const int i = v[0] + 1U == c.nodes[0].vertexCount ? 1 : 0;
+		 for (auto* x : {&c.hullX, &c.hullY, &c.hullZ}) (*x)[v[i]] = (*x)[v[i + 1]];
+	 }},
 	{"face 0: padding", [](auto& c) { c.faces[0].padding = 1; }},
 	{"face 0: thickness", [](auto& c) { c.faces[0].thickness = kNan; }},
 	{"normal is not", [](auto& c) { c.faces[0].normal[0] = 2; }},
@@ -256,6 +264,14 @@ const Fault kFaults[] = {
 	{"leaves the culling box", [](auto& c) { c.cullBoxes.back().half[0] *= 0.9f; }},
 	{"leaves the culling box", [](auto& c) { c.cullBoxes[0].radius *= 0.5f; }},
 	{"axis of the culling box", [](auto& c) { c.cullBoxes[0].axis[0][0] += 0.5f; }},
+	{"axis of the culling box", [](auto& c) { c.cullBoxes[0].axis[0][0] *= 1 + 1e-6f; }},
+	{"axes of the culling box",
+	 [](auto& c)
+	 {
+		 float(&axis)[3][3] = c.cullBoxes[0].axis;
+		 for (int k = 0; k < 3; ++k) axis[0][k] += 5e-7f * axis[1][k];
+	 }},
+	{"culling box is larger", [](auto& c) { c.cullBoxes[0].half[0] = 256; }},
 	{"half extent", [](auto& c) { c.cullBoxes[0].half[1] = kNan; }},
 	{"areaTolerance is off", [](auto& c) { c.asset.areaTolerance = next(c.asset.areaTolerance); }},
 	{"thinnestWall is off", [](auto& c) { c.asset.thinnestWall = next(c.asset.thinnestWall); }},

@@ -282,6 +282,33 @@ TEST(QueryPlan, IsFinishedByTheNextQuery)
 	EXPECT_GT(refined, 100);
 }
 
+// A plan that no query finishes leaves the last result behind: it is that of another pose.
+TEST(QueryPlan, WhatIsDroppedAnswersNothing)
+{
+	const BodyPair& pair = pairs()[0];
+	const double radius = smallerRadius(pair.a, pair.b);
+	Settings settings;
+	settings.tolerance = 0.01 * radius;
+	settings.metric.weightedDeviation = 0.03 * radius;
+	settings.contactsOnly = true;
+	Transform near, far;
+	near.translation = {0.3 * radius, 0, 0};
+	far.translation = {20 * radius, 0, 0};
+	for (const double tests : {1e9, 1e4, kOff})
+	{
+		PairCache cache;
+		QueryResult result;
+		query(*pair.a.hierarchy, *pair.b.hierarchy, far, with(settings, 0), cache, result);
+		ASSERT_TRUE(result.contacts.empty());
+		{
+			QueryPlan dropped(*pair.a.hierarchy, *pair.b.hierarchy, near, with(settings, 0), cache);
+		}
+		query(*pair.a.hierarchy, *pair.b.hierarchy, near, with(settings, tests), cache, result);
+		EXPECT_FALSE(result.contacts.empty());
+		EXPECT_EQ(difference(result, fresh(pair, near, with(settings, tests))), "") << tests;
+	}
+}
+
 TEST(Budget, RefusesWhatCannotBeUsedByName)
 {
 	const Hierarchy& h = *body("sphere", 300).hierarchy;

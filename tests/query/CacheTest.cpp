@@ -372,6 +372,55 @@ TEST(Query, ThresholdsThatRiseAreSeenAtOnce)
 	EXPECT_GT(changes, 20);
 }
 
+// Bodies that come so near that hulls of the base levels, or of coarser nodes, overlap while the finer ones behind them
+// are beyond the tolerance, and go back a little: then the coarse hulls answer again. Tolerances are smaller than what
+// hulls protrude.
+TEST(Query, BodiesApartAreLookedAtWhenCoarseHullsComeApartAgain)
+{
+	Random random(18);
+	int stillClear = 0, vanished = 0, total = 0;
+	for (const BodyPair& pair : pairs())
+		for (int approach = 0; approach < setting("CLOD_RETURNS", 40); ++approach)
+		{
+			const double radius = smallerRadius(pair.a, pair.b), share = std::pow(10, uniform(random, -1.7, -0.7));
+			Settings settings;
+			settings.tolerance = uniform(random, 5e-4, 15e-4) * radius;
+			settings.metric.maxError = share * radius;
+			settings.contactsOnly = true;
+			Transform pose = poseWithGap(random, pair.a, pair.b, 1.5 * share);
+			const Vec3 step = -5e-4 * radius * normalized(pose.translation);
+			PairCache cache;
+			QueryResult result;
+			std::size_t before = 0;
+			const auto look = [&](int i)
+			{
+				query(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache, result);
+				ASSERT_EQ(difference(result, fresh(pair, pose, settings)), "")
+					<< pair.a.name << " approach " << approach << " step " << i << ", share " << share << ", tolerance "
+					<< settings.tolerance / radius << " of the radius";
+				stillClear += int(result.stats.stillClear);
+				++total;
+			};
+			for (int i = 0; i < 400 && result.contacts.size() < 20; ++i)
+			{
+				ASSERT_NO_FATAL_FAILURE(look(i));
+				const bool vanishes = before > 0 && result.contacts.empty();
+				before = result.contacts.size();
+				vanished += int(vanishes);
+				if (vanishes)
+				{
+					pose.translation -= 0.4 * step;
+					ASSERT_NO_FATAL_FAILURE(look(i));
+					pose.translation += 0.4 * step;
+				}
+				pose.translation += step;
+			}
+		}
+	std::printf("%d queries, %d still clear, contacts vanished in %d\n", total, stillClear, vanished);
+	EXPECT_GT(stillClear, total / 20);
+	EXPECT_GT(vanished, 2);
+}
+
 TEST(Query, TheComparisonSeesOneBit)
 {
 	const BodyPair pair = pairs()[0];

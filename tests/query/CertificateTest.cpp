@@ -207,6 +207,30 @@ TEST(Certificate, TheGapOfCoarseContactsIsAsExactAsAskedFor)
 	EXPECT_GT(std::min({apart, near, overlapping, coarser}), poses / 2);
 }
 
+// Points are moved from one frame into the other: no depth is known better than that.
+TEST(Certificate, ADepthHasRoomForRounding)
+{
+	Random random(45);
+	int proven = 0;
+	for (const BodyPair& pair : pairs())
+		for (int i = 0; i < 100; ++i)
+		{
+			const double radius = smallerRadius(pair.a, pair.b);
+			const Transform pose{randomRotation(random), uniform(random, 0.5, 2) * radius * randomDirection(random)};
+			for (const bool distance : {false, true})
+			{
+				Settings settings = exactSettings(0.02 * radius);
+				settings.distance = distance;
+				const QueryResult result = fresh(pair, pose, settings);
+				if (!(result.minDistance < 0) || result.errorBound == kOff) continue;
+				++proven;
+				const QueryContext context(*pair.a.hierarchy, *pair.b.hierarchy, pose);
+				ASSERT_GE(result.errorBound, context.pose.rounding) << pair.a.name << ", pose " << i;
+			}
+		}
+	EXPECT_GT(proven, 100);
+}
+
 TEST(Certificate, TheCheckSeesPlantedFaults)
 {
 	QueryResult result;

@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <limits>
 #include <set>
 
+#include "clod/query/HullCull.h"
 #include "clod/query/MotionBound.h"
 #include "clod/query/QueryContext.h"
 #include "tests/query/Questions.h"
@@ -48,6 +51,44 @@ TEST(BoxSeparation, IsALowerBoundAndLipschitz)
 			EXPECT_LE(std::abs(separation(there) - before), motion + change + here.boxes.roundingOfTwo());
 		}
 	}
+}
+
+// Limits within rounding of the distance: GJK may stop beyond what it was told, and the pair not be apart all the same.
+// Such a pair has no points that are near.
+TEST(HullCull, RemembersOnlyPointsThatWereFound)
+{
+	Random random(44);
+	int stopped = 0, remembered = 0;
+	for (const BodyPair& pair : pairs())
+		for (int i = 0; i < 1000; ++i)
+		{
+			const double radius = smallerRadius(pair.a, pair.b);
+			const Transform pose{randomRotation(random), 2.5 * radius * randomDirection(random)};
+			const QueryContext context(*pair.a.hierarchy, *pair.b.hierarchy, pose, randomSweep(random, radius));
+			const std::uint32_t a = std::uint32_t(random() % context.a.nodes().size),
+								b = std::uint32_t(random() % context.b.nodes().size);
+			double limit = canonicalSweptBound(context, a, b, std::numeric_limits<double>::infinity()).lower;
+			if (!(limit > 0)) continue;
+			for (int k = 0; k < 4; ++k) limit = std::nextafter(limit, 0.0);
+			for (int k = 0; k < 9; ++k, limit = std::nextafter(limit, 1e300))
+			{
+				HullMemory memory;
+				QueryStats stats;
+				HullCull cull(context, stats);
+				const bool isApart = cull.isApart(a, b, limit, memory);
+				const SweptBound bound = canonicalSweptBound(context, a, b, limit, limit);
+				EXPECT_EQ(isApart, bound.lower > limit);
+				stopped += !isApart && !bound.hasPoints;
+				if (memory.knowledge != HullKnowledge::kNear) continue;
+				++remembered;
+				EXPECT_TRUE(bound.hasPoints);
+				EXPECT_LT(sweptPointDistance(context, b, toVec3(memory.onA), toVec3(memory.onB)),
+						  limit + 1e-6 * context.size);
+			}
+		}
+	std::printf("%d stopped beyond the limit, not apart; %d with points\n", stopped, remembered);
+	EXPECT_GT(stopped, 0);
+	EXPECT_GT(remembered, 0);
 }
 
 TEST(BoxSeparation, IsTheSameInEveryLaneFromEitherSideOnAnyMachine)

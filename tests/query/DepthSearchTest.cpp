@@ -42,7 +42,7 @@ DepthBound deepest(const DepthAccuracy& accuracy)
 	DepthSearch<Roof> search(roof, accuracy, heap);
 	const Triangle flat{{{-1, -0.7, -0.1}, {1.3, -0.2, -0.1}, {0.2, 1.1, -0.1}}};
 	DepthSample corner[3];
-	for (int i = 0; i < 3; ++i) corner[i] = search.sample(0, flat.corner[i], kNone);
+	for (int i = 0; i < 3; ++i) corner[i] = search.sample(0, flat[i], kNone);
 	search.add(0, flat, corner[0], corner[1], corner[2]);
 	return search.run();
 }
