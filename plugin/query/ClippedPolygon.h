@@ -27,17 +27,17 @@ struct ClippedPolygon
 inline void clipByPlane(ClippedPolygon& polygon, const Vec3& normal, double offset)
 {
 	double height[ClippedPolygon::kMost];
-	bool isCut = false;
+	unsigned beyond = 0;  // a bit a corner
 	for (int i = 0; i < polygon.count; ++i)
 	{
 		height[i] = dot(normal, polygon.vertex[std::size_t(i)]) - offset;
-		isCut = isCut || height[i] > 0;
+		beyond |= unsigned(height[i] > 0) << i;
 	}
-	if (!isCut) return;
-	int changes = 0;
-	for (int i = 0; i < polygon.count; ++i)
-		changes += int((height[i] > 0) != (height[i == 0 ? polygon.count - 1 : i - 1] > 0));
-	if (changes > 2) return;
+	if (beyond == 0) return;
+	// Two edges of a convex polygon cross the plane, or none; a bit is left where more do.
+	const unsigned crossing = beyond ^ ((beyond >> 1) | ((beyond & 1) << (polygon.count - 1)));
+	const unsigned butOne = crossing & (crossing - 1);
+	if ((butOne & (butOne - 1)) != 0) return;
 	const ClippedPolygon whole = polygon;
 	polygon.count = 0;
 	const auto push = [&polygon](const Vec3& v) { polygon.vertex[std::size_t(polygon.count++)] = v; };

@@ -57,7 +57,8 @@ ClippedPolygon clipToPrism(const FacePrism& prism, const Triangle& triangle)
 		if (out == 3) return polygon;
 		isCut[i] = out > 0;
 	}
-	polygon = ClippedPolygon(triangle);
+	polygon.count = 3;
+	std::copy(triangle.begin(), triangle.end(), polygon.vertex.begin());
 	for (std::size_t i = 0; i < 3; ++i)
 		if (isCut[i]) clipByPlane(polygon, prism.side[i], prism.sideOffset[i]);
 	if (*highest > prism.top) clipByPlane(polygon, prism.normal, prism.offset + prism.top);
