@@ -115,7 +115,7 @@ nlohmann::ordered_json verifyPenetration(const RunOptions& options, const SceneR
 		}
 		for (const ReplayRow& pair : rows[i].pairs)
 			if (!std::isinf(pair.errorBound)) bound = std::max(bound, pair.errorBound);
-		if (options.selection.budget.isLimited()) bound = std::max(bound, rows[i].state.errorBound);
+		if (options.selection.budget.isLimited()) bound = std::max(bound, rows[i].state.contactError);
 		progress.update("interpenetration", double(i + 1) / double(rows.size()));
 	}
 	const double limit = kPenetrationShare * info.thinnerWall + (options.selection.exact ? 0 : bound);

@@ -184,7 +184,7 @@ std::string formatSceneRows(const SceneInfo& info, const std::vector<SceneRow>& 
 			q.stats.finestLevel, q.stats.coarsestLevel, q.stats.front, q.tests(), q.queryMicroseconds,
 			q.gapMicroseconds, s.dispatchMicroseconds, s.stepMicroseconds, fastest(s, &BodyState::velocity),
 			fastest(s, &BodyState::turning), q.speed, name(q.motion()), int(q.deep), s.pairs.size(), q.stats.pending,
-			number(q.excess), number(s.errorBound));
+			number(q.excess), number(s.contactError));
 		text +=
 			fmt::format(",{},{},{},{},{},{},{}\n", q.stats.touchedFinestLevel, q.stats.stillClear, q.stats.frontKept,
 						q.stats.frontCame, q.stats.frontGone, q.stats.skippedBySlack, q.stats.depthsCutShort);

@@ -61,14 +61,22 @@ double Context::unplannedShare() const
 
 void Context::say(const std::string& message) const
 {
+	const std::lock_guard<std::recursive_mutex> lock(m_saying);
+	const auto handler = warn;  // one that replaces itself goes on to its end
+	if (handler) handler(message);
+}
+
+// By index, and not locked during a visit: pairs may come, as those of a contactTest do, and go.
+const PairReport* Context::pairAt(std::size_t index) const
+{
 	const std::lock_guard<std::mutex> lock(m_mutex);
-	if (warn) warn(message);
+	return index < m_pairs.size() ? m_pairs[index] : nullptr;
 }
 
 void Context::forEachPair(const std::function<void(const PairReport&)>& visit) const
 {
-	const std::lock_guard<std::mutex> lock(m_mutex);
-	for (const PairReport* report : m_pairs) visit(*report);
+	std::size_t index = 0;
+	while (const PairReport* report = pairAt(index++)) visit(*report);
 }
 
 StepStatistics Context::lastStep() const

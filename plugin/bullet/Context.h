@@ -96,13 +96,15 @@ public:
 	// more.
 	bool searchGap = false;
 	// Receives each warning once a pair and cause; prints to stderr by default; empty = silent (lastStep() has it
-	// still).
+	// still). Called during a dispatch, by one thread at a time. It may ask this context for lastStep() and its pairs,
+	// unless a dispatch uses several threads: the pair at work is then half of this step, later ones are of the last.
 	std::function<void(const std::string& message)> warn;
 
 	// Of the budget of tests, what pairs that btClodDispatcher cannot plan will take.
 	double unplannedShare() const;
 	StepStatistics lastStep() const;
-	// Visits the live pairs, oldest first.
+	// Visits the live pairs, oldest first. A visitor may call this context again, and may test for contacts; a pair
+	// that it removes can keep a later one from being visited. Between dispatches, or on the only thread of one.
 	void forEachPair(const std::function<void(const PairReport&)>& visit) const;
 
 private:
@@ -115,7 +117,9 @@ private:
 	void add(const PairReport* report);
 	void remove(const PairReport* report);
 	void say(const std::string& message) const;
-	mutable std::mutex m_mutex;
+	const PairReport* pairAt(std::size_t index) const;
+	mutable std::mutex m_mutex;             // of pairs and demand; no function of the user's is called under it
+	mutable std::recursive_mutex m_saying;  // one message at a time, but for those that a message's handler causes
 	std::vector<const PairReport*> m_pairs;
 	double m_demand = 0, m_unplannedDemand = 0;  // sums over the pairs; whole numbers
 	std::vector<std::unique_ptr<btCollisionAlgorithmCreateFunc>> m_createFunctions;  // one set a registration
