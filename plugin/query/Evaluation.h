@@ -247,6 +247,9 @@ private:
 	}
 	void sortPairs(std::vector<Contact>& contacts)
 	{
+		// Buffers that are swapped now and then grow together, so that a steady query allocates nothing.
+		m_state.order.reserve(contacts.capacity());
+		m_state.unsorted.reserve(contacts.capacity());
 		if (std::is_sorted(contacts.begin(), contacts.end(), before)) return;
 		m_state.order.resize(contacts.size());
 		for (std::uint32_t i = 0; i < contacts.size(); ++i) m_state.order[i] = i;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Away from contact no selection costs more than exact mode does (the paper's limitation, 6.3): the tests that queries
-// make, counted.
+// Away from contact no selection is to cost more than exact mode does (the paper's limitation, 6.3): the tests that
+// queries make, counted.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -32,7 +32,8 @@ constexpr Away kAways[] = {{"far", 0.3, 2, 1e-3},
 						   {"just beyond the tolerance", 1.5 * kTolerance, 2 * kTolerance, 1e-4}};
 
 // What is compared with exact mode, and the largest share of its tests at any of those places: of single queries
-// without a cache, and of walks with one. More than 1: the claim is not kept there, by so much as was measured.
+// without a cache, and of walks with one that move far each step, so that searches are not spread over many queries.
+// More than 1: the claim is not kept there, by so much as was measured (levels per contact follow shared children).
 struct AwayCase
 {
 	const char* name;
@@ -52,16 +53,16 @@ std::vector<AwayCase> awayCases()
 	const auto view = [](Settings& s, double radius) { s.metric.view = {1, {0, 0, 10 * radius}, 5e-4, 0.1 * radius}; };
 	return {{"certified 0.5 %", certified(0.005), true, 1, 1},
 			{"certified 5 %", certified(0.05), true, 1, 1},
-			{"s0 3.5 %", size(0.035), true, 1, 1.5},
-			{"s0 0.35 %", size(0.0035), true, 1.9, 2.3},
-			{"velocity", velocity, true, 1, 1},
-			{"view", view, true, 1, 1},
+			{"s0 3.5 %", size(0.035), true, 1, 1.45},
+			{"s0 0.35 %", size(0.0035), true, 1.85, 2.1},
+			{"velocity", velocity, true, 1.95, 4.3},
+			{"view", view, true, 2, 2.8},
 			{"certified 0.5 %, gap", certified(0.005), false, 1, 1},
 			{"certified 5 %, gap", certified(0.05), false, 1, 1},
-			{"s0 3.5 %, gap", size(0.035), false, 1, 1},
-			{"s0 0.35 %, gap", size(0.0035), false, 1, 1},
-			{"velocity, gap", velocity, false, 1, 1},
-			{"view, gap", view, false, 1, 1}};
+			{"s0 3.5 %, gap", size(0.035), false, 1, 1.15},
+			{"s0 0.35 %, gap", size(0.0035), false, 1.75, 3.2},
+			{"velocity, gap", velocity, false, 1.65, 2.1},
+			{"view, gap", view, false, 1.7, 2.1}};
 }
 
 Settings settingsOf(const AwayCase& c, double radius, bool isExact)
