@@ -20,25 +20,8 @@ constexpr double kAxisRounding = 4 * kAxisTolerance;
 constexpr double kRounding = kAxisRounding + 40 * 1.7321 * kUnit;
 constexpr double kHuge = 1e15;
 
-namespace plain
-{
-#include "clod/query/BoxSeparationKernel.h"
-}  // namespace plain
-
-#if CLOD_HAS_WIDE
-CLOD_WIDE_BEGIN
-#define CLOD_WIDE
-namespace wide
-{
-#include "clod/query/BoxSeparationKernel.h"
-}  // namespace wide
-#undef CLOD_WIDE
-CLOD_WIDE_END
-const bool kWide = hasWideInstructions();
-#else
-namespace wide = plain;
-constexpr bool kWide = false;
-#endif
+#define CLOD_KERNEL "clod/query/BoxSeparationKernel.h"
+#include "clod/query/CompiledTwice.h"
 
 // Of lengths that floats cannot square.
 std::uint32_t sphereSeparations(const BoxFrame& frame, const CullBox& one, bool oneIsOfA, const CullBox* const* others,

@@ -119,6 +119,7 @@ void PointClipper::clip(const Hierarchy& a, const Hierarchy& b, const Transform&
 {
 	m_rules = &rules;
 	m_aFromB = aFromB;
+	for (Prepared& prepared : m_prepared) prepared.moved = prepared.reference = kNone;
 	for (const Contact& contact : contacts)
 	{
 		const Side sideA{a, contact.nodeA, true}, sideB{b, contact.nodeB, false};
@@ -128,6 +129,32 @@ void PointClipper::clip(const Hierarchy& a, const Hierarchy& b, const Transform&
 		else
 			clipPair(sideB, sideA, points);
 	}
+}
+
+MovedPatch& PointClipper::moved(const Side& other, const Transform& intoReference, const RelativeMotion& motion)
+{
+	Prepared& prepared = m_prepared[other.node % kPrepared];
+	if (prepared.moved != other.node || prepared.movedIsOfA != other.isA)
+	{
+		prepared.moved = other.node;
+		prepared.movedIsOfA = other.isA;
+		prepared.patch.move(other.hierarchy, other.hierarchy.node(other.node), intoReference, motion);
+	}
+	return prepared.patch;
+}
+
+PointClipper::Prisms& PointClipper::prismsOf(const Side& reference)
+{
+	Prepared& prepared = m_prepared[reference.node % kPrepared];
+	if (prepared.reference != reference.node || prepared.referenceIsOfA != reference.isA)
+	{
+		prepared.reference = reference.node;
+		prepared.referenceIsOfA = reference.isA;
+		const std::size_t faces = reference.hierarchy.node(reference.node).faceCount;
+		prepared.prisms.of.resize(faces);
+		prepared.prisms.isKnown.assign(faces, 0);
+	}
+	return prepared.prisms;
 }
 
 void PointClipper::clipPair(const Side& reference, const Side& other, std::vector<ContactPoint>& points)
@@ -146,11 +173,12 @@ void PointClipper::clipPair(const Side& reference, const Side& other, std::vecto
 	Bounds near = boundsOf(reference.hierarchy, node);
 	near.grow(std::max(reach, deepest(reference.hierarchy, node)));
 	const Node& otherNode = other.hierarchy.node(other.node);
-	m_other.move(other.hierarchy, otherNode, referenceFromOther, filter.otherMotion);
-	if (!m_other.keepNear(near.low, near.high)) return;
+	MovedPatch& patch = moved(other, referenceFromOther, filter.otherMotion);
+	if (!patch.keepNear(near.low, near.high)) return;
+	Prisms& prisms = prismsOf(reference);
 
 	const PatchPlanes under{reference.hierarchy.faces().data + node.firstFace, node.faceCount};
-	const Vec3 center = 0.5 * (m_other.low() + m_other.high()), half = 0.5 * (m_other.high() - m_other.low());
+	const Vec3 center = 0.5 * (patch.low() + patch.high()), half = 0.5 * (patch.high() - patch.low());
 	const double rounding = 1e-9 * (length(center) + length(half));
 	const double carried = farthestCarried(filter, center, length(half)) + rounding;
 	for (std::uint32_t i = 0; i < node.faceCount; ++i)
@@ -160,10 +188,15 @@ void PointClipper::clipPair(const Side& reference, const Side& other, std::vecto
 		const double middle = dot(normal, center) - double(face.offset);
 		const double extent = half.x * std::abs(normal.x) + half.y * std::abs(normal.y) + half.z * std::abs(normal.z);
 		if (middle - extent > reach || middle + extent < -double(face.thickness)) continue;
-		FacePrism prism = prismOf(reference.hierarchy, node, face);
+		if (!prisms.isKnown[i])
+		{
+			prisms.isKnown[i] = 1;
+			prisms.of[i] = prismOf(reference.hierarchy, node, face);
+		}
+		FacePrism prism = prisms.of[i];
 		prism.top = filter.topFor(prism, center, length(half));
 		if (middle - extent > prism.top || isBeside(prism, center, half, carried)) continue;
-		const auto clip = [&](std::uint32_t j, const Triangle& triangle, const Triangle& moved)
+		const auto clip = [&](std::uint32_t j, const Triangle& triangle, const Triangle& carriedTo)
 		{
 			const auto emit = [&](const Vec3& point, double height, double predicted)
 			{
@@ -182,9 +215,9 @@ void PointClipper::clipPair(const Side& reference, const Side& other, std::vecto
 				out.faceB = reference.isA ? otherNode.firstFace + j : node.firstFace + i;
 				points.push_back(out);
 			};
-			filter.visit(prism, triangle, moved, under, emit);
+			filter.visit(prism, triangle, carriedTo, under, emit);
 		};
-		m_other.visitMeeting(prism, filter.stepCounts(prism), filter.arrivalTop(), clip);
+		patch.visitMeeting(prism, filter.stepCounts(prism), filter.arrivalTop(), clip);
 	}
 }
 }  // namespace clod

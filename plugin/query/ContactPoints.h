@@ -7,6 +7,7 @@
 // penetration. Unit: the hierarchies' own. Departs from Otaduy & Lin 2003, sec. 5: witness points of hull pairs make
 // ghost forces at patch borders in an engine that keeps bodies in touch, clipped real faces do not.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -55,8 +56,25 @@ public:
 
 private:
 	struct Side;
+	struct Prisms
+	{
+		std::vector<FacePrism> of;  // the faces of a node, where they are known
+		std::vector<char> isKnown;
+	};
 	void clipPair(const Side& reference, const Side& other, std::vector<ContactPoint>& points);
-	MovedPatch m_other;
+	MovedPatch& moved(const Side& other, const Transform& intoReference, const RelativeMotion& motion);
+	Prisms& prismsOf(const Side& reference);
+
+	// What was worked out of a node for another pair of this call, a few at a time: patches lie beside many others.
+	struct Prepared
+	{
+		std::uint32_t moved = kNone, reference = kNone;  // nodes
+		bool movedIsOfA = false, referenceIsOfA = false;
+		MovedPatch patch;
+		Prisms prisms;
+	};
+	static constexpr std::size_t kPrepared = 16;
+	std::array<Prepared, kPrepared> m_prepared;
 	const PointRules* m_rules = nullptr;
 	Transform m_aFromB;
 };

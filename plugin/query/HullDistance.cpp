@@ -13,25 +13,8 @@ namespace clod
 {
 namespace
 {
-namespace plain
-{
-#include "clod/query/HullDistanceKernel.h"
-}  // namespace plain
-
-#if CLOD_HAS_WIDE
-CLOD_WIDE_BEGIN
-#define CLOD_WIDE
-namespace wide
-{
-#include "clod/query/HullDistanceKernel.h"
-}  // namespace wide
-#undef CLOD_WIDE
-CLOD_WIDE_END
-const bool kWide = hasWideInstructions();
-#else
-namespace wide = plain;
-constexpr bool kWide = false;
-#endif
+#define CLOD_KERNEL "clod/query/HullDistanceKernel.h"
+#include "clod/query/CompiledTwice.h"
 }  // namespace
 
 RelativePose::RelativePose(const Transform& aFromB, double reach)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Inner loops are compiled twice, for any machine and for one with AVX2, from one file (*Kernel.h, included once into
-// each namespace); the machine is asked once at start. They use GCC's vector types and no fused operations, so both
+// Inner loops are compiled twice, for any machine and for one with AVX2, from one file (*Kernel.h, by
+// CompiledTwice.h); the machine is asked once at start. They use GCC's vector types and no fused operations, so both
 // give the same bits. A kernel's functions need the target from the beginning: attributes on their callers come too
 // late for vector types, which GCC splits up function by function before it inlines. Their shuffles and choices by lane
 // are GCC's own: no other compiler builds them.

@@ -11,25 +11,8 @@ namespace clod
 {
 namespace
 {
-namespace plain
-{
-#include "clod/query/MovedPatchKernel.h"
-}  // namespace plain
-
-#if CLOD_HAS_WIDE
-CLOD_WIDE_BEGIN
-#define CLOD_WIDE
-namespace wide
-{
-#include "clod/query/MovedPatchKernel.h"
-}  // namespace wide
-#undef CLOD_WIDE
-CLOD_WIDE_END
-const bool kWide = hasWideInstructions();
-#else
-namespace wide = plain;
-constexpr bool kWide = false;
-#endif
+#define CLOD_KERNEL "clod/query/MovedPatchKernel.h"
+#include "clod/query/CompiledTwice.h"
 
 void setLane(double (&lanes)[3][kFaceLanes], std::uint32_t lane, const Vec3& v)
 {
@@ -52,7 +35,7 @@ void MovedPatch::move(const Hierarchy& hierarchy, const Node& node, const Transf
 		m_vertices.push_back(here);
 		m_carried.push_back(here + motion.timeStep * motion.velocity(here));
 	}
-	const std::uint32_t count = node.faceCount, groups = (count + kFaceLanes - 1) / kFaceLanes;
+	const std::uint32_t count = m_faceCount = node.faceCount, groups = (count + kFaceLanes - 1) / kFaceLanes;
 	m_groups.resize(groups);
 	m_near.resize(groups);
 	for (std::uint32_t i = 0; i < groups * kFaceLanes; ++i)
@@ -66,9 +49,7 @@ void MovedPatch::move(const Hierarchy& hierarchy, const Node& node, const Transf
 		}
 		const Vec3 normal{double(face.normal[0]), double(face.normal[1]), double(face.normal[2])};
 		setLane(group.normal, i % kFaceLanes, intoFrame.rotation * normal);
-		m_near[i / kFaceLanes] = 0;
 	}
-	for (std::uint32_t i = 0; i < count; ++i) m_near[i / kFaceLanes] |= std::uint8_t(1U << i % kFaceLanes);
 }
 
 bool MovedPatch::keepNear(const Vec3& low, const Vec3& high)
@@ -79,7 +60,8 @@ bool MovedPatch::keepNear(const Vec3& low, const Vec3& high)
 	bool isAny = false;
 	for (std::uint32_t i = 0; i < m_groups.size(); ++i)
 	{
-		m_near[i] &= std::uint8_t(nearFaces(m_groups[i], low, high));
+		const std::uint32_t faces = std::min(m_faceCount - kFaceLanes * i, kFaceLanes);
+		m_near[i] = std::uint8_t(nearFaces(m_groups[i], low, high) & ((1U << faces) - 1));
 		isAny = isAny || m_near[i] != 0;
 		for (std::uint32_t bits = m_near[i]; bits != 0; bits &= bits - 1)
 			for (const auto& corner : m_groups[i].corner)

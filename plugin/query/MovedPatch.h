@@ -28,7 +28,8 @@ class MovedPatch
 public:
 	// motion: of the node's body relative to the other frame's, in that frame.
 	void move(const Hierarchy& hierarchy, const Node& node, const Transform& intoFrame, const RelativeMotion& motion);
-	// Of the faces those whose boxes meet this one take part from now on, and make up the bounds. False: none does.
+	// Of the faces those whose boxes meet this one take part until the next call, and make up the bounds. False: none
+	// does.
 	bool keepNear(const Vec3& low, const Vec3& high);
 	Vec3 low() const { return m_low; }
 	Vec3 high() const { return m_high; }
@@ -60,6 +61,7 @@ private:
 	}
 
 	const Face* m_faces = nullptr;
+	std::uint32_t m_faceCount = 0;
 	std::vector<Vec3> m_vertices, m_carried;
 	std::vector<FaceLanes> m_groups;   // lanes beyond the last face repeat it
 	std::vector<std::uint8_t> m_near;  // of a group the faces that take part
