@@ -6,22 +6,19 @@ namespace clod
 {
 namespace
 {
-// Maps one body's points into the other's frame.
-struct Mover
-{
-	Mat3 rotation;
-	Vec3 translation;
-	Vec3 operator()(const Vec3& p) const { return rotation * p + translation; }
-	Triangle operator()(const Triangle& t) const { return {(*this)(t[0]), (*this)(t[1]), (*this)(t[2])}; }
-};
-
-Mover intoB(const RelativePose& pose)
-{
-	return {pose.inverseRotation, -(pose.inverseRotation * pose.translation)};
-}
-Mover intoA(const RelativePose& pose)
+Transform aFromB(const RelativePose& pose)
 {
 	return {pose.rotation, pose.translation};
+}
+Transform bFromA(const RelativePose& pose)
+{
+	return inverse(aFromB(pose));
+}
+Triangle moved(const Transform& into, const Triangle& triangle)
+{
+	Triangle result = triangle;
+	for (Vec3& corner : result) corner = into * corner;
+	return result;
 }
 
 // Searches the faces of the nodes of one side; the surface is that of the other body.
@@ -32,7 +29,7 @@ public:
 			   const std::vector<Contact>& near, GatheredSurface& surface, const DepthAccuracy& accuracy)
 		: m_own(own.contacts),
 		  m_ownIsA(ownIsA),
-		  m_intoOther(ownIsA ? intoB(context.pose) : intoA(context.pose)),
+		  m_intoOther(ownIsA ? bFromA(context.pose) : aFromB(context.pose)),
 		  m_near(near),
 		  m_scratch(own),
 		  m_search(surface, accuracy, own.heap)
@@ -60,7 +57,7 @@ public:
 		{
 			const Node& node = nodeOf(i);
 			for (const Face& face : m_own.hierarchy->faces(node))
-				m_search.add(i, m_intoOther(triangleOf(*m_own.hierarchy, node, face)), corner[face.vertex[0]],
+				m_search.add(i, moved(m_intoOther, triangleOf(*m_own.hierarchy, node, face)), corner[face.vertex[0]],
 							 corner[face.vertex[1]], corner[face.vertex[2]]);
 			corner += node.vertexCount;
 		}
@@ -74,7 +71,7 @@ private:
 	bool isShallow(std::uint32_t i)
 	{
 		const Contact& nearest = m_near[m_own.slots[i].nearest];
-		const Vec3 point = m_ownIsA ? m_intoOther(nearest.pointOnA) : nearest.pointOnB;
+		const Vec3 point = m_ownIsA ? m_intoOther * nearest.pointOnA : nearest.pointOnB;
 		return m_search.sample(i, point, kNone).depth <= 0;
 	}
 	void sampleCorners(std::uint32_t i)
@@ -84,14 +81,14 @@ private:
 		std::uint32_t hint = kNone;
 		for (std::uint32_t k = 0; k < hull.count; ++k)
 		{
-			m_scratch.samples.push_back(m_search.sample(i, m_intoOther(hull.vertex(k)), hint));
+			m_scratch.samples.push_back(m_search.sample(i, m_intoOther * hull.vertex(k), hint));
 			hint = m_scratch.samples.back().face;
 		}
 	}
 
 	const ContactSide& m_own;
 	const bool m_ownIsA;
-	const Mover m_intoOther;
+	const Transform m_intoOther;
 	const std::vector<Contact>& m_near;
 	PenetrationScratch::Side& m_scratch;
 	DepthSearch<GatheredSurface> m_search;
@@ -125,7 +122,7 @@ private:
 };
 
 // Best first over the tree of `own`: what lies in a ball is no deeper than its centre by more than its radius.
-DepthBound searchWhole(const Hierarchy& own, const Mover& intoOther, InputSurface& surface, const DepthBound& known,
+DepthBound searchWhole(const Hierarchy& own, const Transform& intoOther, InputSurface& surface, const DepthBound& known,
 					   const DepthAccuracy& accuracy, PenetrationScratch& scratch)
 {
 	DepthSearch<InputSurface> search(surface, accuracy, scratch.a.heap);
@@ -134,7 +131,7 @@ DepthBound searchWhole(const Hierarchy& own, const Mover& intoOther, InputSurfac
 	const auto push = [&](std::uint32_t node)
 	{
 		const CullBox& box = own.cullBox(node);
-		const Vec3 center = intoOther(centerOf(box));
+		const Vec3 center = intoOther * centerOf(box);
 		const double upper = box.radius - surface.signedDistance(center).distance;
 		if (upper <= search.threshold())
 		{
@@ -154,7 +151,7 @@ DepthBound searchWhole(const Hierarchy& own, const Mover& intoOther, InputSurfac
 		for (std::uint32_t i = 0; i < node.primaryChildCount; ++i) push(own.children(node)[i]);
 		for (std::uint32_t i = 0; node.childCount == 0 && i < node.faceCount; ++i)
 		{
-			const Triangle triangle = intoOther(triangleOf(own, node, own.faces(node)[i]));
+			const Triangle triangle = moved(intoOther, triangleOf(own, node, own.faces(node)[i]));
 			const DepthSample first = search.sample(0, triangle[0], kNone),
 							  second = search.sample(0, triangle[1], kNone);
 			search.add(0, triangle, first, second, search.sample(0, triangle[2], kNone));
@@ -194,8 +191,8 @@ DepthBound wholePenetration(const QueryContext& context, const DepthAccuracy& ac
 							QueryStats& stats)
 {
 	InputSurface ofA(context.a, stats), ofB(context.b, stats);
-	const DepthBound boundA = searchWhole(context.a, intoB(context.pose), ofB, {}, accuracy, scratch);
-	const DepthBound bound = searchWhole(context.b, intoA(context.pose), ofA, boundA, accuracy, scratch);
+	const DepthBound boundA = searchWhole(context.a, bFromA(context.pose), ofB, {}, accuracy, scratch);
+	const DepthBound bound = searchWhole(context.b, aFromB(context.pose), ofA, boundA, accuracy, scratch);
 	stats.depthsCutShort += bound.isCutShort ? 1 : 0;
 	return withRounding(context, bound);
 }

@@ -73,6 +73,10 @@ struct Fault
 	std::function<void(HierarchyContent&)> plant;
 	const char* expected;  // invariant, or "load"
 };
+void PrintTo(const Fault& fault, std::ostream* out)
+{
+	*out << fault.name;
+}
 
 const Fault kFaults[] = {
 	{"CoverTooSmall", [](HierarchyContent& c) { shrink(c, &Node::cover, &Level::maxCover, 0.25f); }, "cover"},
