@@ -83,7 +83,8 @@ std::string panel(const nlohmann::ordered_json& scene, std::size_t index, bool i
 								   : isTime  ? "dispatch of a step, microseconds"
 											 : "certified error of the coarsest contact, % of R",
 								   isTime ? "" : "budget T of a step, microseconds");
-	text += index == 0 && isTime ? "set key at screen 0.5,0.02 center bottom horizontal maxrows 2\n" : "unset key\n";
+	text += index == 0 && isTime ? "set key at screen 0.5,0.01 center bottom maxrows 2 Left reverse width 2\n"
+								 : "unset key\n";
 	const int first = isTime ? 2 : 4;
 	text += fmt::format(
 		"plot $scene{0} using 1:{1} with linespoints lw 2 pt 7 lc rgb \"#0072B2\" title \"median\", "

@@ -145,11 +145,12 @@ std::string plotScript(const std::vector<Curve>& curves, const std::string& csv)
 	for (std::size_t panel = 0; panel < std::size(panels); ++panel)
 		for (const Mode& mode : kModes)
 		{
-			text += fmt::format("set ylabel \"{}\"\nset xlabel \"{}\"\nset title \"{}\"\n", panels[panel],
-								panel + 1 == std::size(panels) ? "time, s" : "", panel == 0 ? mode.title : "");
+			text +=
+				fmt::format("set ylabel \"{}\"\nset xlabel \"{}\"\nset title \"{}\"\n", mode.paper ? "" : panels[panel],
+							panel + 1 == std::size(panels) ? "time, s" : "", panel == 0 ? mode.title : "");
 			text +=
 				panel == 0 && !mode.paper ? "set key at screen 0.5,0.025 center bottom horizontal\n" : "unset key\n";
-			// Both modes on one scale.
+			// Logarithmic, from the same number for both modes; zeros are left out.
 			text += panel == 0 ? "set yrange [1:*]\n" : "set yrange [0.8:*]\n";
 			std::string plots;
 			for (std::size_t i = 0; i < curves.size(); ++i)
