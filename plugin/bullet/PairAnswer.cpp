@@ -32,7 +32,6 @@ bool PairState::answersAgain() const
 // Returns when the query ended.
 Clock::time_point PairState::findPoints()
 {
-	m_points.clear();
 	const Clock::time_point start = Clock::now();
 	if (m_partner != Partner::Clod)
 	{
@@ -48,7 +47,7 @@ Clock::time_point PairState::findPoints()
 	const QueryStats& stats = m_result.stats;
 	const double tests = double(stats.boxTests) + stats.hullTests + m_report.searchTests;
 	if (settings.budget.isLimited()) m_context.setDemand(m_report, tests + kTestsPerPending * stats.pending);
-	m_clipper.clip(m_shapeA->hierarchy(), m_shapeB->hierarchy(), m_aFromB, m_result.contacts, m_rules, m_points);
+	m_pool.start(m_shapeA->hierarchy(), m_shapeB->hierarchy(), m_aFromB, m_result.contacts, m_rules);
 	return end;
 }
 
@@ -58,14 +57,13 @@ void PairState::reduce()
 	ClusterRules rules;
 	rules.length = m_rules.length;
 	rules.tolerance = m_rules.resting / m_rules.length;
-	m_excluded.assign(m_points.size(), 0);
 	m_previous = m_clusters;
 	carryWithB(m_previous, m_aFromB * inverse(m_oldAFromB));
 	m_oldAFromB = m_aFromB;
 	m_report.leaks = 0;
-	m_reducer.reduce(m_points, m_excluded, m_previous, rules, m_clusters);
-	if (m_partner != Partner::Clod || m_points.empty()) return;
-	m_leakCheck.prepare(m_result.contacts);
+	m_reducer.reduce(m_pool, m_previous, rules, m_clusters);
+	if (m_partner != Partner::Clod || m_pool.points().empty()) return;
+	m_leakCheck.start(m_result.contacts);
 	for (int round = 0; round < kLeakRounds; ++round)
 	{
 		std::uint32_t leaks = 0;
@@ -75,12 +73,12 @@ void PairState::reduce()
 				const ContactPoint& point = m_clusters.slots[std::size_t(slot)].points[std::size_t(i)].point;
 				if (!m_leakCheck.leaks(m_shapeA->hierarchy(), m_shapeB->hierarchy(), m_aFromB, point, m_rules.margin))
 					continue;
-				m_excluded[m_reducer.candidateOf(slot, i)] = 1;
+				m_pool.drop(m_reducer.candidateOf(slot, i));
 				++leaks;
 			}
 		if (leaks == 0) return;
 		m_report.leaks += leaks;
-		m_reducer.reduce(m_points, m_excluded, m_previous, rules, m_clusters);
+		m_reducer.reduce(m_pool, m_previous, rules, m_clusters);
 	}
 }
 
@@ -96,7 +94,7 @@ void PairState::linkToThemselves()
 void PairState::answer()
 {
 	const Clock::time_point found = findPoints();
-	const bool staysEmpty = m_points.empty() && m_clusters.pointCount() == 0;
+	const bool staysEmpty = m_pool.isEmpty() && m_clusters.pointCount() == 0;
 	if (staysEmpty)
 	{
 		m_oldAFromB = m_aFromB;

@@ -91,7 +91,7 @@ double PairState::errorOfContacts() const
 
 void PairState::judge()
 {
-	m_report.candidates = std::uint32_t(m_points.size());
+	m_report.candidates = std::uint32_t(m_pool.points().size());
 	m_report.points = std::uint32_t(m_clusters.pointCount());
 	m_report.clusterCount = 0;
 	for (const ContactCluster& cluster : m_clusters.slots) m_report.clusterCount += cluster.count > 0 ? 1 : 0;

@@ -239,19 +239,20 @@ void PairState::clipForeign()
 	const double scale = m_shapeA->scale();
 	m_result.clear();
 	m_foreignStats = {};
+	std::vector<ContactPoint>& points = m_pool.startWithPoints();
 	if (m_partner == Partner::Plane)
 	{
 		const auto& plane = static_cast<const btStaticPlaneShape&>(*m_b->getCollisionShape());
 		const Vec3 local = toVec3(plane.getPlaneNormal());
 		const Vec3 onPlane = m_aFromB * ((double(plane.getPlaneConstant()) / scale) * local);
 		const Vec3 normal = normalized(m_aFromB.rotation * local);
-		m_foreign.clipPlane(hierarchy, normal, dot(normal, onPlane), m_report.metric, m_rules, m_points,
+		m_foreign.clipPlane(hierarchy, normal, dot(normal, onPlane), m_report.metric, m_rules, points,
 							m_foreignStats);
 	}
 	else
 	{
 		const auto& concave = static_cast<const btConcaveShape&>(*m_b->getCollisionShape());
-		TriangleSink sink(m_foreign, hierarchy, m_report.metric, m_rules, m_aFromB, scale, m_points, m_foreignStats);
+		TriangleSink sink(m_foreign, hierarchy, m_report.metric, m_rules, m_aFromB, scale, points, m_foreignStats);
 		const btTransform bFromA = m_b->getWorldTransform().inverse() * m_a->getWorldTransform();
 		btVector3 low, high;
 		m_shapeA->getAabb(bFromA, low, high);
@@ -262,7 +263,7 @@ void PairState::clipForeign()
 	m_result.stats.boxTests = m_foreignStats.boxTests;
 	m_result.stats.finestLevel = m_foreignStats.nodes ? m_foreignStats.finestLevel : 0;
 	m_result.stats.coarsestLevel = m_foreignStats.coarsestLevel;
-	for (const ContactPoint& point : m_points)
+	for (const ContactPoint& point : points)
 		m_result.minDistance = std::min(m_result.minDistance, point.height + m_rules.margin);
 }
 

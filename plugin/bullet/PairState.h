@@ -121,11 +121,9 @@ private:
 	bool m_wasUnanswered = false;   // hulls overlapped in the last dispatch, and no point answered
 	std::optional<double> m_depth;  // searched under a budget, for this dispatch's pose
 	// Buffers.
-	PointClipper m_clipper;
+	CandidatePool m_pool;
 	ForeignClipper m_foreign;
 	LeakCheck m_leakCheck;
 	ContactReducer m_reducer;
-	std::vector<ContactPoint> m_points;
-	std::vector<char> m_excluded;
 };
 }  // namespace clod

@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: Zlib
-// From thousands of candidate points to a few clusters of at most four, which remember last step's points: a point that
+// From thousands of possible points to a few clusters of at most four, which remember last step's points: a point that
 // has a candidate near its old place is kept before a better-looking new one. The memory is what makes contacts rest
 // (it cuts jitter five to ten times) and carries impulses across steps, levels of detail and changes of reference.
 //
-// Frame A, unit of the hierarchies. A pure function of the candidates and the previous set.
+// Pairs of nodes whose estimates are nowhere chosen are never clipped (CandidatePool.h): once contacts last, most.
+//
+// Frame A, unit of the hierarchies. A pure function of the pool's pairs and points and of the previous set.
 #pragma once
 #include <array>
 #include <cstdint>
 #include <utility>
 #include <vector>
 
-#include "clod/query/ContactPoints.h"
+#include "clod/query/CandidatePool.h"
 
 namespace clod
 {
@@ -49,24 +51,24 @@ void carryWithB(ClusterSet& set, const Transform& bodyMotion);
 struct ClusterRules
 {
 	double length = 1;
-	double binSize = 0.02;         // one candidate per place and normal takes part (the lowest)
 	double clusterCosine = 0.906;  // 25 degrees between a cluster's normal and its points'
 	double clusterRadius = 0.25;
-	double matchRadius = 0.015;  // how far a remembered point may move
-	double matchNormal = 0.05;   // length one unit of normal change counts for
-	double matchCosine = 0.866;  // 30 degrees
-	double tolerance = 0.001;    // heights within it of the lowest are equally good
-	double enterShare = 0.3;     // the lowest candidate replaces memory only if lower by this share of the tolerance
-	double spacing = 0.001;      // least distance of two points of a cluster
+	double matchRadius = 0.004;   // how far a remembered point may move
+	double searchRadius = 0.001;  // how far from it faces are looked for that may have it now
+	double matchNormal = 0.05;    // length one unit of normal change counts for
+	double matchCosine = 0.866;   // 30 degrees
+	double tolerance = 0.001;     // heights within it of the lowest are equally good
+	double enterShare = 0.3;      // the lowest candidate replaces memory only if lower by this share of the tolerance
+	double spacing = 0.001;       // least distance of two points of a cluster
 	double spacingOfExtent = 0.15;
 };
 
-// Reduces candidates to clusters. Candidates whose index is flagged in `excluded` are ignored. Buffers only.
+// Reduces candidates to clusters. Buffers only.
 class ContactReducer
 {
 public:
-	void reduce(const std::vector<ContactPoint>& candidates, const std::vector<char>& excluded,
-				const ClusterSet& previous, const ClusterRules& rules, ClusterSet& next);
+	// Clips those pairs of the pool whose points may be chosen.
+	void reduce(CandidatePool& pool, const ClusterSet& previous, const ClusterRules& rules, ClusterSet& next);
 	// Candidate behind each point of the last reduction, by slot and index.
 	std::uint32_t candidateOf(int slot, int index) const { return m_chosen[std::size_t(slot)][std::size_t(index)]; }
 
@@ -86,34 +88,92 @@ private:
 		const std::uint32_t* begin() const { return candidate.data(); }
 		const std::uint32_t* end() const { return candidate.data() + count; }
 	};
-	using Members = std::vector<std::uint32_t>;
-	void binCandidates();
-	void matchWithOld(const ClusterSet& previous);
-	void findSeeds(const ClusterSet& previous);
-	void assign();
-	void choose(std::size_t seed, const ClusterSet& previous, ClusterSet& next);
-	double spacingOf(const Members& members) const;
-	void remember(int slot, const ClusterSet& previous, double spacing, Kept& kept);
-	void fill(const Members& members, double spacing, Kept& kept) const;
-	void link(const ClusterSet& previous, ClusterSet& next);
-	bool belongs(const Seed& seed, const ContactPoint& point, double& score) const;
-	double mismatch(const ClusterPoint& old, const ContactPoint& point) const;
-	std::uint32_t nearestTo(std::uint32_t old) const;
-
-	const std::vector<ContactPoint>* m_candidates = nullptr;
-	const std::vector<char>* m_excluded = nullptr;
-	ClusterRules m_rules;
-	std::vector<std::uint32_t> m_binned, m_table;
-	std::vector<std::uint64_t> m_keys;
-	std::vector<Seed> m_seeds;
-	std::array<Members, kMaxClusters> m_members;  // of a seed, the lowest first
-	std::vector<char> m_taken;
+	using Indices = std::vector<std::uint32_t>;
 	struct Match
 	{
 		double squared;  // mismatch
 		std::uint32_t candidate;
 	};
-	std::array<std::vector<Match>, kMostPoints> m_matches;  // of an old point, by candidate
+	struct Group
+	{
+		Indices candidates;
+		Indices pairs;  // those not clipped when the seeds were found
+	};
+	// Which of the old points are near a place, as bits.
+	class PlaceSlabs
+	{
+	public:
+		void start(double limit);
+		void add(std::uint32_t bit, const Vec3& place);
+		// Of all places within the limit, and maybe a few more.
+		std::uint32_t near(const Vec3& place) const;
+
+	private:
+		static constexpr std::int64_t kCount = 256;
+		std::int64_t slabOf(double x) const;
+		double m_limit = 1;
+		std::array<std::array<std::uint32_t, kCount>, 3> m_bits{};
+	};
+
+	const ContactPoint& candidate(std::uint32_t i) const { return m_pool->points()[i]; }
+	const PairEstimate& pair(std::uint32_t i) const { return m_pool->pairs()[i]; }
+	bool mayBeChosen(std::uint32_t pair) const { return !m_pool->isClipped(pair) && m_pool->pairs()[pair].isLikely; }
+	bool isLower(std::uint32_t i, std::uint32_t j) const;
+	const ClusterPoint& oldPoint(std::uint32_t old) const
+	{
+		return m_previous->slots[old / kClusterPoints].points[old % kClusterPoints];
+	}
+	template <class Visit>
+	void forEachOld(const Visit& visit) const
+	{
+		for (std::uint32_t old = 0; old < kMostPoints; ++old)
+			if (int(old % kClusterPoints) < m_previous->slots[old / kClusterPoints].count) visit(old);
+	}
+	double limit() const { return m_rules.matchRadius * m_rules.length; }
+	void clip(std::uint32_t pair);
+	void admit();
+	void join(std::uint32_t candidate);
+
+	double mismatch(const ClusterPoint& old, const ContactPoint& point) const;
+	void searchFor(const ClusterPoint& old);
+	std::uint32_t nearestKnown(std::uint32_t old) const;
+	std::uint32_t nearestTo(std::uint32_t old);
+	bool wasInTouch(const ClusterPoint& old) const;
+
+	bool belongs(const Seed& seed, const Vec3& place, const Vec3& normal) const;
+	double misfit(const Seed& seed, const Vec3& place, const Vec3& normal) const;
+	template <class Counts>
+	std::uint8_t bestSeed(const Vec3& place, const Vec3& normal, const Counts& counts) const;
+	std::uint8_t coveringSeed(const Vec3& place, const Vec3& normal) const;
+	std::uint8_t seedFor(const Vec3& place, const Vec3& normal) const;
+	bool isSupported(const Seed& seed);
+	void findSeeds();
+	void addSeeds(std::array<bool, kMaxClusters>& used);
+	void cover();
+	void group();
+
+	void choose(std::size_t seed, ClusterSet& next);
+	std::uint32_t lowestBelow(double predicted, Group& group);
+	double spacingOf(const Group& group) const;
+	void remember(int slot, double spacing, Kept& kept);
+	void fill(Group& group, double spacing, Kept& kept);
+	void link(ClusterSet& next);
+
+	CandidatePool* m_pool = nullptr;
+	const ClusterSet* m_previous = nullptr;
+	ClusterRules m_rules;
+	std::uint32_t m_admitted = 0;  // candidates seen so far
+	bool m_isGrouped = false;
+	std::vector<char> m_taken;
+	PlaceSlabs m_slabs;
+	std::array<std::vector<Match>, kMostPoints> m_matches;  // of an old point
+	std::array<bool, kMostPoints> m_isSearched{};           // all near an old point were made
+	std::vector<Seed> m_seeds;
+	static constexpr std::uint8_t kNoSeed = 255;
+	// When the last seed was found; of a pair by both of its normals.
+	std::vector<std::uint8_t> m_seedOfPoint, m_seedOfPair, m_steepSeedOfPair;
+	Indices m_open, m_openPairs;                            // those that no seed covers; the lowest pair last
+	std::array<Group, kMaxClusters> m_groups;
 	struct Link
 	{
 		double squared;

@@ -20,9 +20,9 @@ namespace clod
 // A candidate contact. Where B is a plane or a foreign triangle, nodeB is the part and faceB the index its owner gave.
 struct ContactPoint
 {
-	Vec3 pointOnA, pointOnB;  // pointOnA - pointOnB = height * normal
+	Vec3 pointOnA, pointOnB;  // pointOnA - pointOnB = (height + margin) * normal
 	Vec3 normal;              // unit, from B to A
-	double height;            // signed distance; negative is penetration
+	double height;            // signed distance of the surfaces grown by the margin; negative is penetration
 	double predicted;         // height at the end of the step if nothing intervened, lengths along the normal
 	std::uint32_t nodeA, nodeB;
 	std::uint32_t faceA, faceB;  // global face indices; kNone where there is none (a plane)
@@ -46,38 +46,9 @@ inline constexpr double kPredictionSlack = 1.1;     // a speculative point may b
 inline constexpr double kUnderPatchShare = 0.0005;  // slack of "ends under the reference patch", share of length
 inline constexpr double kTieCurvature = 1e-6;       // curvatures closer than this / length are equal
 
-// Turns node pairs into points. Holds only buffers: the same input gives the same points whatever came before.
-class PointClipper
-{
-public:
-	// Appends the points of all pairs, in the order of the contacts.
-	void clip(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const std::vector<Contact>& contacts,
-			  const PointRules& rules, std::vector<ContactPoint>& points);
-
-private:
-	struct Side;
-	struct Prisms
-	{
-		std::vector<FacePrism> of;  // the faces of a node, where they are known
-		std::vector<char> isKnown;
-	};
-	void clipPair(const Side& reference, const Side& other, std::vector<ContactPoint>& points);
-	MovedPatch& moved(const Side& other, const Transform& intoReference, const RelativeMotion& motion);
-	Prisms& prismsOf(const Side& reference);
-
-	// What was worked out of a node for another pair of this call, a few at a time: patches lie beside many others.
-	struct Prepared
-	{
-		std::uint32_t moved = kNone, reference = kNone;  // nodes
-		bool movedIsOfA = false, referenceIsOfA = false;
-		MovedPatch patch;
-		Prisms prisms;
-	};
-	static constexpr std::size_t kPrepared = 16;
-	std::array<Prepared, kPrepared> m_prepared;
-	const PointRules* m_rules = nullptr;
-	Transform m_aFromB;
-};
+// Is A's patch the reference? The less convex one; ties by border angles, then by content, so that exchanging the
+// bodies exchanges the roles.
+bool referenceIsA(const Hierarchy& a, const Node& nodeA, const Hierarchy& b, const Node& nodeB, double length);
 
 // Which points of a clipped triangle count, all in the reference's frame; otherMotion is the other body's relative to
 // the reference.
@@ -152,5 +123,65 @@ private:
 			emit(point, height, prism.heightOf(end) - rules->margin);
 		}
 	}
+};
+// Turns node pairs into points. Holds only buffers: the same faces give the same points whatever came before.
+class PointClipper
+{
+public:
+	// Where on A, and about where on B, frame A; how far from there faces take part, and points are wanted.
+	struct Near
+	{
+		Vec3 onA, onB;
+		double within, withinOther, limit;
+	};
+	// Of the pairs that follow. The hierarchies must live till then.
+	void start(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const PointRules& rules);
+	// Appends the points of a pair; if a place is given, of those of its faces only that are near it.
+	void clip(const Contact& contact, bool referenceIsA, const Near* near, std::vector<ContactPoint>& points);
+	// Of two of its faces, named as in ContactPoint.
+	void clipFaces(const Contact& contact, bool referenceIsA, std::uint32_t faceA, std::uint32_t faceB,
+				   std::vector<ContactPoint>& points);
+
+private:
+	// One of the bodies as the reference of a pair.
+	struct Role
+	{
+		const Hierarchy *reference = nullptr, *other = nullptr;
+		Transform referenceFromOther;
+		PointFilter filter;
+		bool isA = false;
+	};
+	// What was worked out of a node for another pair, a few at a time: patches lie beside many others.
+	struct Prepared
+	{
+		std::uint32_t moved = kNone, reference = kNone;  // nodes
+		bool movedIsOfA = false, referenceIsOfA = false;
+		MovedPatch patch;
+		std::vector<FacePrism> prisms;  // of the reference's faces, where they are known
+		std::vector<char> isKnown;
+		Vec3 low, high;  // of the reference
+		double deepest;  // any face's thickness
+	};
+	struct Pair
+	{
+		const Role& role;
+		std::uint32_t nodeIndex, otherIndex;
+		const Node &node, &other;
+	};
+	Pair pairOf(const Contact& contact, bool referenceIsA) const;
+	MovedPatch& moved(const Pair& pair);
+	Prepared& preparedReference(const Pair& pair);
+	const FacePrism& prismOfFace(const Pair& pair, Prepared& prepared, std::uint32_t face) const;
+	void chooseFaces(const Pair& pair, Prepared& prepared, const Near* near);
+	template <class Visit>
+	void clipFace(const Pair& pair, const MovedPatch& patch, FacePrism prism, std::uint32_t face, const Near* near,
+				  const Visit& visitFaces, std::vector<ContactPoint>& points) const;
+
+	static constexpr std::size_t kPrepared = 16;
+	std::array<Prepared, kPrepared> m_prepared;
+	PointRules m_rules;
+	Transform m_aFromB;
+	std::array<Role, 2> m_roles;         // A as the reference, B
+	std::vector<std::uint32_t> m_faces;  // of the reference, to be clipped
 };
 }  // namespace clod

@@ -33,11 +33,18 @@ double distanceToFaces(const Hierarchy& hierarchy, const std::vector<std::uint32
 	return nearest;
 }
 
-void LeakCheck::prepare(const std::vector<Contact>& contacts)
+void LeakCheck::start(const std::vector<Contact>& contacts)
 {
+	m_contacts = &contacts;
+	m_isGathered = false;
+}
+
+void LeakCheck::gatherNodes()
+{
+	m_isGathered = true;
 	m_nodesA.clear();
 	m_nodesB.clear();
-	for (const Contact& contact : contacts)
+	for (const Contact& contact : *m_contacts)
 	{
 		m_nodesA.push_back(contact.nodeA);
 		m_nodesB.push_back(contact.nodeB);
@@ -47,10 +54,11 @@ void LeakCheck::prepare(const std::vector<Contact>& contacts)
 }
 
 bool LeakCheck::leaks(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const ContactPoint& point,
-					  double margin) const
+					  double margin)
 {
 	const double depth = -(point.height + margin);
 	if (depth <= 0) return false;
+	if (!m_isGathered) gatherNodes();
 	const double limit = kLeakShare * depth;
 	if (point.referenceIsA) return distanceToFaces(a, m_nodesA, point.pointOnB, limit) < limit;
 	return distanceToFaces(b, m_nodesB, inverse(aFromB) * point.pointOnA, limit) < limit;

@@ -18,12 +18,15 @@ double distanceToFaces(const Hierarchy& hierarchy, const std::vector<std::uint32
 class LeakCheck
 {
 public:
-	// The contacts whose nodes make up the surfaces in touch.
-	void prepare(const std::vector<Contact>& contacts);
+	// The contacts whose nodes make up the surfaces in touch; they must live while points are checked.
+	void start(const std::vector<Contact>& contacts);
 	bool leaks(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const ContactPoint& point,
-			   double margin) const;
+			   double margin);
 
 private:
+	void gatherNodes();
+	const std::vector<Contact>* m_contacts = nullptr;
+	bool m_isGathered = false;  // few points are under a face at all
 	std::vector<std::uint32_t> m_nodesA, m_nodesB;
 };
 }  // namespace clod

@@ -251,13 +251,13 @@ private:
 		m_state.order.reserve(contacts.capacity());
 		m_state.unsorted.reserve(contacts.capacity());
 		if (std::is_sorted(contacts.begin(), contacts.end(), before)) return;
-		m_state.order.resize(contacts.size());
-		for (std::uint32_t i = 0; i < contacts.size(); ++i) m_state.order[i] = i;
-		std::sort(m_state.order.begin(), m_state.order.end(),
-				  [&](std::uint32_t l, std::uint32_t r) { return before(contacts[l], contacts[r]); });
+		m_state.order.clear();
+		for (std::uint32_t i = 0; i < contacts.size(); ++i)
+			m_state.order.push_back({std::uint64_t(contacts[i].nodeA) << 32 | contacts[i].nodeB, i});
+		std::sort(m_state.order.begin(), m_state.order.end());
 		m_state.unsorted.swap(contacts);
 		contacts.clear();
-		for (const std::uint32_t i : m_state.order) contacts.push_back(m_state.unsorted[i]);
+		for (const auto& next : m_state.order) contacts.push_back(m_state.unsorted[next.contact]);
 	}
 	// largestCover: of the accepted pairs that are no contacts.
 	void sortContacts(double largestCover)

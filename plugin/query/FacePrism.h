@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // The prism over a real face: the part of space that the face answers for, and what of a triangle lies in it.
 #pragma once
+#include <algorithm>
 #include <array>
 
 #include "clod/query/ClippedPolygon.h"
@@ -18,6 +19,12 @@ struct FacePrism
 	std::array<double, 3> sideOffset{};
 	double top = 0, bottom = 0;  // heights, bottom <= top
 	double heightOf(const Vec3& p) const { return dot(normal, p) - offset; }
+	// How far a point is beyond the side plane that it is farthest beyond.
+	double besideBy(const Vec3& p) const
+	{
+		return std::max(
+			{dot(side[0], p) - sideOffset[0], dot(side[1], p) - sideOffset[1], dot(side[2], p) - sideOffset[2]});
+	}
 	bool sidesHold(const Vec3& p) const
 	{
 		for (std::size_t i = 0; i < 3; ++i)

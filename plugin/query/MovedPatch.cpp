@@ -2,6 +2,7 @@
 #include "clod/query/MovedPatch.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 
@@ -35,6 +36,17 @@ void MovedPatch::move(const Hierarchy& hierarchy, const Node& node, const Transf
 		m_vertices.push_back(here);
 		m_carried.push_back(here + motion.timeStep * motion.velocity(here));
 	}
+	Vec3 low = m_vertices[0], high = low;
+	for (const Vec3& vertex : m_vertices)
+		for (int axis = 0; axis < 3; ++axis)
+		{
+			low[axis] = std::min(low[axis], vertex[axis]);
+			high[axis] = std::max(high[axis], vertex[axis]);
+		}
+	m_center = 0.5 * (low + high);
+	m_radius = 0;
+	for (const Vec3& vertex : m_vertices) m_radius = std::max(m_radius, lengthSquared(vertex - m_center));
+	m_radius = std::sqrt(m_radius);
 	const std::uint32_t count = m_faceCount = node.faceCount, groups = (count + kFaceLanes - 1) / kFaceLanes;
 	m_groups.resize(groups);
 	m_near.resize(groups);

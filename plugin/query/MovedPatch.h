@@ -33,6 +33,9 @@ public:
 	bool keepNear(const Vec3& low, const Vec3& high);
 	Vec3 low() const { return m_low; }
 	Vec3 high() const { return m_high; }
+	// Of a ball round all corners.
+	const Vec3& center() const { return m_center; }
+	double radius() const { return m_radius; }
 
 	// Calls visit(index, triangle, carried) for every face taking part that has a corner on the inner side of each of
 	// the prism's planes, or, if the step counts, where it is carried to, under arrivalTop instead of the prism's top;
@@ -46,6 +49,16 @@ public:
 				const std::uint32_t i = kFaceLanes * group + std::uint32_t(__builtin_ctz(bits));
 				visit(i, triangle(m_vertices, i), triangle(m_carried, i));
 			}
+	}
+
+	// One face, unless its normal agrees better with the prism's.
+	template <class Visit>
+	void visitFace(std::uint32_t i, const FacePrism& prism, const Visit& visit)
+	{
+		const FaceLanes& group = m_groups[i / kFaceLanes];
+		const std::uint32_t lane = i % kFaceLanes;
+		const Vec3 normal{group.normal[0][lane], group.normal[1][lane], group.normal[2][lane]};
+		if (dot(prism.normal, normal) < kOpposingCosine) visit(i, triangle(m_vertices, i), triangle(m_carried, i));
 	}
 
 private:
@@ -65,7 +78,8 @@ private:
 	std::vector<Vec3> m_vertices, m_carried;
 	std::vector<FaceLanes> m_groups;   // lanes beyond the last face repeat it
 	std::vector<std::uint8_t> m_near;  // of a group the faces that take part
-	Vec3 m_low, m_high;
+	Vec3 m_low, m_high, m_center;
+	double m_radius = 0;
 };
 
 }  // namespace clod

@@ -35,7 +35,13 @@ struct PairCache::State
 	std::optional<QueryContext> planned;  // of a plan that no query has finished yet: aFromB and settings are its own
 	AnswerCost answerCost{1};             // from the end of refinement to the end of the query
 	std::vector<Contact> near;            // the pairs of leaves that an overlap's depth is searched in
-	std::vector<std::uint32_t> order;
+	struct Ordered
+	{
+		std::uint64_t nodes;  // both of a contact
+		std::uint32_t contact;
+		bool operator<(const Ordered& other) const { return nodes < other.nodes; }
+	};
+	std::vector<Ordered> order;
 	std::vector<Contact> unsorted;
 	QueryResult last;
 

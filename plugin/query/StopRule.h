@@ -53,6 +53,8 @@ public:
 		  m_isExact(metric.exact),
 		  m_isPaper(paper),
 		  m_maxError(metric.maxError),
+		  m_leavesOfA(context.a.levels()[0].nodeCount),
+		  m_leavesOfB(context.b.levels()[0].nodeCount),
 		  m_base(baseLevels())
 	{
 		if (m_base.isUsed() && !m_base.isOfLeaves())
@@ -81,9 +83,10 @@ public:
 
 	Acceptance acceptance(std::uint32_t i, std::uint32_t j) const
 	{
-		const Node &a = m_context->a.node(i), &b = m_context->b.node(j);
-		if (a.childCount == 0 && b.childCount == 0) return Acceptance::kYes;
+		// Leaves are told by their indices: their nodes need not be read.
+		if (i < m_leavesOfA && j < m_leavesOfB) return Acceptance::kYes;
 		if (m_base.isOfLeaves() || !isWithinBase(i, j)) return Acceptance::kNo;
+		const Node &a = m_context->a.node(i), &b = m_context->b.node(j);
 		if (!mayAnswer(i, j) || !isWithinThreshold(i, j)) return Acceptance::kNo;
 		if (!dependsOnHulls()) return Acceptance::kYes;
 		if (certifiedErrorApart(a, b) > m_maxError) return Acceptance::kNo;
@@ -209,6 +212,7 @@ private:
 	Threshold m_threshold;
 	bool m_isExact, m_isPaper;
 	double m_maxError;
+	std::uint32_t m_leavesOfA, m_leavesOfB;  // the first nodes
 	BaseLevels m_base;
 	double m_baseCover = 0;
 };

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Zlib
+// What is expected of a pair of nodes, from its contact and its culling volumes.
+#include "clod/query/CandidatePool.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "clod/query/BoxSeparation.h"
+
+namespace clod
+{
+namespace
+{
+// Points of a pair are lower than estimated by hardly more than this share of what tilts: a face of the reference, or
+// the whole pair if that is smaller.
+constexpr double kTiltShare = 0.1;
+constexpr double kBentCosine = 0.7;  // of faces of a patch that meet what is over its nearest one
+
+// The face of a patch that a point near it is over: of a convex one that whose plane it is highest over, else lowest.
+const Face& faceBelow(const Hierarchy& hierarchy, const Node& node, const Vec3& point, double& height)
+{
+	const Face* below = nullptr;
+	const double sign = node.curvature > 0 ? 1 : -1;
+	for (const Face& face : hierarchy.faces(node))
+	{
+		const double over = dot(toVec3(face.normal), point) - double(face.offset);
+		if (below && sign * over <= sign * height) continue;
+		below = &face;
+		height = over;
+	}
+	return *below;
+}
+
+// The least height over a face of the corners of a node of the other body that are within reach of a place (all in the
+// face's frame, which thereFromHere maps to the other), or `lowest` where none is lower.
+double lowestOver(const Face& face, const Hierarchy& other, const Node& node, const Transform& thereFromHere,
+				  const Vec3& place, double reach, double lowest)
+{
+	const Vec3 direction = thereFromHere.rotation * toVec3(face.normal), middle = thereFromHere * place;
+	const double offset = double(face.offset) + dot(direction, thereFromHere.translation);
+	const HullView hull = other.hull(node);
+	for (std::uint32_t i = 0; i < hull.count; ++i)
+	{
+		const Vec3 corner = hull.vertex(i);
+		if (lengthSquared(corner - middle) <= reach * reach) lowest = std::min(lowest, dot(direction, corner) - offset);
+	}
+	return lowest;
+}
+
+PairEstimate estimateOf(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const Transform& bFromA,
+						const Contact& contact, const PointRules& rules)
+{
+	const CullBox &boxA = a.cullBox(contact.nodeA), &boxB = b.cullBox(contact.nodeB);
+	PairEstimate estimate;
+	const bool aIsSmaller = boxA.radius <= boxB.radius;
+	estimate.center = aIsSmaller ? centerOf(boxA) : aFromB * centerOf(boxB);
+	estimate.radius = double(aIsSmaller ? boxA.radius : boxB.radius);
+	estimate.height = rules.margin + rules.resting;
+	const Node &nodeA = a.node(contact.nodeA), &nodeB = b.node(contact.nodeB);
+	estimate.referenceIsA = referenceIsA(a, nodeA, b, nodeB, rules.length);
+	const bool byA = estimate.referenceIsA;
+	if (!(contact.upper > 0))
+	{
+		estimate.place = estimate.center;
+		estimate.normal = byA ? -toVec3(nodeA.meanNormal) : aFromB.rotation * toVec3(nodeB.meanNormal);
+		estimate.steepNormal = estimate.normal;
+		estimate.predicted = estimate.lowest = -std::numeric_limits<double>::infinity();
+		return estimate;
+	}
+	double height = 0;
+	const Vec3& onOther = byA ? contact.pointOnB : contact.pointOnA;
+	const Face& face = byA ? faceBelow(a, nodeA, onOther, height) : faceBelow(b, nodeB, bFromA * onOther, height);
+	const Vec3 normal = toVec3(face.normal);  // of the reference, in its frame
+	estimate.place = contact.pointOnA;
+	estimate.normal = byA ? -normal : aFromB.rotation * normal;
+	const Vec3 carried = -rules.motion.timeStep * rules.motion.velocity(contact.pointOnA);  // B, as A sees it
+	const Vec3 carriedThere = byA ? carried : -(bFromA.rotation * carried);  // the other body, from the reference
+	const double approach = std::max(0.0, dot(carried, estimate.normal));
+	estimate.predicted = height - rules.margin - approach;
+	estimate.height += approach;
+	estimate.radius += estimate.height;
+	const double beside =
+		std::sqrt(std::max(0.0, lengthSquared(contact.pointOnA - contact.pointOnB) - height * height));
+	// Beside the reference the other hull may be lower than where it is nearest, and be carried over the reference
+	// there. Prisms widen upwards over convex edges.
+	const bool comesOver = beside <= length(carried) + std::abs(height) + 2 * rules.resting;
+	if (comesOver && beside > rules.resting)
+	{
+		const CullBox& box = byA ? boxA : boxB;
+		const Vec3 from = centerOf(box) - carriedThere;
+		const double reach = double(box.radius) + rules.resting;
+		height = byA ? lowestOver(face, b, nodeB, bFromA, from, reach, height)
+					 : lowestOver(face, a, nodeA, aFromB, from, reach, height);
+	}
+	double steepest = approach;
+	estimate.steepNormal = estimate.normal;
+	for (const Face& other : byA ? a.faces(nodeA) : b.faces(nodeB))
+	{
+		const Vec3 bent = toVec3(other.normal);
+		if (-dot(carriedThere, bent) <= steepest || dot(bent, normal) < kBentCosine) continue;
+		steepest = -dot(carriedThere, bent);
+		estimate.steepNormal = byA ? -bent : aFromB.rotation * bent;
+	}
+	estimate.lowest = height - rules.margin - steepest;
+	const double patch = double((byA ? boxA : boxB).radius);
+	const double tilts = std::min(estimate.radius, 1.5 * patch / std::sqrt(double((byA ? nodeA : nodeB).faceCount)));
+	// What is not in touch must end under the reference (PointFilter::keep).
+	const bool comesLow = height - rules.margin <= rules.resting + kTiltShare * tilts ||
+						  estimate.lowest <= kUnderPatchShare * rules.length + kTiltShare * tilts;
+	estimate.isLikely = comesLow && comesOver;
+	return estimate;
+}
+}  // namespace
+
+void CandidatePool::start(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB,
+						  const std::vector<Contact>& contacts, const PointRules& rules)
+{
+	startWithPoints();
+	m_clipper.start(a, b, aFromB, rules);
+	m_a = &a;
+	m_b = &b;
+	m_bFromA = inverse(aFromB);
+	m_contacts = &contacts;
+	for (const Contact& contact : contacts) m_pairs.push_back(estimateOf(a, b, aFromB, m_bFromA, contact, rules));
+	m_isClipped.assign(contacts.size(), 0);
+	m_unclipped = contacts.size();
+}
+
+std::vector<ContactPoint>& CandidatePool::startWithPoints()
+{
+	m_points.clear();
+	m_pairs.clear();
+	m_isClipped.clear();
+	m_isDropped.clear();
+	m_unclipped = 0;
+	return m_points;
+}
+
+bool CandidatePool::isNear(std::uint32_t pair, const PointClipper::Near& near) const
+{
+	const Contact& contact = (*m_contacts)[pair];
+	return boxDistance(m_a->cullBox(contact.nodeA), near.onA) <= near.within &&
+		   boxDistance(m_b->cullBox(contact.nodeB), m_bFromA * near.onB) <= near.withinOther;
+}
+
+void CandidatePool::clip(std::uint32_t pair)
+{
+	m_isClipped[pair] = 1;
+	--m_unclipped;
+	m_clipper.clip((*m_contacts)[pair], m_pairs[pair].referenceIsA, nullptr, m_points);
+}
+
+bool CandidatePool::clipAsBefore(const ContactPoint& before)
+{
+	const auto nodesOf = [](const auto& pair) { return std::pair(pair.nodeA, pair.nodeB); };
+	if (m_pairs.empty()) return false;
+	const auto found = std::lower_bound(m_contacts->begin(), m_contacts->end(), before,
+										[&](const Contact& contact, const ContactPoint& point)
+										{ return nodesOf(contact) < nodesOf(point); });
+	if (found == m_contacts->end() || nodesOf(*found) != nodesOf(before)) return false;
+	m_clipper.clipFaces(*found, m_pairs[std::size_t(found - m_contacts->begin())].referenceIsA, before.faceA,
+						before.faceB, m_points);
+	return true;
+}
+
+void CandidatePool::clipNear(std::uint32_t pair, const PointClipper::Near& near)
+{
+	m_clipper.clip((*m_contacts)[pair], m_pairs[pair].referenceIsA, &near, m_points);
+}
+
+void CandidatePool::drop(std::uint32_t point)
+{
+	m_isDropped.resize(m_points.size());
+	m_isDropped[point] = 1;
+}
+}  // namespace clod
