@@ -48,67 +48,90 @@ double lowestOver(const Face& face, const Hierarchy& other, const Node& node, co
 	return lowest;
 }
 
+// A contact as its reference sees it, in the reference's frame.
+struct Side
+{
+	const Hierarchy &reference, &other;
+	const Node &node, &otherNode;
+	const CullBox& box;  // of the reference's node
+	const Transform& otherFromHere;
+	Vec3 onOther, carried;  // the other body's nearest point, and how the step carries it
+};
+
+double approachTo(const Side& side, const Face& face)
+{
+	return std::max(0.0, -dot(side.carried, toVec3(face.normal)));
+}
+
+// Of the reference's faces that bend away little from this one, the one that the other body approaches fastest.
+const Face& steepestFace(const Side& side, const Face& face)
+{
+	const Face* steepest = &face;
+	for (const Face& other : side.reference.faces(side.node))
+	{
+		if (!(approachTo(side, other) > approachTo(side, *steepest))) continue;
+		if (dot(toVec3(other.normal), toVec3(face.normal)) >= kBentCosine) steepest = &other;
+	}
+	return *steepest;
+}
+
+// Of hulls that are apart: fills what the estimate says of heights; apart: the distance of their nearest points.
+void estimateHeights(const Side& side, double apart, const PointRules& rules, PairEstimate& estimate)
+{
+	double height = 0;
+	const Face& face = faceBelow(side.reference, side.node, side.onOther, height);
+	const Face& steepest = steepestFace(side, face);
+	estimate.normal = toVec3(face.normal);
+	estimate.steepNormal = toVec3(steepest.normal);
+	const double approach = approachTo(side, face);
+	estimate.predicted = height - rules.margin - approach;
+	estimate.radius += rules.margin + rules.resting + approach;
+	const double beside = std::sqrt(std::max(0.0, apart * apart - height * height));
+	// Beside the reference the other hull may be lower than where it is nearest, and be carried over the reference
+	// there. Prisms widen upwards over convex edges.
+	const bool comesOver = beside <= length(side.carried) + std::abs(height) + 2 * rules.resting;
+	if (comesOver && beside > rules.resting)
+		height = lowestOver(face, side.other, side.otherNode, side.otherFromHere, centerOf(side.box) - side.carried,
+							double(side.box.radius) + rules.resting, height);
+	estimate.lowest = height - rules.margin - approachTo(side, steepest);
+	const double faceSize = 1.5 * double(side.box.radius) / std::sqrt(double(side.node.faceCount));
+	const double tilt = kTiltShare * std::min(estimate.radius, faceSize);
+	// What is not in touch must end under the reference (PointFilter::keep).
+	const bool comesLow =
+		height - rules.margin <= rules.resting + tilt || estimate.lowest <= kUnderPatchShare * rules.length + tilt;
+	estimate.isLikely = comesLow && comesOver;
+}
+
 PairEstimate estimateOf(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const Transform& bFromA,
 						const Contact& contact, const PointRules& rules)
 {
 	const CullBox &boxA = a.cullBox(contact.nodeA), &boxB = b.cullBox(contact.nodeB);
+	const Node &nodeA = a.node(contact.nodeA), &nodeB = b.node(contact.nodeB);
 	PairEstimate estimate;
 	const bool aIsSmaller = boxA.radius <= boxB.radius;
 	estimate.center = aIsSmaller ? centerOf(boxA) : aFromB * centerOf(boxB);
 	estimate.radius = double(aIsSmaller ? boxA.radius : boxB.radius);
-	estimate.height = rules.margin + rules.resting;
-	const Node &nodeA = a.node(contact.nodeA), &nodeB = b.node(contact.nodeB);
 	estimate.referenceIsA = referenceIsA(a, nodeA, b, nodeB, rules.length);
-	const bool byA = estimate.referenceIsA;
-	if (!(contact.upper > 0))
+	if (contact.upper > 0)
+	{
+		const Vec3 carried = -rules.motion.timeStep * rules.motion.velocity(contact.pointOnA);  // B, as A sees it
+		const double apart = length(contact.pointOnA - contact.pointOnB);
+		estimate.place = contact.pointOnA;
+		if (estimate.referenceIsA)
+			estimateHeights({a, b, nodeA, nodeB, boxA, bFromA, contact.pointOnB, carried}, apart, rules, estimate);
+		else
+			estimateHeights({b, a, nodeB, nodeA, boxB, aFromB, bFromA * contact.pointOnA, -(bFromA.rotation * carried)},
+							apart, rules, estimate);
+	}
+	else
 	{
 		estimate.place = estimate.center;
-		estimate.normal = byA ? -toVec3(nodeA.meanNormal) : aFromB.rotation * toVec3(nodeB.meanNormal);
-		estimate.steepNormal = estimate.normal;
+		estimate.normal = estimate.steepNormal = toVec3((estimate.referenceIsA ? nodeA : nodeB).meanNormal);
 		estimate.predicted = estimate.lowest = -std::numeric_limits<double>::infinity();
-		return estimate;
 	}
-	double height = 0;
-	const Vec3& onOther = byA ? contact.pointOnB : contact.pointOnA;
-	const Face& face = byA ? faceBelow(a, nodeA, onOther, height) : faceBelow(b, nodeB, bFromA * onOther, height);
-	const Vec3 normal = toVec3(face.normal);  // of the reference, in its frame
-	estimate.place = contact.pointOnA;
-	estimate.normal = byA ? -normal : aFromB.rotation * normal;
-	const Vec3 carried = -rules.motion.timeStep * rules.motion.velocity(contact.pointOnA);  // B, as A sees it
-	const Vec3 carriedThere = byA ? carried : -(bFromA.rotation * carried);  // the other body, from the reference
-	const double approach = std::max(0.0, dot(carried, estimate.normal));
-	estimate.predicted = height - rules.margin - approach;
-	estimate.height += approach;
-	estimate.radius += estimate.height;
-	const double beside =
-		std::sqrt(std::max(0.0, lengthSquared(contact.pointOnA - contact.pointOnB) - height * height));
-	// Beside the reference the other hull may be lower than where it is nearest, and be carried over the reference
-	// there. Prisms widen upwards over convex edges.
-	const bool comesOver = beside <= length(carried) + std::abs(height) + 2 * rules.resting;
-	if (comesOver && beside > rules.resting)
-	{
-		const CullBox& box = byA ? boxA : boxB;
-		const Vec3 from = centerOf(box) - carriedThere;
-		const double reach = double(box.radius) + rules.resting;
-		height = byA ? lowestOver(face, b, nodeB, bFromA, from, reach, height)
-					 : lowestOver(face, a, nodeA, aFromB, from, reach, height);
-	}
-	double steepest = approach;
-	estimate.steepNormal = estimate.normal;
-	for (const Face& other : byA ? a.faces(nodeA) : b.faces(nodeB))
-	{
-		const Vec3 bent = toVec3(other.normal);
-		if (-dot(carriedThere, bent) <= steepest || dot(bent, normal) < kBentCosine) continue;
-		steepest = -dot(carriedThere, bent);
-		estimate.steepNormal = byA ? -bent : aFromB.rotation * bent;
-	}
-	estimate.lowest = height - rules.margin - steepest;
-	const double patch = double((byA ? boxA : boxB).radius);
-	const double tilts = std::min(estimate.radius, 1.5 * patch / std::sqrt(double((byA ? nodeA : nodeB).faceCount)));
-	// What is not in touch must end under the reference (PointFilter::keep).
-	const bool comesLow = height - rules.margin <= rules.resting + kTiltShare * tilts ||
-						  estimate.lowest <= kUnderPatchShare * rules.length + kTiltShare * tilts;
-	estimate.isLikely = comesLow && comesOver;
+	// Normals point from B to A.
+	for (Vec3* normal : {&estimate.normal, &estimate.steepNormal})
+		*normal = estimate.referenceIsA ? -*normal : aFromB.rotation * *normal;
 	return estimate;
 }
 }  // namespace

@@ -29,7 +29,6 @@ struct PairEstimate
 	bool referenceIsA = true;
 	Vec3 center;  // of a ball that holds them
 	double radius = 0;
-	double height = 0;  // about how far apart the two bodies' points are at most
 };
 
 class CandidatePool
