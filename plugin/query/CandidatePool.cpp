@@ -155,7 +155,7 @@ std::vector<ContactPoint>& CandidatePool::startWithPoints()
 	m_points.clear();
 	m_pairs.clear();
 	m_isClipped.clear();
-	m_isDropped.clear();
+	m_dropped.clear();
 	m_unclipped = 0;
 	return m_points;
 }
@@ -174,17 +174,16 @@ void CandidatePool::clip(std::uint32_t pair)
 	m_clipper.clip((*m_contacts)[pair], m_pairs[pair].referenceIsA, nullptr, m_points);
 }
 
-bool CandidatePool::clipAsBefore(const ContactPoint& before)
+void CandidatePool::clipAsBefore(const ContactPoint& before)
 {
 	const auto nodesOf = [](const auto& pair) { return std::pair(pair.nodeA, pair.nodeB); };
-	if (m_pairs.empty()) return false;
+	if (m_pairs.empty()) return;
 	const auto found = std::lower_bound(m_contacts->begin(), m_contacts->end(), before,
 										[&](const Contact& contact, const ContactPoint& point)
 										{ return nodesOf(contact) < nodesOf(point); });
-	if (found == m_contacts->end() || nodesOf(*found) != nodesOf(before)) return false;
+	if (found == m_contacts->end() || nodesOf(*found) != nodesOf(before)) return;
 	m_clipper.clipFaces(*found, m_pairs[std::size_t(found - m_contacts->begin())].referenceIsA, before.faceA,
 						before.faceB, m_points);
-	return true;
 }
 
 void CandidatePool::clipNear(std::uint32_t pair, const PointClipper::Near& near)
@@ -192,9 +191,13 @@ void CandidatePool::clipNear(std::uint32_t pair, const PointClipper::Near& near)
 	m_clipper.clip((*m_contacts)[pair], m_pairs[pair].referenceIsA, &near, m_points);
 }
 
-void CandidatePool::drop(std::uint32_t point)
+bool CandidatePool::isDropped(std::uint32_t point) const
 {
-	m_isDropped.resize(m_points.size());
-	m_isDropped[point] = 1;
+	const auto isSame = [&](std::uint32_t dropped)
+	{
+		const ContactPoint &l = m_points[point], &r = m_points[dropped];
+		return l.faceA == r.faceA && l.faceB == r.faceB && l.pointOnA == r.pointOnA;
+	};
+	return std::any_of(m_dropped.begin(), m_dropped.end(), isSame);
 }
 }  // namespace clod

@@ -42,9 +42,9 @@ public:
 
 	// In the order they were made.
 	const std::vector<ContactPoint>& points() const { return m_points; }
-	// No longer a candidate.
-	void drop(std::uint32_t point);
-	bool isDropped(std::uint32_t point) const { return point < m_isDropped.size() && m_isDropped[point] != 0; }
+	// No longer a candidate, nor when it comes again.
+	void drop(std::uint32_t point) { m_dropped.push_back(point); }
+	bool isDropped(std::uint32_t point) const;
 	// Pairs by their index in the contacts.
 	const std::vector<PairEstimate>& pairs() const { return m_pairs; }
 	// Do the culling volumes of its nodes come so near to places on A and B (frame A)?
@@ -52,8 +52,9 @@ public:
 	bool isClipped(std::uint32_t pair) const { return m_isClipped[pair] != 0; }
 	// Appends the pair's points. Precondition: it is not clipped.
 	void clip(std::uint32_t pair);
-	// Those only of the pair and the faces that made another point, in another pose; false: it is no pair any more.
-	bool clipAsBefore(const ContactPoint& before);
+	// Those only of the pair and the faces that made another point, in another pose; none where it is no pair any
+	// more.
+	void clipAsBefore(const ContactPoint& before);
 	// Those only of faces near a place; they may come again.
 	void clipNear(std::uint32_t pair, const PointClipper::Near& near);
 	bool isEmpty() const { return m_points.empty() && m_unclipped == 0; }
@@ -65,7 +66,8 @@ private:
 	const std::vector<Contact>* m_contacts = nullptr;
 	std::vector<ContactPoint> m_points;
 	std::vector<PairEstimate> m_pairs;
-	std::vector<char> m_isClipped, m_isDropped;
+	std::vector<char> m_isClipped;
+	std::vector<std::uint32_t> m_dropped;
 	std::size_t m_unclipped = 0;
 };
 }  // namespace clod

@@ -144,6 +144,13 @@ TEST(CandidatePool, PartsOfAPairGiveItsPoints)
 				std::size_t before = part.points().size();
 				part.clipAsBefore(point);
 				isPart(before);
+				// Dropped, a point stays so when its faces are clipped again.
+				for (std::size_t j = before; j < part.points().size(); ++j)
+					if (fieldsOf(part.points()[j]) == fieldsOf(point)) part.drop(std::uint32_t(j));
+				const std::size_t again = part.points().size();
+				part.clipAsBefore(point);
+				for (std::size_t j = again; j < part.points().size(); ++j)
+					EXPECT_TRUE(!(fieldsOf(part.points()[j]) == fieldsOf(point)) || part.isDropped(std::uint32_t(j)));
 				// What the step carries there is not looked for where it is now.
 				if (i % 3 != 0 || point.height > touch.rules.resting) continue;
 				before = part.points().size();
