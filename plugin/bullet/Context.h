@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "clod/bullet/Abi.h"
-#include "clod/query/ContactClusters.h"
+#include "clod/query/ContactMemory.h"
 #include "clod/query/ContactMetric.h"
 #include "clod/query/Query.h"
 
@@ -43,8 +43,8 @@ struct PairReport
 	// (StopRule.h, certifiedErrorApart). While their hulls are apart the true gap there is within it of the hulls'
 	// distance; of a depth it says nothing. The certified gap is result's, with Context::searchGap.
 	double contactError = 0;
-	// Points that were looked at (pairs that cannot give one to choose are not clipped), and chosen; in so many manifolds;
-	// dropped as leaks.
+	// Points that were looked at (pairs that cannot give one to choose are not clipped), and chosen; in so many
+	// manifolds; dropped as leaks.
 	std::uint32_t candidates = 0, points = 0, clusterCount = 0, leaks = 0;
 	std::uint32_t finestLevel = 0, coarsestLevel = 0;
 	double demand = 0;               // tests that it took, or would have with a larger budget, as a guess

@@ -12,7 +12,7 @@
 #include <array>
 #include <optional>
 
-#include "clod/query/ContactClusters.h"
+#include "clod/query/ContactMemory.h"
 
 namespace clod
 {

@@ -56,6 +56,7 @@ void PairState::reduce()
 {
 	ClusterRules rules;
 	rules.length = m_rules.length;
+	rules.margin = m_rules.margin;
 	rules.tolerance = m_rules.resting / m_rules.length;
 	m_previous = m_clusters;
 	carryWithB(m_previous, m_aFromB * inverse(m_oldAFromB));

@@ -11,6 +11,7 @@
 #include "clod/bullet/btClodCollisionAlgorithm.h"
 #include "clod/bullet/btClodShape.h"
 #include "clod/query/Clock.h"
+#include "clod/query/ContactClusters.h"
 #include "clod/query/ContactPointsForeign.h"
 #include "clod/query/ContactPointsSurface.h"
 

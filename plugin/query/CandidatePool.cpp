@@ -167,11 +167,14 @@ bool CandidatePool::isNear(std::uint32_t pair, const PointClipper::Near& near) c
 		   boxDistance(m_b->cullBox(contact.nodeB), m_bFromA * near.onB) <= near.withinOther;
 }
 
-void CandidatePool::clip(std::uint32_t pair)
+void CandidatePool::clip(std::uint32_t pair, const PointClipper::Near* near)
 {
-	m_isClipped[pair] = 1;
-	--m_unclipped;
-	m_clipper.clip((*m_contacts)[pair], m_pairs[pair].referenceIsA, nullptr, m_points);
+	if (!near)
+	{
+		m_isClipped[pair] = 1;
+		--m_unclipped;
+	}
+	m_clipper.clip((*m_contacts)[pair], m_pairs[pair].referenceIsA, near, m_points);
 }
 
 void CandidatePool::clipAsBefore(const ContactPoint& before)
@@ -184,11 +187,6 @@ void CandidatePool::clipAsBefore(const ContactPoint& before)
 	if (found == m_contacts->end() || nodesOf(*found) != nodesOf(before)) return;
 	m_clipper.clipFaces(*found, m_pairs[std::size_t(found - m_contacts->begin())].referenceIsA, before.faceA,
 						before.faceB, m_points);
-}
-
-void CandidatePool::clipNear(std::uint32_t pair, const PointClipper::Near& near)
-{
-	m_clipper.clip((*m_contacts)[pair], m_pairs[pair].referenceIsA, &near, m_points);
 }
 
 bool CandidatePool::isDropped(std::uint32_t point) const

@@ -50,13 +50,12 @@ public:
 	// Do the culling volumes of its nodes come so near to places on A and B (frame A)?
 	bool isNear(std::uint32_t pair, const PointClipper::Near& near) const;
 	bool isClipped(std::uint32_t pair) const { return m_isClipped[pair] != 0; }
-	// Appends the pair's points. Precondition: it is not clipped.
-	void clip(std::uint32_t pair);
+	// Appends the pair's points; if a place is given, those only of faces near it, and they may come again.
+	// Precondition: it is not clipped.
+	void clip(std::uint32_t pair, const PointClipper::Near* near = nullptr);
 	// Those only of the pair and the faces that made another point, in another pose; none where it is no pair any
 	// more.
 	void clipAsBefore(const ContactPoint& before);
-	// Those only of faces near a place; they may come again.
-	void clipNear(std::uint32_t pair, const PointClipper::Near& near);
 	bool isEmpty() const { return m_points.empty() && m_unclipped == 0; }
 
 private:

@@ -49,7 +49,7 @@ Touch touchOf(Random& random, const BodyPair& pair, int i, double fastest = -1.7
 	touch.aFromB = poseWithGap(random, pair.a, pair.b, uniform(random, -0.002, 0.002));
 	touch.rules.length = touch.clusters.length = radius;
 	touch.rules.resting = kRestingShare * radius;
-	touch.rules.margin = kSkinShare * radius;
+	touch.rules.margin = touch.clusters.margin = kSkinShare * radius;
 	const double speed = i % 3 == 0 ? 0 : std::pow(10, uniform(random, -4, fastest)) * radius;
 	touch.rules.motion = {speed * randomDirection(random), speed / radius * randomDirection(random), 1};
 	return touchAt(touch.aFromB, touch);
@@ -159,7 +159,7 @@ TEST(CandidatePool, PartsOfAPairGiveItsPoints)
 				++parts;
 				if (!part.isNear(k, place)) continue;
 				++nearParts;
-				part.clipNear(k, place);
+				part.clip(k, &place);
 				isPart(before);
 				for (std::size_t j = first; j < whole.points().size(); ++j)
 				{
