@@ -25,18 +25,13 @@ struct btCollisionAlgorithmCreateFunc;
 
 namespace clod
 {
-// A pair as of its last dispatch. Valid until the next dispatch.
-struct PairReport
+// What one dispatch says of a pair. Empty where nothing could be asked.
+struct DispatchReport
 {
-	const btCollisionObject* objectA = nullptr;
-	const btCollisionObject* objectB = nullptr;
 	const Hierarchy* hierarchyA = nullptr;
 	const Hierarchy* hierarchyB = nullptr;  // null: a plane or an engine's own mesh
-	const QueryResult* result = nullptr;    // accepted node pairs; empty against a plane or an engine's own mesh
-	const ClusterSet* clusters = nullptr;   // frame A, hierarchy unit
 	Metric metric;                          // as used; exact where the user's could not be used
 	std::string metricError;                // empty, or why the user's metric could not be used
-	std::string notFinite;                  // empty, or what is not finite: the pair then has no contacts
 	double tolerance = 0;                   // contact distance used, hierarchy unit
 	double motion = 0;                      // bound on the relative motion of one step, hierarchy unit
 	// How far the nodes of the coarsest contact may be from the surfaces they stand for, both bodies together
@@ -47,15 +42,25 @@ struct PairReport
 	// manifolds; dropped as leaks.
 	std::uint32_t candidates = 0, points = 0, clusterCount = 0, leaks = 0;
 	std::uint32_t finestLevel = 0, coarsestLevel = 0;
-	double demand = 0;               // tests that it took, or would have with a larger budget, as a guess
 	std::uint32_t searchTests = 0;   // of a depth searched, as hulls overlapped and no point answered; not in `result`
-	bool isPlanned = false;          // by btClodDispatcher
 	bool deep = false;               // penetration beyond what the contacts can prove
 	bool fast = false;               // one step moves the bodies farther than the thinnest wall
 	bool loose = false;              // contactError exceeds the thinnest wall
 	bool kept = false;               // nothing has changed: manifolds were left as the last dispatch wrote them
 	double queryMicroseconds = 0;    // up to the contact list,
 	double contactMicroseconds = 0;  // and from there to its points, before they are written
+};
+
+// A pair as of its last dispatch. Valid until the next dispatch.
+struct PairReport : DispatchReport
+{
+	const btCollisionObject* objectA = nullptr;
+	const btCollisionObject* objectB = nullptr;
+	const QueryResult* result = nullptr;   // accepted node pairs; empty against a plane or an engine's own mesh
+	const ClusterSet* clusters = nullptr;  // frame A, hierarchy unit
+	std::string notFinite;                 // empty, or what is not finite: the pair then has no contacts
+	double demand = 0;                     // tests that it took, or would have with a larger budget, as a guess
+	bool isPlanned = false;                // by btClodDispatcher
 };
 
 // Sums over all live pairs, each as of its last dispatch.

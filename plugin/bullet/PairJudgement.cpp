@@ -40,7 +40,7 @@ double PairState::searchDepth()
 	Settings settings;
 	settings.metric = m_report.metric;
 	settings.tolerance = m_report.tolerance;
-	if (hasBudget()) settings.budget = kSpent;
+	if (m_hasBudget) settings.budget = kSpent;
 	query(m_shapeA->hierarchy(), m_shapeB->hierarchy(), m_aFromB, settings, m_cache, m_searched);
 	m_report.searchTests = m_searched.stats.boxTests + m_searched.stats.hullTests;
 	return -m_searched.minDistance;
@@ -52,7 +52,7 @@ void PairState::searchAhead()
 {
 	m_report.searchTests = 0;
 	m_depth.reset();
-	if (hasBudget() && m_wasUnanswered) m_depth = searchDepth();
+	if (m_hasBudget && m_wasUnanswered) m_depth = searchDepth();
 }
 
 // Is there a depth that the chosen points do not answer? A component inside the other body, a chosen point where its
@@ -71,7 +71,7 @@ bool PairState::deeperThanPoints()
 	m_wasUnanswered = isUnanswered();
 	if (m_result.deep && !m_context.searchGap) return true;
 	double depth = -m_result.minDistance;
-	if (m_wasUnanswered) depth = hasBudget() ? m_depth.value_or(0) : searchDepth();
+	if (m_wasUnanswered) depth = m_hasBudget ? m_depth.value_or(0) : searchDepth();
 	return atBottom || depth > kUnansweredShare * answered + m_rules.resting;
 }
 

@@ -176,6 +176,8 @@ bool PairState::prepare(const btCollisionObjectWrapper& body0, const btCollision
 						const btDispatcherInfo& info, double closestPoints)
 {
 	m_report.notFinite.clear();
+	m_report.result = &m_result;
+	m_report.clusters = &m_clusters;
 	if (!chooseBodies(body0, body1)) return false;
 	m_report.objectA = m_a->getCollisionObject();
 	m_report.objectB = m_b->getCollisionObject();
@@ -197,8 +199,6 @@ bool PairState::prepare(const btCollisionObjectWrapper& body0, const btCollision
 	chooseMetric();
 	m_report.hierarchyA = &m_shapeA->hierarchy();
 	m_report.hierarchyB = m_partner == Partner::Clod ? &m_shapeB->hierarchy() : nullptr;
-	m_report.result = &m_result;
-	m_report.clusters = &m_clusters;
 	return true;
 }
 
@@ -222,15 +222,7 @@ void PairState::forget()
 	m_clusters.clear();
 	m_result.clear();
 	m_hasQuestion = false;
-	PairReport report;
-	report.objectA = m_report.objectA;
-	report.objectB = m_report.objectB;
-	report.notFinite = m_report.notFinite;
-	report.result = &m_result;
-	report.clusters = &m_clusters;
-	report.demand = m_report.demand;
-	report.isPlanned = m_report.isPlanned;
-	m_report = report;
+	static_cast<DispatchReport&>(m_report) = {};
 }
 
 void PairState::clipForeign()
@@ -246,8 +238,7 @@ void PairState::clipForeign()
 		const Vec3 local = toVec3(plane.getPlaneNormal());
 		const Vec3 onPlane = m_aFromB * ((double(plane.getPlaneConstant()) / scale) * local);
 		const Vec3 normal = normalized(m_aFromB.rotation * local);
-		m_foreign.clipPlane(hierarchy, normal, dot(normal, onPlane), m_report.metric, m_rules, points,
-							m_foreignStats);
+		m_foreign.clipPlane(hierarchy, normal, dot(normal, onPlane), m_report.metric, m_rules, points, m_foreignStats);
 	}
 	else
 	{
@@ -277,21 +268,21 @@ Settings PairState::querySettings() const
 	return settings;
 }
 
-// What is asked by contactTest and the like is answered in full.
-bool PairState::hasBudget() const
+// Has this dispatch one? What is asked by contactTest and the like is answered in full.
+bool PairState::checkBudget()
 {
-	return !m_isClosestPoints && m_context.budget.isLimited() && budgetError(m_context.budget).empty();
+	const std::string error = m_isClosestPoints ? std::string() : budgetError(m_context.budget);
+	if (!error.empty()) sayOnce(16, "the budget cannot be used: " + error);
+	return m_hasBudget = !m_isClosestPoints && error.empty() && m_context.budget.isLimited();
 }
 
 // A planned query has spent its part already; else a depth searched is paid for first.
 Budget PairState::chooseBudget()
 {
 	const bool hasPlan = std::exchange(m_hasPlan, false);
-	if (!hasBudget())
+	if (!checkBudget())
 	{
 		m_report.searchTests = 0;
-		const std::string error = m_isClosestPoints ? std::string() : budgetError(m_context.budget);
-		if (!error.empty()) sayOnce(16, "the budget cannot be used: " + error);
 		return {};
 	}
 	if (hasPlan) return kSpent;
@@ -309,6 +300,7 @@ std::optional<PairPlan> PairState::plan(const btCollisionObjectWrapper& body0, c
 	if (m_isClosestPoints || !prepare(body0, body1, info, 0) || m_partner != Partner::Clod) return {};
 	m_context.setPlanned(m_report);
 	m_hasPlan = true;
+	checkBudget();
 	searchAhead();
 	Settings settings = querySettings();
 	settings.budget = kSpent;

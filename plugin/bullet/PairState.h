@@ -62,7 +62,7 @@ private:
 	bool chooseBodies(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1);
 	void chooseMetric();
 	Settings querySettings() const;
-	bool hasBudget() const;
+	bool checkBudget();
 	Budget chooseBudget();
 	double searchDepth();
 	void searchAhead();
@@ -100,6 +100,7 @@ private:
 	MetricFrame m_frame;
 	std::shared_ptr<const ContactThreshold> m_ownThreshold;  // of the user's metric
 	OwnThreshold m_own;                                      // the same as the query calls it
+	bool m_hasBudget = false;                                // see checkBudget
 	// From dispatch to dispatch.
 	Seen m_seenA, m_seenB;
 	Transform m_oldAFromB;
