@@ -3,6 +3,7 @@
 // the tests.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -13,21 +14,78 @@ namespace
 using namespace clod;
 using namespace clod::test;
 
+// A pair asked again and again, with one cache.
+struct Walk
+{
+	BodyPair pair;
+	Transform pose;
+	Settings settings;
+	PairCache cache{};
+	QueryResult result{};
+	int queries = 0;
+};
+
+// What happened on walks.
+struct Tally
+{
+	int queries = 0, withContacts = 0, deep = 0, stillClear = 0, frontKept = 0;
+	// Queries with another number of contacts than the one before, with some after none, with none after some.
+	int changed = 0, came = 0, went = 0;
+	std::uint64_t boxTests = 0, freshBoxTests = 0;
+};
+
+// The answer is that of a fresh query, bit for bit.
+void ask(Walk& walk, Tally& tally)
+{
+	const QueryResult& result = walk.result;
+	const std::size_t before = result.contacts.size();
+	query(*walk.pair.a.hierarchy, *walk.pair.b.hierarchy, walk.pose, walk.settings, walk.cache, walk.result);
+	const QueryResult expected = fresh(walk.pair, walk.pose, walk.settings);
+	ASSERT_EQ(difference(result, expected), "")
+		<< walk.pair.a.name << " query " << walk.queries << ": " << result.minDistance << " +- " << result.errorBound
+		<< " deep " << result.deep << ", fresh " << expected.minDistance << " +- " << expected.errorBound
+		<< ", contacts " << result.contacts.size() << ", still clear " << result.stats.stillClear << ", exact "
+		<< walk.settings.metric.exact << ", distance " << walk.settings.distance << ", contacts only "
+		<< walk.settings.contactsOnly << ", gap error " << walk.settings.gapError << ", searches "
+		<< result.stats.gapSearches << "," << expected.stats.gapSearches << ", point queries "
+		<< result.stats.pointQueries << "," << expected.stats.pointQueries;
+	++tally.queries;
+	tally.withContacts += !result.contacts.empty();
+	tally.deep += result.deep;
+	tally.stillClear += int(result.stats.stillClear);
+	tally.frontKept += int(result.stats.frontKept);
+	tally.changed += result.contacts.size() != before;
+	tally.came += walk.queries > 0 && before == 0 && !result.contacts.empty();
+	tally.went += before > 0 && result.contacts.empty();
+	tally.boxTests += result.stats.boxTests;
+	tally.freshBoxTests += expected.stats.boxTests;
+	++walk.queries;
+}
+
+// move(step) changes the walk before each query.
+template <class Move>
+void go(Walk& walk, int steps, Tally& tally, const Move& move)
+{
+	for (int step = 0; step < steps; ++step)
+	{
+		move(step);
+		ASSERT_NO_FATAL_FAILURE(ask(walk, tally));
+	}
+}
+
 TEST(Query, CachedEqualsFreshBitForBit)
 {
 	Random random(6);
 	const int steps = setting("CLOD_WALK_STEPS", 500);
-	int withContacts = 0, deep = 0, stillClear = 0, frontKept = 0;
-	std::uint64_t cachedTests = 0, freshTests = 0;
+	Tally tally;
 	for (const BodyPair& pair : pairs())
 	{
 		const double radius = smallerRadius(pair.a, pair.b);
-		PairCache cache;
-		QueryResult result;
-		Settings settings = exactSettings(0.01 * radius);
-		Transform pose = poseWithGap(random, pair.a, pair.b, 0);
+		Walk walk{pair, poseWithGap(random, pair.a, pair.b, 0), exactSettings(0.01 * radius)};
+		Transform& pose = walk.pose;
+		Settings& settings = walk.settings;
 		double smallest = -6;  // power of ten of the motion: at times the bodies are almost at rest
-		for (int step = 0; step < steps; ++step)
+		const auto move = [&](int)
 		{
 			if (random() % 30 == 0) smallest = random() % 2 ? -6 : -9;
 			const double size = std::pow(10, uniform(random, smallest, smallest < -6 ? -6 : -1));
@@ -54,36 +112,24 @@ TEST(Query, CachedEqualsFreshBitForBit)
 			if (random() % 20 == 0) settings.sweep = random() % 2 ? randomSweep(random, radius) : Sweep{};
 			if (!settings.sweep.isZero())
 				settings.sweep.linear += 1e-3 * length(settings.sweep.linear) * randomDirection(random);
-			if (random() % 100 == 0) cache.clear();
-			query(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache, result);
-			const QueryResult expected = fresh(pair, pose, settings);
-			ASSERT_EQ(difference(result, expected), "")
-				<< pair.a.name << " step " << step << ": " << result.minDistance << " +- " << result.errorBound
-				<< " deep " << result.deep << ", fresh " << expected.minDistance << " +- " << expected.errorBound
-				<< ", contacts " << result.contacts.size() << ", exact " << settings.metric.exact << ", distance "
-				<< settings.distance << ", searches " << result.stats.gapSearches << "," << expected.stats.gapSearches
-				<< ", point queries " << result.stats.pointQueries << "," << expected.stats.pointQueries;
-			withContacts += !result.contacts.empty();
-			deep += result.deep;
-			stillClear += int(result.stats.stillClear);
-			frontKept += int(result.stats.frontKept);
-			cachedTests += result.stats.boxTests;
-			freshTests += expected.stats.boxTests;
-		}
+			if (random() % 100 == 0) walk.cache.clear();
+		};
+		ASSERT_NO_FATAL_FAILURE(go(walk, steps, tally, move));
 	}
 	std::printf("%d steps with contacts, %d deep, %d still clear, %d fronts kept, box tests %.0f %% of fresh\n",
-				withContacts, deep, stillClear, frontKept, 100.0 * double(cachedTests) / double(freshTests));
-	EXPECT_GT(withContacts, steps);
-	EXPECT_GT(frontKept, steps / 2);
-	EXPECT_GT(stillClear, steps / 20);
-	EXPECT_LT(cachedTests, freshTests);
+				tally.withContacts, tally.deep, tally.stillClear, tally.frontKept,
+				100.0 * double(tally.boxTests) / double(tally.freshBoxTests));
+	EXPECT_GT(tally.withContacts, steps);
+	EXPECT_GT(tally.frontKept, steps / 2);
+	EXPECT_GT(tally.stillClear, steps / 20);
+	EXPECT_LT(tally.boxTests, tally.freshBoxTests);
 }
 
 // Bodies that creep straight into each other: most steps keep the front, and none that brings another contact does.
 TEST(Query, CreepingBodiesKeepTheirFrontUntilItChanges)
 {
 	Random random(17);
-	int kept = 0, total = 0, changes = 0;
+	Tally tally;
 	for (const BodyPair& pair : pairs())
 		for (int creep = 0; creep < setting("CLOD_CREEPS", 24); ++creep)
 		{
@@ -97,27 +143,16 @@ TEST(Query, CreepingBodiesKeepTheirFrontUntilItChanges)
 			if (creep % 4 == 3) settings.metric.weightedDeviation = settings.metric.maxError = 0.02 * radius;
 			if (creep % 3 == 2) settings.sweep.linear = 0.01 * radius * randomDirection(random);
 			// One contact at first, or a little more; the motion of a translation is known exactly.
-			Transform pose = poseWithGap(random, pair.a, pair.b, 0.015);
+			Walk walk{pair, poseWithGap(random, pair.a, pair.b, 0.015), settings};
 			const Vec3 way =
-				4e-5 * radius * (uniform(random, 0, 1) * randomDirection(random) - normalized(pose.translation));
-			PairCache cache;
-			QueryResult result;
-			std::size_t contacts = 0;
-			for (int step = 0; step < 400; ++step)
-			{
-				pose.translation += way;
-				query(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache, result);
-				ASSERT_EQ(difference(result, fresh(pair, pose, settings)), "")
-					<< pair.a.name << " creep " << creep << " step " << step;
-				changes += result.contacts.size() != contacts;
-				contacts = result.contacts.size();
-				kept += int(result.stats.frontKept);
-				++total;
-			}
+				4e-5 * radius * (uniform(random, 0, 1) * randomDirection(random) - normalized(walk.pose.translation));
+			const auto move = [&](int) { walk.pose.translation += way; };
+			ASSERT_NO_FATAL_FAILURE(go(walk, 400, tally, move)) << "creep " << creep;
 		}
-	std::printf("%d queries, %d kept their front, the number of contacts changed in %d\n", total, kept, changes);
-	EXPECT_GT(kept, total / 2);
-	EXPECT_GT(changes, total / 200);
+	std::printf("%d queries, %d kept their front, the number of contacts changed in %d\n", tally.queries,
+				tally.frontKept, tally.changed);
+	EXPECT_GT(tally.frontKept, tally.queries / 2);
+	EXPECT_GT(tally.changed, tally.queries / 200);
 }
 
 // Bodies that come near each other, turning, past each other or into contact: not looked at while they are apart, and
@@ -125,7 +160,7 @@ TEST(Query, CreepingBodiesKeepTheirFrontUntilItChanges)
 TEST(Query, BodiesApartAreLeftAloneUntilTheyCanTouch)
 {
 	Random random(16);
-	int stillClear = 0, total = 0, contacts = 0;
+	Tally tally;
 	for (const BodyPair& pair : pairs())
 		for (int approach = 0; approach < setting("CLOD_APPROACHES", 6); ++approach)
 		{
@@ -136,25 +171,18 @@ TEST(Query, BodiesApartAreLeftAloneUntilTheyCanTouch)
 			if (approach % 3 == 2) settings.metric.maxError = 0.05 * radius;
 			settings.contactsOnly = true;
 			if (approach % 2) settings.sweep.linear = 0.002 * radius * randomDirection(random);
-			Transform pose = poseWithGap(random, pair.a, pair.b, 0.2);
-			const Vec3 towards = -normalized(pose.translation);
-			PairCache cache;
-			QueryResult result;
-			for (int step = 0; step < 150; ++step)
+			Walk walk{pair, poseWithGap(random, pair.a, pair.b, 0.2), settings};
+			const Vec3 towards = -normalized(walk.pose.translation);
+			const auto move = [&](int)
 			{
-				pose.rotation = randomRotation(random, 1e-3) * pose.rotation;
-				pose.translation += 0.002 * radius * (towards + 0.3 * randomDirection(random));
-				query(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache, result);
-				ASSERT_EQ(difference(result, fresh(pair, pose, settings)), "")
-					<< pair.a.name << " approach " << approach << " step " << step;
-				stillClear += int(result.stats.stillClear);
-				contacts += !result.contacts.empty();
-				++total;
-			}
+				walk.pose.rotation = randomRotation(random, 1e-3) * walk.pose.rotation;
+				walk.pose.translation += 0.002 * radius * (towards + 0.3 * randomDirection(random));
+			};
+			ASSERT_NO_FATAL_FAILURE(go(walk, 150, tally, move)) << "approach " << approach;
 		}
-	std::printf("%d queries, %d still clear, %d with contacts\n", total, stillClear, contacts);
-	EXPECT_GT(stillClear, total / 3);
-	EXPECT_GT(contacts, total / 10);
+	std::printf("%d queries, %d still clear, %d with contacts\n", tally.queries, tally.stillClear, tally.withContacts);
+	EXPECT_GT(tally.stillClear, tally.queries / 3);
+	EXPECT_GT(tally.withContacts, tally.queries / 10);
 }
 
 // Those that came less those that left are the pairs of nodes a fresh query finds; where nothing has changed but the
@@ -203,7 +231,7 @@ TEST(Query, MovesOfTheFrontAddUp)
 TEST(Query, BodiesThatPartMayTouchByCoarserHulls)
 {
 	Random random(21);
-	int stillClear = 0, total = 0, began = 0;
+	Tally tally;
 	for (const BodyPair& pair : pairs())
 		for (int parting = 0; parting < setting("CLOD_PARTINGS", 60); ++parting)
 		{
@@ -213,26 +241,15 @@ TEST(Query, BodiesThatPartMayTouchByCoarserHulls)
 			if (parting % 3 == 1) settings.metric.weightedDeviation = 10 * settings.metric.maxError;
 			settings.tolerance = (parting % 2 ? 1e-4 : 1e-3) * radius;
 			settings.contactsOnly = parting % 5 != 4;
-			Transform pose = poseWithGap(random, pair.a, pair.b, uniform(random, 0.001, 0.02));
-			const Vec3 way = 2e-4 * radius * normalized(normalized(pose.translation) + 0.5 * randomDirection(random));
-			PairCache cache;
-			QueryResult result;
-			bool hadContacts = true;
-			for (int step = 0; step < 100; ++step)
-			{
-				pose.translation += way;
-				query(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache, result);
-				ASSERT_EQ(difference(result, fresh(pair, pose, settings)), "")
-					<< pair.a.name << " parting " << parting << " step " << step;
-				stillClear += int(result.stats.stillClear);
-				began += !hadContacts && !result.contacts.empty();
-				hadContacts = !result.contacts.empty();
-				++total;
-			}
+			Walk walk{pair, poseWithGap(random, pair.a, pair.b, uniform(random, 0.001, 0.02)), settings};
+			const Vec3 away = normalized(walk.pose.translation);
+			const Vec3 way = 2e-4 * radius * normalized(away + 0.5 * randomDirection(random));
+			const auto move = [&](int) { walk.pose.translation += way; };
+			ASSERT_NO_FATAL_FAILURE(go(walk, 100, tally, move)) << "parting " << parting;
 		}
-	std::printf("%d queries, %d still clear, contacts began %d times\n", total, stillClear, began);
-	EXPECT_GT(stillClear, total / 20);
-	EXPECT_GT(began, 0);
+	std::printf("%d queries, %d still clear, contacts began %d times\n", tally.queries, tally.stillClear, tally.came);
+	EXPECT_GT(tally.stillClear, tally.queries / 20);
+	EXPECT_GT(tally.came, 0);
 }
 
 namespace
@@ -267,7 +284,7 @@ TEST(Query, WalksApartOfEverySelection)
 {
 	Random random(22);
 	const int steps = setting("CLOD_WALK_STEPS", 500);
-	int clear[kSelections][2] = {}, total[kSelections][2] = {}, contacts = 0;
+	Tally tallies[kSelections][2];  // with the gap, contacts only
 	for (const BodyPair& pair : pairs())
 		for (int kind = 0; kind < kSelections; ++kind)
 		{
@@ -275,55 +292,47 @@ TEST(Query, WalksApartOfEverySelection)
 			double level = 0.1;
 			const OwnThreshold own = [&](const Place& place)
 			{ return level * radius * (1.1 + std::sin(place.center.x / radius)); };
-			PairCache cache;
-			QueryResult result;
-			Settings settings = selection(random, kind, radius, own);
-			Transform pose = poseWithGap(random, pair.a, pair.b, 0.1);
-			Vec3 way, turn;
-			for (int step = 0; step < steps; ++step)
+			Walk walk{pair, {}, {}};
+			Transform& pose = walk.pose;
+			for (int done = 0; done < steps; done += 60)
 			{
-				if (step % 60 == 0)
+				pose = poseWithGap(random, pair.a, pair.b, uniform(random, 0.01, 0.3));
+				const double size = std::pow(10, uniform(random, -5, -2.5)) * radius;
+				Vec3 way = size * (0.5 * randomDirection(random) - normalized(pose.translation));
+				if (random() % 3 == 0) way = -1.0 * way;
+				walk.settings = selection(random, kind, radius, own);
+				Metric& metric = walk.settings.metric;
+				const auto move = [&](int step)
 				{
-					pose = poseWithGap(random, pair.a, pair.b, uniform(random, 0.01, 0.3));
-					const double size = std::pow(10, uniform(random, -5, -2.5)) * radius;
-					way = size * (0.5 * randomDirection(random) - normalized(pose.translation));
-					if (random() % 3 == 0) way = -1.0 * way;
-					settings = selection(random, kind, radius, own);
-				}
-				if (step % 20 == 0)
-				{
-					Metric& metric = settings.metric;
-					metric.velocity.linear = std::pow(10, uniform(random, -2, 1)) * radius * randomDirection(random);
-					metric.velocity.angular = std::pow(10, uniform(random, -2, 1)) * randomDirection(random);
-					metric.view.eye = uniform(random, 0, 20) * radius * randomDirection(random);
-					level = std::pow(10, uniform(random, -3, 0));
-					settings.sweep = random() % 3 ? Sweep{} : Sweep{2.0 * way, {}};
-				}
-				pose.translation += way;
-				pose.rotation = randomRotation(random, 0.1 * length(way) / radius) * pose.rotation;
-				settings.metric.velocity.linear +=
-					0.02 * length(settings.metric.velocity.linear) * randomDirection(random);
-				settings.metric.view.eye += 0.02 * length(settings.metric.view.eye) * randomDirection(random);
-				query(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache, result);
-				const QueryResult expected = fresh(pair, pose, settings);
-				ASSERT_EQ(difference(result, expected), "")
-					<< pair.a.name << ", " << kSelectionNames[kind] << " step " << step << ": +- " << result.errorBound
-					<< ", fresh +- " << expected.errorBound << ", still clear " << result.stats.stillClear
-					<< ", contacts only " << settings.contactsOnly << ", gap error " << settings.gapError;
-				contacts += !result.contacts.empty();
-				if (!expected.contacts.empty()) continue;
-				clear[kind][settings.contactsOnly] += int(result.stats.stillClear);
-				++total[kind][settings.contactsOnly];
+					if (step % 20 == 0)
+					{
+						metric.velocity.linear =
+							std::pow(10, uniform(random, -2, 1)) * radius * randomDirection(random);
+						metric.velocity.angular = std::pow(10, uniform(random, -2, 1)) * randomDirection(random);
+						metric.view.eye = uniform(random, 0, 20) * radius * randomDirection(random);
+						level = std::pow(10, uniform(random, -3, 0));
+						walk.settings.sweep = random() % 3 ? Sweep{} : Sweep{2.0 * way, {}};
+					}
+					pose.translation += way;
+					pose.rotation = randomRotation(random, 0.1 * length(way) / radius) * pose.rotation;
+					metric.velocity.linear += 0.02 * length(metric.velocity.linear) * randomDirection(random);
+					metric.view.eye += 0.02 * length(metric.view.eye) * randomDirection(random);
+				};
+				Tally& tally = tallies[kind][walk.settings.contactsOnly];
+				ASSERT_NO_FATAL_FAILURE(go(walk, std::min(60, steps - done), tally, move)) << kSelectionNames[kind];
 			}
 		}
+	int contacts = 0;
 	for (int kind = 0; kind < kSelections; ++kind)
-	{
-		const auto share = [&](int only) { return 100.0 * clear[kind][only] / std::max(1, total[kind][only]); };
-		std::printf("%s: apart and still clear, gap %.0f %%, contacts only %.0f %%\n", kSelectionNames[kind], share(0),
-					share(1));
-		EXPECT_GT(share(0), 30) << kSelectionNames[kind];
-		EXPECT_GT(share(1), 30) << kSelectionNames[kind];
-	}
+		for (const int only : {0, 1})
+		{
+			const Tally& tally = tallies[kind][only];
+			const double share = 100.0 * tally.stillClear / std::max(1, tally.queries - tally.withContacts);
+			std::printf("%s, %s: %.0f %% of the queries apart still clear\n", kSelectionNames[kind],
+						only ? "contacts only" : "gap", share);
+			EXPECT_GT(share, 30) << kSelectionNames[kind] << only;
+			contacts += tally.withContacts;
+		}
 	EXPECT_GT(contacts, steps / 4);
 }
 
@@ -332,43 +341,34 @@ TEST(Query, WalksApartOfEverySelection)
 TEST(Query, ThresholdsThatRiseAreSeenAtOnce)
 {
 	Random random(23);
-	int stillClear = 0, changes = 0, total = 0;
+	Tally tally;
 	for (const BodyPair& pair : pairs())
-		for (int walk = 0; walk < 30; ++walk)
+		for (int i = 0; i < 30; ++i)
 		{
 			const double radius = smallerRadius(pair.a, pair.b);
 			double level = 0;
 			const OwnThreshold own = [&](const Place&) { return level; };
 			Settings settings;
 			settings.tolerance = 1e-4 * radius;
-			settings.contactsOnly = walk % 2 == 0;
-			Metric& metric = settings.metric;
-			if (walk % 3 == 0) metric.velocity.time = 1;
-			if (walk % 3 == 1) metric.view.pixels = metric.view.pixelSize = 1;
-			if (walk % 3 == 2) metric.own = &own;
-			Transform pose = poseWithGap(random, pair.a, pair.b, uniform(random, 0.002, 0.02));
+			settings.contactsOnly = i % 2 == 0;
+			if (i % 3 == 0) settings.metric.velocity.time = 1;
+			if (i % 3 == 1) settings.metric.view.pixels = settings.metric.view.pixelSize = 1;
+			if (i % 3 == 2) settings.metric.own = &own;
+			Walk walk{pair, poseWithGap(random, pair.a, pair.b, uniform(random, 0.002, 0.02)), settings};
 			const Vec3 way = 1e-5 * radius * randomDirection(random);
-			PairCache cache;
-			QueryResult result;
-			bool touched = false;
-			for (int step = 0; step < 120; ++step)
+			const auto move = [&](int step)
 			{
-				pose.translation += way;
+				walk.pose.translation += way;
 				if (step % 12 == 0) level = (step % 24 == 0 ? 1e-4 : 3.0) * radius;
-				metric.velocity.linear = {level, 0, 0};
-				metric.view.nearest = level;
-				query(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache, result);
-				ASSERT_EQ(difference(result, fresh(pair, pose, settings)), "")
-					<< pair.a.name << " walk " << walk << " step " << step << ", still clear "
-					<< result.stats.stillClear;
-				stillClear += int(result.stats.stillClear);
-				changes += touched == result.contacts.empty();
-				touched = !result.contacts.empty();
-				++total;
-			}
+				walk.settings.metric.velocity.linear = {level, 0, 0};
+				walk.settings.metric.view.nearest = level;
+			};
+			ASSERT_NO_FATAL_FAILURE(go(walk, 120, tally, move)) << "walk " << i;
 		}
-	std::printf("%d queries, %d still clear, contacts came or went %d times\n", total, stillClear, changes);
-	EXPECT_GT(stillClear, total / 10);
+	const int changes = tally.came + tally.went;
+	std::printf("%d queries, %d still clear, contacts came or went %d times\n", tally.queries, tally.stillClear,
+				changes);
+	EXPECT_GT(tally.stillClear, tally.queries / 10);
 	EXPECT_GT(changes, 20);
 }
 
@@ -378,7 +378,8 @@ TEST(Query, ThresholdsThatRiseAreSeenAtOnce)
 TEST(Query, BodiesApartAreLookedAtWhenCoarseHullsComeApartAgain)
 {
 	Random random(18);
-	int stillClear = 0, vanished = 0, total = 0;
+	Tally tally;
+	int vanished = 0;
 	for (const BodyPair& pair : pairs())
 		for (int approach = 0; approach < setting("CLOD_RETURNS", 40); ++approach)
 		{
@@ -387,37 +388,26 @@ TEST(Query, BodiesApartAreLookedAtWhenCoarseHullsComeApartAgain)
 			settings.tolerance = uniform(random, 5e-4, 15e-4) * radius;
 			settings.metric.maxError = share * radius;
 			settings.contactsOnly = true;
-			Transform pose = poseWithGap(random, pair.a, pair.b, 1.5 * share);
-			const Vec3 step = -5e-4 * radius * normalized(pose.translation);
-			PairCache cache;
-			QueryResult result;
+			Walk walk{pair, poseWithGap(random, pair.a, pair.b, 1.5 * share), settings};
+			const Vec3 step = -5e-4 * radius * normalized(walk.pose.translation);
 			std::size_t before = 0;
-			const auto look = [&](int i)
+			for (int i = 0; i < 400 && walk.result.contacts.size() < 20; ++i)
 			{
-				query(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache, result);
-				ASSERT_EQ(difference(result, fresh(pair, pose, settings)), "")
-					<< pair.a.name << " approach " << approach << " step " << i << ", share " << share << ", tolerance "
-					<< settings.tolerance / radius << " of the radius";
-				stillClear += int(result.stats.stillClear);
-				++total;
-			};
-			for (int i = 0; i < 400 && result.contacts.size() < 20; ++i)
-			{
-				ASSERT_NO_FATAL_FAILURE(look(i));
-				const bool vanishes = before > 0 && result.contacts.empty();
-				before = result.contacts.size();
+				ASSERT_NO_FATAL_FAILURE(ask(walk, tally)) << "approach " << approach;
+				const bool vanishes = before > 0 && walk.result.contacts.empty();
+				before = walk.result.contacts.size();
 				vanished += int(vanishes);
 				if (vanishes)
 				{
-					pose.translation -= 0.4 * step;
-					ASSERT_NO_FATAL_FAILURE(look(i));
-					pose.translation += 0.4 * step;
+					walk.pose.translation -= 0.4 * step;
+					ASSERT_NO_FATAL_FAILURE(ask(walk, tally)) << "approach " << approach;
+					walk.pose.translation += 0.4 * step;
 				}
-				pose.translation += step;
+				walk.pose.translation += step;
 			}
 		}
-	std::printf("%d queries, %d still clear, contacts vanished in %d\n", total, stillClear, vanished);
-	EXPECT_GT(stillClear, total / 20);
+	std::printf("%d queries, %d still clear, contacts vanished in %d\n", tally.queries, tally.stillClear, vanished);
+	EXPECT_GT(tally.stillClear, tally.queries / 20);
 	EXPECT_GT(vanished, 2);
 }
 
