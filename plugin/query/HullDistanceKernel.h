@@ -115,9 +115,9 @@ HullDistance hullDistance(const ConvexHull& a, const ConvexHull& b, const Relati
 	for (; result.iterations < kMaxIterations; ++result.iterations)
 	{
 		// The support planes across the current direction bound the distance from below.
-		const Vec3 unit = normalized(towardsA);
 		Corner corner;
-		supportAgainst(a, b, pose, unit, moveB, corner);
+		supportAgainst(a, b, pose, towardsA, moveB, corner);
+		const Vec3 unit = normalized(towardsA);  // the corner need not wait for it
 		const double lower = dot(corner.point, unit) - pose.rounding;
 		if (lower > result.lower)
 		{

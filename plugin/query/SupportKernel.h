@@ -34,20 +34,40 @@ CLOD_INLINED void keepBetter(Values& value, Indices& index, const Values& otherV
 	index = other ? otherIndex : index;
 }
 
+// Lane by lane the vertices from i on, where they are better.
+CLOD_INLINED void keepGreater(const HullView& hull, std::uint32_t i, const Indices& index, const Vec3& direction,
+							  Values& best, Indices& bestIndex)
+{
+	Values value;
+	valuesAt(hull, i, direction, value);
+	const Indices greater = value > best;
+	best = greater ? value : best;
+	bestIndex = greater ? index : bestIndex;
+}
+
 // hull.count > 0. Padding repeats the last vertex, hence never wins against it.
 CLOD_INLINED std::uint32_t supportVertex(const HullView& hull, const Vec3& direction)
 {
 	static_assert(kVertexLanes == 4);
-	Values best, value;
-	Indices bestIndex{0, 1, 2, 3}, index = bestIndex;
+	constexpr std::uint32_t kTwo = 2 * kVertexLanes;
+	Values best;
+	Indices bestIndex{0, 1, 2, 3};
 	valuesAt(hull, 0, direction, best);
-	for (std::uint32_t i = kVertexLanes; i < hull.count; i += kVertexLanes)
+	if (hull.count > kVertexLanes)
 	{
-		index += kVertexLanes;
-		valuesAt(hull, i, direction, value);
-		const Indices greater = value > best;
-		best = greater ? value : best;
-		bestIndex = greater ? index : bestIndex;
+		// Two chains, of every other group of four: a comparison waits for the one before.
+		Values second;
+		Indices secondIndex = bestIndex + kVertexLanes, index = bestIndex;
+		valuesAt(hull, kVertexLanes, direction, second);
+		std::uint32_t i = kTwo;
+		for (; i + kVertexLanes < hull.count; i += kTwo)
+		{
+			index += kTwo;
+			keepGreater(hull, i, index, direction, best, bestIndex);
+			keepGreater(hull, i + kVertexLanes, index + kVertexLanes, direction, second, secondIndex);
+		}
+		if (i < hull.count) keepGreater(hull, i, index + kTwo, direction, best, bestIndex);
+		keepBetter(best, bestIndex, second, secondIndex);
 	}
 	keepBetter(best, bestIndex, __builtin_shuffle(best, Indices{2, 3, 0, 1}),
 			   __builtin_shuffle(bestIndex, Indices{2, 3, 0, 1}));
