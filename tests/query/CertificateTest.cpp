@@ -22,14 +22,6 @@ struct BoundCounts
 	std::vector<double> sharesApart, sharesOverlapping;
 };
 
-double deviationOfNearest(const BodyPair& pair, const QueryResult& result)
-{
-	const Contact& nearest = *std::min_element(result.contacts.begin(), result.contacts.end(),
-											   [](const Contact& l, const Contact& r) { return l.upper < r.upper; });
-	return double(pair.a.hierarchy->node(nearest.nodeA).deviation) +
-		   double(pair.b.hierarchy->node(nearest.nodeB).deviation);
-}
-
 // The gap by triangles at the poses of a seed: asked for once, whatever the settings.
 GapInterval truthOf(std::uint64_t seed, std::size_t index, const BodyPair& pair, const Transform& pose)
 {
@@ -65,7 +57,8 @@ void checkBounds(const Settings& settings, std::uint64_t seed, BoundCounts& coun
 			counts.unproven += result.errorBound == std::numeric_limits<double>::infinity();
 			if (!result.contacts.empty())
 			{
-				const double share = result.errorBound / deviationOfNearest(pair, result);
+				const double share =
+					result.errorBound / deviationOfNearest(*pair.a.hierarchy, *pair.b.hierarchy, result);
 				(truth.low > 0 ? counts.sharesApart : counts.sharesOverlapping).push_back(share);
 			}
 			EXPECT_TRUE(result.deep || result.errorBound <= scaled.metric.maxError)

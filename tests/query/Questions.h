@@ -22,6 +22,14 @@ inline std::vector<BodyPair> pairs()
 			{body("box", 12), body("torus", 900)}};
 }
 
+// Certified, of the nearest contact's two nodes. Precondition: there is one.
+inline double deviationOfNearest(const Hierarchy& a, const Hierarchy& b, const QueryResult& result)
+{
+	const Contact& nearest = *std::min_element(result.contacts.begin(), result.contacts.end(),
+											   [](const Contact& l, const Contact& r) { return l.upper < r.upper; });
+	return double(a.node(nearest.nodeA).deviation) + double(b.node(nearest.nodeB).deviation);
+}
+
 inline Settings exactSettings(double tolerance)
 {
 	Settings settings;
