@@ -16,7 +16,7 @@
 namespace clod
 {
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
-inline constexpr double kSharpness = 0.85;      // of s0 of the size metric: no worse is the gap known
+inline constexpr double kSharpness = 0.85;      // of the largest s0: no worse is the gap known
 inline constexpr double kDepthAccuracy = 1e-6;  // of the smaller radius: how exactly a depth is searched at least
 
 // Refines as long as the budget pays for it and for the answer.
@@ -87,14 +87,17 @@ public:
 private:
 	// The error that the gap may have.
 	double gapLimit() const { return std::min(m_settings.gapError, m_settings.metric.maxError); }
-	// The nodes prove less than asked for, or than the size metric lets expect, and the input surfaces prove more. What
-	// a budget cut short is left so, but for gapError.
+	// The nodes prove less than asked for, or, of a gap within the tolerance, than the threshold s0 lets expect
+	// wherever it is largest, and the input surfaces prove more. What a budget cut short is left so, but for gapError.
 	bool isTooCoarse() const
 	{
-		const double limit = std::min(gapLimit(), kSharpness * m_settings.metric.weightedDeviation);
-		if (m_settings.contactsOnly || m_result.deep || !(m_result.errorBound > limit)) return false;
-		if (m_isOfSurfaces || m_inputOnly) return false;
-		return m_settings.gapError < kInfinity || !m_settings.budget.isLimited() || m_state.refinement.isComplete();
+		const double bound = m_result.errorBound;
+		if (m_settings.contactsOnly || m_result.deep || m_isOfSurfaces || m_inputOnly) return false;
+		const bool isUnfinished = m_settings.budget.isLimited() && !m_state.refinement.isComplete();
+		if (m_settings.gapError == kInfinity && isUnfinished) return false;
+		if (bound > gapLimit()) return true;
+		const double s0 = StopRule::thresholds(m_context, m_settings.metric).most;
+		return !m_result.contacts.empty() && bound > kSharpness * s0;
 	}
 
 	// Gap and bound as far as the accepted pairs prove them.

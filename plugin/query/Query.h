@@ -42,8 +42,8 @@ struct Settings
 	bool distance = false;  // signed gap at any separation (the tolerance then only limits the contact list)
 	// The signed gap is known to within so much, whatever answers: where the nodes near prove less, or their hulls
 	// overlap, it is that of the input surfaces (their nearest pair, or a depth searched in them). >= 0; infinite: as
-	// the nodes prove it where none overlap, but to 0.85 of metric.weightedDeviation at least. metric.maxError asks for
-	// the same gap, and for contacts as exact besides.
+	// the nodes prove it where none overlap, with contacts to 0.85 of the metric's largest threshold s0 at least.
+	// metric.maxError asks for the same gap, and for contacts as exact besides.
 	double gapError = kOff;
 	bool paper = false;  // paper's culling (d + h_a + h_b); needs isPaperBuild() on both
 	// Contacts without the signed gap: where hulls overlap no depth is searched (minDistance 0, errorBound inf); deep
