@@ -21,12 +21,14 @@ constexpr int kStride = 8;                            // steps out, then as many
 constexpr double kHullGapShare = 0.1;                 // of the radius; Bullet keeps points up to some 2 % apart
 constexpr double kFirstShift = 0.02, kLastShift = 2;  // of the radius
 
-bool touches(const Hierarchy& a, const Hierarchy& b, const PoseRow& poses, double tolerance)
+bool touches(const Hierarchy& a, const Hierarchy& b, const PoseRow& poses, double tolerance,
+			 const ContactMetric& metric = ContactMetric::exactly())
 {
-	Settings settings;
-	settings.metric.exact = true;
-	settings.tolerance = tolerance;
-	settings.contactsOnly = true;
+	ReplayOptions options;
+	options.metric = metric;
+	options.tolerance.value = tolerance;
+	options.contactsOnly = true;
+	const Settings settings = settingsOf(options, a, b, poses, {});
 	PairCache cache;
 	QueryResult result;
 	query(a, b, relativePose(poses, meshFromBody(a), meshFromBody(b)), settings, cache, result);
@@ -68,8 +70,14 @@ Pose moved(Pose pose, const Vec3& by)
 class PoseFinder
 {
 public:
-	PoseFinder(const HierarchyPointer& a, const HierarchyPointer& b, double tolerance)
-		: m_a(*a), m_b(*b), m_meshA(inputSurface(*a)), m_meshB(inputSurface(*b)), m_tolerance(tolerance)
+	PoseFinder(const HierarchyPointer& a, const HierarchyPointer& b, double tolerance,
+			   const std::vector<Threshold>& thresholds)
+		: m_a(*a),
+		  m_b(*b),
+		  m_meshA(inputSurface(*a)),
+		  m_meshB(inputSurface(*b)),
+		  m_tolerance(tolerance),
+		  m_thresholds(thresholds)
 	{
 		m_radius = smallerRadius(*a, *b);
 	}
@@ -81,8 +89,8 @@ public:
 			if (touches(m_a, m_b, poses[i], m_tolerance)) found.push_back(poses[i]);
 		return found;
 	}
-	// B moved from each, along an axis or diagonal of the world; rows from which the boxes come apart first are
-	// dropped.
+	// B moved from each, along an axis or diagonal of the world, until no threshold finds anything near; rows from
+	// which the boxes come apart first are dropped.
 	std::vector<PoseRow> apart(const std::vector<PoseRow>& touching) const
 	{
 		std::vector<PoseRow> found;
@@ -106,7 +114,9 @@ private:
 				PoseRow away = row;
 				away.b = moved(row.b, shift);
 				if (!overlap(boxA, {boxB.low + shift, boxB.high + shift})) continue;
-				if (touches(m_a, m_b, away, room)) continue;
+				const auto isNear = [&](const Threshold& threshold)
+				{ return touches(m_a, m_b, away, room, threshold.metric); };
+				if (std::any_of(m_thresholds.begin(), m_thresholds.end(), isNear)) continue;
 				row = away;
 				return true;
 			}
@@ -115,6 +125,7 @@ private:
 	const Hierarchy &m_a, &m_b;
 	ModelMesh m_meshA, m_meshB;
 	double m_tolerance, m_radius;
+	const std::vector<Threshold>& m_thresholds;
 };
 
 // The poses of one state as rows of one pass.
@@ -194,7 +205,7 @@ std::vector<IdleRow> measureIdle(const HierarchyPointer& a, const HierarchyPoint
 								 const std::vector<PoseRow>& poses, const std::vector<Threshold>& thresholds,
 								 const PairFrame& frame, const IdleOptions& options)
 {
-	const PoseFinder finder(a, b, frame.tolerance);
+	const PoseFinder finder(a, b, frame.tolerance, thresholds);
 	const std::vector<PoseRow> touching = finder.touching(poses, options.poses), apart = finder.apart(touching);
 	const ModelMesh hull = roundHull(smallerRadius(*a, *b));
 	PairFrame hullFrame = frame;

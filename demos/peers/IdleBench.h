@@ -14,7 +14,8 @@ inline constexpr int kIdleHullVertices = 32;
 
 enum class IdleState
 {
-	apartMoving,     // nothing within the tolerance; B moves by 0.05 % of the radius before every dispatch
+	apartMoving,     // nothing within the tolerance at any threshold; B moves by 0.05 % of the radius before every
+					 // dispatch
 	apartUnchanged,  // the same without motion
 	touchingUnchanged
 };

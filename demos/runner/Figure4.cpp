@@ -140,7 +140,7 @@ std::string plotScript(const std::vector<Curve>& curves, const std::string& csv)
 	std::string text =
 		pngTerminal(1900, 1500) +
 		"set datafile separator \",\"\nset logscale y\nset format y \"%g\"\nset grid xtics ytics lc rgb \"#dddddd\"\n"
-		"set multiplot layout 3,2 margins 0.06,0.985,0.10,0.92 spacing 0.06,0.05 title \"Spoon in a cup: exact and at "
+		"set multiplot layout 3,2 margins 0.075,0.985,0.10,0.92 spacing 0.06,0.05 title \"Spoon in a cup: exact and at "
 		"thresholds of the cup's opening radius (Figure 4 of the paper)\" font \"DejaVu Sans,20\"\n";
 	for (std::size_t panel = 0; panel < std::size(panels); ++panel)
 		for (const Mode& mode : kModes)
