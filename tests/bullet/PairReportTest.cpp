@@ -16,7 +16,7 @@ namespace
 {
 std::shared_ptr<const Hierarchy> ring()
 {
-	static const Body body = bodyOf("ring", torusMesh(1, 0.3, 32, 16));
+	static const Body body = bodyOf("ring", torusMesh(1, 0.3, 24, 12));
 	return body.hierarchy;
 }
 std::shared_ptr<const Hierarchy> plate(double thickness)

@@ -42,7 +42,7 @@ double outside(const Hierarchy& hierarchy, int level, int face, const Vec3& poin
 
 std::shared_ptr<const Hierarchy> ring()
 {
-	static const Body body = bodyOf("ring", torusMesh(1, 0.3, 32, 16));
+	static const Body body = bodyOf("ring", torusMesh(1, 0.3, 24, 12));
 	return body.hierarchy;
 }
 std::shared_ptr<const Hierarchy> plate()
