@@ -104,7 +104,7 @@ TEST(PairReport, LevelsAgainstAPlaneAreThoseOfThePoints)
 	EXPECT_GT(coarsest, 1u);
 }
 
-// Coarse contacts are off by more than the thinner of two walls: said in the report, in the step's sums, and once aloud.
+// Coarse contacts are off by more than the thinner wall: said in the report, in the step's sums, and once aloud.
 TEST(PairReport, ContactsTooLooseForAWallAreSaid)
 {
 	for (const bool isThin : {true, false})

@@ -84,7 +84,8 @@ TEST(StaleAnswers, BodiesApartAreLookedAtOnceTheirSweepBringsThemTogether)
 				settings.contactsOnly = contactsOnly;
 				settings.sweep = c.before;
 				History history{{cubeBody(), rodBody()}, over, settings};
-				const std::string where = std::string(c.name) + (isExact ? ", exact" : "") + (contactsOnly ? "" : ", gap");
+				const std::string where =
+					std::string(c.name) + (isExact ? ", exact" : "") + (contactsOnly ? "" : ", gap");
 				EXPECT_EQ(history.ask(), "") << where;
 				ASSERT_TRUE(history.settle({1e-4, 0, 0})) << where;
 				ASSERT_EQ(history.result.stats.stillClear, 1u) << where;
