@@ -339,6 +339,45 @@ TEST(BulletBudget, GoesToTheWorstPairFirst)
 	EXPECT_LE(half.excess, shares.excess);
 }
 
+// Pairs of very different metrics, each with all it can do at every budget: while one exceeds its metric by more than
+// another did at first, that other is not touched.
+TEST(BulletBudget, RefinesNoPairWhileAnotherIsWorse)
+{
+	Toruses scene(true);
+	scene.run(60, kOff);
+	scene.context.pairMetric = [&scene](const btCollisionObject& a, const btCollisionObject& b, ContactMetric& metric)
+	{
+		double share = 1e-4;
+		for (std::size_t i = 0; i < 4; ++i)
+			if (&a == &scene.body(2 * i + 1) || &b == &scene.body(2 * i + 1)) share *= i == 0 ? 8 : i == 2 ? 64 : 1;
+		metric = ContactMetric::deviationShare(share);
+		return true;
+	};
+	const auto excesses = [&scene](double tests)
+	{
+		scene.detect(tests);
+		std::vector<double> all;
+		scene.context.forEachPair([&all](const PairReport& pair) { all.push_back(pair.result->excess); });
+		return all;
+	};
+	const std::vector<double> none = excesses(0);
+	ASSERT_EQ(none.size(), 4u);
+	int waited = 0;
+	const Toruses::Step least = scene.detect(0), full = scene.detect(1e9);
+	for (double tests = double(least.tests); tests < double(full.tests); tests *= 1.1)
+	{
+		const std::vector<double> now = excesses(std::floor(tests));
+		for (std::size_t i = 0; i < now.size(); ++i)
+			for (std::size_t other = 0; other < now.size(); ++other)
+			{
+				EXPECT_TRUE(now[other] <= none[i] || now[i] == none[i])
+					<< "with " << tests << " tests: " << now[i] << " of " << none[i] << ", but " << now[other];
+				waited += now[other] < none[other] && now[i] == none[i] && none[i] > 0;
+			}
+	}
+	EXPECT_GT(waited, 10);
+}
+
 TEST(BulletBudget, SharesStayNearTheBudget)
 {
 	Toruses scene(false);

@@ -292,6 +292,7 @@ TEST(Lifecycle, TwoRunsGiveTheSameBitsInEitherOrderOfCreation)
 		EXPECT_LT(heightOf(body), 1);
 	}
 	EXPECT_EQ(hashes[0], hashes[1]);
+	EXPECT_EQ(hashes[0], hashes[2]);
 }
 
 TEST(Lifecycle, ANotFinitePoseIsIgnored)

@@ -3,6 +3,7 @@
 // written with right checksums, and must be refused by the loader or named by the checker.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 
 #include "builder/Lod.h"
@@ -108,6 +109,24 @@ const Fault kFaults[] = {
 	 [](HierarchyContent& c)
 	 {
 		 const double turned[4] = {std::sin(0.3), 0, 0, std::cos(0.3)};
+		 std::copy(turned, turned + 4, c.asset.principal);
+	 },
+	 "mass-properties"},
+	// Twice what the checker allows.
+	{"VolumeSlightlyOff", [](HierarchyContent& c) { c.asset.volume *= 1 + 2e-6; }, "mass-properties"},
+	{"InertiaSlightlyOff",
+	 [](HierarchyContent& c)
+	 {
+		 const double largest = std::max({c.asset.inertia[0], c.asset.inertia[1], c.asset.inertia[2]});
+		 c.asset.inertia[5] += 2e-6 * largest;
+	 },
+	 "mass-properties"},
+	{"PrincipalAxesSlightlyOff",  // about the axis of a ring, in the plane of it and another
+	 [](HierarchyContent& c)
+	 {
+		 // 1e-5 radians turn a difference of moments of near half the largest one into 4e-6 of it beside the diagonal.
+		 const double half = 5e-6, *q = c.asset.principal;
+		 const double turned[4] = {q[0] + half * q[3], q[1] + half * q[2], q[2] - half * q[1], q[3] - half * q[0]};
 		 std::copy(turned, turned + 4, c.asset.principal);
 	 },
 	 "mass-properties"},

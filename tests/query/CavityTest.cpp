@@ -188,4 +188,49 @@ TEST(Cavity, GapsAndDepthsInAHollowBoxAreThoseByHand)
 		}
 	EXPECT_GT(std::min({counts.apart, counts.near, counts.overlapping}), 2);
 }
+
+// Both surfaces in one.
+builder::Mesh joined(builder::Mesh mesh, const builder::Mesh& other, const Vec3& offset)
+{
+	const auto first = std::uint32_t(mesh.vertices.size());
+	for (const Vec3& v : other.vertices) mesh.vertices.push_back(v + offset);
+	for (const auto& t : other.triangles) mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+	return mesh;
+}
+
+// A bubble under each face keeps the hulls of the faces thin: deep between them no hull is near, and only a point that
+// is inside tells. Depth by hand: of the corner nearest to the middle, below the outer faces.
+TEST(Cavity, WhatLiesDeepInTheSolidMeetsNoHullAndIsInsideAllTheSame)
+{
+	constexpr double half = 0.04, bubble = 0.002, small = 0.002, at = 0.02, below = half - at + small;
+	builder::Mesh mesh = boxMesh({half, half, half}, 1);
+	for (int face = 0; face < 6; ++face)
+	{
+		builder::Mesh hole = boxMesh({bubble, bubble, bubble}, 1);
+		Vec3 middle;
+		middle[face % 3] = (face < 3 ? 1 : -1) * (half - 2 * bubble);
+		for (Vec3& v : hole.vertices) v += middle;
+		mesh = hollow(mesh, hole);
+	}
+	const Body box = bodyOf("box with bubbles", mesh);
+	const builder::Mesh cubeMesh = boxMesh({small, small, small}, 1);
+	const Body cube = bodyOf("cube", cubeMesh);
+	// The origin is in the middle between the two.
+	constexpr double apart = 0.15;
+	const Body pairOfCubes = bodyOf("two cubes", joined(joined({}, cubeMesh, {0, 0, 0.5 * apart}), cubeMesh,
+														{0, 0, -0.5 * apart}));
+	Counts counts;
+	for (int corner = 0; corner < 8; ++corner)
+	{
+		const Vec3 place{corner & 1 ? at : -at, corner & 2 ? at : -at, corner & 4 ? at : -at};
+		const Transform pose{Transform{}.rotation, place};
+		const Transform oneOfTwo{pose.rotation, place + Vec3{0, 0, 0.5 * (corner & 4 ? apart : -apart)}};
+		ASSERT_TRUE(fresh({box, cube}, pose, exactSettings(0)).contacts.empty()) << "no hull meets it";
+		const GapInterval truth{-below - 1e-8, -below + 1e-8};
+		checkAll({box, cube}, pose, truth, "cube at corner " + std::to_string(corner), counts);
+		checkAll({box, pairOfCubes}, oneOfTwo, truth, "one of two at corner " + std::to_string(corner), counts);
+	}
+	EXPECT_EQ(counts.overlapping, 16);
+	EXPECT_EQ(counts.deep, 16 * 2 * 2 * 6);
+}
 }  // namespace

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a pair reports of its answer, reckoned once more from its contacts: levels, certified error, and when that is
+// too loose for a wall.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "tests/bullet/BulletWorld.h"
+#include "tests/query/Bodies.h"
+#include "tests/support/Meshes.h"
+
+namespace clod::test
+{
+namespace
+{
+std::shared_ptr<const Hierarchy> ring()
+{
+	static const Body body = bodyOf("ring", torusMesh(1, 0.3, 24, 12));
+	return body.hierarchy;
+}
+std::shared_ptr<const Hierarchy> plate(double thickness)
+{
+	return bodyOf("plate", boxMesh({2, 0.5 * thickness, 2}, 1)).hierarchy;
+}
+
+// A torus that lies on something whose top is at height 0, or a hair above it.
+struct Lying : BulletWorld
+{
+	btRigidBody& body = addBody(addShape(ring()), 1, {0.1, 0.3, -0.05});
+
+	explicit Lying(btCollisionShape* ground, double thickness)
+	{
+		addBody(*ground, 0, {0, -0.5 * thickness, 0});
+		world.getDispatchInfo().m_timeStep = btScalar(timeStep);
+	}
+	PairReport with(const ContactMetric& metric)
+	{
+		context.worldMetric = metric;
+		world.performDiscreteCollisionDetection();
+		PairReport report;
+		context.forEachPair([&](const PairReport& pair) { report = pair; });
+		return report;
+	}
+};
+
+struct ByHand
+{
+	std::uint32_t finest = kNone, coarsest = 0;
+	double error = 0;
+};
+ByHand byHand(const PairReport& pair)
+{
+	ByHand sums;
+	for (const Contact& contact : pair.result->contacts)
+	{
+		const Node &a = pair.hierarchyA->node(contact.nodeA), &b = pair.hierarchyB->node(contact.nodeB);
+		sums.finest = std::min({sums.finest, a.level, b.level});
+		sums.coarsest = std::max({sums.coarsest, a.level, b.level});
+		sums.error = std::max({sums.error, double(a.cover) + double(b.cover), double(a.protrude) + double(b.protrude)});
+	}
+	return sums;
+}
+}  // namespace
+
+TEST(PairReport, LevelsAndErrorAreThoseOfTheContacts)
+{
+	btClodShape ground(plate(0.5));
+	Lying scene(&ground, 0.5);
+	int mixed = 0;
+	for (const double share : {0.0, 0.01, 0.5, 1.0, 3.0, 10.0})
+	{
+		const PairReport report = scene.with(ContactMetric::deviationShare(share));
+		ASSERT_FALSE(report.result->contacts.empty());
+		const ByHand expected = byHand(report);
+		EXPECT_EQ(report.finestLevel, expected.finest) << share;
+		EXPECT_EQ(report.coarsestLevel, expected.coarsest) << share;
+		EXPECT_DOUBLE_EQ(report.contactError, expected.error) << share;
+		mixed += expected.finest < expected.coarsest;
+	}
+	EXPECT_GT(mixed, 2);
+}
+
+// Against a plane only the torus has levels: those of the points' nodes are between the two reported.
+TEST(PairReport, LevelsAgainstAPlaneAreThoseOfThePoints)
+{
+	btStaticPlaneShape ground(btVector3(0, 1, 0), 0);
+	Lying scene(&ground, 0);
+	std::uint32_t coarsest = 0;
+	for (const double share : {0.0, 0.01, 0.1, 1.0})
+	{
+		const PairReport report = scene.with(ContactMetric::deviationShare(share));
+		ASSERT_GT(report.points, 0u);
+		EXPECT_LE(report.finestLevel, report.coarsestLevel);
+		for (const ContactCluster& cluster : report.clusters->slots)
+			for (int i = 0; i < cluster.count; ++i)
+			{
+				const std::uint32_t level = report.hierarchyA->node(cluster.points[std::size_t(i)].point.nodeA).level;
+				EXPECT_GE(level, report.finestLevel);
+				EXPECT_LE(level, report.coarsestLevel);
+			}
+		coarsest = std::max(coarsest, report.coarsestLevel);
+	}
+	EXPECT_GT(coarsest, 1u);
+}
+
+// Coarse contacts are off by more than the thinner wall: said in the report, in the step's sums, and once aloud.
+TEST(PairReport, ContactsTooLooseForAWallAreSaid)
+{
+	for (const bool isThin : {true, false})
+	{
+		const double thickness = isThin ? 0.01 : 0.5;
+		btClodShape ground(plate(thickness));
+		Lying scene(&ground, thickness);
+		for (int again = 0; again < 2; ++again)
+		{
+			const PairReport fine = scene.with(ContactMetric::exactly());
+			EXPECT_FALSE(fine.loose);
+			EXPECT_EQ(scene.context.lastStep().loosePairs, 0u);
+			const PairReport coarse = scene.with(ContactMetric::deviationShare(10));
+			const double wall = std::min(double(coarse.hierarchyA->asset().thinnestWall),
+										 double(coarse.hierarchyB->asset().thinnestWall));
+			ASSERT_GT(wall, 0);
+			ASSERT_EQ(coarse.contactError > wall, isThin) << coarse.contactError << " " << wall;
+			EXPECT_EQ(coarse.loose, isThin);
+			const StepStatistics sums = scene.context.lastStep();
+			EXPECT_EQ(sums.loosePairs, isThin ? 1u : 0u);
+			const auto says = [](const std::vector<std::string>& messages)
+			{
+				return std::count_if(messages.begin(), messages.end(), [](const std::string& message)
+									 { return message.find("error bound") != std::string::npos; });
+			};
+			EXPECT_EQ(says(sums.warnings), isThin ? 1 : 0);
+			EXPECT_EQ(says(scene.warnings), isThin ? 1 : 0);
+		}
+	}
+}
+}  // namespace clod::test

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How long what was tried in vain is left be, counted.
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "clod/query/Patience.h"
+#include "tests/query/Questions.h"
+#include "tests/support/Meshes.h"
+
+namespace
+{
+using namespace clod;
+using namespace clod::test;
+
+// Turns until it is over.
+int waits(Patience& patience)
+{
+	int turns = 0;
+	for (; !patience.isOver(); ++turns) EXPECT_LT(turns, 1000);
+	return turns;
+}
+
+TEST(Patience, WaitsTwiceAsLongEachTimeUpToALimitAndNotAfterASuccess)
+{
+	for (const int most : {15, 63, 20})
+	{
+		Patience patience{std::uint32_t(most)};
+		EXPECT_EQ(waits(patience), 0);
+		for (const int expected : {1, 3, 7, 15, 31, 63, 127})
+		{
+			patience.fail();
+			EXPECT_EQ(waits(patience), std::min(expected, most)) << most;
+			EXPECT_EQ(waits(patience), 0) << most;  // over till it fails again
+		}
+		patience.succeed();
+		EXPECT_EQ(waits(patience), 0);
+		patience.fail();
+		EXPECT_EQ(waits(patience), 1);
+	}
+}
+
+// Bodies far apart that leap between two places: the search of how far they may go is used `uses` times, by steps that
+// are no leap. Returns the leaps after which it was made.
+std::vector<int> searches(int leaps, int uses)
+{
+	const Body cube = bodyOf("cube", boxMesh({1, 1, 1}, 2));
+	Settings settings = exactSettings(0.01);
+	settings.contactsOnly = true;
+	PairCache cache;
+	QueryResult result;
+	std::vector<int> found;
+	double side = 0;
+	for (int leap = 0; leap < leaps; ++leap)
+	{
+		for (int step = 0; step <= uses; ++step)
+		{
+			const Transform pose{{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}},
+								 {10.0, leap % 2 == 0 ? 30.0 : -30.0, side += 1e-9}};
+			query(*cube.hierarchy, *cube.hierarchy, pose, settings, cache, result);
+			// A traversal compares the two roots' boxes alone.
+			const bool isSearched = result.stats.boxTests + result.stats.hullTests > 1;
+			if (isSearched) found.push_back(leap);
+			EXPECT_TRUE(step == 0 || result.stats.stillClear || found.empty() || found.back() != leap) << leap;
+		}
+	}
+	return found;
+}
+
+TEST(Patience, ASearchThatIsNotUsedIsMadeAgainLaterAndLater)
+{
+	EXPECT_EQ(searches(330, 0), (std::vector<int>{0, 2, 6, 14, 30, 62, 126, 190, 254, 318}));
+}
+TEST(Patience, ASearchIsWorthItsCostForFourQueries)
+{
+	EXPECT_EQ(searches(6, 4), (std::vector<int>{0, 1, 2, 3, 4, 5}));
+	EXPECT_LT(searches(6, 3).size(), 6u);
+}
+}  // namespace
