@@ -3,7 +3,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-packages=(g++ cmake ninja-build pkg-config git
+packages=(g++ clang-16 clang-tidy-16 cmake ninja-build pkg-config git
 	libbullet-dev libcgal-dev libeigen3-dev libosmesa6-dev libgtest-dev
 	libcli11-dev nlohmann-json3-dev libfmt-dev libpng-dev libcairo2-dev libxxhash-dev libtinygltf-dev
 	fonts-dejavu-core ffmpeg gnuplot-nox)
