@@ -56,13 +56,13 @@ CLOD_INLINED std::uint32_t bitsOf(const Bits& mask)
 CLOD_INLINED void transpose(Lanes (&m)[8])
 {
 	Lanes t[8], s[8];
-	for (int i = 0; i < 4; ++i)
+	for (std::size_t i = 0; i < 4; ++i)
 	{
 		t[2 * i] = __builtin_shufflevector(m[2 * i], m[2 * i + 1], 0, 8, 1, 9, 4, 12, 5, 13);
 		t[2 * i + 1] = __builtin_shufflevector(m[2 * i], m[2 * i + 1], 2, 10, 3, 11, 6, 14, 7, 15);
 	}
-	for (int i = 0; i < 2; ++i)
-		for (int k = 0; k < 2; ++k)
+	for (std::size_t i = 0; i < 2; ++i)
+		for (std::size_t k = 0; k < 2; ++k)
 		{
 			s[4 * i + 2 * k] = __builtin_shufflevector(t[4 * i + k], t[4 * i + k + 2], 0, 1, 8, 9, 4, 5, 12, 13);
 			s[4 * i + 2 * k + 1] = __builtin_shufflevector(t[4 * i + k], t[4 * i + k + 2], 2, 3, 10, 11, 6, 7, 14, 15);
