@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Zlib
-# Sourced by demo and test: installs the Debian packages, configures and builds the release preset.
+# Sourced by the other scripts: installs the Debian packages, configures and builds a preset.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -7,6 +7,7 @@ packages=(g++ cmake ninja-build pkg-config git
 	libbullet-dev libcgal-dev libeigen3-dev libosmesa6-dev libgtest-dev
 	libcli11-dev nlohmann-json3-dev libfmt-dev libpng-dev libcairo2-dev libxxhash-dev libtinygltf-dev
 	fonts-dejavu-core ffmpeg gnuplot-nox)
+clang_packages=(clang-16 clang-tidy-16)  # of tests only
 
 say() { printf '\n== %s\n' "$*"; }
 
@@ -32,17 +33,19 @@ install_packages()
 	"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
 }
 
-# build TARGET...: configures build/release and builds the targets (all without any). Arguments before -- go to cmake.
+# build TARGET...: configures build/$build_preset and builds the targets (all without any), with $configure_options.
 build()
 {
-	say "Building build/release (log: build/release/build.log)"
-	mkdir -p build/release
-	cmake --preset release "${configure_options[@]}" >build/release/build.log 2>&1 || { tail -n 40 build/release/build.log; exit 1; }
+	local folder=build/$build_preset
+	say "Building $folder (log: $folder/build.log)"
+	mkdir -p "$folder"
+	cmake --preset "$build_preset" "${configure_options[@]}" >"$folder/build.log" 2>&1 || { tail -n 40 "$folder/build.log"; exit 1; }
 	local targets=()
 	[ $# -eq 0 ] || targets=(--target "$@")
-	cmake --build --preset release "${targets[@]}" | tee -a build/release/build.log | awk -v tty="$([ -t 1 ] && echo 1)" '
+	cmake --build --preset "$build_preset" "${targets[@]}" | tee -a "$folder/build.log" | awk -v tty="$([ -t 1 ] && echo 1)" '
 		/^\[[0-9]+\/[0-9]+\]/ { split(substr($1, 2), n, "[/\\]]"); p = int(10 * n[1] / n[2]); if (tty) printf "\r  %s of %s", n[1], n[2]; else if (p != last) { printf "  %d %%\n", 10 * p; last = p }; fflush(); next }
 		/error|warning|FAILED/ { print; fflush() }
 		END { if (tty) printf "\n" }'
 }
 configure_options=(-DCLOD_BUILD_REPAIR=ON)
+build_preset=release

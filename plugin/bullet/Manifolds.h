@@ -87,16 +87,17 @@ private:
 	static bool isOn(const Ground& ground, const WorldFrame& frame);
 	bool mayKeep(const WorldFrame& frame, const btManifoldResult& out) const;
 	void beginWrite(const ClusterSet& clusters);
-	bool openSlot(int slot, const ContactCluster& cluster, const WorldFrame& frame, btManifoldResult& out);
+	bool openSlot(int index, const ContactCluster& cluster, const WorldFrame& frame, btManifoldResult& out);
 	void writePoint(const ClusterPoint& point, const WorldFrame& frame, btManifoldResult& out);
-	void closeSlot(int slot, btManifoldResult& out);
+	void closeSlot(int index, btManifoldResult& out);
 	void endWrite(const ClusterSet& clusters, const WorldFrame& frame, const btManifoldResult& out);
 
 	btDispatcher& m_dispatcher;
 	btPersistentManifold* m_shared;
 	std::array<Slot, kMaxClusters> m_slots;
-	std::array<btManifoldPoint, kMaxClusters * kClusterPoints> m_old;  // what readImpulses found
-	std::array<bool, kMaxClusters * kClusterPoints> m_found{};
+	static constexpr std::size_t kMaxPoints = std::size_t(kMaxClusters) * kClusterPoints;
+	std::array<btManifoldPoint, kMaxPoints> m_old;  // what readImpulses found
+	std::array<bool, kMaxPoints> m_found{};
 	std::optional<Ground> m_ground;  // of the last write, where its points may stay
 	// The slot being written.
 	std::array<btManifoldPoint, kClusterPoints> m_fresh;

@@ -28,7 +28,7 @@ std::string readBlock(std::ifstream& stream, std::uint64_t size, std::vector<std
 	std::vector<std::byte> start(std::size_t(std::min<std::uint64_t>(size, kFileStartBytes)));
 	stream.read(reinterpret_cast<char*>(start.data()), std::streamsize(start.size()));
 	if (!stream) return "cannot be read";
-	const std::string problem = checkFileStart(start, size);
+	std::string problem = checkFileStart(start, size);
 	if (!problem.empty()) return problem;
 	bytes.resize(std::size_t(size));
 	std::copy(start.begin(), start.end(), bytes.begin());

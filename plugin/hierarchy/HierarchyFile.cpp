@@ -36,7 +36,7 @@ std::uint64_t hashOfStart(std::vector<std::byte> start)
 bool isLittleEndian()
 {
 	const std::uint32_t mark = kEndianMark;
-	unsigned char first;
+	unsigned char first = 0;
 	std::memcpy(&first, &mark, 1);
 	return first == 1;
 }

@@ -4,6 +4,10 @@
 #pragma once
 #include <cmath>
 
+#ifndef CLOD_ARITHMETIC
+#define CLOD_ARITHMETIC clients  // ours is `exact`, from the build
+#endif
+
 namespace clod
 {
 struct Vec3
@@ -12,6 +16,31 @@ struct Vec3
 	double& operator[](int i) { return i == 0 ? x : i == 1 ? y : z; }
 	double operator[](int i) const { return i == 0 ? x : i == 1 ? y : z; }
 };
+
+// Row-major 3x3 matrix.
+struct Mat3
+{
+	Vec3 row[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+	Vec3 column(int i) const { return {row[0][i], row[1][i], row[2][i]}; }
+};
+
+// A proper rigid motion. The rotation is orthonormal to rounding; fromQuaternion normalises its input.
+struct Transform
+{
+	Mat3 rotation;
+	Vec3 translation;
+};
+
+// What files store: 12 bytes, no padding.
+struct Float3
+{
+	float x = 0, y = 0, z = 0;
+};
+
+// What computes is named by who compiles it: a program may be built for fused or fast arithmetic, and of functions of
+// one name a linker keeps any.
+inline namespace CLOD_ARITHMETIC
+{
 inline Vec3 operator+(const Vec3& a, const Vec3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 inline Vec3 operator-(const Vec3& a, const Vec3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 inline Vec3 operator-(const Vec3& a) { return {-a.x, -a.y, -a.z}; }
@@ -36,12 +65,6 @@ inline Vec3 normalized(const Vec3& a)
 }
 inline bool isFinite(const Vec3& a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
 
-// Row-major 3x3 matrix.
-struct Mat3
-{
-	Vec3 row[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-	Vec3 column(int i) const { return {row[0][i], row[1][i], row[2][i]}; }
-};
 inline Vec3 operator*(const Mat3& m, const Vec3& v) { return {dot(m.row[0], v), dot(m.row[1], v), dot(m.row[2], v)}; }
 inline Mat3 transposed(const Mat3& m) { return {{m.column(0), m.column(1), m.column(2)}}; }
 inline Mat3 operator*(const Mat3& a, const Mat3& b)
@@ -50,13 +73,7 @@ inline Mat3 operator*(const Mat3& a, const Mat3& b)
 	return {{bt * a.row[0], bt * a.row[1], bt * a.row[2]}};
 }
 
-// A proper rigid motion. The rotation is orthonormal to rounding; fromQuaternion normalises its input.
-struct Transform
-{
-	Mat3 rotation;
-	Vec3 translation;
-	Vec3 operator*(const Vec3& p) const { return rotation * p + translation; }
-};
+inline Vec3 operator*(const Transform& t, const Vec3& p) { return t.rotation * p + t.translation; }
 inline Transform operator*(const Transform& a, const Transform& b)
 {
 	return {a.rotation * b.rotation, a.rotation * b.translation + a.translation};
@@ -75,11 +92,6 @@ inline Mat3 rotationFromQuaternion(double x, double y, double z, double w)
 			 {s * (x * z - w * y), s * (y * z + w * x), 1 - s * (x * x + y * y)}}};
 }
 
-// What files store: 12 bytes, no padding.
-struct Float3
-{
-	float x = 0, y = 0, z = 0;
-};
 inline Vec3 toVec3(const Float3& v) { return {double(v.x), double(v.y), double(v.z)}; }
 inline Vec3 toVec3(const float (&v)[3]) { return {double(v[0]), double(v[1]), double(v[2])}; }
 // GCC 12 at -O2 pairs float conversions into vectors and then cancels (double)(float)x as if it were exact: the volatile
@@ -100,4 +112,5 @@ inline float roundDown(double x)
 	return -roundUp(-x);
 }
 inline Float3 toFloat3(const Vec3& v) { return {roundToFloat(v.x), roundToFloat(v.y), roundToFloat(v.z)}; }
+}  // namespace CLOD_ARITHMETIC
 }  // namespace clod

@@ -56,21 +56,21 @@ CLOD_INLINED std::uint32_t bitsOf(const Bits& mask)
 CLOD_INLINED void transpose(Lanes (&m)[8])
 {
 	Lanes t[8], s[8];
-	for (int i = 0; i < 4; ++i)
+	for (std::size_t i = 0; i < 4; ++i)
 	{
-		t[2 * i] = __builtin_shuffle(m[2 * i], m[2 * i + 1], Bits{0, 8, 1, 9, 4, 12, 5, 13});
-		t[2 * i + 1] = __builtin_shuffle(m[2 * i], m[2 * i + 1], Bits{2, 10, 3, 11, 6, 14, 7, 15});
+		t[2 * i] = __builtin_shufflevector(m[2 * i], m[2 * i + 1], 0, 8, 1, 9, 4, 12, 5, 13);
+		t[2 * i + 1] = __builtin_shufflevector(m[2 * i], m[2 * i + 1], 2, 10, 3, 11, 6, 14, 7, 15);
 	}
-	for (int i = 0; i < 2; ++i)
-		for (int k = 0; k < 2; ++k)
+	for (std::size_t i = 0; i < 2; ++i)
+		for (std::size_t k = 0; k < 2; ++k)
 		{
-			s[4 * i + 2 * k] = __builtin_shuffle(t[4 * i + k], t[4 * i + k + 2], Bits{0, 1, 8, 9, 4, 5, 12, 13});
-			s[4 * i + 2 * k + 1] = __builtin_shuffle(t[4 * i + k], t[4 * i + k + 2], Bits{2, 3, 10, 11, 6, 7, 14, 15});
+			s[4 * i + 2 * k] = __builtin_shufflevector(t[4 * i + k], t[4 * i + k + 2], 0, 1, 8, 9, 4, 5, 12, 13);
+			s[4 * i + 2 * k + 1] = __builtin_shufflevector(t[4 * i + k], t[4 * i + k + 2], 2, 3, 10, 11, 6, 7, 14, 15);
 		}
 	for (int i = 0; i < 4; ++i)
 	{
-		m[i] = __builtin_shuffle(s[i], s[i + 4], Bits{0, 1, 2, 3, 8, 9, 10, 11});
-		m[i + 4] = __builtin_shuffle(s[i], s[i + 4], Bits{4, 5, 6, 7, 12, 13, 14, 15});
+		m[i] = __builtin_shufflevector(s[i], s[i + 4], 0, 1, 2, 3, 8, 9, 10, 11);
+		m[i + 4] = __builtin_shufflevector(s[i], s[i + 4], 4, 5, 6, 7, 12, 13, 14, 15);
 	}
 }
 
@@ -145,8 +145,9 @@ CLOD_INLINED void apartAlong(const Axis& axis, const Axis& between, const Axis* 
 }
 
 // Of the origin from the segment between p and p + move.
-CLOD_INLINED void toSegment(Axis p, const Axis& move, Lanes& distance)
+CLOD_INLINED void toSegment(const Axis& from, const Axis& move, Lanes& distance)
 {
+	Axis p = from;
 	const Lanes zero{}, one = zero + 1.0F;
 	Lanes along, squared;
 	product(p, move, along);

@@ -26,12 +26,32 @@ CLOD_INLINED void supportAgainst(const ConvexHull& a, const ConvexHull& b, const
 				 std::uint64_t(sweptB) << 1 | std::uint64_t(moved);
 }
 
-// By the number of corners: lanes that are free. By the bits of the corners that stay: their lanes, packed; how many.
+// By the number of corners: lanes that are free. By the bits of the corners that stay: their lanes, packed, in halves as
+// AVX2 moves them; how many.
 constexpr Indices kFree[4]{{-1, -1, -1, -1}, {0, -1, -1, -1}, {0, 0, -1, -1}, {0, 0, 0, -1}};
-constexpr Indices kPacked[16]{{0, 0, 0, 0}, {0, 0, 0, 0}, {1, 1, 1, 1}, {0, 1, 1, 1}, {2, 2, 2, 2}, {0, 2, 2, 2},
-							  {1, 2, 2, 2}, {0, 1, 2, 2}, {3, 3, 3, 3}, {0, 3, 3, 3}, {1, 3, 3, 3}, {0, 1, 3, 3},
-							  {2, 3, 3, 3}, {0, 2, 3, 3}, {1, 2, 3, 3}, {0, 1, 2, 3}};
+constexpr std::int32_t kPacked[16][8]{
+	{0, 1, 0, 1, 0, 1, 0, 1}, {0, 1, 0, 1, 0, 1, 0, 1}, {2, 3, 2, 3, 2, 3, 2, 3}, {0, 1, 2, 3, 2, 3, 2, 3},
+	{4, 5, 4, 5, 4, 5, 4, 5}, {0, 1, 4, 5, 4, 5, 4, 5}, {2, 3, 4, 5, 4, 5, 4, 5}, {0, 1, 2, 3, 4, 5, 4, 5},
+	{6, 7, 6, 7, 6, 7, 6, 7}, {0, 1, 6, 7, 6, 7, 6, 7}, {2, 3, 6, 7, 6, 7, 6, 7}, {0, 1, 2, 3, 6, 7, 6, 7},
+	{4, 5, 6, 7, 6, 7, 6, 7}, {0, 1, 4, 5, 6, 7, 6, 7}, {2, 3, 4, 5, 6, 7, 6, 7}, {0, 1, 2, 3, 4, 5, 6, 7}};
 constexpr int kCount[16]{0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4};
+
+template <class Vector>
+CLOD_INLINED void packed(const std::int32_t (&lanes)[8], Vector& v)
+{
+#ifdef CLOD_WIDE
+	__m256i halves;
+	std::memcpy(&halves, lanes, sizeof halves);
+	v = (Vector)_mm256_permutevar8x32_epi32((__m256i)v, halves);
+#else
+	const Vector from = v;
+	for (int i = 0; i < 4; ++i) v[i] = from[lanes[2 * i] / 2];
+#endif
+}
+CLOD_INLINED void packed(const std::int32_t (&lanes)[8], Points& points)
+{
+	packed(lanes, points.x), packed(lanes, points.y), packed(lanes, points.z);
+}
 
 // Up to four corners, a lane each; free lanes repeat the last one. No lane is written to memory by itself: vectors are
 // read back at once.
@@ -61,13 +81,10 @@ struct Simplex
 	CLOD_INLINED void keepWeighted(SimplexPoint& nearest)
 	{
 		const unsigned kept = bitsOf(nearest.weight > 0.0);
-		const Indices lanes = kPacked[kept];
+		const auto& lanes = kPacked[kept];
 		count = kCount[kept];
-		shuffled(Points(point), lanes, point);
-		shuffled(Points(onA), lanes, onA);
-		key = __builtin_shuffle(key, lanes);
-		const Values packed = __builtin_shuffle(nearest.weight, lanes);
-		nearest.weight = (Indices{} + std::int64_t(count) > Indices{0, 1, 2, 3}) ? packed : Values{};
+		packed(lanes, point), packed(lanes, onA), packed(lanes, key), packed(lanes, nearest.weight);
+		nearest.weight = (Indices{} + std::int64_t(count) > Indices{0, 1, 2, 3}) ? nearest.weight : Values{};
 	}
 	CLOD_INLINED double squaredSize() const
 	{

@@ -91,9 +91,9 @@ class Threshold
 public:
 	// fastest: no point of either body moves faster relative to the other. Where even that stays below the floor, the
 	// velocity metric is the constant floor.
-	Threshold(const Metric& metric, double fastest) : m_metric(metric)
+	Threshold(const Metric& metric, double fastest)
+		: m_metric(metric), m_constant(metric.combine == Combine::kStrict ? kOff : kUnset)
 	{
-		m_constant = metric.combine == Combine::kStrict ? kOff : kUnset;
 		if (metric.weightedDeviation < kOff) add(m_constant, metric.weightedDeviation);
 		m_moves = metric.velocity.time < kOff && metric.velocity.time * fastest > metric.velocity.floor;
 		if (metric.velocity.time < kOff && !m_moves) add(m_constant, metric.velocity.floor);

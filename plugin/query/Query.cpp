@@ -205,8 +205,8 @@ std::string settingsError(const Hierarchy& a, const Hierarchy& b, const Settings
 		return text("tolerance", settings.tolerance) + ", but must be a finite length >= 0";
 	if (!(settings.gapError >= 0)) return text("gapError", settings.gapError) + ", but must be >= 0";
 	if (!isFinite(settings.sweep.linear) || !isFinite(settings.sweep.angular)) return "sweep is not finite";
-	if (const std::string error = metricError(settings.metric); !error.empty()) return error;
-	if (const std::string error = budgetError(settings.budget); !error.empty()) return error;
+	if (std::string error = metricError(settings.metric); !error.empty()) return error;
+	if (std::string error = budgetError(settings.budget); !error.empty()) return error;
 	if (settings.budget.isLimited() && settings.distance)
 		return "a budget is set, but distance is too: a gap at any separation cannot be cut short";
 	if (settings.paper && !(a.isPaperBuild() && b.isPaperBuild()))

@@ -11,7 +11,7 @@ namespace clod
 struct QueryContext
 {
 	QueryContext(const Hierarchy& hierarchyA, const Hierarchy& hierarchyB, const Transform& aFromB,
-				 const Sweep& sweep = {});
+				 const Sweep& motion = {});
 
 	const Hierarchy& a;
 	const Hierarchy& b;

@@ -33,9 +33,12 @@ CLOD_INLINED void product(const Points& a, const Points& b, Points& r)
 {
 	r.x = a.y * b.z - a.z * b.y, r.y = a.z * b.x - a.x * b.z, r.z = a.x * b.y - a.y * b.x;
 }
-CLOD_INLINED void shuffled(const Points& a, const Indices& lanes, Points& r)
+template <const int (&lanes)[4]>
+CLOD_INLINED void shuffled(const Points& a, Points& r)
 {
-	r.x = __builtin_shuffle(a.x, lanes), r.y = __builtin_shuffle(a.y, lanes), r.z = __builtin_shuffle(a.z, lanes);
+	r.x = __builtin_shufflevector(a.x, a.x, lanes[0], lanes[1], lanes[2], lanes[3]);
+	r.y = __builtin_shufflevector(a.y, a.y, lanes[0], lanes[1], lanes[2], lanes[3]);
+	r.z = __builtin_shufflevector(a.z, a.z, lanes[0], lanes[1], lanes[2], lanes[3]);
 }
 CLOD_INLINED Vec3 pointOf(const Points& points, int i)
 {
@@ -45,12 +48,12 @@ CLOD_INLINED Vec3 pointOf(const Points& points, int i)
 // The sum, the largest of all lanes.
 CLOD_INLINED double sumOf(const Values& values)
 {
-	const Values halves = values + __builtin_shuffle(values, Indices{2, 3, 0, 1});
+	const Values halves = values + __builtin_shufflevector(values, values, 2, 3, 0, 1);
 	return halves[0] + halves[1];
 }
 CLOD_INLINED double largestOf(const Values& values)
 {
-	const Values other = __builtin_shuffle(values, Indices{2, 3, 0, 1});
+	const Values other = __builtin_shufflevector(values, values, 2, 3, 0, 1);
 	const Values halves = values > other ? values : other;
 	return halves[0] > halves[1] ? halves[0] : halves[1];
 }
@@ -68,9 +71,9 @@ CLOD_INLINED unsigned bitsOf(const Indices& mask)
 // The first lane with the smallest value.
 CLOD_INLINED int smallestLane(const Values& values)
 {
-	Values least = __builtin_shuffle(values, Indices{2, 3, 0, 1});
+	Values least = __builtin_shufflevector(values, values, 2, 3, 0, 1);
 	least = values < least ? values : least;
-	const Values other = __builtin_shuffle(least, Indices{1, 0, 3, 2});
+	const Values other = __builtin_shufflevector(least, least, 1, 0, 3, 2);
 	least = least < other ? least : other;
 	return __builtin_ctz(bitsOf(values == least) | 16) & 3;
 }
@@ -170,15 +173,17 @@ CLOD_INLINED void closestOnSegment(const Points& corner, SimplexPoint& result)
 }
 
 // Edges side by side, in each corner's lane that to the next one; the first again in the last lane.
+constexpr int kEdgeStart[4]{0, 1, 2, 0}, kEdgeEnd[4]{1, 2, 0, 1}, kFirst[4]{0, 0, 0, 0}, kThird[4]{2, 2, 2, 2};
+
 CLOD_INLINED void closestOnTriangle(const Points& corner, SimplexPoint& result)
 {
 	const Values zero{};
 	Points p, q, edge, toFirst, normal, side, at;
-	shuffled(corner, Indices{0, 1, 2, 0}, p);
-	shuffled(corner, Indices{1, 2, 0, 1}, q);
+	shuffled<kEdgeStart>(corner, p);
+	shuffled<kEdgeEnd>(corner, q);
 	difference(q, p, edge);
-	shuffled(edge, Indices{2, 2, 2, 2}, toFirst);
-	shuffled(edge, Indices{0, 0, 0, 0}, normal);
+	shuffled<kThird>(edge, toFirst);
+	shuffled<kFirst>(edge, normal);
 	product(toFirst, Points(normal), normal);
 	product(p, edge, side);
 	// Barycentric coordinates of the projection, of the corner across from the edge; a negative one names an edge that
@@ -226,14 +231,14 @@ CLOD_INLINED void enclosure(const Points& corner, const Points& gradient, Simple
 }
 
 // Corner of the face in each lane: the first, second, third; the lane's own is opposite.
-constexpr Indices kFaceA{1, 0, 0, 0}, kFaceB{2, 3, 1, 2}, kFaceC{3, 2, 3, 1};
+constexpr int kFaceA[4]{1, 0, 0, 0}, kFaceB[4]{2, 3, 1, 2}, kFaceC[4]{3, 2, 3, 1};
 
 CLOD_INLINED void closestOnTetrahedron(const Points& corner, SimplexPoint& result)
 {
 	Points a, b, c, ab, ac, toOpposite, normal, gradient;
-	shuffled(corner, kFaceA, a);
-	shuffled(corner, kFaceB, b);
-	shuffled(corner, kFaceC, c);
+	shuffled<kFaceA>(corner, a);
+	shuffled<kFaceB>(corner, b);
+	shuffled<kFaceC>(corner, c);
 	difference(b, a, ab);
 	difference(c, a, ac);
 	difference(corner, a, toOpposite);

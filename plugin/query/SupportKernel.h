@@ -69,9 +69,9 @@ CLOD_INLINED std::uint32_t supportVertex(const HullView& hull, const Vec3& direc
 		if (i < hull.count) keepGreater(hull, i, index + kTwo, direction, best, bestIndex);
 		keepBetter(best, bestIndex, second, secondIndex);
 	}
-	keepBetter(best, bestIndex, __builtin_shuffle(best, Indices{2, 3, 0, 1}),
-			   __builtin_shuffle(bestIndex, Indices{2, 3, 0, 1}));
-	keepBetter(best, bestIndex, __builtin_shuffle(best, Indices{1, 0, 3, 2}),
-			   __builtin_shuffle(bestIndex, Indices{1, 0, 3, 2}));
+	keepBetter(best, bestIndex, __builtin_shufflevector(best, best, 2, 3, 0, 1),
+			   __builtin_shufflevector(bestIndex, bestIndex, 2, 3, 0, 1));
+	keepBetter(best, bestIndex, __builtin_shufflevector(best, best, 1, 0, 3, 2),
+			   __builtin_shufflevector(bestIndex, bestIndex, 1, 0, 3, 2));
 	return std::uint32_t(bestIndex[0]);
 }
