@@ -3,7 +3,7 @@
 #pragma once
 #include <vector>
 
-#include "clod/hierarchy/Vector.h"
+#include "clod/collide/Vector.h"
 
 namespace clod::builder
 {

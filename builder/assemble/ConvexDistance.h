@@ -4,7 +4,7 @@
 #pragma once
 #include <cstddef>
 
-#include "clod/hierarchy/Vector.h"
+#include "clod/collide/Vector.h"
 
 namespace clod::builder
 {

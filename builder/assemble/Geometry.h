@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "clod/hierarchy/Vector.h"
+#include "clod/collide/Vector.h"
 
 namespace clod::builder
 {

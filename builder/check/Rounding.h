@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include <clod/hierarchy/Vector.h>
+#include <clod/collide/Vector.h>
 
 namespace clod::check
 {

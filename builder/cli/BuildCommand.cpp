@@ -12,10 +12,10 @@
 #include "builder/cli/Commands.h"
 #include "builder/intake/ReadMesh.h"
 #include "builder/repair/Repair.h"
-#include "demos/cli/Files.h"
-#include "demos/cli/Length.h"
-#include "demos/cli/Program.h"
-#include "demos/cli/Progress.h"
+#include "cli/Files.h"
+#include "cli/Length.h"
+#include "cli/Program.h"
+#include "cli/Progress.h"
 
 namespace clod::builder
 {

@@ -7,8 +7,8 @@
 #include "builder/check/Check.h"
 #include "builder/cli/Commands.h"
 #include "builder/intake/ReadMesh.h"
-#include "demos/cli/Program.h"
-#include "demos/cli/Progress.h"
+#include "cli/Program.h"
+#include "cli/Progress.h"
 
 namespace clod::builder
 {

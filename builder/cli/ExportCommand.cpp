@@ -7,8 +7,8 @@
 
 #include "builder/cli/Commands.h"
 #include "builder/cli/LevelSurface.h"
-#include "demos/cli/Files.h"
-#include "demos/cli/Failure.h"
+#include "cli/Files.h"
+#include "cli/Failure.h"
 
 namespace clod::builder
 {

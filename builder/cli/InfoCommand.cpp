@@ -10,8 +10,8 @@
 
 #include "builder/cli/Commands.h"
 #include "builder/cli/PieceCounts.h"
-#include "demos/cli/Files.h"
-#include "demos/cli/Program.h"
+#include "cli/Files.h"
+#include "cli/Program.h"
 
 namespace clod::builder
 {

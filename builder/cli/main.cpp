@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "builder/cli/Commands.h"
-#include "demos/cli/Program.h"
+#include "cli/Program.h"
 
 int main(int argc, char** argv)
 {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include <clod/hierarchy/Vector.h>
+#include <clod/collide/Vector.h>
 
 namespace clod::builder
 {

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "clod/hierarchy/Vector.h"
+#include "clod/collide/Vector.h"
 
 namespace clod::builder
 {

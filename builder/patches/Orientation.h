@@ -2,7 +2,7 @@
 // The exact sign of the volume of a tetrahedron, and planes of triangles.
 // Source: J. R. Shewchuk, Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates, 1997.
 #pragma once
-#include "clod/hierarchy/Vector.h"
+#include "clod/collide/Vector.h"
 
 namespace clod::builder
 {

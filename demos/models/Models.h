@@ -5,7 +5,7 @@
 // arguments give the same bytes.
 #pragma once
 #include <clod/hierarchy/Result.h>
-#include <clod/hierarchy/Vector.h>
+#include <clod/collide/Vector.h>
 
 #include <array>
 #include <cstddef>

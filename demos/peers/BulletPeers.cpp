@@ -7,13 +7,13 @@
 #include <clod/bullet/Context.h>
 #include <clod/bullet/btClodCollisionAlgorithm.h>
 #include <clod/bullet/btClodShape.h>
-#include <clod/query/ContactPoints.h>
+#include <clod/manifold/ContactPoints.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <chrono>
 
-#include "demos/cli/Failure.h"
+#include "cli/Failure.h"
 #include "demos/peers/DispatchWorld.h"
 #include "demos/runner/Replay.h"
 #include "demos/scenes/BulletPose.h"

@@ -7,8 +7,8 @@
 #include <cstring>
 #include <limits>
 
-#include "demos/cli/Files.h"
-#include "demos/cli/Program.h"
+#include "cli/Files.h"
+#include "cli/Program.h"
 #include "demos/peers/CoalExchange.h"
 #include "demos/runner/HierarchyCache.h"
 #include "demos/runner/Process.h"

@@ -11,7 +11,7 @@
 #include <map>
 #include <sstream>
 
-#include "demos/cli/Files.h"
+#include "cli/Files.h"
 #include "demos/runner/Penetration.h"
 
 namespace clod::demo

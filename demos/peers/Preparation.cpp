@@ -11,8 +11,8 @@
 #include <filesystem>
 #include <set>
 
-#include "demos/cli/Files.h"
-#include "demos/cli/Program.h"
+#include "cli/Files.h"
+#include "cli/Program.h"
 #include "demos/runner/HierarchyCache.h"
 #include "demos/runner/Process.h"
 

@@ -8,8 +8,8 @@
 #include <chrono>
 #include <limits>
 
-#include "demos/cli/Failure.h"
-#include "demos/cli/Files.h"
+#include "cli/Failure.h"
+#include "cli/Files.h"
 #include "demos/peers/CoalPeer.h"
 #include "demos/runner/Replay.h"
 

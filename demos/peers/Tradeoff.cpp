@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "demos/cli/Failure.h"
+#include "cli/Failure.h"
 #include "demos/runner/Replay.h"
 
 namespace clod::demo

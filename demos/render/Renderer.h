@@ -3,7 +3,7 @@
 // knows neither physics nor scenes: a Frame says all. The same frame gives the same bytes on one machine.
 #pragma once
 #include <clod/hierarchy/Result.h>
-#include <clod/hierarchy/Vector.h>
+#include <clod/collide/Vector.h>
 
 #include <array>
 #include <cstdint>

@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-#include "demos/cli/Failure.h"
+#include "cli/Failure.h"
 #include "demos/runner/Commands.h"
 #include "demos/runner/Gnuplot.h"
 #include "demos/runner/SceneModels.h"

@@ -6,7 +6,7 @@
 
 #include <memory>
 
-#include "demos/cli/Progress.h"
+#include "cli/Progress.h"
 #include "demos/runner/BudgetRuns.h"
 #include "demos/runner/Commands.h"
 #include "demos/runner/SceneModels.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "demos/cli/Program.h"
+#include "cli/Program.h"
 #include "demos/runner/HierarchyCache.h"
 
 namespace CLI

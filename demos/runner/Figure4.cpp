@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "demos/cli/Failure.h"
+#include "cli/Failure.h"
 #include "demos/models/Models.h"
 #include "demos/runner/Commands.h"
 #include "demos/runner/Gnuplot.h"

@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <system_error>
 
-#include "demos/cli/Files.h"
-#include "demos/cli/Program.h"
+#include "cli/Files.h"
+#include "cli/Program.h"
 #include "demos/runner/Process.h"
 
 namespace clod::demo

@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "demos/cli/Files.h"
-#include "demos/cli/Program.h"
+#include "cli/Files.h"
+#include "cli/Program.h"
 #include "demos/runner/HierarchyCache.h"
 #include "demos/runner/Process.h"
 

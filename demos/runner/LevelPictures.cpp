@@ -9,7 +9,7 @@
 #include <map>
 #include <tuple>
 
-#include "demos/cli/Failure.h"
+#include "cli/Failure.h"
 #include "demos/render/Overlay.h"
 #include "demos/render/PatchColor.h"
 #include "demos/render/Renderer.h"

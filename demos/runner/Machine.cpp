@@ -7,7 +7,7 @@
 #include <fstream>
 #include <thread>
 
-#include "demos/cli/Version.h"
+#include "cli/Version.h"
 #include "demos/runner/Statistics.h"
 
 namespace clod::demo

@@ -2,7 +2,7 @@
 // clod-bench: the headless benchmark runner.
 #include <CLI/CLI.hpp>
 
-#include "demos/cli/Program.h"
+#include "cli/Program.h"
 #include "demos/runner/Commands.h"
 
 int main(int argc, char** argv)

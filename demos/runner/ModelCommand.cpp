@@ -7,9 +7,9 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "demos/cli/Files.h"
-#include "demos/cli/Progress.h"
-#include "demos/cli/Suggestion.h"
+#include "cli/Files.h"
+#include "cli/Progress.h"
+#include "cli/Suggestion.h"
 #include "demos/models/Models.h"
 #include "demos/runner/Commands.h"
 #include "demos/runner/Statistics.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // When is a pair of bodies moving, when at rest? One definition for scenes, replays and figures.
 #pragma once
-#include "clod/hierarchy/Vector.h"
+#include "clod/collide/Vector.h"
 
 namespace clod::demo
 {

@@ -9,8 +9,8 @@
 #include <map>
 #include <memory>
 
-#include "demos/cli/Failure.h"
-#include "demos/cli/Suggestion.h"
+#include "cli/Failure.h"
+#include "cli/Suggestion.h"
 #include "demos/runner/Commands.h"
 #include "demos/runner/Replay.h"
 #include "demos/runner/SceneModels.h"

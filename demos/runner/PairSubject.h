@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "demos/cli/Length.h"
-#include "demos/cli/Progress.h"
+#include "cli/Length.h"
+#include "cli/Progress.h"
 #include "demos/peers/Roster.h"
 
 namespace CLI

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <memory>
 
-#include "demos/cli/Progress.h"
+#include "cli/Progress.h"
 #include "demos/models/Models.h"
 #include "demos/runner/AreaCurve.h"
 #include "demos/runner/Commands.h"

@@ -10,7 +10,7 @@
 #include <memory>
 #include <vector>
 
-#include "clod/hierarchy/Vector.h"
+#include "clod/collide/Vector.h"
 #include "demos/models/Models.h"
 
 namespace clod::demo

@@ -12,7 +12,7 @@
 #include <csignal>
 #include <cstring>
 
-#include "demos/cli/Program.h"
+#include "cli/Program.h"
 
 namespace clod::demo
 {

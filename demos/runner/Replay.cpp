@@ -11,7 +11,7 @@
 #include <cmath>
 #include <limits>
 
-#include "demos/cli/Failure.h"
+#include "cli/Failure.h"
 #include "demos/runner/Statistics.h"
 
 namespace clod::demo

@@ -10,7 +10,7 @@
 
 #include "clod/query/ContactMetric.h"
 #include "clod/query/Query.h"
-#include "demos/cli/Length.h"
+#include "cli/Length.h"
 #include "demos/runner/Motion.h"
 #include "demos/scenes/CameraPath.h"
 #include "demos/scenes/Poses.h"

@@ -8,7 +8,7 @@
 #include <memory>
 #include <optional>
 
-#include "demos/cli/Progress.h"
+#include "cli/Progress.h"
 #include "demos/runner/Commands.h"
 #include "demos/runner/DispatchBench.h"
 #include "demos/runner/Replay.h"

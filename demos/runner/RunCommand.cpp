@@ -10,7 +10,7 @@
 #include <map>
 #include <memory>
 
-#include "demos/cli/Progress.h"
+#include "cli/Progress.h"
 #include "demos/runner/Commands.h"
 #include "demos/runner/Penetration.h"
 #include "demos/runner/SceneFrames.h"

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <memory>
 
-#include "demos/cli/Progress.h"
+#include "cli/Progress.h"
 #include "demos/runner/Commands.h"
 #include "demos/runner/Replay.h"
 #include "demos/runner/ScalingRuns.h"

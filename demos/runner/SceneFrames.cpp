@@ -10,7 +10,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "demos/cli/Failure.h"
+#include "cli/Failure.h"
 #include "demos/runner/Film.h"
 
 namespace clod::demo

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "demos/cli/Failure.h"
-#include "demos/cli/Suggestion.h"
+#include "cli/Failure.h"
+#include "cli/Suggestion.h"
 #include "demos/runner/Commands.h"
 #include "demos/runner/InputSurface.h"
 

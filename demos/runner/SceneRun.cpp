@@ -9,7 +9,7 @@
 #include <cmath>
 #include <set>
 
-#include "demos/cli/Failure.h"
+#include "cli/Failure.h"
 #include "demos/runner/SceneModels.h"
 #include "demos/runner/Statistics.h"
 

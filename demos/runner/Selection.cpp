@@ -11,8 +11,8 @@
 #include <cstdio>
 #include <vector>
 
-#include "demos/cli/Failure.h"
-#include "demos/cli/Program.h"
+#include "cli/Failure.h"
+#include "cli/Program.h"
 
 namespace clod::demo
 {

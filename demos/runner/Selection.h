@@ -7,7 +7,7 @@
 
 #include "clod/query/ContactMetric.h"
 #include "clod/query/Query.h"
-#include "demos/cli/Length.h"
+#include "cli/Length.h"
 #include "demos/render/Renderer.h"
 #include "demos/scenes/CameraPath.h"
 

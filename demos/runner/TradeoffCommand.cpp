@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <memory>
 
-#include "demos/cli/Progress.h"
-#include "demos/cli/Suggestion.h"
+#include "cli/Progress.h"
+#include "cli/Suggestion.h"
 #include "demos/peers/Roster.h"
 #include "demos/runner/Commands.h"
 #include "demos/runner/PairSubject.h"

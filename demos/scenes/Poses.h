@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "clod/hierarchy/Result.h"
-#include "clod/hierarchy/Vector.h"
+#include "clod/collide/Vector.h"
 
 namespace clod::demo
 {

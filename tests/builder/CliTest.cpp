@@ -12,9 +12,9 @@
 #include <set>
 #include <thread>
 
-#include "demos/cli/Files.h"
-#include "demos/cli/Length.h"
-#include "demos/cli/Suggestion.h"
+#include "cli/Files.h"
+#include "cli/Length.h"
+#include "cli/Suggestion.h"
 #include "tests/builder/ObjText.h"
 #include "tests/support/ChildProgram.h"
 #include "tests/support/Files.h"

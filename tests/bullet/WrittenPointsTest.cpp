@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "clod/bullet/BodyState.h"
-#include "clod/query/ContactPointsSurface.h"
+#include "clod/manifold/ContactPointsSurface.h"
 #include "tests/bullet/CubeOnSlab.h"
 #include "tests/bullet/ManifoldState.h"
 #include "tests/query/Bodies.h"

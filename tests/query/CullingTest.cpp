@@ -8,7 +8,7 @@
 #include <set>
 
 #include "clod/query/HullCull.h"
-#include "clod/query/MotionBound.h"
+#include "clod/collide/MotionBound.h"
 #include "clod/query/QueryContext.h"
 #include "tests/query/Questions.h"
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "clod/query/MotionBound.h"
+#include "clod/collide/MotionBound.h"
 #include "tests/query/Bodies.h"
 
 namespace

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "clod/query/GapCertificate.h"
+#include "clod/distance/GapCertificate.h"
 #include "clod/query/StopRule.h"
 #include "tests/query/Questions.h"
 

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "clod/query/ClippedPolygon.h"
+#include "clod/collide/ClippedPolygon.h"
 #include "tests/query/Bodies.h"
 
 namespace

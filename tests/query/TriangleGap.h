@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "clod/hierarchy/Vector.h"
+#include "clod/collide/Vector.h"
 
 namespace clod::test
 {

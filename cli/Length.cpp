@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Zlib
+#include "cli/Length.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+
+namespace clod::cli
+{
+namespace
+{
+struct Unit
+{
+	const char* name;
+	double factor;
+	bool shareOfRadius;
+};
+constexpr Unit kUnits[] = {{"", 1, false},      {"um", 1e-6, false}, {"mm", 1e-3, false},
+						   {"cm", 1e-2, false}, {"m", 1, false},     {"%", 1e-2, true}};
+}  // namespace
+
+Result<Length> parseLength(const std::string& text)
+{
+	double number = 0;
+	const char* const end = text.data() + text.size();
+	const auto parsed = std::from_chars(text.data(), end, number);
+	if (parsed.ec != std::errc() || !std::isfinite(number))
+		return Error{fmt::format("'{}' is not a length; write 0.5mm, 0.0005 or 1%", text)};
+	if (number < 0) return Error{fmt::format("length '{}' is negative", text)};
+	const std::string suffix(parsed.ptr, end);
+	for (const Unit& unit : kUnits)
+		if (suffix == unit.name)
+		{
+			// Dividing by an exact power of ten rounds once: 0.5mm is the double nearest to 0.0005.
+			const double value = unit.factor < 1 ? number / std::round(1 / unit.factor) : number;
+			return Length{value, unit.shareOfRadius, text};
+		}
+	return Error{fmt::format("'{}' has the unknown unit '{}'; use um, mm, cm, m or %", text, suffix)};
+}
+
+std::string describe(const Length& length, double radius)
+{
+	if (length.shareOfRadius)
+		return fmt::format("{} of the radius {:.6g} = {:.6g}", length.text, radius, length.inMeshUnit(radius));
+	return fmt::format("{} = {:.6g} ({:.4g} % of the radius {:.6g})", length.text, length.value,
+					   radius > 0 ? 100 * length.value / radius : 0, radius);
+}
+
+CLI::Option* addLength(CLI::App& command, const std::string& name, std::optional<Length>& value,
+					   const std::string& description)
+{
+	const auto check = [](std::string& text) -> std::string
+	{
+		const Result<Length> length = parseLength(text);
+		return length ? std::string() : length.error();
+	};
+	const auto store = [&value](const std::string& text) { value = parseLength(text).value(); };
+	return command.add_option_function<std::string>(name, store, description)
+		->check(CLI::Validator(check, "", "length"))
+		->type_name("LEN");
+}
+}  // namespace clod::cli

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Zlib
+#include "cli/Program.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <new>
+
+#include "cli/Files.h"
+#include "cli/Suggestion.h"
+#include "cli/Version.h"
+
+namespace clod::cli
+{
+namespace
+{
+// Only async-signal-safe calls here.
+extern "C" void onInterrupt(int)
+{
+	removePartialFiles();
+	constexpr char text[] = "\ninterrupted\n";
+	[[maybe_unused]] const auto written = write(STDERR_FILENO, text, sizeof(text) - 1);
+	_exit(int(ExitCode::interrupted));
+}
+
+void catchInterrupts()
+{
+	struct sigaction action = {};
+	action.sa_handler = onInterrupt;
+	sigemptyset(&action.sa_mask);
+	sigaction(SIGINT, &action, nullptr);
+	sigaction(SIGTERM, &action, nullptr);
+}
+
+// The innermost subcommand the user chose.
+const CLI::App& chosen(const CLI::App& app)
+{
+	const auto subcommands = app.get_subcommands();
+	return subcommands.empty() ? app : chosen(*subcommands.front());
+}
+
+std::vector<std::string> optionNames(const CLI::App& command)
+{
+	std::vector<std::string> names;
+	for (const CLI::Option* option : command.get_options())
+		for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+	return names;
+}
+
+std::vector<std::string> commandNames(const CLI::App& command)
+{
+	std::vector<std::string> names;
+	for (const CLI::App* subcommand : command.get_subcommands([](const CLI::App*) { return true; }))
+		names.push_back(subcommand->get_name());
+	return names;
+}
+
+// What to say about a command line that cannot be parsed: the first word nobody understood, else CLI11's own sentence.
+std::string explain(const CLI::App& app, const CLI::ParseError& error)
+{
+	const CLI::App& command = chosen(app);
+	for (std::string word : app.remaining(true))
+	{
+		if (word == "--") continue;
+		if (word.size() > 1 && word[0] == '-')
+		{
+			word = word.substr(0, word.find('='));
+			return fmt::format("unknown option {}{}", word, didYouMean(word, optionNames(command)));
+		}
+		const std::vector<std::string> commands = commandNames(command);
+		if (!commands.empty()) return fmt::format("unknown command '{}'{}", word, didYouMean(word, commands));
+		return fmt::format("unexpected argument '{}'", word);
+	}
+	return error.what();
+}
+
+int reportParseError(const CLI::App& app, const CLI::ParseError& error)
+{
+	const std::string path = &chosen(app) == &app ? app.get_name() : app.get_name() + " " + chosen(app).get_name();
+	fmt::print(stderr, "{}: {}\nTry '{} --help'.\n", path, explain(app, error), path);
+	return int(ExitCode::usage);
+}
+
+int fail(const CLI::App& app, ExitCode code, const std::string& message)
+{
+	fmt::print(stderr, "{}: {}\n", app.get_name(), message);
+	return int(code);
+}
+}  // namespace
+
+void addQuiet(CLI::App& command, CommonOptions& options)
+{
+	command.add_flag("--quiet", options.quiet, "No progress on stderr, only errors");
+}
+
+void addJson(CLI::App& command, CommonOptions& options)
+{
+	command.add_option("--json", options.json, "Write a machine-readable report to FILE; - is stdout")
+		->type_name("FILE");
+}
+
+void addSeed(CLI::App& command, CommonOptions& options)
+{
+	command.add_option("--seed", options.seed, "Seed of everything random")->type_name("N")->capture_default_str();
+}
+
+void addThreads(CLI::App& command, CommonOptions& options)
+{
+	command.add_option("--threads", options.threads, "Threads; 0 = all cores. The result is the same for every N")
+		->type_name("N")
+		->check(CLI::Range(0u, 1024u))
+		->capture_default_str();
+}
+
+CLI::Option* addChoice(CLI::App& command, const std::string& name, std::string& value,
+					   const std::vector<std::string>& choices, const std::string& description)
+{
+	const auto check = [choices](std::string& word) -> std::string
+	{
+		for (const std::string& choice : choices)
+			if (word == choice) return {};
+		return fmt::format("'{}' is not one of {}{}", word, fmt::join(choices, ", "), didYouMean(word, choices));
+	};
+	return command.add_option(name, value, description)
+		->check(CLI::Validator(check, fmt::format("{}", fmt::join(choices, "|")), "choice"))
+		->capture_default_str();
+}
+
+void setUpProgram(CLI::App& app, const std::string& licence)
+{
+	app.set_version_flag("--version", versionText(app.get_name(), licence));
+	app.require_subcommand(1);
+	app.fallthrough(false);
+}
+
+int runProgram(CLI::App& app, int argc, char** argv)
+{
+	catchInterrupts();
+	try
+	{
+		app.parse(argc, argv);
+		return int(ExitCode::ok);
+	}
+	catch (const CLI::CallForVersion&)
+	{
+		fmt::print("{}\n", app.version());
+		return int(ExitCode::ok);
+	}
+	catch (const CLI::Success& help)
+	{
+		return app.exit(help);
+	}
+	catch (const CLI::ParseError& error)
+	{
+		return reportParseError(app, error);
+	}
+	catch (const Failure& failure)
+	{
+		return fail(app, failure.code(), failure.what());
+	}
+	catch (const std::bad_alloc&)
+	{
+		return fail(app, ExitCode::limitReached, "out of memory");
+	}
+	catch (const std::exception& error)
+	{
+		return fail(app, ExitCode::failure, error.what());
+	}
+}
+}  // namespace clod::cli

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Zlib
+// The frame of a command-line program: exit codes, parsing with the nearest match on errors, common options,
+// interruption. Results go to stdout or a named file; progress, warnings and errors go to stderr.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "cli/Failure.h"
+
+namespace CLI
+{
+class App;
+class Option;
+}  // namespace CLI
+
+namespace clod::cli
+{
+// Options most commands share. A command adds those it understands.
+struct CommonOptions
+{
+	bool quiet = false;
+	std::string
+		json;  // file for the machine-readable report; "-" = stdout, which then carries nothing else; empty = none
+	std::uint64_t seed = 1;
+	unsigned threads = 0;  // 0 = all cores
+	bool textOnStdout() const { return json != "-"; }
+};
+void addQuiet(CLI::App& command, CommonOptions& options);
+void addJson(CLI::App& command, CommonOptions& options);
+void addSeed(CLI::App& command, CommonOptions& options);
+void addThreads(CLI::App& command, CommonOptions& options);
+
+// An option that takes one of `choices`; anything else is a usage error naming the nearest one.
+CLI::Option* addChoice(CLI::App& command, const std::string& name, std::string& value,
+					   const std::vector<std::string>& choices, const std::string& description);
+
+// Adds --version (see Version.h) and requires one subcommand. `licence` is one sentence.
+void setUpProgram(CLI::App& app, const std::string& licence);
+
+// Parses, runs the callbacks of the chosen subcommand, and maps every outcome to an exit code. SIGINT and SIGTERM end
+// the program with 130 after removing the partial files of Files.h.
+int runProgram(CLI::App& app, int argc, char** argv);
+}  // namespace clod::cli

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Zlib
+// Clusters of contact points as Bullet manifolds, one a cluster. Points are placed by us (Bullet's own matching by the
+// breaking threshold would merge fine teeth) but made by btManifoldResult::addContactPoint, so that friction, flags and
+// the contact callbacks are Bullet's. Impulses follow the points the reducer linked. Where writing would change nothing
+// the points stay and are only refreshed, as Bullet does for every pair.
+#pragma once
+#include <BulletCollision/BroadphaseCollision/btCollisionAlgorithm.h>
+#include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
+#include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
+#include <BulletCollision/CollisionDispatch/btManifoldResult.h>
+
+#include <array>
+#include <optional>
+
+#include "clod/manifold/ContactMemory.h"
+
+namespace clod
+{
+// How clusters become world points: body A and B, and A's pose with the unit's size in world lengths.
+struct WorldFrame
+{
+	const btCollisionObjectWrapper* a = nullptr;
+	const btCollisionObjectWrapper* b = nullptr;
+	bool aIsFirst = true;  // Bullet's order of the pair, which is the manifolds'
+	Transform worldFromA;  // translation in world lengths
+	double scale = 1;      // world lengths a hierarchy unit
+	std::uint32_t levelA = 0, levelB = 0;
+	double breakingThreshold = 0;  // world length
+};
+
+class ManifoldSet
+{
+public:
+	ManifoldSet(btDispatcher& dispatcher, btPersistentManifold* shared);
+	~ManifoldSet();
+	ManifoldSet(const ManifoldSet&) = delete;
+	ManifoldSet& operator=(const ManifoldSet&) = delete;
+
+	// For the clusters that were written last, asked to be written again: does every manifold hold them as they were
+	// left, and would the same be written? Then points age, are refreshed and seen by gContactProcessedCallback, their
+	// impulses are copied into the set, and that is all. False, and nothing done, where anything differs: bodies,
+	// poses, materials, a threshold, a point missing, moved or edited; and wherever gContactAddedCallback, stiffness,
+	// damping, friction anchors or a result of the caller's own want points to be added.
+	bool keep(ClusterSet& written, const WorldFrame& frame, btManifoldResult& out);
+	// Copies last step's impulses from the solver into the set that was written last.
+	void readImpulses(ClusterSet& written);
+	// Levels of a point's nodes come from `levelOf`, called with the point.
+	template <class LevelOf>
+	void write(const ClusterSet& clusters, const WorldFrame& frame, const LevelOf& levelOf, btManifoldResult& out)
+	{
+		beginWrite(clusters);
+		for (int slot = 0; slot < kMaxClusters; ++slot)
+		{
+			const ContactCluster& cluster = clusters.slots[std::size_t(slot)];
+			if (!openSlot(slot, cluster, frame, out)) continue;
+			for (int i = 0; i < cluster.count; ++i)
+			{
+				WorldFrame named = frame;
+				levelOf(cluster.points[std::size_t(i)].point, named.levelA, named.levelB);
+				writePoint(cluster.points[std::size_t(i)], named, out);
+			}
+			closeSlot(slot, out);
+		}
+		endWrite(clusters, frame, out);
+	}
+	void append(btManifoldArray& manifolds) const;
+
+private:
+	struct Slot
+	{
+		btPersistentManifold* manifold = nullptr;
+		int count = 0;
+		btScalar breakingThreshold = 0;
+		// As written: finds the points again.
+		std::array<btVector3, kClusterPoints> localPointA, localPointB, normal;
+	};
+	// What points are made from besides clusters and materials.
+	struct Ground
+	{
+		const btCollisionObject *a = nullptr, *b = nullptr;
+		btTransform poseA, poseB;
+		int childA = -1, childB = -1;  // of a compound
+		bool aIsFirst = true;
+		Transform worldFromA;
+		double scale = 1, breakingThreshold = 0;
+	};
+	static bool isOn(const Ground& ground, const WorldFrame& frame);
+	bool mayKeep(const WorldFrame& frame, const btManifoldResult& out) const;
+	void beginWrite(const ClusterSet& clusters);
+	bool openSlot(int index, const ContactCluster& cluster, const WorldFrame& frame, btManifoldResult& out);
+	void writePoint(const ClusterPoint& point, const WorldFrame& frame, btManifoldResult& out);
+	void closeSlot(int index, btManifoldResult& out);
+	void endWrite(const ClusterSet& clusters, const WorldFrame& frame, const btManifoldResult& out);
+
+	btDispatcher& m_dispatcher;
+	btPersistentManifold* m_shared;
+	std::array<Slot, kMaxClusters> m_slots;
+	static constexpr std::size_t kMaxPoints = std::size_t(kMaxClusters) * kClusterPoints;
+	std::array<btManifoldPoint, kMaxPoints> m_old;  // what readImpulses found
+	std::array<bool, kMaxPoints> m_found{};
+	std::optional<Ground> m_ground;  // of the last write, where its points may stay
+	// The slot being written.
+	std::array<btManifoldPoint, kClusterPoints> m_fresh;
+	int m_freshCount = 0;
+	bool m_wasEmpty = true;
+	btPersistentManifold* m_target = nullptr;
+};
+}  // namespace clod

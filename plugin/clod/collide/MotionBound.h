@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Zlib
+// How far any point of one body has moved relative to the other between two poses: what a cached distance may be wrong
+// by.
+//
+// A point p of B, |p| <= r_B, is seen from A at R p + t. Between poses 1 and 2 it moves by at most
+// |t2 - t1| + |R2 - R1| r_B; the norm of the difference of two rotations is 2 sin(angle / 2) = |R2 - R1|_Frobenius /
+// sqrt 2. Separating axes fixed to B see the points of A move, hence the same bound the other way round; the larger one
+// counts.
+//
+// Based on: conservative advancement (Mirtich 1996), as in Bullet's btConvexSeparatingDistanceUtil.
+#pragma once
+#include <algorithm>
+
+#include "clod/collide/HullDistance.h"
+#include "clod/collide/Sweep.h"
+
+namespace clod
+{
+inline double motionBound(const RelativePose& from, const RelativePose& to, double reachA, double reachB)
+{
+	double turn = 0;
+	for (int i = 0; i < 3; ++i) turn += lengthSquared(to.rotation.row[i] - from.rotation.row[i]);
+	turn = std::sqrt(0.5 * turn);
+	const double ofB = length(to.translation - from.translation) + turn * reachB;
+	const Vec3 originFrom = from.inverseRotation * from.translation, originTo = to.inverseRotation * to.translation;
+	const double ofA = length(originTo - originFrom) + turn * reachA;
+	// Rounding of the two poses and of the axes of the boxes (BoxSeparation.cpp).
+	return (1 + 4e-6) * std::max(ofA, ofB) + from.rounding + to.rounding;
+}
+
+// The same for the part of B within a sphere: a point c + u of it, |u| <= r, moves by (R2 - R1) c + t2 - t1 and, beyond
+// that, by at most |R2 - R1| r. Only B's points count: for what is measured along directions fixed to A.
+class PartMotion
+{
+public:
+	PartMotion() = default;
+	PartMotion(const RelativePose& from, const RelativePose& to)
+		: m_shift(to.translation - from.translation), m_rounding(from.rounding + to.rounding)
+	{
+		for (int i = 0; i < 3; ++i)
+		{
+			m_turn.row[i] = to.rotation.row[i] - from.rotation.row[i];
+			m_spread += lengthSquared(m_turn.row[i]);
+		}
+		m_spread = std::sqrt(0.5 * m_spread);
+	}
+	// Along a unit direction of frame A, to rounding of a float; negative where the whole part moved the other way.
+	double along(const Vec3& direction, const Vec3& center, double radius) const
+	{
+		const Vec3 way = m_turn * center + m_shift;
+		const double rounding = 4e-6 * (std::abs(way.x) + std::abs(way.y) + std::abs(way.z));
+		return dot(direction, way) + rounding + (1 + 4e-6) * m_spread * radius + m_rounding;
+	}
+
+private:
+	Mat3 m_turn{{{}, {}, {}}};
+	Vec3 m_shift;
+	double m_spread = 0, m_rounding = 0;
+};
+
+// How much the sweep of any point of B, or its share along an axis of either body, can have changed between two
+// queries, m being the motion bound between them: a point p went from q0 to q1, |q1 - q0| <= m, and d1(q1) - d0(q0) =
+// (d1 - d0)(t1) + (w1 - w0) x (q1 - t1) + w0 x (q1 - q0), t1 being where the origin of B is.
+inline double sweepChange(const RelativePose& from, const Sweep& before, const RelativePose& to, const Sweep& now,
+						  double motion, double reachB)
+{
+	if (before.isZero() && now.isZero()) return 0;
+	const double turn = length(now.angular - before.angular);
+	const double longest = length(now.of(to.translation)) + length(now.angular) * reachB;
+	double axes = 0;  // how far axes fixed to B turned
+	for (int i = 0; i < 3; ++i) axes += lengthSquared(to.rotation.row[i] - from.rotation.row[i]);
+	// The spread of a box changes with the angular part as well, hence twice.
+	return (1 + 4e-6) * (length(now.of(to.translation) - before.of(to.translation)) + 2 * turn * reachB +
+						 length(before.angular) * motion + std::sqrt(0.5 * axes) * longest);
+}
+}  // namespace clod

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Zlib
+// How coarse the contacts of a pair may be, as a user of an engine states it: thresholds as lengths or as shares of the
+// pair's smaller bounding radius, for a world, a shape or a pair. resolve() turns it into the query's Metric for one
+// step.
+//
+// Thresholds are in the hierarchies' unit (before any shape scaling); the camera and the place given to an own function
+// are in the world's. Infinity (kOff) = not used; with nothing used the coarsest contact level answers. Metric.h
+// defines each metric and its corners.
+#pragma once
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "clod/manifold/ContactPoints.h"
+#include "clod/query/Metric.h"
+
+namespace clod
+{
+// What the view metric measures by. World lengths.
+struct ViewCamera
+{
+	Vec3 eye;
+	double fieldOfView = 1;   // of the image's height, radians, in (0, pi)
+	double imageHeight = 0;   // pixels, > 0
+	double nearDistance = 0;  // >= 0: what is closer counts as this far
+};
+
+// Where a contact may be: a ball in the world. World lengths and lengths a second.
+struct ContactPlace
+{
+	Vec3 center;
+	double radius = 0;
+	Vec3 velocity;  // of the pair's first body (the one whose content hashes lower) relative to the second, at the
+					// centre
+};
+// The smallest threshold anywhere in the place, as a share of the pair's smaller bounding radius; infinite = no demand.
+// Negative or not a number counts as 0. Called for many places a dispatch, maybe from several threads. Results repeat
+// only if it is a function of the place.
+using ContactThreshold = std::function<double(const ContactPlace&)>;
+
+struct ContactMetric
+{
+	bool exact = false;               // the input surface only
+	double weightedDeviation = kOff;  // size metric: the paper's s0, a length
+	double weightedDeviationShare = kOff;
+	double velocity = kOff;             // k: s0 = k |v_rel| dt, at least the floor
+	double velocityFloor = kOff;        // a length; the smaller of both floors counts
+	double velocityFloorShare = 0.001;  // a share of the radius
+	double viewPixels = kOff;           // N: needs a camera
+	std::shared_ptr<const ContactThreshold> own;
+	Combine combine = Combine::kStrict;
+	double maxError = kOff;  // certified, a hard limit under every combination; a length
+	double maxErrorShare = kOff;
+
+	static ContactMetric exactly();
+	static ContactMetric deviationShare(double share);  // the paper's s0 as a share of the radius, e.g. 0.035
+	static ContactMetric errorShare(double share);      // certified, e.g. 0.005
+	static ContactMetric velocityFactor(double k);      // e.g. 0.3
+	static ContactMetric viewError(double pixels);      // e.g. 1
+	static ContactMetric ownThreshold(ContactThreshold threshold);
+};
+
+// Never coarser than either: each threshold the smaller of both, exact if either is. Relaxed only where both are and
+// use the same metrics.
+ContactMetric stricter(const ContactMetric& a, const ContactMetric& b);
+
+// A pair in a step, as its metric is resolved. Frame A of the query; camera null: none.
+struct MetricFrame
+{
+	double radius = 1;      // the smaller bounding radius, hierarchy unit
+	double scale = 1;       // world lengths a hierarchy unit
+	Transform worldFromA;   // translation in world lengths
+	RelativeMotion motion;  // as the bodies move now, hierarchy unit; its time step is dt
+	const ViewCamera* camera = nullptr;
+};
+Metric resolve(const ContactMetric& metric, const MetricFrame& frame);
+// The place of the query in the world, for an own function.
+ContactPlace inWorld(const Place& place, const MetricFrame& frame);
+
+// Empty, or one sentence naming the first field that cannot be used and its value: not a number, negative, or a view
+// metric whose camera is missing or has no field of view or resolution.
+std::string contactMetricError(const ContactMetric& metric, const ViewCamera* camera);
+}  // namespace clod

@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: Zlib
+// The decisions on pairs of nodes that make a front, and what of them is measured, remembered from the query before, or
+// evaluated: which children of an opened pair are near, whether hulls are apart, what answers. Traversal.h makes a
+// front of them, Repetition.h the same front again.
+//
+// What the cache may decide: a pair's separation is 1-Lipschitz in the relative motion (BoxSeparation.h), so a value
+// measured once, less the motion since, proves that it is beyond the tolerance still, and plus the motion that it is
+// within, each with some room for rounding. Everything else is measured anew. Both proofs decide as a measurement
+// would, hence the set of visited pairs never depends on the cache.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "clod/collide/BoxSeparation.h"
+#include "clod/query/ContactSink.h"
+#include "clod/collide/MotionBound.h"
+#include "clod/query/StopRule.h"
+
+namespace clod
+{
+struct TraversalSettings
+{
+	StopRule rule;
+	double tolerance = 0;
+	bool paper = false;     // cull by hull distance - h_a - h_b instead of culling boxes (paper eq. 1)
+	bool sameRule = false;  // the stop rule is that of the cached front: its states hold
+};
+
+// Since the last traversal, rounded up.
+inline float motionSince(const PairFront& front)
+{
+	return float(front.pending) * (1 + 3e-7f);
+}
+
+class PairDecisions
+{
+public:
+	PairDecisions(const QueryContext& context, const TraversalSettings& settings, PairFront& front, ContactSink& sink,
+				  QueryStats& stats)
+		: m_context(context),
+		  m_settings(settings),
+		  m_front(front),
+		  m_sink(sink),
+		  m_rootA(context.a.root()),
+		  m_limit(roundDown(settings.tolerance)),
+		  m_room(1e-9 * context.size + context.boxes.roundingOfTwo()),
+		  m_moved(motionSince(front)),
+		  m_change(front.pendingChange),
+		  m_stats(&stats),
+		  m_hulls(context, stats)
+	{
+		if (!front.entries.empty()) m_partMotion = PartMotion(front.pose, context.pose);
+	}
+
+protected:
+	static constexpr double kAlways = std::numeric_limits<double>::infinity();
+
+	// Some of the pairs of one opened: a node of one body and children of the other's, and what is known of them. Sets
+	// of children are bits.
+	struct Row
+	{
+		bool ofChildrenOfA = false;
+		std::uint32_t other = kNone;              // the node that is not opened
+		const std::uint32_t* children = nullptr;  // count of them
+		std::uint32_t count = 0, firstSlot = 0;
+		std::uint32_t met = 0;                                 // in the traversal before,
+		std::uint32_t old[kBoxLanes];                          // as these entries
+		std::uint32_t near = 0;                                // within the tolerance,
+		float high[kBoxLanes];                                 // by bounds of the separation
+		float apart = std::numeric_limits<float>::infinity();  // that of all others exceeds it
+		std::uint32_t all() const { return (1U << count) - 1; }
+		std::uint32_t a(std::uint32_t k) const { return ofChildrenOfA ? children[k] : other; }
+		std::uint32_t b(std::uint32_t k) const { return ofChildrenOfA ? other : children[k]; }
+	};
+	template <class Visit>
+	static void forEach(std::uint32_t bits, Visit&& visit)
+	{
+		for (; bits != 0; bits &= bits - 1) visit(std::uint32_t(__builtin_ctz(bits)));
+	}
+
+	// Of the pair of roots alone.
+	Row rowOfRoots() const
+	{
+		Row row;
+		row.other = m_context.b.root();
+		row.ofChildrenOfA = true;
+		setRow(row, {&m_rootA, 1}, 0);
+		return row;
+	}
+	static Row rowOf(const FrontEntry& opened)
+	{
+		Row row;
+		row.ofChildrenOfA = opened.state == NodePairState::kOpenA;
+		row.other = row.ofChildrenOfA ? opened.b : opened.a;
+		return row;
+	}
+	static void setRow(Row& row, const Span<std::uint32_t>& children, std::uint32_t slot)
+	{
+		row.children = children.data + slot;
+		row.count = std::min(kBoxLanes, std::uint32_t(children.size) - slot);
+		row.firstSlot = slot;
+		row.near = row.met = 0;
+	}
+	Span<std::uint32_t> childrenOf(const FrontEntry& opened) const
+	{
+		const bool isA = opened.state == NodePairState::kOpenA;
+		return m_settings.rule.childrenOf(isA, isA ? opened.a : opened.b);
+	}
+
+	void measure(Row& row, std::uint32_t unknown)
+	{
+		std::uint32_t child[kBoxLanes], nodes[kBoxLanes], count = 0;
+		forEach(unknown,
+				[&](std::uint32_t k)
+				{
+					child[count] = k;
+					nodes[count++] = row.children[k];
+				});
+		float separations[kBoxLanes];
+		const std::uint32_t within = m_settings.paper ? paperSeparations(row, child, count, separations)
+													  : boxSeparations(m_context, row.ofChildrenOfA, row.other, nodes,
+																	   count, separations, m_limit);
+		(m_settings.paper ? m_stats->hullTests : m_stats->boxTests) += count;
+		float apart = std::numeric_limits<float>::infinity();
+		for (std::uint32_t i = 0; i < count; ++i)
+			apart = std::min(apart, (within >> i & 1) != 0 ? std::numeric_limits<float>::infinity() : separations[i]);
+		if (within != (1U << count) - 1) row.apart = std::min(row.apart, lowerAfter(apart, 0));
+		forEach(within,
+				[&](std::uint32_t i)
+				{
+					row.near |= 1U << child[i];
+					row.high[child[i]] = upperAfter(separations[i], 0);
+				});
+	}
+	std::uint32_t paperSeparations(const Row& row, const std::uint32_t* child, std::uint32_t count,
+								   float* separations) const
+	{
+		std::uint32_t within = 0;
+		for (std::uint32_t i = 0; i < count; ++i)
+		{
+			separations[i] = lowerAfter(
+				float(paperSeparation(m_context, row.a(child[i]), row.b(child[i]), m_settings.tolerance)), 0);
+			within |= separations[i] <= m_limit ? 1U << i : 0;
+		}
+		return within;
+	}
+
+	HullMemory remembered(const FrontEntry& old, const std::vector<HullMemory>& hulls) const
+	{
+		if (old.hull == kNone) return {};
+		HullMemory memory = hulls[old.hull];
+		if (memory.knowledge != HullKnowledge::kApart) return memory;
+		const CullBox& box = m_context.b.cullBox(old.b);
+		const double nearer = m_partMotion.along(toVec3(memory.onA), centerOf(box), double(box.radius)) + m_change;
+		memory.lower = lowerAfter(memory.lower, float(nearer + 3e-7 * std::abs(nearer)));
+		return memory;
+	}
+
+	bool cullsByHulls(const FrontEntry& entry) const
+	{
+		return !m_settings.rule.base().isUsed() && !m_settings.paper &&
+			   mayCullByHulls(m_context.a.node(entry.a), m_context.b.node(entry.b));
+	}
+	double cullLimitOf(const FrontEntry& entry) const
+	{
+		return cullLimit(m_context.a.node(entry.a), m_context.b.node(entry.b), m_settings.tolerance);
+	}
+	bool areHullsApart(const FrontEntry& entry, HullMemory& memory)
+	{
+		return m_hulls.isApart(entry.a, entry.b, cullLimitOf(entry), memory);
+	}
+	// What that decision can take.
+	double slackOfHulls(const FrontEntry& entry, const HullMemory& memory) const
+	{
+		return m_hulls.slackOf(entry.a, entry.b, cullLimitOf(entry), memory);
+	}
+	// Whether an entry answers that may, as its hulls decide; and its answer.
+	bool answers(const FrontEntry& entry, HullMemory& memory)
+	{
+		HullEvaluations known;
+		if (entry.whileApart && !m_hulls.areApart(entry.a, entry.b, m_settings.tolerance, memory, known)) return false;
+		m_sink.answer(entry.a, entry.b, memory, known);
+		return true;
+	}
+
+	// Of a row's children, as bits, those kept as entries; and of these the answers that leave no trace unless they are
+	// contacts, be they near or not.
+	struct Kept
+	{
+		std::uint32_t all = 0, traceless = 0;
+	};
+	Kept keptOf(std::uint32_t first, std::uint32_t end, std::uint32_t firstSlot) const
+	{
+		Kept kept;
+		for (std::uint32_t i = first; i < end; ++i)
+		{
+			const FrontEntry& entry = m_front.entries[i];
+			const std::uint32_t bit = 1U << (entry.slot - firstSlot);
+			kept.all |= bit;
+			if (m_sink.forgetsOthers() && entry.state == NodePairState::kAnswer) kept.traceless |= bit;
+		}
+		return kept;
+	}
+	// What the decisions can take on all of a row that are apart and on those near ones that matter.
+	double slackOf(const Row& row, std::uint32_t nearThatMatter) const
+	{
+		double slack = double(row.apart) - m_settings.tolerance;
+		forEach(nearThatMatter,
+				[&](std::uint32_t k) { slack = std::min(slack, m_settings.tolerance - double(row.high[k])); });
+		return slack - m_room;
+	}
+	// A decision on entry i, made at a motion of `moved` since the traversal, can take so much more.
+	void hold(std::uint32_t i, float moved, double slack)
+	{
+		if (!(slack < kAlways)) return;
+		float& holds = m_front.books.holds[i];
+		holds = std::min(holds, lowerAfter(float(slack - 1e-6 * m_settings.tolerance), -moved));
+	}
+
+	const QueryContext& m_context;
+	const TraversalSettings& m_settings;
+	PairFront& m_front;
+	ContactSink& m_sink;
+	const std::uint32_t m_rootA;
+	const float m_limit;  // floats within the tolerance are at most this
+	const double m_room;  // for the rounding of two measurements
+	const float m_moved;  // since the cached bounds
+	PartMotion m_partMotion;
+	const double m_change;  // of the sweep, since then
+	QueryStats* m_stats;
+	HullCull m_hulls;
+};
+}  // namespace clod

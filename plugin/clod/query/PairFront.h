@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Zlib
+// The bounding volume test tree of one query, kept for the next: every pair met but those that are apart, breadth
+// first, with bounds of its last distances that are carried on with the motion. A cache: see PairDecisions.h for what
+// it may decide.
+//
+// Based on: Otaduy & Lin 2003, sec. 3.3 (generalised front tracking of Ehmann & Lin 2001). Departs from it: the whole
+// tree above the front is kept, so that raising the front needs no search, and pairs that cannot have changed are not
+// measured.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "clod/collide/HullDistance.h"
+#include "clod/query/Patience.h"
+#include "clod/query/Query.h"
+
+namespace clod
+{
+enum class NodePairState : std::uint8_t
+{
+	kSeparated,   // culling volumes are farther apart than the tolerance: only the pair of roots is kept then
+	kElsewhere,   // met before in this walk, through other parents
+	kOpenA,       // replaced by the children of a
+	kOpenB,       // replaced by the children of b
+	kHullsApart,  // not accepted, and nothing the two nodes answer for is within the tolerance (HullCull.h)
+	kAnswer       // accepted by the stop rule, culling volumes within the tolerance
+};
+inline bool isOpen(NodePairState state)
+{
+	return state == NodePairState::kOpenA || state == NodePairState::kOpenB;
+}
+
+// Bounds are of the pose of the last finished traversal, in float, rounded outward.
+struct FrontEntry
+{
+	std::uint32_t a, b;
+	std::uint32_t link = kNone;    // opened: its first child in entries
+	std::uint32_t hull = kNone;    // its place in hulls
+	std::uint16_t childCount = 0;  // of link
+	std::uint16_t slot = 0;        // its number among the children of the node opened above it
+	float high = 0;                // the separation of the culling volumes is less
+	float apart = 0;               // opened: that of every child which is not kept exceeds
+	std::uint32_t old = kNone;     // its entry in the traversal before
+	NodePairState state = NodePairState::kSeparated;
+	bool whileApart = false;  // answers, or is opened, as its hulls are apart, or not
+};
+static_assert(sizeof(FrontEntry) == 36);
+
+// What a pair keeps of its hull test: a direction along which the hulls were apart, or two points that were near.
+enum class HullKnowledge : std::uint8_t
+{
+	kNothing,
+	kApart,
+	kNear
+};
+struct HullMemory
+{
+	HullKnowledge knowledge = HullKnowledge::kNothing;
+	float lower = 0;           // apart: of the hull distance along onA, carried on with the motion
+	float onA[3] = {0, 0, 0};  // frame A. apart: the direction `lower` was measured along; near: a point of hull a
+	float onB[3] = {0, 0, 0};  // frame B. near: a point of hull b
+};
+
+// A bound from below, or above, that a motion may have made wrong by `moved`.
+inline float lowerAfter(float bound, float moved)
+{
+	return bound - moved - 1.2e-7f * (bound < 0 ? -bound : bound);
+}
+inline float upperAfter(float bound, float moved)
+{
+	return bound + moved + 1.2e-7f * (bound < 0 ? -bound : bound);
+}
+
+// Set of pairs with an O(1) clear. Open addressing; grows by doubling. Node indices are below 2^28.
+class VisitedPairs
+{
+public:
+	void clear()
+	{
+		m_epoch = (m_epoch + 1) % 256;
+		if (m_epoch == 0)
+		{
+			m_slots.assign(m_slots.size(), 0);
+			m_epoch = 1;
+		}
+		m_count = 0;
+	}
+	// Room for so many more.
+	void reserve(std::size_t more)
+	{
+		while (2 * (m_count + more) > m_slots.size()) grow();
+	}
+	// False when it was there already. Precondition: room.
+	bool insert(std::uint32_t a, std::uint32_t b)
+	{
+		const std::uint64_t pair = std::uint64_t(m_epoch) << 56 | std::uint64_t(a) << 28 | b;
+		std::uint64_t& slot = find(pair);
+		if (slot == pair) return false;
+		slot = pair;
+		++m_count;
+		return true;
+	}
+
+private:
+	// Where the pair is, or the slot it may take.
+	std::uint64_t& find(std::uint64_t pair)
+	{
+		std::size_t i = std::size_t((pair * 0x9E3779B97F4A7C15u) >> 32) & (m_slots.size() - 1);
+		while (m_slots[i] >> 56 == m_epoch && m_slots[i] != pair) i = (i + 1) & (m_slots.size() - 1);
+		return m_slots[i];
+	}
+	void grow()
+	{
+		const std::vector<std::uint64_t> old = std::move(m_slots);
+		m_slots.assign(old.empty() ? 1024 : 2 * old.size(), 0);
+		for (const std::uint64_t pair : old)
+			if (pair >> 56 == m_epoch) find(pair) = pair;
+	}
+	std::vector<std::uint64_t> m_slots;  // epoch, a, b
+	std::size_t m_count = 0;
+	std::uint64_t m_epoch = 1;
+};
+
+// What QueryStats says of a front.
+struct FrontCounts
+{
+	std::uint32_t leaves = 0, inner = 0, duplicates = 0, touchedFinestLevel = 0;
+};
+inline void addTo(QueryStats& stats, const FrontCounts& counts)
+{
+	stats.front += counts.leaves;
+	stats.frontInner += counts.inner;
+	stats.duplicates += counts.duplicates;
+	stats.touchedFinestLevel = counts.touchedFinestLevel;
+}
+
+// What it takes to give the answers of a traversal again where its decisions are what they were (Repetition.h).
+struct FrontBooks
+{
+	std::vector<float> holds;            // an entry's decisions do while `pending` is less, those on its children too
+	std::vector<std::uint32_t> answers;  // entries that are evaluated each time, by their nodes; listed when needed
+	std::size_t spent = 0;               // tests that another traversal would spare
+	void clear()
+	{
+		holds.clear();
+		answers.clear();
+		spent = 0;
+	}
+};
+
+inline constexpr std::uint32_t kLongestPatience = 15;
+
+struct PairFront
+{
+	std::vector<FrontEntry> entries;  // of the last finished traversal; [0] is the pair of roots, children lie together
+	std::vector<FrontEntry> previous;  // the one before, read while entries is written
+	std::vector<HullMemory> hulls, previousHulls;
+	VisitedPairs visited;
+	double motion = 0;         // accumulated bound of the relative motion and of the sweep's change (MotionBound.h)
+	double pending = 0;        // the part of it since the last finished traversal
+	double pendingChange = 0;  // the part of that which is the sweep's
+	RelativePose pose;         // of the last finished traversal
+
+	double tolerance = 0;  // of the last finished traversal
+	FrontCounts counts;
+	FrontBooks books;
+	Patience patience{kLongestPatience};  // traversals without books, until the next attempt to repeat one
+
+	void move(double by, double sweepChange)
+	{
+		motion += by + sweepChange;
+		pending += by + sweepChange;
+		pendingChange += sweepChange;
+	}
+	void clear()
+	{
+		entries.clear();
+		previous.clear();
+		hulls.clear();
+		books.clear();
+		motion = pending = pendingChange = 0;
+		patience.succeed();
+	}
+};
+}  // namespace clod

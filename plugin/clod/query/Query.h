@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Zlib
+// The query: two hierarchies and a relative pose in; contacts, signed gap, certificate and statistics out.
+//
+// A pure function of the hierarchies, the pose and the settings: PairCache only makes it faster, dropping it changes no
+// output bit. Frames: everything is in body A's frame unless named otherwise; aFromB maps body B's frame into A's.
+// Normals point from B to A. Distances are signed: negative is penetration. Unit: the meshes' own.
+//
+// Based on: Otaduy & Lin 2003, sec. 3.3, 5.1, 5.2 (stop rule eq. 2, 3; --paper culling eq. 1).
+#pragma once
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "clod/hierarchy/Hierarchy.h"
+#include "clod/query/Metric.h"
+#include "clod/collide/Sweep.h"
+
+namespace clod
+{
+// What a query may cost. Tests are box tests and hull distances up to the contact list, the search of an overlap's
+// depth besides; the same budget gives the same answer. Time is a guess of what is left to do: it may be overrun, and
+// what it buys does not repeat. A budget is never exceeded by refining; the coarsest valid answer is given at any
+// budget.
+struct Budget
+{
+	double tests = kOff;
+	double microseconds = kOff;
+	bool isLimited() const { return tests < kOff || microseconds < kOff; }
+};
+// Empty, or one sentence naming the first field that cannot be used, and its value.
+std::string budgetError(const Budget& budget);
+
+struct Settings
+{
+	Metric metric;
+	double tolerance = 0;  // report accepted pairs whose hull distance is <= tolerance; >= 0
+	// Report, besides, pairs that come within the tolerance while B moves on like this (A held): a caller that steps on
+	// looks ahead along the motion instead of in all directions. Zero: the pose alone. Gap and certificate are the
+	// pose's.
+	Sweep sweep;
+	bool distance = false;  // signed gap at any separation (the tolerance then only limits the contact list)
+	// The signed gap is known to within so much, whatever answers: where the nodes near prove less, or their hulls
+	// overlap, it is that of the input surfaces (their nearest pair, or a depth searched in them). >= 0; infinite: as
+	// the nodes prove it where none overlap, with contacts to 0.85 of the metric's largest threshold s0 at least.
+	// metric.maxError asks for the same gap, and for contacts as exact besides.
+	double gapError = kOff;
+	bool paper = false;  // paper's culling (d + h_a + h_b); needs isPaperBuild() on both
+	// Contacts without the signed gap: where hulls overlap no depth is searched (minDistance 0, errorBound inf); deep
+	// then tells only of a component wholly inside the other body. Without any contact errorBound is inf too, and two
+	// bodies apart are not looked at again until they have moved enough. For callers that make their own contact
+	// points.
+	bool contactsOnly = false;
+	// With a budget the pairs that exceed the metric most are refined first, and excess tells what was not. Not with
+	// distance.
+	Budget budget;
+};
+// Field by field; with an own function never, see same(Metric).
+bool same(const Settings& l, const Settings& r);
+bool same(const Transform& l, const Transform& r);
+
+// An accepted node pair within the tolerance.
+struct Contact
+{
+	std::uint32_t nodeA, nodeB;
+	double lower, upper;      // certified bracket of the thickened hulls' distance; both 0 when they overlap
+	Vec3 pointOnA, pointOnB;  // witness points, frame A
+	Vec3 normal;              // unit, from B to A; zero when the hulls overlap
+};
+
+struct QueryStats
+{
+	std::uint32_t front = 0;       // leaves of the bounding volume test tree after the query
+	std::uint32_t frontInner = 0;  // opened pairs above them
+	std::uint32_t boxTests = 0;    // culling boxes compared
+	std::uint32_t hullTests = 0;   // hull distances evaluated (GJK runs)
+	std::uint32_t skippedBySlack = 0;
+	std::uint32_t stillClear = 0;  // 1: the bodies were apart by more than they have moved since; nothing was looked at
+	std::uint32_t frontKept = 0;   // 1: no decision of the last traversal has changed; only its answers were evaluated
+	// Moves of the front: pairs of nodes kept in its tree that the query before did not keep, and the other way round.
+	// None under a budget, nor where the last front still holds.
+	std::uint32_t frontCame = 0, frontGone = 0;
+	std::uint32_t duplicates = 0;    // pairs reached twice through shared children
+	std::uint32_t pointBoxes = 0;    // boxes that nearest-surface queries met; boxTests are between the bodies only
+	std::uint32_t pointQueries = 0;  // nearest-surface queries of the penetration solver
+	std::uint32_t finestLevel = 0, coarsestLevel = 0;  // over both bodies' accepted nodes within the tolerance
+	std::uint32_t touchedFinestLevel = 0;              // finest level whose node data was read at all
+	std::uint32_t pending = 0;  // pairs that answered coarser than the metric asks, for want of budget
+	std::uint64_t needed = 0;   // under a budget: of so many tests, it would have bought as much
+	// 1: the gap is of the input surfaces, as the nodes overlapped or proved less than asked for
+	std::uint32_t gapSearches = 0;
+	std::uint32_t depthsCutShort = 0;  // searches of a depth that met their limit of cells: the bound may be wider
+};
+
+struct QueryResult
+{
+	std::vector<Contact> contacts;                                 // sorted by (nodeA, nodeB)
+	double minDistance = std::numeric_limits<double>::infinity();  // signed gap; inf: nothing within the tolerance
+	double errorBound = 0;  // the true gap is within it of minDistance; with minDistance = inf: true gap > tolerance -
+							// errorBound; inf: no proof
+	bool deep = false;      // penetration beyond what the contact list can prove
+	double excess = 0;      // under a budget: by which factor the answer's worst pair exceeds the metric; 0: none does
+	QueryStats stats;
+	void clear();
+};
+
+// Front, warm starts, slack. One per ordered pair of bodies; reset by destroying it or by a query with other
+// hierarchies.
+class PairCache
+{
+public:
+	PairCache();
+	~PairCache();
+	PairCache(PairCache&&) noexcept;
+	PairCache& operator=(PairCache&&) noexcept;
+	void clear();
+	struct State;
+	State& state() { return *m_state; }
+
+private:
+	std::unique_ptr<State> m_state;
+};
+
+// Preconditions: settings are valid (see settingsError), the pose is finite and rigid. No allocation once the buffers
+// of cache and result have grown.
+void query(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const Settings& settings, PairCache& cache,
+		   QueryResult& result);
+
+// The first part of a query under a budget, for budgets over several pairs: finds the coarsest valid answer, then
+// refines it one pair of nodes at a time. The next query() with this cache, for the same bodies, pose and settings,
+// finishes it; whether refining pays is the caller's business then, not that of settings.budget (which must be
+// limited). The hierarchies must live till then.
+class QueryPlan
+{
+public:
+	QueryPlan(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const Settings& settings,
+			  PairCache& cache);
+	double excess() const;            // of the pair that is refined next; 0: none is left
+	double deviation() const;         // its s*, a length
+	std::uint64_t committed() const;  // tests done and, for the answer, still to be done
+	std::uint64_t answers() const;    // pairs of nodes that would answer now
+	std::uint64_t cost() const;       // the most that committed() grows by the next refinement
+	void refine();                    // precondition: excess() > 0
+
+private:
+	PairCache::State* m_state;
+};
+
+// Empty when the settings can be used with these hierarchies, otherwise one sentence naming the field and its value.
+std::string settingsError(const Hierarchy& a, const Hierarchy& b, const Settings& settings);
+}  // namespace clod

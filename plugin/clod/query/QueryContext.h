@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Zlib
+// What one query prepares once: the two hierarchies, the relative pose with its rounding, and the scale of the pair.
+#pragma once
+#include <limits>
+
+#include "clod/collide/BoxSeparation.h"
+#include "clod/query/Query.h"
+
+namespace clod
+{
+struct QueryContext
+{
+	QueryContext(const Hierarchy& hierarchyA, const Hierarchy& hierarchyB, const Transform& aFromB,
+				 const Sweep& motion = {});
+
+	const Hierarchy& a;
+	const Hierarchy& b;
+	double reachA, reachB;  // Hierarchy::reach
+	RelativePose pose;
+	Sweep sweep;
+	double longestMove;  // no point of B moves farther in the step
+	double size;         // reach of both bodies, their distance and the longest way in the step
+	BoxFrame boxes;
+};
+
+// Of one node and up to kBoxLanes of the other body: of A or not. Room for kBoxLanes. The bits of those within `limit`.
+inline std::uint32_t boxSeparations(const QueryContext& context, bool areOfA, std::uint32_t other,
+									const std::uint32_t* nodes, std::uint32_t count, float* separations,
+									float limit = std::numeric_limits<float>::infinity())
+{
+	const Hierarchy &side = areOfA ? context.a : context.b, &otherSide = areOfA ? context.b : context.a;
+	const CullBox* boxes[kBoxLanes];
+	for (std::uint32_t i = 0; i < count; ++i) boxes[i] = &side.cullBox(nodes[i]);
+	return boxSeparations(context.boxes, otherSide.cullBox(other), !areOfA, boxes, count, separations, limit);
+}
+
+// Hull distance from the canonical start: a function of the two nodes and the pose, whatever was cached. Stops as soon
+// as lower > stopAbove.
+HullDistance canonicalDistance(const QueryContext& context, std::uint32_t a, std::uint32_t b, double stopAbove);
+
+// As far as a contact needs it: where nothing moves, a distance beyond the tolerance is not known any better.
+inline HullDistance canonicalContact(const QueryContext& context, std::uint32_t a, std::uint32_t b, double tolerance)
+{
+	return canonicalDistance(context, a, b,
+							 context.longestMove > 0 ? std::numeric_limits<double>::infinity() : tolerance);
+}
+
+// Whether the two hulls are apart as they are, by the same evaluation (HullDistance.h: whatever it stops above).
+inline bool canonicallyApart(const QueryContext& context, std::uint32_t a, std::uint32_t b)
+{
+	return canonicalDistance(context, a, b, 0).lower > 0;
+}
+
+// Bounds of the distance of two hulls at any time of the step, from the canonical start; the direction the lower one
+// was found along. The upper one is of hulls that move with their centre and spread by turning. Stops as soon as lower
+// > stopAbove or upper <= stopBelow. Without a sweep those of the hull distance itself.
+struct SweptBound
+{
+	double lower, upper;
+	Vec3 normal;
+	Vec3 onA, onB;   // points of the two hulls at rest that come so near, each in its own frame
+	bool hasPoints;  // not where it stopped above: lower may still be stopAbove then, by rounding
+};
+SweptBound canonicalSweptBound(const QueryContext& context, std::uint32_t a, std::uint32_t b, double stopAbove,
+							   double stopBelow = -std::numeric_limits<double>::infinity());
+// The same from the support planes across one direction: any direction gives a true bound.
+double sweptSeparationAlong(const QueryContext& context, std::uint32_t a, std::uint32_t b, const Vec3& direction);
+// How near two points come, of A and of node b, each in its own frame: an upper bound of what canonicalSweptBound
+// calls lower if they are points of the two hulls.
+double sweptPointDistance(const QueryContext& context, std::uint32_t b, const Vec3& onA, const Vec3& onB);
+
+// dist(hull a, hull b) - h_a - h_b, a lower bound of the distance of everything below (paper eq. 1), at any time
+// of the step. Stops as soon as it is > stopAbove.
+double paperSeparation(const QueryContext& context, std::uint32_t a, std::uint32_t b, double stopAbove);
+}  // namespace clod
