@@ -88,14 +88,14 @@ Mat3 bestAxes(const std::vector<Vec3>& points, const Vec3& normal)
 }
 }  // namespace
 
-CullBox fitCullBox(const std::vector<Vec3>& points, const Vec3& normal, float assetRadius)
+OrientedBox fitCullBox(const std::vector<Vec3>& points, const Vec3& normal, float assetRadius)
 {
 	Mat3 axes = bestAxes(points, normal);
 	for (Vec3& row : axes.row) row = toVec3(toFloat3(row));
 	const AxisBox bounds = boundsIn(axes, points);
 	const Vec3 middle = 0.5 * (bounds.low + bounds.high);
 	const Vec3 wanted = transposed(axes) * middle;
-	CullBox box{};
+	OrientedBox box{};
 	for (int i = 0; i < 3; ++i) box.center[i] = nearestAnchor(wanted[i], assetRadius);
 	const Vec3 center{double(box.center[0]), double(box.center[1]), double(box.center[2])};
 	double radius = 0, half[3] = {0, 0, 0}, largest = length(center);

@@ -11,7 +11,7 @@
 
 namespace clod::check
 {
-double outsideBox(const CullBox& box, const Vec3& p);  // Culling.cpp
+double outsideBox(const OrientedBox& box, const Vec3& p);  // Culling.cpp
 
 namespace
 {

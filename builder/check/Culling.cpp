@@ -19,7 +19,7 @@ Vec3 vec(const float (&v)[3])
 }  // namespace
 
 // Also used for the surface a node answers for.
-double outsideBox(const CullBox& box, const Vec3& p)
+double outsideBox(const OrientedBox& box, const Vec3& p)
 {
 	const Vec3 d = p - vec(box.center);
 	double excess = length(d) - double(box.radius);

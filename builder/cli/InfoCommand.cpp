@@ -49,7 +49,7 @@ Bytes bytesOf(const Hierarchy& hierarchy, std::uint32_t firstNode, std::uint32_t
 	{
 		const Node& node = hierarchy.node(i);
 		bytes.nodes += sizeof(Node);
-		bytes.boxes += sizeof(CullBox);
+		bytes.boxes += sizeof(OrientedBox);
 		bytes.children += node.childCount * sizeof(std::uint32_t);
 		bytes.faces += node.faceCount * sizeof(Face);
 		bytes.vertices += 3 * hierarchy.hull(node).padded * sizeof(float);

@@ -22,6 +22,14 @@ PeerContact contactOf(const Hierarchy& a, const Hierarchy& b, const Contact& con
 			std::max(cover, protrude)};
 }
 
+// The smallest distance that a contact list tells: of none infinite, where hulls overlap not a number.
+double nearestHulls(const std::vector<Contact>& contacts)
+{
+	double nearest = std::numeric_limits<double>::infinity();
+	for (const Contact& contact : contacts) nearest = std::min(nearest, contact.upper);
+	return nearest > 0 ? nearest : std::numeric_limits<double>::quiet_NaN();
+}
+
 class ClodQueryPeer : public Peer
 {
 public:
@@ -41,22 +49,22 @@ public:
 	{
 		std::vector<PeerAnswer> answers;
 		m_options.tolerance.value = sample.tolerance;
-		PairCache cache;
-		QueryResult result;
+		GapCache cache;
+		GapResult result;
 		for (const PoseSample::Row& row : sample.rows)
 		{
-			Settings settings = settingsOf(m_options, *m_a, *m_b, row.poses, {});
-			settings.contactsOnly = m_isOfContacts;
+			const GapSettings settings = settingsOf(m_options, *m_a, *m_b, row.poses, {});
 			const Transform aFromB = relativePose(row.poses, meshFromBody(*m_a), meshFromBody(*m_b));
 			const double start = threadMicroseconds();
-			query(*m_a, *m_b, aFromB, settings, cache, result);
+			if (m_isOfContacts)
+				contacts(*m_a, *m_b, aFromB, settings, cache.pair, result);
+			else
+				signedGap(*m_a, *m_b, aFromB, settings, cache, result);
 			const double time = threadMicroseconds() - start;
 			if (!row.measured) continue;
 			PeerAnswer answer;
 			answer.microseconds = time;
-			const bool open = m_isOfContacts && std::any_of(result.contacts.begin(), result.contacts.end(),
-															[](const Contact& c) { return c.upper <= 0; });
-			answer.gap = open ? std::numeric_limits<double>::quiet_NaN() : result.minDistance;
+			answer.gap = m_isOfContacts ? nearestHulls(result.contacts) : result.minDistance;
 			for (const Contact& contact : result.contacts) answer.contacts.push_back(contactOf(*m_a, *m_b, contact));
 			answers.push_back(std::move(answer));
 		}
@@ -81,7 +89,7 @@ public:
 	}
 	ExactRow at(const PoseRow& poses)
 	{
-		query(m_a, m_b, relativePose(poses, meshFromBody(m_a), meshFromBody(m_b)), m_settings, m_cache, m_result);
+		signedGap(m_a, m_b, relativePose(poses, meshFromBody(m_a), meshFromBody(m_b)), m_settings, m_cache, m_result);
 		ExactRow row;
 		row.gap = m_result.minDistance;
 		for (const Contact& contact : m_result.contacts) row.contacts.push_back(contactOf(m_a, m_b, contact));
@@ -90,9 +98,9 @@ public:
 
 private:
 	const Hierarchy &m_a, &m_b;
-	Settings m_settings;
-	PairCache m_cache;
-	QueryResult m_result;
+	GapSettings m_settings;
+	GapCache m_cache;
+	GapResult m_result;
 };
 
 // Marks the rows to measure and the rows that warm up for them.

@@ -27,11 +27,10 @@ bool touches(const Hierarchy& a, const Hierarchy& b, const PoseRow& poses, doubl
 	ReplayOptions options;
 	options.metric = metric;
 	options.tolerance.value = tolerance;
-	options.contactsOnly = true;
-	const Settings settings = settingsOf(options, a, b, poses, {});
+	const GapSettings settings = settingsOf(options, a, b, poses, {});
 	PairCache cache;
-	QueryResult result;
-	query(a, b, relativePose(poses, meshFromBody(a), meshFromBody(b)), settings, cache, result);
+	ContactResult result;
+	contacts(a, b, relativePose(poses, meshFromBody(a), meshFromBody(b)), settings, cache, result);
 	return !result.contacts.empty();
 }
 

@@ -15,7 +15,7 @@ struct Threshold
 {
 	std::string label;  // see labelOf
 	ContactMetric metric;
-	double gapError = kOff;            // Settings::gapError
+	double gapError = kOff;            // GapSettings::gapError
 	Budget budget = {};                // of every query
 	std::optional<CameraPath> camera;  // of view metrics; the meshes' unit
 };

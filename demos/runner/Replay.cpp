@@ -12,6 +12,7 @@
 #include <limits>
 
 #include "cli/Failure.h"
+#include "demos/paper/PaperQuery.h"
 #include "demos/runner/Statistics.h"
 
 namespace clod::demo
@@ -62,33 +63,47 @@ nlohmann::ordered_json figures(const std::vector<ReplayRow>& rows)
 }
 }  // namespace
 
-double MeasuredQuery::timed(const Transform& aFromB, const Settings& settings, PairCache& cache,
-							QueryResult& result) const
+double MeasuredQuery::timedContacts(const Transform& aFromB, const ContactSettings& settings)
 {
-	if (m_fresh) cache.clear();
+	if (m_fresh) m_contactCache.clear();
 	const auto start = std::chrono::steady_clock::now();
-	query(m_a, m_b, aFromB, settings, cache, result);
+	contacts(m_a, m_b, aFromB, settings, m_contactCache, m_contacts);
 	return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
 }
 
-ReplayRow MeasuredQuery::at(const PoseRow& poses, const Settings& settings)
+double MeasuredQuery::timedGap(const Transform& aFromB, const GapSettings& settings)
+{
+	if (m_fresh) m_gapCache.clear();
+	const auto start = std::chrono::steady_clock::now();
+	if (m_paper)
+		paperQuery(m_a, m_b, aFromB, settings, m_gap);
+	else
+		signedGap(m_a, m_b, aFromB, settings, m_gapCache, m_gap);
+	return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
+}
+
+ReplayRow MeasuredQuery::at(const PoseRow& poses, const GapSettings& settings)
 {
 	const Transform aFromB = relativePose(poses, meshFromBody(m_a), meshFromBody(m_b));
-	Settings contactsOnly = settings;
-	contactsOnly.contactsOnly = true;
-	contactsOnly.distance = false;
 	ReplayRow row;
 	row.step = poses.step;
 	row.bodyA = poses.bodyA;
 	row.bodyB = poses.bodyB;
-	row.queryMicroseconds = timed(aFromB, contactsOnly, m_contactCache, m_contacts);
-	// The gap is searched at what the budget has bought for the contacts.
-	Settings withGap = settings;
-	if (settings.budget.isLimited()) withGap.budget = {double(m_contacts.stats.needed), kOff};
-	if (settings.contactsOnly)
-		m_gap = m_contacts;
+	if (m_paper)
+	{
+		// One walk does both.
+		row.queryMicroseconds = row.gapMicroseconds = timedGap(aFromB, settings);
+		m_contacts = m_gap;
+	}
 	else
-		row.gapMicroseconds = timed(aFromB, withGap, m_gapCache, m_gap);
+	{
+		row.queryMicroseconds = timedContacts(aFromB, settings);
+		// The gap is searched at what the budget has bought for the contacts.
+		GapSettings withGap = settings;
+		if (settings.budget.isLimited()) withGap.budget = {double(m_contacts.stats.needed), kOff};
+		if (!m_contactsOnly) row.gapMicroseconds = timedGap(aFromB, withGap);
+	}
+	if (m_contactsOnly) m_gap = m_contacts;
 	row.contacts = m_contacts.contacts.size();
 	m_current.clear();
 	for (const Contact& contact : m_contacts.contacts) m_current.emplace_back(contact.nodeA, contact.nodeB);
@@ -146,7 +161,7 @@ RelativeMotion relativeMotion(const Hierarchy& a, const Hierarchy& b, const Pose
 	return {-1.0 * linear, -1.0 * angular, seconds};
 }
 
-Settings settingsOf(const ReplayOptions& options, const Hierarchy& a, const Hierarchy& b, const PoseRow& poses,
+GapSettings settingsOf(const ReplayOptions& options, const Hierarchy& a, const Hierarchy& b, const PoseRow& poses,
 					const RelativeMotion& motion)
 {
 	MetricFrame frame;
@@ -155,14 +170,12 @@ Settings settingsOf(const ReplayOptions& options, const Hierarchy& a, const Hier
 	frame.motion = motion;
 	ViewCamera camera;
 	if (options.camera) camera = options.camera->at(poses.step), frame.camera = &camera;
-	Settings settings;
+	GapSettings settings;
 	settings.budget = options.budget;
 	settings.metric = resolve(options.metric, frame);
 	settings.tolerance = options.tolerance.inMeshUnit(frame.radius);
 	settings.distance = options.distance;
 	if (options.gapError) settings.gapError = options.gapError->inMeshUnit(frame.radius);
-	settings.paper = options.paper;
-	settings.contactsOnly = options.contactsOnly;
 	return settings;
 }
 
@@ -171,7 +184,11 @@ std::string optionsError(const ReplayOptions& options, const Bodies& bodies)
 	std::string problem = contactMetricError(options.metric, options.camera ? &options.camera->start : nullptr);
 	for (const Hierarchy* a : bodies)
 		for (const Hierarchy* b : bodies)
-			if (problem.empty()) problem = settingsError(*a, *b, settingsOf(options, *a, *b, {}, {}));
+			if (problem.empty())
+			{
+				const GapSettings settings = settingsOf(options, *a, *b, {}, {});
+				problem = options.paper ? paperQueryError(*a, *b, settings) : settingsError(settings);
+			}
 	return problem;
 }
 
@@ -190,7 +207,7 @@ ReplayRow PairQueries::at(const PoseRow& poses)
 	const Hierarchy &a = *m_bodies[poses.bodyA], &b = *m_bodies[poses.bodyB];
 	const std::pair<std::uint32_t, std::uint32_t> key{poses.bodyA, poses.bodyB};
 	auto found = m_pairs.find(key);
-	if (found == m_pairs.end()) found = m_pairs.emplace(key, Pair{MeasuredQuery(a, b, m_options.fresh), {}}).first;
+	if (found == m_pairs.end()) found = m_pairs.emplace(key, Pair{MeasuredQuery(a, b, m_options), {}}).first;
 	Pair& pair = found->second;
 	RelativeMotion motion;
 	double speed = 0;

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "clod/query/ContactMetric.h"
-#include "clod/query/Query.h"
+#include "clod/distance/SignedGap.h"
 #include "cli/Length.h"
 #include "demos/runner/Motion.h"
 #include "demos/scenes/CameraPath.h"
@@ -25,16 +25,16 @@ struct ReplayOptions  // lengths: shares are of a pair's smaller radius
 	std::optional<CameraPath> camera;  // of view metrics; the meshes' unit
 	Budget budget;                     // of every query
 	cli::Length tolerance;
-	std::optional<cli::Length> gapError;  // Settings::gapError
+	std::optional<cli::Length> gapError;  // GapSettings::gapError
 	bool distance = false, paper = false;
-	bool contactsOnly = false;  // no gap is asked for: Settings::contactsOnly
+	bool contactsOnly = false;  // no gap is asked for
 	int repeat = 1;      // whole passes, all caches dropped before each; a row keeps its least time
 	bool fresh = false;  // caches dropped before every row as well
 	double dt = 1.0 / 240;
 };
 
 // What a pair is asked at a pose it moves through; `motion` in the body frame of A.
-Settings settingsOf(const ReplayOptions& options, const Hierarchy& a, const Hierarchy& b, const PoseRow& poses,
+GapSettings settingsOf(const ReplayOptions& options, const Hierarchy& a, const Hierarchy& b, const PoseRow& poses,
 					const RelativeMotion& motion);
 // Empty when all pairs of the bodies can be asked, otherwise one sentence naming the field and its value.
 std::string optionsError(const ReplayOptions& options, const Bodies& bodies);
@@ -67,16 +67,21 @@ std::vector<ReplayRow> replay(const Bodies& bodies, const std::vector<PoseRow>& 
 class MeasuredQuery
 {
 public:
-	MeasuredQuery(const Hierarchy& a, const Hierarchy& b, bool fresh) : m_a(a), m_b(b), m_fresh(fresh) {}
-	ReplayRow at(const PoseRow& poses, const Settings& settings);
+	MeasuredQuery(const Hierarchy& a, const Hierarchy& b, const ReplayOptions& options)
+		: m_a(a), m_b(b), m_fresh(options.fresh), m_paper(options.paper), m_contactsOnly(options.contactsOnly)
+	{
+	}
+	ReplayRow at(const PoseRow& poses, const GapSettings& settings);
 
 private:
-	double timed(const Transform& aFromB, const Settings& settings, PairCache& cache, QueryResult& result) const;
+	double timedContacts(const Transform& aFromB, const ContactSettings& settings);
+	double timedGap(const Transform& aFromB, const GapSettings& settings);
 
 	const Hierarchy &m_a, &m_b;
-	bool m_fresh;
-	PairCache m_contactCache, m_gapCache;
-	QueryResult m_contacts, m_gap;
+	bool m_fresh, m_paper, m_contactsOnly;
+	PairCache m_contactCache;
+	GapCache m_gapCache;
+	GapResult m_contacts, m_gap;
 	std::vector<std::pair<std::uint32_t, std::uint32_t>> m_previous, m_current;  // node pairs of the contact list
 };
 

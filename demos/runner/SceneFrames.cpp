@@ -55,11 +55,11 @@ public:
 		for (const PoseRow& poses : posesOf(m_run.rows[row].state))
 		{
 			const Hierarchy &a = *bodies[poses.bodyA], &b = *bodies[poses.bodyB];
-			Settings settings = settingsOf(m_options.queries(), a, b, poses, motionBefore(row, poses));
-			settings.contactsOnly = true;  // as in the simulation, and as contacts are counted
+			// Contacts as in the simulation, and as they are counted.
 			PairCache cache;
-			QueryResult result;
-			query(a, b, relativePose(poses, meshFromBody(a), meshFromBody(b)), settings, cache, result);
+			GapResult result;
+			contacts(a, b, relativePose(poses, meshFromBody(a), meshFromBody(b)),
+					 settingsOf(m_options.queries(), a, b, poses, motionBefore(row, poses)), cache, result);
 			answer.pairs.push_back({{poses.bodyA, poses.bodyB}, std::move(result)});
 		}
 		return answer;

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "clod/query/ContactMetric.h"
-#include "clod/query/Query.h"
+#include "clod/distance/SignedGap.h"
 #include "demos/scenes/CameraPath.h"
 #include "demos/scenes/Poses.h"
 
@@ -88,7 +88,7 @@ struct BodyPair
 struct PairAnswer
 {
 	BodyPair bodies;
-	QueryResult result;
+	GapResult result;
 };
 
 // A point of Bullet's persistent manifolds, in the world, in the meshes' unit.

@@ -68,13 +68,13 @@ public:
 private:
 	double gapOf(const Transform& lowerFromUpper)
 	{
-		query(m_spoon, m_spoon, lowerFromUpper, m_settings, m_cache, m_result);
+		signedGap(m_spoon, m_spoon, lowerFromUpper, m_settings, m_cache, m_result);
 		return m_result.minDistance;
 	}
 	const Hierarchy& m_spoon;
-	Settings m_settings;
-	PairCache m_cache;
-	QueryResult m_result;
+	GapSettings m_settings;
+	GapCache m_cache;
+	GapResult m_result;
 };
 
 void findCourse(SceneDefinition& scene, const std::vector<std::shared_ptr<const Hierarchy>>& models)

@@ -396,7 +396,7 @@ bool hasChain(const Hierarchy& h, std::uint32_t node, const Vec3& p,
 			  const std::vector<std::vector<std::uint32_t>>& parents)
 {
 	const Node& n = h.node(node);
-	const CullBox& box = h.cullBox(node);
+	const OrientedBox& box = h.cullBox(node);
 	Vec3 d = p;
 	for (int k = 0; k < 3; ++k) d[k] -= double(box.center[k]);
 	for (int i = 0; i < 3; ++i)

@@ -153,7 +153,7 @@ void Maker::addBox(const std::vector<std::uint32_t>& used, const Vec3& sweep)
 				low[i] = std::min(low[i], p[i]);
 				high[i] = std::max(high[i], p[i]);
 			}
-	CullBox box{};
+	OrientedBox box{};
 	const double slack = 1e-5 * double(out.asset.radius);
 	const Vec3 center = 0.5 * (low + high);
 	box.radius = boundAtLeast(length(0.5 * (high - low)) * kLoose + 2 * slack);
@@ -297,7 +297,7 @@ void Maker::addParents()
 			node.coneCosine = -1;
 			addVertices(used, node);
 			addBox(used, {});
-			CullBox& box = out.cullBoxes.back();
+			OrientedBox& box = out.cullBoxes.back();
 			for (float& half : box.half) half = boundAtLeast(double(half) + thickest);
 			box.radius = boundAtLeast(double(box.radius) + 2 * thickest);
 			out.nodes.push_back(node);

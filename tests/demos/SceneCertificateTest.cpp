@@ -65,15 +65,15 @@ std::vector<Asked> selectionsOf(const SceneInfo& scene)
 }
 
 // The exact gap, at any separation and depth.
-Settings referenceSettings()
+GapSettings referenceSettings()
 {
-	Settings settings;
+	GapSettings settings;
 	settings.metric.exact = true;
 	settings.distance = true;
 	return settings;
 }
 
-bool isNumber(const QueryResult& result)
+bool isNumber(const GapResult& result)
 {
 	bool holds = !std::isnan(result.minDistance) && !std::isnan(result.errorBound) && result.errorBound >= 0;
 	for (const Contact& c : result.contacts)
@@ -82,7 +82,7 @@ bool isNumber(const QueryResult& result)
 }
 
 // What of its promises an answer breaks, or nothing.
-std::string wrong(const QueryResult& result, const Settings& settings, const test::GapInterval& truth)
+std::string wrong(const GapResult& result, const GapSettings& settings, const test::GapInterval& truth)
 {
 	if (!isNumber(result)) return "not a number";
 	const bool isExcused = result.deep || result.stats.depthsCutShort > 0 || settings.budget.isLimited();
@@ -91,13 +91,13 @@ std::string wrong(const QueryResult& result, const Settings& settings, const tes
 	return test::broken(result, truth, settings.tolerance);
 }
 
-test::GapInterval intervalOf(const QueryResult& exact)
+test::GapInterval intervalOf(const GapResult& exact)
 {
 	return {exact.minDistance - exact.errorBound, exact.minDistance + exact.errorBound};
 }
 
 // Levels are chosen by a limit that is the same everywhere, without a budget.
-bool isTightAimed(const Settings& settings)
+bool isTightAimed(const GapSettings& settings)
 {
 	const Metric& metric = settings.metric;
 	return !settings.budget.isLimited() && (metric.weightedDeviation < kOff || metric.maxError < kOff);
@@ -106,8 +106,8 @@ bool isTightAimed(const Settings& settings)
 // One pair of bodies: a cache for each selection.
 struct Pair
 {
-	std::vector<PairCache> caches;
-	PairCache reference;
+	std::vector<GapCache> caches;
+	GapCache reference;
 	std::optional<PoseRow> previous;
 };
 
@@ -153,8 +153,8 @@ protected:
 			speed = demo::relativeSpeed(a, b, *pair.previous, row, seconds);
 		}
 		motion.timeStep = scene.dt;
-		QueryResult truth, result;
-		query(a, b, pose, referenceSettings(), pair.reference, truth);
+		GapResult truth, result;
+		signedGap(a, b, pose, referenceSettings(), pair.reference, truth);
 		ASSERT_TRUE(isNumber(truth) && std::isfinite(truth.errorBound));
 		const bool isNear = truth.minDistance <= scene.tolerance;
 		++m_tally.rows;
@@ -164,8 +164,8 @@ protected:
 		m_tally.resting += isNear && pair.previous && demo::classify(speed) == demo::Motion::rest;
 		for (std::size_t i = 0; i < selections.size(); ++i)
 		{
-			const Settings settings = demo::settingsOf(selections[i].options, a, b, row, motion);
-			query(a, b, pose, settings, pair.caches[i], result);
+			const GapSettings settings = demo::settingsOf(selections[i].options, a, b, row, motion);
+			signedGap(a, b, pose, settings, pair.caches[i], result);
 			EXPECT_EQ(wrong(result, settings, intervalOf(truth)), "")
 				<< scene.name << " step " << row.step << ", bodies " << row.bodyA << " and " << row.bodyB << ", "
 				<< selections[i].name << ": " << result.minDistance << " +- " << result.errorBound << ", truth "
@@ -196,9 +196,9 @@ protected:
 			const double radius = demo::smallerRadius(a, b);
 			const test::GapInterval truth =
 				test::triangleGap(test::inputTriangles(a), test::inputTriangles(b), pose, 1e-3 * radius);
-			PairCache cache;
-			QueryResult exact;
-			query(a, b, pose, referenceSettings(), cache, exact);
+			GapCache cache;
+			GapResult exact;
+			signedGap(a, b, pose, referenceSettings(), cache, exact);
 			EXPECT_EQ(wrong(exact, referenceSettings(), truth), "") << scene.name << " step " << row.step;
 			++m_tally.truths;
 		}
@@ -277,28 +277,28 @@ INSTANTIATE_TEST_SUITE_P(Scenes, SceneCertificates, testing::ValuesIn(sceneNames
 
 TEST(SceneCertificate, TheCheckSeesPlantedFaults)
 {
-	Settings settings;
+	GapSettings settings;
 	settings.tolerance = 0.5;
 	settings.metric.maxError = 0.2;
 	const test::GapInterval truth{0.3, 0.3};
-	QueryResult result;
+	GapResult result;
 	result.minDistance = 0.2;
 	result.errorBound = 0.1;
 	EXPECT_EQ(wrong(result, settings, truth), "");
 	const auto with = [&](auto change)
 	{
-		QueryResult fault = result;
+		GapResult fault = result;
 		change(fault);
 		return wrong(fault, settings, truth);
 	};
-	EXPECT_NE(with([](QueryResult& r) { r.minDistance = 0.199; }), "");
-	EXPECT_NE(with([](QueryResult& r) { r.minDistance = 0.401; }), "");
-	EXPECT_NE(with([](QueryResult& r) { r.minDistance = std::nan(""); }), "");
-	EXPECT_NE(with([](QueryResult& r) { r.errorBound = std::nan(""); }), "");
-	EXPECT_NE(with([](QueryResult& r) { r.errorBound = 0.21; }), "");
-	EXPECT_NE(with([](QueryResult& r) { r.errorBound = kInfinity; }), "");
-	EXPECT_NE(with([](QueryResult& r) { r.minDistance = kInfinity; }), "");
-	EXPECT_NE(with([](QueryResult& r) { r.contacts.push_back({0, 0, 0, std::nan(""), {}, {}, {}}); }), "");
+	EXPECT_NE(with([](GapResult& r) { r.minDistance = 0.199; }), "");
+	EXPECT_NE(with([](GapResult& r) { r.minDistance = 0.401; }), "");
+	EXPECT_NE(with([](GapResult& r) { r.minDistance = std::nan(""); }), "");
+	EXPECT_NE(with([](GapResult& r) { r.errorBound = std::nan(""); }), "");
+	EXPECT_NE(with([](GapResult& r) { r.errorBound = 0.21; }), "");
+	EXPECT_NE(with([](GapResult& r) { r.errorBound = kInfinity; }), "");
+	EXPECT_NE(with([](GapResult& r) { r.minDistance = kInfinity; }), "");
+	EXPECT_NE(with([](GapResult& r) { r.contacts.push_back({0, 0, 0, std::nan(""), {}, {}, {}}); }), "");
 }
 
 // 0.1, 0.5 and 1 % of the radius: found for the models as they are, to 2 % every fifth step, between them evenly.
@@ -312,15 +312,15 @@ TEST(SceneCertificate, TheNestedSpoonsAreHeldAtThreeGaps)
 	const double radius = spoon.asset().radius;
 	const double hold = constants.at("hold_time"), period = hold + constants.at("change_time");
 	std::vector<double> held[3];
-	PairCache cache;
-	QueryResult result;
+	GapCache cache;
+	GapResult result;
 	for (const PoseRow& row : demo::simulatePoses(run, [](double) {}))
 	{
 		const double time = double(row.step) * run.info.dt;
 		const auto which = std::size_t(time / period);
 		if (which > 2 || time - double(which) * period > hold) continue;
 		const Transform pose = demo::relativePose(row, demo::meshFromBody(spoon), demo::meshFromBody(spoon));
-		query(spoon, spoon, pose, referenceSettings(), cache, result);
+		signedGap(spoon, spoon, pose, referenceSettings(), cache, result);
 		held[which].push_back(result.minDistance / radius);
 	}
 	const double shares[] = {0.001, 0.005, 0.01};

@@ -64,7 +64,7 @@ struct Counts
 };
 
 // What an answer says wrongly of a gap that is known, or nothing.
-std::string wrong(const QueryResult& result, const Settings& settings, const GapInterval& truth, double radius)
+std::string wrong(const GapResult& result, const Settings& settings, const GapInterval& truth, double radius)
 {
 	if (const std::string reason = broken(result, truth, settings.tolerance); !reason.empty()) return reason;
 	const bool isProved = std::isfinite(result.errorBound), isApart = truth.low > 0;
@@ -95,7 +95,7 @@ void checkAll(const BodyPair& pair, const Transform& pose, const GapInterval& tr
 			{
 				settings.distance = distance;
 				const BodyPair asked = isSwapped ? BodyPair{pair.b, pair.a} : pair;
-				const QueryResult result = fresh(asked, isSwapped ? inverse(pose) : pose, settings);
+				const GapResult result = fresh(asked, isSwapped ? inverse(pose) : pose, settings);
 				EXPECT_EQ(wrong(result, settings, truth, radius), "")
 					<< where << (isSwapped ? ", swapped" : "") << (distance ? ", distance" : "") << ", s0 "
 					<< settings.metric.weightedDeviation / radius << ", limit " << settings.metric.maxError / radius

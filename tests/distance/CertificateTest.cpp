@@ -46,7 +46,7 @@ void checkBounds(const Settings& settings, std::uint64_t seed, BoundCounts& coun
 			scaled.tolerance = 0.01 * radius;
 			scaled.metric.weightedDeviation *= radius;
 			scaled.metric.maxError *= radius;
-			const QueryResult result = fresh(pair, pose, scaled);
+			const GapResult result = fresh(pair, pose, scaled);
 			const GapInterval truth = truthOf(seed, index++, pair, pose);
 			const std::string reason = broken(result, truth, scaled.tolerance);
 			EXPECT_EQ(reason, "") << pair.a.name << "-" << pair.b.name << " pose " << i << ": "
@@ -152,12 +152,12 @@ TEST(Certificate, TheGapOfCoarseContactsIsAsExactAsAskedFor)
 			Settings settings = exactSettings(0.01 * radius);
 			settings.distance = i % 2 == 0;
 			settings.metric.maxError = 1e-6 * radius;  // of a depth that is searched
-			const QueryResult exact = fresh(pair, pose, settings);
+			const GapResult exact = fresh(pair, pose, settings);
 			settings.metric = Metric{};
 			settings.metric.weightedDeviation = (i % 4 < 2 ? 0.035 : 1) * radius;
-			const QueryResult before = fresh(pair, pose, settings);
+			const GapResult before = fresh(pair, pose, settings);
 			settings.gapError = i % 3 == 0 ? 0 : std::pow(10, uniform(random, -5, -2)) * radius;
-			QueryResult result = fresh(pair, pose, settings);
+			GapResult result = fresh(pair, pose, settings);
 			const std::string where = pair.a.name + "-" + pair.b.name + " pose " + std::to_string(i);
 			const double error = std::max(settings.gapError, 2e-6 * radius);
 			cutShort += result.stats.depthsCutShort > 0;
@@ -212,7 +212,7 @@ TEST(Certificate, ADepthHasRoomForRounding)
 			{
 				Settings settings = exactSettings(0.02 * radius);
 				settings.distance = distance;
-				const QueryResult result = fresh(pair, pose, settings);
+				const GapResult result = fresh(pair, pose, settings);
 				if (!(result.minDistance < 0) || result.errorBound == kOff) continue;
 				++proven;
 				const QueryContext context(*pair.a.hierarchy, *pair.b.hierarchy, pose);
@@ -224,7 +224,7 @@ TEST(Certificate, ADepthHasRoomForRounding)
 
 TEST(Certificate, TheCheckSeesPlantedFaults)
 {
-	QueryResult result;
+	GapResult result;
 	result.minDistance = 1;
 	result.errorBound = 0.1;
 	EXPECT_EQ(broken(result, {0.95, 0.95}, 0.5), "");

@@ -23,7 +23,7 @@ struct Touch
 	Transform aFromB;
 	PointRules rules;
 	ClusterRules clusters;
-	QueryResult result;
+	GapResult result;
 };
 
 // The same bodies with the same motion elsewhere.
@@ -34,7 +34,7 @@ Touch touchAt(const Transform& aFromB, const Touch& touch)
 	Settings settings = exactSettings(touch.rules.margin + touch.rules.resting);
 	settings.sweep = {-kPredictionSlack * touch.rules.motion.linear, -kPredictionSlack * touch.rules.motion.angular};
 	settings.contactsOnly = true;
-	PairCache cache;
+	GapCache cache;
 	query(*moved.a, *moved.b, aFromB, settings, cache, moved.result);
 	return moved;
 }

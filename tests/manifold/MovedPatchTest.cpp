@@ -118,8 +118,8 @@ TEST(MovedPatch, VisitsTheFacesThatAreBeyondNoPlaneOfAPrism)
 			const double size = std::pow(10, uniform(random, -4, -1)) * radius;
 			const RelativeMotion motion{size * randomDirection(random), size / radius * randomDirection(random), 1};
 			const Scene scene{*pair.a.hierarchy, *pair.b.hierarchy, pose, motion, radius};
-			PairCache cache;
-			QueryResult result;
+			GapCache cache;
+			GapResult result;
 			query(scene.a, scene.b, pose, exactSettings(0.02 * radius), cache, result);
 			for (std::size_t k = 0; k < std::min<std::size_t>(40, result.contacts.size()); ++k)
 				comparePair(scene, result.contacts[random() % result.contacts.size()], random, counts);

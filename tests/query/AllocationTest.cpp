@@ -88,8 +88,8 @@ long allocationsOf(const BodyPair& pair, const Walk& walk, const Settings& setti
 	Random random(1);
 	const double radius = smallerRadius(pair.a, pair.b);
 	const Transform start = poseWithGap(random, pair.a, pair.b, walk.gap);
-	PairCache cache;
-	QueryResult result;
+	GapCache cache;
+	GapResult result;
 	long before = 0;
 	std::size_t contacts = 0;
 	for (int step = 0; step < 350; ++step)
@@ -111,11 +111,11 @@ TEST(Query, SteadyStepsAllocateNothing)
 	const Walk walks[] = {{"sliding", -0.001, 1e-4}, {"almost at rest", -0.001, 1e-7}, {"apart", 0.05, 1e-4}};
 	for (const Case& c : cases(smallerRadius(pair.a, pair.b)))
 	{
-		ASSERT_EQ(settingsError(*pair.a.hierarchy, *pair.b.hierarchy, c.settings), "") << c.name;
+		ASSERT_EQ(settingsError(c.settings), "") << c.name;
 		if (c.settings.metric.maxError < kOff)
 		{
 			const QueryContext context(*pair.a.hierarchy, *pair.b.hierarchy, Transform{});
-			const BaseLevels base = StopRule(context, c.settings.metric, false).base();
+			const BaseLevels base = StopRule(context, c.settings.metric).base();
 			EXPECT_EQ(base.isUsed(), c.settings.metric.weightedDeviation == kOff);
 			EXPECT_FALSE(base.isOfLeaves());
 		}

@@ -17,10 +17,10 @@ struct BodyPair
 };
 
 // Without any cache.
-inline QueryResult fresh(const BodyPair& pair, const Transform& pose, const Settings& settings)
+inline GapResult fresh(const BodyPair& pair, const Transform& pose, const Settings& settings)
 {
-	PairCache cache;
-	QueryResult result;
+	GapCache cache;
+	GapResult result;
 	query(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache, result);
 	return result;
 }
@@ -35,7 +35,7 @@ inline bool sameBits(const Contact& l, const Contact& r)
 }
 
 // What differs, or nothing.
-inline std::string difference(const QueryResult& l, const QueryResult& r)
+inline std::string difference(const GapResult& l, const GapResult& r)
 {
 	if (l.contacts.size() != r.contacts.size())
 		return std::to_string(l.contacts.size()) + " contacts instead of " + std::to_string(r.contacts.size());
@@ -47,7 +47,7 @@ inline std::string difference(const QueryResult& l, const QueryResult& r)
 }
 
 // What an answer promises of the gap and does not keep, or nothing. Room for the rounding of bodies some cm wide.
-inline std::string broken(const QueryResult& result, const GapInterval& truth, double tolerance)
+inline std::string broken(const GapResult& result, const GapInterval& truth, double tolerance)
 {
 	if (result.errorBound == std::numeric_limits<double>::infinity()) return {};
 	if (result.minDistance == std::numeric_limits<double>::infinity())

@@ -89,8 +89,8 @@ std::uint64_t testsOf(const AwayCase& c, const Away& away, bool isExact, bool is
 			const double radius = smallerRadius(pair.a, pair.b);
 			const Settings settings = settingsOf(c, radius, isExact);
 			Transform pose = poseWithGap(random, pair.a, pair.b, uniform(random, away.least, away.most));
-			PairCache cache;
-			QueryResult result;
+			GapCache cache;
+			GapResult result;
 			for (int i = 0; i < 40; ++i)
 			{
 				// Anyhow, and slowly off: 40 steps do not bring it near.

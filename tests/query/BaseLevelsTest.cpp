@@ -38,7 +38,7 @@ Worst worstOf(const Hierarchy& hierarchy, std::uint32_t level)
 // pi). A box has M = pi (x + y + z).
 double meetingByPairs(const Hierarchy& a, std::uint32_t levelA, const Hierarchy& b, std::uint32_t levelB)
 {
-	const auto edges = [](const CullBox& box) {
+	const auto edges = [](const OrientedBox& box) {
 		return 2 * Vec3{double(box.half[0]), double(box.half[1]), double(box.half[2])};
 	};
 	const auto surface = [](const Vec3& e) { return 2 * (e.x * e.y + e.y * e.z + e.z * e.x); };
@@ -108,7 +108,7 @@ TEST(BaseLevels, ACertifiedLimitIsAnsweredByTheLevelsThatKeepIt)
 			metric.maxError = share * smallerRadius(pair.a, pair.b);
 			const BaseLevels expected = bestThatKeep(metric.maxError, a, b);
 			const double nodePairs = worstOf(a, expected.a).nodes * worstOf(b, expected.b).nodes;
-			const StopRule rule(context, metric, false);
+			const StopRule rule(context, metric);
 			const double half = 0.5 * metric.maxError;
 			if (nodePairs > 16 * double(a.fewestWithin(half)) * double(b.fewestWithin(half)))
 			{
@@ -119,8 +119,7 @@ TEST(BaseLevels, ACertifiedLimitIsAnsweredByTheLevelsThatKeepIt)
 			EXPECT_EQ(rule.base(), expected) << pair.a.name << " " << share;
 			++(expected.isOfLeaves() ? leaves : used);
 			metric.weightedDeviation = 0.1 * metric.maxError;  // may ask for finer nodes
-			EXPECT_EQ(StopRule(context, metric, false).base().isUsed(), expected.isOfLeaves());
-			EXPECT_FALSE(StopRule(context, metric, true).base().isUsed());
+			EXPECT_EQ(StopRule(context, metric).base().isUsed(), expected.isOfLeaves());
 		}
 	}
 	std::printf("%d limits answered by simplified levels, %d by the input surfaces, %d by mixed levels\n", used, leaves,
@@ -145,11 +144,11 @@ TEST(BaseLevels, ACertifiedLimitFindsEveryPairOfTheBaseLevels)
 			settings.metric.maxError = std::pow(10, uniform(random, -3, -0.5)) * radius;
 			const Transform pose = poseWithGap(random, pair.a, pair.b, stratifiedGap(random, i));
 			const QueryContext context(a, b, pose);
-			const StopRule rule(context, settings.metric, false);
+			const StopRule rule(context, settings.metric);
 			if (!rule.base().isUsed()) continue;
 			const Level levelA = a.levels()[rule.base().a], levelB = b.levels()[rule.base().b];
 			if (double(levelA.nodeCount) * double(levelB.nodeCount) > 3e5) continue;
-			const QueryResult result = fresh(pair, pose, settings);
+			const GapResult result = fresh(pair, pose, settings);
 			std::size_t ofBase = 0, expected = 0;
 			for (const Contact& contact : result.contacts)
 				ofBase += a.node(contact.nodeA).level == rule.base().a && b.node(contact.nodeB).level == rule.base().b;
@@ -191,10 +190,10 @@ TEST(BaseLevels, ABoundOfBaseLevelsHoldsJustBelowTheTolerance)
 			settings.metric.maxError = std::pow(10, uniform(random, -3, -1)) * radius;
 			const Transform pose = poseWithGap(random, pair.a, pair.b, uniform(random, 0.017, 0.023));
 			const QueryContext context(*pair.a.hierarchy, *pair.b.hierarchy, pose);
-			const StopRule rule(context, settings.metric, false);
+			const StopRule rule(context, settings.metric);
 			if (!rule.base().isUsed()) continue;
 			const double truth = fresh(pair, pose, exactSettings(0.04 * radius)).minDistance;
-			const QueryResult result = fresh(pair, pose, settings);
+			const GapResult result = fresh(pair, pose, settings);
 			const bool isFar = result.contacts.empty();
 			EXPECT_LE((isFar ? settings.tolerance : result.minDistance) - result.errorBound, truth)
 				<< pair.a.name << " pose " << i;
@@ -221,11 +220,11 @@ TEST(BaseLevels, ALimitOutOfReachCostsWhatExactDoes)
 		{
 			const Transform pose = poseWithGap(random, pair.a, pair.b, uniform(random, 0, 0.01));
 			const Settings exact = exactSettings(0.02 * radius);
-			const QueryResult expected = fresh(pair, pose, exact);
+			const GapResult expected = fresh(pair, pose, exact);
 			Settings limited = exact;
 			limited.metric.exact = false;
 			limited.metric.maxError = 0.99 * least;
-			const QueryResult result = fresh(pair, pose, limited);
+			const GapResult result = fresh(pair, pose, limited);
 			EXPECT_EQ(difference(result, expected), "") << pair.a.name << " pose " << i;
 			EXPECT_EQ(result.stats.boxTests, expected.stats.boxTests);
 			withContacts += !expected.contacts.empty();

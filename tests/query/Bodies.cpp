@@ -110,8 +110,8 @@ Transform poseWithGap(Random& random, const Body& a, const Body& b, double gap)
 	// Aim at a point of A, not always at its middle; then close in along that line until the bodies touch.
 	const Vec3 target = uniform(random, 0, 0.8) * radiusA * randomDirection(random);
 	const Vec3 way = normalized(target - pose.translation);
-	PairCache cache;
-	QueryResult result;
+	GapCache cache;
+	GapResult result;
 	for (int i = 0; i < 200; ++i)
 	{
 		query(*a.hierarchy, *b.hierarchy, pose, settings, cache, result);

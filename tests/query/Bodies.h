@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "builder/Lod.h"
-#include "clod/query/Query.h"
+#include "tests/query/Ask.h"
 
 namespace clod::test
 {

@@ -55,7 +55,7 @@ Settings with(Settings settings, double tests)
 	settings.budget.tests = tests;
 	return settings;
 }
-std::uint64_t testsOf(const QueryResult& result)
+std::uint64_t testsOf(const GapResult& result)
 {
 	return std::uint64_t(result.stats.boxTests) + result.stats.hullTests;
 }
@@ -77,8 +77,8 @@ TEST(Budget, AFullOneEqualsTheUnbudgetedQueryBitForBit)
 	int withContacts = 0, searched = 0;
 	const auto check = [&](Random&, const BodyPair& pair, const Transform& pose, const Settings& settings)
 	{
-		const QueryResult expected = fresh(pair, pose, settings);
-		const QueryResult result = fresh(pair, pose, with(settings, 1e9));
+		const GapResult expected = fresh(pair, pose, settings);
+		const GapResult result = fresh(pair, pose, with(settings, 1e9));
 		EXPECT_EQ(difference(result, expected), "") << "exact " << settings.metric.exact;
 		EXPECT_EQ(result.excess, 0);
 		EXPECT_EQ(result.stats.gapSearches, expected.stats.gapSearches);
@@ -97,10 +97,10 @@ TEST(Budget, NoneGivesTheCoarsestValidAnswer)
 	{
 		settings.contactsOnly = false;
 		settings.gapError = kOff;  // the certificate of the nodes
-		const QueryResult withGap = fresh(pair, pose, with(settings, 0));
+		const GapResult withGap = fresh(pair, pose, with(settings, 0));
 		settings.contactsOnly = true;  // how exactly a depth is searched depends on maxError
-		const QueryResult result = fresh(pair, pose, with(settings, 0));
-		const QueryResult full = fresh(pair, pose, settings);
+		const GapResult result = fresh(pair, pose, with(settings, 0));
+		const GapResult full = fresh(pair, pose, settings);
 		settings.metric = Metric{};
 		EXPECT_EQ(difference(result, fresh(pair, pose, settings)), "");
 		// A pair that touches has an answer, unless the finer levels are out of reach of the coarser ones' certificate.
@@ -127,7 +127,7 @@ TEST(Budget, IsNeverExceededAndMoreIsNeverCoarser)
 		std::uint32_t opened = 0;
 		for (double tests = 4; tests < 1e5; tests *= 1.7)
 		{
-			const QueryResult result = fresh(pair, pose, with(settings, std::floor(tests)));
+			const GapResult result = fresh(pair, pose, with(settings, std::floor(tests)));
 			ASSERT_LE(testsOf(result), std::max(std::uint64_t(tests), least)) << tests;
 			EXPECT_LE(result.excess, excess);
 			EXPECT_GE(result.stats.frontInner, opened);
@@ -153,7 +153,7 @@ TEST(Budget, ItsErrorIsStillCertified)
 	{
 		settings.contactsOnly = false;
 		const double radius = smallerRadius(pair.a, pair.b);
-		const QueryResult result = fresh(pair, pose, with(settings, std::pow(10, uniform(random, 0, 4))));
+		const GapResult result = fresh(pair, pose, with(settings, std::pow(10, uniform(random, 0, 4))));
 		if (!std::isfinite(result.errorBound)) return;
 		const GapInterval truth = triangleGap(pair.a.triangles, pair.b.triangles, pose, 1e-3 * radius);
 		if (std::isfinite(result.minDistance))
@@ -176,8 +176,8 @@ TEST(Budget, CachedEqualsFreshBitForBit)
 	for (const BodyPair& pair : pairs())
 	{
 		const double radius = smallerRadius(pair.a, pair.b);
-		PairCache cache;
-		QueryResult result;
+		GapCache cache;
+		GapResult result;
 		Settings settings = anySettings(random, radius);
 		Transform pose = poseWithGap(random, pair.a, pair.b, 0);
 		int cut = 0, again = 0;
@@ -195,7 +195,7 @@ TEST(Budget, CachedEqualsFreshBitForBit)
 			if (random() % 2)
 				settings.budget.tests = random() % 3 ? std::floor(std::pow(10, uniform(random, 0, 5))) : kOff;
 			query(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache, result);
-			const QueryResult expected = fresh(pair, pose, settings);
+			const GapResult expected = fresh(pair, pose, settings);
 			ASSERT_EQ(difference(result, expected), "") << "step " << step;
 			ASSERT_EQ(result.excess, expected.excess) << "step " << step;
 			cut += result.excess > 0;
@@ -209,7 +209,7 @@ TEST(Budget, ATimeOfZeroIsTheCoarsestAnswerAndALongOneChangesNothing)
 {
 	const auto check = [&](Random&, const BodyPair& pair, const Transform& pose, Settings settings)
 	{
-		const QueryResult unbudgeted = fresh(pair, pose, settings), coarsest = fresh(pair, pose, with(settings, 0));
+		const GapResult unbudgeted = fresh(pair, pose, settings), coarsest = fresh(pair, pose, with(settings, 0));
 		settings.budget.microseconds = 0;
 		EXPECT_EQ(difference(fresh(pair, pose, settings), coarsest), "");
 		settings.budget.microseconds = 1e9;
@@ -246,16 +246,16 @@ TEST(QueryPlan, IsFinishedByTheNextQuery)
 	{
 		if (random() % 3 == 0) settings.metric.own = &own;
 		settings.contactsOnly = true;
-		const QueryResult expected = fresh(pair, pose, settings);
+		const GapResult expected = fresh(pair, pose, settings);
 		settings = with(settings, 0);
-		PairCache cache;
-		QueryResult result;
-		const auto finish = [&](const Transform& at) -> const QueryResult&
+		GapCache cache;
+		GapResult result;
+		const auto finish = [&](const Transform& at) -> const GapResult&
 		{
 			query(*pair.a.hierarchy, *pair.b.hierarchy, at, settings, cache, result);
 			return result;
 		};
-		QueryPlan plan(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache);
+		QueryPlan plan(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache.pair);
 		const std::uint64_t least = plan.committed();
 		EXPECT_LE(testsOf(fresh(pair, pose, settings)), least);
 		while (plan.excess() > 0)
@@ -272,7 +272,7 @@ TEST(QueryPlan, IsFinishedByTheNextQuery)
 			EXPECT_LE(testsOf(result), committed);
 			EXPECT_GE(2 * testsOf(result), committed);
 		}
-		QueryPlan dropped(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache);
+		QueryPlan dropped(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache.pair);
 		while (dropped.excess() > 0) dropped.refine();
 		Transform other = pose;
 		other.translation.x += 1e-3 * smallerRadius(pair.a, pair.b);
@@ -296,12 +296,12 @@ TEST(QueryPlan, WhatIsDroppedAnswersNothing)
 	far.translation = {20 * radius, 0, 0};
 	for (const double tests : {1e9, 1e4, kOff})
 	{
-		PairCache cache;
-		QueryResult result;
+		GapCache cache;
+		GapResult result;
 		query(*pair.a.hierarchy, *pair.b.hierarchy, far, with(settings, 0), cache, result);
 		ASSERT_TRUE(result.contacts.empty());
 		{
-			QueryPlan dropped(*pair.a.hierarchy, *pair.b.hierarchy, near, with(settings, 0), cache);
+			QueryPlan dropped(*pair.a.hierarchy, *pair.b.hierarchy, near, with(settings, 0), cache.pair);
 		}
 		query(*pair.a.hierarchy, *pair.b.hierarchy, near, with(settings, tests), cache, result);
 		EXPECT_FALSE(result.contacts.empty());
@@ -311,17 +311,16 @@ TEST(QueryPlan, WhatIsDroppedAnswersNothing)
 
 TEST(Budget, RefusesWhatCannotBeUsedByName)
 {
-	const Hierarchy& h = *body("sphere", 300).hierarchy;
 	for (const double bad : {-1.0, std::nan("")})
 	{
 		Settings settings = with({}, bad);
-		EXPECT_NE(settingsError(h, h, settings).find("budget.tests"), std::string::npos);
+		EXPECT_NE(settingsError(settings).find("budget.tests"), std::string::npos);
 		settings.budget = {kOff, bad};
-		EXPECT_NE(settingsError(h, h, settings).find("budget.microseconds"), std::string::npos);
+		EXPECT_NE(settingsError(settings).find("budget.microseconds"), std::string::npos);
 	}
 	Settings settings = with({}, 100);
-	EXPECT_EQ(settingsError(h, h, settings), "");
+	EXPECT_EQ(settingsError(settings), "");
 	settings.distance = true;
-	EXPECT_NE(settingsError(h, h, settings).find("distance"), std::string::npos);
+	EXPECT_NE(settingsError(settings).find("distance"), std::string::npos);
 }
 }  // namespace

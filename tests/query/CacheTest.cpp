@@ -20,8 +20,8 @@ struct Walk
 	BodyPair pair;
 	Transform pose;
 	Settings settings;
-	PairCache cache{};
-	QueryResult result{};
+	GapCache cache{};
+	GapResult result{};
 	int queries = 0;
 };
 
@@ -37,10 +37,10 @@ struct Tally
 // The answer is that of a fresh query, bit for bit.
 void ask(Walk& walk, Tally& tally)
 {
-	const QueryResult& result = walk.result;
+	const GapResult& result = walk.result;
 	const std::size_t before = result.contacts.size();
 	query(*walk.pair.a.hierarchy, *walk.pair.b.hierarchy, walk.pose, walk.settings, walk.cache, walk.result);
-	const QueryResult expected = fresh(walk.pair, walk.pose, walk.settings);
+	const GapResult expected = fresh(walk.pair, walk.pose, walk.settings);
 	ASSERT_EQ(difference(result, expected), "")
 		<< walk.pair.a.name << " query " << walk.queries << ": " << result.minDistance << " +- " << result.errorBound
 		<< " deep " << result.deep << ", fresh " << expected.minDistance << " +- " << expected.errorBound
@@ -197,8 +197,8 @@ TEST(Query, MovesOfTheFrontAddUp)
 		const double radius = smallerRadius(pair.a, pair.b);
 		Settings settings = exactSettings(0.01 * radius);
 		settings.metric.exact = false;
-		PairCache cache;
-		QueryResult result;
+		GapCache cache;
+		GapResult result;
 		std::uint64_t kept = 0;
 		Transform pose = poseWithGap(random, pair.a, pair.b, 0.005);
 		for (int step = 0; step < 40; ++step)
@@ -416,9 +416,9 @@ TEST(Query, TheComparisonSeesOneBit)
 	const BodyPair pair = pairs()[0];
 	Random random(7);
 	const Transform pose = poseWithGap(random, pair.a, pair.b, -0.001);
-	const QueryResult result = fresh(pair, pose, exactSettings(0.01 * smallerRadius(pair.a, pair.b)));
+	const GapResult result = fresh(pair, pose, exactSettings(0.01 * smallerRadius(pair.a, pair.b)));
 	ASSERT_FALSE(result.contacts.empty());
-	QueryResult fault = result;
+	GapResult fault = result;
 	fault.contacts.back().upper = std::nextafter(fault.contacts.back().upper, 1e300);
 	EXPECT_EQ(difference(result, result), "");
 	EXPECT_NE(difference(result, fault), "");

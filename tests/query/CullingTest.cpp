@@ -102,9 +102,9 @@ TEST(BoxSeparation, IsTheSameInEveryLaneFromEitherSideOnAnyMachine)
 		{
 			const Transform pose{randomRotation(random), uniform(random, 0, 2) * radius * randomDirection(random)};
 			const QueryContext context(a, b, pose, i % 2 ? randomSweep(random, radius) : Sweep{});
-			const CullBox& one = a.cullBox(std::uint32_t(random() % a.nodes().size));
-			const CullBox* others[kBoxLanes];
-			for (const CullBox*& other : others) other = &b.cullBox(std::uint32_t(random() % b.nodes().size));
+			const OrientedBox& one = a.cullBox(std::uint32_t(random() % a.nodes().size));
+			const OrientedBox* others[kBoxLanes];
+			for (const OrientedBox*& other : others) other = &b.cullBox(std::uint32_t(random() % b.nodes().size));
 			const std::uint32_t count = 1 + std::uint32_t(random() % kBoxLanes);
 			float row[kBoxLanes], plain[kBoxLanes], single[kBoxLanes];
 			boxSeparations(context.boxes, one, true, others, count, row);
@@ -115,7 +115,7 @@ TEST(BoxSeparation, IsTheSameInEveryLaneFromEitherSideOnAnyMachine)
 			for (std::uint32_t k = 0; k < count; ++k)
 			{
 				ASSERT_EQ((within >> k & 1) != 0, row[k] <= limit);
-				const CullBox* const ofA[] = {&one};
+				const OrientedBox* const ofA[] = {&one};
 				boxSeparations(context.boxes, *others[k], false, ofA, 1, single);
 				ASSERT_EQ(row[k], plain[k]);
 				ASSERT_EQ(row[k], single[0]);

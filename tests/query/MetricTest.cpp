@@ -278,7 +278,7 @@ TEST(Metric, AnEyeInAContactAsksForTheInputSurfaceWithoutANearPlane)
 	{
 		const Transform pose = poseWithGap(random, pair.a, pair.b, uniform(random, 0, 0.005));
 		Settings settings = exactSettings(0.02 * radius);
-		const QueryResult exact = fresh(pair, pose, settings);
+		const GapResult exact = fresh(pair, pose, settings);
 		ASSERT_FALSE(exact.contacts.empty());
 		const Vec3 eye = exact.contacts[0].pointOnA;
 		for (const double nearest : {0.0, 0.1 * radius})
@@ -288,7 +288,7 @@ TEST(Metric, AnEyeInAContactAsksForTheInputSurfaceWithoutANearPlane)
 			{
 				const Node &a = pair.a.hierarchy->node(contact.nodeA), &b = pair.b.hierarchy->node(contact.nodeB);
 				const double deviation = StopRule::weightedDeviation(a, b);
-				const CullBox &boxA = pair.a.hierarchy->cullBox(contact.nodeA),
+				const OrientedBox &boxA = pair.a.hierarchy->cullBox(contact.nodeA),
 							  &boxB = pair.b.hierarchy->cullBox(contact.nodeB);
 				const bool isA = boxA.radius <= boxB.radius;  // the place is the ball of the smaller box
 				const Vec3 center = isA ? centerOf(boxA) : pose * centerOf(boxB);
@@ -316,18 +316,18 @@ TEST(Metric, AtRestTheVelocityMetricIsItsFloor)
 		floor.tolerance = rest.tolerance = 0.01 * radius;
 		floor.metric.weightedDeviation = 0.003 * radius;
 		rest.metric.velocity = {0.3 / 240, 0.003 * radius, {1e-3 * radius, 0, 0}, {0, 1e-3, 0}};
-		const QueryResult expected = fresh(pair, pose, floor), result = fresh(pair, pose, rest);
+		const GapResult expected = fresh(pair, pose, floor), result = fresh(pair, pose, rest);
 		EXPECT_EQ(difference(result, expected), "");
 		EXPECT_EQ(result.stats.boxTests, expected.stats.boxTests);
 		EXPECT_EQ(result.stats.hullTests, expected.stats.hullTests);
 		// Moving never costs more than resting.
 		rest.metric.velocity.linear = {300 * radius, 0, 0};
-		const QueryResult fast = fresh(pair, pose, rest);
+		const GapResult fast = fresh(pair, pose, rest);
 		EXPECT_LE(fast.stats.frontInner, expected.stats.frontInner);
 	}
 }
 
-double largestErrorApart(const BodyPair& pair, const QueryResult& result)
+double largestErrorApart(const BodyPair& pair, const GapResult& result)
 {
 	double largest = 0;
 	for (const Contact& contact : result.contacts)
@@ -350,10 +350,10 @@ TEST(Metric, MaxErrorIsAHardLimitUnderEveryCombination)
 		settings.metric = seen(1000, {0, 0, 100 * radius});
 		settings.metric.combine = i % 2 ? Combine::kRelaxed : Combine::kStrict;
 		settings.metric.weightedDeviation = 10 * radius;
-		const QueryResult coarse = fresh(pair, pose, settings);  // whose hulls may be too far apart for a contact
+		const GapResult coarse = fresh(pair, pose, settings);  // whose hulls may be too far apart for a contact
 		const double loose = coarse.contacts.empty() ? coarse.errorBound : largestErrorApart(pair, coarse);
 		settings.metric.maxError = 0.002 * radius;
-		const QueryResult result = fresh(pair, pose, settings);
+		const GapResult result = fresh(pair, pose, settings);
 		EXPECT_TRUE(result.deep || result.errorBound <= settings.metric.maxError);
 		EXPECT_GT(loose, settings.metric.maxError);
 		EXPECT_LE(largestErrorApart(pair, result), settings.metric.maxError);
@@ -368,8 +368,8 @@ TEST(Metric, CachedEqualsFreshUnderChangingMetrics)
 	const double radius = smallerRadius(pair.a, pair.b);
 	double share = 0.01;
 	const OwnThreshold own = [&](const Place& place) { return share * (radius + std::abs(place.center.x)); };
-	PairCache cache;
-	QueryResult result;
+	GapCache cache;
+	GapResult result;
 	Settings settings;
 	Transform pose = poseWithGap(random, pair.a, pair.b, 0);
 	int withContacts = 0, coarse = 0;

@@ -9,7 +9,7 @@
 #include <map>
 #include <utility>
 
-#include "clod/query/ClosestPair.h"
+#include "clod/distance/SurfaceDistance.h"
 #include "clod/query/QueryContext.h"
 #include "clod/query/StopRule.h"
 #include "tests/query/Questions.h"
@@ -29,7 +29,7 @@ TEST(Query, ExactEqualsBruteForceOverAllLeafPairs)
 		{
 			const Transform pose = poseWithGap(random, pair.a, pair.b, stratifiedGap(random, i));
 			const double tolerance = uniform(random, 0, 0.05) * smallerRadius(pair.a, pair.b);
-			const QueryResult result = fresh(pair, pose, exactSettings(tolerance));
+			const GapResult result = fresh(pair, pose, exactSettings(tolerance));
 			const QueryContext context(*pair.a.hierarchy, *pair.b.hierarchy, pose);
 			std::size_t found = 0;
 			for (std::uint32_t a = 0; a < pair.a.hierarchy->levels()[0].nodeCount; ++a)
@@ -51,7 +51,7 @@ TEST(Query, ExactEqualsBruteForceOverAllLeafPairs)
 
 // Leaf pairs that come within the tolerance somewhere on B's way, by brute force.
 std::size_t missingOnTheWay(const BodyPair& pair, const Transform& pose, const Settings& settings,
-							const QueryResult& result, std::size_t& onlyOnTheWay)
+							const GapResult& result, std::size_t& onlyOnTheWay)
 {
 	std::size_t missing = 0;
 	for (const double share : {0.0, 0.25, 0.5, 0.75, 1.0})
@@ -81,9 +81,9 @@ TEST(Query, SweepFindsEveryPairOnTheWay)
 			const double radius = smallerRadius(pair.a, pair.b);
 			const Transform pose = poseWithGap(random, pair.a, pair.b, uniform(random, 0, 0.03));
 			Settings settings = exactSettings(0.002 * radius);
-			const QueryResult without = fresh(pair, pose, settings);
+			const GapResult without = fresh(pair, pose, settings);
 			settings.sweep = {0.03 * radius * randomDirection(random), 0.03 * randomDirection(random)};
-			const QueryResult result = fresh(pair, pose, settings);
+			const GapResult result = fresh(pair, pose, settings);
 			EXPECT_EQ(missingOnTheWay(pair, pose, settings, result, onlyOnTheWay), 0u) << pair.a.name << " " << i;
 			std::size_t ignored = 0;
 			missedWithout += missingOnTheWay(pair, pose, settings, without, ignored);
@@ -114,7 +114,7 @@ TEST(Query, PrunesNothingWithinTheTolerance)
 				Settings settings;
 				settings.tolerance = tolerance;
 				settings.metric.weightedDeviation = s0 * smallerRadius(pair.a, pair.b);
-				const QueryResult result = fresh(pair, pose, settings);
+				const GapResult result = fresh(pair, pose, settings);
 				double lowest = tolerance;
 				for (const Contact& contact : result.contacts)
 					lowest = std::min(lowest, contact.lower - double(pair.a.hierarchy->node(contact.nodeA).cover) -
@@ -139,7 +139,7 @@ TEST(Query, LargerThresholdNeverOpensMore)
 				Settings settings;
 				settings.tolerance = 0.01 * radius;
 				settings.metric.weightedDeviation = s0 * radius;
-				const QueryResult result = fresh(pair, pose, settings);
+				const GapResult result = fresh(pair, pose, settings);
 				EXPECT_LE(result.stats.frontInner, opened);
 				opened = result.stats.frontInner;
 			}
@@ -157,7 +157,7 @@ TEST(Query, OneBodyInsideTheOtherIsNeverApart)
 	{
 		Settings settings = exactSettings(0.001 * radius);
 		settings.distance = distance;
-		const QueryResult result = fresh({large, small}, Transform{}, settings);
+		const GapResult result = fresh({large, small}, Transform{}, settings);
 		EXPECT_LT(result.minDistance, 0);
 		EXPECT_TRUE(result.deep);
 		EXPECT_EQ(std::isfinite(result.errorBound), distance);
@@ -220,7 +220,7 @@ WaysToPairs waysToPairs(const QueryContext& context, const StopRule& rule, doubl
 }
 
 // Pairs met on many ways, through children that are shared: the distance is that of the way whose boxes are nearest, as
-// ClosestPair.h defines it, and each pair is opened once.
+// SurfaceDistance.h defines it, and each pair is opened once.
 TEST(Query, TheDistanceIsThatOfTheNearestWayToEachPair)
 {
 	Random random(19);
@@ -235,11 +235,11 @@ TEST(Query, TheDistanceIsThatOfTheNearestWayToEachPair)
 			settings.distance = true;
 			const Transform pose = poseWithGap(random, pair.a, pair.b, uniform(random, 0.05, 0.5));
 			const QueryContext context(*pair.a.hierarchy, *pair.b.hierarchy, pose);
-			const StopRule rule(context, settings.metric, false);
+			const StopRule rule(context, settings.metric);
 			const WaysToPairs ways = waysToPairs(context, rule, 2 * radius);
-			ClosestPairScratch scratch;
+			NearestPairScratch scratch;
 			QueryStats stats;
-			EXPECT_EQ(closestDistance(context, rule, false, scratch, stats), ways.distance) << pair.a.name << share;
+			EXPECT_EQ(closestDistance(context, rule, scratch, stats), ways.distance) << pair.a.name << share;
 			EXPECT_LE(stats.boxTests, ways.children + 1) << pair.a.name << share;
 			opened += ways.opened, boxTests += stats.boxTests, metAgain += ways.metAgain;
 			EXPECT_LT(fresh(pair, pose, settings).stats.boxTests, 4 * (ways.children + 1)) << pair.a.name << share;
@@ -249,45 +249,22 @@ TEST(Query, TheDistanceIsThatOfTheNearestWayToEachPair)
 	EXPECT_GT(metAgain, opened / 10);
 }
 
-// Two ways to cull, one answer: hulls grown by their drift (paper eq. 1), or culling boxes.
-TEST(Query, PaperCullingFindsTheSameLeafPairs)
-{
-	Random random(11);
-	const Body& torus = body("torus", 900, {1, true});
-	std::size_t contacts = 0;
-	for (int i = 0; i < 6; ++i)
-	{
-		const Transform pose = poseWithGap(random, torus, torus, stratifiedGap(random, i));
-		Settings settings = exactSettings(0.02 * smallerRadius(torus, torus));
-		const QueryResult boxes = fresh({torus, torus}, pose, settings);
-		settings.paper = true;
-		ASSERT_EQ(settingsError(*torus.hierarchy, *torus.hierarchy, settings), "");
-		EXPECT_EQ(difference(fresh({torus, torus}, pose, settings), boxes), "");
-		contacts += boxes.contacts.size();
-	}
-	EXPECT_GT(contacts, 10u);
-}
-
 TEST(Query, RefusesBadSettings)
 {
-	const Hierarchy& h = *body("box", 12).hierarchy;
 	Settings settings = exactSettings(0.1);
-	EXPECT_EQ(settingsError(h, h, settings), "");
+	EXPECT_EQ(settingsError(settings), "");
 	settings.tolerance = -1;
-	EXPECT_NE(settingsError(h, h, settings).find("tolerance"), std::string::npos);
+	EXPECT_NE(settingsError(settings).find("tolerance"), std::string::npos);
 	settings.tolerance = std::nan("");
-	EXPECT_NE(settingsError(h, h, settings).find("tolerance"), std::string::npos);
-	settings.tolerance = 0;
-	settings.paper = true;
-	EXPECT_NE(settingsError(h, h, settings).find("paper"), std::string::npos);
+	EXPECT_NE(settingsError(settings).find("tolerance"), std::string::npos);
 	for (const double error : {-1.0, std::numeric_limits<double>::quiet_NaN()})
 	{
 		settings = Settings{};
 		settings.gapError = error;
-		EXPECT_NE(settingsError(h, h, settings).find("gapError"), std::string::npos);
+		EXPECT_NE(settingsError(settings).find("gapError"), std::string::npos);
 	}
 	settings = Settings{};
 	settings.metric.maxError = -1;
-	EXPECT_NE(settingsError(h, h, settings).find("maxError"), std::string::npos);
+	EXPECT_NE(settingsError(settings).find("maxError"), std::string::npos);
 }
 }  // namespace

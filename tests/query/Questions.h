@@ -23,7 +23,7 @@ inline std::vector<BodyPair> pairs()
 }
 
 // Certified, of the nearest contact's two nodes. Precondition: there is one.
-inline double deviationOfNearest(const Hierarchy& a, const Hierarchy& b, const QueryResult& result)
+inline double deviationOfNearest(const Hierarchy& a, const Hierarchy& b, const GapResult& result)
 {
 	const Contact& nearest = *std::min_element(result.contacts.begin(), result.contacts.end(),
 											   [](const Contact& l, const Contact& r) { return l.upper < r.upper; });

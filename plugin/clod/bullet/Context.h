@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "clod/bullet/Abi.h"
+#include "clod/distance/SignedGap.h"
 #include "clod/manifold/ContactMemory.h"
 #include "clod/query/ContactMetric.h"
 #include "clod/query/Query.h"
@@ -56,7 +57,7 @@ struct PairReport : DispatchReport
 {
 	const btCollisionObject* objectA = nullptr;
 	const btCollisionObject* objectB = nullptr;
-	const QueryResult* result = nullptr;   // accepted node pairs; empty against a plane or an engine's own mesh
+	const GapResult* result = nullptr;   // accepted node pairs; empty against a plane or an engine's own mesh
 	const ClusterSet* clusters = nullptr;  // frame A, hierarchy unit
 	std::string notFinite;                 // empty, or what is not finite: the pair then has no contacts
 	double demand = 0;                     // tests that it took, or would have with a larger budget, as a guess

@@ -26,7 +26,20 @@ bool PairState::answersAgain() const
 {
 	return m_hasQuestion && m_partner == Partner::Clod && !m_context.budget.isLimited() &&
 		   same(m_question.aFromB, m_aFromB) && fieldsOf(m_question.rules) == fieldsOf(m_rules) &&
-		   same(m_question.settings, querySettings());
+		   same(m_question.settings, querySettings()) && m_question.withGap == m_context.searchGap;
+}
+
+// The gap besides the contacts only where it is asked for: it costs a search of the input surfaces.
+void PairState::ask(const GapSettings& settings)
+{
+	const Hierarchy &a = m_shapeA->hierarchy(), &b = m_shapeB->hierarchy();
+	if (m_context.searchGap)
+	{
+		signedGap(a, b, m_aFromB, settings, m_cache, m_result);
+		return;
+	}
+	contacts(a, b, m_aFromB, settings, m_cache.pair, m_result);
+	m_result.minDistance = m_result.errorBound = std::numeric_limits<double>::infinity();
 }
 
 // Returns when the query ended.
@@ -39,9 +52,9 @@ Clock::time_point PairState::findPoints()
 		clipForeign();
 		return start;
 	}
-	Settings settings = querySettings();
+	GapSettings settings = querySettings();
 	settings.budget = chooseBudget();
-	query(m_shapeA->hierarchy(), m_shapeB->hierarchy(), m_aFromB, settings, m_cache, m_result);
+	ask(settings);
 	const Clock::time_point end = Clock::now();
 	m_report.queryMicroseconds = microsecondsBetween(start, end);
 	const QueryStats& stats = m_result.stats;
@@ -105,7 +118,7 @@ void PairState::answer()
 		reduce();
 	judge();
 	m_report.contactMicroseconds = staysEmpty ? 0 : microsecondsSince(found);
-	m_question = {m_aFromB, querySettings(), m_rules};
+	m_question = {m_aFromB, querySettings(), m_rules, m_context.searchGap};
 	// What a budget cut short answers only under that budget: the next dispatch asks anew, with what it may cost then.
 	m_hasQuestion = !(m_result.excess > 0);
 }

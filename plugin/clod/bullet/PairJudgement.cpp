@@ -37,11 +37,11 @@ bool PairState::isUnanswered() const
 // Of the input surfaces, whatever answers; <= 0: none.
 double PairState::searchDepth()
 {
-	Settings settings;
+	GapSettings settings;
 	settings.metric = m_report.metric;
 	settings.tolerance = m_report.tolerance;
 	if (m_hasBudget) settings.budget = kSpent;
-	query(m_shapeA->hierarchy(), m_shapeB->hierarchy(), m_aFromB, settings, m_cache, m_searched);
+	signedGap(m_shapeA->hierarchy(), m_shapeB->hierarchy(), m_aFromB, settings, m_cache, m_searched);
 	m_report.searchTests = m_searched.stats.boxTests + m_searched.stats.hullTests;
 	return -m_searched.minDistance;
 }

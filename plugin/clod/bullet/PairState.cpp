@@ -258,13 +258,12 @@ void PairState::clipForeign()
 		m_result.minDistance = std::min(m_result.minDistance, point.height + m_rules.margin);
 }
 
-Settings PairState::querySettings() const
+GapSettings PairState::querySettings() const
 {
-	Settings settings;
+	GapSettings settings;
 	settings.metric = m_report.metric;
 	settings.tolerance = m_report.tolerance;
 	settings.sweep = sweepOfStep();
-	settings.contactsOnly = !m_context.searchGap;
 	return settings;
 }
 
@@ -302,9 +301,9 @@ std::optional<PairPlan> PairState::plan(const btCollisionObjectWrapper& body0, c
 	m_hasPlan = true;
 	checkBudget();
 	searchAhead();
-	Settings settings = querySettings();
+	GapSettings settings = querySettings();
 	settings.budget = kSpent;
-	return PairPlan{QueryPlan(m_shapeA->hierarchy(), m_shapeB->hierarchy(), m_aFromB, settings, m_cache),
+	return PairPlan{QueryPlan(m_shapeA->hierarchy(), m_shapeB->hierarchy(), m_aFromB, settings, m_cache.pair),
 					m_rules.length, m_report.searchTests};
 }
 

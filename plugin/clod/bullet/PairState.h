@@ -10,10 +10,11 @@
 #include "clod/bullet/Manifolds.h"
 #include "clod/bullet/btClodCollisionAlgorithm.h"
 #include "clod/bullet/btClodShape.h"
-#include "clod/query/Clock.h"
+#include "clod/distance/SignedGap.h"
 #include "clod/manifold/ContactClusters.h"
 #include "clod/manifold/ContactPointsForeign.h"
 #include "clod/manifold/ContactPointsSurface.h"
+#include "clod/query/Clock.h"
 
 class btConcaveShape;
 
@@ -61,7 +62,8 @@ private:
 				 const btDispatcherInfo& info, double closestPoints);
 	bool chooseBodies(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1);
 	void chooseMetric();
-	Settings querySettings() const;
+	GapSettings querySettings() const;
+	void ask(const GapSettings& settings);
 	bool checkBudget();
 	Budget chooseBudget();
 	double searchDepth();
@@ -104,8 +106,8 @@ private:
 	// From dispatch to dispatch.
 	Seen m_seenA, m_seenB;
 	Transform m_oldAFromB;
-	PairCache m_cache;
-	QueryResult m_result, m_searched;
+	GapCache m_cache;
+	GapResult m_result, m_searched;
 	ForeignStats m_foreignStats;
 	ClusterSet m_clusters, m_previous;
 	PairReport m_report;
@@ -113,8 +115,9 @@ private:
 	struct Question
 	{
 		Transform aFromB;
-		Settings settings;
+		GapSettings settings;
 		PointRules rules;
+		bool withGap = false;
 	};
 	Question m_question;
 	bool m_hasQuestion = false;

@@ -7,7 +7,7 @@
 #pragma once
 #include <algorithm>
 
-#include "clod/query/Patience.h"
+#include "clod/query/BackOff.h"
 
 namespace clod
 {
@@ -20,7 +20,7 @@ public:
 	// A step was refined, and misses the metric by this factor still; 0: it does not.
 	void observeRefined(double excess, double budget)
 	{
-		if (!(budget > 0) || !m_patience.isOver() || !(excess <= kNearlyMet)) return;
+		if (!(budget > 0) || !m_backOff.isOver() || !(excess <= kNearlyMet)) return;
 		m_isDue = m_isFirst = true;
 		m_triedUnder = budget;
 	}
@@ -28,21 +28,21 @@ public:
 	void observeWhole(double microseconds, double budget)
 	{
 		const bool fits = microseconds <= (m_isFirst ? kFirst : 1) * budget;
-		if (fits && !m_isFirst) m_patience.succeed();
+		if (fits && !m_isFirst) m_backOff.succeed();
 		m_took = m_isFirst ? std::min(microseconds, budget) : microseconds;
 		m_isFirst = false;
 		if (fits) return;
 		m_isDue = false;
-		m_patience.fail();
+		m_backOff.fail();
 	}
 
 private:
 	static constexpr double kNearlyMet = 30;  // torus-spiral, 1 ms: 23, numbers-bowl, 10 ms: 28; both fit at rest
 	static constexpr double kFirst = 2;
-	static constexpr std::uint32_t kMostPatience = 63;  // steps until the next attempt
+	static constexpr std::uint32_t kLongestBackOff = 63;  // steps until the next attempt
 	bool m_isDue = false, m_isFirst = false;
 	double m_triedUnder = 0;  // the budget that the first whole step of several is for,
 	double m_took = 0;        // and what the last one took
-	Patience m_patience{kMostPatience};
+	BackOff m_backOff{kLongestBackOff};
 };
 }  // namespace clod

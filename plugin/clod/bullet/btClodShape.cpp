@@ -12,7 +12,7 @@
 
 namespace
 {
-using clod::CullBox;
+using clod::OrientedBox;
 using clod::Hierarchy;
 using clod::toVec3;
 using clod::Vec3;
@@ -26,7 +26,7 @@ btVector3 scaled(const Vec3& v, double scale)
 struct Query
 {
 	Vec3 center, half;
-	bool separated(const CullBox& box) const
+	bool separated(const OrientedBox& box) const
 	{
 		const Vec3 boxCenter = toVec3(box.center);
 		for (int axis = 0; axis < 3; ++axis)
@@ -52,7 +52,7 @@ Query boxQuery(const btVector3& low, const btVector3& high, double scale)
 }
 
 // Segment from `from` to `to` (hierarchy unit) against a box, slab by slab in the box's own axes.
-bool misses(const CullBox& box, const Vec3& from, const Vec3& to)
+bool misses(const OrientedBox& box, const Vec3& from, const Vec3& to)
 {
 	double enter = 0, leave = 1;
 	const Vec3 start = from - toVec3(box.center), path = to - from;
@@ -180,7 +180,7 @@ void btClodShape::processAllTriangles(btTriangleCallback* callback, const btVect
 	const auto inUnit = [this](const btVector3& v) {
 		return (1 / m_scale) * Vec3{double(v.x()), double(v.y()), double(v.z())};
 	};
-	const auto skip = [&](const CullBox& box)
+	const auto skip = [&](const OrientedBox& box)
 	{
 		if (query.separated(box)) return true;
 		if (!ray) return false;

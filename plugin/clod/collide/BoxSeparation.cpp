@@ -24,13 +24,13 @@ constexpr double kHuge = 1e15;
 #include "clod/collide/CompiledTwice.h"
 
 // Of lengths that floats cannot square.
-std::uint32_t sphereSeparations(const BoxFrame& frame, const CullBox& one, bool oneIsOfA, const CullBox* const* others,
+std::uint32_t sphereSeparations(const BoxFrame& frame, const OrientedBox& one, bool oneIsOfA, const OrientedBox* const* others,
 								std::uint32_t count, float* separations, float limit)
 {
 	std::uint32_t within = 0;
 	for (std::uint32_t i = 0; i < count; ++i)
 	{
-		const CullBox &a = oneIsOfA ? one : *others[i], &b = oneIsOfA ? *others[i] : one;
+		const OrientedBox &a = oneIsOfA ? one : *others[i], &b = oneIsOfA ? *others[i] : one;
 		Vec3 center = toVec3(frame.translation);
 		for (int c = 0; c < 3; ++c) center[c] += dot(toVec3(frame.rotation[c]), centerOf(b));
 		const Vec3 move = toVec3(frame.linear) + cross(toVec3(frame.angular), center);
@@ -63,21 +63,21 @@ double BoxFrame::roundingOfTwo() const
 	return 2 * (kRounding * size + double(rounding));
 }
 
-std::uint32_t boxSeparations(const BoxFrame& frame, const CullBox& one, bool oneIsOfA, const CullBox* const* others,
+std::uint32_t boxSeparations(const BoxFrame& frame, const OrientedBox& one, bool oneIsOfA, const OrientedBox* const* others,
 							 std::uint32_t count, float* separations, float limit)
 {
 	const auto separate = frame.isHuge ? sphereSeparations : kWide ? wide::boxSeparations : plain::boxSeparations;
 	return separate(frame, one, oneIsOfA, others, count, separations, limit);
 }
 
-std::uint32_t boxSeparationsPlain(const BoxFrame& frame, const CullBox& one, bool oneIsOfA,
-								  const CullBox* const* others, std::uint32_t count, float* separations, float limit)
+std::uint32_t boxSeparationsPlain(const BoxFrame& frame, const OrientedBox& one, bool oneIsOfA,
+								  const OrientedBox* const* others, std::uint32_t count, float* separations, float limit)
 {
 	return (frame.isHuge ? sphereSeparations : plain::boxSeparations)(frame, one, oneIsOfA, others, count, separations,
 																	  limit);
 }
 
-double boxDistance(const CullBox& box, const Vec3& point)
+double boxDistance(const OrientedBox& box, const Vec3& point)
 {
 	const Vec3 offset = point - centerOf(box);
 	double squared = 0;

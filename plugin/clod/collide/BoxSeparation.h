@@ -13,16 +13,12 @@
 #include <limits>
 
 #include "clod/collide/HullDistance.h"
+#include "clod/collide/OrientedBox.h"
 #include "clod/collide/Sweep.h"
 
 namespace clod
 {
 inline constexpr std::uint32_t kBoxLanes = 8;
-
-inline Vec3 centerOf(const CullBox& box)
-{
-	return toVec3(box.center);
-}
 
 // Where B's boxes are in frame A, and how they move; prepared once a query.
 struct BoxFrame
@@ -45,21 +41,21 @@ struct BoxFrame
 // step, rounded down; negative where none of the axes separates them. 1 <= count <= kBoxLanes; room for kBoxLanes. What
 // a pair of boxes gets depends on the two and the frame only. Returns the set of i, as bits, whose separation is at
 // most `limit`.
-std::uint32_t boxSeparations(const BoxFrame& frame, const CullBox& one, bool oneIsOfA, const CullBox* const* others,
+std::uint32_t boxSeparations(const BoxFrame& frame, const OrientedBox& one, bool oneIsOfA, const OrientedBox* const* others,
 							 std::uint32_t count, float* separations,
 							 float limit = std::numeric_limits<float>::infinity());
 // The same from the code for any machine.
-std::uint32_t boxSeparationsPlain(const BoxFrame& frame, const CullBox& one, bool oneIsOfA,
-								  const CullBox* const* others, std::uint32_t count, float* separations,
+std::uint32_t boxSeparationsPlain(const BoxFrame& frame, const OrientedBox& one, bool oneIsOfA,
+								  const OrientedBox* const* others, std::uint32_t count, float* separations,
 								  float limit = std::numeric_limits<float>::infinity());
-inline double boxSeparation(const BoxFrame& frame, const CullBox& ofA, const CullBox& ofB)
+inline double boxSeparation(const BoxFrame& frame, const OrientedBox& ofA, const OrientedBox& ofB)
 {
-	const CullBox* const others[] = {&ofB};
+	const OrientedBox* const others[] = {&ofB};
 	float separations[kBoxLanes];
 	boxSeparations(frame, ofA, true, others, 1, separations);
 	return double(separations[0]);
 }
 
 // Lower bound of the distance from a point to everything the box encloses, rounded down; 0 inside. Of the box at rest.
-double boxDistance(const CullBox& box, const Vec3& point);
+double boxDistance(const OrientedBox& box, const Vec3& point);
 }  // namespace clod

@@ -74,7 +74,7 @@ CLOD_INLINED void transpose(Lanes (&m)[8])
 	}
 }
 
-CLOD_INLINED void spreadOver(const CullBox& box, Boxes& r)
+CLOD_INLINED void spreadOver(const OrientedBox& box, Boxes& r)
 {
 	all(box.center[0], r.center.x), all(box.center[1], r.center.y), all(box.center[2], r.center.z);
 	all(box.radius, r.radius);
@@ -85,9 +85,9 @@ CLOD_INLINED void spreadOver(const CullBox& box, Boxes& r)
 	}
 }
 // Lanes beyond count repeat the last box.
-CLOD_INLINED void gather(const CullBox* const* boxes, std::uint32_t count, Boxes& r)
+CLOD_INLINED void gather(const OrientedBox* const* boxes, std::uint32_t count, Boxes& r)
 {
-	static_assert(sizeof(CullBox) == 2 * sizeof(Lanes));
+	static_assert(sizeof(OrientedBox) == 2 * sizeof(Lanes));
 	Lanes low[8], high[8];
 	for (std::uint32_t i = 0; i < kBoxLanes; ++i)
 	{
@@ -205,7 +205,7 @@ CLOD_INLINED void separate(const BoxFrame& frame, const Boxes& a, const Boxes& b
 	result -= slack;
 }
 
-std::uint32_t boxSeparations(const BoxFrame& frame, const CullBox& one, bool oneIsOfA, const CullBox* const* others,
+std::uint32_t boxSeparations(const BoxFrame& frame, const OrientedBox& one, bool oneIsOfA, const OrientedBox* const* others,
 							 std::uint32_t count, float* separations, float limit)
 {
 	Boxes single, row;

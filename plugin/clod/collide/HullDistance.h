@@ -14,22 +14,11 @@
 #include <cstdint>
 #include <limits>
 
-#include "clod/hierarchy/Hierarchy.h"
+#include "clod/collide/ConvexHull.h"
 
 namespace clod
 {
 inline constexpr double kHullDistanceAccuracy = 1e-7;
-
-struct ConvexHull
-{
-	HullView vertices;
-	Vec3 sweep;  // hull = hull(vertices) (+) segment [0, sweep]; own frame
-};
-inline ConvexHull contactHull(const Hierarchy& hierarchy, const Node& node)
-{
-	const double t = node.thickness;
-	return {hierarchy.hull(node), {t * node.inward[0], t * node.inward[1], t * node.inward[2]}};
-}
 
 // Maps frame B into frame A, prepared once a query.
 struct RelativePose

@@ -1,18 +1,22 @@
 // SPDX-License-Identifier: Zlib
-// A triangle in space, and that of a real face.
+// A triangle in space, and its point nearest to another.
+//
+// Based on: Ericson, Real-Time Collision Detection, sec. 5.1.5.
 #pragma once
 #include <array>
 
-#include "clod/hierarchy/Hierarchy.h"
+#include "clod/collide/Vector.h"
 
 namespace clod
 {
 using Triangle = std::array<Vec3, 3>;
 
-// Corners of a real face, body frame.
-inline Triangle triangleOf(const Hierarchy& hierarchy, const Node& owner, const Face& face)
+struct NearestOnTriangle
 {
-	const HullView hull = hierarchy.hull(owner);
-	return {hull.vertex(face.vertex[0]), hull.vertex(face.vertex[1]), hull.vertex(face.vertex[2])};
-}
+	Vec3 point;
+	double squared;  // squared distance
+	int feature;     // 0-2: corner i; 3-5: edge from corner i-3 to the next; 6: interior
+};
+// Of a triangle without area, or with so little that rounding hides it, the nearest of its edges.
+NearestOnTriangle nearestOnTriangle(const Triangle& triangle, const Vec3& from);
 }  // namespace clod

@@ -19,9 +19,9 @@
 //
 // Overlapping: depth = max( max over x in dA inside S_B of dist(x, dB), the same with A and B exchanged ), gap =
 // -depth. Where hulls overlap the nodes tell nothing of a depth: it is that of the input surfaces (Penetration.h), or
-// their distance where they do not meet (ClosestPair.h).
+// their distance where they do not meet (SurfaceDistance.h).
 #pragma once
-#include "clod/query/ClosestPair.h"
+#include "clod/distance/SurfaceDistance.h"
 
 namespace clod
 {
@@ -38,7 +38,7 @@ Gap gapApart(const QueryContext& context, const std::vector<Contact>& contacts, 
 // solid. contacts not empty.
 double highFromWitnesses(const QueryContext& context, const std::vector<Contact>& contacts);
 
-// Of the input surfaces, which do not meet (ClosestPair.h).
+// Of the input surfaces, which do not meet (SurfaceDistance.h).
 Gap gapOfSurfaces(const SurfaceDistance& distance);
 
 // The gap is in [low, high].

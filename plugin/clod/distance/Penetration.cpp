@@ -130,7 +130,7 @@ DepthBound searchWhole(const Hierarchy& own, const Transform& intoOther, InputSu
 	double dropped = 0;
 	const auto push = [&](std::uint32_t node)
 	{
-		const CullBox& box = own.cullBox(node);
+		const OrientedBox& box = own.cullBox(node);
 		const Vec3 center = intoOther * centerOf(box);
 		const double upper = box.radius - surface.signedDistance(center).distance;
 		if (upper <= search.threshold())

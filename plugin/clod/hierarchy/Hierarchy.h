@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "clod/collide/Triangle.h"
 #include "clod/hierarchy/Layout.h"
 #include "clod/hierarchy/Result.h"
 
@@ -26,24 +27,13 @@ struct Span
 	bool empty() const { return size == 0; }
 };
 
-// Hull vertices of one node as structure of arrays, 16-byte aligned, padded to kVertexLanes by repeating the last one.
-struct HullView
-{
-	const float* x;
-	const float* y;
-	const float* z;
-	std::uint32_t count;   // without padding
-	std::uint32_t padded;  // multiple of kVertexLanes
-	Vec3 vertex(std::uint32_t i) const { return {double(x[i]), double(y[i]), double(z[i])}; }
-};
-
 // The same data as growable arrays: what a builder fills and encode() writes. Hull coordinates are padded already.
 struct HierarchyContent
 {
 	Asset asset{};
 	std::vector<Level> levels;
 	std::vector<Node> nodes;
-	std::vector<CullBox> cullBoxes;  // one a node
+	std::vector<OrientedBox> cullBoxes;  // one a node
 	std::vector<std::uint32_t> children;
 	std::vector<Face> faces;  // level by level, contiguous per node
 	std::vector<float> hullX, hullY, hullZ;
@@ -76,7 +66,7 @@ public:
 	Span<Level> levels() const { return m_levels; }
 	Span<Node> nodes() const { return m_nodes; }
 	const Node& node(std::uint32_t i) const { return m_nodes[i]; }
-	const CullBox& cullBox(std::uint32_t i) const { return m_cullBoxes[i]; }
+	const OrientedBox& cullBox(std::uint32_t i) const { return m_cullBoxes[i]; }
 	Span<std::uint32_t> children(const Node& n) const { return {m_children.data + n.firstChild, n.childCount}; }
 	// What stands for the primary children of a node above level `base` where no level above that may answer: its
 	// primary descendants down to the base, the largest boxes opened first, as long as they are at most kWideChildren.
@@ -115,7 +105,7 @@ private:
 	const Asset* m_asset = nullptr;
 	Span<Level> m_levels;
 	Span<Node> m_nodes;
-	Span<CullBox> m_cullBoxes;
+	Span<OrientedBox> m_cullBoxes;
 	Span<std::uint32_t> m_children;
 	Span<Face> m_faces;
 	const float* m_hullX = nullptr;
@@ -140,6 +130,20 @@ private:
 	friend struct HierarchyReader;
 	friend struct HierarchyDerivation;
 };
+
+// The thickened hull of a node.
+inline ConvexHull contactHull(const Hierarchy& hierarchy, const Node& node)
+{
+	const double t = node.thickness;
+	return {hierarchy.hull(node), {t * node.inward[0], t * node.inward[1], t * node.inward[2]}};
+}
+
+// Corners of a real face, body frame.
+inline Triangle triangleOf(const Hierarchy& hierarchy, const Node& owner, const Face& face)
+{
+	const HullView hull = hierarchy.hull(owner);
+	return {hull.vertex(face.vertex[0]), hull.vertex(face.vertex[1]), hull.vertex(face.vertex[2])};
+}
 
 // The bytes of a .clod file. Same content, same bytes.
 std::vector<std::byte> encode(const HierarchyContent& content);

@@ -95,7 +95,7 @@ private:
 			addBox(h.cullBox(std::uint32_t(&node - h.m_nodes.begin())), bounds);
 		}
 	}
-	static void addBox(const CullBox& box, LevelBounds& bounds)
+	static void addBox(const OrientedBox& box, LevelBounds& bounds)
 	{
 		const double x = 2 * double(box.half[0]), y = 2 * double(box.half[1]), z = 2 * double(box.half[2]);
 		bounds.boxes += 1;
@@ -137,7 +137,7 @@ void deriveData(Hierarchy& hierarchy)
 // a box that fits what it encloses along each of its axes are then within sqrt(3) R; load() refuses others.
 double Hierarchy::reach() const
 {
-	const CullBox& box = cullBox(root());
+	const OrientedBox& box = cullBox(root());
 	const double half = std::sqrt(double(box.half[0]) * box.half[0] + double(box.half[1]) * box.half[1] +
 								  double(box.half[2]) * box.half[2]);
 	double squared = 0;

@@ -19,7 +19,7 @@ namespace
 constexpr std::array<const char*, kSectionCount> kSectionNames = {"asset", "levels", "nodes", "cullBoxes", "children",
 																  "faces", "hullX",  "hullY", "hullZ"};
 constexpr std::array<std::uint32_t, kSectionCount> kStrides = {sizeof(Asset),   sizeof(Level),         sizeof(Node),
-															   sizeof(CullBox), sizeof(std::uint32_t), sizeof(Face),
+															   sizeof(OrientedBox), sizeof(std::uint32_t), sizeof(Face),
 															   sizeof(float),   sizeof(float),         sizeof(float)};
 
 std::uint64_t alignUp(std::uint64_t offset)
@@ -145,7 +145,7 @@ struct HierarchyReader
 		h.m_asset = view<Asset>(h.m_bytes, entry(Section::asset)).data;
 		h.m_levels = view<Level>(h.m_bytes, entry(Section::levels));
 		h.m_nodes = view<Node>(h.m_bytes, entry(Section::nodes));
-		h.m_cullBoxes = view<CullBox>(h.m_bytes, entry(Section::cullBoxes));
+		h.m_cullBoxes = view<OrientedBox>(h.m_bytes, entry(Section::cullBoxes));
 		h.m_children = view<std::uint32_t>(h.m_bytes, entry(Section::children));
 		h.m_faces = view<Face>(h.m_bytes, entry(Section::faces));
 		h.m_hullX = view<float>(h.m_bytes, entry(Section::hullX)).data;

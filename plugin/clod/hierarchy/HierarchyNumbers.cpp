@@ -54,7 +54,7 @@ std::string nodeBounds(const Node& n)
 }
 
 // The point's distance to the box along each axis must be inside half.
-bool encloses(const CullBox& box, const Vec3& p)
+bool encloses(const OrientedBox& box, const Vec3& p)
 {
 	const Vec3 d = p - toVec3(box.center);
 	if (lengthSquared(d) > double(box.radius) * double(box.radius)) return false;
@@ -64,7 +64,7 @@ bool encloses(const CullBox& box, const Vec3& p)
 }
 
 // From the origin.
-double farthestCorner(const CullBox& box)
+double farthestCorner(const OrientedBox& box)
 {
 	double squared = 0;
 	for (int i = 0; i < 3; ++i)
@@ -75,7 +75,7 @@ double farthestCorner(const CullBox& box)
 	return std::sqrt(squared);
 }
 
-std::string boxFrame(const CullBox& box)
+std::string boxFrame(const OrientedBox& box)
 {
 	if (!isFinite(toVec3(box.center)) || !sound(box.radius)) return "culling sphere is not finite";
 	for (int i = 0; i < 3; ++i)
@@ -280,7 +280,7 @@ std::string grid(const Hierarchy& h)
 														{"hausdorff", n.hausdorff}};
 		for (const auto& [name, value] : bounds)
 			if (!isBound(value)) return element("node", i) + name + off;
-		const CullBox& box = h.cullBox(i);
+		const OrientedBox& box = h.cullBox(i);
 		for (const float v : {box.radius, box.half[0], box.half[1], box.half[2]})
 			if (!isBound(v)) return element("node", i) + "the size of its culling box" + off;
 		if (!anchored(box.center)) return element("node", i) + "the centre of its culling box" + off;

@@ -19,28 +19,18 @@
 #pragma once
 #include <cstdint>
 
-#include "clod/collide/Vector.h"
+#include "clod/collide/ConvexHull.h"
+#include "clod/collide/OrientedBox.h"
 
 namespace clod
 {
 inline constexpr std::uint32_t kNone = 0xFFFFFFFFu;
-inline constexpr std::uint32_t kVertexLanes = 4;  // hull vertices are padded to a multiple of this by repeating the last
-
-// Oriented box enclosing (a) the input surface a node answers for and (b) the thickened contact hulls of every node
-// whose primary chain (see Node) passes through this node, itself included. Rounded outward. The only thing tested when
-// a pair is culled: if two boxes are farther apart than d, nothing below can be within d.
-struct CullBox
-{
-	float center[3];
-	float radius;      // of the sphere round center that encloses the same things
-	float axis[3][3];  // orthonormal rows to kAxisTolerance; the box is { c + sum_i t_i axis[i], |t_i| <= half[i] } with half
-	float half[3];     // enlarged for the rounding of the axes
-};
-static_assert(sizeof(CullBox) == 64);
-// Of the axes' squared lengths and of their products. Rounding unit vectors to float takes 1.1e-7.
-inline constexpr double kAxisTolerance = 1.5e-7;
 
 // One bounding volume = one contact hull = one convex patch of one level of detail (paper: C_{i,j}).
+//
+// Each has a culling box (OrientedBox, stored beside it). It encloses (a) the input surface the node answers for and (b) the
+// thickened contact hulls of every node whose primary chain passes through this node, itself included. Rounded outward. The
+// only thing tested when a pair is culled: if two boxes are farther apart than d, nothing below can be within d.
 //
 // Certified numbers, all upper bounds, rounded outward to the grid of BoundGrid.h, measured on the stored vertices, monotone (a parent's is at
 // least each child's). O(n) is the part of the input surface that node n answers for.

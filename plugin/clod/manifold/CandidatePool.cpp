@@ -53,7 +53,7 @@ struct Side
 {
 	const Hierarchy &reference, &other;
 	const Node &node, &otherNode;
-	const CullBox& box;  // of the reference's node
+	const OrientedBox& box;  // of the reference's node
 	const Transform& otherFromHere;
 	Vec3 onOther, carried;  // the other body's nearest point, and how the step carries it
 };
@@ -105,7 +105,7 @@ void estimateHeights(const Side& side, double apart, const PointRules& rules, Pa
 PairEstimate estimateOf(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const Transform& bFromA,
 						const Contact& contact, const PointRules& rules)
 {
-	const CullBox &boxA = a.cullBox(contact.nodeA), &boxB = b.cullBox(contact.nodeB);
+	const OrientedBox &boxA = a.cullBox(contact.nodeA), &boxB = b.cullBox(contact.nodeB);
 	const Node &nodeA = a.node(contact.nodeA), &nodeB = b.node(contact.nodeB);
 	PairEstimate estimate;
 	const bool aIsSmaller = boxA.radius <= boxB.radius;

@@ -9,7 +9,7 @@ namespace clod
 namespace
 {
 // Interval of dot(direction, p) over the box.
-std::pair<double, double> interval(const CullBox& box, const Vec3& direction)
+std::pair<double, double> interval(const OrientedBox& box, const Vec3& direction)
 {
 	const double middle = dot(direction, toVec3(box.center));
 	double extent = 0;
@@ -18,7 +18,7 @@ std::pair<double, double> interval(const CullBox& box, const Vec3& direction)
 }
 
 // Farther apart than `distance` along one of the box's axes or the triangle's normal?
-bool separated(const CullBox& box, const Triangle& triangle, const Vec3& normal, double distance)
+bool separated(const OrientedBox& box, const Triangle& triangle, const Vec3& normal, double distance)
 {
 	const Vec3 center = toVec3(box.center);
 	for (int i = 0; i < 3; ++i)
@@ -48,7 +48,7 @@ public:
 	{
 		if (node.level == 0) return true;
 		if (m_metric.exact || (node.flags & kClodNode) == 0) return false;
-		const CullBox& box = m_hierarchy.cullBox(index);
+		const OrientedBox& box = m_hierarchy.cullBox(index);
 		const double s0 = m_threshold.isConstant() ? m_threshold.constant()
 												   : m_threshold.at({toVec3(box.center), double(box.radius)});
 		const double deviation = node.featureVolume > 0 ? double(node.featureVolume) / double(node.contactArea) : 0;
@@ -185,7 +185,7 @@ void ForeignClipper::clipPlane(const Hierarchy& hierarchy, const Vec3& normal, d
 	plane.normal = normal;
 	plane.offset = offset;
 	const std::array<std::pair<Vec3, double>, 1> under = {{{normal, offset}}};
-	const auto apart = [&](const CullBox& box) { return interval(box, normal).first - offset > reach; };
+	const auto apart = [&](const OrientedBox& box) { return interval(box, normal).first - offset > reach; };
 	const auto sink = [&](std::uint32_t index, const Node& node)
 	{
 		const HullView hull = hierarchy.hull(node);
@@ -222,7 +222,7 @@ void ForeignClipper::clipTriangle(const Hierarchy& hierarchy, const Triangle& tr
 	if (!prismOf(triangle, prism)) return;
 	const double reach = reachOf(hierarchy, rules);
 	Planes under;
-	const auto apart = [&](const CullBox& box) { return separated(box, triangle, prism.normal, reach); };
+	const auto apart = [&](const OrientedBox& box) { return separated(box, triangle, prism.normal, reach); };
 	const auto sink = [&](std::uint32_t nodeIndex, const Node& node)
 	{
 		// The foreign triangle is flat: it is the reference unless the patch is flat too, borders included.

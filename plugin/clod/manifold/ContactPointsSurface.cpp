@@ -24,7 +24,7 @@ double distanceToFaces(const Hierarchy& hierarchy, const std::vector<std::uint32
 	double nearest = limit;
 	for (const std::uint32_t index : nodes)
 	{
-		const CullBox& box = hierarchy.cullBox(index);
+		const OrientedBox& box = hierarchy.cullBox(index);
 		if (length(point - centerOf(box)) - double(box.radius) >= nearest) continue;
 		const Node& node = hierarchy.node(index);
 		for (const Face& face : hierarchy.faces(node))

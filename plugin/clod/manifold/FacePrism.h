@@ -5,6 +5,7 @@
 #include <array>
 
 #include "clod/collide/ClippedPolygon.h"
+#include "clod/hierarchy/Hierarchy.h"
 
 namespace clod
 {

@@ -65,7 +65,7 @@ void InsideProbes::prepare(const Hierarchy& hierarchy)
 
 double InsideProbes::depthInside(const Hierarchy& other, const Transform& intoOther, double motion, QueryStats& stats)
 {
-	const CullBox& around = other.cullBox(other.root());
+	const OrientedBox& around = other.cullBox(other.root());
 	// A single body with a point outside everything the other one occupies is not inside it.
 	for (const Vec3& extreme : m_extremes)
 		if (boxDistance(around, intoOther * extreme) > m_slack) return 0;

@@ -101,6 +101,8 @@ public:
 		if (isConstant() && m_constant < 0) m_constant = kOff;
 	}
 
+	explicit Threshold(double constant) : m_constant(constant) {}
+
 	bool isConstant() const { return !m_moves && !m_isSeen && !m_metric.own; }
 	// Only where isConstant().
 	double constant() const { return m_constant; }

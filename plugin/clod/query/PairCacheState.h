@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Zlib
-// What a pair's cache holds between queries. Included by Query.cpp and Evaluation.h only.
+// What a pair's cache holds between queries.
 #pragma once
 #include <optional>
 #include <vector>
 
 #include "clod/query/AnswerCost.h"
-#include "clod/query/Clearance.h"
 #include "clod/query/InsideTest.h"
 #include "clod/query/PairFront.h"
-#include "clod/distance/Penetration.h"
+#include "clod/query/PairSorter.h"
 #include "clod/query/Query.h"
 #include "clod/query/Refinement.h"
+#include "clod/query/SeparationCache.h"
 
 namespace clod
 {
@@ -21,34 +21,26 @@ struct PairCache::State
 	std::uint64_t hashA = 0, hashB = 0;
 	bool filled = false;
 	Transform aFromB;
-	Settings settings;
+	ContactSettings settings;
 	double threshold = 0, maxError = 0;  // of the rule that the front was made with; StopRule::constantThreshold
 	BaseLevels base;                     // StopRule::base
 	RelativePose pose;
 	PairFront front;
 	double lastMove = 0;  // of front.motion, what came by the last query
-	Clearance clearance;
+	SeparationCache separation;
 	InsideProbes probesA, probesB;
-	ClosestPairScratch closest;
-	PenetrationScratch penetration;
+	NearestPairScratch nearest;
 	Refinement refinement;                // of a query under a budget
 	std::optional<QueryContext> planned;  // of a plan that no query has finished yet: aFromB and settings are its own
 	AnswerCost answerCost{1};             // from the end of refinement to the end of the query
-	std::vector<Contact> near;            // the pairs of leaves that an overlap's depth is searched in
-	struct Ordered
-	{
-		std::uint64_t nodes;  // both of a contact
-		std::uint32_t contact;
-		bool operator<(const Ordered& other) const { return nodes < other.nodes; }
-	};
-	std::vector<Ordered> order;
-	std::vector<Contact> unsorted;
-	QueryResult last;
+	PairSorter sorter;
+	ContactResult last;     // of contacts(), at aFromB and settings,
+	bool hasLast = false;   // if it asked last
 
 	void clearFronts()
 	{
 		front.clear();
-		clearance.forget();
+		separation.forget();
 		probesA.clear();
 		probesB.clear();
 	}

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // The decisions on pairs of nodes that make a front, and what of them is measured, remembered from the query before, or
-// evaluated: which children of an opened pair are near, whether hulls are apart, what answers. Traversal.h makes a
-// front of them, Repetition.h the same front again.
+// evaluated: which children of an opened pair are near, whether hulls are apart, what answers. Traversal.cpp makes a
+// front of them, FrontValidation.cpp the same front again.
 //
 // What the cache may decide: a pair's separation is 1-Lipschitz in the relative motion (BoxSeparation.h), so a value
 // measured once, less the motion since, proves that it is beyond the tolerance still, and plus the motion that it is
@@ -23,9 +23,8 @@ namespace clod
 {
 struct TraversalSettings
 {
-	StopRule rule;
+	const StopRule& rule;
 	double tolerance = 0;
-	bool paper = false;     // cull by hull distance - h_a - h_b instead of culling boxes (paper eq. 1)
 	bool sameRule = false;  // the stop rule is that of the cached front: its states hold
 };
 
@@ -120,10 +119,9 @@ protected:
 					nodes[count++] = row.children[k];
 				});
 		float separations[kBoxLanes];
-		const std::uint32_t within = m_settings.paper ? paperSeparations(row, child, count, separations)
-													  : boxSeparations(m_context, row.ofChildrenOfA, row.other, nodes,
-																	   count, separations, m_limit);
-		(m_settings.paper ? m_stats->hullTests : m_stats->boxTests) += count;
+		const std::uint32_t within =
+			boxSeparations(m_context, row.ofChildrenOfA, row.other, nodes, count, separations, m_limit);
+		m_stats->boxTests += count;
 		float apart = std::numeric_limits<float>::infinity();
 		for (std::uint32_t i = 0; i < count; ++i)
 			apart = std::min(apart, (within >> i & 1) != 0 ? std::numeric_limits<float>::infinity() : separations[i]);
@@ -135,25 +133,12 @@ protected:
 					row.high[child[i]] = upperAfter(separations[i], 0);
 				});
 	}
-	std::uint32_t paperSeparations(const Row& row, const std::uint32_t* child, std::uint32_t count,
-								   float* separations) const
-	{
-		std::uint32_t within = 0;
-		for (std::uint32_t i = 0; i < count; ++i)
-		{
-			separations[i] = lowerAfter(
-				float(paperSeparation(m_context, row.a(child[i]), row.b(child[i]), m_settings.tolerance)), 0);
-			within |= separations[i] <= m_limit ? 1U << i : 0;
-		}
-		return within;
-	}
-
 	HullMemory remembered(const FrontEntry& old, const std::vector<HullMemory>& hulls) const
 	{
 		if (old.hull == kNone) return {};
 		HullMemory memory = hulls[old.hull];
 		if (memory.knowledge != HullKnowledge::kApart) return memory;
-		const CullBox& box = m_context.b.cullBox(old.b);
+		const OrientedBox& box = m_context.b.cullBox(old.b);
 		const double nearer = m_partMotion.along(toVec3(memory.onA), centerOf(box), double(box.radius)) + m_change;
 		memory.lower = lowerAfter(memory.lower, float(nearer + 3e-7 * std::abs(nearer)));
 		return memory;
@@ -161,7 +146,7 @@ protected:
 
 	bool cullsByHulls(const FrontEntry& entry) const
 	{
-		return !m_settings.rule.base().isUsed() && !m_settings.paper &&
+		return !m_settings.rule.base().isUsed() &&
 			   mayCullByHulls(m_context.a.node(entry.a), m_context.b.node(entry.b));
 	}
 	double cullLimitOf(const FrontEntry& entry) const
@@ -213,11 +198,11 @@ protected:
 		return slack - m_room;
 	}
 	// A decision on entry i, made at a motion of `moved` since the traversal, can take so much more.
-	void hold(std::uint32_t i, float moved, double slack)
+	void keepSlack(std::uint32_t i, float moved, double slack)
 	{
 		if (!(slack < kAlways)) return;
-		float& holds = m_front.books.holds[i];
-		holds = std::min(holds, lowerAfter(float(slack - 1e-6 * m_settings.tolerance), -moved));
+		float& slackOfEntry = m_front.slack.ofEntry[i];
+		slackOfEntry = std::min(slackOfEntry, lowerAfter(float(slack - 1e-6 * m_settings.tolerance), -moved));
 	}
 
 	const QueryContext& m_context;

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "clod/collide/HullDistance.h"
-#include "clod/query/Patience.h"
+#include "clod/query/BackOff.h"
 #include "clod/query/Query.h"
 
 namespace clod
@@ -136,21 +136,21 @@ inline void addTo(QueryStats& stats, const FrontCounts& counts)
 	stats.touchedFinestLevel = counts.touchedFinestLevel;
 }
 
-// What it takes to give the answers of a traversal again where its decisions are what they were (Repetition.h).
-struct FrontBooks
+// What it takes to give the answers of a traversal again where its decisions are what they were (FrontValidation.h).
+struct FrontSlack
 {
-	std::vector<float> holds;            // an entry's decisions do while `pending` is less, those on its children too
+	std::vector<float> ofEntry;          // the motion that its decisions, and those on its children, can take
 	std::vector<std::uint32_t> answers;  // entries that are evaluated each time, by their nodes; listed when needed
 	std::size_t spent = 0;               // tests that another traversal would spare
 	void clear()
 	{
-		holds.clear();
+		ofEntry.clear();
 		answers.clear();
 		spent = 0;
 	}
 };
 
-inline constexpr std::uint32_t kLongestPatience = 15;
+inline constexpr std::uint32_t kLongestBackOff = 15;
 
 struct PairFront
 {
@@ -165,8 +165,8 @@ struct PairFront
 
 	double tolerance = 0;  // of the last finished traversal
 	FrontCounts counts;
-	FrontBooks books;
-	Patience patience{kLongestPatience};  // traversals without books, until the next attempt to repeat one
+	FrontSlack slack;
+	BackOff backOff{kLongestBackOff};  // traversals that keep no slack, until the next attempt to validate a front
 
 	void move(double by, double sweepChange)
 	{
@@ -179,9 +179,9 @@ struct PairFront
 		entries.clear();
 		previous.clear();
 		hulls.clear();
-		books.clear();
+		slack.clear();
 		motion = pending = pendingChange = 0;
-		patience.succeed();
+		backOff.succeed();
 	}
 };
 }  // namespace clod

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Zlib
-// The query: two hierarchies and a relative pose in; contacts, signed gap, certificate and statistics out.
+// The query: two hierarchies and a relative pose in; accepted node pairs within a tolerance, and statistics, out. The
+// signed gap and its certificate: distance/SignedGap.h.
 //
 // A pure function of the hierarchies, the pose and the settings: PairCache only makes it faster, dropping it changes no
 // output bit. Frames: everything is in body A's frame unless named otherwise; aFromB maps body B's frame into A's.
 // Normals point from B to A. Distances are signed: negative is penetration. Unit: the meshes' own.
 //
-// Based on: Otaduy & Lin 2003, sec. 3.3, 5.1, 5.2 (stop rule eq. 2, 3; --paper culling eq. 1).
+// Based on: Otaduy & Lin 2003, sec. 3.3, 5.1, 5.2 (stop rule eq. 2, 3).
 #pragma once
 #include <cstdint>
 #include <limits>
@@ -31,32 +32,18 @@ struct Budget
 // Empty, or one sentence naming the first field that cannot be used, and its value.
 std::string budgetError(const Budget& budget);
 
-struct Settings
+struct ContactSettings
 {
 	Metric metric;
 	double tolerance = 0;  // report accepted pairs whose hull distance is <= tolerance; >= 0
 	// Report, besides, pairs that come within the tolerance while B moves on like this (A held): a caller that steps on
-	// looks ahead along the motion instead of in all directions. Zero: the pose alone. Gap and certificate are the
-	// pose's.
+	// looks ahead along the motion instead of in all directions. Zero: the pose alone.
 	Sweep sweep;
-	bool distance = false;  // signed gap at any separation (the tolerance then only limits the contact list)
-	// The signed gap is known to within so much, whatever answers: where the nodes near prove less, or their hulls
-	// overlap, it is that of the input surfaces (their nearest pair, or a depth searched in them). >= 0; infinite: as
-	// the nodes prove it where none overlap, with contacts to 0.85 of the metric's largest threshold s0 at least.
-	// metric.maxError asks for the same gap, and for contacts as exact besides.
-	double gapError = kOff;
-	bool paper = false;  // paper's culling (d + h_a + h_b); needs isPaperBuild() on both
-	// Contacts without the signed gap: where hulls overlap no depth is searched (minDistance 0, errorBound inf); deep
-	// then tells only of a component wholly inside the other body. Without any contact errorBound is inf too, and two
-	// bodies apart are not looked at again until they have moved enough. For callers that make their own contact
-	// points.
-	bool contactsOnly = false;
-	// With a budget the pairs that exceed the metric most are refined first, and excess tells what was not. Not with
-	// distance.
+	// With a budget the pairs that exceed the metric most are refined first, and excess tells what was not.
 	Budget budget;
 };
 // Field by field; with an own function never, see same(Metric).
-bool same(const Settings& l, const Settings& r);
+bool same(const ContactSettings& l, const ContactSettings& r);
 bool same(const Transform& l, const Transform& r);
 
 // An accepted node pair within the tolerance.
@@ -92,14 +79,11 @@ struct QueryStats
 	std::uint32_t depthsCutShort = 0;  // searches of a depth that met their limit of cells: the bound may be wider
 };
 
-struct QueryResult
+struct ContactResult
 {
-	std::vector<Contact> contacts;                                 // sorted by (nodeA, nodeB)
-	double minDistance = std::numeric_limits<double>::infinity();  // signed gap; inf: nothing within the tolerance
-	double errorBound = 0;  // the true gap is within it of minDistance; with minDistance = inf: true gap > tolerance -
-							// errorBound; inf: no proof
-	bool deep = false;      // penetration beyond what the contact list can prove
-	double excess = 0;      // under a budget: by which factor the answer's worst pair exceeds the metric; 0: none does
+	std::vector<Contact> contacts;  // sorted by (nodeA, nodeB)
+	bool deep = false;              // penetration beyond what the contact list can prove
+	double excess = 0;  // under a budget: by which factor the answer's worst pair exceeds the metric; 0: none does
 	QueryStats stats;
 	void clear();
 };
@@ -114,26 +98,27 @@ public:
 	PairCache(PairCache&&) noexcept;
 	PairCache& operator=(PairCache&&) noexcept;
 	void clear();
-	struct State;
+	struct State;  // PairCacheState.h
 	State& state() { return *m_state; }
 
 private:
 	std::unique_ptr<State> m_state;
 };
 
-// Preconditions: settings are valid (see settingsError), the pose is finite and rigid. No allocation once the buffers
-// of cache and result have grown.
-void query(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const Settings& settings, PairCache& cache,
-		   QueryResult& result);
+// The accepted pairs within the tolerance. `deep` tells only of a component wholly inside the other body. Two bodies
+// apart are not looked at again until they have moved enough. Preconditions: settings are valid (see settingsError), the
+// pose is finite and rigid. No allocation once the buffers of cache and result have grown.
+void contacts(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const ContactSettings& settings,
+			  PairCache& cache, ContactResult& result);
 
 // The first part of a query under a budget, for budgets over several pairs: finds the coarsest valid answer, then
-// refines it one pair of nodes at a time. The next query() with this cache, for the same bodies, pose and settings,
+// refines it one pair of nodes at a time. The next query with this cache, for the same bodies, pose and settings,
 // finishes it; whether refining pays is the caller's business then, not that of settings.budget (which must be
 // limited). The hierarchies must live till then.
 class QueryPlan
 {
 public:
-	QueryPlan(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const Settings& settings,
+	QueryPlan(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const ContactSettings& settings,
 			  PairCache& cache);
 	double excess() const;            // of the pair that is refined next; 0: none is left
 	double deviation() const;         // its s*, a length
@@ -146,6 +131,6 @@ private:
 	PairCache::State* m_state;
 };
 
-// Empty when the settings can be used with these hierarchies, otherwise one sentence naming the field and its value.
-std::string settingsError(const Hierarchy& a, const Hierarchy& b, const Settings& settings);
+// Empty when the settings can be used, otherwise one sentence naming the field and its value.
+std::string settingsError(const ContactSettings& settings);
 }  // namespace clod

@@ -36,7 +36,7 @@ struct MovingNode
 };
 MovingNode movingNode(const QueryContext& context, std::uint32_t b)
 {
-	const CullBox& box = context.b.cullBox(b);
+	const OrientedBox& box = context.b.cullBox(b);
 	const Vec3 center = context.pose.apply(centerOf(box));
 	if (!context.boxes.moves) return {center, Vec3{}, 0};
 	return {center, context.sweep.of(center), length(context.sweep.angular) * double(box.radius)};
@@ -74,11 +74,5 @@ double sweptPointDistance(const QueryContext& context, std::uint32_t b, const Ve
 	if (!context.boxes.moves) return length(apart);
 	const MovingNode moving = movingNode(context, b);
 	return distanceToSegment(apart, moving.move) - moving.spread;
-}
-
-double paperSeparation(const QueryContext& context, std::uint32_t a, std::uint32_t b, double stopAbove)
-{
-	const double drift = double(context.a.node(a).hausdorff) + double(context.b.node(b).hausdorff);
-	return canonicalSweptBound(context, a, b, stopAbove + drift).lower - drift;
 }
 }  // namespace clod

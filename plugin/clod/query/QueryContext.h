@@ -29,7 +29,7 @@ inline std::uint32_t boxSeparations(const QueryContext& context, bool areOfA, st
 									float limit = std::numeric_limits<float>::infinity())
 {
 	const Hierarchy &side = areOfA ? context.a : context.b, &otherSide = areOfA ? context.b : context.a;
-	const CullBox* boxes[kBoxLanes];
+	const OrientedBox* boxes[kBoxLanes];
 	for (std::uint32_t i = 0; i < count; ++i) boxes[i] = &side.cullBox(nodes[i]);
 	return boxSeparations(context.boxes, otherSide.cullBox(other), !areOfA, boxes, count, separations, limit);
 }
@@ -68,8 +68,4 @@ double sweptSeparationAlong(const QueryContext& context, std::uint32_t a, std::u
 // How near two points come, of A and of node b, each in its own frame: an upper bound of what canonicalSweptBound
 // calls lower if they are points of the two hulls.
 double sweptPointDistance(const QueryContext& context, std::uint32_t b, const Vec3& onA, const Vec3& onB);
-
-// dist(hull a, hull b) - h_a - h_b, a lower bound of the distance of everything below (paper eq. 1), at any time
-// of the step. Stops as soon as it is > stopAbove.
-double paperSeparation(const QueryContext& context, std::uint32_t a, std::uint32_t b, double stopAbove);
 }  // namespace clod

@@ -5,7 +5,7 @@
 // A refinement opens the pending pair that exceeds what the metric asks by the largest factor, s* / s0 or certified
 // error over its limit (StopRule::excess). A pair counts for at most as much as the one it came from; then the factors
 // of the pairs opened never rise, and at any moment those are opened that exceed the metric by more than some factor:
-// what a smaller budget opens a larger one opens too. With nothing pending the accepted pairs are those of Traversal.h.
+// what a smaller budget opens a larger one opens too. With nothing pending the accepted pairs are those of Traversal.cpp.
 //
 // Cost in tests (a box test or a hull distance each), known beforehand: every pair met costs one, a pair of contact
 // nodes one more before it is opened, every pair that answers one more. committed() holds both, done or still to be
@@ -29,12 +29,11 @@ class Refinement
 {
 public:
 	// Opens what can never answer. The context must outlive the walk.
-	void start(const QueryContext& context, const StopRule& rule, double tolerance, bool paper)
+	void start(const QueryContext& context, const StopRule& rule, double tolerance)
 	{
 		m_context = &context;
 		m_rule.emplace(rule);
 		m_tolerance = tolerance;
-		m_paper = paper;
 		m_visited.clear();
 		m_pending.clear();
 		m_accepted.clear();
@@ -47,6 +46,7 @@ public:
 		while (!m_pending.empty() && m_pending.front().deviation == kOff) refine();
 	}
 
+	const StopRule& rule() const { return *m_rule; }  // after start()
 	bool isComplete() const { return m_pending.empty(); }
 	bool rootIsApart() const { return m_rootIsApart; }
 	// By which factor the worst pending pair exceeds the metric; 0: none is pending.
@@ -150,10 +150,10 @@ private:
 	{
 		return cullsByHulls(pair) || m_rule->acceptance(pair.a, pair.b) == Acceptance::kWhileApart;
 	}
-	// As Traversal.h does before a pair is opened.
+	// As Traversal.cpp does before a pair is opened.
 	bool cullsByHulls(const Pending& pair) const
 	{
-		return !m_rule->base().isUsed() && !m_paper &&
+		return !m_rule->base().isUsed() &&
 			   mayCullByHulls(m_context->a.node(pair.a), m_context->b.node(pair.b));
 	}
 	bool hullsApart(const Pending& pair)
@@ -171,14 +171,13 @@ private:
 		for (std::uint32_t i = 0; i < count; ++i)
 			if (m_visited.insert(areOfA ? nodes[i] : other, areOfA ? other : nodes[i])) met[fresh++] = nodes[i];
 		if (fresh == 0) return;
-		(m_paper ? m_hullTests : m_boxTests) += fresh;
+		m_boxTests += fresh;
 		float separations[kBoxLanes];
-		if (!m_paper) boxSeparations(*m_context, areOfA, other, met, fresh, separations);
+		boxSeparations(*m_context, areOfA, other, met, fresh, separations);
 		for (std::uint32_t i = 0; i < fresh; ++i)
 		{
 			const std::uint32_t a = areOfA ? met[i] : other, b = areOfA ? other : met[i];
-			const double separation = m_paper ? paperSeparation(*m_context, a, b, m_tolerance) : double(separations[i]);
-			if (separation > m_tolerance)
+			if (double(separations[i]) > m_tolerance)
 				++m_apart;
 			else
 				keep(a, b, largest);
@@ -206,7 +205,7 @@ private:
 	const QueryContext* m_context = nullptr;
 	std::optional<StopRule> m_rule;
 	double m_tolerance = 0;
-	bool m_paper = false, m_rootIsApart = true;
+	bool m_rootIsApart = true;
 	VisitedPairs m_visited;
 	std::vector<Pending> m_pending;  // a heap
 	std::vector<NodePair> m_accepted;

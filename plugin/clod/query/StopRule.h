@@ -6,7 +6,7 @@
 // opens more.
 //
 // Based on: Otaduy & Lin 2003, sec. 3.3, eq. 2 and 3. Departs from it: the contact area D of a pair is the harmonic
-// combination of node constants, not interpolated at the witness points (outside paper mode there is no witness yet).
+// combination of node constants, not interpolated at the witness points (there is no witness yet).
 #pragma once
 #include <algorithm>
 #include <limits>
@@ -46,12 +46,10 @@ enum class Acceptance : std::uint8_t
 class StopRule
 {
 public:
-	// paper: of the query's settings.
-	StopRule(const QueryContext& context, const Metric& metric, bool paper)
+	StopRule(const QueryContext& context, const Metric& metric)
 		: m_context(&context),
 		  m_threshold(metric, fastest(context, metric)),
 		  m_isExact(metric.exact),
-		  m_isPaper(paper),
 		  m_maxError(metric.maxError),
 		  m_leavesOfA(context.a.levels()[0].nodeCount),
 		  m_leavesOfB(context.b.levels()[0].nodeCount),
@@ -91,7 +89,7 @@ public:
 		if (!dependsOnHulls()) return Acceptance::kYes;
 		if (certifiedErrorApart(a, b) > m_maxError) return Acceptance::kNo;
 		if (certifiedError(a, b) <= m_maxError) return Acceptance::kYes;
-		return m_isPaper ? Acceptance::kNo : Acceptance::kWhileApart;
+		return Acceptance::kWhileApart;
 	}
 	bool dependsOnHulls() const { return std::isfinite(m_maxError); }
 
@@ -120,16 +118,26 @@ public:
 		return m_threshold.isConstant() ? m_threshold.constant() : std::numeric_limits<double>::quiet_NaN();
 	}
 
+	// The rule of the input surfaces.
+	static StopRule ofLeaves(const QueryContext& context)
+	{
+		Metric exact;
+		exact.exact = true;
+		return StopRule(context, exact);
+	}
+	// The same rule, but for one threshold everywhere. Precondition: this one sets a threshold, or `s0` is kOff.
+	StopRule with(double s0) const
+	{
+		StopRule rule = *this;
+		rule.m_threshold = Threshold(s0);
+		return rule;
+	}
+
 	// Between which thresholds s0 all pairs of nodes are judged at this pose: infinite only where none is set.
+	ThresholdRange thresholds() const { return rangeOf(*m_context, m_threshold); }
 	static ThresholdRange thresholds(const QueryContext& context, const Metric& metric)
 	{
-		const Threshold threshold(metric, fastest(context, metric));
-		if (threshold.isConstant()) return {threshold.constant(), threshold.constant()};
-		// The places: no node's centre is beyond the reach of its body, nor its ball wider than what is within.
-		const ThresholdRange ofA = threshold.within({Vec3{}, 3 * context.reachA});
-		const ThresholdRange ofB = threshold.within({context.pose.translation, 3 * context.reachB});
-		return {std::min(ofA.least, ofB.least),
-				std::min(std::max(ofA.most, ofB.most), std::numeric_limits<double>::max())};
+		return rangeOf(context, Threshold(metric, fastest(context, metric)));
 	}
 
 	// s*_ab = max(f_a, f_b) / D_ab with 1 / D_ab = 1 / D_a + 1 / D_b (eq. 3).
@@ -161,14 +169,13 @@ public:
 		return m_context->a.cullBox(i).radius >= m_context->b.cullBox(j).radius;
 	}
 
-	// What stands for a node that is opened. In paper mode level by level, as there.
+	// What stands for a node that is opened.
 	Span<std::uint32_t> childrenOf(bool isOfA, std::uint32_t index) const
 	{
 		const Hierarchy& side = isOfA ? m_context->a : m_context->b;
 		const Node& node = side.node(index);
 		const std::uint32_t base = isOfA ? m_base.a : m_base.b;
 		if (base == kNone || node.level <= base) return side.children(node);
-		if (m_isPaper) return {side.children(node).data, node.primaryChildCount};
 		return side.wideChildren(index, base);
 	}
 
@@ -179,7 +186,7 @@ private:
 	BaseLevels baseLevels() const
 	{
 		if (m_isExact) return {0, 0};
-		if (m_isPaper || !std::isfinite(m_maxError)) return {};
+		if (!std::isfinite(m_maxError)) return {};
 		const bool isAlone = m_threshold.isConstant() && !(m_threshold.constant() < kOff);
 		return chooseBaseLevels(m_context->a, m_context->b, m_maxError, isAlone);
 	}
@@ -195,10 +202,19 @@ private:
 	// The ball round the smaller culling box: it holds the hull of its node, hence a witness point of every contact.
 	Place placeOf(std::uint32_t i, std::uint32_t j) const
 	{
-		const CullBox &a = m_context->a.cullBox(i), &b = m_context->b.cullBox(j);
+		const OrientedBox &a = m_context->a.cullBox(i), &b = m_context->b.cullBox(j);
 		const bool isA = a.radius <= b.radius;
-		const CullBox& box = isA ? a : b;
+		const OrientedBox& box = isA ? a : b;
 		return {isA ? centerOf(box) : m_context->pose.apply(centerOf(box)), double(box.radius)};
+	}
+	// The places: no node's centre is beyond the reach of its body, nor its ball wider than what is within.
+	static ThresholdRange rangeOf(const QueryContext& context, const Threshold& threshold)
+	{
+		if (threshold.isConstant()) return {threshold.constant(), threshold.constant()};
+		const ThresholdRange ofA = threshold.within({Vec3{}, 3 * context.reachA});
+		const ThresholdRange ofB = threshold.within({context.pose.translation, 3 * context.reachB});
+		return {std::min(ofA.least, ofB.least),
+				std::min(std::max(ofA.most, ofB.most), std::numeric_limits<double>::max())};
 	}
 	static double fastest(const QueryContext& context, const Metric& metric)
 	{
@@ -210,7 +226,7 @@ private:
 
 	const QueryContext* m_context;
 	Threshold m_threshold;
-	bool m_isExact, m_isPaper;
+	bool m_isExact;
 	double m_maxError;
 	std::uint32_t m_leavesOfA, m_leavesOfB;  // the first nodes
 	BaseLevels m_base;

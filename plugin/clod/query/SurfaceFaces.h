@@ -1,30 +1,20 @@
 // SPDX-License-Identifier: Zlib
-// Real faces as triangles in space: nearest point of one, and on which side of the closed surface of its level a point
-// lies.
+// The input surface seen from a point: its nearest face, and on which side of it the point lies.
 //
 // The sign is that of the pseudonormal at the nearest feature: the face normal, the sum of the two face normals at an
 // edge, the angle-weighted sum round a corner. For a closed oriented surface it tells inside from outside.
 //
-// Based on: Ericson, Real-Time Collision Detection, sec. 5.1.5; Baerentzen & Aanaes, "Signed distance computation using
+// Based on: Baerentzen & Aanaes, "Signed distance computation using
 // the angle weighted pseudonormal", 2005.
 #pragma once
 #include <limits>
 
-#include "clod/collide/Triangle.h"
+#include "clod/hierarchy/Hierarchy.h"
 
 namespace clod
 {
 // Index of the leaf that owns a face of the input surface. O(log nodes).
 std::uint32_t ownerOf(const Hierarchy& hierarchy, std::uint32_t face);
-
-struct NearestOnTriangle
-{
-	Vec3 point;
-	double squared;  // squared distance
-	int feature;     // 0-2: corner i; 3-5: edge from corner i-3 to the next; 6: interior
-};
-// Of a triangle without area, or with so little that rounding hides it, the nearest of its edges.
-NearestOnTriangle nearestOnTriangle(const Triangle& triangle, const Vec3& from);
 
 // The normal that tells the side at a feature of a face of the input surface; not normalised.
 Vec3 pseudonormal(const Hierarchy& hierarchy, std::uint32_t face, int feature);

@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: Zlib
-// Searches for the nearest pair of nodes, nearest pairs first: how far apart two bodies are, of whatever level the
-// contacts are, and how much motion two bodies that are apart have left. Each starts from the roots and uses no front,
-// so what it finds is a function of the pose.
+// How far apart two bodies are: the nearest pair of accepted nodes, whatever their level, or of the input surfaces; and
+// the pairs of leaves near each other. Each search starts from the roots, so what it finds is a function of the pose.
 #pragma once
-#include <vector>
-
-#include "clod/query/PairFront.h"
-#include "clod/query/QueryContext.h"
-#include "clod/query/StopRule.h"
+#include "clod/query/NearestPair.h"
 
 namespace clod
 {
@@ -47,21 +42,8 @@ private:
 	std::vector<Entry> m_entries = std::vector<Entry>(kFewest);
 };
 
-struct ClosestPairScratch
+struct SurfaceSearchScratch : NearestPairScratch
 {
-	struct Candidate
-	{
-		double separation;  // of the culling volumes
-		std::uint32_t a, b;
-	};
-	std::vector<Candidate> stack;  // or a heap, the nearest at its front
-	VisitedPairs visited;
-	// Tried first next time: prunes at once, and decides nothing else.
-	struct Nearest
-	{
-		std::uint32_t a = kNone, b = kNone;
-	};
-	Nearest ofMotion, ofSurfaces;  // that clearMotion and surfaceDistance found last
 	RememberedDirections directions;
 };
 
@@ -69,7 +51,7 @@ struct ClosestPairScratch
 // smallest max(hull distance, culling separations on the way). That is the smallest hull distance, but for pairs met
 // through shared children only, whose parents' boxes need not enclose their hulls. Hull distances are upper ends of the
 // certified bracket from the canonical start. Each pair is opened once at most.
-double closestDistance(const QueryContext& context, const StopRule& rule, bool paper, ClosestPairScratch& scratch,
+double closestDistance(const QueryContext& context, const StopRule& rule, NearestPairScratch& scratch,
 					   QueryStats& stats);
 
 // The distance of the two input surfaces, from the pairs of leaves (exact mode's tree).
@@ -79,23 +61,10 @@ struct SurfaceDistance
 	double value;      // the upper end of the nearest pair's bracket; infinite where no pair is nearer than known
 };
 // known: pairs beyond it are not looked for.
-SurfaceDistance surfaceDistance(const QueryContext& context, double known, ClosestPairScratch& scratch,
+SurfaceDistance surfaceDistance(const QueryContext& context, double known, SurfaceSearchScratch& scratch,
 								QueryStats& stats);
 
 // Every pair of leaves within the tolerance, as contacts, in no particular order.
-void gatherLeafPairs(const QueryContext& context, double tolerance, ClosestPairScratch& scratch,
+void gatherLeafPairs(const QueryContext& context, double tolerance, SurfaceSearchScratch& scratch,
 					 std::vector<Contact>& pairs, QueryStats& stats);
-
-// What a traversal is to find nothing of: contacts, or pairs whose surfaces may be within the tolerance, too.
-struct ClearOf
-{
-	const StopRule& strict;   // a pair that answers by this rule is not opened by any in question,
-	const StopRule& relaxed;  // one that does not by this rule answers by none: differing in the threshold only
-	double tolerance;
-	bool surfaces;
-};
-// By how much the pair may move, sweep included (MotionBound.h), before a traversal can find something by the two rules
-// or any between them; at most `cap`. <= 0: it may already. Not in paper mode.
-double clearMotion(const QueryContext& context, const ClearOf& what, double cap, ClosestPairScratch& scratch,
-				   QueryStats& stats);
 }  // namespace clod

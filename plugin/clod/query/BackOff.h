@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Zlib
-// How long to leave be what was tried in vain: twice as long each time, up to a limit.
+// Exponential back-off: what was tried in vain is left be twice as long each time, up to a limit.
 #pragma once
 #include <algorithm>
 #include <cstdint>
 
 namespace clod
 {
-class Patience
+class BackOff
 {
 public:
-	explicit Patience(std::uint32_t most) : m_most(most) {}
+	explicit BackOff(std::uint32_t most) : m_most(most) {}
 	// Asked once a turn: may it be tried?
 	bool isOver()
 	{

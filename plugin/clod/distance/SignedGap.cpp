@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Zlib
+// The entry point: when the last result still holds, and the walk over the pair's front that the certificate is of.
+#include "clod/distance/SignedGap.h"
+
+#include <string>
+
+#include "clod/distance/GapSearch.h"
+#include "clod/query/ContactSearch.h"
+
+namespace clod
+{
+namespace
+{
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+class FrontWalk : public GapWalk
+{
+public:
+	FrontWalk(ContactSearch& walk, GapCache::Search& search, GapResult& result)
+		: m_walk(walk), m_search(search), m_result(result)
+	{
+	}
+	FoundPairs found() const override
+	{
+		return {m_walk.largestCover(), m_walk.isOfInput(), m_walk.isCutShort(), m_walk.rule().thresholds().most};
+	}
+	double depthInside() override { return m_walk.depthInside(); }
+	bool widenToNearest(double& reach) override
+	{
+		if (m_walk.rule().isOfLeaves()) return false;
+		reach = closestDistance(m_walk.context(), m_walk.rule(), m_search.surfaces, m_result.stats);
+		m_walk.run(reach);
+		return true;
+	}
+
+private:
+	ContactSearch& m_walk;
+	GapCache::Search& m_search;
+	GapResult& m_result;
+};
+
+// At the pose of the last result: is it that of these settings?
+bool answersAgain(const GapSettings& settings, GapCache::Search& search, const PairCache::State& state)
+{
+	return search.hasLast && settings.distance == search.settings.distance &&
+		   settings.gapError == search.settings.gapError && answersAgain(settings, search.last, state);
+}
+}  // namespace
+
+GapCache::GapCache() : m_search(std::make_unique<Search>()) {}
+GapCache::~GapCache() = default;
+GapCache::GapCache(GapCache&&) noexcept = default;
+GapCache& GapCache::operator=(GapCache&&) noexcept = default;
+void GapCache::clear()
+{
+	pair.clear();
+	m_search = std::make_unique<Search>();
+}
+
+void GapResult::clear()
+{
+	ContactResult::clear();
+	minDistance = kInfinity;
+	errorBound = 0;
+}
+
+bool same(const GapSettings& l, const GapSettings& r)
+{
+	return l.distance == r.distance && l.gapError == r.gapError &&
+		   same(static_cast<const ContactSettings&>(l), static_cast<const ContactSettings&>(r));
+}
+
+std::string settingsError(const GapSettings& settings)
+{
+	if (std::string error = settingsError(static_cast<const ContactSettings&>(settings)); !error.empty()) return error;
+	if (!(settings.gapError >= 0)) return "gapError is " + std::to_string(settings.gapError) + ", but must be >= 0";
+	if (settings.budget.isLimited() && settings.distance)
+		return "a budget is set, but distance is too: a gap at any separation cannot be cut short";
+	return {};
+}
+
+void signedGap(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const GapSettings& settings,
+			   GapCache& cache, GapResult& result)
+{
+	PairCache::State& state = cache.pair.state();
+	GapCache::Search& search = cache.search();
+	if (isSamePose(a, b, aFromB, settings, state) && !state.hasLast && answersAgain(settings, search, state))
+	{
+		state.settings = settings;
+		result = search.last;
+		return;
+	}
+	result.clear();
+	ContactSearch walk(a, b, aFromB, settings, {true, settings.distance, settings.gapError}, state,
+					   result);
+	if (walk.isStillApart())
+		result.errorBound = state.separation.largestCover();
+	else
+	{
+		walk.run();
+		FrontWalk front(walk, search, result);
+		certifyGap(walk.context(), settings, front, search, result);
+		walk.finish(result.contacts.empty() && result.minDistance == kInfinity);
+	}
+	state.hasLast = false;
+	search.settings = settings;
+	search.last = result;
+	search.hasLast = true;
+}
+}  // namespace clod

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Zlib
+// One query in progress, from pose to accepted node pairs: what both entry points, contacts() and signedGap(), do first.
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "clod/query/Clock.h"
+#include "clod/query/ContactSink.h"
+#include "clod/query/PairCacheState.h"
+
+namespace clod
+{
+// Was the last query of this cache about the same two bodies in the same place? One with a plan of the same settings
+// waiting is left to finish it; any other plan is dropped.
+bool isSamePose(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const ContactSettings& settings,
+				PairCache::State& state);
+
+// At the same pose: is the last result that of these settings? One that its budget did not cut short is that of every
+// budget large enough.
+bool answersAgain(const ContactSettings& settings, const ContactResult& last, const PairCache::State& state);
+
+// Drops what was cached for other hierarchies or another kind of traversal, then adds the motion since the last query.
+void followMotion(const QueryContext& context, const ContactSettings& settings, PairCache::State& state);
+
+struct TraversalSettings;
+
+class ContactSearch
+{
+public:
+	ContactSearch(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const ContactSettings& settings,
+				  const AskedGap& gap, PairCache::State& state, ContactResult& result);
+	ContactSearch(const ContactSearch&) = delete;
+	ContactSearch& operator=(const ContactSearch&) = delete;
+
+	// Nothing is near, by what was found before: there is nothing to run.
+	bool isStillApart() const { return m_isStillApart; }
+	// Fills the contact list, sorted. Precondition: not still apart.
+	void run() { run(m_settings.tolerance); }
+	void run(double tolerance);
+	// Level statistics and what a budget bought; then, if nothing is near, how far the bodies may move. Always last.
+	void finish(bool isNothingNear);
+
+	const QueryContext& context() const { return *m_context; }
+	const StopRule& rule() const { return *m_rule; }
+	// Of the last run. The largest cover_a + cover_b of the accepted pairs that are no contacts.
+	double largestCover() const { return m_largestCover; }
+	bool overlaps() const;
+	bool isOfInput() const { return m_isOfInput; }  // every accepted pair is of level 0: nothing finer exists
+	bool isCutShort() const;                        // by its budget
+	// > 0: a component of one body is inside the other by so much at one of its points. Precondition: nothing overlaps.
+	double depthInside();
+
+private:
+	double traverseFront(double tolerance);
+	std::optional<double> answerFrom(bool validates, const TraversalSettings& settings);
+	double refine(double tolerance);
+	void sort();
+	bool rootIsApart() const;
+	ContactSink::Covers coversOfMixedLevels() const;
+
+	const ContactSettings& m_settings;
+	const AskedGap m_gap;
+	PairCache::State& m_state;
+	ContactResult& m_result;
+	std::optional<QueryContext> m_own;  // where no plan has made one
+	const QueryContext* m_context;
+	std::optional<StopRule> m_rule;
+	const Clock::time_point m_start = Clock::now();
+	Clock::time_point m_refined;  // the budget is spent, the answer begins
+	double m_largestCover = 0;
+	bool m_isStillApart = false, m_isOfInput = true;
+};
+
+// Counts boxes that point queries meet in its lifetime as such.
+class PointBoxes
+{
+public:
+	explicit PointBoxes(QueryStats& stats) : m_stats(stats), m_before(stats.boxTests) {}
+	~PointBoxes()
+	{
+		m_stats.pointBoxes += m_stats.boxTests - m_before;
+		m_stats.boxTests = m_before;
+	}
+	PointBoxes(const PointBoxes&) = delete;
+	PointBoxes& operator=(const PointBoxes&) = delete;
+
+private:
+	QueryStats& m_stats;
+	const std::uint32_t m_before;
+};
+}  // namespace clod

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Zlib
+#include "clod/query/SeparationCache.h"
+
+#include <algorithm>
+
+#include "clod/collide/MotionBound.h"
+#include "clod/query/HullCull.h"
+
+namespace clod
+{
+namespace
+{
+constexpr std::uint32_t kWorthwhile = 4;  // queries that a search should save
+constexpr double kFarthest = 64;          // moves: what is farther is not looked for
+constexpr double kSpan = 2;               // thresholds of later queries: so many times these
+
+// What a traversal is to find nothing of: contacts, or pairs whose surfaces may be within the tolerance, too.
+struct ClearOf
+{
+	StopRule strict;   // a pair that answers by this rule is not opened by any in question,
+	StopRule relaxed;  // one that does not by this rule answers by none: differing in the threshold only
+	double tolerance;
+	bool surfaces;
+};
+
+struct MotionJudge
+{
+	const QueryContext& context;
+	QueryStats& stats;
+	const ClearOf& what;
+	double best;
+	NearestPairScratch& scratch;
+	static constexpr bool nearestFirst = false;
+	// Pairs that leave half as much to go as the best are not looked at, and half of the best is the answer: a fifth of
+	// the tests, for a search a half more often (docs/MEASURED.md).
+	static constexpr double kShare = 0.5;
+
+	// Once: its own separation is a bound whichever the way.
+	bool counts(const NearestPairScratch::Candidate& pair, double)
+	{
+		scratch.visited.reserve(1);
+		return scratch.visited.insert(pair.a, pair.b);
+	}
+	static bool takes(const NearestPairScratch::Candidate&) { return true; }
+	bool isSettled() const { return best <= 0; }
+	// Hulls that overlap now may answer as soon as they part.
+	bool mayAnswer(const NearestPairScratch::Candidate& pair) const
+	{
+		return what.relaxed.acceptance(pair.a, pair.b) != Acceptance::kNo;
+	}
+	double limit() const { return what.tolerance + kShare * best; }
+	double ofPair(const NearestPairScratch::Candidate& pair)
+	{
+		++stats.hullTests;
+		const double reached =
+			what.surfaces ? cullLimit(context.a.node(pair.a), context.b.node(pair.b), what.tolerance) : what.tolerance;
+		const SweptBound bound = canonicalSweptBound(context, pair.a, pair.b, reached + best);
+		const double motion = std::max(pair.separation - what.tolerance, bound.lower - reached);
+		if (motion < best) scratch.nearest = {pair.a, pair.b};
+		return motion;
+	}
+};
+
+// By how much the pair may move, sweep included (MotionBound.h), before a traversal can find something by the two rules
+// or any between them; at most `cap`. <= 0: it may already.
+double clearMotion(const QueryContext& context, const ClearOf& what, double cap, NearestPairScratch& scratch,
+				   QueryStats& stats)
+{
+	scratch.visited.clear();
+	MotionJudge judge{context, stats, what, cap, scratch};
+	const auto [a, b] = scratch.nearest;
+	if (isAnswer(context, what.relaxed, scratch.nearest))
+	{
+		++stats.boxTests;
+		judge.best = std::min(
+			cap, judge.ofPair({boxSeparation(context.boxes, context.a.cullBox(a), context.b.cullBox(b)), a, b}));
+	}
+	NearestPairSearch<MotionJudge>(context, what.strict, judge, scratch, stats).run();
+	return judge.best > 0 ? MotionJudge::kShare * judge.best : judge.best;
+}
+
+bool dependsOnPose(const Metric& metric)
+{
+	return metric.velocity.time < kOff || metric.view.pixels < kOff || metric.own;
+}
+
+// Coarse hulls may be apart where surfaces meet: how far neither body, nor a component of it, comes to lie in the other.
+double outside(const QueryContext& context, const SeparationCache::Tools& tools)
+{
+	const Transform aFromB{context.pose.rotation, context.pose.translation};
+	tools.probesA.prepare(context.a);
+	tools.probesB.prepare(context.b);
+	return std::min(tools.probesA.distanceOutside(context.b, inverse(aFromB), tools.stats),
+					tools.probesB.distanceOutside(context.a, aFromB, tools.stats));
+}
+
+// For the rounding of the search and of what a traversal would compute now.
+double room(const QueryContext& context, double tolerance)
+{
+	return 2 * (1e-9 * context.size + context.boxes.roundingOfTwo()) +
+		   10 * kHullDistanceAccuracy * (context.size + tolerance) + 4 * context.pose.rounding;
+}
+}  // namespace
+
+bool SeparationCache::holds(const QueryContext& context, const ContactSettings& settings, const AskedGap& gap)
+{
+	if (!m_isKnown || !isMeantFor(settings, gap)) return false;
+	const double motion = motionBound(m_pose, context.pose, context.reachA, context.reachB);
+	const double change = sweepChange(m_pose, m_settings.sweep, context.pose, context.sweep, motion, context.reachB);
+	if (!(motion + change + room(context, settings.tolerance) < m_motion)) return false;
+	if (!isWithinThresholds(context, settings.metric)) return false;
+	++m_uses;
+	return true;
+}
+
+void SeparationCache::seek(const QueryContext& context, const StopRule& rule, const ContactSettings& settings,
+						   const AskedGap& gap, double lastMove, const Tools& tools)
+{
+	if (settings.budget.isLimited() || gap.isAskedApart) return;
+	if (m_isKnown) m_uses < kWorthwhile ? m_backOff.fail() : m_backOff.succeed();
+	m_isKnown = false;
+	m_uses = 0;
+	if (!m_backOff.isOver()) return;
+	const double cap = lastMove > 0 ? kFarthest * lastMove : settings.tolerance;
+	m_motion = motionToGo(context, rule, settings, gap, cap, tools);
+	if (m_motion > 0) m_motion = std::min(m_motion, outside(context, tools));
+	m_pose = context.pose;
+	m_settings = settings;
+	m_gap = gap;
+	m_isKnown = true;
+}
+
+// Thresholds that change with pose, motion and camera: before a contact by any of those near the present ones. Where the
+// gap is asked for, before a query would prove anything else of it.
+double SeparationCache::motionToGo(const QueryContext& context, const StopRule& rule, const ContactSettings& settings,
+								   const AskedGap& gap, double cap, const Tools& tools)
+{
+	m_thresholds = StopRule::thresholds(context, settings.metric);
+	if (dependsOnPose(settings.metric) && m_thresholds.most < kOff)
+	{
+		m_thresholds.least /= kSpan;
+		m_thresholds.most = std::min(kSpan * m_thresholds.most, std::numeric_limits<double>::max());
+	}
+	const ClearOf contacts{rule.with(m_thresholds.least), rule.with(m_thresholds.most), settings.tolerance,
+						   gap.isAsked && !rule.base().isUsed()};
+	const double motion = clearMotion(context, contacts, cap, tools.scratch, tools.stats);
+	m_largestCover = rule.baseCover();
+	if (!gap.isAsked || m_largestCover <= gap.error) return motion;
+	// The surfaces are asked (distance/SignedGap.cpp).
+	m_largestCover = 0;
+	if (!(motion > 0)) return motion;
+	const StopRule exact = StopRule::ofLeaves(context);
+	return clearMotion(context, {exact, exact, settings.tolerance, false}, motion, tools.scratch, tools.stats);
+}
+
+bool SeparationCache::isWithinThresholds(const QueryContext& context, const Metric& metric) const
+{
+	if (metric.exact || (!dependsOnPose(metric) && same(metric, m_settings.metric))) return true;
+	const ThresholdRange now = StopRule::thresholds(context, metric);
+	return (now.most < kOff) == (m_thresholds.most < kOff) && now.least >= m_thresholds.least &&
+		   now.most <= m_thresholds.most;
+}
+
+bool SeparationCache::isMeantFor(const ContactSettings& settings, const AskedGap& gap) const
+{
+	return settings.metric.exact == m_settings.metric.exact &&
+		   settings.metric.maxError == m_settings.metric.maxError && settings.tolerance <= m_settings.tolerance &&
+		   gap == m_gap && !gap.isAskedApart && !settings.budget.isLimited();
+}
+}  // namespace clod

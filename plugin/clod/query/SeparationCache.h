@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Zlib
+// Two bodies that are apart: how much they may move before they have to be looked at again. While it lasts a query
+// costs the bound of the motion, whatever the hierarchies hold.
+//
+// The front's own bounds cannot tell: a traversal stops where boxes are beyond the tolerance, hence some always are
+// just beyond it. The search for the nearest pair (NearestPair.h) costs about a fresh traversal, so one that was used
+// up after few queries is not made again at once.
+//
+// Based on: conservative advancement (Mirtich 1996).
+#pragma once
+#include "clod/query/BackOff.h"
+#include "clod/query/InsideTest.h"
+#include "clod/query/NearestPair.h"
+#include "clod/query/Query.h"
+
+namespace clod
+{
+// What of the pair is asked for besides contacts: later answers of another kind need another search.
+struct AskedGap
+{
+	bool isAsked = false;
+	bool isAskedApart = false;  // at any separation: nothing is left out then, however far apart the bodies are
+	double error = kOff;        // GapSettings::gapError
+	bool operator==(const AskedGap& other) const { return isAsked == other.isAsked && error == other.error; }
+};
+
+class SeparationCache
+{
+public:
+	void forget() { *this = SeparationCache{}; }
+
+	// Nothing is near still: not at these settings, nor at thresholds such as theirs, from where the search was made to
+	// this pose, whatever the way between.
+	bool holds(const QueryContext& context, const ContactSettings& settings, const AskedGap& gap);
+	// What a gap's bound adds to the tolerance while it holds.
+	double largestCover() const { return m_largestCover; }
+
+	// After a traversal that found nothing. lastMove: motion and change of the sweep since the query before.
+	struct Tools
+	{
+		NearestPairScratch& scratch;
+		InsideProbes &probesA, &probesB;
+		QueryStats& stats;
+	};
+	void seek(const QueryContext& context, const StopRule& rule, const ContactSettings& settings, const AskedGap& gap,
+			  double lastMove, const Tools& tools);
+
+private:
+	static constexpr std::uint32_t kLongestBackOff = 63;  // queries until the next search
+
+	double motionToGo(const QueryContext& context, const StopRule& rule, const ContactSettings& settings,
+					  const AskedGap& gap, double cap, const Tools& tools);
+	bool isWithinThresholds(const QueryContext& context, const Metric& metric) const;
+	bool isMeantFor(const ContactSettings& settings, const AskedGap& gap) const;
+
+	bool m_isKnown = false;
+	ContactSettings m_settings;
+	AskedGap m_gap;
+	RelativePose m_pose;
+	double m_motion = 0;  // from there, what uses it up
+	ThresholdRange m_thresholds{0, 0};
+	double m_largestCover = 0;
+	std::uint32_t m_uses = 0;
+	BackOff m_backOff{kLongestBackOff};
+};
+}  // namespace clod

@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: Zlib
+// Breadth first, from the roots, with what the front before proves.
+#include "clod/query/Traversal.h"
+
+namespace clod
+{
+namespace
+{
+class Traversal : private PairDecisions
+{
+public:
+	using PairDecisions::PairDecisions;
+
+	void run()
+	{
+		std::swap(m_front.entries, m_front.previous);
+		std::swap(m_front.hulls, m_front.previousHulls);
+		m_front.entries.clear();
+		m_front.hulls.clear();
+		m_front.visited.clear();
+		startSlack();
+		m_front.counts = FrontCounts{};
+		m_front.pending = m_front.pendingChange = 0;
+		m_front.pose = m_context.pose;
+		startAtRoots();
+		for (std::uint32_t i = 0; i < m_front.entries.size(); ++i)
+			if (isOpen(m_front.entries[i].state)) open(i);
+		reserveForNext();
+		m_front.counts.touchedFinestLevel = std::min(levelOf(m_context.a, m_finestA), levelOf(m_context.b, m_finestB));
+		m_front.tolerance = m_settings.tolerance;
+		addTo(*m_stats, m_front.counts);
+		m_stats->frontCame = std::uint32_t(m_front.entries.size()) - m_carried;
+		m_stats->frontGone = std::uint32_t(m_front.previous.size()) - m_carried;
+	}
+
+private:
+	// For FrontValidation.h; where that was in vain, now and then only.
+	void startSlack()
+	{
+		m_front.slack.clear();
+		m_keepsSlack = m_front.backOff.isOver();
+	}
+	// As much as this one took: a steady query allocates nothing.
+	void reserveForNext()
+	{
+		m_front.previous.reserve(m_front.entries.capacity());
+		m_front.previousHulls.reserve(m_front.hulls.capacity());
+		m_front.slack.ofEntry.reserve(m_front.entries.capacity());
+		m_front.slack.answers.reserve(m_front.entries.capacity());
+	}
+
+	void startAtRoots()
+	{
+		const std::uint32_t rootA = m_context.a.root(), rootB = m_context.b.root();
+		touch(rootA, rootB);
+		m_front.visited.reserve(1);
+		Row row = rowOfRoots();
+		const bool wasApart = !m_front.previous.empty() && m_front.previous[0].state == NodePairState::kSeparated;
+		if (!m_front.previous.empty() && !wasApart) row.met = 1, row.old[0] = 0;
+		const float apart = wasApart ? lowerAfter(m_front.previous[0].apart, m_moved) : 0.0F;
+		const bool isStillApart = wasApart && isBeyond(apart);
+		examine(row, isStillApart);
+		if (wasApart || (row.near == 0 && !m_front.previous.empty())) ++m_carried;  // without a link to its old entry
+		if (row.near == 0)
+		{
+			FrontEntry root{rootA, rootB};
+			root.apart = isStillApart ? apart : row.apart;
+			m_front.entries.push_back(root);
+			++m_front.counts.leaves;
+		}
+		else
+		{
+			visit(row, 0);
+			if (m_keepsSlack) keepSlack(0, 0, slackOf(row, 1));
+		}
+	}
+	void open(std::uint32_t index)
+	{
+		const FrontEntry pair = m_front.entries[index];
+		Row row = rowOf(pair);
+		const Hierarchy& side = row.ofChildrenOfA ? m_context.a : m_context.b;
+		const Span<std::uint32_t> children = childrenOf(pair);
+
+		std::uint32_t old = 0, oldEnd = 0;
+		bool stillApart = false;
+		if (pair.old != kNone && m_front.previous[pair.old].state == pair.state)
+		{
+			const FrontEntry& before = m_front.previous[pair.old];
+			old = before.link;
+			oldEnd = old + before.childCount;
+			const float low = lowerAfter(before.apart, m_moved);
+			stillApart = isBeyond(low);
+			if (stillApart) row.apart = low;
+		}
+		if (!stillApart)
+			for (const std::uint32_t child : children) __builtin_prefetch(&side.cullBox(child));
+		const std::uint32_t first = std::uint32_t(m_front.entries.size());
+		std::uint32_t& finest = row.ofChildrenOfA ? m_finestA : m_finestB;
+		for (const std::uint32_t child : children) finest = std::min(finest, child);
+		if (!m_settings.rule.isOfLeaves()) m_front.visited.reserve(children.size);
+		for (std::uint32_t slot = 0; slot < children.size; slot += kBoxLanes)
+		{
+			setRow(row, children, slot);
+			for (; old < oldEnd && m_front.previous[old].slot < slot + row.count; ++old)
+			{
+				const std::uint32_t k = m_front.previous[old].slot - slot;
+				row.met |= 1U << k;
+				row.old[k] = old;
+			}
+			examine(row, stillApart);
+			const std::uint32_t firstOfRow = std::uint32_t(m_front.entries.size());
+			forEach(row.near, [&](std::uint32_t k) { visit(row, k); });
+			if (!m_keepsSlack) continue;
+			const Kept kept = keptOf(firstOfRow, std::uint32_t(m_front.entries.size()), slot);
+			keepSlack(index, 0, slackOf(row, row.near & ~kept.traceless));
+		}
+		FrontEntry& opened = m_front.entries[index];
+		opened.link = first;
+		opened.childCount = std::uint16_t(m_front.entries.size() - first);
+		m_front.counts.leaves += std::uint32_t(children.size) - opened.childCount;
+		opened.apart = row.apart;
+	}
+
+	// Which pairs of a row are near, from cached bounds where they prove it; othersAreFar: those not met before are.
+	void examine(Row& row, bool othersAreFar)
+	{
+		std::uint32_t unknown = row.all();
+		if (othersAreFar)
+		{
+			unknown = row.met;
+			m_stats->skippedBySlack += row.count;
+		}
+		forEach(row.met,
+				[&](std::uint32_t k)
+				{
+					if (othersAreFar) --m_stats->skippedBySlack;
+					if (!isKnownNear(row, k)) return;
+					row.near |= 1U << k;
+					unknown &= ~(1U << k);
+				});
+		if (unknown != 0) measure(row, unknown);
+	}
+	// From the bound kept, or because the sink needs nothing of the pair, however near its boxes are.
+	bool isKnownNear(Row& row, std::uint32_t k)
+	{
+		const FrontEntry& old = m_front.previous[row.old[k]];
+		row.high[k] = upperAfter(old.high, m_moved);
+		if (double(row.high[k]) < m_settings.tolerance - m_room)
+		{
+			++m_stats->skippedBySlack;
+			return true;
+		}
+		if (!m_settings.sameRule || old.state != NodePairState::kAnswer || old.hull == kNone) return false;
+		return m_sink.skips(row.a(k), row.b(k), remembered(old, m_front.previousHulls));
+	}
+
+	// A pair within the tolerance by its culling volumes.
+	void visit(const Row& row, std::uint32_t k)
+	{
+		FrontEntry entry{row.a(k), row.b(k)};
+		entry.slot = std::uint16_t(row.firstSlot + k);
+		entry.high = row.high[k];
+		if ((row.met >> k & 1) != 0)
+		{
+			entry.old = row.old[k];
+			++m_carried;
+		}
+		double slack = kAlways;
+		if (!m_settings.rule.isInTree(entry.a, entry.b) && !m_front.visited.insert(entry.a, entry.b))
+		{
+			entry.state = NodePairState::kElsewhere;
+			++m_front.counts.duplicates;
+		}
+		else
+			slack = decide(entry);
+		m_front.entries.push_back(entry);
+		if (!m_keepsSlack) return;
+		m_front.slack.ofEntry.push_back(std::numeric_limits<float>::infinity());
+		keepSlack(std::uint32_t(m_front.slack.ofEntry.size() - 1), 0, slack);
+	}
+
+	// What the decision can take, where it is kept.
+	double decide(FrontEntry& entry)
+	{
+		NodePairState before = NodePairState::kSeparated;
+		HullMemory memory;
+		if (entry.old != kNone)
+		{
+			before = m_front.previous[entry.old].state;
+			memory = remembered(m_front.previous[entry.old], m_front.previousHulls);
+		}
+		double slack = kAlways;
+		const Acceptance acceptance = acceptanceOf(entry, before);
+		entry.whileApart = acceptance == Acceptance::kWhileApart;
+		if (acceptance != Acceptance::kNo)
+		{
+			if (answers(entry, memory))
+			{
+				entry.state = NodePairState::kAnswer;
+				keep(entry, memory);
+			}
+		}
+		else if (cullsByHulls(entry))
+		{
+			if (areHullsApart(entry, memory)) entry.state = NodePairState::kHullsApart;
+			if (m_keepsSlack) slack = slackOfHulls(entry, memory);
+			keep(entry, memory);
+		}
+		if (entry.state == NodePairState::kSeparated)
+		{
+			const bool wasOpened = m_settings.sameRule && isOpen(before);
+			const bool opensA = wasOpened ? before == NodePairState::kOpenA : m_settings.rule.opensA(entry.a, entry.b);
+			entry.state = opensA ? NodePairState::kOpenA : NodePairState::kOpenB;
+		}
+		++(isOpen(entry.state) ? m_front.counts.inner : m_front.counts.leaves);
+		return slack;
+	}
+
+	void keep(FrontEntry& entry, const HullMemory& memory)
+	{
+		entry.hull = std::uint32_t(m_front.hulls.size());
+		m_front.hulls.push_back(memory);
+	}
+
+	Acceptance acceptanceOf(const FrontEntry& entry, NodePairState before) const
+	{
+		const bool isKnown = before == NodePairState::kAnswer || isOpen(before);
+		if (m_settings.sameRule && isKnown && !m_settings.rule.dependsOnHulls())
+			return before == NodePairState::kAnswer ? Acceptance::kYes : Acceptance::kNo;
+		return m_settings.rule.acceptance(entry.a, entry.b);
+	}
+	bool isBeyond(float low) const { return double(low) > m_settings.tolerance + m_room; }
+	void touch(std::uint32_t a, std::uint32_t b)
+	{
+		m_finestA = std::min(m_finestA, a);
+		m_finestB = std::min(m_finestB, b);
+	}
+	static std::uint32_t levelOf(const Hierarchy& hierarchy, std::uint32_t node)
+	{
+		std::uint32_t level = 0;
+		while (node >= hierarchy.levels()[level].firstNode + hierarchy.levels()[level].nodeCount) ++level;
+		return level;
+	}
+
+	bool m_keepsSlack = false;
+	std::uint32_t m_carried = 0;  // entries that the traversal before had
+	// Finer levels come first.
+	std::uint32_t m_finestA = kNone - 1, m_finestB = kNone - 1;
+};
+}  // namespace
+
+void traverse(const QueryContext& context, const TraversalSettings& settings, PairFront& front, ContactSink& sink,
+			  QueryStats& stats)
+{
+	Traversal(context, settings, front, sink, stats).run();
+}
+}  // namespace clod
