@@ -90,7 +90,7 @@ TEST(BaseLevels, MeetingBoxesAreThoseOfAllPairs)
 			for (std::uint32_t j = 0; j <= b.coarsestClodLevel(); ++j)
 			{
 				const double expected = meetingByPairs(a, i, b, j);
-				EXPECT_NEAR(meetingBoxes(a.bounds(i), b.bounds(j)), expected, 1e-9 * expected);
+				EXPECT_NEAR(meetingBoxes(a.derived<TraversalTables>().bounds(i), b.derived<TraversalTables>().bounds(j)), expected, 1e-9 * expected);
 			}
 	}
 }
@@ -110,7 +110,7 @@ TEST(BaseLevels, ACertifiedLimitIsAnsweredByTheLevelsThatKeepIt)
 			const double nodePairs = worstOf(a, expected.a).nodes * worstOf(b, expected.b).nodes;
 			const StopRule rule(context, metric);
 			const double half = 0.5 * metric.maxError;
-			if (nodePairs > 16 * double(a.fewestWithin(half)) * double(b.fewestWithin(half)))
+			if (nodePairs > 16 * double(context.tablesA.fewestWithin(half)) * double(context.tablesB.fewestWithin(half)))
 			{
 				EXPECT_FALSE(rule.base().isUsed());
 				++mixed;

@@ -124,13 +124,14 @@ TEST(BoxSeparation, IsTheSameInEveryLaneFromEitherSideOnAnyMachine)
 	}
 }
 
-TEST(Hierarchy, WideChildrenReachEveryNodeOfTheBaseOnce)
+TEST(TraversalTables, WideChildrenReachEveryNodeOfTheBaseOnce)
 {
 	for (const BodyPair& pair : pairs())
 		for (const Hierarchy* h : {pair.a.hierarchy.get(), pair.b.hierarchy.get()})
 			for (std::uint32_t base = 0; base <= h->coarsestClodLevel(); ++base)
 			{
-				ASSERT_TRUE(h->bounds(base).isWhole);
+				const TraversalTables& tables = h->derived<TraversalTables>();
+				ASSERT_TRUE(tables.bounds(base).isWhole);
 				std::vector<std::uint32_t> open{h->root()};
 				std::vector<int> reached(h->nodes().size, 0);
 				while (!open.empty())
@@ -139,7 +140,7 @@ TEST(Hierarchy, WideChildrenReachEveryNodeOfTheBaseOnce)
 					open.pop_back();
 					++reached[node];
 					if (h->node(node).level <= base) continue;
-					const Span<std::uint32_t> children = h->wideChildren(node, base);
+					const Span<std::uint32_t> children = tables.wideChildren(node, base);
 					EXPECT_FALSE(children.empty());
 					EXPECT_LE(children.size, std::max<std::size_t>(kWideChildren, h->node(node).primaryChildCount));
 					for (const std::uint32_t child : children) open.push_back(child);
@@ -153,11 +154,12 @@ TEST(Hierarchy, WideChildrenReachEveryNodeOfTheBaseOnce)
 }
 
 // By looking at every node and its primary parent.
-TEST(Hierarchy, FewestWithinCountsTheCoarsestNodesOfMixedLevels)
+TEST(TraversalTables, FewestWithinCountsTheCoarsestNodesOfMixedLevels)
 {
 	for (const BodyPair& pair : pairs())
 		for (const Hierarchy* h : {pair.a.hierarchy.get(), pair.b.hierarchy.get()})
 		{
+			const TraversalTables& tables = h->derived<TraversalTables>();
 			const auto keeps = [&](const Node& node, double error)
 			{ return (node.flags & kClodNode) != 0 && std::max(node.cover, node.protrude) <= error; };
 			for (const int power : {0, 3, 6, 9, 12})
@@ -167,10 +169,10 @@ TEST(Hierarchy, FewestWithinCountsTheCoarsestNodesOfMixedLevels)
 				for (const Node& node : h->nodes())
 					for (std::uint32_t i = 0; i < node.primaryChildCount; ++i)
 						expected += !keeps(node, error) && keeps(h->node(h->children(node)[i]), error);
-				EXPECT_EQ(h->fewestWithin(error), expected);
-				EXPECT_EQ(h->fewestWithin(1.9 * error), expected);
+				EXPECT_EQ(tables.fewestWithin(error), expected);
+				EXPECT_EQ(tables.fewestWithin(1.9 * error), expected);
 			}
-			EXPECT_EQ(h->fewestWithin(0), h->levels()[0].nodeCount);
+			EXPECT_EQ(tables.fewestWithin(0), h->levels()[0].nodeCount);
 		}
 }
 }  // namespace

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Zlib
+#include "clod/query/TraversalTables.h"
 #include "clod/bullet/btClodShape.h"
 
 #include <BulletCollision/CollisionShapes/btTriangleCallback.h>
@@ -97,6 +98,7 @@ btClodShape::btClodShape(std::shared_ptr<const clod::Hierarchy> hierarchy, int s
 {
 	m_shapeType = shapeType;
 	m_collisionMargin = 0;
+	m_hierarchy->derived<clod::TraversalTables>();  // now, not in the first step
 	updateBounds();
 }
 

@@ -4,6 +4,7 @@
 #include "clod/hierarchy/Hierarchy.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -56,5 +57,21 @@ Result<std::shared_ptr<const Hierarchy>> Hierarchy::load(const std::string& path
 	Result<std::shared_ptr<const Hierarchy>> result = fromBytes(std::move(bytes));
 	if (!result) return fileError(path, result.error());
 	return result;
+}
+
+// The root's box and the asset's box enclose everything: their farthest corner from the origin is at R. The corners of
+// a box that fits what it encloses along each of its axes are then within sqrt(3) R; load() refuses others.
+double Hierarchy::reach() const
+{
+	const OrientedBox& box = cullBox(root());
+	const double half = std::sqrt(double(box.half[0]) * box.half[0] + double(box.half[1]) * box.half[1] +
+								  double(box.half[2]) * box.half[2]);
+	double squared = 0;
+	for (int i = 0; i < 3; ++i)
+	{
+		const double far = std::max(std::abs(asset().boxMin[i]), std::abs(asset().boxMax[i]));
+		squared += far * far;
+	}
+	return 1.7321 * std::max(std::sqrt(squared), length(toVec3(box.center)) + std::max(half, double(box.radius)));
 }
 }  // namespace clod

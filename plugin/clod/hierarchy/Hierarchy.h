@@ -9,13 +9,12 @@
 #include <vector>
 
 #include "clod/collide/Triangle.h"
+#include "clod/hierarchy/DerivedData.h"
 #include "clod/hierarchy/Layout.h"
 #include "clod/hierarchy/Result.h"
 
 namespace clod
 {
-inline constexpr std::uint32_t kWideChildren = 8;
-
 template <class T>
 struct Span
 {
@@ -39,21 +38,6 @@ struct HierarchyContent
 	std::vector<float> hullX, hullY, hullZ;
 };
 
-// A contact level as a whole. Derived at load.
-struct LevelBounds
-{
-	float cover = 0, protrude = 0;  // the largest of its nodes
-	bool isWhole = true;            // no child skips the level: whatever is above reaches the surface through it
-	double boxes = 0, volume = 0, area = 0, edges = 0;  // its culling boxes, and three edges of each: numbers and sums
-};
-// Proportional to the pairs of culling boxes of two levels that meet when the bodies lie anywhere near each other: of
-// two convex bodies the measure of all places where they do is V + V' + (S M' + M S') / (4 pi), and of a box M = pi
-// (x + y + z) (the principal kinematic formula; Santalo, Integral Geometry and Geometric Probability, III.15.4).
-inline double meetingBoxes(const LevelBounds& a, const LevelBounds& b)
-{
-	return b.boxes * a.volume + a.boxes * b.volume + 0.25 * (a.area * b.edges + a.edges * b.area);
-}
-
 class Hierarchy
 {
 public:
@@ -68,19 +52,6 @@ public:
 	const Node& node(std::uint32_t i) const { return m_nodes[i]; }
 	const OrientedBox& cullBox(std::uint32_t i) const { return m_cullBoxes[i]; }
 	Span<std::uint32_t> children(const Node& n) const { return {m_children.data + n.firstChild, n.childCount}; }
-	// What stands for the primary children of a node above level `base` where no level above that may answer: its
-	// primary descendants down to the base, the largest boxes opened first, as long as they are at most kWideChildren.
-	// Derived at load; only nodes met on the way from the root have any.
-	Span<std::uint32_t> wideChildren(std::uint32_t node, std::uint32_t base) const
-	{
-		const WideTree& tree = m_wide[base];
-		const Range range = tree.ranges[node - tree.firstNode];
-		return {tree.children.data() + range.first, range.count};
-	}
-	const LevelBounds& bounds(std::uint32_t contactLevel) const { return m_bounds[contactLevel]; }
-	// How many nodes of mixed levels, the coarsest for each part of the surface, have a cover and protrude within the
-	// error; rounded up to that of a power of two of the radius. Derived at load.
-	std::uint32_t fewestWithin(double error) const;
 	Span<Face> faces() const { return m_faces; }
 	Span<Face> faces(const Node& n) const { return {m_faces.data + n.firstFace, n.faceCount}; }
 	HullView hull(const Node& n) const
@@ -98,6 +69,12 @@ public:
 	// Hash of the whole block (xxh3, 64 bits): identifies the asset.
 	std::uint64_t contentHash() const { return m_contentHash; }
 	const std::vector<std::byte>& bytes() const { return m_bytes; }
+	// What a subsystem derives from a hierarchy, by T(hierarchy): made when first asked for, once, kept as long as this.
+	template <class T>
+	const T& derived() const
+	{
+		return m_derived.get<T>(*this);
+	}
 
 private:
 	Hierarchy() = default;
@@ -112,23 +89,10 @@ private:
 	const float* m_hullY = nullptr;
 	const float* m_hullZ = nullptr;
 	std::size_t m_hullSize = 0;
-	struct Range
-	{
-		std::uint32_t first = 0, count = 0;
-	};
-	struct WideTree
-	{
-		std::uint32_t firstNode = 0;  // above the base
-		std::vector<Range> ranges;    // of each from there on
-		std::vector<std::uint32_t> children;
-	};
-	std::vector<WideTree> m_wide;         // one a contact level
-	std::vector<LevelBounds> m_bounds;    // one a contact level
-	std::vector<std::uint32_t> m_fewest;  // within the radius, its half, its quarter, ...
 	std::uint32_t m_coarsestClodLevel = 0;
 	std::uint64_t m_contentHash = 0;
+	DerivedData m_derived;
 	friend struct HierarchyReader;
-	friend struct HierarchyDerivation;
 };
 
 // The thickened hull of a node.

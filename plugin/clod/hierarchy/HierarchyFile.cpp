@@ -12,7 +12,6 @@
 
 namespace clod
 {
-void deriveData(Hierarchy& hierarchy);  // HierarchyDerivation.cpp
 
 namespace
 {
@@ -169,7 +168,8 @@ struct HierarchyReader
 		bind(*hierarchy, table);
 		problem = validate(*hierarchy);
 		if (!problem.empty()) return Error{problem};
-		deriveData(*hierarchy);
+		for (std::uint32_t i = 0; i < hierarchy->m_levels.size; ++i)
+			if ((hierarchy->m_levels[i].flags & kClodNode) != 0) hierarchy->m_coarsestClodLevel = i;
 		return std::shared_ptr<const Hierarchy>(hierarchy);
 	}
 };

@@ -18,8 +18,10 @@ bool keepLimit(const LevelBounds& a, const LevelBounds& b, double maxError)
 }
 }  // namespace
 
-BaseLevels chooseBaseLevels(const Hierarchy& a, const Hierarchy& b, double maxError, bool isAlone)
+BaseLevels chooseBaseLevels(const QueryContext& context, double maxError, bool isAlone)
 {
+	const Hierarchy &a = context.a, &b = context.b;
+	const TraversalTables &ofA = context.tablesA, &ofB = context.tablesB;
 	struct Choice
 	{
 		BaseLevels levels;
@@ -29,16 +31,16 @@ BaseLevels chooseBaseLevels(const Hierarchy& a, const Hierarchy& b, double maxEr
 	{
 		const double nodes = double(a.levels()[levels.a].nodeCount);
 		return Choice{levels, nodes * double(b.levels()[levels.b].nodeCount),
-					  meetingBoxes(a.bounds(levels.a), b.bounds(levels.b))};
+					  meetingBoxes(ofA.bounds(levels.a), ofB.bounds(levels.b))};
 	};
 	const Choice leaves = choiceOf({0, 0});
 	Choice fewest = leaves, slimmest = leaves;
 	std::uint32_t levelB = b.coarsestClodLevel();
 	for (std::uint32_t levelA = 0; levelA <= a.coarsestClodLevel(); ++levelA)
 	{
-		if (!a.bounds(levelA).isWhole) continue;
-		while (levelB > 0 && !keepLimit(a.bounds(levelA), b.bounds(levelB), maxError)) --levelB;
-		if (!keepLimit(a.bounds(levelA), b.bounds(levelB), maxError)) break;
+		if (!ofA.bounds(levelA).isWhole) continue;
+		while (levelB > 0 && !keepLimit(ofA.bounds(levelA), ofB.bounds(levelB), maxError)) --levelB;
+		if (!keepLimit(ofA.bounds(levelA), ofB.bounds(levelB), maxError)) break;
 		const Choice next = choiceOf({levelA, levelB});
 		if (next.pairs < fewest.pairs) fewest = next;
 		if (next.meeting < slimmest.meeting) slimmest = next;
@@ -46,7 +48,7 @@ BaseLevels chooseBaseLevels(const Hierarchy& a, const Hierarchy& b, double maxEr
 	Choice best = fewest.pairs > kWorthSimplifying * leaves.pairs ? leaves : fewest;
 	if (slimmest.meeting < kFewer * best.meeting) best = slimmest;
 	if (!best.levels.isOfLeaves() && !isAlone) return {};
-	const double mixed = double(a.fewestWithin(0.5 * maxError)) * double(b.fewestWithin(0.5 * maxError));
+	const double mixed = double(ofA.fewestWithin(0.5 * maxError)) * double(ofB.fewestWithin(0.5 * maxError));
 	return best.pairs <= kWorthMixing * mixed ? best.levels : BaseLevels{};
 }
 }  // namespace clod

@@ -2,7 +2,7 @@
 // One level of each body that answers all contacts of a query: what a certified limit, the same everywhere, is kept by.
 // The trees of primary children above two levels cost less than half of what choosing a level at each contact does.
 #pragma once
-#include "clod/hierarchy/Hierarchy.h"
+#include "clod/query/QueryContext.h"
 
 namespace clod
 {
@@ -20,5 +20,5 @@ struct BaseLevels
 // unless of others far fewer boxes meet (meetingBoxes): those of long patches meet many that touch none. None where
 // mixed levels would keep the limit with far fewer nodes. O(levels).
 // isAlone: no threshold asks for finer nodes here and there; where one does, the input surfaces or none.
-BaseLevels chooseBaseLevels(const Hierarchy& a, const Hierarchy& b, double maxError, bool isAlone);
+BaseLevels chooseBaseLevels(const QueryContext& context, double maxError, bool isAlone);
 }  // namespace clod

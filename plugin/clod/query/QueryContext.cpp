@@ -9,6 +9,8 @@ QueryContext::QueryContext(const Hierarchy& hierarchyA, const Hierarchy& hierarc
 						   const Sweep& motion)
 	: a(hierarchyA),
 	  b(hierarchyB),
+	  tablesA(hierarchyA.derived<TraversalTables>()),
+	  tablesB(hierarchyB.derived<TraversalTables>()),
 	  reachA(hierarchyA.reach()),
 	  reachB(hierarchyB.reach()),
 	  pose(aFromB, std::max(reachA, reachB)),

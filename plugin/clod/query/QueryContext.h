@@ -5,6 +5,7 @@
 
 #include "clod/collide/BoxSeparation.h"
 #include "clod/query/Query.h"
+#include "clod/query/TraversalTables.h"
 
 namespace clod
 {
@@ -15,6 +16,7 @@ struct QueryContext
 
 	const Hierarchy& a;
 	const Hierarchy& b;
+	const TraversalTables &tablesA, &tablesB;
 	double reachA, reachB;  // Hierarchy::reach
 	RelativePose pose;
 	Sweep sweep;

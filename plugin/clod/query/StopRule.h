@@ -56,7 +56,7 @@ public:
 		  m_base(baseLevels())
 	{
 		if (m_base.isUsed() && !m_base.isOfLeaves())
-			m_baseCover = double(context.a.bounds(m_base.a).cover) + double(context.b.bounds(m_base.b).cover);
+			m_baseCover = double(context.tablesA.bounds(m_base.a).cover) + double(context.tablesB.bounds(m_base.b).cover);
 	}
 
 	// The levels that keep a certified limit (BaseLevels.h); in exact mode the input surfaces. A front is of one pair
@@ -176,7 +176,7 @@ public:
 		const Node& node = side.node(index);
 		const std::uint32_t base = isOfA ? m_base.a : m_base.b;
 		if (base == kNone || node.level <= base) return side.children(node);
-		return side.wideChildren(index, base);
+		return (isOfA ? m_context->tablesA : m_context->tablesB).wideChildren(index, base);
 	}
 
 private:
@@ -188,7 +188,7 @@ private:
 		if (m_isExact) return {0, 0};
 		if (!std::isfinite(m_maxError)) return {};
 		const bool isAlone = m_threshold.isConstant() && !(m_threshold.constant() < kOff);
-		return chooseBaseLevels(m_context->a, m_context->b, m_maxError, isAlone);
+		return chooseBaseLevels(*m_context, m_maxError, isAlone);
 	}
 	bool isWithinThreshold(std::uint32_t i, std::uint32_t j) const
 	{

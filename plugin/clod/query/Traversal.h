@@ -7,7 +7,7 @@
 // its hulls, too, are near: boxes of curved patches are far from tight.
 //
 // Above base levels (StopRule.h; in exact mode the input surfaces) only primary children are followed: a tree, each
-// pair once; and as no level there may answer, it jumps over levels (Hierarchy::wideChildren). Otherwise all children:
+// pair once; and as no level there may answer, it jumps over levels (TraversalTables.h). Otherwise all children:
 // a directed acyclic graph, each pair is opened where it is met first. Either way up to eight children are compared
 // with the other node at once.
 //

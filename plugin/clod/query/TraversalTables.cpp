@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Zlib
+#include "clod/query/TraversalTables.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace clod
+{
+namespace
+{
+constexpr std::size_t kErrorsCounted = 24;
+
+// None of a node at the base or below.
+Span<std::uint32_t> primaryChildren(const Hierarchy& h, std::uint32_t node, std::uint32_t base)
+{
+	const Node& n = h.node(node);
+	return {h.children(n).data, n.level > base ? n.primaryChildCount : 0U};
+}
+// Which of the descendants listed so far to replace by its children: the largest that leaves room; their number:
+// none.
+std::size_t widest(const Hierarchy& h, std::uint32_t base, const std::uint32_t* listed, std::size_t count)
+{
+	std::size_t best = count;
+	for (std::size_t i = 0; i < count; ++i)
+	{
+		const std::size_t children = primaryChildren(h, listed[i], base).size;
+		if (children == 0 || count - 1 + children > kWideChildren) continue;
+		if (best == count || h.cullBox(listed[i]).radius > h.cullBox(listed[best]).radius) best = i;
+	}
+	return best;
+}
+void addBox(const OrientedBox& box, LevelBounds& bounds)
+{
+	const double x = 2 * double(box.half[0]), y = 2 * double(box.half[1]), z = 2 * double(box.half[2]);
+	bounds.boxes += 1;
+	bounds.volume += x * y * z;
+	bounds.area += 2 * (x * y + y * z + z * x);
+	bounds.edges += x + y + z;
+}
+}  // namespace
+
+TraversalTables::TraversalTables(const Hierarchy& hierarchy)
+	: m_radius(double(hierarchy.asset().radius)), m_leafCount(hierarchy.levels()[0].nodeCount)
+{
+	boundLevels(hierarchy);
+	countFewest(hierarchy);
+	for (std::uint32_t level = 0; level <= hierarchy.coarsestClodLevel(); ++level)
+		m_wide.push_back(collapse(hierarchy, level));
+}
+
+double TraversalTables::errorCounted(std::size_t i) const
+{
+	return std::ldexp(m_radius, -int(i));
+}
+
+// Collapses the tree of primary children above a level (wideChildren). Parents lie behind their
+// children.
+TraversalTables::WideTree TraversalTables::collapse(const Hierarchy& h, std::uint32_t base)
+{
+	WideTree tree;
+	std::vector<std::uint32_t>& list = tree.children;
+	const Level& level = h.levels()[base];
+	tree.firstNode = level.firstNode + level.nodeCount;
+	const std::size_t count = h.nodes().size - tree.firstNode;
+	tree.ranges.resize(count);
+	std::vector<bool> isMet(count, false);
+	if (count > 0) isMet.back() = true;
+	for (std::uint32_t node = h.root() + 1; node-- > tree.firstNode;)
+	{
+		if (!isMet[node - tree.firstNode]) continue;
+		const std::uint32_t first = std::uint32_t(list.size());
+		for (const std::uint32_t child : primaryChildren(h, node, base)) list.push_back(child);
+		for (;;)
+		{
+			const std::size_t listed = list.size() - first, i = widest(h, base, list.data() + first, listed);
+			if (i == listed) break;
+			const Span<std::uint32_t> finer = primaryChildren(h, list[first + i], base);
+			list[first + i] = finer[0];
+			list.insert(list.end(), finer.begin() + 1, finer.end());
+		}
+		for (std::size_t i = first; i < list.size(); ++i)
+			if (list[i] >= tree.firstNode) isMet[list[i] - tree.firstNode] = true;
+		tree.ranges[node - tree.firstNode] = {first, std::uint32_t(list.size() - first)};
+	}
+	return tree;
+}
+
+void TraversalTables::boundLevels(const Hierarchy& h)
+{
+	m_bounds.resize(h.coarsestClodLevel() + 1);
+	for (const Node& node : h.nodes())
+	{
+		for (const std::uint32_t child : h.children(node))
+			for (std::uint32_t k = h.node(child).level + 1U; k < node.level && k < m_bounds.size(); ++k)
+				m_bounds[k].isWhole = false;
+		if (node.level >= m_bounds.size()) continue;
+		LevelBounds& bounds = m_bounds[node.level];
+		bounds.cover = std::max(bounds.cover, node.cover);
+		bounds.protrude = std::max(bounds.protrude, node.protrude);
+		bounds.isWhole = bounds.isWhole && (node.flags & kClodNode) != 0;
+		addBox(h.cullBox(std::uint32_t(&node - h.nodes().begin())), bounds);
+	}
+}
+// A node is among the fewest within every error from its own up to its primary parent's.
+void TraversalTables::countFewest(const Hierarchy& h)
+{
+	// Of the errors counted, the first that is below the node's own.
+	const auto firstBelow = [&](const Node& node)
+	{
+		const double error = std::max(node.cover, node.protrude);
+		std::size_t i = 0;
+		while ((node.flags & kClodNode) != 0 && i < kErrorsCounted && errorCounted(i) >= error) ++i;
+		return i;
+	};
+	std::vector<std::int64_t> change(kErrorsCounted + 1, 0);
+	const auto count = [&](std::size_t from, std::size_t end) { ++change[from], --change[end]; };
+	count(0, firstBelow(h.node(h.root())));
+	for (const Node& node : h.nodes())
+	{
+		const std::size_t above = firstBelow(node);
+		for (std::uint32_t i = 0; i < node.primaryChildCount; ++i)
+			count(above, std::max(above, firstBelow(h.node(h.children(node)[i]))));
+	}
+	std::int64_t sum = 0;
+	for (std::size_t i = 0; i < kErrorsCounted; ++i) m_fewest.push_back(std::uint32_t(sum += change[i]));
+}
+
+std::uint32_t TraversalTables::fewestWithin(double error) const
+{
+	std::size_t i = 0;
+	while (i + 1 < m_fewest.size() && errorCounted(i) > error) ++i;
+	return errorCounted(i) > error ? m_leafCount : m_fewest[i];
+}
+}  // namespace clod

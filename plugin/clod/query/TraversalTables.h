@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Zlib
+// What traversals derive from a hierarchy (Hierarchy::derived): trees that jump over levels, and levels as a whole. Read
+// only once made; O(nodes) to make.
+#pragma once
+#include <vector>
+
+#include "clod/hierarchy/Hierarchy.h"
+
+namespace clod
+{
+inline constexpr std::uint32_t kWideChildren = 8;  // as many culling boxes as are compared at once
+
+// A contact level as a whole.
+struct LevelBounds
+{
+	float cover = 0, protrude = 0;  // the largest of its nodes
+	bool isWhole = true;            // no child skips the level: whatever is above reaches the surface through it
+	double boxes = 0, volume = 0, area = 0, edges = 0;  // its culling boxes, and three edges of each: numbers and sums
+};
+// Proportional to the pairs of culling boxes of two levels that meet when the bodies lie anywhere near each other: of
+// two convex bodies the measure of all places where they do is V + V' + (S M' + M S') / (4 pi), and of a box M = pi
+// (x + y + z) (the principal kinematic formula; Santalo, Integral Geometry and Geometric Probability, III.15.4).
+inline double meetingBoxes(const LevelBounds& a, const LevelBounds& b)
+{
+	return b.boxes * a.volume + a.boxes * b.volume + 0.25 * (a.area * b.edges + a.edges * b.area);
+}
+
+class TraversalTables
+{
+public:
+	explicit TraversalTables(const Hierarchy& hierarchy);
+
+	// What stands for the primary children of a node above level `base` where no level above that may answer: its
+	// primary descendants down to the base, the largest boxes opened first, as long as they are at most kWideChildren.
+	// Only nodes met on the way from the root have any.
+	Span<std::uint32_t> wideChildren(std::uint32_t node, std::uint32_t base) const
+	{
+		const WideTree& tree = m_wide[base];
+		const Range range = tree.ranges[node - tree.firstNode];
+		return {tree.children.data() + range.first, range.count};
+	}
+	const LevelBounds& bounds(std::uint32_t contactLevel) const { return m_bounds[contactLevel]; }
+	// How many nodes of mixed levels, the coarsest for each part of the surface, have a cover and protrude within the
+	// error; rounded up to that of a power of two of the radius.
+	std::uint32_t fewestWithin(double error) const;
+
+private:
+	struct Range
+	{
+		std::uint32_t first = 0, count = 0;
+	};
+	struct WideTree
+	{
+		std::uint32_t firstNode = 0;  // above the base
+		std::vector<Range> ranges;    // of each from there on
+		std::vector<std::uint32_t> children;
+	};
+	static WideTree collapse(const Hierarchy& hierarchy, std::uint32_t base);
+	void boundLevels(const Hierarchy& hierarchy);
+	void countFewest(const Hierarchy& hierarchy);
+	double errorCounted(std::size_t i) const;
+
+	double m_radius;
+	std::uint32_t m_leafCount;
+	std::vector<WideTree> m_wide;         // one a contact level
+	std::vector<LevelBounds> m_bounds;    // one a contact level
+	std::vector<std::uint32_t> m_fewest;  // within the radius, its half, its quarter, ...
+};
+}  // namespace clod
