@@ -22,8 +22,8 @@ struct History
 	BodyPair pair;
 	Transform pose;
 	Settings settings;
-	PairCache cache{};
-	QueryResult result{};
+	GapCache cache{};
+	GapResult result{};
 
 	// What differs from an answer without a cache, or nothing.
 	std::string ask()
@@ -191,7 +191,7 @@ TEST(StaleAnswers, EverySettingThatChangesIsAnsweredAnew)
 					if (after.metric.velocity.time < kOff || after.metric.view.pixels < kOff || after.metric.own)
 						settings.metric.weightedDeviation = after.metric.weightedDeviation = kOff;
 					History history{pair, poseWithGap(random, pair.a, pair.b, change.gap), settings};
-					std::optional<QueryResult> last;
+					std::optional<GapResult> last;
 					for (int turn = 0; turn < 5; ++turn)
 					{
 						history.settings = turn % 2 == 0 ? settings : after;

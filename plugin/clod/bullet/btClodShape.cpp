@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Zlib
-#include "clod/query/TraversalTables.h"
 #include "clod/bullet/btClodShape.h"
 
 #include <BulletCollision/CollisionShapes/btTriangleCallback.h>
@@ -10,6 +9,8 @@
 #include <cmath>
 #include <cstdio>
 #include <vector>
+
+#include "clod/query/TraversalTables.h"
 
 namespace
 {

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "clod/query/Patience.h"
+#include "clod/query/BackOff.h"
 #include "tests/query/Questions.h"
 #include "tests/support/Meshes.h"
 
@@ -14,29 +14,29 @@ using namespace clod;
 using namespace clod::test;
 
 // Turns until it is over.
-int waits(Patience& patience)
+int waits(BackOff& backOff)
 {
 	int turns = 0;
-	for (; !patience.isOver(); ++turns) EXPECT_LT(turns, 1000);
+	for (; !backOff.isOver(); ++turns) EXPECT_LT(turns, 1000);
 	return turns;
 }
 
-TEST(Patience, WaitsTwiceAsLongEachTimeUpToALimitAndNotAfterASuccess)
+TEST(BackOff, WaitsTwiceAsLongEachTimeUpToALimitAndNotAfterASuccess)
 {
 	for (const int most : {15, 63, 20})
 	{
-		Patience patience{std::uint32_t(most)};
-		EXPECT_EQ(waits(patience), 0);
+		BackOff backOff{std::uint32_t(most)};
+		EXPECT_EQ(waits(backOff), 0);
 		for (const int expected : {1, 3, 7, 15, 31, 63, 127})
 		{
-			patience.fail();
-			EXPECT_EQ(waits(patience), std::min(expected, most)) << most;
-			EXPECT_EQ(waits(patience), 0) << most;  // over till it fails again
+			backOff.fail();
+			EXPECT_EQ(waits(backOff), std::min(expected, most)) << most;
+			EXPECT_EQ(waits(backOff), 0) << most;  // over till it fails again
 		}
-		patience.succeed();
-		EXPECT_EQ(waits(patience), 0);
-		patience.fail();
-		EXPECT_EQ(waits(patience), 1);
+		backOff.succeed();
+		EXPECT_EQ(waits(backOff), 0);
+		backOff.fail();
+		EXPECT_EQ(waits(backOff), 1);
 	}
 }
 
@@ -47,8 +47,8 @@ std::vector<int> searches(int leaps, int uses)
 	const Body cube = bodyOf("cube", boxMesh({1, 1, 1}, 2));
 	Settings settings = exactSettings(0.01);
 	settings.contactsOnly = true;
-	PairCache cache;
-	QueryResult result;
+	GapCache cache;
+	GapResult result;
 	std::vector<int> found;
 	double side = 0;
 	for (int leap = 0; leap < leaps; ++leap)
@@ -67,11 +67,11 @@ std::vector<int> searches(int leaps, int uses)
 	return found;
 }
 
-TEST(Patience, ASearchThatIsNotUsedIsMadeAgainLaterAndLater)
+TEST(BackOff, ASearchThatIsNotUsedIsMadeAgainLaterAndLater)
 {
 	EXPECT_EQ(searches(330, 0), (std::vector<int>{0, 2, 6, 14, 30, 62, 126, 190, 254, 318}));
 }
-TEST(Patience, ASearchIsWorthItsCostForFourQueries)
+TEST(BackOff, ASearchIsWorthItsCostForFourQueries)
 {
 	EXPECT_EQ(searches(6, 4), (std::vector<int>{0, 1, 2, 3, 4, 5}));
 	EXPECT_LT(searches(6, 3).size(), 6u);

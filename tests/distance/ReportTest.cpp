@@ -54,7 +54,7 @@ struct Levels
 {
 	std::uint32_t finest = kNone, coarsest = 0;
 };
-Levels levelsOf(const Hierarchy& hierarchy, const QueryResult& result, std::uint32_t Contact::*node)
+Levels levelsOf(const Hierarchy& hierarchy, const GapResult& result, std::uint32_t Contact::*node)
 {
 	Levels levels;
 	for (const Contact& contact : result.contacts)
@@ -78,7 +78,7 @@ TEST(Report, LevelsAreOfBothBodies)
 			Settings settings;
 			settings.tolerance = 0.05 * radius;
 			settings.metric.weightedDeviation = std::pow(10, uniform(random, -3, 0)) * radius;
-			const QueryResult result = fresh(pair, poseWithGap(random, pair.a, pair.b, 0.005), settings);
+			const GapResult result = fresh(pair, poseWithGap(random, pair.a, pair.b, 0.005), settings);
 			ASSERT_FALSE(result.contacts.empty());
 			const Levels a = levelsOf(*pair.a.hierarchy, result, &Contact::nodeA),
 						 b = levelsOf(*pair.b.hierarchy, result, &Contact::nodeB);
@@ -103,7 +103,7 @@ TEST(Report, TheBoundOfNodesIsTheOneTheyProve)
 			Settings settings;
 			settings.tolerance = 0.3 * radius;  // far beyond what any pair covers
 			settings.metric.weightedDeviation = std::pow(10, uniform(random, -3, -1)) * radius;
-			const QueryResult result =
+			const GapResult result =
 				fresh(pair, poseWithGap(random, pair.a, pair.b, uniform(random, 0.02, 0.2)), settings);
 			if (result.stats.gapSearches > 0 || result.contacts.empty() || result.minDistance <= 0) continue;
 			double low = settings.tolerance, high = kOff, value = kOff;
