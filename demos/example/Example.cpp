@@ -51,7 +51,7 @@ int main(int argc, char** argv)
 	{
 		world.stepSimulation(btScalar(1.0 / 240), 0);
 		if (step % 60 != 59) continue;
-		const clod::StepStatistics now = context.lastStep();
+		const clod::StepReport now = context.lastStep();
 		std::printf("step %3d: heights %6.3f %6.3f, %u contact points in %u clusters, query %.0f us\n", step + 1,
 					double(lower.getWorldTransform().getOrigin().y()),
 					double(upper.getWorldTransform().getOrigin().y()), now.points, now.clusters, now.queryMicroseconds);

@@ -201,8 +201,8 @@ SceneState RigidScene::state() const
 	state.pairs = nearPairs();
 	state.stepMicroseconds = m_stepMicroseconds;
 	state.dispatchMicroseconds = bullet.world.dispatchMicroseconds();
-	const StepStatistics statistics = bullet.context.lastStep();
-	state.warnings = statistics.warnings;
+	const StepReport statistics = bullet.context.lastStep();
+	state.warnings = statistics.warnings();
 	state.excess = statistics.excess;
 	bullet.context.forEachPair([&](const PairReport& pair)
 							   { state.contactError = std::max(state.contactError, pair.contactError); });

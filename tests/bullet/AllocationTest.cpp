@@ -137,7 +137,7 @@ TEST(Dispatch, SteadyStepsAllocateNothing)
 		scene.context.budget = each.budget;
 		EXPECT_GT(scene.swing() + scene.swing(), 0) << each.name;  // the first ones grow the buffers
 		EXPECT_EQ(scene.swing(), 0) << each.name;
-		const StepStatistics sums = scene.context.lastStep();
+		const StepReport sums = scene.context.lastStep();
 		EXPECT_GE(sums.points, 4u) << each.name;
 		EXPECT_EQ(sums.keptPairs, 0u) << each.name;
 	}

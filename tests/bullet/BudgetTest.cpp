@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "clod/bullet/WholeStep.h"
 #include "tests/bullet/Toruses.h"
 
 namespace clod::test

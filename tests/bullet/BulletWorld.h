@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "clod/bullet/btClodCollisionAlgorithm.h"
+#include "clod/distance/SignedGap.h"
+#include "clod/manifold/ContactMemory.h"
 
 namespace clod::test
 {

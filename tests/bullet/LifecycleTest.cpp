@@ -333,18 +333,18 @@ TEST(Lifecycle, WhatIsNotFiniteIsSaidAndHasNoContacts)
 		scene.world.getDispatchInfo().m_timeStep = btScalar(scene.timeStep);
 		scene.body.getWorldTransform().setOrigin(btVector3(0, btScalar(0.4995), 0));
 		scene.world.performDiscreteCollisionDetection();
-		const StepStatistics before = scene.context.lastStep();
+		const StepReport before = scene.context.lastStep();
 		EXPECT_GT(before.points, 0u);
 		for (int again = 0; again < 2; ++again)
 		{
 			each.make(scene.body);
 			scene.world.performDiscreteCollisionDetection();
-			const StepStatistics sums = scene.context.lastStep();
+			const StepReport sums = scene.context.lastStep();
 			EXPECT_EQ(scene.contacts(), 0) << each.what;
 			EXPECT_EQ(sums.pairs, 1u);
 			EXPECT_EQ(sums.points + sums.candidates + sums.clusters + sums.nodePairs + sums.hullTests, 0u) << each.what;
-			ASSERT_EQ(sums.warnings.size(), 1u) << each.what;
-			for (const std::string& text : {sums.warnings[0], scene.warnings.at(0)})
+			ASSERT_EQ(sums.warnings().size(), 1u) << each.what;
+			for (const std::string& text : {sums.warnings()[0], scene.warnings.at(0)})
 			{
 				EXPECT_NE(text.find(each.what), std::string::npos) << text;
 				EXPECT_NE(text.find("world index 1 (user index 7)"), std::string::npos) << text;
@@ -354,7 +354,7 @@ TEST(Lifecycle, WhatIsNotFiniteIsSaidAndHasNoContacts)
 		each.mend(scene.body);
 		scene.world.performDiscreteCollisionDetection();
 		EXPECT_EQ(scene.context.lastStep().points, before.points) << each.what;
-		EXPECT_TRUE(scene.context.lastStep().warnings.empty()) << each.what;
+		EXPECT_TRUE(scene.context.lastStep().warnings().empty()) << each.what;
 	}
 }
 
@@ -390,7 +390,7 @@ TEST(Context, HandlersAndVisitorsMayCallItAgain)
 {
 	CubeOnSlab scene;
 	scene.step(10);
-	StepStatistics seen;
+	StepReport seen;
 	std::size_t messages = 0;
 	scene.context.warn = [&](const std::string&)
 	{
@@ -446,7 +446,7 @@ TEST(Context, AStepFasterThanTheWallIsSaidOnce)
 	scene.step(1);
 	EXPECT_EQ(scene.context.lastStep().fastPairs, 1u);
 	EXPECT_EQ(scene.warnings.size(), 1u);
-	EXPECT_FALSE(scene.context.lastStep().warnings.empty());
+	EXPECT_FALSE(scene.context.lastStep().warnings().empty());
 	scene.step(1);
 	EXPECT_EQ(scene.warnings.size(), 1u);
 }

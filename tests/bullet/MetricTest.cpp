@@ -244,10 +244,10 @@ TEST(BulletMetric, AnUnusableMetricIsExactAndSaidOnce)
 	}
 	ASSERT_EQ(scene.warnings.size(), 1u);
 	EXPECT_NE(scene.warnings[0].find("camera"), std::string::npos) << scene.warnings[0];
-	EXPECT_EQ(scene.context.lastStep().warnings.size(), 1u);
+	EXPECT_EQ(scene.context.lastStep().warnings().size(), 1u);
 	scene.context.camera = scene.cameraAt(100);
 	EXPECT_FALSE(scene.dispatch().metric.exact);
-	EXPECT_TRUE(scene.context.lastStep().warnings.empty());
+	EXPECT_TRUE(scene.context.lastStep().warnings().empty());
 	const double nan = std::numeric_limits<double>::quiet_NaN();
 	EXPECT_NE(scene.with(ContactMetric::deviationShare(nan)).error.find("weightedDeviationShare"), std::string::npos);
 	EXPECT_NE(scene.with(ContactMetric::errorShare(-1)).error.find("maxErrorShare"), std::string::npos);

@@ -123,14 +123,14 @@ TEST(PairReport, ContactsTooLooseForAWallAreSaid)
 			ASSERT_GT(wall, 0);
 			ASSERT_EQ(coarse.contactError > wall, isThin) << coarse.contactError << " " << wall;
 			EXPECT_EQ(coarse.loose, isThin);
-			const StepStatistics sums = scene.context.lastStep();
+			const StepReport sums = scene.context.lastStep();
 			EXPECT_EQ(sums.loosePairs, isThin ? 1u : 0u);
 			const auto says = [](const std::vector<std::string>& messages)
 			{
 				return std::count_if(messages.begin(), messages.end(), [](const std::string& message)
 									 { return message.find("error bound") != std::string::npos; });
 			};
-			EXPECT_EQ(says(sums.warnings), isThin ? 1 : 0);
+			EXPECT_EQ(says(sums.warnings()), isThin ? 1 : 0);
 			EXPECT_EQ(says(scene.warnings), isThin ? 1 : 0);
 		}
 	}

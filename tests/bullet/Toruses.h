@@ -96,7 +96,7 @@ public:
 				step.coarsest = std::max(step.coarsest, pair.coarsestLevel);
 				if (pair.result->excess > 0) step.least = std::min(step.least, pair.result->excess), ++step.cut;
 			});
-		const StepStatistics sums = context.lastStep();
+		const StepReport sums = context.lastStep();
 		step.pending = sums.pending;
 		step.excess = sums.excess;
 		return step;

@@ -10,7 +10,7 @@
 #include <fstream>
 #include <string>
 
-#include "clod/query/InstructionSets.h"
+#include "clod/collide/InstructionSets.h"
 #include "tests/bullet/BulletWorld.h"
 #include "tests/bullet/PatchHierarchy.h"
 #include "tests/support/ChildProgram.h"

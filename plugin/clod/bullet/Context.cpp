@@ -79,41 +79,10 @@ void Context::forEachPair(const std::function<void(const PairReport&)>& visit) c
 	while (const PairReport* report = pairAt(index++)) visit(*report);
 }
 
-StepStatistics Context::lastStep() const
+StepReport Context::lastStep() const
 {
-	StepStatistics sum;
-	forEachPair(
-		[&sum](const PairReport& pair)
-		{
-			const std::string name = "pair " + std::to_string(sum.pairs);
-			++sum.pairs;
-			sum.pairsInContact += pair.points > 0 ? 1 : 0;
-			sum.candidates += pair.candidates;
-			sum.points += pair.points;
-			sum.clusters += pair.clusterCount;
-			sum.leaks += pair.leaks;
-			if (pair.result)
-			{
-				sum.nodePairs += std::uint32_t(pair.result->contacts.size());
-				sum.front += pair.result->stats.front;
-				sum.hullTests += pair.result->stats.hullTests;
-				sum.pending += pair.result->stats.pending;
-				sum.excess = std::max(sum.excess, pair.result->excess);
-				sum.boxTests += pair.result->stats.boxTests;
-			}
-			sum.searchTests += pair.searchTests;
-			sum.queryMicroseconds += pair.queryMicroseconds;
-			sum.contactMicroseconds += pair.contactMicroseconds;
-			sum.keptPairs += pair.kept ? 1 : 0;
-			sum.deepPairs += pair.deep ? 1 : 0;
-			sum.fastPairs += pair.fast ? 1 : 0;
-			sum.loosePairs += pair.loose ? 1 : 0;
-			if (!pair.notFinite.empty()) sum.warnings.push_back(name + ": no contacts, as " + pair.notFinite);
-			if (!pair.metricError.empty()) sum.warnings.push_back(name + ": exact, as " + pair.metricError);
-			if (pair.deep) sum.warnings.push_back(name + ": penetration deeper than the contacts can prove");
-			if (pair.fast) sum.warnings.push_back(name + ": one step moves farther than the thinnest wall");
-			if (pair.loose) sum.warnings.push_back(name + ": the error bound exceeds the thinnest wall");
-		});
+	StepReport sum;
+	forEachPair([&sum](const PairReport& pair) { addTo(sum, pair); });
 	return sum;
 }
 }  // namespace clod

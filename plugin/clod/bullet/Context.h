@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Zlib
-// The user's settings and window on the plugin: thresholds for all pairs, a callback for single pairs, statistics and
-// warnings of the last step. No globals: one object a world, owned by the user, alive as long as the dispatcher's
+// The user's settings: thresholds for all pairs, a callback for single pairs, budget, camera; and the way to the last
+// step's report (StepReport.h). No globals: one object a world, owned by the user, alive as long as the dispatcher's
 // pairs.
 //
 // Lengths are in the hierarchies' unit (before any shape scaling).
 #pragma once
-#include <cstdint>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -15,10 +13,8 @@
 #include <vector>
 
 #include "clod/bullet/Abi.h"
-#include "clod/distance/SignedGap.h"
-#include "clod/manifold/ContactMemory.h"
-#include "clod/query/ContactMetric.h"
-#include "clod/query/Query.h"
+#include "clod/bullet/StepReport.h"
+#include "clod/query/Budget.h"
 
 class btCollisionObject;
 class btClodCollisionAlgorithm;
@@ -26,58 +22,6 @@ struct btCollisionAlgorithmCreateFunc;
 
 namespace clod
 {
-// What one dispatch says of a pair. Empty where nothing could be asked.
-struct DispatchReport
-{
-	const Hierarchy* hierarchyA = nullptr;
-	const Hierarchy* hierarchyB = nullptr;  // null: a plane or an engine's own mesh
-	Metric metric;                          // as used; exact where the user's could not be used
-	std::string metricError;                // empty, or why the user's metric could not be used
-	double tolerance = 0;                   // contact distance used, hierarchy unit
-	double motion = 0;                      // bound on the relative motion of one step, hierarchy unit
-	// How far the nodes of the coarsest contact may be from the surfaces they stand for, both bodies together
-	// (StopRule.h, certifiedErrorApart). While their hulls are apart the true gap there is within it of the hulls'
-	// distance; of a depth it says nothing. The certified gap is result's, with Context::searchGap.
-	double contactError = 0;
-	// Points that were looked at (pairs that cannot give one to choose are not clipped), and chosen; in so many
-	// manifolds; dropped as leaks.
-	std::uint32_t candidates = 0, points = 0, clusterCount = 0, leaks = 0;
-	std::uint32_t finestLevel = 0, coarsestLevel = 0;
-	std::uint32_t searchTests = 0;   // of a depth searched, as hulls overlapped and no point answered; not in `result`
-	bool deep = false;               // penetration beyond what the contacts can prove
-	bool fast = false;               // one step moves the bodies farther than the thinnest wall
-	bool loose = false;              // contactError exceeds the thinnest wall
-	bool kept = false;               // nothing has changed: manifolds were left as the last dispatch wrote them
-	double queryMicroseconds = 0;    // up to the contact list,
-	double contactMicroseconds = 0;  // and from there to its points, before they are written
-};
-
-// A pair as of its last dispatch. Valid until the next dispatch.
-struct PairReport : DispatchReport
-{
-	const btCollisionObject* objectA = nullptr;
-	const btCollisionObject* objectB = nullptr;
-	const GapResult* result = nullptr;   // accepted node pairs; empty against a plane or an engine's own mesh
-	const ClusterSet* clusters = nullptr;  // frame A, hierarchy unit
-	std::string notFinite;                 // empty, or what is not finite: the pair then has no contacts
-	double demand = 0;                     // tests that it took, or would have with a larger budget, as a guess
-	bool isPlanned = false;                // by btClodDispatcher
-};
-
-// Sums over all live pairs, each as of its last dispatch.
-struct StepStatistics
-{
-	std::uint32_t pairs = 0, pairsInContact = 0;
-	std::uint32_t nodePairs = 0, candidates = 0, points = 0, clusters = 0, leaks = 0;
-	std::uint32_t front = 0, hullTests = 0, boxTests = 0;
-	std::uint32_t searchTests = 0;  // besides, see PairReport
-	std::uint32_t pending = 0;      // node pairs that answered coarser than asked, for want of budget
-	double excess = 0;              // by which factor the worst of them exceeds its metric
-	std::uint32_t keptPairs = 0, deepPairs = 0, fastPairs = 0, loosePairs = 0;
-	double queryMicroseconds = 0, contactMicroseconds = 0;
-	std::vector<std::string> warnings;  // one sentence a pair and cause
-};
-
 class Context
 {
 public:
@@ -110,7 +54,7 @@ public:
 
 	// Of the budget of tests, what pairs that btClodDispatcher cannot plan will take.
 	double unplannedShare() const;
-	StepStatistics lastStep() const;
+	StepReport lastStep() const;
 	// Visits the live pairs, oldest first. A visitor may call this context again, and may test for contacts; a pair
 	// that it removes can keep a later one from being visited. Between dispatches, or on the only thread of one.
 	void forEachPair(const std::function<void(const PairReport&)>& visit) const;

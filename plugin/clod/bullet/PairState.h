@@ -1,27 +1,24 @@
 // SPDX-License-Identifier: Zlib
-// All state of one Bullet pair, behind one pointer of the (tiny) collision algorithm: the query's caches, last step's
-// clusters and their manifolds, and the report the context reads. Life of a contact: update = poses in double, query,
-// candidate points, clusters; write = manifolds.
+// All state of one Bullet pair, behind one pointer of the (tiny) collision algorithm. A dispatch is three steps that hand
+// values on: pose (PairPose.h), query (accepted node pairs), points (clusters); then they are written as manifolds, and
+// reported. What lasts from dispatch to dispatch: the query's caches, last step's clusters, and the question they answer.
 #pragma once
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 
 #include <optional>
 
 #include "clod/bullet/Manifolds.h"
-#include "clod/bullet/btClodCollisionAlgorithm.h"
-#include "clod/bullet/btClodShape.h"
+#include "clod/bullet/PairMetric.h"
+#include "clod/bullet/PairPlan.h"
+#include "clod/bullet/PairPose.h"
 #include "clod/distance/SignedGap.h"
 #include "clod/manifold/ContactClusters.h"
 #include "clod/manifold/ContactPointsForeign.h"
 #include "clod/manifold/ContactPointsSurface.h"
 #include "clod/query/Clock.h"
 
-class btConcaveShape;
-
 namespace clod
 {
-inline constexpr Budget kSpent = {0, kOff};  // of a query whose budget somebody else has spent
-
 class PairState
 {
 public:
@@ -39,13 +36,6 @@ public:
 	void append(btManifoldArray& manifolds) const { m_manifolds.append(manifolds); }
 
 private:
-	enum class Partner
-	{
-		Clod,
-		Plane,
-		Concave,
-		None
-	};
 	// Which shape a body has. Shapes change under a live pair, and others are made in their place.
 	struct Seen
 	{
@@ -57,61 +47,7 @@ private:
 			return shape == other.shape && contentHash == other.contentHash && revision == other.revision;
 		}
 	};
-	static Seen seen(const btCollisionShape& shape, const btClodShape* ours);
-	bool prepare(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-				 const btDispatcherInfo& info, double closestPoints);
-	bool chooseBodies(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1);
-	void chooseMetric();
-	GapSettings querySettings() const;
-	void ask(const GapSettings& settings);
-	bool checkBudget();
-	Budget chooseBudget();
-	double searchDepth();
-	void searchAhead();
-	void setMotion(double timeStep, double closestPoints);
-	Sweep sweepOfStep() const;
-	bool answersAgain() const;
-	void answer();
-	void linkToThemselves();
-	Clock::time_point findPoints();
-	void clipForeign();
-	void reduce();
-	void judge();
-	bool deeperThanPoints();
-	bool isUnanswered() const;
-	double errorOfContacts() const;
-	WorldFrame worldFrame(bool aIsFirst, double closestPoints) const;
-	std::string whatIsNotFinite(double timeStep) const;
-	void forget();
-	void sayOnce(unsigned bit, const std::string& message);
-	void warnOnce(bool now, unsigned bit, const char* cause);
-
-	Context& m_context;
-	ManifoldSet m_manifolds;
-	bool m_isClosestPoints;
-	// This dispatch.
-	Partner m_partner = Partner::None;
-	const btCollisionObjectWrapper* m_a = nullptr;
-	const btCollisionObjectWrapper* m_b = nullptr;
-	const btClodShape* m_shapeA = nullptr;
-	const btClodShape* m_shapeB =
-		nullptr;             // null where B is no shape of ours; of another scale than A: Partner::Concave
-	Transform m_worldFromA;  // world lengths
-	Transform m_aFromB;      // hierarchy unit
-	PointRules m_rules;
-	MetricFrame m_frame;
-	std::shared_ptr<const ContactThreshold> m_ownThreshold;  // of the user's metric
-	OwnThreshold m_own;                                      // the same as the query calls it
-	bool m_hasBudget = false;                                // see checkBudget
-	// From dispatch to dispatch.
-	Seen m_seenA, m_seenB;
-	Transform m_oldAFromB;
-	GapCache m_cache;
-	GapResult m_result, m_searched;
-	ForeignStats m_foreignStats;
-	ClusterSet m_clusters, m_previous;
-	PairReport m_report;
-	// What the clusters answer.
+	// What a dispatch asks of two shapes of ours: equal questions have equal answers.
 	struct Question
 	{
 		Transform aFromB;
@@ -119,13 +55,56 @@ private:
 		PointRules rules;
 		bool withGap = false;
 	};
-	Question m_question;
-	bool m_hasQuestion = false;
+	static Seen seen(const btCollisionShape& shape, const btClodShape* ours);
+	static bool same(const Question& l, const Question& r);
+
+	// Pose.
+	PairPose begin(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+				   const btDispatcherInfo& info, double closestPoints);
+	void noticeShapes(const PairPose& pose);
+	Question questionOf(const PairPose& pose) const;
+	// Query.
+	void ask(const PairPose& pose, const Question& question);
+	void askForeign(const PairPose& pose);
+	bool checkBudget();
+	Budget chooseBudget(const PairPose& pose);
+	double searchDepth(const PairPose& pose);
+	void searchAhead(const PairPose& pose);
+	// Points.
+	void answer(const PairPose& pose, const Question& question);
+	void makePoints(const PairPose& pose);
+	void dropLeaks(const PairPose& pose, const ClusterRules& rules);
+	void linkToThemselves();
+	void write(const PairPose& pose, const WorldFrame& frame, btManifoldResult& out);
+	// Report.
+	double depthKnown(const PairPose& pose);
+	void report(const PairPose& pose, double depth);
+	bool hasUnanswered(const PairPose& pose) const;
+	bool deeperThanPoints(double depth) const;
+	double errorOfContacts(const PairPose& pose) const;
+	void forget();
+	void sayOnce(unsigned cause, const std::string& message);
+	void warnOnce(bool now, unsigned cause, const char* what);
+
+	Context& m_context;
+	ManifoldSet m_manifolds;
+	const bool m_isClosestPoints;
+	PairMetric m_metric;
+	// From dispatch to dispatch.
+	Seen m_seenA, m_seenB;
+	Transform m_oldAFromB;
+	GapCache m_cache;
+	std::optional<Question> m_answered;  // what the clusters answer
+	ClusterSet m_clusters, m_previous;
+	PairReport m_report;
 	unsigned m_warned = 0;
 	bool m_hasPlan = false;         // made by plan(), for the coming process()
 	bool m_wasUnanswered = false;   // hulls overlapped in the last dispatch, and no point answered
+	bool m_hasBudget = false;       // see checkBudget
 	std::optional<double> m_depth;  // searched under a budget, for this dispatch's pose
 	// Buffers.
+	GapResult m_result, m_searched;
+	ForeignStats m_foreignStats;
 	CandidatePool m_pool;
 	ForeignClipper m_foreign;
 	LeakCheck m_leakCheck;

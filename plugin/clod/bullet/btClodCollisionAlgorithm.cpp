@@ -7,6 +7,7 @@
 
 #include <new>
 
+#include "clod/bullet/PairPlan.h"
 #include "clod/bullet/PairState.h"
 
 namespace

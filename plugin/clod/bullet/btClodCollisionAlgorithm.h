@@ -11,17 +11,12 @@
 
 #include "clod/bullet/Context.h"
 #include "clod/bullet/btClodShape.h"
+#include "clod/hierarchy/Result.h"
 
 namespace clod
 {
 class PairState;
-// The first part of a pair's dispatch, see Query.h.
-struct PairPlan
-{
-	QueryPlan query;
-	double radius;            // of the smaller body
-	std::uint32_t spent = 0;  // tests besides those of the query
-};
+struct PairPlan;
 }  // namespace clod
 
 class btClodCollisionAlgorithm : public btActivatingCollisionAlgorithm

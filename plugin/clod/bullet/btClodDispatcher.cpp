@@ -7,8 +7,12 @@
 
 #include <algorithm>
 #include <tuple>
+#include <vector>
 
+#include "clod/bullet/PairPlan.h"
+#include "clod/bullet/WholeStep.h"
 #include "clod/bullet/btClodCollisionAlgorithm.h"
+#include "clod/query/AnswerCost.h"
 #include "clod/query/Clock.h"
 
 namespace
@@ -41,9 +45,8 @@ btCollisionObject* objectOf(const btBroadphaseProxy* proxy)
 {
 	return static_cast<btCollisionObject*>(proxy->m_clientObject);
 }
-}  // namespace
 
-struct btClodDispatcher::Planned
+struct Planned
 {
 	int low, high;  // broadphase ids: Bullet's order of pairs is not always the same
 	clod::PairPlan plan;
@@ -55,9 +58,18 @@ struct btClodDispatcher::Planned
 		return key(l) < key(r);
 	}
 };
+}  // namespace
+
+struct btClodDispatcher::Step
+{
+	std::vector<Planned> planned;
+	std::vector<std::uint32_t> queue;  // a heap of indices into planned
+	clod::AnswerCost answerCost{10};   // of dispatches after planning, an answer is a pair of nodes
+	clod::WholeStep whole;
+};
 
 btClodDispatcher::btClodDispatcher(btCollisionConfiguration* configuration, clod::Context* context)
-	: btCollisionDispatcher(configuration), m_context(*context)
+	: btCollisionDispatcher(configuration), m_context(*context), m_step(std::make_unique<Step>())
 {
 }
 btClodDispatcher::~btClodDispatcher() = default;
@@ -73,21 +85,21 @@ void btClodDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache* pairCac
 		return;
 	}
 	const bool isOfTime = budget.microseconds < clod::kOff && !(budget.tests < clod::kOff);
-	if (isOfTime && m_whole.isDue(budget.microseconds))
+	if (isOfTime && m_step->whole.isDue(budget.microseconds))
 	{
 		dispatchWhole(pairCache, info, dispatcher);
 		return;
 	}
 	const Clock::time_point start = Clock::now();
-	m_planned.clear();
+	m_step->planned.clear();
 	plan(*pairCache, info);
 	m_answers = refine(budget, microsecondsSince(start));
-	const double excess = m_queue.empty() ? 0 : m_planned[m_queue.front()].plan.query.excess();
-	if (isOfTime) m_whole.observeRefined(excess, budget.microseconds);
+	const double excess = m_step->queue.empty() ? 0 : m_step->planned[m_step->queue.front()].plan.query.excess();
+	if (isOfTime) m_step->whole.observeRefined(excess, budget.microseconds);
 	const Clock::time_point answering = Clock::now();
 	btCollisionDispatcher::dispatchAllCollisionPairs(pairCache, info, dispatcher);
-	m_answerCost.observe(m_answers, microsecondsSince(answering));
-	m_planned.clear();
+	m_step->answerCost.observe(m_answers, microsecondsSince(answering));
+	m_step->planned.clear();
 }
 
 void btClodDispatcher::dispatchWhole(btOverlappingPairCache* pairCache, const btDispatcherInfo& info,
@@ -97,7 +109,7 @@ void btClodDispatcher::dispatchWhole(btOverlappingPairCache* pairCache, const bt
 	const WithoutBudget unlimited(m_context);
 	const Clock::time_point start = Clock::now();
 	btCollisionDispatcher::dispatchAllCollisionPairs(pairCache, info, dispatcher);
-	m_whole.observeWhole(microsecondsSince(start), budget);
+	m_step->whole.observeWhole(microsecondsSince(start), budget);
 }
 
 // Every pair of two shapes of ours at its coarsest valid answer.
@@ -118,7 +130,7 @@ void btClodDispatcher::plan(btOverlappingPairCache& pairCache, const btDispatche
 		auto* algorithm = dynamic_cast<btClodCollisionAlgorithm*>(pair.m_algorithm);
 		if (!algorithm) continue;
 		if (auto plan = algorithm->plan(body0, body1, info))
-			m_planned.push_back({std::min(pair.m_pProxy0->m_uniqueId, pair.m_pProxy1->m_uniqueId),
+			m_step->planned.push_back({std::min(pair.m_pProxy0->m_uniqueId, pair.m_pProxy1->m_uniqueId),
 								 std::max(pair.m_pProxy0->m_uniqueId, pair.m_pProxy1->m_uniqueId), *plan});
 	}
 }
@@ -129,37 +141,37 @@ std::uint64_t btClodDispatcher::refine(const clod::Budget& budget, double alread
 	BT_PROFILE("btClodDispatcher::refine");
 	const Clock::time_point start = Clock::now();
 	const auto isBetter = [this](std::uint32_t l, std::uint32_t r)
-	{ return Planned::isBetter(m_planned[l], m_planned[r]); };
+	{ return Planned::isBetter(m_step->planned[l], m_step->planned[r]); };
 	const double tests = budget.tests - m_context.unplannedShare();
 	std::uint64_t committed = 0, answers = 0;
-	m_queue.clear();
-	for (std::uint32_t i = 0; i < m_planned.size(); ++i)
+	m_step->queue.clear();
+	for (std::uint32_t i = 0; i < m_step->planned.size(); ++i)
 	{
-		const clod::PairPlan& plan = m_planned[i].plan;
+		const clod::PairPlan& plan = m_step->planned[i].plan;
 		committed += plan.spent + plan.query.committed();
 		answers += plan.query.answers();
-		if (plan.query.excess() > 0) m_queue.push_back(i);
+		if (plan.query.excess() > 0) m_step->queue.push_back(i);
 	}
-	std::make_heap(m_queue.begin(), m_queue.end(), isBetter);
-	while (!m_queue.empty())
+	std::make_heap(m_step->queue.begin(), m_step->queue.end(), isBetter);
+	while (!m_step->queue.empty())
 	{
-		clod::QueryPlan& plan = m_planned[m_queue.front()].plan.query;
+		clod::QueryPlan& plan = m_step->planned[m_step->queue.front()].plan.query;
 		if (double(committed + plan.cost()) > tests) return answers;
 		if (budget.microseconds < clod::kOff)
 		{
-			const double answer = m_answerCost.estimate(double(answers) + 0.5 * double(plan.cost()));
+			const double answer = m_step->answerCost.estimate(double(answers) + 0.5 * double(plan.cost()));
 			if (already + microsecondsSince(start) + answer > budget.microseconds) return answers;
 		}
 		committed -= plan.committed();
 		answers -= plan.answers();
-		std::pop_heap(m_queue.begin(), m_queue.end(), isBetter);
+		std::pop_heap(m_step->queue.begin(), m_step->queue.end(), isBetter);
 		plan.refine();
 		committed += plan.committed();
 		answers += plan.answers();
 		if (plan.excess() > 0)
-			std::push_heap(m_queue.begin(), m_queue.end(), isBetter);
+			std::push_heap(m_step->queue.begin(), m_step->queue.end(), isBetter);
 		else
-			m_queue.pop_back();
+			m_step->queue.pop_back();
 	}
 	return answers;
 }

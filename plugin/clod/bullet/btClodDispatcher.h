@@ -14,11 +14,10 @@
 #pragma once
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 
-#include <vector>
+#include <cstdint>
+#include <memory>
 
 #include "clod/bullet/Context.h"
-#include "clod/bullet/WholeStep.h"
-#include "clod/query/AnswerCost.h"
 
 class btClodDispatcher : public btCollisionDispatcher
 {
@@ -34,16 +33,13 @@ public:
 	std::uint64_t answers() const { return m_answers; }
 
 private:
-	struct Planned;
+	struct Step;
 	void dispatchWhole(btOverlappingPairCache* pairCache, const btDispatcherInfo& info, btDispatcher* dispatcher);
 	void plan(btOverlappingPairCache& pairCache, const btDispatcherInfo& info);
 	// Returns how many pairs of nodes will answer.
 	std::uint64_t refine(const clod::Budget& budget, double already);
 
 	clod::Context& m_context;
-	std::vector<Planned> m_planned;
-	std::vector<std::uint32_t> m_queue;  // a heap of indices into m_planned
 	std::uint64_t m_answers = 0;
-	clod::AnswerCost m_answerCost{10};  // of dispatches after planning, an answer is a pair of nodes
-	clod::WholeStep m_whole;
+	std::unique_ptr<Step> m_step;
 };

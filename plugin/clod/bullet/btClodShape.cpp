@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <vector>
 
+#include "clod/manifold/ContactPoints.h"
 #include "clod/query/TraversalTables.h"
 
 namespace

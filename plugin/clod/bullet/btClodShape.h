@@ -14,6 +14,7 @@
 #include <optional>
 
 #include "clod/bullet/Context.h"
+#include "clod/hierarchy/Hierarchy.h"
 
 namespace clod
 {

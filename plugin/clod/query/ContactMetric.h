@@ -11,7 +11,7 @@
 #include <memory>
 #include <string>
 
-#include "clod/manifold/ContactPoints.h"
+#include "clod/collide/RelativeMotion.h"
 #include "clod/query/Metric.h"
 
 namespace clod

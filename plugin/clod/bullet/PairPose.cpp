@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Zlib
+#include "clod/bullet/PairPose.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "clod/bullet/BodyState.h"
+
+namespace clod
+{
+namespace
+{
+constexpr double kSameScale = 1e-6;  // scales whose ratio differs by less are equal
+
+Vec3 sphereCenter(const Hierarchy& hierarchy)
+{
+	const float* c = hierarchy.asset().sphereCenter;
+	return {double(c[0]), double(c[1]), double(c[2])};
+}
+
+Partner partnerOf(const btCollisionShape& shape)
+{
+	if (shape.getShapeType() == STATIC_PLANE_PROXYTYPE) return Partner::kPlane;
+	return shape.isConcave() ? Partner::kConcave : Partner::kOther;
+}
+
+// Which body is A? The one whose content hashes lower, so that Bullet's order of a pair changes nothing but signs.
+void chooseBodies(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, PairPose& pose)
+{
+	const auto* shape0 = dynamic_cast<const btClodShape*>(body0.getCollisionShape());
+	const auto* shape1 = dynamic_cast<const btClodShape*>(body1.getCollisionShape());
+	if (!shape0 && !shape1) return;
+	const bool bothClod = shape0 && shape1;
+	const bool firstIsA =
+		bothClod ? shape0->hierarchy().contentHash() <= shape1->hierarchy().contentHash() : shape0 != nullptr;
+	pose.a = firstIsA ? &body0 : &body1;
+	pose.b = firstIsA ? &body1 : &body0;
+	pose.shapeA = firstIsA ? shape0 : shape1;
+	pose.shapeB = firstIsA ? shape1 : shape0;
+	const bool sameScale = bothClod && std::abs(pose.shapeA->scale() / pose.shapeB->scale() - 1) < kSameScale;
+	pose.partner = sameScale ? Partner::kClod : partnerOf(*pose.b->getCollisionShape());
+}
+
+// B's velocities of A's material, frame A.
+RelativeMotion relativeMotion(const PairPose& pose, double impulseTime, double timeStep)
+{
+	const RelativeMotion a = worldMotion(*pose.a->getCollisionObject(), impulseTime),
+						 b = worldMotion(*pose.b->getCollisionObject(), impulseTime);
+	RelativeMotion motion = inFrame({a.linear - b.linear, a.angular - b.angular, 0}, pose.worldFromA);
+	motion.linear = (1 / pose.scale()) * motion.linear;
+	motion.timeStep = timeStep;
+	return motion;
+}
+
+// Motion of the step, resting height and margins, and how far apart two bodies may be to need contacts.
+void setRules(PairPose& pose, double timeStep, bool predicts, double closestPoints)
+{
+	PointRules& rules = pose.rules;
+	const double scale = pose.scale();
+	rules.length = double(pose.hierarchyA().asset().radius);
+	if (pose.isOfTwo()) rules.length = std::min(rules.length, double(pose.hierarchyB().asset().radius));
+	rules.motion = relativeMotion(pose, timeStep, timeStep);
+	pose.seenMotion = relativeMotion(pose, 0, timeStep);
+	rules.margin = double(pose.shapeA->getMargin()) / scale;
+	if (pose.shapeB) rules.margin += double(pose.shapeB->getMargin()) / scale;
+	if (predicts) rules.margin += kSkinShare * rules.length;
+	rules.resting = std::max(kRestingShare * rules.length, closestPoints / scale);
+
+	const bool bIsSmaller =
+		pose.isOfTwo() && pose.hierarchyB().asset().radius < pose.hierarchyA().asset().radius;
+	const Hierarchy& smaller = bIsSmaller ? pose.hierarchyB() : pose.hierarchyA();
+	const Vec3 center = bIsSmaller ? pose.aFromB * sphereCenter(smaller) : sphereCenter(smaller);
+	const double speed =
+		length(rules.motion.velocity(center)) + length(rules.motion.angular) * double(smaller.asset().radius);
+	pose.motion = speed * timeStep;
+	// A query of two hierarchies looks ahead along the motion (sweep); other shapes are met in all directions.
+	pose.tolerance = rules.margin + rules.resting;
+	if (!pose.isOfTwo()) pose.tolerance += kPredictionSlack * pose.motion;
+}
+
+std::string whatIsNotFinite(const PairPose& pose, double timeStep)
+{
+	if (isFinite(pose.a->getWorldTransform()) && isFinite(pose.b->getWorldTransform()) && isFinite(pose.aFromB) &&
+		isFinite(pose.rules.motion))
+		return {};
+	for (const btCollisionObjectWrapper* body : {pose.a, pose.b})
+	{
+		const btCollisionObject& object = *body->getCollisionObject();
+		const bool hasPose = isFinite(body->getWorldTransform());
+		if (hasPose && isFinite(worldMotion(object, timeStep))) continue;
+		return std::string(hasPose ? "the velocity of, or a force on," : "the pose of") + " the body of world index " +
+			   std::to_string(object.getWorldArrayIndex()) + " (user index " + std::to_string(object.getUserIndex()) +
+			   ") is not finite";
+	}
+	return "the motion of its bodies relative to each other is not finite";
+}
+}  // namespace
+
+Sweep PairPose::sweep() const
+{
+	const double ahead = -kPredictionSlack * rules.motion.timeStep;
+	return {ahead * rules.motion.linear, ahead * rules.motion.angular};
+}
+
+double PairPose::thinnestWall() const
+{
+	const double wall = double(hierarchyA().asset().thinnestWall);
+	return isOfTwo() ? std::min(wall, double(hierarchyB().asset().thinnestWall)) : wall;
+}
+
+PairPose poseOf(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+				const btDispatcherInfo& info, bool predicts, double closestPoints)
+{
+	PairPose pose;
+	chooseBodies(body0, body1, pose);
+	if (pose.partner == Partner::kOther) return pose;
+	pose.worldFromA = toTransform(pose.a->getWorldTransform());
+	pose.aFromB = inverse(pose.worldFromA) * toTransform(pose.b->getWorldTransform());
+	pose.aFromB.translation = (1 / pose.scale()) * pose.aFromB.translation;
+	const double timeStep = predicts ? double(info.m_timeStep) : 0;
+	setRules(pose, timeStep, predicts, closestPoints);
+	pose.notFinite = whatIsNotFinite(pose, timeStep);
+	return pose;
+}
+}  // namespace clod

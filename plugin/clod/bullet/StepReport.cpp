@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Zlib
+#include "clod/bullet/StepReport.h"
+
+#include <algorithm>
+
+#include "clod/distance/SignedGap.h"
+
+namespace clod
+{
+void addTo(StepReport& sum, const PairReport& pair)
+{
+	const bool isWarned =
+		pair.deep || pair.fast || pair.loose || !pair.notFinite.empty() || !pair.metricError.empty();
+	if (isWarned)
+		sum.warned.push_back({sum.pairs, pair.deep, pair.fast, pair.loose, pair.notFinite, pair.metricError});
+	++sum.pairs;
+	sum.pairsInContact += pair.points > 0 ? 1 : 0;
+	sum.candidates += pair.candidates;
+	sum.points += pair.points;
+	sum.clusters += pair.clusterCount;
+	sum.leaks += pair.leaks;
+	if (pair.result)
+	{
+		sum.nodePairs += std::uint32_t(pair.result->contacts.size());
+		sum.front += pair.result->stats.front;
+		sum.hullTests += pair.result->stats.hullTests;
+		sum.pending += pair.result->stats.pending;
+		sum.excess = std::max(sum.excess, pair.result->excess);
+		sum.boxTests += pair.result->stats.boxTests;
+	}
+	sum.searchTests += pair.searchTests;
+	sum.queryMicroseconds += pair.queryMicroseconds;
+	sum.contactMicroseconds += pair.contactMicroseconds;
+	sum.keptPairs += pair.kept ? 1 : 0;
+	sum.deepPairs += pair.deep ? 1 : 0;
+	sum.fastPairs += pair.fast ? 1 : 0;
+	sum.loosePairs += pair.loose ? 1 : 0;
+}
+
+std::vector<std::string> StepReport::warnings() const
+{
+	std::vector<std::string> sentences;
+	for (const Warned& pair : warned)
+	{
+		const std::string name = "pair " + std::to_string(pair.pair);
+		if (!pair.notFinite.empty()) sentences.push_back(name + ": no contacts, as " + pair.notFinite);
+		if (!pair.metricError.empty()) sentences.push_back(name + ": exact, as " + pair.metricError);
+		if (pair.deep) sentences.push_back(name + ": penetration deeper than the contacts can prove");
+		if (pair.fast) sentences.push_back(name + ": one step moves farther than the thinnest wall");
+		if (pair.loose) sentences.push_back(name + ": the error bound exceeds the thinnest wall");
+	}
+	return sentences;
+}
+}  // namespace clod
