@@ -38,8 +38,9 @@ public:
 		for (const PoseSample::Row& row : sample.rows)
 		{
 			prepare(row.poses);
-			const double time = world.dispatch(placed(row.before.a, row.poses.a, m_frame.originA, row.seconds),
-											   placed(row.before.b, row.poses.b, m_frame.originB, row.seconds), sample.dt);
+			const double time =
+				world.dispatch(placed(row.before.a, row.poses.a, m_frame.originA, row.seconds),
+							   placed(row.before.b, row.poses.b, m_frame.originB, row.seconds), sample.dt);
 			if (!row.measured) continue;
 			answers.push_back(read(world, inverse(toTransform(row.poses.a))));
 			answers.back().microseconds = time;

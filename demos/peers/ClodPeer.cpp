@@ -122,8 +122,9 @@ PoseSample sampleOf(const std::vector<PoseRow>& poses, const std::vector<std::si
 // Every `stride`-th, or `mostRows` of them, evenly.
 std::vector<std::size_t> chosenOf(const std::vector<std::size_t>& rows, const SampleRules& rules)
 {
-	const std::size_t count = rules.stride > 0 ? (rows.size() + std::size_t(rules.stride) - 1) / std::size_t(rules.stride)
-											   : std::min(rows.size(), std::size_t(rules.mostRows));
+	const std::size_t count = rules.stride > 0
+								  ? (rows.size() + std::size_t(rules.stride) - 1) / std::size_t(rules.stride)
+								  : std::min(rows.size(), std::size_t(rules.mostRows));
 	std::vector<std::size_t> chosen;
 	for (std::size_t k = 0; k < count; ++k)
 		chosen.push_back(rows[rules.stride > 0 ? k * std::size_t(rules.stride) : k * rows.size() / count]);

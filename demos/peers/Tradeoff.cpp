@@ -77,10 +77,9 @@ std::string line(const TradeoffPoint& point, double radius)
 	const Accuracy& a = point.accuracy;
 	return fmt::format("{:<16}{:<26}{:>10.1f}{:>10.1f}{:>10}{:>11.4f}{:>11.4f}{:>9}{:>9}{:>9}{:>9}{:>9.0f}{:>8.0f}\n",
 					   point.info.family, point.info.setting, point.median, point.p95, figure(point.restMedian, 1),
-					   100 * a.gapMedian / radius,
-					   100 * a.gapP95 / radius, figure(a.normalMedian, 2), figure(a.normalP95, 1),
-					   figure(100 * a.coveredMean, 0), figure(100 * a.foundedMean, 0), a.contactsMedian,
-					   100 * a.missedShare);
+					   100 * a.gapMedian / radius, 100 * a.gapP95 / radius, figure(a.normalMedian, 2),
+					   figure(a.normalP95, 1), figure(100 * a.coveredMean, 0), figure(100 * a.foundedMean, 0),
+					   a.contactsMedian, 100 * a.missedShare);
 }
 
 std::string verdict(const ParetoRow& row)
@@ -172,7 +171,8 @@ std::string formatPareto(const Tradeoff&, const std::vector<ParetoRow>& rows)
 std::string printable(const Tradeoff& tradeoff, const std::vector<ParetoRow>& rows)
 {
 	std::string text = fmt::format(
-		"{} rows{}, {} passes; bodies move as recorded, at rest: the same dispatches without velocities; errors in % of "
+		"{} rows{}, {} passes; bodies move as recorded, at rest: the same dispatches without velocities; errors in % "
+		"of "
 		"the smaller radius ({:.4g}); normals in degrees; shares in %\n"
 		"{:<16}{:<26}{:>10}{:>10}{:>10}{:>11}{:>11}{:>9}{:>9}{:>9}{:>9}{:>9}{:>8}\n",
 		tradeoff.rows, tradeoff.rows < kEnoughRows ? " only" : "", tradeoff.passes, tradeoff.radius, "method",
@@ -187,12 +187,12 @@ std::string printable(const Tradeoff& tradeoff, const std::vector<ParetoRow>& ro
 	for (const ParetoRow& row : rows)
 	{
 		answered += row.factor >= kWantedFactor ? 1 : 0;
-		text += fmt::format("{:<16}{:<26}{:>10.1f}{:>11.4f}{:>11.4f}  {:<18}{:>10}{:>9}{:>9}  {}\n", row.peer.info.family,
-							row.peer.info.setting, row.peer.median, 100 * row.peer.accuracy.gapMedian / tradeoff.radius,
-							100 * row.peer.accuracy.gapP95 / tradeoff.radius, row.ours ? row.ours->info.setting : "-",
-							row.ours ? fmt::format("{:.1f}", row.ours->median) : "-",
-							row.ours ? fmt::format("{:.2f}", row.factor) : "-", figure(row.restFactor, 2),
-							verdict(row));
+		text +=
+			fmt::format("{:<16}{:<26}{:>10.1f}{:>11.4f}{:>11.4f}  {:<18}{:>10}{:>9}{:>9}  {}\n", row.peer.info.family,
+						row.peer.info.setting, row.peer.median, 100 * row.peer.accuracy.gapMedian / tradeoff.radius,
+						100 * row.peer.accuracy.gapP95 / tradeoff.radius, row.ours ? row.ours->info.setting : "-",
+						row.ours ? fmt::format("{:.1f}", row.ours->median) : "-",
+						row.ours ? fmt::format("{:.2f}", row.factor) : "-", figure(row.restFactor, 2), verdict(row));
 	}
 	text += fmt::format("{} of {} points of the peers' fronts are answered at least {:g} times faster\n", answered,
 						rows.size(), kWantedFactor);

@@ -28,8 +28,8 @@ struct ReplayOptions  // lengths: shares are of a pair's smaller radius
 	std::optional<cli::Length> gapError;  // Settings::gapError
 	bool distance = false, paper = false;
 	bool contactsOnly = false;  // no gap is asked for: Settings::contactsOnly
-	int repeat = 1;      // whole passes, all caches dropped before each; a row keeps its least time
-	bool fresh = false;  // caches dropped before every row as well
+	int repeat = 1;             // whole passes, all caches dropped before each; a row keeps its least time
+	bool fresh = false;         // caches dropped before every row as well
 	double dt = 1.0 / 240;
 };
 
@@ -104,8 +104,8 @@ double relativeSpeed(const Hierarchy& a, const Hierarchy& b, const PoseRow& from
 struct RowClock
 {
 	double dt = 1.0 / 240;
-	// Of more than two bodies a pair may have been away in between: time goes by the rows' steps. Rows of two follow each
-	// other whatever their steps are called.
+	// Of more than two bodies a pair may have been away in between: time goes by the rows' steps. Rows of two follow
+	// each other whatever their steps are called.
 	bool mayPause = false;
 };
 double secondsBetween(const PoseRow& from, const PoseRow& to, const RowClock& clock);

@@ -153,8 +153,7 @@ void print(const RunOptions& options, const nlohmann::ordered_json& report)
 			   summary["end"]["at_rest"] ? "at rest" : "not at rest",
 			   summary["end"]["largest_speed_radii_per_s"].get<double>());
 	fmt::print("median over {} steps: query {:.1f} us, dispatch {:.1f} us, whole step {:.1f} us\n",
-			   summary["rows"].get<std::size_t>(),
-			   summary["queries"]["all_rows"]["query_us"]["median"].get<double>(),
+			   summary["rows"].get<std::size_t>(), summary["queries"]["all_rows"]["query_us"]["median"].get<double>(),
 			   summary["dispatch_us"]["median"].get<double>(), summary["step_us"]["median"].get<double>());
 	if (report.contains("interpenetration"))
 		fmt::print("deepest interpenetration of the full meshes {:.6f} mm at step {} (limit {:.6f} mm)\n",

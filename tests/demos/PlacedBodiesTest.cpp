@@ -66,7 +66,8 @@ TEST(PlacedBodies, TheWorldsObjectsHaveTheirVelocities)
 		}
 	};
 	DispatchWorld world(box, box, [&](btCollisionDispatcher& dispatcher) { dispatcher.setNearCallback(look); });
-	const PlacedBody a{btTransform::getIdentity(), {1, 2, 3}, {4, 5, 6}}, b{btTransform::getIdentity(), {-1, 0, 0}, {0, 7, 0}};
+	const PlacedBody a{btTransform::getIdentity(), {1, 2, 3}, {4, 5, 6}},
+		b{btTransform::getIdentity(), {-1, 0, 0}, {0, 7, 0}};
 	world.dispatch(a, b, 0.01);
 	ASSERT_EQ(seen.size(), 4u);
 	const std::size_t first = seen[0] == a.linear ? 0 : 2;
@@ -117,7 +118,8 @@ TEST(PlacedBodies, MovingOnesAreAnsweredMoreCoarselyWhereVelocityCounts)
 	const Slide slide(8);
 	for (const PeerPointer& peer : slide.ours(ContactMetric::velocityFactor(1)))
 	{
-		const double moving = largestBound(peer->pass(slide.sample)), still = largestBound(peer->pass(slide.sample.atRest()));
+		const double moving = largestBound(peer->pass(slide.sample)),
+					 still = largestBound(peer->pass(slide.sample.atRest()));
 		EXPECT_GT(moving, 1.2 * still) << name(peer->info().timed);
 		EXPECT_GT(still, 0);
 	}

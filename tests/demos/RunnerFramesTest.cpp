@@ -49,7 +49,8 @@ FrameAnswer answerAt(const Hierarchy& a, std::uint32_t levelA, const Hierarchy& 
 	const Level &ofA = a.levels()[levelA], &ofB = b.levels()[levelB];
 	QueryResult result;
 	for (std::uint32_t i = 0; i < std::max(ofA.nodeCount, ofB.nodeCount); ++i)
-		result.contacts.push_back({ofA.firstNode + i % ofA.nodeCount, ofB.firstNode + i % ofB.nodeCount, 0, 0, {}, {}, {}});
+		result.contacts.push_back(
+			{ofA.firstNode + i % ofA.nodeCount, ofB.firstNode + i % ofB.nodeCount, 0, 0, {}, {}, {}});
 	FrameAnswer answer;
 	answer.pairs.push_back({{0, 1}, std::move(result)});
 	return answer;
@@ -130,7 +131,8 @@ TEST(RunnerFrames, EveryLevelHasItsColourOnEitherBodyAndInTheLegend)
 		EXPECT_EQ(b.level, other);
 		EXPECT_GT(b.share, 0.6);
 		for (int k = 0; k < levels; ++k)
-			EXPECT_EQ(swatchPixels(image, levelColor(k, levels)) > 40, k == level || k == other) << k << " of " << level;
+			EXPECT_EQ(swatchPixels(image, levelColor(k, levels)) > 40, k == level || k == other)
+				<< k << " of " << level;
 	}
 }
 
@@ -155,7 +157,8 @@ TEST(RunnerFrames, TheLegendNamesTheLevelsOfBothBodies)
 					if (k == 0) continue;
 					double deviation = 0;  // of whichever body's level is coarser
 					for (const HierarchyPointer& h : {a, b})
-						if (k <= coarsestLevel(*h)) deviation = std::max(deviation, double(h->levels()[k].maxDeviation));
+						if (k <= coarsestLevel(*h))
+							deviation = std::max(deviation, double(h->levels()[k].maxDeviation));
 					const double said = std::atof(legend[k].label.substr(legend[k].label.find("up to ") + 6).c_str());
 					EXPECT_NEAR(said, 1000 * deviation, 5.1e-4) << legend[k].label;
 				}

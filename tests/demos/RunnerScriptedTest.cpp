@@ -63,8 +63,8 @@ protected:
 	}
 	static Recording replayed(const Body& a, const Body& b, const std::vector<PoseRow>& poses, const std::string& words)
 	{
-		return record("replay " + fileOf(a) + " " + fileOf(b) + " " +
-					  file("script.csv", demo::formatPoses(poses)) + words);
+		return record("replay " + fileOf(a) + " " + fileOf(b) + " " + file("script.csv", demo::formatPoses(poses)) +
+					  words);
 	}
 };
 
@@ -245,8 +245,8 @@ TEST_F(Scripted, ARunsSpeedsLevelsTimesAndDepthAreThoseOfItsPoses)
 {
 	constexpr std::size_t steps = 300, last = 24;
 	const Body& ball = body("sphere", 300);
-	const Recording run = record("run drop --steps 300 --dt 0.004166666666666667 --size 28 --verify-penetration --model " +
-								 fileOf(ball));
+	const Recording run =
+		record("run drop --steps 300 --dt 0.004166666666666667 --size 28 --verify-penetration --model " + fileOf(ball));
 	const auto of = [&](const char* name) { return column(run.csv, name); };
 	const auto linear = of("speed_m_per_s"), angular = of("turning_rad_per_s"), radii = of("speed_radii_per_s");
 	const auto dispatch = of("dispatch_us"), step = of("step_us"), query = of("query_us"), gap = of("gap_us");
@@ -296,7 +296,8 @@ TEST_F(Scripted, ARunsSpeedsLevelsTimesAndDepthAreThoseOfItsPoses)
 	EXPECT_GT(deepest, 1e-5);
 	const demo::ModelMesh floor = demo::makeModel("floor").value(), mesh = demo::inputSurface(*ball.hierarchy);
 	const Transform aFromB = demo::relativePose(poseIn(run.csv, depth["step"].get<std::size_t>() - 1), {}, {});
-	EXPECT_NEAR(deepest, std::max(deepestVertex(floor, mesh, aFromB), deepestVertex(mesh, floor, inverse(aFromB))), 1e-9);
+	EXPECT_NEAR(deepest, std::max(deepestVertex(floor, mesh, aFromB), deepestVertex(mesh, floor, inverse(aFromB))),
+				1e-9);
 	double largestBound = 0;
 	for (const double b : bound) largestBound = std::max(largestBound, std::isinf(b) ? 0 : b);
 	EXPECT_DOUBLE_EQ(depth["certified_bound_in_use"], largestBound);
