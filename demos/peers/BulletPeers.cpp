@@ -39,8 +39,8 @@ public:
 		{
 			prepare(row.poses);
 			const double time =
-				world.dispatch(bodyTransform(row.poses.a, m_frame.originA, m_frame.worldScale),
-							   bodyTransform(row.poses.b, m_frame.originB, m_frame.worldScale), sample.dt);
+				world.dispatch(placed(row.before.a, row.poses.a, m_frame.originA, row.seconds),
+							   placed(row.before.b, row.poses.b, m_frame.originB, row.seconds), sample.dt);
 			if (!row.measured) continue;
 			answers.push_back(read(world, inverse(toTransform(row.poses.a))));
 			answers.back().microseconds = time;
@@ -62,6 +62,12 @@ protected:
 	const PairFrame m_frame;
 
 private:
+	PlacedBody placed(const Pose& before, const Pose& now, const Vec3& origin, double seconds) const
+	{
+		const BodyVelocity velocity = velocityBetween(before, now, origin, seconds);
+		return {bodyTransform(now, origin, m_frame.worldScale), toBullet(velocity.linear, m_frame.worldScale),
+				toBullet(velocity.angular)};
+	}
 	PeerAnswer read(const DispatchWorld& world, const Transform& meshAFromWorld) const
 	{
 		PeerAnswer answer;

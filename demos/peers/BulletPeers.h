@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Peers that are dispatched by Bullet: our shape, GImpact against itself and against a static triangle mesh, and
-// compounds of convex hulls. Times are of whole dispatches. Compiled once per Bullet precision.
+// compounds of convex hulls. Bodies move as their rows say. Times are of whole dispatches. Compiled once per Bullet
+// precision.
 #pragma once
 #include "clod/query/Query.h"
 #include "demos/models/Models.h"
@@ -20,7 +21,6 @@ struct PairFrame
 };
 PairFrame pairFrame(const Hierarchy& a, const Hierarchy& b, double worldScale, double tolerance);
 
-// Bodies that are placed have no velocity: one of the threshold's metric is its floor.
 PeerPointer clodDispatch(PeerInfo info, const HierarchyPointer& a, const HierarchyPointer& b,
 						 const Threshold& threshold, const PairFrame& frame);
 PeerPointer gimpact(PeerInfo info, const ModelMesh& a, const ModelMesh& b, const PairFrame& frame);

@@ -53,7 +53,9 @@ public:
 		GapResult result;
 		for (const PoseSample::Row& row : sample.rows)
 		{
-			const GapSettings settings = settingsOf(m_options, *m_a, *m_b, row.poses, {});
+			RelativeMotion motion = relativeMotion(*m_a, *m_b, row.before, row.poses, row.seconds);
+			motion.timeStep = sample.dt;
+			const GapSettings settings = settingsOf(m_options, *m_a, *m_b, row.poses, motion);
 			const Transform aFromB = relativePose(row.poses, meshFromBody(*m_a), meshFromBody(*m_b));
 			const double start = threadMicroseconds();
 			if (m_isOfContacts)
@@ -114,11 +116,27 @@ PoseSample sampleOf(const std::vector<PoseRow>& poses, const std::vector<std::si
 		use[i] = 2;
 	}
 	PoseSample sample;
-	sample.dt = rules.dt;
+	sample.dt = rules.clock.dt;
 	sample.tolerance = rules.tolerance;
 	for (std::size_t i = 0; i < poses.size(); ++i)
-		if (use[i] > 0) sample.rows.push_back({poses[i], use[i] == 2});
+	{
+		if (use[i] == 0) continue;
+		sample.rows.push_back(recordedRow(poses, i, rules.clock));
+		sample.rows.back().measured = use[i] == 2;
+	}
 	return sample;
+}
+
+// Every `stride`-th, or `mostRows` of them, evenly.
+std::vector<std::size_t> chosenOf(const std::vector<std::size_t>& rows, const SampleRules& rules)
+{
+	const std::size_t count = rules.stride > 0
+								  ? (rows.size() + std::size_t(rules.stride) - 1) / std::size_t(rules.stride)
+								  : std::min(rows.size(), std::size_t(rules.mostRows));
+	std::vector<std::size_t> chosen;
+	for (std::size_t k = 0; k < count; ++k)
+		chosen.push_back(rows[rules.stride > 0 ? k * std::size_t(rules.stride) : k * rows.size() / count]);
+	return chosen;
 }
 }  // namespace
 
@@ -131,29 +149,19 @@ PeerPointer clodQuery(PeerInfo info, const HierarchyPointer& a, const HierarchyP
 ExactSample takeSample(const HierarchyPointer& a, const HierarchyPointer& b, const std::vector<PoseRow>& poses,
 					   const SampleRules& rules, const std::function<void(double)>& progress)
 {
-	const std::vector<double> speeds = relativeSpeeds(*a, *b, poses, rules.dt);
-	std::vector<std::size_t> candidates;
+	const std::vector<double> speeds = relativeSpeeds(*a, *b, poses, rules.clock);
+	ExactQuery near(*a, *b, rules.tolerance);
+	std::vector<std::size_t> touching;
 	for (std::size_t i = 0; i < poses.size(); ++i)
-		if (rules.resting || classify(speeds[i]) == Motion::moving) candidates.push_back(i);
-	const std::size_t stride =
-		rules.stride > 0 ? std::size_t(rules.stride)
-						 : (candidates.size() + std::size_t(rules.mostRows) - 1) / std::size_t(rules.mostRows);
+	{
+		progress(double(i + 1) / double(poses.size()));
+		if (!rules.resting && classify(speeds[i]) != Motion::moving) continue;
+		if (near.at(poses[i]).gap <= rules.tolerance) touching.push_back(i);
+	}
+	const std::vector<std::size_t> measured = chosenOf(touching, rules);
 	ExactQuery exact(*a, *b, kReach * rules.tolerance);
 	ExactSample result;
-	std::vector<std::size_t> measured;
-	// Of every `stride` moving rows the first that touches.
-	for (std::size_t k = 0; k < candidates.size();)
-	{
-		progress(double(k + 1) / double(candidates.size()));
-		ExactRow row = exact.at(poses[candidates[k]]);
-		const bool touches = row.gap <= rules.tolerance;
-		if (touches)
-		{
-			measured.push_back(candidates[k]);
-			result.exact.push_back(std::move(row));
-		}
-		k = touches ? (k / stride + 1) * stride : k + 1;
-	}
+	for (const std::size_t i : measured) result.exact.push_back(exact.at(poses[i]));
 	result.sample = sampleOf(poses, measured, rules);
 	return result;
 }

@@ -9,6 +9,7 @@
 #include "demos/peers/Accuracy.h"
 #include "demos/peers/Threshold.h"
 #include "demos/runner/HierarchyCache.h"
+#include "demos/runner/Statistics.h"
 
 namespace clod::demo
 {
@@ -22,14 +23,14 @@ enum class ClodQuestion
 PeerPointer clodQuery(PeerInfo info, const HierarchyPointer& a, const HierarchyPointer& b, const Threshold& threshold,
 					  ClodQuestion question);
 
-// The rows of a recording to measure: of every `stride` that move (Motion.h; any, where `resting` rows are wanted too)
-// the first that touches within the tolerance (gap in exact mode). Each is preceded by the recorded rows before it, not
-// measured.
+// The rows of a recording to measure, of those that move (Motion.h; of all, where `resting` rows are wanted too) and
+// touch within the tolerance (gap in exact mode). Each is preceded by the recorded rows before it, not measured.
 struct SampleRules
 {
-	double tolerance = 0, dt = 1.0 / 240;
-	int stride = 1;  // 0: such that about `mostRows` are measured
-	int mostRows = 40;
+	double tolerance = 0;
+	RowClock clock;
+	int stride = 1;  // of so many one; 0: `mostRows` of them evenly, all where there are fewer
+	int mostRows = int(kEnoughRows);
 	bool resting = false;
 };
 struct ExactSample

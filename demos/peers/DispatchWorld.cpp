@@ -39,10 +39,15 @@ DispatchWorld::~DispatchWorld()
 	for (btCollisionObject& body : m_bodies) m_world.removeCollisionObject(&body);
 }
 
-double DispatchWorld::dispatch(const btTransform& a, const btTransform& b, double dt)
+double DispatchWorld::dispatch(const PlacedBody& a, const PlacedBody& b, double dt)
 {
-	m_bodies[0].setWorldTransform(a);
-	m_bodies[1].setWorldTransform(b);
+	const PlacedBody* placed[2] = {&a, &b};
+	for (int i = 0; i < 2; ++i)
+	{
+		m_bodies[i].setWorldTransform(placed[i]->pose);
+		m_bodies[i].setInterpolationLinearVelocity(placed[i]->linear);
+		m_bodies[i].setInterpolationAngularVelocity(placed[i]->angular);
+	}
 	m_world.updateAabbs();
 	m_world.computeOverlappingPairs();
 	btDispatcherInfo& info = m_world.getDispatchInfo();

@@ -27,6 +27,13 @@ private:
 	std::unique_ptr<btTriangleIndexVertexArray> m_array;
 };
 
+// A body where, and as fast as, it was recorded.
+struct PlacedBody
+{
+	btTransform pose;
+	btVector3 linear, angular;
+};
+
 class DispatchWorld
 {
 public:
@@ -38,7 +45,7 @@ public:
 	DispatchWorld& operator=(const DispatchWorld&) = delete;
 
 	// CPU microseconds of one whole dispatch.
-	double dispatch(const btTransform& a, const btTransform& b, double dt);
+	double dispatch(const PlacedBody& a, const PlacedBody& b, double dt);
 	int points() const;
 
 	// Calls visit(point on B, normal from B to A, distance) for every point of every manifold, in the world.

@@ -22,13 +22,12 @@ constexpr double kHullGapShare = 0.1;                 // of the radius; Bullet k
 constexpr double kFirstShift = 0.02, kLastShift = 2;  // of the radius
 
 bool touches(const Hierarchy& a, const Hierarchy& b, const PoseRow& poses, double tolerance,
-			 const ContactMetric& metric = ContactMetric::exactly())
+			 const ContactMetric& metric, PairCache& cache)
 {
 	ReplayOptions options;
 	options.metric = metric;
 	options.tolerance.value = tolerance;
 	const GapSettings settings = settingsOf(options, a, b, poses, {});
-	PairCache cache;
 	ContactResult result;
 	contacts(a, b, relativePose(poses, meshFromBody(a), meshFromBody(b)), settings, cache, result);
 	return !result.contacts.empty();
@@ -82,10 +81,12 @@ public:
 	}
 	std::vector<PoseRow> touching(const std::vector<PoseRow>& poses, int count) const
 	{
-		std::vector<PoseRow> found;
-		const std::size_t stride = std::max<std::size_t>(1, poses.size() / std::size_t(count));
-		for (std::size_t i = stride / 2; i < poses.size() && found.size() < std::size_t(count); i += stride)
-			if (touches(m_a, m_b, poses[i], m_tolerance)) found.push_back(poses[i]);
+		std::vector<PoseRow> all, found;
+		PairCache cache;
+		for (const PoseRow& row : poses)
+			if (touches(m_a, m_b, row, m_tolerance, ContactMetric::exactly(), cache)) all.push_back(row);
+		const std::size_t wanted = std::min(all.size(), std::size_t(count));
+		for (std::size_t k = 0; k < wanted; ++k) found.push_back(all[(2 * k + 1) * all.size() / (2 * wanted)]);
 		return found;
 	}
 	// B moved from each, along an axis or diagonal of the world, until no threshold finds anything near; rows from
@@ -114,7 +115,10 @@ private:
 				away.b = moved(row.b, shift);
 				if (!overlap(boxA, {boxB.low + shift, boxB.high + shift})) continue;
 				const auto isNear = [&](const Threshold& threshold)
-				{ return touches(m_a, m_b, away, room, threshold.metric); };
+				{
+					PairCache cache;
+					return touches(m_a, m_b, away, room, threshold.metric, cache);
+				};
 				if (std::any_of(m_thresholds.begin(), m_thresholds.end(), isNear)) continue;
 				row = away;
 				return true;
@@ -135,9 +139,10 @@ PoseSample sampleOf(const std::vector<PoseRow>& poses, IdleState state, double s
 	for (const PoseRow& row : poses)
 		for (int i = 0; i < kSettling + dispatches; ++i)
 		{
-			PoseSample::Row next{row, i >= kSettling};
+			PoseSample::Row next{row, row, sample.dt, i >= kSettling};
 			const int phase = i % (2 * kStride), steps = phase < kStride ? phase : 2 * kStride - phase;
 			if (state == IdleState::apartMoving) next.poses.b = moved(row.b, {0, steps * step, 0});
+			next.before = i > 0 ? sample.rows.back().poses : next.poses;
 			sample.rows.push_back(next);
 		}
 	return sample;

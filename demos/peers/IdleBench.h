@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "demos/peers/BulletPeers.h"
+#include "demos/runner/Statistics.h"
 
 namespace clod::demo
 {
@@ -15,7 +16,7 @@ inline constexpr int kIdleHullVertices = 32;
 enum class IdleState
 {
 	apartMoving,     // nothing within the tolerance at any threshold; B moves by 0.05 % of the radius before every
-					 // dispatch
+					 // dispatch, and has the velocity of that
 	apartUnchanged,  // the same without motion
 	touchingUnchanged
 };
@@ -33,8 +34,8 @@ struct IdleRow
 
 struct IdleOptions
 {
-	int poses = 12;        // at most, of each state
-	int dispatches = 200;  // measured at each pose, after some that settle
+	int poses = int(kEnoughRows);  // at most, of each state
+	int dispatches = 40;           // measured at each pose, after some that settle
 };
 
 // Ours at each threshold, then the hulls, state by state. Touching poses are taken evenly from the recording; apart

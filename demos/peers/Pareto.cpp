@@ -22,16 +22,26 @@ bool atLeastAsExact(const Accuracy& ours, const Accuracy& peer, double floor)
 	return floored(ours.gapMedian, floor) <= floored(peer.gapMedian, floor) &&
 		   floored(ours.gapP95, floor) <= floored(peer.gapP95, floor);
 }
-}  // namespace
 
-void setTimes(TradeoffPoint& point, const std::vector<std::vector<double>>& passes)
+std::vector<double> leastOf(const PassTimes& passes)
 {
-	std::vector<double> least = passes.front(), medians;
+	std::vector<double> least;
 	for (const std::vector<double>& pass : passes)
 	{
-		medians.push_back(quantile(pass, 0.5));
+		if (least.empty()) least = pass;
 		for (std::size_t i = 0; i < least.size(); ++i) least[i] = std::min(least[i], pass[i]);
 	}
+	return least;
+}
+}  // namespace
+
+void setTimes(TradeoffPoint& point, const PassTimes& passes, const PassTimes& atRest)
+{
+	std::vector<double> medians;
+	for (const std::vector<double>& pass : passes) medians.push_back(quantile(pass, 0.5));
+	const std::vector<double> least = leastOf(passes), still = leastOf(atRest);
+	point.restMedian = quantile(still, 0.5);
+	point.restP95 = quantile(still, 0.95);
 	point.median = quantile(least, 0.5);
 	point.q1 = quantile(least, 0.25);
 	point.q3 = quantile(least, 0.75);
@@ -81,7 +91,11 @@ std::vector<ParetoRow> comparePareto(const std::vector<TradeoffPoint>& points, d
 					atLeastAsExact(ours.accuracy, peer.accuracy, floor) &&
 					(!row.ours || ours.median < row.ours->median))
 					row.ours = ours;
-			if (row.ours) row.factor = peer.median / row.ours->median;
+			if (row.ours)
+			{
+				row.factor = peer.median / row.ours->median;
+				row.restFactor = peer.restMedian / row.ours->restMedian;
+			}
 			rows.push_back(row);
 		}
 	return rows;

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "demos/scenes/Poses.h"
+#include "demos/runner/Replay.h"
 
 namespace clod::demo
 {
@@ -59,13 +59,19 @@ struct PoseSample
 	struct Row
 	{
 		PoseRow poses;
+		PoseRow before;  // `seconds` ago: what velocities come from
+		double seconds = 1;
 		bool measured = true;
 	};
 	std::vector<Row> rows;
 	double dt = 1.0 / 240;
 	double tolerance = 0;  // contacts are asked for up to this distance
 	std::size_t measured() const;
+	// The same poses, no body moving.
+	PoseSample atRest() const;
 };
+// One row as recorded: the bodies come from the row before it, the first from where they are.
+PoseSample::Row recordedRow(const std::vector<PoseRow>& poses, std::size_t row, const RowClock& clock);
 
 class Peer
 {

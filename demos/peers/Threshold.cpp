@@ -23,6 +23,7 @@ std::string labelOf(const Threshold& threshold, double radius)
 	const char* combined = metric.combine == Combine::kRelaxed ? " or " : " + ";
 	if (metric.weightedDeviation < kOff)
 		add(combined, fmt::format("size {:g} %", 100 * metric.weightedDeviation / radius));
+	if (threshold.metric.velocity < kOff) add(combined, fmt::format("velocity {:g}", threshold.metric.velocity));
 	if (threshold.metric.viewPixels < kOff) add(combined, fmt::format("view {:g} px", threshold.metric.viewPixels));
 	if (metric.maxError < kOff) add(" + ", fmt::format("max-error {:g} %", 100 * metric.maxError / radius));
 	if (threshold.gapError == 0) add(" + ", "exact gap");

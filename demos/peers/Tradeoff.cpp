@@ -33,6 +33,13 @@ std::vector<RowAccuracy> compareAll(const ExactSample& sample, const std::vector
 	return rows;
 }
 
+std::vector<double> timesOf(const std::vector<PeerAnswer>& answers)
+{
+	std::vector<double> times;
+	for (const PeerAnswer& answer : answers) times.push_back(answer.microseconds);
+	return times;
+}
+
 std::string optional(double value)
 {
 	return std::isnan(value) ? "" : number(value);
@@ -48,6 +55,7 @@ nlohmann::ordered_json describe(const TradeoffPoint& point)
 			{"size_b", point.info.sizeB},
 			{"us", {{"median", point.median}, {"q1", point.q1}, {"q3", point.q3}, {"p95", point.p95}}},
 			{"us_pass", {point.passLow, point.passHigh}},
+			{"us_at_rest", {{"median", point.restMedian}, {"p95", point.restP95}}},
 			{"gap_error", {{"median", a.gapMedian}, {"p95", a.gapP95}, {"max", a.gapMax}}},
 			{"normal_error_degrees", {{"median", a.normalMedian}, {"p95", a.normalP95}}},
 			{"covered", {{"mean", a.coveredMean}, {"p5", a.coveredLow}}},
@@ -67,11 +75,11 @@ std::string figure(double value, int digits)
 std::string line(const TradeoffPoint& point, double radius)
 {
 	const Accuracy& a = point.accuracy;
-	return fmt::format("{:<16}{:<26}{:>10.1f}{:>10.1f}{:>11.4f}{:>11.4f}{:>9}{:>9}{:>9}{:>9}{:>9.0f}{:>8.0f}\n",
-					   point.info.family, point.info.setting, point.median, point.p95, 100 * a.gapMedian / radius,
-					   100 * a.gapP95 / radius, figure(a.normalMedian, 2), figure(a.normalP95, 1),
-					   figure(100 * a.coveredMean, 0), figure(100 * a.foundedMean, 0), a.contactsMedian,
-					   100 * a.missedShare);
+	return fmt::format("{:<16}{:<26}{:>10.1f}{:>10.1f}{:>10}{:>11.4f}{:>11.4f}{:>9}{:>9}{:>9}{:>9}{:>9.0f}{:>8.0f}\n",
+					   point.info.family, point.info.setting, point.median, point.p95, figure(point.restMedian, 1),
+					   100 * a.gapMedian / radius, 100 * a.gapP95 / radius, figure(a.normalMedian, 2),
+					   figure(a.normalP95, 1), figure(100 * a.coveredMean, 0), figure(100 * a.foundedMean, 0),
+					   a.contactsMedian, 100 * a.missedShare);
 }
 
 std::string verdict(const ParetoRow& row)
@@ -86,8 +94,9 @@ void measure(Tradeoff& tradeoff, std::vector<PeerPointer>& peers, const ExactSam
 {
 	tradeoff.rows = sample.exact.size();
 	tradeoff.passes = passes;
-	std::vector<std::vector<std::vector<double>>> times(peers.size());
+	std::vector<PassTimes> times(peers.size()), atRest(peers.size());
 	std::vector<TradeoffPoint> points(peers.size());
+	const PoseSample still = sample.sample.atRest();
 	for (int pass = 0; pass < passes; ++pass)
 		for (std::size_t i = 0; i < peers.size(); ++i)
 		{
@@ -96,8 +105,8 @@ void measure(Tradeoff& tradeoff, std::vector<PeerPointer>& peers, const ExactSam
 			try
 			{
 				const std::vector<PeerAnswer> answers = peers[i]->pass(sample.sample);
-				times[i].emplace_back();
-				for (const PeerAnswer& answer : answers) times[i].back().push_back(answer.microseconds);
+				times[i].push_back(timesOf(answers));
+				if (peers[i]->info().timed == Timed::dispatch) atRest[i].push_back(timesOf(peers[i]->pass(still)));
 				if (pass == 0) points[i].accuracy = summarize(compareAll(sample, answers, tradeoff));
 				points[i].info = peers[i]->info();
 			}
@@ -110,7 +119,7 @@ void measure(Tradeoff& tradeoff, std::vector<PeerPointer>& peers, const ExactSam
 	for (std::size_t i = 0; i < peers.size(); ++i)
 	{
 		if (!peers[i]) continue;
-		setTimes(points[i], times[i]);
+		setTimes(points[i], times[i], atRest[i]);
 		tradeoff.points.push_back(points[i]);
 	}
 	progress(1);
@@ -121,16 +130,17 @@ std::string formatPoints(const Tradeoff& tradeoff)
 	std::string text =
 		"family,setting,timed,size_a,size_b,us_median,us_q1,us_q3,us_p95,us_pass_low,us_pass_high,gap_error_median,"
 		"gap_error_p95,gap_error_max,normal_error_median_deg,normal_error_p95_deg,covered_mean,covered_p5,founded_mean,"
-		"contacts_median,missed_rows,build_seconds,bytes\n";
+		"contacts_median,missed_rows,build_seconds,bytes,us_rest_median,us_rest_p95,rows\n";
 	for (const TradeoffPoint& p : tradeoff.points)
 	{
 		const Accuracy& a = p.accuracy;
 		text += fmt::format(
-			"{},{},{},{},{},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{},{},{},{},{},{},{},{},{},{},{},{}\n",
+			"{},{},{},{},{},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n",
 			p.info.family, p.info.setting, name(p.info.timed), p.info.sizeA, p.info.sizeB, p.median, p.q1, p.q3, p.p95,
 			p.passLow, p.passHigh, number(a.gapMedian), number(a.gapP95), number(a.gapMax), optional(a.normalMedian),
 			optional(a.normalP95), optional(a.coveredMean), optional(a.coveredLow), optional(a.foundedMean),
-			number(a.contactsMedian), number(a.missedShare), optional(p.info.buildSeconds), p.info.bytes);
+			number(a.contactsMedian), number(a.missedShare), optional(p.info.buildSeconds), p.info.bytes,
+			optional(p.restMedian), optional(p.restP95), tradeoff.rows);
 	}
 	return text;
 }
@@ -139,7 +149,7 @@ std::string formatPareto(const Tradeoff&, const std::vector<ParetoRow>& rows)
 {
 	std::string text =
 		"family,setting,us_median,gap_error_median,gap_error_p95,covered_mean,ours,ours_setting,ours_us_median,"
-		"ours_gap_error_median,ours_gap_error_p95,ours_covered_mean,factor,verdict\n";
+		"ours_gap_error_median,ours_gap_error_p95,ours_covered_mean,factor,verdict,factor_at_rest\n";
 	for (const ParetoRow& row : rows)
 	{
 		const TradeoffPoint& peer = row.peer;
@@ -153,7 +163,7 @@ std::string formatPareto(const Tradeoff&, const std::vector<ParetoRow>& rows)
 							optional(row.ours->accuracy.coveredMean), row.factor);
 		else
 			text += ",,,,,,,";
-		text += verdict(row) + "\n";
+		text += verdict(row) + "," + optional(row.restFactor) + "\n";
 	}
 	return text;
 }
@@ -161,24 +171,28 @@ std::string formatPareto(const Tradeoff&, const std::vector<ParetoRow>& rows)
 std::string printable(const Tradeoff& tradeoff, const std::vector<ParetoRow>& rows)
 {
 	std::string text = fmt::format(
-		"{} rows, {} passes; errors in % of the smaller radius ({:.4g}); normals in degrees; shares in %\n"
-		"{:<16}{:<26}{:>10}{:>10}{:>11}{:>11}{:>9}{:>9}{:>9}{:>9}{:>9}{:>8}\n",
-		tradeoff.rows, tradeoff.passes, tradeoff.radius, "method", "setting", "median us", "p95 us", "gap error", "p95",
-		"normal", "p95", "covered", "founded", "contacts", "missed");
+		"{} rows{}, {} passes; bodies move as recorded, at rest: the same dispatches without velocities; errors in % "
+		"of "
+		"the smaller radius ({:.4g}); normals in degrees; shares in %\n"
+		"{:<16}{:<26}{:>10}{:>10}{:>10}{:>11}{:>11}{:>9}{:>9}{:>9}{:>9}{:>9}{:>8}\n",
+		tradeoff.rows, tradeoff.rows < kEnoughRows ? " only" : "", tradeoff.passes, tradeoff.radius, "method",
+		"setting", "median us", "p95 us", "at rest", "gap error", "p95", "normal", "p95", "covered", "founded",
+		"contacts", "missed");
 	for (const TradeoffPoint& point : tradeoff.points) text += line(point, tradeoff.radius);
 	text += fmt::format(
 		"\nfronts of the peers, and our fastest setting at no larger median and p95 error\n"
-		"{:<16}{:<26}{:>10}{:>11}{:>11}  {:<18}{:>10}{:>9}  {}\n",
-		"method", "setting", "median us", "gap error", "p95", "ours", "median us", "factor", "verdict");
+		"{:<16}{:<26}{:>10}{:>11}{:>11}  {:<18}{:>10}{:>9}{:>9}  {}\n",
+		"method", "setting", "median us", "gap error", "p95", "ours", "median us", "factor", "at rest", "verdict");
 	std::size_t answered = 0;
 	for (const ParetoRow& row : rows)
 	{
 		answered += row.factor >= kWantedFactor ? 1 : 0;
-		text += fmt::format("{:<16}{:<26}{:>10.1f}{:>11.4f}{:>11.4f}  {:<18}{:>10}{:>9}  {}\n", row.peer.info.family,
-							row.peer.info.setting, row.peer.median, 100 * row.peer.accuracy.gapMedian / tradeoff.radius,
-							100 * row.peer.accuracy.gapP95 / tradeoff.radius, row.ours ? row.ours->info.setting : "-",
-							row.ours ? fmt::format("{:.1f}", row.ours->median) : "-",
-							row.ours ? fmt::format("{:.2f}", row.factor) : "-", verdict(row));
+		text +=
+			fmt::format("{:<16}{:<26}{:>10.1f}{:>11.4f}{:>11.4f}  {:<18}{:>10}{:>9}{:>9}  {}\n", row.peer.info.family,
+						row.peer.info.setting, row.peer.median, 100 * row.peer.accuracy.gapMedian / tradeoff.radius,
+						100 * row.peer.accuracy.gapP95 / tradeoff.radius, row.ours ? row.ours->info.setting : "-",
+						row.ours ? fmt::format("{:.1f}", row.ours->median) : "-",
+						row.ours ? fmt::format("{:.2f}", row.factor) : "-", figure(row.restFactor, 2), verdict(row));
 	}
 	text += fmt::format("{} of {} points of the peers' fronts are answered at least {:g} times faster\n", answered,
 						rows.size(), kWantedFactor);
@@ -205,6 +219,7 @@ nlohmann::ordered_json toJson(const Tradeoff& tradeoff, const std::vector<Pareto
 								  {"setting", row.peer.info.setting},
 								  {"ours", row.ours ? row.ours->info.setting : ""},
 								  {"factor", row.factor},
+								  {"factor_at_rest", row.restFactor},
 								  {"verdict", verdict(row)}});
 	for (const LeftOut& what : tradeoff.leftOut)
 		json["left_out"].push_back({{"what", what.what}, {"reason", what.reason}});

@@ -28,6 +28,7 @@ struct Tradeoff
 };
 
 // Passes are outermost: in each, every method answers once, so that a change of the machine's speed meets all of them.
+// Dispatches are timed once more with the bodies at rest.
 // A method that fails is left out, with its reason.
 void measure(Tradeoff& tradeoff, std::vector<PeerPointer>& peers, const ExactSample& sample, int passes,
 			 const std::function<void(double)>& progress);

@@ -80,11 +80,18 @@ AreaRuns measure(const SceneInfo& info, const FigureOptions& options, HierarchyC
 	return runs;
 }
 
-double median(const AreaRuns& runs, std::size_t selection, std::size_t part, double (*value)(const ReplayRow&))
+Rows rowsOf(const AreaRuns& runs, std::size_t selection, std::size_t part)
+{
+	Rows rows;
+	for (std::size_t i = 0; i < runs.rows[selection].size(); ++i)
+		if (runs.areaOf(i) > 0 && runs.partOf(i) == part) rows.push_back(runs.rows[selection][i]);
+	return rows;
+}
+
+double median(const Rows& rows, double (*value)(const ReplayRow&))
 {
 	std::vector<double> values;
-	for (std::size_t i = 0; i < runs.rows[selection].size(); ++i)
-		if (runs.areaOf(i) > 0 && runs.partOf(i) == part) values.push_back(value(runs.rows[selection][i]));
+	for (const ReplayRow& row : rows) values.push_back(value(row));
 	return quantile(values, 0.5);
 }
 
@@ -93,10 +100,13 @@ nlohmann::ordered_json describe(const AreaRuns& runs, std::size_t selection)
 	const auto medians = [&](double (*value)(const ReplayRow&))
 	{
 		nlohmann::ordered_json list = nlohmann::ordered_json::array();
-		for (std::size_t part = 0; part < kParts; ++part) list.push_back(median(runs, selection, part, value));
+		for (std::size_t part = 0; part < kParts; ++part) list.push_back(median(rowsOf(runs, selection, part), value));
 		return list;
 	};
+	nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+	for (std::size_t part = 0; part < kParts; ++part) rows.push_back(rowsOf(runs, selection, part).size());
 	nlohmann::ordered_json json = {{"selection", selections()[selection].name},
+								   {"rows", rows},
 								   {"query_us", medians([](const ReplayRow& r) { return r.queryMicroseconds; })},
 								   {"tests", medians([](const ReplayRow& r) { return double(r.tests()); })},
 								   {"contacts", medians([](const ReplayRow& r) { return double(r.contacts); })}};
@@ -128,7 +138,9 @@ std::string formatTable(const nlohmann::ordered_json& curves)
 		fmt::format("median query us by parts of the contact area, and growth from first to last\n{:<17}", "selection");
 	for (std::size_t part = 0; part < kParts; ++part)
 		text += fmt::format("{:>9}", fmt::format("{}/{}", part + 1, kParts));
-	text += fmt::format("{:>9}{:>9}{:>10}\n", "time", "tests", "contacts");
+	text += fmt::format("{:>9}{:>9}{:>10}\n{:<17}", "time", "tests", "contacts", "rows");
+	for (const auto& rows : curves[0]["rows"]) text += fmt::format("{:>9}", rows.get<std::size_t>());
+	text += '\n';
 	for (const auto& curve : curves)
 	{
 		text += fmt::format("{:<17}", curve["selection"].get<std::string>());

@@ -23,6 +23,11 @@ struct DispatchRows
 	std::vector<double> microseconds, points;
 };
 
+struct BothStates
+{
+	DispatchRows moving, atRest;  // as recorded; without velocities
+};
+
 // Whole passes; a row keeps its least time.
 DispatchRows measure(Peer& peer, const PoseSample& sample, int repeat)
 {
@@ -51,12 +56,14 @@ std::vector<double> select(const std::vector<double>& values, const std::vector<
 }
 
 nlohmann::ordered_json compare(const std::vector<bool>& chosen, const std::vector<ReplayRow>& rows,
-							   const DispatchRows& ours, const DispatchRows& peer)
+							   const BothStates& ours, const BothStates& peer)
 {
 	std::vector<double> queries;
 	for (const ReplayRow& row : rows) queries.push_back(row.queryMicroseconds);
-	const std::vector<double> query = select(queries, chosen), dispatch = select(ours.microseconds, chosen),
-							  gimpact = select(peer.microseconds, chosen);
+	const std::vector<double> query = select(queries, chosen), dispatch = select(ours.moving.microseconds, chosen),
+							  gimpact = select(peer.moving.microseconds, chosen),
+							  still = select(ours.atRest.microseconds, chosen),
+							  stillGimpact = select(peer.atRest.microseconds, chosen);
 	if (query.empty()) return {{"rows", 0}};
 	std::vector<double> ratios;
 	for (std::size_t i = 0; i < dispatch.size(); ++i) ratios.push_back(dispatch[i] / gimpact[i]);
@@ -64,9 +71,12 @@ nlohmann::ordered_json compare(const std::vector<bool>& chosen, const std::vecto
 			{"query_us", spread(query)},
 			{"clod_dispatch_us", spread(dispatch)},
 			{"gimpact_dispatch_us", spread(gimpact)},
-			{"clod_points", spread(select(ours.points, chosen))},
-			{"gimpact_points", spread(select(peer.points, chosen))},
+			{"clod_dispatch_at_rest_us", spread(still)},
+			{"gimpact_dispatch_at_rest_us", spread(stillGimpact)},
+			{"clod_points", spread(select(ours.moving.points, chosen))},
+			{"gimpact_points", spread(select(peer.moving.points, chosen))},
 			{"ratio_of_medians", quantile(dispatch, 0.5) / quantile(gimpact, 0.5)},
+			{"ratio_of_medians_at_rest", quantile(still, 0.5) / quantile(stillGimpact, 0.5)},
 			{"row_ratio", spread(ratios)}};
 }
 }  // namespace
@@ -79,12 +89,13 @@ nlohmann::ordered_json comparePeer(const HierarchyPointer& a, const HierarchyPoi
 	PoseSample sample;
 	sample.dt = options.dt;
 	sample.tolerance = tolerance;
-	for (const PoseRow& row : poses) sample.rows.push_back({row, true});
+	for (std::size_t i = 0; i < poses.size(); ++i) sample.rows.push_back(recordedRow(poses, i, {options.dt}));
 	const PairFrame frame = pairFrame(*a, *b, kWorldScale, tolerance);
 	const PeerPointer clod = clodDispatch({}, a, b, {"", options.metric, kOff, options.budget, options.camera}, frame);
 	const PeerPointer other = gimpact({}, inputSurface(*a), inputSurface(*b), frame);
-	const DispatchRows ours = measure(*clod, sample, options.repeat);
-	const DispatchRows peer = measure(*other, sample, options.repeat);
+	const PoseSample still = sample.atRest();
+	const BothStates ours = {measure(*clod, sample, options.repeat), measure(*clod, still, options.repeat)};
+	const BothStates peer = {measure(*other, sample, options.repeat), measure(*other, still, options.repeat)};
 	std::vector<bool> all(rows.size(), true), moving;
 	for (const ReplayRow& row : rows) moving.push_back(row.contact(tolerance) && row.motion() == Motion::moving);
 	return {{"peer", "btGImpactMeshShape"},
@@ -97,17 +108,20 @@ nlohmann::ordered_json comparePeer(const HierarchyPointer& a, const HierarchyPoi
 void printPeer(const nlohmann::ordered_json& peer)
 {
 	fmt::print(
-		"\nwhole dispatches of Bullet, {} against itself on the same meshes, median "
-		"us\n{:<22}{:>8}{:>12}{:>12}{:>10}{:>12}\n",
-		peer["peer"].get<std::string>(), "rows", "count", "clod", "peer", "ratio", "query alone");
+		"\nwhole dispatches of Bullet, {} against itself on the same meshes, median us: bodies moving as recorded, and "
+		"the same poses at rest\n{:<22}{:>8}{:>12}{:>12}{:>10}{:>12}{:>12}{:>10}{:>12}\n",
+		peer["peer"].get<std::string>(), "rows", "count", "clod", "peer", "ratio", "clod rest", "peer rest", "ratio",
+		"query alone");
 	for (const char* name : {"all_rows", "moving_contact_rows"})
 	{
 		const auto& figures = peer[name];
 		if (figures["rows"] == 0) continue;
-		fmt::print("{:<22}{:>8}{:>12.1f}{:>12.1f}{:>10.2f}{:>12.1f}\n", name, figures["rows"].get<std::size_t>(),
-				   figures["clod_dispatch_us"]["median"].get<double>(),
-				   figures["gimpact_dispatch_us"]["median"].get<double>(), figures["ratio_of_medians"].get<double>(),
-				   figures["query_us"]["median"].get<double>());
+		const auto median = [&](const char* key) { return figures[key]["median"].get<double>(); };
+		fmt::print("{:<22}{:>8}{:>12.1f}{:>12.1f}{:>10.2f}{:>12.1f}{:>12.1f}{:>10.2f}{:>12.1f}\n", name,
+				   figures["rows"].get<std::size_t>(), median("clod_dispatch_us"), median("gimpact_dispatch_us"),
+				   figures["ratio_of_medians"].get<double>(), median("clod_dispatch_at_rest_us"),
+				   median("gimpact_dispatch_at_rest_us"), figures["ratio_of_medians_at_rest"].get<double>(),
+				   median("query_us"));
 	}
 }
 }  // namespace clod::demo

@@ -10,7 +10,8 @@
 
 namespace clod::demo
 {
-// Times both shapes and returns their spreads and ratios, over all rows and over the moving contact rows of `rows`.
+// Times both shapes, moving as recorded and at rest, and returns their spreads and ratios, over all rows and over the
+// moving contact rows of `rows`.
 nlohmann::ordered_json comparePeer(const HierarchyPointer& a, const HierarchyPointer& b,
 								   const std::vector<PoseRow>& poses, const std::vector<ReplayRow>& rows,
 								   const ReplayOptions& options);

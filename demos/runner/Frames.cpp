@@ -92,7 +92,37 @@ std::vector<std::string> figures(const FrameAnswer& answer)
 	return lines;
 }
 
+int levelCount(const FrameSubject& subject)
+{
+	std::uint32_t coarsest = 0;
+	for (const FrameBody& body : subject.bodies) coarsest = std::max(coarsest, body.hierarchy->coarsestClodLevel());
+	return int(coarsest) + 1;
+}
 }  // namespace
+
+std::vector<LegendEntry> legendOf(const FrameSubject& subject, const FrameAnswer& answer)
+{
+	std::set<std::uint32_t> used;
+	for (const PairAnswer& pair : answer.pairs)
+		for (const Contact& contact : pair.result.contacts)
+		{
+			used.insert(subject.bodies[pair.bodies.a].hierarchy->node(contact.nodeA).level);
+			used.insert(subject.bodies[pair.bodies.b].hierarchy->node(contact.nodeB).level);
+		}
+	std::vector<LegendEntry> entries;
+	const int levels = levelCount(subject);
+	for (int level = 0; level < levels; ++level)
+	{
+		double deviation = 0;
+		for (const FrameBody& body : subject.bodies)
+			if (level <= int(body.hierarchy->coarsestClodLevel()))
+				deviation = std::max(deviation, double(body.hierarchy->levels()[std::size_t(level)].maxDeviation));
+		const std::string label =
+			level == 0 ? "0: full resolution" : fmt::format("{}: up to {}", level, millimetres(deviation));
+		entries.push_back({levelColor(level, levels), label, used.count(std::uint32_t(level)) > 0});
+	}
+	return entries;
+}
 
 FramePainter::FramePainter(const FrameSubject& subject) : m_subject(subject)
 {
@@ -105,38 +135,6 @@ FramePainter::FramePainter(const FrameSubject& subject) : m_subject(subject)
 		if (!id) throw cli::Failure(cli::ExitCode::failure, id.error());
 		m_meshes.push_back(id.value());
 	}
-}
-
-int FramePainter::levelCount() const
-{
-	std::uint32_t coarsest = 0;
-	for (const FrameBody& body : m_subject.bodies) coarsest = std::max(coarsest, body.hierarchy->coarsestClodLevel());
-	return int(coarsest) + 1;
-}
-
-// Levels with the largest error of any hierarchy.
-std::vector<LegendEntry> FramePainter::legend(const FrameAnswer& answer) const
-{
-	std::set<std::uint32_t> used;
-	for (const PairAnswer& pair : answer.pairs)
-		for (const Contact& contact : pair.result.contacts)
-		{
-			used.insert(m_subject.bodies[pair.bodies.a].hierarchy->node(contact.nodeA).level);
-			used.insert(m_subject.bodies[pair.bodies.b].hierarchy->node(contact.nodeB).level);
-		}
-	std::vector<LegendEntry> entries;
-	const int levels = levelCount();
-	for (int level = 0; level < levels; ++level)
-	{
-		double deviation = 0;
-		for (const FrameBody& body : m_subject.bodies)
-			if (level <= int(body.hierarchy->coarsestClodLevel()))
-				deviation = std::max(deviation, double(body.hierarchy->levels()[std::size_t(level)].maxDeviation));
-		const std::string label =
-			level == 0 ? "0: full resolution" : fmt::format("{}: up to {}", level, millimetres(deviation));
-		entries.push_back({levelColor(level, levels), label, used.count(std::uint32_t(level)) > 0});
-	}
-	return entries;
 }
 
 void FramePainter::addPatches(Frame& frame, const FrameMoment& moment, const FrameAnswer& answer) const
@@ -152,7 +150,7 @@ void FramePainter::addPatches(Frame& frame, const FrameMoment& moment, const Fra
 	for (std::size_t i = 0; i < nodes.size(); ++i)
 		if (!nodes[i].empty())
 			frame.patches.push_back(
-				patchLayer(moment.poses[i], *m_subject.bodies[i].hierarchy, nodes[i], levelCount(), isPair));
+				patchLayer(moment.poses[i], *m_subject.bodies[i].hierarchy, nodes[i], levelCount(m_subject), isPair));
 }
 
 void FramePainter::addContacts(Frame& frame, const std::vector<FrameContact>& contacts) const
@@ -218,7 +216,7 @@ Image FramePainter::closeUp(const FrameMoment& moment, const FrameAnswer& answer
 	text.title = view.caption;
 	text.lines = lines;
 	text.legendTitle = "Level of detail and its error";
-	text.legend = legend(answer);
+	text.legend = legendOf(m_subject, answer);
 	text.pixelsPerMetre = frame.camera.pixelsPerMetre(kPanel);
 	drawOverlay(image, text);
 	return image;

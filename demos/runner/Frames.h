@@ -57,6 +57,10 @@ struct FrameAnswer
 	ReplayRow row;  // times and counts of all pairs, with warm caches
 };
 
+// One entry a level, finest first: those at which any body of the answer was met are in use. The error is the largest
+// of any body's hierarchy.
+std::vector<LegendEntry> legendOf(const FrameSubject& subject, const FrameAnswer& answer);
+
 class FramePainter
 {
 public:
@@ -72,12 +76,10 @@ private:
 	void addContacts(Frame& frame, const std::vector<FrameContact>& contacts) const;
 	void addPatches(Frame& frame, const FrameMoment& moment, const FrameAnswer& answer) const;
 	std::vector<FrameContact> markContacts(const FrameMoment& moment, const FrameAnswer& answer) const;
-	std::vector<LegendEntry> legend(const FrameAnswer& answer) const;
 	Image overview(const FrameMoment& moment, const FrameAnswer& answer, const std::vector<FrameContact>& contacts,
 				   const std::vector<std::string>& lines);
 	Image closeUp(const FrameMoment& moment, const FrameAnswer& answer, const std::vector<FrameContact>& contacts,
 				  const std::vector<std::string>& lines);
-	int levelCount() const;
 
 	FrameSubject m_subject;
 	std::unique_ptr<Renderer> m_renderer;

@@ -88,7 +88,7 @@ PairSubject fromScene(const PairInput& input, const SceneInfo& info, HierarchyCa
 			{run.scene.models[bodyA.model], run.scene.models[bodyB.model], seconds},
 			std::move(poses),
 			info.tolerance,
-			run.scene.dt,
+			{run.scene.dt, !info.isPair()},
 			info.worldScale};
 }
 
@@ -102,7 +102,7 @@ PairSubject fromFiles(const PairInput& input, HierarchyCache& cache)
 			{a, b, std::nan("")},
 			std::move(poses.value()),
 			kDefaultTolerance * radius,
-			input.dt > 0 ? input.dt : 1.0 / 240,
+			{input.dt > 0 ? input.dt : 1.0 / 240},
 			std::pow(10.0, std::round(std::log10(kBulletRadius / radius)))};
 }
 

@@ -34,7 +34,9 @@ struct PairSubject
 	std::string title;
 	RosterModels models;
 	std::vector<PoseRow> poses;
-	double tolerance = 0, dt = 0, worldScale = 0;
+	double tolerance = 0;
+	RowClock clock;
+	double worldScale = 0;
 };
 // Throws cli::Failure: usage (2), bad input (3), and what building and simulating can meet.
 PairSubject pairSubject(const PairInput& input, HierarchyCache& cache, cli::Progress& progress);

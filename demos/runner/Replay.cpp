@@ -138,10 +138,17 @@ double relativeSpeed(const Hierarchy& a, const Hierarchy& b, const PoseRow& from
 	return displacement(before, after, center, asset.radius) / (smallerRadius(a, b) * seconds);
 }
 
-std::vector<double> relativeSpeeds(const Hierarchy& a, const Hierarchy& b, const std::vector<PoseRow>& poses, double dt)
+double secondsBetween(const PoseRow& from, const PoseRow& to, const RowClock& clock)
+{
+	return clock.mayPause ? double(std::max<std::int64_t>(1, to.step - from.step)) * clock.dt : clock.dt;
+}
+
+std::vector<double> relativeSpeeds(const Hierarchy& a, const Hierarchy& b, const std::vector<PoseRow>& poses,
+								   const RowClock& clock)
 {
 	std::vector<double> speeds(poses.size(), 0.0);
-	for (std::size_t i = 1; i < poses.size(); ++i) speeds[i] = relativeSpeed(a, b, poses[i - 1], poses[i], dt);
+	for (std::size_t i = 1; i < poses.size(); ++i)
+		speeds[i] = relativeSpeed(a, b, poses[i - 1], poses[i], secondsBetween(poses[i - 1], poses[i], clock));
 	return speeds;
 }
 
@@ -150,13 +157,8 @@ RelativeMotion relativeMotion(const Hierarchy& a, const Hierarchy& b, const Pose
 {
 	const Transform before = relativePose(from, meshFromBody(a), meshFromBody(b));
 	const Transform after = relativePose(to, meshFromBody(a), meshFromBody(b));
-	// B turns by `turn` seen from A: sin(angle) * axis is its antisymmetric part.
-	const Mat3 turn = after.rotation * transposed(before.rotation);
-	const Vec3 sine =
-		0.5 * Vec3{turn.row[2].y - turn.row[1].z, turn.row[0].z - turn.row[2].x, turn.row[1].x - turn.row[0].y};
-	const double size = length(sine), cosine = (turn.row[0].x + turn.row[1].y + turn.row[2].z - 1) / 2;
-	const double angle = std::atan2(size, cosine);
-	const Vec3 angular = size > 0 ? (angle / (size * seconds)) * sine : Vec3{};
+	// Of B seen from A.
+	const Vec3 angular = (1 / seconds) * rotationVector(after.rotation * transposed(before.rotation));
 	const Vec3 linear = (1 / seconds) * (after.translation - before.translation) - cross(angular, after.translation);
 	return {-1.0 * linear, -1.0 * angular, seconds};
 }
@@ -196,12 +198,6 @@ PairQueries::PairQueries(Bodies bodies, const ReplayOptions& options) : m_bodies
 {
 }
 
-double PairQueries::secondsBetween(const PoseRow& from, const PoseRow& to) const
-{
-	// Rows of two bodies follow each other in time whatever their steps are called; of more, a pair may have been away.
-	return m_bodies.size() > 2 ? double(std::max<std::int64_t>(1, to.step - from.step)) * m_options.dt : m_options.dt;
-}
-
 ReplayRow PairQueries::at(const PoseRow& poses)
 {
 	const Hierarchy &a = *m_bodies[poses.bodyA], &b = *m_bodies[poses.bodyB];
@@ -213,7 +209,7 @@ ReplayRow PairQueries::at(const PoseRow& poses)
 	double speed = 0;
 	if (pair.previous)
 	{
-		const double seconds = secondsBetween(*pair.previous, poses);
+		const double seconds = secondsBetween(*pair.previous, poses, {m_options.dt, m_bodies.size() > 2});
 		motion = relativeMotion(a, b, *pair.previous, poses, seconds);
 		speed = relativeSpeed(a, b, *pair.previous, poses, seconds);
 	}

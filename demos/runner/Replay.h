@@ -28,8 +28,8 @@ struct ReplayOptions  // lengths: shares are of a pair's smaller radius
 	std::optional<cli::Length> gapError;  // GapSettings::gapError
 	bool distance = false, paper = false;
 	bool contactsOnly = false;  // no gap is asked for
-	int repeat = 1;      // whole passes, all caches dropped before each; a row keeps its least time
-	bool fresh = false;  // caches dropped before every row as well
+	int repeat = 1;             // whole passes, all caches dropped before each; a row keeps its least time
+	bool fresh = false;         // caches dropped before every row as well
 	double dt = 1.0 / 240;
 };
 
@@ -98,7 +98,6 @@ private:
 		MeasuredQuery query;
 		std::optional<PoseRow> previous;
 	};
-	double secondsBetween(const PoseRow& from, const PoseRow& to) const;
 	Bodies m_bodies;
 	ReplayOptions m_options;
 	std::map<std::pair<std::uint32_t, std::uint32_t>, Pair> m_pairs;
@@ -106,9 +105,18 @@ private:
 
 // Speed of B's fastest point seen from A between two poses, in smaller radii a second.
 double relativeSpeed(const Hierarchy& a, const Hierarchy& b, const PoseRow& from, const PoseRow& to, double seconds);
+// Seconds between the rows of one pair.
+struct RowClock
+{
+	double dt = 1.0 / 240;
+	// Of more than two bodies a pair may have been away in between: time goes by the rows' steps. Rows of two follow
+	// each other whatever their steps are called.
+	bool mayPause = false;
+};
+double secondsBetween(const PoseRow& from, const PoseRow& to, const RowClock& clock);
 // Before each of successive rows of one pair; 0 in the first.
 std::vector<double> relativeSpeeds(const Hierarchy& a, const Hierarchy& b, const std::vector<PoseRow>& poses,
-								   double dt);
+								   const RowClock& clock);
 
 // Velocity of A's material relative to B's that carries the one pose into the other, in A's body frame; its time step
 // is `seconds`.

@@ -132,8 +132,6 @@ void checkUsage(const ReplayCommandOptions& options)
 	if (options.peer.empty()) return;
 	if (options.selection.hasQueryOnly())
 		throw Failure(ExitCode::usage, "--paper and --fresh are of queries: the dispatches of --peer have neither");
-	if (options.selection.velocity)
-		throw Failure(ExitCode::usage, "--peer dispatches bodies that are placed: --velocity finds none there");
 }
 
 void runReplay(const ReplayCommandOptions& options)

@@ -7,12 +7,11 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <map>
 #include <memory>
 
 #include "cli/Progress.h"
 #include "demos/runner/Commands.h"
-#include "demos/runner/Penetration.h"
+#include "demos/runner/PenetrationCheck.h"
 #include "demos/runner/SceneFrames.h"
 #include "demos/runner/SceneModels.h"
 #include "demos/runner/SceneRun.h"
@@ -26,9 +25,6 @@ namespace
 {
 using cli::ExitCode;
 using cli::Failure;
-
-// Interpenetration that an exact run may show, as a share of the thinner wall.
-constexpr double kPenetrationShare = 0.01;
 
 struct RunOptions
 {
@@ -91,41 +87,12 @@ SceneRunOptions setUp(const RunOptions& options, const SceneInfo& info, Hierarch
 	return run;
 }
 
-// The deepest interpenetration of the full meshes over all steps, against what the selection allows.
-nlohmann::ordered_json verifyPenetration(const RunOptions& options, const SceneRunOptions& run,
-										 const std::vector<SceneRow>& rows, cli::Progress& progress)
+std::vector<ModelMesh> meshesOf(const RunOptions& options, const SceneRunOptions& run)
 {
-	const SceneInfo& info = run.info;
-	std::vector<std::shared_ptr<const SignedDistance>> solids;  // one a model
-	for (std::size_t i = 0; i < info.models.size(); ++i)
-		solids.push_back(
-			std::make_shared<SignedDistance>(meshOf(info.models[i], run.scene.models[i], options.detail())));
-	std::map<std::pair<std::uint32_t, std::uint32_t>, PenetrationMeter> meters;
-	double deepest = 0, bound = 0;
-	PoseRow where;
-	for (std::size_t i = 0; i < rows.size(); ++i)
-	{
-		for (const PoseRow& poses : posesOf(rows[i].state))
-		{
-			const auto solid = [&](std::uint32_t body) { return solids[info.bodies[body].model]; };
-			auto& meter =
-				meters.try_emplace({poses.bodyA, poses.bodyB}, solid(poses.bodyA), solid(poses.bodyB)).first->second;
-			const double depth = meter.depth(relativePose(poses, {}, {}));
-			if (depth > deepest) deepest = depth, where = poses;
-		}
-		for (const ReplayRow& pair : rows[i].pairs)
-			if (!std::isinf(pair.errorBound)) bound = std::max(bound, pair.errorBound);
-		if (options.selection.budget.isLimited()) bound = std::max(bound, rows[i].state.contactError);
-		progress.update("interpenetration", double(i + 1) / double(rows.size()));
-	}
-	const double limit = kPenetrationShare * info.thinnerWall + (options.selection.exact ? 0 : bound);
-	return {{"deepest", deepest},
-			{"step", where.step},
-			{"bodies", {info.bodies[where.bodyA].name, info.bodies[where.bodyB].name}},
-			{"share_of_thinner_wall", deepest / info.thinnerWall},
-			{"certified_bound_in_use", bound},
-			{"limit", limit},
-			{"within_limit", deepest <= limit}};
+	std::vector<ModelMesh> meshes;
+	for (std::size_t i = 0; i < run.info.models.size(); ++i)
+		meshes.push_back(meshOf(run.info.models[i], run.scene.models[i], options.detail()));
+	return meshes;
 }
 
 Camera cameraOf(const SceneView& view)
@@ -139,8 +106,7 @@ nlohmann::ordered_json paintFrames(const RunOptions& options, const SceneRunOpti
 	const SceneInfo& info = run.info;
 	FrameSubject subject;
 	subject.title = fmt::format("{}: {}", info.name, info.summary);
-	for (std::size_t i = 0; i < info.models.size(); ++i)
-		subject.meshes.push_back(meshOf(info.models[i], run.scene.models[i], options.detail()));
+	subject.meshes = meshesOf(options, run);
 	for (const SceneBody& body : info.bodies)
 		subject.bodies.push_back({body.model, run.scene.models[body.model], body.isSeenThrough});
 	subject.closeUp = info.closeUp;
@@ -186,8 +152,8 @@ void print(const RunOptions& options, const nlohmann::ordered_json& report)
 	fmt::print("at the end {}, {}; fastest point {:.4f} radii/s\n", summary["stays_in_place"] ? "in place" : "GONE",
 			   summary["end"]["at_rest"] ? "at rest" : "not at rest",
 			   summary["end"]["largest_speed_radii_per_s"].get<double>());
-	fmt::print("median query {:.1f} us, dispatch {:.1f} us, whole step {:.1f} us\n",
-			   summary["queries"]["all_rows"]["query_us"]["median"].get<double>(),
+	fmt::print("median over {} steps: query {:.1f} us, dispatch {:.1f} us, whole step {:.1f} us\n",
+			   summary["rows"].get<std::size_t>(), summary["queries"]["all_rows"]["query_us"]["median"].get<double>(),
 			   summary["dispatch_us"]["median"].get<double>(), summary["step_us"]["median"].get<double>());
 	if (report.contains("interpenetration"))
 		fmt::print("deepest interpenetration of the full meshes {:.6f} mm at step {} (limit {:.6f} mm)\n",
@@ -233,7 +199,11 @@ void runRun(const RunOptions& options)
 	report["summary"] = summarizeScene(rows, info.tolerance);
 	if (!options.poses.empty()) report["poses"] = recordPoses(options.poses, posesOf(rows), info.bodies.size());
 	writeText(options.csv, formatSceneRows(info, rows));
-	if (options.verifyPenetration) report["interpenetration"] = verifyPenetration(options, run, rows, progress);
+	if (options.verifyPenetration)
+		report["interpenetration"] =
+			toJson(checkPenetration(run, meshesOf(options, run), rows,
+									[&](double fraction) { progress.update("interpenetration", fraction); }),
+				   info);
 	if (!options.frames.directory.empty()) report["frames"] = paintFrames(options, run, rows, progress);
 	progress.finish();
 	print(options, report);

@@ -7,6 +7,8 @@
 
 namespace clod::demo
 {
+// Behind every median that is printed, where there are so many; where there are fewer, the count stands beside it.
+inline constexpr std::size_t kEnoughRows = 100;
 // Linear interpolation between order statistics; p in [0, 1]; NaN for no values.
 double quantile(std::vector<double> values, double p);
 // median, quartiles, p95, min, max, mean, count.

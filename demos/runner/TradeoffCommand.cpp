@@ -30,7 +30,7 @@ struct TradeoffOptions
 	Selection selection;
 	PairInput input;
 	std::string directory, peers, peerDirectory, rows = "moving";
-	int stride = 0, mostRows = 40, repeat = 3, decimations = 12;
+	int stride = 0, mostRows = int(kEnoughRows), repeat = 3, decimations = 12;
 	double prepareSeconds = 300;
 };
 
@@ -70,8 +70,6 @@ void checkUsage(const TradeoffOptions& options)
 		throw Failure(ExitCode::usage,
 					  "--paper and --fresh are for replay: tradeoff measures one build of the models, as a simulation "
 					  "would find their caches");
-	if (selection.velocity)
-		throw Failure(ExitCode::usage, "tradeoff dispatches bodies that are placed: --velocity finds none there");
 }
 
 Roster rosterOf(const TradeoffOptions& options, const PairSubject& subject, HierarchyCache& cache,
@@ -112,7 +110,7 @@ void write(const TradeoffOptions& options, const PairSubject& subject, const Tra
 	writeReport(folder + "tradeoff.json", report);
 	writeReport(options.common.json, report);
 	const std::string title =
-		fmt::format("{}: error against time, {} rows, {} and {} triangles", subject.title, tradeoff.rows,
+		fmt::format("{}: error against time, moving, {} rows, {} and {} triangles", subject.title, tradeoff.rows,
 					subject.models.a->asset().triangleCount, subject.models.b->asset().triangleCount);
 	const bool plotted = plot(tradeoff, title, folder + "tradeoff.png");
 	if (!options.common.textOnStdout()) return;
@@ -130,7 +128,8 @@ void runTradeoff(const TradeoffOptions& options)
 	const double radius = smallerRadius(*subject.models.a, *subject.models.b);
 	makeDirectory(options.directory);
 
-	const SampleRules rules{subject.tolerance, subject.dt, options.stride, options.mostRows, options.rows == "contact"};
+	const SampleRules rules{subject.tolerance, subject.clock, options.stride, options.mostRows,
+							options.rows == "contact"};
 	const ExactSample sample = takeSample(subject.models.a, subject.models.b, subject.poses, rules,
 										  [&](double fraction) { progress.update("exact answers", fraction); });
 	if (sample.exact.empty())
@@ -139,7 +138,6 @@ void runTradeoff(const TradeoffOptions& options)
 	Tradeoff tradeoff;
 	tradeoff.radius = radius;
 	tradeoff.tolerance = subject.tolerance;
-
 	tradeoff.floor = kRoundingShare * radius;
 	tradeoff.leftOut = roster.leftOut;
 	measure(tradeoff, roster.peers, sample, options.repeat,
@@ -165,7 +163,7 @@ void addTradeoffCommand(CLI::App& program)
 		->required();
 	cli::addChoice(*command, "--rows", options->rows, {"moving", "contact"},
 				   "Rows that touch and move, or all that touch");
-	command->add_option("--most-rows", options->mostRows, "About so many of them, evenly")
+	command->add_option("--most-rows", options->mostRows, "So many of them, evenly; all where there are fewer")
 		->type_name("N")
 		->check(CLI::Range(1, 1'000'000))
 		->capture_default_str();

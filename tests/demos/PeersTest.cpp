@@ -167,10 +167,13 @@ TEST(Pareto, AnswerIsTheFastestOfTheSameKindAtNoLargerErrors)
 TEST(Pareto, ARowKeepsItsLeastTime)
 {
 	TradeoffPoint result;
-	setTimes(result, {{4, 5, 9}, {3, 7, 8}});
+	setTimes(result, {{4, 5, 9}, {3, 7, 8}}, {{2, 1, 1}, {1, 4, 3}});
 	EXPECT_EQ(result.median, 5);
 	EXPECT_EQ(result.passLow, 5);
 	EXPECT_EQ(result.passHigh, 7);
+	EXPECT_EQ(result.restMedian, 1);
+	setTimes(result, {{4}}, {});
+	EXPECT_TRUE(std::isnan(result.restMedian));
 }
 
 Result<PieceFile> piecesOf(const std::string& text)

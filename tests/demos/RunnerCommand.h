@@ -9,7 +9,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include "tests/support/Files.h"
 
@@ -26,6 +28,26 @@ struct Outcome
 	int code;
 	std::string out, err;
 };
+
+// A named column of a csv.
+inline std::vector<double> column(const std::string& csv, const std::string& name)
+{
+	std::istringstream lines(csv);
+	std::string header, line, field;
+	std::getline(lines, header);
+	std::istringstream names(header);
+	int wanted = 0;
+	while (std::getline(names, field, ',') && field != name) ++wanted;
+	std::vector<double> values;
+	if (field != name) return values;
+	while (std::getline(lines, line))
+	{
+		std::istringstream fields(line);
+		for (int i = 0; i <= wanted; ++i) std::getline(fields, field, ',');
+		values.push_back(std::strtod(field.c_str(), nullptr));
+	}
+	return values;
+}
 
 // One folder for the whole program, so that all tests share one cache.
 class RunnerCommand : public testing::Test

@@ -46,26 +46,6 @@ std::string answers(const std::string& csv)
 	return result;
 }
 
-// A named column of a csv.
-std::vector<double> column(const std::string& csv, const std::string& name)
-{
-	std::istringstream lines(csv);
-	std::string header, line, field;
-	std::getline(lines, header);
-	std::istringstream names(header);
-	int wanted = 0;
-	while (std::getline(names, field, ',') && field != name) ++wanted;
-	std::vector<double> values;
-	if (field != name) return values;
-	while (std::getline(lines, line))
-	{
-		std::istringstream fields(line);
-		for (int i = 0; i <= wanted; ++i) std::getline(fields, field, ',');
-		values.push_back(std::strtod(field.c_str(), nullptr));
-	}
-	return values;
-}
-
 TEST_F(RunnerCommand, ModelWritesTheSameBytesTwice)
 {
 	ASSERT_EQ(bench("model torus --triangles 800 -o " + path("one.obj")).code, 0);
@@ -113,7 +93,6 @@ TEST_F(RunnerCommand, UsageErrorsExitWith2AndTheNearestMatch)
 		{"replay a.obj b.obj", "POSES"},
 		{"replay a.obj b.obj p.csv --repeat 0", "--repeat"},
 		{"replay a.obj b.obj p.csv --peer coal", "gimpact"},
-		{"replay a.obj b.obj p.csv --peer gimpact --velocity 1", "--velocity finds none"},
 		{"replay a.obj b.obj p.csv --peer gimpact --fresh", "--paper and --fresh"},
 		{"replay a.obj b.obj p.csv --peer gimpact --paper", "--paper and --fresh"},
 		{"replay a.obj b.obj p.csv --budget-us 5 --repeat 2", "by the clock"},
@@ -123,7 +102,6 @@ TEST_F(RunnerCommand, UsageErrorsExitWith2AndTheNearestMatch)
 		{"run spoon-cup --fresh --budget-us 100", "have neither"},
 		{"tradeoff spoon-cup -o x --paper", "--paper and --fresh are for replay"},
 		{"tradeoff spoon-cup -o x --fresh", "--paper and --fresh are for replay"},
-		{"tradeoff spoon-cup -o x --velocity 1", "--velocity finds none"},
 		{"tradeoff spoon-cup -o x --budget-us 5", "by the clock"},
 		{"tradeoff spoon-cup -o x --camera 0,0,1,0,0,0,40", "--camera has no effect without --view"},
 		{"tradeoff spoon-cup -o x --size 3.5 --methods gimpact", "names none of them"},

@@ -106,7 +106,20 @@ TEST_F(RunnerCommand, TradeoffMeasuresOursAndWhatBulletHas)
 	EXPECT_EQ(covered.at("clod,exact"), 1);
 	EXPECT_GT(gap.at("clod,size 7 %"), gap.at("clod,exact"));
 	EXPECT_LT(gap.at("clod,max-error 0.1 %"), 0.001 * 0.072);  // the smaller radius, rounded up
-	for (const auto& [method, microseconds] : time) EXPECT_GT(microseconds, 0) << method;
+	// Dispatches are timed once more with the bodies at rest.
+	const auto rest = csvColumn(csv, "us_rest_median"), rows = csvColumn(csv, "rows");
+	for (const auto& [method, microseconds] : time)
+	{
+		const bool isQuery = method.rfind("clod,", 0) == 0 || method.rfind("clod-gap,", 0) == 0 ||
+							 method.rfind("decimated-exact,", 0) == 0;
+		EXPECT_GT(microseconds, 0) << method;
+		EXPECT_EQ(rest.at(method) > 0, !isQuery) << method;
+		EXPECT_GT(rows.at(method), 0) << method;
+	}
+	EXPECT_NE(outcome.out.find(" rows only, "), std::string::npos) << outcome.out;
+	for (const json& row : report("tradeoff/tradeoff.json")["tradeoff"]["pareto"])
+		EXPECT_EQ(row["factor_at_rest"].is_number() && row["factor_at_rest"].get<double>() > 0, row["factor"] != 0)
+			<< row;
 	const json left = report("tradeoff/tradeoff.json")["tradeoff"]["left_out"];
 	EXPECT_NE(left.dump().find("scripts/peers"), std::string::npos) << left;
 	EXPECT_NE(readText(path("tradeoff/pareto.csv")).find("gimpact,full"), std::string::npos);
@@ -139,6 +152,7 @@ TEST_F(RunnerCommand, TradeoffMeasuresTheSelectionGiven)
 	const std::pair<const char*, const char*> others[] = {
 		{" --size 5 --max-error 3%", ",size 5 % + max-error 3 %,"},
 		{" --exact --budget-tests 50", ",exact + at most 50 tests,"},
+		{" --velocity 1", ",velocity 1,"},
 		{" --size 5 --view 3 --camera 0,0.2,0.2,0,0,0,40 --combine relaxed", ",size 5 % or view 3 px,"}};
 	for (const auto& [selection, label] : others)
 	{
@@ -164,7 +178,13 @@ TEST_F(RunnerCommand, ThePeersDispatchIsOfTheSelection)
 		const Outcome outcome = bench(replayWords() + cache() + " --tolerance 2mm --quiet --peer gimpact --json " +
 									  path("peer.json") + selection);
 		EXPECT_EQ(outcome.code, 0) << outcome.err;
-		return report("peer.json")["peer"]["all_rows"]["clod_points"]["mean"].get<double>();
+		const json rows = report("peer.json")["peer"]["all_rows"];
+		const auto median = [&](const char* key) { return rows[key]["median"].get<double>(); };
+		EXPECT_DOUBLE_EQ(rows["ratio_of_medians"], median("clod_dispatch_us") / median("gimpact_dispatch_us"));
+		EXPECT_DOUBLE_EQ(rows["ratio_of_medians_at_rest"],
+						 median("clod_dispatch_at_rest_us") / median("gimpact_dispatch_at_rest_us"));
+		EXPECT_NE(outcome.out.find("bodies moving as recorded, and the same poses at rest"), std::string::npos);
+		return rows["clod_points"]["mean"].get<double>();
 	};
 	const std::string camera = " --camera 0,0.2,0.2,0,0,0,40";
 	const double exact = points(" --exact"), coarsest = points(" --exact --budget-tests 0");
@@ -172,6 +192,7 @@ TEST_F(RunnerCommand, ThePeersDispatchIsOfTheSelection)
 	EXPECT_EQ(points(" --view 1e-6" + camera), exact);
 	EXPECT_EQ(points(" --view 1e6" + camera), points(" --size 1e6"));
 	EXPECT_EQ(points(" --view 1e-6 --size 1e6 --combine relaxed" + camera), points(" --size 1e6"));
+	EXPECT_LT(points(" --velocity 1e3 --velocity-floor 0"), exact);  // the bodies move
 }
 
 // The first of the rows that are not moving or do not touch do not make a sample empty.
@@ -325,6 +346,7 @@ TEST_F(RunnerCommand, ScalingMeasuresTheSameRowsAtEverySize)
 	}
 	EXPECT_GT(selections[0]["sizes"][1]["contacts"], selections[2]["sizes"][1]["contacts"]);  // exact, size 3.5 %
 	EXPECT_EQ(selections[0]["sizes"][1]["coarsest_level"], 0);
+	EXPECT_LT(selections[2]["sizes"][1]["finest_level"], selections[2]["sizes"][1]["coarsest_level"]);
 	EXPECT_EQ(bench("scaling mixed-needs -o " + path("x") + cache()).code, 2);
 	EXPECT_EQ(bench("scaling --resolutions 0,1 -o " + path("x") + cache()).code, 2);
 }

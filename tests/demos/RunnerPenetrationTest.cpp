@@ -3,10 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <random>
 
-#include "demos/runner/Penetration.h"
+#include "demos/runner/PenetrationCheck.h"
 
 namespace
 {
@@ -66,5 +68,68 @@ TEST(RunnerPenetration, FollowsAMovingCubeThroughAWall)
 	// A teleport out and back in: skipped vertices must be looked at again.
 	EXPECT_EQ(meter.depth({{}, {50, 0, 0}}), 0);
 	EXPECT_NEAR(meter.depth({rotationFromQuaternion(0, 0, 1, 0), {0, 10.5, 0}}), 0.5, 1e-9);
+}
+
+// Each in turn is the body whose vertices are inside: the other has none there.
+TEST(RunnerPenetration, SeesEitherBodysVerticesInTheOther)
+{
+	const auto large = std::make_shared<SignedDistance>(cube(10)), small = std::make_shared<SignedDistance>(cube(1));
+	for (double x = 20; x > 8; x -= 0.01)
+	{
+		const Vec3 away{x, 3, -2};
+		const double depth = std::max(0.0, 10 - (x - 1));
+		EXPECT_NEAR(PenetrationMeter(large, small).depth({{}, away}), depth, 1e-9) << x;
+		EXPECT_NEAR(PenetrationMeter(small, large).depth({{}, -away}), depth, 1e-9) << x;
+	}
+	PenetrationMeter meter(small, large);
+	for (double x = 20; x > 8; x -= 0.01)
+		ASSERT_NEAR(meter.depth({{}, {-x, 0, 0}}), std::max(0.0, 10 - (x - 1)), 1e-9) << x;
+}
+
+// Two bodies at scripted poses: the deepest row is named, and the limit is a hundredth of the wall and the bound.
+TEST(RunnerPenetration, TheCheckOfARunNamesDepthPlaceAndLimit)
+{
+	SceneRunOptions run;
+	run.info.bodies = {{"wall", 0, false}, {"dice", 1, false}};
+	run.info.thinnerWall = 2;
+	std::vector<SceneRow> rows(4);
+	const double depths[] = {0, 0.01, 0.3, 0.2};
+	const double bounds[] = {0.1, 0.25, 0.05, std::numeric_limits<double>::infinity()};
+	for (const bool isDiceFirst : {false, true})
+	{
+		if (isDiceFirst) std::swap(run.info.bodies[0], run.info.bodies[1]);
+		for (std::size_t i = 0; i < rows.size(); ++i)
+		{
+			SceneState& state = rows[i].state;
+			state.step = std::int64_t(i) + 1;
+			state.bodies.assign(2, {});
+			state.bodies[isDiceFirst ? 0 : 1].pose.position = {11 - depths[i], 0, 0};
+			state.pairs = {{0, 1}};
+			rows[i].pairs.assign(1, {});
+			rows[i].pairs[0].errorBound = bounds[i];
+		}
+		for (const bool isExact : {false, true})
+		{
+			run.scene.metric.exact = isExact;
+			const PenetrationCheck check = checkPenetration(run, {cube(10), cube(1)}, rows, [](double) {});
+			EXPECT_NEAR(check.deepest, 0.3, 1e-9);
+			EXPECT_EQ(check.where.step, 3);
+			EXPECT_EQ(check.bound, 0.25);
+			EXPECT_DOUBLE_EQ(check.limit, isExact ? 0.02 : 0.27);
+			EXPECT_FALSE(check.holds());
+			const auto json = toJson(check, run.info);
+			EXPECT_EQ(json["deepest"], check.deepest);
+			EXPECT_EQ(json["limit"], check.limit);
+			EXPECT_EQ(json["step"], 3);
+			EXPECT_EQ(json["within_limit"], false);
+			EXPECT_DOUBLE_EQ(json["share_of_thinner_wall"], check.deepest / 2);
+		}
+	}
+	// Just within, and just beyond.
+	rows.resize(2);
+	run.scene.metric.exact = true;
+	EXPECT_TRUE(checkPenetration(run, {cube(10), cube(1)}, rows, [](double) {}).holds());
+	run.info.thinnerWall = 0.99;
+	EXPECT_FALSE(checkPenetration(run, {cube(10), cube(1)}, rows, [](double) {}).holds());
 }
 }  // namespace

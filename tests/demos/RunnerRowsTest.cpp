@@ -66,6 +66,29 @@ TEST(RunnerRows, TheSumTakesTheSpeedOfTouchingPairs)
 	EXPECT_TRUE(std::isinf(sumOfPairs({}, kTolerance).minDistance));
 }
 
+TEST(RunnerRows, TheSumAddsCostsAndSpansLevels)
+{
+	std::vector<ReplayRow> pairs = {rowOf(0.1, 0), rowOf(0.2, 0), rowOf(kInfinity, 0)};
+	const std::uint32_t finest[] = {2, 1, 0}, coarsest[] = {3, 5, 9};  // the last has no contact
+	for (std::size_t i = 0; i < pairs.size(); ++i)
+	{
+		pairs[i].queryMicroseconds = 10 * double(i + 1);
+		pairs[i].gapMicroseconds = 100 * double(i + 1);
+		pairs[i].churn = i + 1;
+		pairs[i].stats.finestLevel = finest[i];
+		pairs[i].stats.coarsestLevel = coarsest[i];
+		pairs[i].stats.hullTests = 7;
+		pairs[i].stats.boxTests = 5;
+	}
+	const ReplayRow sum = sumOfPairs(pairs, kTolerance);
+	EXPECT_EQ(sum.queryMicroseconds, 60);
+	EXPECT_EQ(sum.gapMicroseconds, 600);
+	EXPECT_EQ(sum.churn, 6u);
+	EXPECT_EQ(sum.stats.finestLevel, 1u);
+	EXPECT_EQ(sum.stats.coarsestLevel, 5u);
+	EXPECT_EQ(sum.tests(), 36u);
+}
+
 TEST(RunnerRows, RegimesFollowContactAndSpeed)
 {
 	std::vector<ReplayRow> rows(3, rowOf(kInfinity, 0, 5));
