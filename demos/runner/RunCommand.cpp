@@ -93,7 +93,7 @@ SceneRunOptions setUp(const RunOptions& options, const SceneInfo& info, Hierarch
 
 // The deepest interpenetration of the full meshes over all steps, against what the selection allows.
 nlohmann::ordered_json verifyPenetration(const RunOptions& options, const SceneRunOptions& run,
-										 const std::vector<SceneRow>& rows, cli::Progress& progress)
+										 std::vector<SceneRow>& rows, cli::Progress& progress)
 {
 	const SceneInfo& info = run.info;
 	std::vector<std::shared_ptr<const SignedDistance>> solids;  // one a model
@@ -113,16 +113,20 @@ nlohmann::ordered_json verifyPenetration(const RunOptions& options, const SceneR
 			const double depth = meter.depth(relativePose(poses, {}, {}));
 			if (depth > deepest) deepest = depth, where = poses;
 		}
+		rows[i].deepest = deepest;
 		for (const ReplayRow& pair : rows[i].pairs)
 			if (!std::isinf(pair.errorBound)) bound = std::max(bound, pair.errorBound);
 		if (options.selection.budget.isLimited()) bound = std::max(bound, rows[i].state.contactError);
 		progress.update("interpenetration", double(i + 1) / double(rows.size()));
 	}
+	const auto radiusOf = [&](std::uint32_t body)
+	{ return double(run.scene.models[info.bodies[body].model]->asset().radius); };
 	const double limit = kPenetrationShare * info.thinnerWall + (options.selection.exact ? 0 : bound);
 	return {{"deepest", deepest},
 			{"step", where.step},
 			{"bodies", {info.bodies[where.bodyA].name, info.bodies[where.bodyB].name}},
 			{"share_of_thinner_wall", deepest / info.thinnerWall},
+			{"share_of_smaller_radius", deepest / std::min(radiusOf(where.bodyA), radiusOf(where.bodyB))},
 			{"certified_bound_in_use", bound},
 			{"limit", limit},
 			{"within_limit", deepest <= limit}};
@@ -194,6 +198,14 @@ void print(const RunOptions& options, const nlohmann::ordered_json& report)
 				   1000 * report["interpenetration"]["deepest"].get<double>(),
 				   report["interpenetration"]["step"].get<std::int64_t>(),
 				   1000 * report["interpenetration"]["limit"].get<double>());
+	fmt::print("energy {:.6g} J at the start, {:.6g} at the end, {:.6g} to {:.6g} between\n",
+			   report["energy"]["initial"].get<double>(), report["energy"]["final"].get<double>(),
+			   report["energy"]["least"].get<double>(), report["energy"]["largest"].get<double>());
+	if (report.contains("outcome"))
+		for (const auto& [name, told] : report["outcome"].items())
+			fmt::print("{} {:.6g} at the start, {:.6g} at the end, {:.6g} to {:.6g} between\n", name,
+					   told["initial"].get<double>(), told["final"].get<double>(), told["least"].get<double>(),
+					   told["largest"].get<double>());
 	if (report.contains("frames"))
 		for (const auto& file : report["frames"]["files"]) fmt::print("wrote {}\n", file.get<std::string>());
 	fmt::print("trajectory_hash {}\n", report["trajectory_hash"].get<std::string>());
@@ -218,7 +230,8 @@ void runRun(const RunOptions& options)
 	const SceneRunOptions run = setUp(options, info, cache);
 	const std::unique_ptr<Scene> scene = makeScene(definition, run.scene);
 	cli::Progress progress(options.common.quiet);
-	const auto rows = runScene(*scene, run, [&](double fraction) { progress.update("simulation", fraction); });
+	const SceneState start = scene->state();
+	auto rows = runScene(*scene, run, [&](double fraction) { progress.update("simulation", fraction); });
 
 	nlohmann::ordered_json report = startReport("run");
 	report["scene"] = info.name;
@@ -231,9 +244,11 @@ void runRun(const RunOptions& options)
 	report["dt"] = run.scene.dt;
 	report["trajectory_hash"] = trajectoryHash(posesOf(rows));
 	report["summary"] = summarizeScene(rows, info.tolerance);
+	report["energy"] = summarizeEnergy(start, rows);
+	if (!info.outcome.empty()) report["outcome"] = summarizeOutcome(info, start, rows);
 	if (!options.poses.empty()) report["poses"] = recordPoses(options.poses, posesOf(rows), info.bodies.size());
-	writeText(options.csv, formatSceneRows(info, rows));
 	if (options.verifyPenetration) report["interpenetration"] = verifyPenetration(options, run, rows, progress);
+	writeText(options.csv, formatSceneRows(info, rows));
 	if (!options.frames.directory.empty()) report["frames"] = paintFrames(options, run, rows, progress);
 	progress.finish();
 	print(options, report);

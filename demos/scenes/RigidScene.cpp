@@ -139,6 +139,10 @@ void RigidScene::addBody(std::size_t index)
 	if (definition.course)
 		body.setCollisionFlags((body.getCollisionFlags() & ~btCollisionObject::CF_STATIC_OBJECT) |
 							   btCollisionObject::CF_KINEMATIC_OBJECT);
+	body.setLinearVelocity(toBullet(definition.velocity, scale));
+	body.setAngularVelocity(toBullet(definition.turning));
+	body.setLinearFactor(toBullet(definition.moves));
+	body.setAngularFactor(toBullet(definition.turns));
 	body.setUserIndex(int(index));
 	body.setActivationState(DISABLE_DEACTIVATION);
 	m_bullet->world.addRigidBody(&body);
@@ -207,6 +211,8 @@ SceneState RigidScene::state() const
 	bullet.context.forEachPair([&](const PairReport& pair)
 							   { state.contactError = std::max(state.contactError, pair.contactError); });
 	addPoints(state);
+	addEnergy(state);
+	if (m_definition.outcome) state.outcome = m_definition.outcome(state);
 	if (m_settings.budget.isLimited()) addAnswers(state);
 	return state;
 }
@@ -251,6 +257,25 @@ void RigidScene::addPoints(SceneState& state) const
 									double(p.getDistance()) / scale,
 									double(p.getAppliedImpulse()) / scale});
 		}
+	}
+}
+
+// Of Bullet's own bodies, with the inertia that they turn by.
+void RigidScene::addEnergy(SceneState& state) const
+{
+	const double scale = m_definition.info.worldScale;
+	for (std::size_t i = 0; i < m_bullet->bodies.size(); ++i)
+	{
+		const btRigidBody& body = *m_bullet->bodies[i];
+		if (body.isStaticOrKinematicObject()) continue;
+		const double mass = m_definition.bodies[i].mass;
+		const Vec3 turning = transposed(toTransform(state.bodies[i].pose).rotation) * state.bodies[i].turning;
+		const btVector3& inverse = body.getInvInertiaDiagLocal();
+		double twice = mass * lengthSquared(state.bodies[i].velocity);
+		for (int k = 0; k < 3; ++k)
+			if (inverse[k] > 0) twice += turning[k] * turning[k] / (double(inverse[k]) * scale * scale);
+		state.kinetic += twice / 2;
+		state.potential -= mass * dot(state.gravity, fromBullet(body.getWorldTransform().getOrigin(), scale));
 	}
 }
 

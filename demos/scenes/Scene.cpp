@@ -11,7 +11,7 @@ const std::vector<SceneDefinition>& sceneDefinitions()
 {
 	static const std::vector<SceneDefinition> all = {
 		spoonCup(), torusSpiral(), numbersBowl(), spoonsNested(),
-		boltNut(),  mixedNeeds(),  contactArea(), drop({{"torus", ""}, {"number8", ""}, {"nut", ""}})};
+		boltNut(),  mixedNeeds(),  contactArea(), pendulum(), wedges(), chain(), rack(), drop({{"torus", ""}, {"number8", ""}, {"nut", ""}})};
 	return all;
 }
 
@@ -20,15 +20,38 @@ Vec3 steadyGravity(double)
 	return {0, -kGravity, 0};
 }
 
+WorldConstants undamped(double friction)
+{
+	WorldConstants world;
+	world.friction = friction;
+	world.rollingFriction = world.spinningFriction = 0;
+	world.linearDamping = world.angularDamping = 0;
+	return world;
+}
+
 double smoothStep(double t)
 {
 	t = std::clamp(t, 0.0, 1.0);
 	return t * t * (3 - 2 * t);
 }
 
+Pose turnedAbout(const Vec3& axis, double angle, const Vec3& place)
+{
+	const double s = std::sin(angle / 2);
+	return {place, {s * axis.x, s * axis.y, s * axis.z, std::cos(angle / 2)}};
+}
+
+Pose turnedTwice(const Pose& first, const Pose& second)
+{
+	const double(&p)[4] = second.quaternion;
+	const double(&q)[4] = first.quaternion;
+	const Vec3 u{p[0], p[1], p[2]}, v{q[0], q[1], q[2]}, w = p[3] * v + q[3] * u + cross(u, v);
+	return {toTransform(second) * first.position, {w.x, w.y, w.z, p[3] * q[3] - dot(u, v)}};
+}
+
 Pose turnedAboutY(const Vec3& place, double angle)
 {
-	return {place, {0, std::sin(angle / 2), 0, std::cos(angle / 2)}};
+	return turnedAbout({0, 1, 0}, angle, place);
 }
 
 const std::vector<SceneInfo>& scenes()
