@@ -86,7 +86,11 @@ Prism armWithPin(double edge)
 
 Prism crank(double edge)
 {
-	return withPin({discLoop({}, CRANK_RADIUS, HALF_ROUND * edge)}, CRANK_THICKNESS, {0, CRANK_THROW}, edge);
+	// The disc lies a little to the other side, so that the centre of mass is on the axis.
+	constexpr double pinVolume =
+		PIN_RADIUS * PIN_RADIUS * SHAFT_LENGTH + FLANGE_RADIUS * FLANGE_RADIUS * FLANGE_THICKNESS;
+	constexpr double aside = pinVolume * CRANK_THROW / (CRANK_RADIUS * CRANK_RADIUS * CRANK_THICKNESS);
+	return withPin({discLoop({0, -aside}, CRANK_RADIUS, HALF_ROUND * edge)}, CRANK_THICKNESS, {0, CRANK_THROW}, edge);
 }
 
 Prism rod(double edge)

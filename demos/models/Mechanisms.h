@@ -32,7 +32,7 @@ constexpr double SHAFT_LENGTH = ARM_THICKNESS + 2 * PIN_AXIAL_PLAY;
 // that end a pin, on whose shaft a second arm's middle plane is ARM_TO_ARM in front of the first one's.
 constexpr double ARM_TO_ARM = ARM_THICKNESS / 2 + SHAFT_LENGTH / 2;
 
-// crank: a disc about the origin, its pin at (0, CRANK_THROW). rod: holes at the origin and (0, ROD_LENGTH). piston: a
+// crank: a disc, its centre of mass on the z axis, its pin at (0, CRANK_THROW). rod: holes at the origin and (0, ROD_LENGTH). piston: a
 // block with the pin at the origin. The rod's middle plane is PISTON_TO_ROD and CRANK_TO_ROD in front of theirs.
 // bore: a square tube along z for the piston, from 0 to BORE_LENGTH.
 constexpr double CRANK_THROW = 0.020, CRANK_RADIUS = 0.036, CRANK_THICKNESS = 0.008, ROD_LENGTH = 0.080;

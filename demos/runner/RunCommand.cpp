@@ -40,7 +40,7 @@ struct RunOptions
 	int steps = 0;
 	double dt = 0;
 	double resolution = 1;
-	bool verifyPenetration = false;
+	bool verifyPenetration = false, undamped = false;
 	SceneFrameOptions frames;
 	ModelDetail detail() const { return {resolution, selection.paper}; }
 };
@@ -224,7 +224,8 @@ void checkUsage(const RunOptions& options)
 void runRun(const RunOptions& options)
 {
 	checkUsage(options);
-	const SceneDefinition definition = definitionOf(options);
+	SceneDefinition definition = definitionOf(options);
+	if (options.undamped) definition.world = undamped(definition.world);
 	const SceneInfo& info = definition.info;
 	HierarchyCache cache(options.cache, options.common.quiet);
 	const SceneRunOptions run = setUp(options, info, cache);
@@ -282,6 +283,7 @@ void addRunCommand(CLI::App& program)
 		->type_name("FILE");
 	command->add_flag("--verify-penetration", options->verifyPenetration,
 					  "Measure the full meshes' interpenetration by independent code; exit 4 beyond the limit");
+	command->add_flag("--undamped", options->undamped, "No damping, no rolling or spinning friction");
 	addFrames(*command, options->frames);
 	addSelection(*command, options->selection);
 	addCache(*command, options->cache);

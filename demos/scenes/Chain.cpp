@@ -38,10 +38,9 @@ std::vector<double> outcomeOf(const SceneState& state)
 
 SceneDefinition chain()
 {
-	SceneDefinition scene;
+	SceneDefinition scene =
+		mechanism("chain", "ten links of a chain, the first held, swing and come to hang", constant::friction);
 	SceneInfo& info = scene.info;
-	info.name = "chain";
-	info.summary = "ten links of a chain, the first held, swing and come to hang";
 	info.models = {{"chain-link", ""}};
 	const Vec3 ahead{std::cos(constant::slant), -std::sin(constant::slant), 0};
 	for (int i = 0; i < constant::links; ++i)
@@ -54,15 +53,10 @@ SceneDefinition chain()
 	}
 	info.tolerance = 0.01 * LINK_HALF_STRAIGHT;
 	info.thinnerWall = 2 * LINK_WIRE;
-	info.dt = 1.0 / 240;
 	info.steps = constant::steps;
-	info.worldScale = 100;
-	info.overview = {{0.0, -0.11, 0}, 0.15, 10, 8, -1, ""};
+	info.overview = {{0.03, -0.10, 0}, 0.18, 10, 8, -1, ""};
 	info.closeUp = {{0, 0, 0}, 0.035, 30, 20, 1, "close-up of the second link"};
-	info.hasGround = false;
 	info.outcome = {{"widest_joint_gap", "m"}, {"narrowest_joint_gap", "m"}};
-	scene.world = undamped(constant::friction);
-	scene.gravity = steadyGravity;
 	scene.inPlace = [](std::size_t, const Vec3& center) { return length(center) < constant::links * CHAIN_PITCH; };
 	scene.outcome = outcomeOf;
 	scene.constants = {{"slant", constant::slant, "rad"}, {"slack", constant::slack, "m"}, {"pitch", CHAIN_PITCH, "m"}};

@@ -37,28 +37,22 @@ void knowReach(SceneDefinition& scene, const std::vector<std::shared_ptr<const H
 
 SceneDefinition pendulum()
 {
-	SceneDefinition scene;
+	SceneDefinition scene =
+		mechanism("pendulum", "an arm swings on a flanged pin through its hole, without friction", 0);
 	SceneInfo& info = scene.info;
-	info.name = "pendulum";
-	info.summary = "an arm swings on a flanged pin through its hole, without friction";
 	info.models = {{"pin", ""}, {"arm", ""}};
 	info.bodies = {{"pin", 0, false}, {"arm", 1, true}};
 	info.tolerance = 0.01 * FLANGE_RADIUS;
 	info.thinnerWall = FLANGE_THICKNESS;
-	info.dt = 1.0 / 240;
 	info.steps = constant::steps;
-	info.worldScale = 100;
 	info.overview = {{0, -0.03, 0}, 0.110, 20, 15, -1, ""};
 	info.closeUp = {{0, 0, 0}, 0.022, 30, 20, -1, "close-up of the pin, through the arm"};
-	info.hasGround = false;
 	info.outcome = {{"swing_energy_left", ""},
 					{"swing_angle", "rad", true},
 					{"pin_off_axis", "m"},  // with PIN_PLAY it touches
 					{"pin_along_axis", "m"}};
-	scene.world = undamped(0);
 	scene.bodies = {{0, Pose{}, {}},
 					{constant::armMass, turnedAbout({0, 0, 1}, constant::startAngle), {}}};
-	scene.gravity = steadyGravity;
 	scene.inPlace = [](std::size_t, const Vec3& center) { return length(center) < ARM_LENGTH; };
 	scene.prepare = knowReach;
 	scene.constants = {{"start_angle", constant::startAngle, "rad"},

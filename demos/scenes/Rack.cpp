@@ -31,27 +31,21 @@ std::vector<double> outcomeOf(const SceneState& state)
 
 SceneDefinition rack()
 {
-	SceneDefinition scene;
+	SceneDefinition scene =
+		mechanism("rack", "a rack rises and falls between two pinions, without friction", 0);
 	SceneInfo& info = scene.info;
-	info.name = "rack";
-	info.summary = "a rack rises and falls between two pinions, without friction";
 	info.models = {{"rack", ""}, {"pinion", ""}};
 	info.bodies = {{"rack", 0, false}, {"left-pinion", 1, false}, {"right-pinion", 1, false}};
 	info.tolerance = 0.01 * PINION_PITCH_RADIUS;
 	info.thinnerWall = TOOTH_MODULE;
-	info.dt = 1.0 / 240;
 	info.steps = constant::steps;
-	info.worldScale = 100;
-	info.overview = {{0, 0, 0}, 0.095, 15, 15, -1, ""};
+	info.overview = {{0, 0.012, 0}, 0.11, 15, 15, -1, ""};
 	info.closeUp = {{0.010, 0, 0}, 0.014, 5, 10, -1, "close-up of the right pinion's teeth"};
-	info.hasGround = false;
 	info.outcome = {{"left_slip", "m"}, {"right_slip", "m"}, {"rack_height", "m"}};
-	scene.world = undamped(0);
 	const double middle = RACK_PITCH_LINE + PINION_PITCH_RADIUS, turning = constant::startSpeed / PINION_PITCH_RADIUS;
 	scene.bodies = {{constant::rackMass, Pose{}, {}, {0, constant::startSpeed, 0}, {}, {0, 1, 0}, {0, 0, 0}},
 					{constant::pinionMass, {{-middle, 0, 0}}, {}, {}, {0, 0, turning}, {0, 0, 0}, {0, 0, 1}},
 					{constant::pinionMass, {{middle, 0, 0}}, {}, {}, {0, 0, -turning}, {0, 0, 0}, {0, 0, 1}}};
-	scene.gravity = steadyGravity;
 	scene.inPlace = [](std::size_t, const Vec3& center) { return std::fabs(center.y) < kPi * TOOTH_MODULE * RACK_TEETH / 2; };
 	scene.outcome = outcomeOf;
 	scene.constants = {{"start_speed", constant::startSpeed, "m/s"},

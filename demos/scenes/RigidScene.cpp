@@ -3,6 +3,7 @@
 #include "demos/scenes/RigidScene.h"
 
 #include <btBulletDynamicsCommon.h>
+#include <clod/bullet/ConfigureWorld.h>
 #include <clod/bullet/btClodCollisionAlgorithm.h>
 #include <clod/bullet/btClodDispatcher.h>
 #include <clod/bullet/btClodShape.h>
@@ -101,15 +102,9 @@ void RigidScene::placeCamera()
 
 void RigidScene::setUpSolver()
 {
-	const WorldConstants& constants = m_definition.world;
-	btContactSolverInfo& solver = m_bullet->world.getSolverInfo();
-	solver.m_numIterations = constants.solverIterations;
-	// One friction direction along the slip lets a leaning body creep sideways for ever; two hold it.
-	solver.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
-	solver.m_splitImpulse = true;
-	solver.m_splitImpulsePenetrationThreshold = btScalar(constants.splitImpulsePenetrationThreshold);
-	solver.m_erp = btScalar(constants.erp);
-	solver.m_erp2 = btScalar(constants.erp2);
+	WorldSettings settings;
+	settings.solverIterations = m_definition.world.solverIterations;
+	configureWorld(m_bullet->world, settings);
 }
 
 const Hierarchy& RigidScene::hierarchyOf(std::size_t body) const
@@ -297,6 +292,7 @@ std::vector<SceneConstant> RigidScene::constants() const
 {
 	const SceneInfo& info = m_definition.info;
 	const WorldConstants& world = m_definition.world;
+	const btContactSolverInfo& solver = m_bullet->world.getSolverInfo();
 	std::vector<SceneConstant> list = {
 		{"world_scale", info.worldScale, ""},
 		{"step_size", m_settings.dt, "s"},
@@ -310,12 +306,12 @@ std::vector<SceneConstant> RigidScene::constants() const
 		{"margin", world.margin, "m"},
 		{"linear_damping", world.linearDamping, ""},
 		{"angular_damping", world.angularDamping, ""},
-		{"solver_iterations", double(world.solverIterations), ""},
-		{"friction_directions", 2, ""},
-		{"split_impulse", 1, ""},
-		{"split_impulse_penetration_threshold", world.splitImpulsePenetrationThreshold, "Bullet's length"},
-		{"erp", world.erp, ""},
-		{"erp2", world.erp2, ""},
+		{"solver_iterations", double(solver.m_numIterations), ""},
+		{"friction_directions", solver.m_solverMode & SOLVER_USE_2_FRICTION_DIRECTIONS ? 2.0 : 1.0, ""},
+		{"split_impulse", double(solver.m_splitImpulse), ""},
+		{"split_impulse_penetration_threshold", double(solver.m_splitImpulsePenetrationThreshold), "Bullet's length"},
+		{"erp", double(solver.m_erp), ""},
+		{"erp2", double(solver.m_erp2), ""},
 		{"sleeping", 0, ""}};
 	// Bodies of one model weigh the same.
 	for (std::size_t model = 0; model < info.models.size(); ++model)

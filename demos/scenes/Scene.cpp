@@ -11,7 +11,7 @@ const std::vector<SceneDefinition>& sceneDefinitions()
 {
 	static const std::vector<SceneDefinition> all = {
 		spoonCup(), torusSpiral(), numbersBowl(), spoonsNested(),
-		boltNut(),  mixedNeeds(),  contactArea(), pendulum(), wedges(), chain(), rack(), drop({{"torus", ""}, {"number8", ""}, {"nut", ""}})};
+		boltNut(),  mixedNeeds(),  contactArea(), pendulum(), doublePendulum(), chain(), rack(), piston(), arch(), arch101(), boltGravity(), wedges(), nestedCups(), pileStacks(), pileHeap(), press(), spinningPlate(), ringOnPeg(), rockingTorus(), drop({{"torus", ""}, {"number8", ""}, {"nut", ""}})};
 	return all;
 }
 
@@ -20,13 +20,26 @@ Vec3 steadyGravity(double)
 	return {0, -kGravity, 0};
 }
 
-WorldConstants undamped(double friction)
+WorldConstants undamped(const WorldConstants& world)
 {
-	WorldConstants world;
-	world.friction = friction;
-	world.rollingFriction = world.spinningFriction = 0;
-	world.linearDamping = world.angularDamping = 0;
-	return world;
+	WorldConstants free = world;
+	free.rollingFriction = free.spinningFriction = 0;
+	free.linearDamping = free.angularDamping = 0;
+	return free;
+}
+
+SceneDefinition mechanism(const std::string& name, const std::string& summary, double friction)
+{
+	SceneDefinition scene;
+	scene.info.name = name;
+	scene.info.summary = summary;
+	scene.info.dt = 1.0 / 240;
+	scene.info.worldScale = 100;
+	scene.info.hasGround = false;
+	scene.world.friction = friction;
+	scene.world = undamped(scene.world);
+	scene.gravity = steadyGravity;
+	return scene;
 }
 
 double smoothStep(double t)

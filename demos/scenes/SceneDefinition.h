@@ -20,8 +20,6 @@ struct WorldConstants
 	double margin = 0;
 	double linearDamping = 0, angularDamping = 0.5;
 	int solverIterations = 30;
-	double splitImpulsePenetrationThreshold = 0;
-	double erp = 0.2, erp2 = 0.8;
 };
 
 struct BodyDefinition
@@ -59,8 +57,10 @@ Pose turnedAbout(const Vec3& axis, double angle, const Vec3& place = {});
 Pose turnedTwice(const Pose& first, const Pose& second);
 // About y, as a pose at a place.
 Pose turnedAboutY(const Vec3& place, double angle);
-// Of mechanisms: nothing brakes but friction between surfaces.
-WorldConstants undamped(double friction);
+// Nothing brakes but friction between surfaces.
+WorldConstants undamped(const WorldConstants& world);
+// What scenes of mechanisms have in common: 1/240 s, undamped, metres, no ground in pictures.
+SceneDefinition mechanism(const std::string& name, const std::string& summary, double friction);
 inline constexpr double kGravity = 9.81;
 inline constexpr double kPi = 3.14159265358979323846;
 
@@ -78,6 +78,18 @@ SceneDefinition pendulum();
 SceneDefinition wedges();
 SceneDefinition chain();
 SceneDefinition rack();
+SceneDefinition doublePendulum();
+SceneDefinition piston();
+SceneDefinition arch();
+SceneDefinition arch101();
+SceneDefinition boltGravity();
+SceneDefinition nestedCups();
+SceneDefinition pileStacks();
+SceneDefinition pileHeap();
+SceneDefinition press();
+SceneDefinition spinningPlate();
+SceneDefinition ringOnPeg();
+SceneDefinition rockingTorus();
 // Of radii of about 25 mm.
 SceneDefinition drop(const std::vector<SceneModel>& models);
 }  // namespace clod::demo

@@ -28,10 +28,9 @@ std::vector<double> outcomeOf(const SceneState& state)
 
 SceneDefinition wedges()
 {
-	SceneDefinition scene;
+	SceneDefinition scene =
+		mechanism("wedges", "wedges of 20 to 90 degrees fall edge on edge, crossed", 0.3);
 	SceneInfo& info = scene.info;
-	info.name = "wedges";
-	info.summary = "wedges of 20 to 90 degrees fall edge on edge, crossed";
 	const Pose crossed = turnedTwice(turnedAbout({1, 0, 0}, kPi), turnedAbout({0, 1, 0}, kPi / 2));
 	const double middle = (constant::bluntest - constant::sharpest) / constant::step / 2.0;
 	for (int degrees = constant::sharpest; degrees <= constant::bluntest; degrees += constant::step)
@@ -50,13 +49,10 @@ SceneDefinition wedges()
 	}
 	info.tolerance = 0.01 * WEDGE_HEIGHT;
 	info.thinnerWall = 0.1 * WEDGE_HEIGHT;
-	info.dt = 1.0 / 240;
 	info.steps = constant::steps;
-	info.worldScale = 100;
-	info.overview = {{0, 0.02, 0}, 0.16, 25, 20, -1, ""};
+	info.overview = {{0, 0.02, 0}, 0.215, 10, 20, -1, ""};
+	info.hasGround = true;
 	info.closeUp = {{-0.1375, 0.02, 0}, 0.055, 30, 20, -1, "close-up of the sharpest three"};
-	scene.world = undamped(0.3);
-	scene.gravity = steadyGravity;
 	scene.inPlace = [](std::size_t, const Vec3& center) { return center.y > WEDGE_HEIGHT; };
 	scene.outcome = outcomeOf;
 	scene.constants = {{"drop_height", constant::dropHeight, "m"}, {"wedge_height", WEDGE_HEIGHT, "m"}};
