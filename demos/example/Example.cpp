@@ -2,6 +2,7 @@
 // Two copies of a model fall onto each other and a floor.
 //   clod-build build model.obj -o model.clod && clod_example model.clod
 #include <btBulletDynamicsCommon.h>
+#include <clod/bullet/ConfigureWorld.h>
 #include <clod/bullet/btClodCollisionAlgorithm.h>
 #include <clod/bullet/btClodShape.h>
 
@@ -28,7 +29,7 @@ int main(int argc, char** argv)
 		std::fprintf(stderr, "%s\n", registered.error().c_str());
 		return 1;
 	}
-	world.getSolverInfo().m_splitImpulsePenetrationThreshold = 0;  // softer corrections, recommended
+	clod::configureWorld(world);  // iterations, friction and soft corrections, recommended
 
 	// Bullet's constants suit bodies of about one unit, so this scene makes the model's radius 1, and gravity with it.
 	const btScalar scale = btScalar(1 / model.value()->asset().radius);

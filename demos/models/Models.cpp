@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstring>
 
+#include "demos/models/Mechanisms.h"
 #include "demos/models/Shapes.h"
 #include "demos/models/Sweep.h"
 
@@ -35,6 +36,8 @@ Entry findEntry(const std::string& name)
 		if (name == e.name) return e;
 	for (const Entry& e : TEST_SHAPES)
 		if (name == e.name) return e;
+	if (const ModelMaker part = mechanismPart(name); part.make)
+		return {"part", part.defaultTriangles, part.minTriangles};
 	const bool isDigit = name.size() == 7 && name.compare(0, 6, "number") == 0 && name[6] >= '0' && name[6] <= '9';
 	return isDigit ? Entry{"number", DIGIT_TRIANGLES, DIGIT_MIN_TRIANGLES} : Entry{nullptr, 0, 0};
 }
@@ -52,6 +55,7 @@ ModelMesh makeShape(const std::string& name, size_t triangles)
 	if (name == "slab" || name == "floor") return makeBox({0.2, 0.02, 0.2}, triangles);
 	if (name == "box") return makeBox({0.02, 0.02, 0.02}, triangles);
 	if (name == "sphere") return makeSphere(triangles, 0.01);
+	if (const ModelMaker part = mechanismPart(name); part.make) return part.make(triangles);
 	return makeDigit(name[6] - '0', triangles);
 }
 
@@ -88,6 +92,7 @@ const std::vector<std::string>& testShapeNames()
 	{
 		std::vector<std::string> list;
 		for (const Entry& e : TEST_SHAPES) list.push_back(e.name);
+		for (const ModelMaker& part : mechanismParts()) list.push_back(part.name);
 		return list;
 	}();
 	return names;

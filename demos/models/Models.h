@@ -24,7 +24,7 @@ struct ModelMesh
 // cup, spoon, spiral, torus, bowl, number0 .. number9.
 const std::vector<std::string>& modelNames();
 // Models beyond the paper's: bolt and nut of the scene bolt-nut, and plain shapes for tests and demos (slab, floor: the
-// same of few triangles, box, sphere, smooth-torus).
+// same of few triangles, box, sphere, smooth-torus), and the parts of Mechanisms.h.
 const std::vector<std::string>& testShapeNames();
 
 // Table 1 of the paper; for a test shape its default count; 0 for an unknown name.

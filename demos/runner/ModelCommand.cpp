@@ -95,8 +95,7 @@ void addModelCommand(CLI::App& program)
 	command->footer("Models: " + models + ".\nExample: clod-bench model cup --triangles 6400 -o cup.obj");
 	const auto check = [](const std::string& word) -> std::string
 	{
-		for (const std::string& name : allModels())
-			if (name == word) return {};
+		if (paperTriangleCount(word) > 0) return {};
 		return fmt::format("unknown model '{}'{}", word, cli::didYouMean(word, allModels()));
 	};
 	command->add_option("name", options->name, "Which model")->type_name("NAME")->required()->check(check);

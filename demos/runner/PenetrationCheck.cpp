@@ -12,7 +12,7 @@
 namespace clod::demo
 {
 PenetrationCheck checkPenetration(const SceneRunOptions& run, const std::vector<Surface>& meshes,
-								  const std::vector<SceneRow>& rows, const std::function<void(double)>& progress)
+								  std::vector<SceneRow>& rows, const std::function<void(double)>& progress)
 {
 	std::vector<std::shared_ptr<const SignedDistance>> solids;
 	for (const Surface& mesh : meshes) solids.push_back(std::make_shared<SignedDistance>(mesh));
@@ -28,11 +28,15 @@ PenetrationCheck checkPenetration(const SceneRunOptions& run, const std::vector<
 			const double depth = meter.depth(relativePose(poses, {}, {}));
 			if (depth > check.deepest) check.deepest = depth, check.where = poses;
 		}
+		rows[i].deepest = check.deepest;
 		for (const ReplayRow& pair : rows[i].pairs)
 			if (!std::isinf(pair.errorBound)) check.bound = std::max(check.bound, pair.errorBound);
 		if (run.scene.budget.isLimited()) check.bound = std::max(check.bound, rows[i].state.contactError);
 		progress(double(i + 1) / double(rows.size()));
 	}
+	const auto radiusOf = [&](std::uint32_t body)
+	{ return double(run.scene.models[run.info.bodies[body].model]->asset().radius); };
+	check.smallerRadius = std::min(radiusOf(check.where.bodyA), radiusOf(check.where.bodyB));
 	check.limit = kPenetrationShare * run.info.thinnerWall + (run.scene.metric.exact ? 0 : check.bound);
 	return check;
 }
@@ -43,6 +47,7 @@ nlohmann::ordered_json toJson(const PenetrationCheck& check, const SceneInfo& in
 			{"step", check.where.step},
 			{"bodies", {info.bodies[check.where.bodyA].name, info.bodies[check.where.bodyB].name}},
 			{"share_of_thinner_wall", check.deepest / info.thinnerWall},
+			{"share_of_smaller_radius", check.deepest / check.smallerRadius},
 			{"certified_bound_in_use", check.bound},
 			{"limit", check.limit},
 			{"within_limit", check.holds()}};

@@ -18,12 +18,13 @@ struct PenetrationCheck
 	double deepest = 0;  // over all steps and pairs, and where that was
 	PoseRow where;
 	double bound = 0;  // the largest that an answer certified
+	double smallerRadius = 1;  // of the two bodies there
 	double limit = 0;  // kPenetrationShare of the thinner wall and, unless the run was exact, the bound
 	bool holds() const { return deepest <= limit; }
 };
 
-// `meshes`: one for each of the scene's models.
+// `meshes`: one for each of the scene's models. Each row is told the deepest so far.
 PenetrationCheck checkPenetration(const SceneRunOptions& run, const std::vector<Surface>& meshes,
-								  const std::vector<SceneRow>& rows, const std::function<void(double)>& progress);
+								  std::vector<SceneRow>& rows, const std::function<void(double)>& progress);
 nlohmann::ordered_json toJson(const PenetrationCheck& check, const SceneInfo& info);
 }  // namespace clod::demo

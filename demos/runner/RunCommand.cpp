@@ -36,7 +36,7 @@ struct RunOptions
 	int steps = 0;
 	double dt = 0;
 	double resolution = 1;
-	bool verifyPenetration = false;
+	bool verifyPenetration = false, undamped = false;
 	SceneFrameOptions frames;
 	ModelDetail detail() const { return {resolution, selection.paper}; }
 };
@@ -160,6 +160,14 @@ void print(const RunOptions& options, const nlohmann::ordered_json& report)
 				   1000 * report["interpenetration"]["deepest"].get<double>(),
 				   report["interpenetration"]["step"].get<std::int64_t>(),
 				   1000 * report["interpenetration"]["limit"].get<double>());
+	fmt::print("energy {:.6g} J at the start, {:.6g} at the end, {:.6g} to {:.6g} between\n",
+			   report["energy"]["initial"].get<double>(), report["energy"]["final"].get<double>(),
+			   report["energy"]["least"].get<double>(), report["energy"]["largest"].get<double>());
+	if (report.contains("outcome"))
+		for (const auto& [name, told] : report["outcome"].items())
+			fmt::print("{} {:.6g} at the start, {:.6g} at the end, {:.6g} to {:.6g} between\n", name,
+					   told["initial"].get<double>(), told["final"].get<double>(), told["least"].get<double>(),
+					   told["largest"].get<double>());
 	if (report.contains("frames"))
 		for (const auto& file : report["frames"]["files"]) fmt::print("wrote {}\n", file.get<std::string>());
 	fmt::print("trajectory_hash {}\n", report["trajectory_hash"].get<std::string>());
@@ -178,13 +186,15 @@ void checkUsage(const RunOptions& options)
 void runRun(const RunOptions& options)
 {
 	checkUsage(options);
-	const SceneDefinition definition = definitionOf(options);
+	SceneDefinition definition = definitionOf(options);
+	if (options.undamped) definition.world = undamped(definition.world);
 	const SceneInfo& info = definition.info;
 	HierarchyCache cache(options.cache, options.common.quiet);
 	const SceneRunOptions run = setUp(options, info, cache);
 	const std::unique_ptr<Scene> scene = makeScene(definition, run.scene);
 	cli::Progress progress(options.common.quiet);
-	const auto rows = runScene(*scene, run, [&](double fraction) { progress.update("simulation", fraction); });
+	const SceneState start = scene->state();
+	auto rows = runScene(*scene, run, [&](double fraction) { progress.update("simulation", fraction); });
 
 	nlohmann::ordered_json report = startReport("run");
 	report["scene"] = info.name;
@@ -197,13 +207,15 @@ void runRun(const RunOptions& options)
 	report["dt"] = run.scene.dt;
 	report["trajectory_hash"] = trajectoryHash(posesOf(rows));
 	report["summary"] = summarizeScene(rows, info.tolerance);
+	report["energy"] = summarizeEnergy(start, rows);
+	if (!info.outcome.empty()) report["outcome"] = summarizeOutcome(info, start, rows);
 	if (!options.poses.empty()) report["poses"] = recordPoses(options.poses, posesOf(rows), info.bodies.size());
-	writeText(options.csv, formatSceneRows(info, rows));
 	if (options.verifyPenetration)
 		report["interpenetration"] =
 			toJson(checkPenetration(run, meshesOf(options, run), rows,
 									[&](double fraction) { progress.update("interpenetration", fraction); }),
 				   info);
+	writeText(options.csv, formatSceneRows(info, rows));
 	if (!options.frames.directory.empty()) report["frames"] = paintFrames(options, run, rows, progress);
 	progress.finish();
 	print(options, report);
@@ -237,6 +249,7 @@ void addRunCommand(CLI::App& program)
 		->type_name("FILE");
 	command->add_flag("--verify-penetration", options->verifyPenetration,
 					  "Measure the full meshes' interpenetration by independent code; exit 4 beyond the limit");
+	command->add_flag("--undamped", options->undamped, "No damping, no rolling or spinning friction");
 	addFrames(*command, options->frames);
 	addSelection(*command, options->selection);
 	addCache(*command, options->cache);

@@ -19,6 +19,7 @@ namespace
 {
 // The last rows, over which "comes to rest" is judged.
 constexpr std::size_t kEndRows = 24;
+constexpr double kNoise = 0.01;
 
 void requireFinite(const SceneState& state)
 {
@@ -76,6 +77,30 @@ nlohmann::ordered_json endOf(const std::vector<SceneRow>& rows)
 			{"at_rest", classify(speed) == Motion::rest}};
 }
 
+// Sizes of a swing's values at its extremes, in their order; extremes on the wrong side of 0 or within `kNoise` of the
+// largest are trembling, not turning.
+std::vector<double> turningPoints(const std::vector<double>& values)
+{
+	double largest = 0;
+	for (const double value : values) largest = std::max(largest, std::fabs(value));
+	std::vector<double> sizes;
+	double size = 0;
+	bool wasPositive = false;
+	for (const double value : values)
+	{
+		if (std::fabs(value) <= kNoise * largest) continue;
+		const bool isPositive = value > 0;
+		if (size > 0 && isPositive != wasPositive)
+		{
+			sizes.push_back(size);
+			size = 0;
+		}
+		wasPositive = isPositive;
+		size = std::max(size, std::fabs(value));
+	}
+	return sizes;
+}
+
 // Contacts, levels, front, tests and time of a row: those of the step's own dispatch.
 void takeFromDispatch(ReplayRow& row, const SceneState& state)
 {
@@ -120,7 +145,7 @@ std::vector<SceneRow> runScene(Scene& scene, const SceneRunOptions& options,
 	for (int step = 0; step < options.steps; ++step)
 	{
 		scene.step();
-		SceneRow row{scene.state(), {}, {}};
+		SceneRow row{scene.state(), {}, std::nan(""), {}};
 		requireFinite(row.state);
 		for (const PoseRow& poses : posesOf(row.state)) row.pairs.push_back(queries.at(poses));
 		row.query = sumOfPairs(row.pairs, options.info.tolerance);
@@ -172,7 +197,9 @@ std::string formatSceneRows(const SceneInfo& info, const std::vector<SceneRow>& 
 		",time,gap,error_bound,contacts,points,manifolds,finest_level,coarsest_level,front,hull_tests,"
 		"query_us,gap_us,dispatch_us,step_us,speed_m_per_s,turning_rad_per_s,speed_radii_per_s,motion,deep,pairs,"
 		"pending,excess,dispatch_error_bound,touched_finest_level,still_clear,front_kept,front_came,front_gone,skipped_"
-		"by_slack,depths_cut_short\n";
+		"by_slack,depths_cut_short,energy_j,kinetic_j,deepest_m";
+	for (const OutcomeName& name : info.outcome) text += "," + name.name;
+	text += "\n";
 	for (const SceneRow& row : rows)
 	{
 		const SceneState& s = row.state;
@@ -186,10 +213,51 @@ std::string formatSceneRows(const SceneInfo& info, const std::vector<SceneRow>& 
 			fastest(s, &BodyState::turning), q.speed, name(q.motion()), int(q.deep), s.pairs.size(), q.stats.pending,
 			number(q.excess), number(s.contactError));
 		text +=
-			fmt::format(",{},{},{},{},{},{},{}\n", q.stats.touchedFinestLevel, q.stats.stillClear, q.stats.frontKept,
-						q.stats.frontCame, q.stats.frontGone, q.stats.skippedBySlack, q.stats.depthsCutShort);
+			fmt::format(",{},{},{},{},{},{},{},{},{},{}", q.stats.touchedFinestLevel, q.stats.stillClear,
+						q.stats.frontKept, q.stats.frontCame, q.stats.frontGone, q.stats.skippedBySlack,
+						q.stats.depthsCutShort, number(s.energy()), number(s.kinetic), number(row.deepest));
+		for (const double value : s.outcome) text += "," + number(value);
+		text += "\n";
 	}
 	return text;
+}
+
+nlohmann::ordered_json summarizeEnergy(const SceneState& start, const std::vector<SceneRow>& rows)
+{
+	const auto energies = column(rows, [](const SceneRow& r) { return r.state.energy(); });
+	return {{"unit", "J"},
+			{"initial", start.energy()},
+			{"initial_kinetic", start.kinetic},
+			{"final", energies.back()},
+			{"final_kinetic", rows.back().state.kinetic},
+			{"least", quantile(energies, 0)},
+			{"largest", quantile(energies, 1)}};
+}
+
+nlohmann::ordered_json summarizeOutcome(const SceneInfo& info, const SceneState& start,
+										const std::vector<SceneRow>& rows)
+{
+	nlohmann::ordered_json outcome = nlohmann::ordered_json::object();
+	for (std::size_t i = 0; i < info.outcome.size(); ++i)
+	{
+		std::vector<double> values = {start.outcome[i]};
+		for (const SceneRow& row : rows) values.push_back(row.state.outcome[i]);
+		nlohmann::ordered_json& told = outcome[info.outcome[i].name];
+		told = {{"unit", info.outcome[i].unit},
+				{"initial", values.front()},
+				{"final", values.back()},
+				{"least", quantile(values, 0)},
+				{"largest", quantile(values, 1)}};
+		if (!info.outcome[i].isSwing) continue;
+		const std::vector<double> turns = turningPoints(values);
+		double growth = 0;
+		for (std::size_t k = 1; k < turns.size(); ++k) growth = std::max(growth, turns[k] / turns[k - 1]);
+		told["turning_points"] = turns.size();
+		told["first_amplitude"] = turns.empty() ? 0 : turns.front();
+		told["last_amplitude"] = turns.empty() ? 0 : turns.back();
+		told["largest_growth"] = growth;
+	}
+	return outcome;
 }
 
 nlohmann::ordered_json summarizeScene(const std::vector<SceneRow>& rows, double tolerance)

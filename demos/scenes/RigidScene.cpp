@@ -3,6 +3,7 @@
 #include "demos/scenes/RigidScene.h"
 
 #include <btBulletDynamicsCommon.h>
+#include <clod/bullet/ConfigureWorld.h>
 #include <clod/bullet/btClodCollisionAlgorithm.h>
 #include <clod/bullet/btClodDispatcher.h>
 #include <clod/bullet/btClodShape.h>
@@ -101,15 +102,9 @@ void RigidScene::placeCamera()
 
 void RigidScene::setUpSolver()
 {
-	const WorldConstants& constants = m_definition.world;
-	btContactSolverInfo& solver = m_bullet->world.getSolverInfo();
-	solver.m_numIterations = constants.solverIterations;
-	// One friction direction along the slip lets a leaning body creep sideways for ever; two hold it.
-	solver.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
-	solver.m_splitImpulse = true;
-	solver.m_splitImpulsePenetrationThreshold = btScalar(constants.splitImpulsePenetrationThreshold);
-	solver.m_erp = btScalar(constants.erp);
-	solver.m_erp2 = btScalar(constants.erp2);
+	WorldSettings settings;
+	settings.solverIterations = m_definition.world.solverIterations;
+	configureWorld(m_bullet->world, settings);
 }
 
 const Hierarchy& RigidScene::hierarchyOf(std::size_t body) const
@@ -139,6 +134,10 @@ void RigidScene::addBody(std::size_t index)
 	if (definition.course)
 		body.setCollisionFlags((body.getCollisionFlags() & ~btCollisionObject::CF_STATIC_OBJECT) |
 							   btCollisionObject::CF_KINEMATIC_OBJECT);
+	body.setLinearVelocity(toBullet(definition.velocity, scale));
+	body.setAngularVelocity(toBullet(definition.turning));
+	body.setLinearFactor(toBullet(definition.moves));
+	body.setAngularFactor(toBullet(definition.turns));
 	body.setUserIndex(int(index));
 	body.setActivationState(DISABLE_DEACTIVATION);
 	m_bullet->world.addRigidBody(&body);
@@ -207,6 +206,8 @@ SceneState RigidScene::state() const
 	bullet.context.forEachPair([&](const PairReport& pair)
 							   { state.contactError = std::max(state.contactError, pair.contactError); });
 	addPoints(state);
+	addEnergy(state);
+	if (m_definition.outcome) state.outcome = m_definition.outcome(state);
 	if (m_settings.budget.isLimited()) addAnswers(state);
 	return state;
 }
@@ -254,6 +255,25 @@ void RigidScene::addPoints(SceneState& state) const
 	}
 }
 
+// Of Bullet's own bodies, with the inertia that they turn by.
+void RigidScene::addEnergy(SceneState& state) const
+{
+	const double scale = m_definition.info.worldScale;
+	for (std::size_t i = 0; i < m_bullet->bodies.size(); ++i)
+	{
+		const btRigidBody& body = *m_bullet->bodies[i];
+		if (body.isStaticOrKinematicObject()) continue;
+		const double mass = m_definition.bodies[i].mass;
+		const Vec3 turning = transposed(toTransform(state.bodies[i].pose).rotation) * state.bodies[i].turning;
+		const btVector3& inverse = body.getInvInertiaDiagLocal();
+		double twice = mass * lengthSquared(state.bodies[i].velocity);
+		for (int k = 0; k < 3; ++k)
+			if (inverse[k] > 0) twice += turning[k] * turning[k] / (double(inverse[k]) * scale * scale);
+		state.kinetic += twice / 2;
+		state.potential -= mass * dot(state.gravity, fromBullet(body.getWorldTransform().getOrigin(), scale));
+	}
+}
+
 void RigidScene::addAnswers(SceneState& state) const
 {
 	const auto add = [&](const PairReport& pair)
@@ -272,6 +292,7 @@ std::vector<SceneConstant> RigidScene::constants() const
 {
 	const SceneInfo& info = m_definition.info;
 	const WorldConstants& world = m_definition.world;
+	const btContactSolverInfo& solver = m_bullet->world.getSolverInfo();
 	std::vector<SceneConstant> list = {
 		{"world_scale", info.worldScale, ""},
 		{"step_size", m_settings.dt, "s"},
@@ -285,12 +306,12 @@ std::vector<SceneConstant> RigidScene::constants() const
 		{"margin", world.margin, "m"},
 		{"linear_damping", world.linearDamping, ""},
 		{"angular_damping", world.angularDamping, ""},
-		{"solver_iterations", double(world.solverIterations), ""},
-		{"friction_directions", 2, ""},
-		{"split_impulse", 1, ""},
-		{"split_impulse_penetration_threshold", world.splitImpulsePenetrationThreshold, "Bullet's length"},
-		{"erp", world.erp, ""},
-		{"erp2", world.erp2, ""},
+		{"solver_iterations", double(solver.m_numIterations), ""},
+		{"friction_directions", solver.m_solverMode & SOLVER_USE_2_FRICTION_DIRECTIONS ? 2.0 : 1.0, ""},
+		{"split_impulse", double(solver.m_splitImpulse), ""},
+		{"split_impulse_penetration_threshold", double(solver.m_splitImpulsePenetrationThreshold), "Bullet's length"},
+		{"erp", double(solver.m_erp), ""},
+		{"erp2", double(solver.m_erp2), ""},
 		{"sleeping", 0, ""}};
 	// Bodies of one model weigh the same.
 	for (std::size_t model = 0; model < info.models.size(); ++model)

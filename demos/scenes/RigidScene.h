@@ -27,6 +27,7 @@ private:
 	void addBody(std::size_t index);
 	std::vector<BodyPair> nearPairs() const;
 	void addPoints(SceneState& state) const;
+	void addEnergy(SceneState& state) const;
 	void addAnswers(SceneState& state) const;
 
 	SceneDefinition m_definition;

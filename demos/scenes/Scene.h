@@ -43,6 +43,13 @@ struct SceneView
 	std::string caption;
 };
 
+// What a scene's outcome is told by, a value a step. A swing is expected to shrink: its turning points are compared.
+struct OutcomeName
+{
+	std::string name, unit;
+	bool isSwing = false;
+};
+
 // What a scene is about, known before anything is built.
 struct SceneInfo
 {
@@ -56,6 +63,7 @@ struct SceneInfo
 	double worldScale = 1;
 	SceneView overview, closeUp;
 	bool hasGround = true;  // pictures show one at height 0
+	std::vector<OutcomeName> outcome;
 	// Scenes of two bodies follow their pair at every step, larger ones the pairs whose boxes come within the
 	// tolerance.
 	bool isPair() const { return bodies.size() == 2; }
@@ -119,6 +127,9 @@ struct SceneState
 	double contactError = 0;          // certified, of the coarsest contact of any pair; the meshes' unit
 	double excess = 0;                // under a budget: by which factor the worst contact misses its metric
 	int manifolds = 0;
+	double kinetic = 0, potential = 0;  // J, of all bodies that move freely; the latter is 0 at the world's origin
+	std::vector<double> outcome;        // see SceneInfo::outcome
+	double energy() const { return kinetic + potential; }
 	bool inPlace = true;  // every body is still where the scene means it to be
 	std::vector<ScenePoint> points;
 	// Under a budget what the step's own dispatch answered, for the poses that the step began with, and in what time.

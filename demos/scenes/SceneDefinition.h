@@ -20,8 +20,6 @@ struct WorldConstants
 	double margin = 0;
 	double linearDamping = 0, angularDamping = 0.5;
 	int solverIterations = 30;
-	double splitImpulsePenetrationThreshold = 0;
-	double erp = 0.2, erp2 = 0.8;
 };
 
 struct BodyDefinition
@@ -29,6 +27,10 @@ struct BodyDefinition
 	double mass = 0;  // kg; 0: moved by nothing
 	Pose start;
 	std::function<Pose(double time)> course;  // where set, the body follows it whatever it touches
+	// At the start: m/s of its centre of mass, rad/s.
+	Vec3 velocity = {}, turning = {};
+	// An ideal bearing: along and about which axes of the world it is free.
+	Vec3 moves{1, 1, 1}, turns{1, 1, 1};
 };
 
 struct SceneDefinition
@@ -40,6 +42,8 @@ struct SceneDefinition
 	std::function<bool(std::size_t body, const Vec3& center)>
 		inPlace;                           // is a body's centre of mass where it should be?
 	std::vector<SceneConstant> constants;  // of this scene alone
+	// Where set, the values of info.outcome.
+	std::function<std::vector<double>(const SceneState& state)> outcome;
 	// Where set, called once before anything moves: courses that depend on the models' exact shape are found here.
 	std::function<void(SceneDefinition&, const std::vector<std::shared_ptr<const Hierarchy>>& models)> prepare;
 };
@@ -48,8 +52,15 @@ struct SceneDefinition
 Vec3 steadyGravity(double time);
 // 0 up to t = 0, 1 from t = 1 on, smooth between.
 double smoothStep(double t);
+// Turned about an axis of unit length, as a pose at a place; the second turn after the first.
+Pose turnedAbout(const Vec3& axis, double angle, const Vec3& place = {});
+Pose turnedTwice(const Pose& first, const Pose& second);
 // About y, as a pose at a place.
 Pose turnedAboutY(const Vec3& place, double angle);
+// Nothing brakes but friction between surfaces.
+WorldConstants undamped(const WorldConstants& world);
+// What scenes of mechanisms have in common: 1/240 s, undamped, metres, no ground in pictures.
+SceneDefinition mechanism(const std::string& name, const std::string& summary, double friction);
 inline constexpr double kGravity = 9.81;
 inline constexpr double kPi = 3.14159265358979323846;
 
@@ -63,6 +74,22 @@ SceneDefinition spoonsNested();
 SceneDefinition boltNut();
 SceneDefinition mixedNeeds();
 SceneDefinition contactArea();
+SceneDefinition pendulum();
+SceneDefinition wedges();
+SceneDefinition chain();
+SceneDefinition rack();
+SceneDefinition doublePendulum();
+SceneDefinition piston();
+SceneDefinition arch();
+SceneDefinition arch101();
+SceneDefinition boltGravity();
+SceneDefinition nestedCups();
+SceneDefinition pileStacks();
+SceneDefinition pileHeap();
+SceneDefinition press();
+SceneDefinition spinningPlate();
+SceneDefinition ringOnPeg();
+SceneDefinition rockingTorus();
 // Of radii of about 25 mm.
 SceneDefinition drop(const std::vector<SceneModel>& models);
 }  // namespace clod::demo
