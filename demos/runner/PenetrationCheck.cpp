@@ -34,9 +34,6 @@ PenetrationCheck checkPenetration(const SceneRunOptions& run, const std::vector<
 		if (run.scene.budget.isLimited()) check.bound = std::max(check.bound, rows[i].state.contactError);
 		progress(double(i + 1) / double(rows.size()));
 	}
-	const auto radiusOf = [&](std::uint32_t body)
-	{ return double(run.scene.models[run.info.bodies[body].model]->asset().radius); };
-	check.smallerRadius = std::min(radiusOf(check.where.bodyA), radiusOf(check.where.bodyB));
 	check.limit = kPenetrationShare * run.info.thinnerWall + (run.scene.metric.exact ? 0 : check.bound);
 	return check;
 }
@@ -47,7 +44,6 @@ nlohmann::ordered_json toJson(const PenetrationCheck& check, const SceneInfo& in
 			{"step", check.where.step},
 			{"bodies", {info.bodies[check.where.bodyA].name, info.bodies[check.where.bodyB].name}},
 			{"share_of_thinner_wall", check.deepest / info.thinnerWall},
-			{"share_of_smaller_radius", check.deepest / check.smallerRadius},
 			{"certified_bound_in_use", check.bound},
 			{"limit", check.limit},
 			{"within_limit", check.holds()}};

@@ -18,7 +18,6 @@ struct PenetrationCheck
 	double deepest = 0;  // over all steps and pairs, and where that was
 	PoseRow where;
 	double bound = 0;  // the largest that an answer certified
-	double smallerRadius = 1;  // of the two bodies there
 	double limit = 0;  // kPenetrationShare of the thinner wall and, unless the run was exact, the bound
 	bool holds() const { return deepest <= limit; }
 };

@@ -211,10 +211,16 @@ void runRun(const RunOptions& options)
 	if (!info.outcome.empty()) report["outcome"] = summarizeOutcome(info, start, rows);
 	if (!options.poses.empty()) report["poses"] = recordPoses(options.poses, posesOf(rows), info.bodies.size());
 	if (options.verifyPenetration)
-		report["interpenetration"] =
-			toJson(checkPenetration(run, meshesOf(options, run), rows,
-									[&](double fraction) { progress.update("interpenetration", fraction); }),
-				   info);
+	{
+		const PenetrationCheck check =
+			checkPenetration(run, meshesOf(options, run), rows,
+							 [&](double fraction) { progress.update("interpenetration", fraction); });
+		const auto radiusOf = [&](std::uint32_t body)
+		{ return double(run.scene.models[info.bodies[body].model]->asset().radius); };
+		report["interpenetration"] = toJson(check, info);
+		report["interpenetration"]["share_of_smaller_radius"] =
+			check.deepest / std::min(radiusOf(check.where.bodyA), radiusOf(check.where.bodyB));
+	}
 	writeText(options.csv, formatSceneRows(info, rows));
 	if (!options.frames.directory.empty()) report["frames"] = paintFrames(options, run, rows, progress);
 	progress.finish();

@@ -47,7 +47,7 @@ std::uint32_t coarsestLevel(const Hierarchy& h)
 FrameAnswer answerAt(const Hierarchy& a, std::uint32_t levelA, const Hierarchy& b, std::uint32_t levelB)
 {
 	const Level &ofA = a.levels()[levelA], &ofB = b.levels()[levelB];
-	QueryResult result;
+	GapResult result;
 	for (std::uint32_t i = 0; i < std::max(ofA.nodeCount, ofB.nodeCount); ++i)
 		result.contacts.push_back(
 			{ofA.firstNode + i % ofA.nodeCount, ofB.firstNode + i % ofB.nodeCount, 0, 0, {}, {}, {}});

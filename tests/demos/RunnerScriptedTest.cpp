@@ -143,9 +143,9 @@ TEST_F(Scripted, LevelsAndChurnAreThoseOfTheContactLists)
 	for (std::size_t i = 0; i < poses.size(); ++i)
 	{
 		PairCache fresh;
-		QueryResult result;
-		query(h, h, demo::relativePose(poses[i], demo::meshFromBody(h), demo::meshFromBody(h)),
-			  demo::settingsOf(asked, h, h, poses[i], {}), fresh, result);
+		ContactResult result;
+		clod::contacts(h, h, demo::relativePose(poses[i], demo::meshFromBody(h), demo::meshFromBody(h)),
+					   demo::settingsOf(asked, h, h, poses[i], {}), fresh, result);
 		std::set<std::uint32_t> levels;
 		std::set<std::pair<std::uint32_t, std::uint32_t>> now, both;
 		for (const Contact& c : result.contacts)
