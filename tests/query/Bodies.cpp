@@ -11,7 +11,7 @@ namespace
 {
 Body loadBody(const std::string& name)
 {
-	const auto hierarchy = Hierarchy::load(CLOD_FIXTURES "/" + name + ".clod");
+	auto hierarchy = Hierarchy::load(CLOD_FIXTURES "/" + name + ".clod");
 	if (hierarchy) return bodyOf(name, *hierarchy);
 	std::fprintf(stderr, "fixture %s (tests/fixtures/Recipes.cpp, scripts/fixtures): %s\n", name.c_str(),
 				 hierarchy.error().c_str());
