@@ -7,6 +7,7 @@ packages=(g++ cmake ninja-build pkg-config git
 	libbullet-dev libcgal-dev libeigen3-dev libosmesa6-dev libgtest-dev
 	libcli11-dev nlohmann-json3-dev libfmt-dev libpng-dev libcairo2-dev libxxhash-dev libtinygltf-dev
 	fonts-dejavu-core ffmpeg gnuplot-nox)
+plugin_packages=(g++ cmake ninja-build pkg-config libbullet-dev libgtest-dev libxxhash-dev)  # of scripts/test --plugin
 clang_packages=(clang-16 clang-tidy-16)  # of tests only
 
 say() { printf '\n== %s\n' "$*"; }

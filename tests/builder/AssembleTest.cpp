@@ -13,6 +13,7 @@
 #include "builder/assemble/ConvexDistance.h"
 #include "builder/assemble/MassProperties.h"
 #include "builder/assemble/Protrusion.h"
+#include "tests/support/HierarchyContents.h"
 #include "tests/support/LeafHierarchy.h"
 #include "tests/support/Meshes.h"
 

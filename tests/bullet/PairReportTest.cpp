@@ -8,7 +8,6 @@
 
 #include "tests/bullet/BulletWorld.h"
 #include "tests/query/Bodies.h"
-#include "tests/support/Meshes.h"
 
 namespace clod::test
 {
@@ -16,13 +15,9 @@ namespace
 {
 std::shared_ptr<const Hierarchy> ring()
 {
-	static const Body body = bodyOf("ring", torusMesh(1, 0.3, 24, 12));
-	return body.hierarchy;
+	return body("ring").hierarchy;
 }
-std::shared_ptr<const Hierarchy> plate(double thickness)
-{
-	return bodyOf("plate", boxMesh({2, 0.5 * thickness, 2}, 1)).hierarchy;
-}
+constexpr double kPlate = 0.5, kThinPlate = 0.01;  // thick
 
 // A torus that lies on something whose top is at height 0, or a hair above it.
 struct Lying : BulletWorld
@@ -65,8 +60,8 @@ ByHand byHand(const PairReport& pair)
 
 TEST(PairReport, LevelsAndErrorAreThoseOfTheContacts)
 {
-	btClodShape ground(plate(0.5));
-	Lying scene(&ground, 0.5);
+	btClodShape ground(body("plate").hierarchy);
+	Lying scene(&ground, kPlate);
 	int mixed = 0;
 	for (const double share : {0.0, 0.01, 0.5, 1.0, 3.0, 10.0})
 	{
@@ -109,8 +104,8 @@ TEST(PairReport, ContactsTooLooseForAWallAreSaid)
 {
 	for (const bool isThin : {true, false})
 	{
-		const double thickness = isThin ? 0.01 : 0.5;
-		btClodShape ground(plate(thickness));
+		const double thickness = isThin ? kThinPlate : kPlate;
+		btClodShape ground(body(isThin ? "plate-thin" : "plate").hierarchy);
 		Lying scene(&ground, thickness);
 		for (int again = 0; again < 2; ++again)
 		{

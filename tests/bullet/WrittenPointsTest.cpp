@@ -11,7 +11,6 @@
 #include "tests/bullet/CubeOnSlab.h"
 #include "tests/bullet/ManifoldState.h"
 #include "tests/query/Bodies.h"
-#include "tests/support/Meshes.h"
 
 namespace clod::test
 {
@@ -42,13 +41,11 @@ double outside(const Hierarchy& hierarchy, int level, int face, const Vec3& poin
 
 std::shared_ptr<const Hierarchy> ring()
 {
-	static const Body body = bodyOf("ring", torusMesh(1, 0.3, 24, 12));
-	return body.hierarchy;
+	return body("ring").hierarchy;
 }
 std::shared_ptr<const Hierarchy> plate()
 {
-	static const Body body = bodyOf("plate", boxMesh({2, 0.25, 2}, 1));
-	return body.hierarchy;
+	return body("plate").hierarchy;
 }
 
 // A torus lies on a plate, its contacts of coarse levels, those of the plate of the only one there is. It may be a

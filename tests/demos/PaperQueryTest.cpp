@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "demos/paper/PaperQuery.h"
+#include "tests/fixtures/Recipes.h"
 #include "tests/query/Questions.h"
+#include "tests/support/HierarchyContents.h"
 
 namespace clod::test
 {
@@ -12,10 +14,16 @@ namespace
 using demo::paperQuery;
 using demo::paperQueryError;
 
+const Body& paperTorus()
+{
+	static const Body body = bodyOf("paper's torus", loaded(built(modelMesh("torus", 900), true)));
+	return body;
+}
+
 TEST(PaperQuery, FindsTheSameLeafPairsAndTheSameGap)
 {
 	Random random(11);
-	const Body& torus = body("torus", 900, {1, true});
+	const Body& torus = paperTorus();
 	std::size_t contacts = 0;
 	for (int i = 0; i < 6; ++i)
 	{
@@ -35,7 +43,7 @@ TEST(PaperQuery, FindsTheSameLeafPairsAndTheSameGap)
 TEST(PaperQuery, CertifiesItsGapAtAnyThreshold)
 {
 	Random random(12);
-	const Body& torus = body("torus", 900, {1, true});
+	const Body& torus = paperTorus();
 	for (int i = 0; i < 12; ++i)
 	{
 		const Transform pose = poseWithGap(random, torus, torus, stratifiedGap(random, i));

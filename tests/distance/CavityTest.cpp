@@ -7,8 +7,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "tests/distance/CavityBodies.h"
 #include "tests/query/Questions.h"
-#include "tests/support/Meshes.h"
 
 namespace
 {
@@ -17,30 +17,17 @@ using namespace clod::test;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// A closed surface round a cavity: the inner one turned inside out.
-builder::Mesh hollow(builder::Mesh outer, const builder::Mesh& inner)
-{
-	const auto first = std::uint32_t(outer.vertices.size());
-	outer.vertices.insert(outer.vertices.end(), inner.vertices.begin(), inner.vertices.end());
-	for (const auto& t : inner.triangles) outer.triangles.push_back({first + t[0], first + t[2], first + t[1]});
-	return outer;
-}
-
-constexpr double kOuter = 0.04, kCavity = 0.024, kBall = 0.009, kGrain = 0.004;
 const Body& shell()
 {
-	static const Body body = bodyOf("shell", hollow(sphereMesh(kOuter, 24, 16), sphereMesh(kCavity, 20, 12)));
-	return body;
+	return body("cavity-shell");
 }
 const Body& ball()
 {
-	static const Body body = bodyOf("ball", sphereMesh(kBall, 14, 9));
-	return body;
+	return body("cavity-ball");
 }
 const Body& grain()
 {
-	static const Body body = bodyOf("grain", sphereMesh(kGrain, 12, 8));
-	return body;
+	return body("cavity-grain");
 }
 
 // Shares of the smaller radius but for the first.
@@ -161,13 +148,11 @@ TEST(Cavity, ABodyInTheWallIsInsideTheSolidAndItsDepthIsKnown)
 // Walls and body of flat faces: depths and gaps by hand.
 TEST(Cavity, GapsAndDepthsInAHollowBoxAreThoseByHand)
 {
-	constexpr double half = 0.04, cavity = 0.02, small = 0.004;
-	const Body box = bodyOf("hollow box", hollow(boxMesh({half, half, half}, 3), boxMesh({cavity, cavity, cavity}, 2)));
-	const Body cube = bodyOf("cube", boxMesh({small, small, small}, 2));
+	const Body &box = body("cavity-box"), &cube = body("cavity-box-cube");
 	const struct
 	{
 		double x, gap;
-	} cases[] = {{0, cavity - small},  // in the middle of the cavity
+	} cases[] = {{0, kBoxCavity - kSmallCube},  // in the middle of the cavity
 				 {0.0155, 0.0005},     // before its wall
 				 {0.01596, 0.00004},   // within the tolerance
 				 {0.0165, -0.0005},    // in the wall by half a millimetre
@@ -176,7 +161,7 @@ TEST(Cavity, GapsAndDepthsInAHollowBoxAreThoseByHand)
 				 {0.0253, -0.0093},    // this side of that plane
 				 {0.0355, -0.0085},    // beyond it
 				 {0.0442, 0.0002},     // outside
-				 {0.0, cavity - small}};
+				 {0.0, kBoxCavity - kSmallCube}};
 	Counts counts;
 	for (const auto& c : cases)
 		for (int axis = 0; axis < 3; ++axis)
@@ -189,42 +174,19 @@ TEST(Cavity, GapsAndDepthsInAHollowBoxAreThoseByHand)
 	EXPECT_GT(std::min({counts.apart, counts.near, counts.overlapping}), 2);
 }
 
-// Both surfaces in one.
-builder::Mesh joined(builder::Mesh mesh, const builder::Mesh& other, const Vec3& offset)
-{
-	const auto first = std::uint32_t(mesh.vertices.size());
-	for (const Vec3& v : other.vertices) mesh.vertices.push_back(v + offset);
-	for (const auto& t : other.triangles) mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
-	return mesh;
-}
-
 // A bubble under each face keeps the hulls of the faces thin: deep between them no hull is near, and only a point that
 // is inside tells. Depth by hand: of the corner nearest to the middle, below the outer faces.
 TEST(Cavity, WhatLiesDeepInTheSolidMeetsNoHullAndIsInsideAllTheSame)
 {
-	constexpr double half = 0.04, bubble = 0.002, small = 0.002, at = 0.02, below = half - at + small;
-	builder::Mesh mesh = boxMesh({half, half, half}, 1);
-	for (int face = 0; face < 6; ++face)
-	{
-		builder::Mesh hole = boxMesh({bubble, bubble, bubble}, 1);
-		Vec3 middle;
-		middle[face % 3] = (face < 3 ? 1 : -1) * (half - 2 * bubble);
-		for (Vec3& v : hole.vertices) v += middle;
-		mesh = hollow(mesh, hole);
-	}
-	const Body box = bodyOf("box with bubbles", mesh);
-	const builder::Mesh cubeMesh = boxMesh({small, small, small}, 1);
-	const Body cube = bodyOf("cube", cubeMesh);
-	// The origin is in the middle between the two.
-	constexpr double apart = 0.15;
-	const Body pairOfCubes = bodyOf("two cubes", joined(joined({}, cubeMesh, {0, 0, 0.5 * apart}), cubeMesh,
-														{0, 0, -0.5 * apart}));
+	constexpr double at = 0.02, below = kBoxHalf - at + kTinyCube;
+	const Body &box = body("cavity-bubbles"), &cube = body("cavity-bubbles-cube"),
+			   &pairOfCubes = body("cavity-bubbles-two-cubes");
 	Counts counts;
 	for (int corner = 0; corner < 8; ++corner)
 	{
 		const Vec3 place{corner & 1 ? at : -at, corner & 2 ? at : -at, corner & 4 ? at : -at};
 		const Transform pose{Transform{}.rotation, place};
-		const Transform oneOfTwo{pose.rotation, place + Vec3{0, 0, 0.5 * (corner & 4 ? apart : -apart)}};
+		const Transform oneOfTwo{pose.rotation, place + Vec3{0, 0, 0.5 * (corner & 4 ? kCubesApart : -kCubesApart)}};
 		ASSERT_TRUE(fresh({box, cube}, pose, exactSettings(0)).contacts.empty()) << "no hull meets it";
 		const GapInterval truth{-below - 1e-8, -below + 1e-8};
 		checkAll({box, cube}, pose, truth, "cube at corner " + std::to_string(corner), counts);

@@ -14,9 +14,9 @@
 
 #include "clod/hierarchy/BoundGrid.h"
 #include "clod/hierarchy/HierarchyFormat.h"
+#include "tests/query/Bodies.h"
 #include "tests/support/Files.h"
-#include "tests/support/LeafHierarchy.h"
-#include "tests/support/Meshes.h"
+#include "tests/support/HierarchyContents.h"
 
 namespace clod::test
 {
@@ -26,14 +26,13 @@ using Bytes = std::vector<std::byte>;
 
 const HierarchyContent& box()
 {
-	static const HierarchyContent content = leafHierarchy(boxMesh({1, 2, 3}, 1));
+	static const HierarchyContent content = contentOf(*body("patches-box").hierarchy);
 	return content;
 }
 
 const HierarchyContent& levels()
 {
-	static const HierarchyContent content =
-		builder::assembleHierarchy(torusLods(1, 0.4, 16, 8, 2), builder::BuildConfig{}, nullptr);
+	static const HierarchyContent content = contentOf(*body("patches-torus").hierarchy);
 	return content;
 }
 

@@ -6,7 +6,6 @@
 
 #include "clod/query/BackOff.h"
 #include "tests/query/Questions.h"
-#include "tests/support/Meshes.h"
 
 namespace
 {
@@ -44,7 +43,7 @@ TEST(BackOff, WaitsTwiceAsLongEachTimeUpToALimitAndNotAfterASuccess)
 // are no leap. Returns the leaps after which it was made.
 std::vector<int> searches(int leaps, int uses)
 {
-	const Body cube = bodyOf("cube", boxMesh({1, 1, 1}, 2));
+	const Body& cube = body("cube");
 	Settings settings = exactSettings(0.01);
 	settings.contactsOnly = true;
 	GapCache cache;

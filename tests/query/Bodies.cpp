@@ -4,55 +4,25 @@
 #include <cstdio>
 #include <cstdlib>
 #include <map>
-#include <tuple>
-
-#include "demos/models/Models.h"
 
 namespace clod::test
 {
 namespace
 {
-[[noreturn]] void fail(const std::string& message)
+Body loadBody(const std::string& name)
 {
-	std::fprintf(stderr, "%s\n", message.c_str());
+	auto hierarchy = Hierarchy::load(CLOD_FIXTURES "/" + name + ".clod");
+	if (hierarchy) return bodyOf(name, *hierarchy);
+	std::fprintf(stderr, "fixture %s (tests/fixtures/Recipes.cpp, scripts/fixtures): %s\n", name.c_str(),
+				 hierarchy.error().c_str());
 	std::abort();
-}
-
-// The mesh with its centre of mass at the origin, vertices rounded to float.
-builder::Mesh bodyMesh(const demo::ModelMesh& model, double scale)
-{
-	Vec3 center;
-	double volume = 0;
-	for (const auto& t : model.triangles)
-	{
-		const Vec3 &p = model.vertices[t[0]], &q = model.vertices[t[1]], &r = model.vertices[t[2]];
-		const double six = dot(p, cross(q, r));
-		volume += six;
-		center += 0.25 * six * (p + q + r);
-	}
-	center = (1 / volume) * center;
-	builder::Mesh mesh;
-	for (const Vec3& v : model.vertices) mesh.vertices.push_back(toVec3(toFloat3(scale * (v - center))));
-	mesh.triangles.assign(model.triangles.begin(), model.triangles.end());
-	return mesh;
-}
-
-Body build(const std::string& name, std::size_t triangles, const BodyOptions& options)
-{
-	auto model = demo::makeModel(name, triangles);
-	if (!model) fail(model.error());
-	return bodyOf(name, bodyMesh(*model, options.scale), options.paper);
 }
 }  // namespace
 
-Body bodyOf(const std::string& name, const builder::Mesh& mesh, bool paper)
+Body bodyOf(const std::string& name, std::shared_ptr<const Hierarchy> hierarchy)
 {
-	const auto progress = [](const char*, double) { return true; };
-	builder::BuildConfig config;
-	config.paper = paper;
-	auto hierarchy = Hierarchy::fromBytes(encode(builder::buildHierarchy(mesh, config, progress)));
-	if (!hierarchy) fail(name + ": " + hierarchy.error());
-	return {name, *hierarchy, inputTriangles(**hierarchy)};
+	std::vector<std::array<Vec3, 3>> triangles = inputTriangles(*hierarchy);
+	return {name, std::move(hierarchy), std::move(triangles)};
 }
 
 std::vector<std::array<Vec3, 3>> inputTriangles(const Hierarchy& hierarchy)
@@ -70,13 +40,17 @@ std::vector<std::array<Vec3, 3>> inputTriangles(const Hierarchy& hierarchy)
 	return triangles;
 }
 
-const Body& body(const std::string& model, std::size_t triangles, const BodyOptions& options)
+const Body& body(const std::string& name)
 {
-	static std::map<std::tuple<std::string, std::size_t, double, bool>, Body> bodies;
-	const auto key = std::make_tuple(model, triangles, options.scale, options.paper);
-	auto found = bodies.find(key);
-	if (found == bodies.end()) found = bodies.emplace(key, build(model, triangles, options)).first;
+	static std::map<std::string, Body> bodies;
+	auto found = bodies.find(name);
+	if (found == bodies.end()) found = bodies.emplace(name, loadBody(name)).first;
 	return found->second;
+}
+
+const Body& body(const std::string& model, std::size_t triangles)
+{
+	return body(model + "-" + std::to_string(triangles));
 }
 
 double uniform(Random& random, double low, double high)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Bodies for query tests: small benchmark models through the real builder, and their input triangles read back.
+// Bodies for tests of the plugin: small .clod files that the real builder wrote, and their input triangles read back.
 #pragma once
 #include <array>
 #include <memory>
@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "builder/Lod.h"
 #include "tests/query/Ask.h"
 
 namespace clod::test
@@ -21,16 +20,12 @@ struct Body
 
 // Those of level 0, in the body frame.
 std::vector<std::array<Vec3, 3>> inputTriangles(const Hierarchy& hierarchy);
-// Through the real builder; aborts where it fails.
-Body bodyOf(const std::string& name, const builder::Mesh& mesh, bool paper = false);
+Body bodyOf(const std::string& name, std::shared_ptr<const Hierarchy> hierarchy);
 
-// Builds once per process, model and options.
-struct BodyOptions
-{
-	double scale = 1;
-	bool paper = false;
-};
-const Body& body(const std::string& model, std::size_t triangles, const BodyOptions& options = {});
+// NAME.clod of tests/fixtures, loaded once a process; of a benchmark model MODEL-TRIANGLES.clod. Aborts where there is
+// none.
+const Body& body(const std::string& name);
+const Body& body(const std::string& model, std::size_t triangles);
 
 using Random = std::mt19937_64;
 double uniform(Random& random, double low, double high);

@@ -148,10 +148,8 @@ TEST(Query, LargerThresholdNeverOpensMore)
 
 TEST(Query, OneBodyInsideTheOtherIsNeverApart)
 {
-	const Body& small = body("number8", 600);
-	const double ratio =
-		4 * double(small.hierarchy->asset().radius) / double(body("sphere", 300).hierarchy->asset().radius);
-	const Body& large = body("sphere", 300, {ratio, false});
+	const Body &small = body("number8", 600), &large = body("sphere-300-large");
+	ASSERT_GT(large.hierarchy->asset().radius, 3 * small.hierarchy->asset().radius);
 	const double radius = small.hierarchy->asset().radius;
 	for (const bool distance : {false, true})
 	{

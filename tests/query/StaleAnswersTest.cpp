@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "tests/query/Questions.h"
-#include "tests/support/Meshes.h"
 
 namespace
 {
@@ -46,13 +45,11 @@ struct History
 
 const Body& cubeBody()
 {
-	static const Body body = bodyOf("cube", boxMesh({1, 1, 1}, 2));
-	return body;
+	return body("cube");
 }
 const Body& rodBody()
 {
-	static const Body body = bodyOf("rod", boxMesh({0.8, 0.1, 0.1}, 2));
-	return body;
+	return body("rod");
 }
 // About the middle of B, which stays where it is.
 Sweep turning(const Vec3& angular, const Transform& pose)
