@@ -8,6 +8,7 @@ packages=(g++ cmake ninja-build pkg-config git
 	libcli11-dev nlohmann-json3-dev libfmt-dev libpng-dev libcairo2-dev libxxhash-dev libtinygltf-dev
 	fonts-dejavu-core ffmpeg gnuplot-nox)
 clang_packages=(clang-16 clang-tidy-16)  # of tests only
+package_packages=(g++-aarch64-linux-gnu qemu-user-static dpkg-dev man-db)  # of the night's tests of packages
 
 say() { printf '\n== %s\n' "$*"; }
 
