@@ -10,7 +10,7 @@ _clod_complete()
 	done
 	help=$("$program" ${command:+"$command"} --help 2>/dev/null) || return 0
 	if [[ $word == -* ]]; then
-		COMPREPLY=($(compgen -W "$(grep -oE '(^|[ ,])--?[a-z0-9][a-z0-9-]*' <<<"$help" | tr -d ' ,')" -- "$word"))
+		COMPREPLY=($(compgen -W "$(sed -nE 's/^  (-[^ ]*).*/\1/p' <<<"$help" | tr ',' '\n')" -- "$word"))
 	elif [[ -z $command ]]; then
 		COMPREPLY=($(compgen -W "$(awk '/^Subcommands:/ { inside = 1; next } inside && /^  [a-z]/ { print $1 }' <<<"$help")" -- "$word"))
 	fi
