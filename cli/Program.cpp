@@ -130,9 +130,9 @@ CLI::Option* addChoice(CLI::App& command, const std::string& name, std::string& 
 		->capture_default_str();
 }
 
-void setUpProgram(CLI::App& app, const std::string& licence)
+void setUpProgram(CLI::App& app, const std::string& precision, const std::string& licence)
 {
-	app.set_version_flag("--version", versionText(app.get_name(), licence));
+	app.set_version_flag("--version", versionText(app.get_name(), precision, licence));
 	app.require_subcommand(1);
 	app.fallthrough(false);
 }

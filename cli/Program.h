@@ -37,7 +37,7 @@ CLI::Option* addChoice(CLI::App& command, const std::string& name, std::string& 
 					   const std::vector<std::string>& choices, const std::string& description);
 
 // Adds --version (see Version.h) and requires one subcommand. `licence` is one sentence.
-void setUpProgram(CLI::App& app, const std::string& licence);
+void setUpProgram(CLI::App& app, const std::string& precision, const std::string& licence);
 
 // Parses, runs the callbacks of the chosen subcommand, and maps every outcome to an exit code. SIGINT and SIGTERM end
 // the program with 130 after removing the partial files of Files.h.

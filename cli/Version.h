@@ -6,6 +6,7 @@
 namespace clod::cli
 {
 std::string gitHash();
-// Several lines: program, version, commit, compiler, build type, licence.
-std::string versionText(const std::string& program, const std::string& licence);
+// Several lines: program, version, commit, compiler, build type, precision (of whatever Bullet the program has),
+// kernels in use on this machine, version of the files it reads and writes, licence.
+std::string versionText(const std::string& program, const std::string& precision, const std::string& licence);
 }  // namespace clod::cli

@@ -8,10 +8,9 @@
 #include <chrono>
 #include <optional>
 
-#include "builder/assemble/BoundingSphere.h"
 #include "builder/cli/Commands.h"
 #include "builder/intake/ReadMesh.h"
-#include "builder/repair/Repair.h"
+#include "builder/library/Asset.h"
 #include "cli/Files.h"
 #include "cli/Length.h"
 #include "cli/Program.h"
@@ -47,16 +46,6 @@ struct BuildOptions : cli::CommonOptions
 	std::optional<cli::Length> wrap, maxMove;
 };
 
-constexpr double kMaxMove = 0.25;  // of the radius: more is another shape, which must be asked for
-
-double radiusOf(const Soup& soup)
-{
-	std::vector<Vec3> used;
-	for (const std::uint32_t corner : soup.corners)
-		if (corner < soup.vertices.size() && isFinite(soup.vertices[corner])) used.push_back(soup.vertices[corner]);
-	return used.empty() ? 0 : boundingSphere(used).radius;
-}
-
 Repaired readSolid(const BuildOptions& options)
 {
 	try
@@ -64,12 +53,11 @@ Repaired readSolid(const BuildOptions& options)
 		Soup soup = readMesh(options.mesh);
 		convert(options.frame, soup);
 		const double radius = radiusOf(soup);
-		if (options.wrap) return wrapAround(soup, options.wrap->inMeshUnit(radius));
-		if (options.repair)
-			return repair(soup, options.maxMove ? options.maxMove->inMeshUnit(radius) : kMaxMove * radius);
-		Repaired asItIs;
-		asItIs.solid = intake(soup);
-		return asItIs;
+		Mending mending;
+		mending.repair = options.repair;
+		if (options.maxMove) mending.maxMove = options.maxMove->inMeshUnit(radius);
+		if (options.wrap) mending.wrap = options.wrap->inMeshUnit(radius);
+		return solidOf(soup, mending);
 	}
 	catch (const Refused& refused)
 	{
@@ -115,10 +103,7 @@ HierarchyContent buildContent(const Intake& solid, const BuildOptions& options)
 		bar.update(phase, fraction);
 		return true;
 	};
-	HierarchyContent content = buildHierarchy(solid.mesh, config, progress);
-	for (int i = 0; i < 3; ++i) content.asset.meshFromBody[i] = solid.meshFromBody[i];
-	content.asset.componentCount = std::uint32_t(solid.componentCount);
-	return content;
+	return buildAsset(solid, config, progress);
 }
 
 void run(const BuildOptions& options)

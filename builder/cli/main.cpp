@@ -9,7 +9,7 @@ int main(int argc, char** argv)
 {
 	CLI::App program{"Builds and examines dual hierarchies (contact levels of detail) of triangle meshes.",
 					 "clod-build"};
-	clod::cli::setUpProgram(program,
+	clod::cli::setUpProgram(program, "double (no Bullet)",
 							"licence GPL-3.0-or-later (links CGAL); the files it writes carry no licence of ours");
 	clod::builder::addBuildCommand(program);
 	clod::builder::addInfoCommand(program);

@@ -8,8 +8,8 @@
 int main(int argc, char** argv)
 {
 	CLI::App app("Contact levels of detail: models, scenes and measurements", CLOD_PROGRAM_NAME);
-	clod::cli::setUpProgram(
-		app, "Licence: Zlib. Uses Bullet (" CLOD_BULLET_PRECISION_NAME " precision), CLI11, fmt, nlohmann-json.");
+	clod::cli::setUpProgram(app, CLOD_BULLET_PRECISION_NAME " (Bullet)",
+							"Licence: Zlib. Uses Bullet, CLI11, fmt, nlohmann-json.");
 	app.footer("Example: clod-bench run spoon-cup --size 3.5 --frames frames");
 	clod::demo::addModelCommand(app);
 	clod::demo::addListCommand(app);

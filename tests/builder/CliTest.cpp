@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -158,6 +159,12 @@ TEST_F(Cli, UsageErrorsNameTheNearestMatch)
 	EXPECT_NE(out().find("Example:"), std::string::npos);
 	EXPECT_EQ(run({"--version"}), 0);
 	EXPECT_NE(out().find("GPL-3.0-or-later"), std::string::npos);
+	for (const char* told : {"(commit ", "precision double", "kernels ", "file format 1"})
+		EXPECT_NE(out().find(told), std::string::npos) << told << " in\n" << out();
+	setenv("CLOD_NO_AVX2", "1", 1);
+	EXPECT_EQ(run({"--version"}), 0);
+	unsetenv("CLOD_NO_AVX2");
+	EXPECT_NE(out().find("kernels plain"), std::string::npos) << out();
 }
 
 TEST_F(Cli, BadInputIsExitCode3AndWritesNothing)

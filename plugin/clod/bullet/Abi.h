@@ -5,6 +5,8 @@
 #pragma once
 #include <LinearMath/btScalar.h>
 
+#include "clod/Export.h"
+
 #if defined(BT_USE_DOUBLE_PRECISION)
 #define CLOD_BULLET_PRECISION float64
 #else
@@ -14,7 +16,7 @@
 #define CLOD_ABI_EXPAND(version, precision) CLOD_ABI_JOIN(version, precision)
 #define CLOD_ABI_SYMBOL CLOD_ABI_EXPAND(BT_BULLET_VERSION, CLOD_BULLET_PRECISION)
 
-extern "C" int CLOD_ABI_SYMBOL;  // 1
+extern "C" CLOD_API int CLOD_ABI_SYMBOL;  // 1
 
 namespace
 {

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "clod/Export.h"
 #include "clod/bullet/Abi.h"
 #include "clod/bullet/StepReport.h"
 #include "clod/query/Budget.h"
@@ -22,7 +23,7 @@ struct btCollisionAlgorithmCreateFunc;
 
 namespace clod
 {
-class Context
+class CLOD_API Context
 {
 public:
 	Context();

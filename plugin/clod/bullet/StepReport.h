@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "clod/Export.h"
 #include "clod/query/ContactMetric.h"
 
 class btCollisionObject;
@@ -56,7 +57,7 @@ struct PairReport : DispatchReport
 };
 
 // Sums over all live pairs, each as of its last dispatch.
-struct StepReport
+struct CLOD_API StepReport
 {
 	std::uint32_t pairs = 0, pairsInContact = 0;
 	std::uint32_t nodePairs = 0, candidates = 0, points = 0, clusters = 0, leaks = 0;

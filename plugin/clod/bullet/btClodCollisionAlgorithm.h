@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 
+#include "clod/Export.h"
 #include "clod/bullet/Context.h"
 #include "clod/bullet/btClodShape.h"
 #include "clod/hierarchy/Result.h"
@@ -19,7 +20,7 @@ class PairState;
 struct PairPlan;
 }  // namespace clod
 
-class btClodCollisionAlgorithm : public btActivatingCollisionAlgorithm
+class CLOD_API btClodCollisionAlgorithm : public btActivatingCollisionAlgorithm
 {
 public:
 	// Registers shape type `shapeType` against itself, static planes and Bullet's concave shapes, in both dispatch

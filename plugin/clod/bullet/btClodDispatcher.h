@@ -17,9 +17,10 @@
 #include <cstdint>
 #include <memory>
 
+#include "clod/Export.h"
 #include "clod/bullet/Context.h"
 
-class btClodDispatcher : public btCollisionDispatcher
+class CLOD_API btClodDispatcher : public btCollisionDispatcher
 {
 public:
 	// The context must be the one registerAlgorithm is given for this dispatcher, and outlive it.

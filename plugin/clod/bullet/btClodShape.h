@@ -13,6 +13,7 @@
 #include <memory>
 #include <optional>
 
+#include "clod/Export.h"
 #include "clod/bullet/Context.h"
 #include "clod/hierarchy/Hierarchy.h"
 
@@ -22,7 +23,7 @@ inline constexpr double kBreakingShare = 0.003;  // of the radius: points that B
 }
 
 ATTRIBUTE_ALIGNED16(class)
-btClodShape : public btConcaveShape
+CLOD_API btClodShape : public btConcaveShape
 {
 public:
 	BT_DECLARE_ALIGNED_ALLOCATOR();

@@ -6,6 +6,7 @@
 #pragma once
 #include <memory>
 
+#include "clod/Export.h"
 #include "clod/query/Query.h"
 
 namespace clod
@@ -19,11 +20,11 @@ struct GapSettings : ContactSettings
 	// for the same gap, and for contacts as exact besides.
 	double gapError = kOff;
 };
-bool same(const GapSettings& l, const GapSettings& r);
+CLOD_API bool same(const GapSettings& l, const GapSettings& r);
 // Empty when the settings can be used, otherwise one sentence naming the field and its value.
-std::string settingsError(const GapSettings& settings);
+CLOD_API std::string settingsError(const GapSettings& settings);
 
-struct GapResult : ContactResult
+struct CLOD_API GapResult : ContactResult
 {
 	double minDistance = std::numeric_limits<double>::infinity();  // signed gap; inf: nothing within the tolerance
 	double errorBound = 0;  // the true gap is within it of minDistance; with minDistance = inf: true gap > tolerance -
@@ -32,7 +33,7 @@ struct GapResult : ContactResult
 };
 
 // A pair's cache of both entry points.
-class GapCache
+class CLOD_API GapCache
 {
 public:
 	GapCache();
@@ -51,6 +52,6 @@ private:
 // Contacts as contacts() finds them, and the gap. Preconditions: settings are valid, the pose is finite and rigid. Cost:
 // that of the contacts where no hulls overlap; else a search of the input surfaces near the contacts besides, and some
 // milliseconds for a depth where hundreds of leaves are pressed into each other. No allocation once buffers have grown.
-void signedGap(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const GapSettings& settings,
-			   GapCache& cache, GapResult& result);
+CLOD_API void signedGap(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const GapSettings& settings,
+						GapCache& cache, GapResult& result);
 }  // namespace clod

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "clod/Export.h"
 #include "clod/collide/Triangle.h"
 #include "clod/hierarchy/DerivedData.h"
 #include "clod/hierarchy/Layout.h"
@@ -38,7 +39,7 @@ struct HierarchyContent
 	std::vector<float> hullX, hullY, hullZ;
 };
 
-class Hierarchy
+class CLOD_API Hierarchy
 {
 public:
 	// Reads and validates a file: header, checksums, sizes before any allocation, then every index and float, then the
@@ -110,9 +111,9 @@ inline Triangle triangleOf(const Hierarchy& hierarchy, const Node& owner, const 
 }
 
 // The bytes of a .clod file. Same content, same bytes.
-std::vector<std::byte> encode(const HierarchyContent& content);
+CLOD_API std::vector<std::byte> encode(const HierarchyContent& content);
 
 // Semantic rules of a content (indices in range, floats finite, tree, monotone numbers...); empty = sound, otherwise
 // the first broken rule and element. load() runs it; O(content).
-std::string validate(const Hierarchy& hierarchy);
+CLOD_API std::string validate(const Hierarchy& hierarchy);
 }  // namespace clod

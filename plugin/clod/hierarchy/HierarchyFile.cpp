@@ -26,8 +26,11 @@ std::uint64_t alignUp(std::uint64_t offset)
 	return (offset + kSectionAlignment - 1) / kSectionAlignment * kSectionAlignment;
 }
 
-std::uint64_t hashOfStart(std::vector<std::byte> start)
+// Of the first kFileStartBytes bytes.
+std::uint64_t hashOfStart(const std::byte* bytes)
 {
+	std::array<std::byte, kFileStartBytes> start;
+	std::memcpy(start.data(), bytes, start.size());
 	std::memset(start.data() + offsetof(FileHeader, headerHash), 0, sizeof(std::uint64_t));
 	return XXH3_64bits(start.data(), start.size());
 }
@@ -95,7 +98,7 @@ std::string checkFileStart(const std::vector<std::byte>& start, std::uint64_t fi
 	std::memcpy(&header, start.data(), sizeof header);
 	std::string problem = checkHeader(header, fileBytes);
 	if (!problem.empty()) return problem;
-	if (header.headerHash != hashOfStart(start)) return "damaged (checksum of the header)";
+	if (header.headerHash != hashOfStart(start.data())) return "damaged (checksum of the header)";
 	SectionEntry table[kSectionCount];
 	std::memcpy(table, start.data() + sizeof header, sizeof table);
 	return checkTable(table, fileBytes);
@@ -213,7 +216,7 @@ std::vector<std::byte> encode(const HierarchyContent& content)
 	header.tableOffset = sizeof(FileHeader);
 	std::memcpy(bytes.data(), &header, sizeof header);
 	std::memcpy(bytes.data() + sizeof header, table, sizeof table);
-	header.headerHash = hashOfStart(startOf(bytes));
+	header.headerHash = hashOfStart(bytes.data());
 	std::memcpy(bytes.data(), &header, sizeof header);
 	for (std::uint32_t i = 0; i < kSectionCount; ++i)
 		if (counts[i] > 0) std::memcpy(bytes.data() + table[i].offset, sources[i], counts[i] * kStrides[i]);

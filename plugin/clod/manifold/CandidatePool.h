@@ -10,6 +10,7 @@
 #include <limits>
 #include <vector>
 
+#include "clod/Export.h"
 #include "clod/manifold/ContactPoints.h"
 
 namespace clod
@@ -31,7 +32,7 @@ struct PairEstimate
 	double radius = 0;
 };
 
-class CandidatePool
+class CLOD_API CandidatePool
 {
 public:
 	// Of node pairs within the tolerance, none of them clipped. What is pointed to must live while pairs are clipped.

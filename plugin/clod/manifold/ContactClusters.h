@@ -10,12 +10,13 @@
 #include <cstdint>
 #include <vector>
 
+#include "clod/Export.h"
 #include "clod/manifold/ContactMemory.h"
 
 namespace clod
 {
 // Reduces candidates to clusters. Buffers only.
-class ContactReducer
+class CLOD_API ContactReducer
 {
 public:
 	// Clips those pairs of the pool whose points may be chosen.

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "clod/Export.h"
 #include "clod/manifold/CandidatePool.h"
 
 namespace clod
@@ -36,7 +37,7 @@ struct ContactCluster
 };
 
 // Slots keep their index while their cluster lives, so that one slot can be one manifold.
-struct ClusterSet
+struct CLOD_API ClusterSet
 {
 	std::array<ContactCluster, kMaxClusters> slots{};
 	void clear() { slots = {}; }
@@ -45,7 +46,7 @@ struct ClusterSet
 
 // Fills placeWithB and normalWithB: a corner of B that slides over A is the same point although it moves in A's frame.
 // bodyMotion maps B's material of the last step to now, both in frame A.
-void carryWithB(ClusterSet& set, const Transform& bodyMotion);
+CLOD_API void carryWithB(ClusterSet& set, const Transform& bodyMotion);
 
 // All shares of the length unless named otherwise.
 struct ClusterRules

@@ -3,6 +3,7 @@
 // partner counts as exact (no error, unlimited contact area), so the same metric chooses the nodes that answer.
 // Frame A is the hierarchy's; B is the partner. Signs as in ContactPoints.h.
 #pragma once
+#include "clod/Export.h"
 #include "clod/manifold/ContactPoints.h"
 
 namespace clod
@@ -13,7 +14,7 @@ struct ForeignStats
 	double errorBound = 0;  // the largest certified error of a node that answered
 };
 
-class ForeignClipper
+class CLOD_API ForeignClipper
 {
 public:
 	// Half space { p : dot(normal, p) <= offset } is solid.

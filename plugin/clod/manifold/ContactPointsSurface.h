@@ -5,6 +5,7 @@
 #pragma once
 #include <vector>
 
+#include "clod/Export.h"
 #include "clod/manifold/ContactPoints.h"
 
 namespace clod
@@ -15,7 +16,7 @@ inline constexpr double kLeakShare = 0.5;
 double distanceToFaces(const Hierarchy& hierarchy, const std::vector<std::uint32_t>& nodes, const Vec3& point,
 					   double limit);
 
-class LeakCheck
+class CLOD_API LeakCheck
 {
 public:
 	// The contacts whose nodes make up the surfaces in touch; they must live while points are checked.

@@ -3,6 +3,7 @@
 #pragma once
 #include <string>
 
+#include "clod/Export.h"
 #include "clod/query/Metric.h"
 
 namespace clod
@@ -17,5 +18,5 @@ struct Budget
 	bool isLimited() const { return tests < kOff || microseconds < kOff; }
 };
 // Empty, or one sentence naming the first field that cannot be used, and its value.
-std::string budgetError(const Budget& budget);
+CLOD_API std::string budgetError(const Budget& budget);
 }  // namespace clod

@@ -11,6 +11,7 @@
 #include <memory>
 #include <string>
 
+#include "clod/Export.h"
 #include "clod/collide/RelativeMotion.h"
 #include "clod/query/Metric.h"
 
@@ -38,7 +39,7 @@ struct ContactPlace
 // only if it is a function of the place.
 using ContactThreshold = std::function<double(const ContactPlace&)>;
 
-struct ContactMetric
+struct CLOD_API ContactMetric
 {
 	bool exact = false;               // the input surface only
 	double weightedDeviation = kOff;  // size metric: the paper's s0, a length
@@ -62,7 +63,7 @@ struct ContactMetric
 
 // Never coarser than either: each threshold the smaller of both, exact if either is. Relaxed only where both are and
 // use the same metrics.
-ContactMetric stricter(const ContactMetric& a, const ContactMetric& b);
+CLOD_API ContactMetric stricter(const ContactMetric& a, const ContactMetric& b);
 
 // A pair in a step, as its metric is resolved. Frame A of the query; camera null: none.
 struct MetricFrame
@@ -73,11 +74,11 @@ struct MetricFrame
 	RelativeMotion motion;  // as the bodies move now, hierarchy unit; its time step is dt
 	const ViewCamera* camera = nullptr;
 };
-Metric resolve(const ContactMetric& metric, const MetricFrame& frame);
+CLOD_API Metric resolve(const ContactMetric& metric, const MetricFrame& frame);
 // The place of the query in the world, for an own function.
-ContactPlace inWorld(const Place& place, const MetricFrame& frame);
+CLOD_API ContactPlace inWorld(const Place& place, const MetricFrame& frame);
 
 // Empty, or one sentence naming the first field that cannot be used and its value: not a number, negative, or a view
 // metric whose camera is missing or has no field of view or resolution.
-std::string contactMetricError(const ContactMetric& metric, const ViewCamera* camera);
+CLOD_API std::string contactMetricError(const ContactMetric& metric, const ViewCamera* camera);
 }  // namespace clod

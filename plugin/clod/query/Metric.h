@@ -27,6 +27,7 @@
 #include <limits>
 #include <string>
 
+#include "clod/Export.h"
 #include "clod/collide/Vector.h"
 
 namespace clod
@@ -76,9 +77,9 @@ struct Metric
 	double maxError = kOff;  // certified: errorBound <= maxError, a hard limit under every combination
 };
 // Field by field; two metrics with an own function are never the same, for what it returns may have changed.
-bool same(const Metric& l, const Metric& r);
+CLOD_API bool same(const Metric& l, const Metric& r);
 // Empty, or one sentence naming the first field that cannot be used, and its value.
-std::string metricError(const Metric& metric);
+CLOD_API std::string metricError(const Metric& metric);
 
 struct ThresholdRange
 {

@@ -13,10 +13,11 @@
 #include <memory>
 #include <vector>
 
+#include "clod/Export.h"
+#include "clod/collide/Sweep.h"
 #include "clod/hierarchy/Hierarchy.h"
 #include "clod/query/Budget.h"
 #include "clod/query/Metric.h"
-#include "clod/collide/Sweep.h"
 
 namespace clod
 {
@@ -31,8 +32,8 @@ struct ContactSettings
 	Budget budget;
 };
 // Field by field; with an own function never, see same(Metric).
-bool same(const ContactSettings& l, const ContactSettings& r);
-bool same(const Transform& l, const Transform& r);
+CLOD_API bool same(const ContactSettings& l, const ContactSettings& r);
+CLOD_API bool same(const Transform& l, const Transform& r);
 
 // An accepted node pair within the tolerance.
 struct Contact
@@ -67,7 +68,7 @@ struct QueryStats
 	std::uint32_t depthsCutShort = 0;  // searches of a depth that met their limit of cells: the bound may be wider
 };
 
-struct ContactResult
+struct CLOD_API ContactResult
 {
 	std::vector<Contact> contacts;  // sorted by (nodeA, nodeB)
 	bool deep = false;              // penetration beyond what the contact list can prove
@@ -78,7 +79,7 @@ struct ContactResult
 
 // Front, warm starts, slack. One per ordered pair of bodies; reset by destroying it or by a query with other
 // hierarchies.
-class PairCache
+class CLOD_API PairCache
 {
 public:
 	PairCache();
@@ -96,14 +97,14 @@ private:
 // The accepted pairs within the tolerance. `deep` tells only of a component wholly inside the other body. Two bodies
 // apart are not looked at again until they have moved enough. Preconditions: settings are valid (see settingsError), the
 // pose is finite and rigid. No allocation once the buffers of cache and result have grown.
-void contacts(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const ContactSettings& settings,
-			  PairCache& cache, ContactResult& result);
+CLOD_API void contacts(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const ContactSettings& settings,
+					   PairCache& cache, ContactResult& result);
 
 // The first part of a query under a budget, for budgets over several pairs: finds the coarsest valid answer, then
 // refines it one pair of nodes at a time. The next query with this cache, for the same bodies, pose and settings,
 // finishes it; whether refining pays is the caller's business then, not that of settings.budget (which must be
 // limited). The hierarchies must live till then.
-class QueryPlan
+class CLOD_API QueryPlan
 {
 public:
 	QueryPlan(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const ContactSettings& settings,

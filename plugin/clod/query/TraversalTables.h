@@ -4,6 +4,7 @@
 #pragma once
 #include <vector>
 
+#include "clod/Export.h"
 #include "clod/hierarchy/Hierarchy.h"
 
 namespace clod
@@ -25,7 +26,7 @@ inline double meetingBoxes(const LevelBounds& a, const LevelBounds& b)
 	return b.boxes * a.volume + a.boxes * b.volume + 0.25 * (a.area * b.edges + a.edges * b.area);
 }
 
-class TraversalTables
+class CLOD_API TraversalTables
 {
 public:
 	explicit TraversalTables(const Hierarchy& hierarchy);
