@@ -32,6 +32,7 @@ struct Answer
 {
 	std::vector<Constraint> constraints;
 	std::uint32_t surfaceA = 0, surfaceB = 0;  // which of Subject's surfaces they are of
+	bool knowsSurfaces = true;                 // false: nothing was near enough to say which
 };
 
 class Subject
