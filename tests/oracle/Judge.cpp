@@ -41,7 +41,9 @@ public:
 	{
 		if (m_verdict.startDepth > m_rules.deep) return m_verdict;
 		for (const Sample& sample : m_samples) tryOut(sample);
-		tally(Kind::near30).bestHalfSpace += bestHalfSpaceFaults(m_labels, m_rules.change, m_random);
+		for (const Kind kind : {Kind::near5, Kind::near30})
+			tally(kind).bestHalfSpace +=
+				bestHalfSpaceFaults(m_labels[std::size_t(kind)], m_rules.change, m_random);
 		return m_verdict;
 	}
 
@@ -95,7 +97,10 @@ private:
 		const int steps = onlyEnd ? 1 : std::clamp(int(std::ceil(size / (m_rules.pathStep * m_radius))), 3, 32);
 		double deepest = 0;
 		for (int i = steps; i > 0 && deepest <= enough; --i)
-			deepest = std::max(deepest, m_overlap.depth(displacement(motion, m_a.center(), double(i) / steps)));
+		{
+			const double t = double(i) / steps;
+			deepest = std::max(deepest, m_overlap.depth(displacement(motion, m_a.center(), t), t * size));
+		}
 		return deepest;
 	}
 
@@ -114,10 +119,12 @@ private:
 		++sum.motions;
 		const bool isAdmitted = admits(m_set, y, 1e-9 * m_radius);
 		const double allowed = m_skin + secondOrder(motion);
-		const double enough = isAdmitted ? 1e300 : kind == Kind::near30 ? allowed : m_rules.untouched * m_radius;
+		const double enough = isAdmitted              ? 1e300
+							  : kind == Kind::small ? m_rules.untouched * m_radius
+													: allowed;
 		const double depth = depthOfPath(motion, enough);
 		const bool isFree = depth <= m_rules.untouched * m_radius;
-		if (kind == Kind::near30) m_labels.push_back({y, isFree, depth > allowed});
+		m_labels[std::size_t(kind)].push_back({y, isFree, depth > allowed});
 		if (isFree)
 		{
 			const double change = isAdmitted ? 0 : length(leastChange(m_set, y) + (-1.0) * y) / length(y);
@@ -158,7 +165,7 @@ private:
 	std::vector<Sample> m_samples;
 	Overlap m_overlap;
 	std::vector<HalfSpace> m_set;
-	std::vector<Labelled> m_labels;
+	std::vector<Labelled> m_labels[std::size_t(Kind::count)];
 	Verdict m_verdict;
 };
 }  // namespace

@@ -30,7 +30,7 @@ struct Tally
 {
 	int motions = 0, free = 0, admitted = 0;
 	int changed = 0, pierced = 0;  // free motions changed by more than allowed; admitted ones deeper than allowed
-	int bestHalfSpace = 0;         // what the best single half space would get wrong, pose by pose
+	int bestHalfSpace = 0;  // of the cones: what the best single half space would get wrong, pose by pose
 	std::vector<float> changes;    // of free motions, shares of themselves
 	std::vector<float> depths;     // of admitted motions beyond the second order, shares of the radius
 	int faults() const { return changed + pierced; }

@@ -42,7 +42,8 @@ Overlap::Overlap(const Solid& a, const Solid& b, const Transform& aFromB, double
 void Overlap::collect(double reach)
 {
 	using Pair = std::pair<std::uint32_t, std::uint32_t>;
-	std::vector<Pair> found[2], stack = {{0, 0}};
+	std::vector<std::pair<Pair, double>> found[2];
+	std::vector<Pair> stack = {{0, 0}};
 	const auto boxOf = [](const Edge& edge, const std::vector<Vec3>& at)
 	{
 		Box box;
@@ -58,11 +59,15 @@ void Overlap::collect(double reach)
 	const auto addFaces = [&](std::uint32_t fa, std::uint32_t fb)
 	{
 		const Box boxA = m_a.faceBox(fa), boxB = faceBoxB(fb);
-		if (!meet(boxA, boxB, reach)) return;
+		if (gap(boxA, boxB) > reach) return;
+		const auto add = [&](int side, std::uint32_t edge, std::uint32_t face, double apart)
+		{
+			if (apart <= reach) found[side].push_back({{edge, face}, apart});
+		};
 		for (const std::uint32_t e : m_a.ownEdges(fa))
-			if (meet(boxOf(m_a.edges()[e], m_atA), boxB, reach)) found[0].push_back({e, fb});
+			add(0, e, fb, gap(boxOf(m_a.edges()[e], m_atA), boxB));
 		for (const std::uint32_t e : m_b.ownEdges(fb))
-			if (meet(boxOf(m_b.edges()[e], m_atB), boxA, reach)) found[1].push_back({e, fa});
+			add(1, e, fa, gap(boxOf(m_b.edges()[e], m_atB), boxA));
 	};
 	while (!stack.empty())
 	{
@@ -70,7 +75,7 @@ void Overlap::collect(double reach)
 		stack.pop_back();
 		const BoxNode &na = m_a.nodes()[top.first], &nb = m_b.nodes()[top.second];
 		const Box boxB = transformed(nb.box, m_aFromB);
-		if (!meet(na.box, boxB, reach)) continue;
+		if (gap(na.box, boxB) > reach) continue;
 		if (na.count > 0 && nb.count > 0)
 		{
 			for (std::uint32_t i = 0; i < na.count; ++i)
@@ -89,14 +94,17 @@ void Overlap::collect(double reach)
 	{
 		std::sort(found[s].begin(), found[s].end());
 		Side& side = m_sides[s];
-		for (const Pair& pair : found[s])
+		for (const auto& [pair, apart] : found[s])
 		{
 			if (side.edges.empty() || side.edges.back() != pair.first)
 			{
 				side.edges.push_back(pair.first);
 				side.firstFace.push_back(std::uint32_t(side.faces.size()));
+				side.leastGaps.push_back(apart);
 			}
 			side.faces.push_back(pair.second);
+			side.gaps.push_back(apart);
+			side.leastGaps.back() = std::min(side.leastGaps.back(), apart);
 		}
 		side.firstFace.push_back(std::uint32_t(side.faces.size()));
 	}
@@ -119,17 +127,17 @@ void Overlap::place(const Transform& moved)
 	for (const std::uint32_t f : m_usedFacesA) m_normalsA[f] = moved.rotation * m_a.normal(f);
 }
 
-double Overlap::find(const Transform& moved, bool isDepth)
+double Overlap::find(const Transform& moved, double way, bool isDepth)
 {
 	if (m_sides[0].edges.empty() && m_sides[1].edges.empty()) return 0;
 	place(moved);
 	++m_call;
-	const double first = findSide(true, isDepth);
+	const double first = findSide(true, way, isDepth);
 	if (first > 0 && !isDepth) return first;
-	return std::max(first, findSide(false, isDepth));
+	return std::max(first, findSide(false, way, isDepth));
 }
 
-double Overlap::findSide(bool edgesOfA, bool isDepth)
+double Overlap::findSide(bool edgesOfA, double way, bool isDepth)
 {
 	const Side& side = m_sides[edgesOfA ? 0 : 1];
 	const std::vector<Vec3>&from = edgesOfA ? m_atA : m_atB, &to = edgesOfA ? m_atB : m_atA;
@@ -137,11 +145,13 @@ double Overlap::findSide(bool edgesOfA, bool isDepth)
 	double deepest = 0;
 	for (std::size_t k = 0; k < side.edges.size(); ++k)
 	{
+		if (side.leastGaps[k] > way) continue;
 		const Edge& edge = side.other->edges()[side.edges[k]];
 		const Vec3 &p = from[edge.vertex[0]], &q = from[edge.vertex[1]];
 		m_crossings.clear();
 		for (std::uint32_t i = side.firstFace[k]; i < side.firstFace[k + 1]; ++i)
 		{
+			if (side.gaps[i] > way) continue;
 			const std::uint32_t f = side.faces[i];
 			const auto& t = side.solid->mesh().triangles[f];
 			const Vec3& n = normals[f];

@@ -19,9 +19,9 @@ public:
 	// Motions under which no point of A moves farther than `reach`.
 	Overlap(const Solid& a, const Solid& b, const Transform& aFromB, double reach);
 
-	// A displaced by `moved` (frame A).
-	bool isAny(const Transform& moved) { return find(moved, false) > 0; }
-	double depth(const Transform& moved) { return find(moved, true); }
+	// A displaced by `moved` (frame A), by which no point of it went farther than `way`.
+	bool isAny(const Transform& moved, double way = 1e300) { return find(moved, way, false) > 0; }
+	double depth(const Transform& moved, double way = 1e300) { return find(moved, way, true); }
 	// Wholly apart at the pose, containment excluded.
 	bool isApart();
 
@@ -38,11 +38,12 @@ private:
 		const Solid* solid;  // the one pierced
 		const Solid* other;  // whose edges pierce
 		std::vector<std::uint32_t> edges, firstFace, faces;
+		std::vector<double> gaps, leastGaps;  // of their boxes at the pose: of each pair, of each edge
 	};
 	void collect(double reach);
 	void place(const Transform& moved);
-	double find(const Transform& moved, bool isDepth);
-	double findSide(bool edgesOfA, bool isDepth);
+	double find(const Transform& moved, double way, bool isDepth);
+	double findSide(bool edgesOfA, double way, bool isDepth);
 	double depthOf(bool edgesOfA, std::uint32_t edge);
 	double segmentDepth(bool edgesOfA, const Vec3& from, const Vec3& to, const Crossing& in, const Crossing& out) const;
 	double vertexDepth(bool ofA, std::uint32_t vertex);

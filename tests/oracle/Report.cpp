@@ -55,7 +55,7 @@ nlohmann::ordered_json rowsOf(FamilyResult& result, const std::string& setting)
 		row["pierced_per_1000"] = inThousand(tally.pierced, tally.motions);
 		row["faults_per_1000"] = inThousand(tally.faults(), tally.motions);
 		row["best_half_space_per_1000"] =
-			Kind(k) == Kind::near30 ? nlohmann::ordered_json(inThousand(tally.bestHalfSpace, tally.motions)) : "";
+			k <= std::size_t(Kind::near30) ? nlohmann::ordered_json(inThousand(tally.bestHalfSpace, tally.motions)) : "";
 		addDistribution(row, "change", tally.changes);
 		addDistribution(row, "depth", tally.depths);
 		row["worst_pose"] = result.worstPose;
@@ -90,11 +90,11 @@ std::string csvOf(const nlohmann::ordered_json& rows)
 
 std::string tableHead()
 {
-	return fmt::format("{:17} {:>5} {:>11} {:>9} {:>9} | {:>7} {:>7} {:>7} {:>7} | {:>7} {:>7} | {:>7} {:>7} | {:>6}\n",
-					   "family", "poses", "ghosts", "claim", "no answer", "changed", "pierced", "chg 99%", "dep 99%",
+	return fmt::format("{:17} {:>5} {:>11} {:>9} {:>9} | {:>7} {:>7} {:>7} {:>7} {:>7} | {:>7} {:>7} | {:>7} {:>7} | {:>6}\n",
+					   "family", "poses", "ghosts", "claim", "no answer", "changed", "pierced", "best", "chg 99%", "dep 99%",
 					   "at 30", "best", "small", "solved", "worst") +
-		   fmt::format("{:17} {:>5} {:>11} {:>9} {:>9} | {:>7} {:>7} {:>7} {:>7} | {:>7} {:>7} | {:>7} {:>7} | {:>6}\n",
-					   "", "", "of apart", "% of R", "of deep", "/1000", "/1000", "share", "% of R", "/1000", "/1000",
+		   fmt::format("{:17} {:>5} {:>11} {:>9} {:>9} | {:>7} {:>7} {:>7} {:>7} {:>7} | {:>7} {:>7} | {:>7} {:>7} | {:>6}\n",
+					   "", "", "of apart", "% of R", "of deep", "/1000", "/1000", "/1000", "share", "% of R", "/1000", "/1000",
 					   "/1000", "/1000", "pose");
 }
 
@@ -103,11 +103,11 @@ std::string tableLine(FamilyResult& result)
 	Tally &near5 = result.kinds[std::size_t(Kind::near5)], &near30 = result.kinds[std::size_t(Kind::near30)];
 	const Tally &small = result.of(Kind::small), &solved = result.of(Kind::solved);
 	return fmt::format(
-		"{:17} {:>5} {:>11} {:>9.3f} {:>9} | {:>7.2f} {:>7.2f} {:>7.3f} {:>7.3f} | {:>7.2f} {:>7.2f} | {:>7.2f} {:>7.2f} | "
+		"{:17} {:>5} {:>11} {:>9.3f} {:>9} | {:>7.2f} {:>7.2f} {:>7.2f} {:>7.3f} {:>7.3f} | {:>7.2f} {:>7.2f} | {:>7.2f} {:>7.2f} | "
 		"{:>6}\n",
 		result.family, result.poses, fmt::format("{}/{}", result.ghosts, result.apart), 100 * result.worstClaim,
 		fmt::format("{}/{}", result.unanswered, result.overlapping), inThousand(near5.changed, near5.motions),
-		inThousand(near5.pierced, near5.motions), quantile(near5.changes, 0.99), 100 * quantile(near5.depths, 0.99),
+		inThousand(near5.pierced, near5.motions), inThousand(near5.bestHalfSpace, near5.motions), quantile(near5.changes, 0.99), 100 * quantile(near5.depths, 0.99),
 		inThousand(near30.faults(), near30.motions), inThousand(near30.bestHalfSpace, near30.motions),
 		inThousand(small.faults(), small.motions), inThousand(solved.faults(), solved.motions), result.worstPose);
 }

@@ -70,11 +70,11 @@ double Box::distanceSquared(const Vec3& p) const
 	return sum;
 }
 
-bool meet(const Box& a, const Box& b, double within)
+double gap(const Box& a, const Box& b)
 {
-	for (int i = 0; i < 3; ++i)
-		if (a.low[i] > b.high[i] + within || b.low[i] > a.high[i] + within) return false;
-	return true;
+	double largest = -1e300;
+	for (int i = 0; i < 3; ++i) largest = std::max({largest, a.low[i] - b.high[i], b.low[i] - a.high[i]});
+	return largest;
 }
 
 Box transformed(const Box& box, const Transform& transform)
@@ -256,7 +256,7 @@ double Solid::exitDistance(const Vec3& from, const Vec3& direction, double most)
 		Box path;
 		path.add(from);
 		path.add(from + best * direction);
-		if (!meet(path, node.box, 0)) continue;
+		if (gap(path, node.box) > 0) continue;
 		if (node.count == 0)
 		{
 			stack.push_back(node.first);

@@ -15,8 +15,8 @@ struct Box
 	void add(const Box& box);
 	double distanceSquared(const Vec3& p) const;
 };
-// Whether they come within the distance, axis by axis.
-bool meet(const Box& a, const Box& b, double within);
+// The largest gap along an axis; negative where they meet.
+double gap(const Box& a, const Box& b);
 Box transformed(const Box& box, const Transform& transform);
 
 struct BoxNode
