@@ -99,7 +99,7 @@ class GImpactSubject : public BulletSubject
 {
 public:
 	GImpactSubject(const TriangleMesh& a, const TriangleMesh& b)
-		: BulletSubject({a}, {b}, 0, 2 * kGImpactMargin * smallerRadius(a, b))
+		: BulletSubject({a}, {b}, kSkinShare * smallerRadius(a, b), 2 * kGImpactMargin * smallerRadius(a, b))
 	{
 		btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher());
 		std::unique_ptr<btCollisionShape> shapes[2];
@@ -124,7 +124,8 @@ private:
 class BoxSubject : public BulletSubject
 {
 public:
-	BoxSubject(const Vec3& halfOfA, const Vec3& halfOfB) : BulletSubject({box(halfOfA)}, {box(halfOfB)}, 0, 0)
+	BoxSubject(const Vec3& halfOfA, const Vec3& halfOfB) : BulletSubject({box(halfOfA)}, {box(halfOfB)},
+						kSkinShare * std::min(length(halfOfA), length(halfOfB)), 0)
 	{
 		setShapes(std::make_unique<btBoxShape>(toBullet(halfOfA)), std::make_unique<btBoxShape>(toBullet(halfOfB)));
 	}

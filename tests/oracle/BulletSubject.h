@@ -44,6 +44,7 @@ private:
 
 using HierarchyPointer = std::shared_ptr<const Hierarchy>;
 std::unique_ptr<Subject> clodSubject(const HierarchyPointer& a, const HierarchyPointer& b, const ContactMetric& metric);
+// Those of others are judged by our skin.
 std::unique_ptr<Subject> gimpactSubject(const TriangleMesh& a, const TriangleMesh& b);
 // Bullet's own boxes.
 std::unique_ptr<Subject> boxSubject(const Vec3& halfOfA, const Vec3& halfOfB);

@@ -103,9 +103,10 @@ std::optional<Case> makeCase(const Family& family, const BodyPair& pair, const C
 		if (family.isDeep)
 			gap = -radius * std::exp(std::log(0.02) * (1 - share));
 		else if (kind > 0.68)
-			gap = -radius * std::exp(std::log(3e-5) + share * std::log(60.0));
+			gap = -radius * std::exp(std::log(3e-5) + share * std::log(170.0));
 		else if (kind > 0.34)
-			made.gap = gap = radius * std::exp(std::log(1e-5) + share * std::log(1000.0));
+			gap = radius * std::exp(std::log(1e-5) + share * std::log(1000.0));
+		made.gap = std::fabs(gap);
 		made.aFromB = translation((gap - way) * start.approach) * pose;
 		made.motion = predicted(random, start.approach, a, radius);
 		return made;

@@ -104,7 +104,7 @@ private:
 		return deepest;
 	}
 
-	// What the turning of a body adds to its linear path, and the skin: so deep an admitted motion may get.
+	// What the turning of a body adds to its linear path.
 	double secondOrder(const RelativeMotion& motion) const
 	{
 		return 0.5 * lengthSquared(motion.angular) * motion.timeStep * motion.timeStep * m_a.radius();
@@ -127,7 +127,7 @@ private:
 		m_labels[std::size_t(kind)].push_back({y, isFree, depth > allowed});
 		if (isFree)
 		{
-			const double change = isAdmitted ? 0 : length(leastChange(m_set, y) + (-1.0) * y) / length(y);
+			const double change = isAdmitted ? 0 : changeOf(y, secondOrder(motion));
 			++sum.free;
 			sum.changes.push_back(float(change));
 			sum.changed += change > m_rules.change;
@@ -135,6 +135,14 @@ private:
 		}
 		if (isAdmitted) addAdmitted(sum, kind, depth, allowed);
 		if (kind == Kind::near5 && !isAdmitted) solve(y);
+	}
+
+	// Of a motion that is free, as a share of it; constraints are linear, so what turning adds is granted.
+	double changeOf(const Vec6& y, double granted) const
+	{
+		std::vector<HalfSpace> set = m_set;
+		for (HalfSpace& half : set) half.offset += granted;
+		return length(leastChange(set, y) + (-1.0) * y) / length(y);
 	}
 
 	void addAdmitted(Tally& sum, Kind kind, double depth, double allowed)

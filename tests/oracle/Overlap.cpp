@@ -50,15 +50,12 @@ void Overlap::collect(double reach)
 		for (const std::uint32_t v : edge.vertex) box.add(at[v]);
 		return box;
 	};
-	const auto faceBoxB = [this](std::uint32_t f)
-	{
-		Box box;
-		for (const std::uint32_t v : m_b.mesh().triangles[f]) box.add(m_atB[v]);
-		return box;
-	};
+	std::vector<Box> boxesB(m_b.mesh().triangles.size());
+	for (std::size_t f = 0; f < boxesB.size(); ++f)
+		for (const std::uint32_t v : m_b.mesh().triangles[f]) boxesB[f].add(m_atB[v]);
 	const auto addFaces = [&](std::uint32_t fa, std::uint32_t fb)
 	{
-		const Box boxA = m_a.faceBox(fa), boxB = faceBoxB(fb);
+		const Box &boxA = m_a.faceBox(fa), &boxB = boxesB[fb];
 		if (gap(boxA, boxB) > reach) return;
 		const auto add = [&](int side, std::uint32_t edge, std::uint32_t face, double apart)
 		{

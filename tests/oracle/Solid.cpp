@@ -89,7 +89,11 @@ Box transformed(const Box& box, const Transform& transform)
 Solid::Solid(const TriangleMesh& mesh) : m_mesh(mesh)
 {
 	for (std::uint32_t f = 0; f < mesh.triangles.size(); ++f)
+	{
 		m_normals.push_back(normalized(cross(corner(f, 1) - corner(f, 0), corner(f, 2) - corner(f, 0))));
+		m_faceBoxes.emplace_back();
+		for (std::size_t i = 0; i < 3; ++i) m_faceBoxes.back().add(corner(f, i));
+	}
 	findEdges();
 	findPseudonormals();
 	findMass();
@@ -175,13 +179,6 @@ void Solid::findSeeds()
 	for (const Edge& edge : m_edges) parent[root(edge.vertex[0])] = root(edge.vertex[1]);
 	for (std::uint32_t v = 0; v < parent.size(); ++v)
 		if (parent[v] == v) m_seeds.push_back(v);
-}
-
-Box Solid::faceBox(std::uint32_t face) const
-{
-	Box box;
-	for (std::size_t i = 0; i < 3; ++i) box.add(corner(face, i));
-	return box;
 }
 
 void Solid::split(std::uint32_t node, std::uint32_t first, std::uint32_t count)

@@ -45,7 +45,7 @@ public:
 	std::uint32_t ordered(std::uint32_t i) const { return m_order[i]; }
 	const Vec3& corner(std::uint32_t face, std::size_t i) const { return m_mesh.vertices[m_mesh.triangles[face][i]]; }
 	const Vec3& normal(std::uint32_t face) const { return m_normals[face]; }
-	Box faceBox(std::uint32_t face) const;
+	const Box& faceBox(std::uint32_t face) const { return m_faceBoxes[face]; }
 	// One vertex of each component.
 	const std::vector<std::uint32_t>& seeds() const { return m_seeds; }
 
@@ -78,6 +78,7 @@ private:
 	std::vector<std::array<std::uint32_t, 3>> m_faceEdges;  // edge i from corner i to the next
 	std::vector<Vec3> m_normals, m_edgeNormals, m_vertexNormals;
 	std::vector<BoxNode> m_nodes;
+	std::vector<Box> m_faceBoxes;
 	std::vector<std::uint32_t> m_order, m_seeds;
 	double m_volume = 0, m_radius = 0;
 	Vec3 m_center;

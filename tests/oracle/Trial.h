@@ -48,7 +48,7 @@ public:
 	FamilyResult runAll(std::size_t poses);
 
 private:
-	const Family& m_family;
+	Family m_family;
 	TrialRules m_rules;
 	std::vector<BodyPair> m_pairs;
 	std::vector<std::unique_ptr<Subject>> m_subjects;
