@@ -10,7 +10,7 @@ namespace clod::oracle
 namespace
 {
 constexpr double kTimeStep = 1.0 / 240;
-constexpr int kStarts = 20, kMarch = 60, kBisections = 34;
+constexpr int kStarts = 20, kBlocks = 10, kSteps = 6, kBisections = 34;
 
 // A centred mesh and where its centre was.
 Vec3 center(TriangleMesh& mesh)
@@ -25,35 +25,31 @@ Transform translation(const Vec3& by)
 	return {{}, by};
 }
 
-bool areApart(const Solid& a, const Solid& b, const Transform& aFromB)
-{
-	return Overlap(a, b, aFromB, 0).isApart();
-}
-
-// How far A goes until they meet, on the side where they are apart; negative: they do not.
+// How far A goes until they meet, on the side where they are apart; negative: they do not, or overlap already.
 double wayToTouch(const Solid& a, const Solid& b, const Transform& pose, const Start& start)
 {
-	const auto after = [&](double way) { return translation(-way * start.approach) * pose; };
-	if (!areApart(a, b, pose)) return -1;
-	double apart = 0, met = -1;
-	for (int i = 1; i <= kMarch && met < 0; ++i)
+	const double block = start.travel / kBlocks, step = block / kSteps;
+	for (int i = 0; i < kBlocks; ++i)
 	{
-		const double way = start.travel * i / kMarch;
-		if (areApart(a, b, after(way)))
-			apart = way;
-		else
-			met = way;
+		Overlap overlap(a, b, translation(-i * block * start.approach) * pose, block);
+		if (i == 0 && !overlap.isApart()) return -1;
+		const auto isApart = [&](double way) { return !overlap.isAny(translation(way * start.approach), way); };
+		int met = 1;
+		while (met <= kSteps && isApart(met * step)) ++met;
+		if (met > kSteps) continue;
+		double apart = (met - 1) * step, touching = met * step;
+		for (int k = 0; k < kBisections; ++k)
+		{
+			const double middle = 0.5 * (apart + touching);
+			(isApart(middle) ? apart : touching) = middle;
+		}
+		return i * block + apart;
 	}
-	if (met < 0) return -1;
-	for (int i = 0; i < kBisections; ++i)
-	{
-		const double middle = 0.5 * (apart + met);
-		(areApart(a, b, after(middle)) ? apart : met) = middle;
-	}
-	return apart;
+	return -1;
 }
 
-RelativeMotion predicted(Random& random, const Vec3& approach, const Solid& a, double radius)
+// Of any size: linear about 1 at the centre, turning as fast as the body is large.
+RelativeMotion anyMotion(Random& random, const Vec3& approach, const Solid& a)
 {
 	const double kind = uniform(random, 0, 3);
 	Vec3 linear = direction(random);
@@ -62,13 +58,29 @@ RelativeMotion predicted(Random& random, const Vec3& approach, const Solid& a, d
 	else if (kind < 2)
 		linear = normalized(linear - dot(linear, approach) * approach + uniform(random, -0.05, 0.1) * approach);
 	RelativeMotion motion;
-	motion.timeStep = kTimeStep;
 	motion.angular = (uniform(random, 0, 1) < 0.5 ? 0 : uniform(random, 0.1, 2) / a.radius()) * direction(random);
-	const double size = radius * std::exp(uniform(random, std::log(2e-3), std::log(3e-2)));
-	const double speed = size / kTimeStep / (1 + length(motion.angular) * a.radius());
-	motion.angular = speed * motion.angular;
-	motion.linear = speed * linear - cross(motion.angular, a.center());
+	motion.linear = linear - cross(motion.angular, a.center());
 	return motion;
+}
+
+RelativeMotion alongCourse(Random& random, const Start& start, const Vec3& offset, const Solid& a)
+{
+	RelativeMotion motion{start.course.velocity(offset), start.course.angular, 0};
+	const double sign = uniform(random, 0, 1) < 0.5 ? -1 : 1;
+	const double scale = sign / (length(motion.velocity(a.center())) + length(motion.angular) * a.radius());
+	motion.linear = scale * motion.linear + uniform(random, 0, 0.1) * direction(random);
+	motion.angular = scale * motion.angular;
+	return motion;
+}
+
+RelativeMotion predicted(Random& random, const Start& start, const Vec3& offset, const Solid& a, double radius)
+{
+	const bool hasCourse = lengthSquared(start.course.angular) + lengthSquared(start.course.linear) > 0;
+	RelativeMotion motion = hasCourse && uniform(random, 0, 1) < 0.5 ? alongCourse(random, start, offset, a)
+																	 : anyMotion(random, start.approach, a);
+	const double size = radius * std::exp(uniform(random, std::log(2e-3), std::log(3e-2))) / kTimeStep;
+	const double scale = size / (length(motion.velocity(a.center())) + length(motion.angular) * a.radius());
+	return {scale * motion.linear, scale * motion.angular, kTimeStep};
 }
 }  // namespace
 
@@ -108,7 +120,7 @@ std::optional<Case> makeCase(const Family& family, const BodyPair& pair, const C
 			gap = radius * std::exp(std::log(1e-5) + share * std::log(1000.0));
 		made.gap = std::fabs(gap);
 		made.aFromB = translation((gap - way) * start.approach) * pose;
-		made.motion = predicted(random, start.approach, a, radius);
+		made.motion = predicted(random, start, pair.offsetA, a, radius);
 		return made;
 	}
 	return {};

@@ -33,6 +33,11 @@ Start standing(const Mat3& turned, const Vec3& at, const Vec3& approachInB, doub
 	const Transform aFromB = inverse(Transform{turned, at});
 	return {aFromB, normalized(aFromB.rotation * approachInB), travel};
 }
+Start onCourse(Start start, const Vec3& linear, const Vec3& angular)
+{
+	start.course = {linear, angular, 0};
+	return start;
+}
 Vec3 nearDown(Random& random, double spread)
 {
 	return normalized(kDown + spread * uniform(random, 0, 1) * direction(random));
@@ -66,8 +71,8 @@ Start pinStart(Random& random, std::size_t)
 	const double side = uniform(random, 0, 1);
 	const double height = side < 0.5 ? uniform(random, -0.24, -0.15) : uniform(random, -0.1, 0.2);
 	const Mat3 turn = rotation(random, 0.008) * aboutY(uniform(random, 0, kPi));
-	return standing(turn, {uniform(random, -0.003, 0.003), height, uniform(random, -0.003, 0.003)}, direction(random),
-					0.15);
+	const Vec3 at{uniform(random, -0.003, 0.003), height, uniform(random, -0.003, 0.003)};
+	return onCourse(standing(turn, at, direction(random), 0.15), {}, {0, 1, 0});
 }
 
 // Teeth between -1 and 1 of a rack, and a gear that meshes with it.
@@ -99,7 +104,8 @@ Start rackStart(Random& random, std::size_t)
 	const Mat3 turn = rotationFromQuaternion(0, 0, std::sin(0.5 * angle), std::cos(0.5 * angle));
 	const Vec3 at{roll, pitchRadius + 0.5 * kTooth + uniform(random, 0.01, 0.08), uniform(random, -0.02, 0.02)};
 	const double side = uniform(random, 0, 2 * kPi);
-	return standing(turn, at, {std::cos(side), std::sin(side), 0.1 * uniform(random, -1, 1)}, 0.3);
+	const Start start = standing(turn, at, {std::cos(side), std::sin(side), 0.1 * uniform(random, -1, 1)}, 0.3);
+	return onCourse(start, -pitchRadius * (start.aFromB.rotation * Vec3{1, 0, 0}), {0, 0, 1});
 }
 
 std::vector<BodyPair> threadPairs()
@@ -111,7 +117,8 @@ Start threadStart(Random& random, std::size_t)
 {
 	const double scale = 1 / demo::NUT_RADIUS, height = uniform(random, 0.016, 0.034);
 	const Mat3 turn = aboutY(-2 * kPi * height / demo::THREAD_LEAD);
-	return standing(turn, {0, scale * height, 0}, direction(random), 0.1);
+	return onCourse(standing(turn, {0, scale * height, 0}, direction(random), 0.1),
+					{0, scale * demo::THREAD_LEAD / (2 * kPi), 0}, {0, -1, 0});
 }
 
 // A cup of `radius` and wall 0.06.

@@ -119,11 +119,12 @@ private:
 		++sum.motions;
 		const bool isAdmitted = admits(m_set, y, 1e-9 * m_radius);
 		const double allowed = m_skin + secondOrder(motion);
+		const double untouched = std::min(m_rules.untouched * m_radius, m_rules.untouchedShare * sizeOf(motion, m_a));
 		const double enough = isAdmitted              ? 1e300
-							  : kind == Kind::small ? m_rules.untouched * m_radius
+							  : kind == Kind::small ? untouched
 													: allowed;
 		const double depth = depthOfPath(motion, enough);
-		const bool isFree = depth <= m_rules.untouched * m_radius;
+		const bool isFree = depth <= untouched;
 		m_labels[std::size_t(kind)].push_back({y, isFree, depth > allowed});
 		if (isFree)
 		{

@@ -19,6 +19,7 @@ struct JudgeRules
 {
 	int samples = 48;              // motions in each cone; half as many small ones
 	double untouched = 1e-5;       // depth up to which bodies count as apart during a motion
+	double untouchedShare = 0.02;  // and of the motion's size
 	double claim = 1e-4;           // depth that a constraint must not claim of bodies apart
 	double deep = 0.01;            // depth at the pose from which on only an answer is asked for
 	double change = 0.1;           // of a free motion, by which it may be changed

@@ -157,8 +157,6 @@ TEST(Oracle, HoldsRightContactsForRight)
 {
 	const FamilyResult result = judged(Faults());
 	EXPECT_EQ(faultsOf(result), 0) << result.worstPose;
-	{Faults f; FamilyTrials tr(boxOverFloor(0.3), [f](const BodyPair& pair){ return std::make_unique<CornersOverPlane>(pair, f); }, TrialRules());
-	for (std::size_t i=0;i<kPoses;++i){auto t=tr.run(i); for(std::size_t k=0;k<4;++k){const Tally& x=t->verdict.kinds[k]; if(x.faults()) {std::printf("pose %zu kind %zu changed %d pierced %d depth %g w %g lin %g change %g gap %g\n",i,k,x.changed,x.pierced,t->verdict.startDepth,length(t->which.motion.angular)/240,length(t->which.motion.linear)/240,*std::max_element(x.changes.begin(),x.changes.end()),t->which.gap);}}}}
 	EXPECT_EQ(result.unmade, 0);
 	EXPECT_GT(result.of(Kind::near5).free, 1000);
 	EXPECT_GT(result.of(Kind::near5).admitted, 1000);
