@@ -5,30 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tests/oracle/BulletSubject.h"
-#include "tests/oracle/Trial.h"
+#include "tests/oracle/BoxOverFloor.h"
 
 namespace clod::oracle
 {
 namespace
 {
 constexpr double kPi = 3.14159265358979323846;
-const Vec3 kHalfOfA{0.4, 0.5, 0.6}, kHalfOfB{2, 0.3, 2};
 constexpr std::size_t kPoses = 150;
-
-// A box over a large one, all its lower corners over the upper face.
-Family boxOverFloor(double lean)
-{
-	return {"box-over-floor", "",
-			[]() -> std::vector<BodyPair> { return {{box(kHalfOfA), box(kHalfOfB)}}; },
-			[lean](Random& random, std::size_t)
-			{
-				const Mat3 turn = rotation(random, lean);
-				const Vec3 at{uniform(random, -1, 1), 1.1, uniform(random, -1, 1)};
-				const Transform aFromB = inverse(Transform{turn, at});
-				return Start{aFromB, aFromB.rotation * Vec3{0, -1, 0}, 0.6};
-			}};
-}
 
 // What is true of that pair: every corner against the plane. With faults to be planted.
 struct Faults
@@ -206,23 +190,6 @@ TEST(Oracle, SeesThatAnOverlapIsNotAnswered)
 	const FamilyResult result = judged(faults);
 	EXPECT_GT(result.overlapping, 10);
 	EXPECT_EQ(result.unanswered, result.overlapping);
-}
-
-// Flat on flat. Only where they overlap: of boxes apart Bullet's say nothing, however near they are.
-TEST(Oracle, HoldsBulletsBoxOnBoxForRight)
-{
-	const Family family = boxOverFloor(0);
-	FamilyTrials trials(family, [](const BodyPair&) { return boxSubject(kHalfOfA, kHalfOfB); }, TrialRules());
-	int looked = 0;
-	for (std::size_t i = 0; i < kPoses; ++i)
-	{
-		const std::optional<Trial> trial = trials.run(i);
-		if (!trial || trial->verdict.isApart) continue;
-		++looked;
-		EXPECT_TRUE(trial->verdict.isAnswered) << i;
-		for (const Tally& tally : trial->verdict.kinds) EXPECT_EQ(tally.faults(), 0) << i;
-	}
-	EXPECT_GT(looked, 30);
 }
 
 TEST(Oracle, RepeatsAPoseByItsIndex)
