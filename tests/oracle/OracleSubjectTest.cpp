@@ -13,36 +13,35 @@ namespace
 {
 constexpr std::size_t kPoses = 150;
 
-// Flat on flat. Only where they overlap: of boxes apart Bullet's say nothing, however near they are.
-TEST(Oracle, HoldsBulletsBoxOnBoxForRight)
+// Of poses that overlap: no fault of any kind. Returns how many there were.
+int expectRightWhereFlat(const MakeSubject& make)
 {
-	const Family family = boxOverFloor(0);
-	FamilyTrials trials(family, [](const BodyPair&) { return boxSubject(kHalfOfA, kHalfOfB); }, TrialRules());
+	FamilyTrials trials(boxOverFloor(0), make, TrialRules());
 	int looked = 0;
 	for (std::size_t i = 0; i < kPoses; ++i)
 	{
 		const std::optional<Trial> trial = trials.run(i);
-		if (!trial || trial->verdict.isApart) continue;
+		if (!trial || trial->verdict.startDepth < 1e-5) continue;
 		++looked;
 		EXPECT_TRUE(trial->verdict.isAnswered) << i;
 		for (const Tally& tally : trial->verdict.kinds) EXPECT_EQ(tally.faults(), 0) << i;
 	}
-	EXPECT_GT(looked, 30);
+	return looked;
 }
 
-// Apart or not: flat on flat today's points say what is true.
+// Only where they overlap: of boxes apart Bullet's say nothing, however near they are.
+TEST(Oracle, HoldsBulletsBoxOnBoxForRight)
+{
+	EXPECT_GT(expectRightWhereFlat([](const BodyPair&) { return boxSubject(kHalfOfA, kHalfOfB); }), 30);
+}
+
 TEST(Oracle, HoldsOurFlatBoxForRight)
 {
 	const auto hierarchyOf = [](const Vec3& half)
 	{ return test::patchHierarchy(test::boxMesh(2 * half, {1, 1, 1}, 1)); };
 	const auto make = [&](const BodyPair&)
 	{ return clodSubject(hierarchyOf(kHalfOfA), hierarchyOf(kHalfOfB), ContactMetric::exactly()); };
-	const FamilyResult result = FamilyTrials(boxOverFloor(0), make, TrialRules()).runAll(kPoses);
-	EXPECT_EQ(result.unmade, 0);
-	EXPECT_EQ(result.ghosts, 0);
-	EXPECT_EQ(result.unanswered, 0);
-	EXPECT_EQ(result.of(Kind::near5).faults(), 0);
-	EXPECT_EQ(result.of(Kind::small).faults(), 0);
+	EXPECT_GT(expectRightWhereFlat(make), 30);
 }
 
 // The surfaces are closed (Solid throws otherwise) and near each other, and a pose is judged by those in use.

@@ -8,6 +8,7 @@ namespace clod::oracle
 {
 namespace
 {
+constexpr double kOnSurface = 1e-11;  // share of the radius
 constexpr double kTiny = 1e-300;  // what isAny answers for an overlap of no depth
 
 Mat3 rotationBy(const Vec3& angle)
@@ -205,6 +206,9 @@ double Overlap::segmentDepth(bool edgesOfA, const Vec3& p, const Vec3& q, const 
 	// The shortest way out over the ridge of both planes; along u the planes are left at s rate1 / (n1.u) and
 	// (1 - s) rate2 / (n2.u), and the deeper place is where both are equal.
 	if (rate1 <= 0 || rate2 <= 0) return 0;
+	const Vec3 middle = local * (0.5 * (from + to));
+	const Solid::Nearest nearest = pierced.nearest(middle);
+	if (nearest.distance > -kOnSurface * pierced.radius()) return 0;
 	const Vec3 m = (1 / rate1) * n1 + (1 / rate2) * n2;
 	const double size = length(m), most = pierced.radius();
 	const Vec3 start = local * from, along = local.rotation * way;
@@ -222,9 +226,9 @@ double Overlap::segmentDepth(bool edgesOfA, const Vec3& p, const Vec3& q, const 
 		const double c1 = dot(n1, u) / rate1, c2 = dot(n2, u) / rate2;
 		least = std::min(1 / size, wayOut(local.rotation * u, c1 > 0 && c2 > 0 ? c1 / (c1 + c2) : 0.5));
 	}
-	const Vec3 middle = start + 0.5 * along, out1 = pierced.nearest(middle).point - middle;
-	const Vec3 across = out1 - dot(out1, along) / lengthSquared(along) * along;
-	if (lengthSquared(across) > 0.01 * lengthSquared(out1))
+	const Vec3 shortest = nearest.point - middle;
+	const Vec3 across = shortest - dot(shortest, along) / lengthSquared(along) * along;
+	if (lengthSquared(across) > 0.01 * lengthSquared(shortest))
 		least = std::min(least, wayOut(normalized(across), 0.5));
 	return least;
 }

@@ -13,6 +13,7 @@ namespace clod::oracle
 namespace
 {
 constexpr std::uint32_t kLeafFaces = 3;
+constexpr double kSurfaceSlack = 1e-10;  // share of the radius: so far outside a point is still on the surface
 
 // Where on a triangle: 0 to 2 a corner, 3 to 5 the edge that starts at corner i - 3, 6 the inside.
 struct OnTriangle
@@ -244,6 +245,7 @@ Solid::Nearest Solid::nearest(const Vec3& point) const
 
 double Solid::exitDistance(const Vec3& from, const Vec3& direction, double most) const
 {
+	const double slack = kSurfaceSlack * m_radius;
 	double best = most;
 	std::vector<std::uint32_t> stack = {0};
 	while (!stack.empty())
@@ -253,7 +255,7 @@ double Solid::exitDistance(const Vec3& from, const Vec3& direction, double most)
 		Box path;
 		path.add(from);
 		path.add(from + best * direction);
-		if (gap(path, node.box) > 0) continue;
+		if (gap(path, node.box) > slack) continue;
 		if (node.count == 0)
 		{
 			stack.push_back(node.first);
@@ -266,12 +268,13 @@ double Solid::exitDistance(const Vec3& from, const Vec3& direction, double most)
 			const double rate = dot(m_normals[f], direction);
 			if (rate <= 0) continue;
 			const double t = dot(m_normals[f], corner(f, 0) - from) / rate;
-			if (t < 0 || t >= best) continue;
+			if (t < -slack || t >= best) continue;
 			const Vec3 x = from + t * direction;
 			bool isInside = true;
 			for (std::size_t k = 0; k < 3; ++k)
-				isInside &= dot(m_normals[f], cross(corner(f, (k + 1) % 3) - corner(f, k), x - corner(f, k))) >= 0;
-			if (isInside) best = t;
+				isInside &= dot(m_normals[f], cross(corner(f, (k + 1) % 3) - corner(f, k), x - corner(f, k))) >=
+							-slack * m_radius;
+			if (isInside) best = std::max(0.0, t);
 		}
 	}
 	return best;
