@@ -64,7 +64,7 @@ private:
 		setShapes(std::make_unique<btClodShape>(a), std::make_unique<btClodShape>(b));
 	}
 
-	// Those of the points chosen, else of the nodes within the tolerance; of several levels the finest.
+	// Those of the points chosen, else of the nodes within the tolerance.
 	void findSurfaces(Answer& answer) const override
 	{
 		answer.knowsSurfaces = false;
@@ -77,8 +77,11 @@ private:
 				const auto see = [&](std::uint32_t nodeA, std::uint32_t nodeB)
 				{
 					std::uint32_t &a = level[inOrder ? 0 : 1], &b = level[inOrder ? 1 : 0];
-					a = std::min(a, report.hierarchyA->node(nodeA).level);
-					b = std::min(b, report.hierarchyB->node(nodeB).level);
+					const std::uint32_t nowA = report.hierarchyA->node(nodeA).level,
+										nowB = report.hierarchyB->node(nodeB).level;
+					answer.isMixed |= (a != kNone && a != nowA) || (b != kNone && b != nowB);
+					a = std::min(a, nowA);
+					b = std::min(b, nowB);
 				};
 				for (const ContactCluster& cluster : report.clusters->slots)
 					for (int i = 0; i < cluster.count; ++i)

@@ -140,7 +140,7 @@ Start shellStart(Random& random, std::size_t pair)
 
 std::vector<BodyPair> chainPairs()
 {
-	return {{torus(0.75, 0.2, 24, 12), torus(0.75, 0.2, 24, 12)}};
+	return {{torus(0.75, 0.2, 64, 24), torus(0.75, 0.2, 64, 24)}};
 }
 Start chainStart(Random& random, std::size_t)
 {
@@ -267,8 +267,8 @@ Start spikeStart(Random& random, std::size_t)
 
 std::vector<BodyPair> modelPairs()
 {
-	const TriangleMesh cup = unitModel("cup", 1200), spoon = unitModel("spoon", 1000), ring = unitModel("torus", 1000),
-					   bowl = unitModel("bowl", 1000);
+	const TriangleMesh cup = unitModel("cup", 4000), spoon = unitModel("spoon", 4000), ring = unitModel("torus", 6000),
+					   bowl = unitModel("bowl", 4000);
 	return {{spoon, cup}, {ring, bowl}, {cup, cup}, {ring, ring}, {spoon, bowl}};
 }
 

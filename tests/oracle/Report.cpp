@@ -41,6 +41,7 @@ nlohmann::ordered_json rowsOf(FamilyResult& result, const std::string& setting)
 		row["setting"] = setting;
 		row["family"] = result.family;
 		row["poses"] = result.poses;
+		row["mixed"] = result.mixed;
 		row["apart"] = result.apart;
 		row["ghosts"] = result.ghosts;
 		row["worst_claim"] = result.worstClaim;
@@ -90,11 +91,11 @@ std::string csvOf(const nlohmann::ordered_json& rows)
 
 std::string tableHead()
 {
-	return fmt::format("{:17} {:>5} {:>11} {:>9} {:>9} | {:>7} {:>7} {:>7} {:>7} {:>7} | {:>7} {:>7} | {:>7} {:>7} | {:>6}\n",
-					   "family", "poses", "ghosts", "claim", "no answer", "changed", "pierced", "best", "chg 99%", "dep 99%",
+	return fmt::format("{:17} {:>5} {:>5} {:>9} {:>9} {:>9} | {:>7} {:>7} {:>7} {:>7} {:>7} | {:>7} {:>7} | {:>7} {:>7} | {:>6}\n",
+					   "family", "poses", "mixed", "ghosts", "claim", "no answer", "changed", "pierced", "best", "chg 99%", "dep 99%",
 					   "at 30", "best", "small", "solved", "worst") +
-		   fmt::format("{:17} {:>5} {:>11} {:>9} {:>9} | {:>7} {:>7} {:>7} {:>7} {:>7} | {:>7} {:>7} | {:>7} {:>7} | {:>6}\n",
-					   "", "", "of apart", "% of R", "of deep", "/1000", "/1000", "/1000", "share", "% of R", "/1000", "/1000",
+		   fmt::format("{:17} {:>5} {:>5} {:>9} {:>9} {:>9} | {:>7} {:>7} {:>7} {:>7} {:>7} | {:>7} {:>7} | {:>7} {:>7} | {:>6}\n",
+					   "", "", "", "of apart", "% of R", "of deep", "/1000", "/1000", "/1000", "share", "% of R", "/1000", "/1000",
 					   "/1000", "/1000", "pose");
 }
 
@@ -103,9 +104,9 @@ std::string tableLine(FamilyResult& result)
 	Tally &near5 = result.kinds[std::size_t(Kind::near5)], &near30 = result.kinds[std::size_t(Kind::near30)];
 	const Tally &small = result.of(Kind::small), &solved = result.of(Kind::solved);
 	return fmt::format(
-		"{:17} {:>5} {:>11} {:>9.3f} {:>9} | {:>7.2f} {:>7.2f} {:>7.2f} {:>7.3f} {:>7.3f} | {:>7.2f} {:>7.2f} | {:>7.2f} {:>7.2f} | "
+		"{:17} {:>5} {:>5} {:>9} {:>9.3f} {:>9} | {:>7.2f} {:>7.2f} {:>7.2f} {:>7.3f} {:>7.3f} | {:>7.2f} {:>7.2f} | {:>7.2f} {:>7.2f} | "
 		"{:>6}\n",
-		result.family, result.poses, fmt::format("{}/{}", result.ghosts, result.apart), 100 * result.worstClaim,
+		result.family, result.poses, result.mixed, fmt::format("{}/{}", result.ghosts, result.apart), 100 * result.worstClaim,
 		fmt::format("{}/{}", result.unanswered, result.overlapping), inThousand(near5.changed, near5.motions),
 		inThousand(near5.pierced, near5.motions), inThousand(near5.bestHalfSpace, near5.motions), quantile(near5.changes, 0.99), 100 * quantile(near5.depths, 0.99),
 		inThousand(near30.faults(), near30.motions), inThousand(near30.bestHalfSpace, near30.motions),
@@ -117,9 +118,9 @@ std::string described(const Trial& trial)
 	const Verdict& v = trial.verdict;
 	const RelativeMotion& motion = trial.which.motion;
 	std::string text = fmt::format(
-		"pair {}, surfaces {} and {}, R {:.6g}; {}, depth {:.3g} % of R, {}; deepest claim {:.3g} % of R\n"
+		"pair {}, surfaces {} and {}{}, R {:.6g}; {}, depth {:.3g} % of R, {}; deepest claim {:.3g} % of R\n"
 		"motion: linear {:.5g} {:.5g} {:.5g}, angular {:.5g} {:.5g} {:.5g}, dt {:.6g}\n",
-		trial.pair, trial.answer.surfaceA, trial.answer.surfaceB, trial.radius, v.isApart ? "apart" : "not apart",
+		trial.pair, trial.answer.surfaceA, trial.answer.surfaceB, trial.answer.isMixed ? " and others" : "", trial.radius, v.isApart ? "apart" : "not apart",
 		100 * v.startDepth, v.isAnswered ? "answered" : "not answered", 100 * v.claim, motion.linear.x, motion.linear.y,
 		motion.linear.z, motion.angular.x, motion.angular.y, motion.angular.z, motion.timeStep);
 	for (const Vec3& row : trial.which.aFromB.rotation.row)

@@ -32,6 +32,7 @@ struct Answer
 {
 	std::vector<Constraint> constraints;
 	std::uint32_t surfaceA = 0, surfaceB = 0;  // which of Subject's surfaces they are of
+	bool isMixed = false;                      // of several levels of one body: of no closed surface
 	bool knowsSurfaces = true;                 // false: nothing was near enough to say which
 };
 

@@ -14,6 +14,11 @@ constexpr int kLevelRounds = 3;  // a pose is made for the surfaces that were in
 void FamilyResult::add(const Trial& trial, const JudgeRules& rules, std::size_t index)
 {
 	const Verdict& verdict = trial.verdict;
+	if (trial.answer.isMixed)
+	{
+		++mixed;
+		return;
+	}
 	++poses;
 	constraints += (double(verdict.constraints) - constraints) / poses;
 	if (verdict.isApart)

@@ -27,6 +27,7 @@ struct FamilyResult
 {
 	std::string family;
 	int poses = 0, unmade = 0;  // unmade: the bodies did not meet
+	int mixed = 0;              // poses besides, not judged: contacts of several levels of one body
 	int apart = 0, ghosts = 0;  // poses proved apart, and those of them where a constraint claims depth
 	int overlapping = 0, unanswered = 0;
 	double worstClaim = 0;
