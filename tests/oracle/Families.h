@@ -45,7 +45,8 @@ struct CaseChoice
 };
 CaseChoice chooseCase(const Family& family, std::size_t pairs, std::uint64_t seed, std::size_t index);
 // A third touches (d = 0), a third has a gap, the others overlap slightly; a third each approaches, slides and moves
-// anyhow, half of them spinning; with a course every other one follows it, more or less. Empty where the surfaces do not meet on the way. a and b are the surfaces in use.
+// anyhow, half of them spinning; with a course every other one follows it, more or less. Empty where the surfaces do
+// not meet on the way. a and b are the surfaces in use.
 std::optional<Case> makeCase(const Family& family, const BodyPair& pair, const CaseChoice& choice, const Solid& a,
 							 const Solid& b);
 }  // namespace clod::oracle

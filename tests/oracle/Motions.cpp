@@ -143,7 +143,8 @@ RelativeMotion MotionSpace::motion(const Vec6& y, double timeStep) const
 	RelativeMotion motion;
 	motion.timeStep = timeStep;
 	for (int i = 0; i < 6; ++i)
-		for (int k = 0; k <= i; ++k) (i < 3 ? motion.linear : motion.angular)[i % 3] += m_root[i][k] * y[std::size_t(k)];
+		for (int k = 0; k <= i; ++k)
+			(i < 3 ? motion.linear : motion.angular)[i % 3] += m_root[i][k] * y[std::size_t(k)];
 	return motion;
 }
 

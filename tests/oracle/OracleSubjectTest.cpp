@@ -71,7 +71,8 @@ TEST(BulletSubject, RemembersNothing)
 	const RelativeMotion motion{{0.1, 0.4, 0.2}, {0.5, 0, 0}, 1.0 / 240};
 	used->answer({{}, {0.2, -0.999, 0}}, motion);
 	used->answer({{}, {0.3, -0.9995, 0.1}}, {{}, {}, 1.0 / 240});
-	const Answer first = fresh->answer({{}, {0.25, -1.0005, 0}}, motion), again = used->answer({{}, {0.25, -1.0005, 0}}, motion);
+	const Transform pose{{}, {0.25, -1.0005, 0}};
+	const Answer first = fresh->answer(pose, motion), again = used->answer(pose, motion);
 	ASSERT_FALSE(first.constraints.empty());
 	ASSERT_EQ(first.constraints.size(), again.constraints.size());
 	for (std::size_t i = 0; i < first.constraints.size(); ++i)

@@ -216,13 +216,13 @@ TEST(Families, AllMeet)
 			solids.emplace_back(pair.b);
 		}
 		int made = 0;
-		for (std::size_t i = 0; i < 20; ++i)
+		for (std::size_t i = 0; i < 6; ++i)
 		{
 			const CaseChoice choice = chooseCase(family, pairs.size(), 1, i);
 			made += makeCase(family, pairs[choice.pair], choice, solids[2 * choice.pair], solids[2 * choice.pair + 1])
 						.has_value();
 		}
-		EXPECT_GE(made, 18) << family.name;
+		EXPECT_GE(made, 5) << family.name;
 	}
 }
 }  // namespace

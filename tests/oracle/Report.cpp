@@ -18,6 +18,14 @@ void addDistribution(nlohmann::ordered_json& row, const std::string& name, std::
 		{"median", 0.5}, {"95", 0.95}, {"99", 0.99}, {"99.9", 0.999}, {"worst", 1}};
 	for (const auto& share : shares) row[name + "_" + share.first] = quantile(values, share.second);
 }
+// A line of the table: the first cell to the left, the others to the right.
+std::string lineOf(const std::vector<std::string>& cells)
+{
+	std::string line = fmt::format("{:17}", cells[0]);
+	for (std::size_t i = 1; i < cells.size(); ++i)
+		line += fmt::format(" {:>{}}", cells[i], i >= 3 && i <= 5 ? 9 : i > 5 ? 8 : 6);
+	return line + '\n';
+}
 }  // namespace
 
 const char* kindName(Kind kind)
@@ -41,6 +49,7 @@ nlohmann::ordered_json rowsOf(FamilyResult& result, const std::string& setting)
 		row["setting"] = setting;
 		row["family"] = result.family;
 		row["poses"] = result.poses;
+		row["unmade"] = result.unmade;
 		row["mixed"] = result.mixed;
 		row["apart"] = result.apart;
 		row["ghosts"] = result.ghosts;
@@ -55,8 +64,9 @@ nlohmann::ordered_json rowsOf(FamilyResult& result, const std::string& setting)
 		row["changed_per_1000"] = inThousand(tally.changed, tally.motions);
 		row["pierced_per_1000"] = inThousand(tally.pierced, tally.motions);
 		row["faults_per_1000"] = inThousand(tally.faults(), tally.motions);
-		row["best_half_space_per_1000"] =
-			k <= std::size_t(Kind::near30) ? nlohmann::ordered_json(inThousand(tally.bestHalfSpace, tally.motions)) : "";
+		row["best_half_space_per_1000"] = "";
+		if (k <= std::size_t(Kind::near30))
+			row["best_half_space_per_1000"] = inThousand(tally.bestHalfSpace, tally.motions);
 		addDistribution(row, "change", tally.changes);
 		addDistribution(row, "depth", tally.depths);
 		row["worst_pose"] = result.worstPose;
@@ -91,26 +101,26 @@ std::string csvOf(const nlohmann::ordered_json& rows)
 
 std::string tableHead()
 {
-	return fmt::format("{:17} {:>5} {:>5} {:>9} {:>9} {:>9} | {:>7} {:>7} {:>7} {:>7} {:>7} | {:>7} {:>7} | {:>7} {:>7} | {:>6}\n",
-					   "family", "poses", "mixed", "ghosts", "claim", "no answer", "changed", "pierced", "best", "chg 99%", "dep 99%",
-					   "at 30", "best", "small", "solved", "worst") +
-		   fmt::format("{:17} {:>5} {:>5} {:>9} {:>9} {:>9} | {:>7} {:>7} {:>7} {:>7} {:>7} | {:>7} {:>7} | {:>7} {:>7} | {:>6}\n",
-					   "", "", "", "of apart", "% of R", "of deep", "/1000", "/1000", "/1000", "share", "% of R", "/1000", "/1000",
-					   "/1000", "/1000", "pose");
+	return lineOf({"family", "poses", "mixed", "ghosts", "claim", "no answer", "changed", "pierced", "best", "chg 99%",
+				   "dep 99%", "at 30", "best", "small", "solved", "worst"}) +
+		   lineOf({"", "", "", "of apart", "% of R", "of deep", "/1000", "/1000", "/1000", "share", "% of R", "/1000",
+				   "/1000", "/1000", "/1000", "pose"});
 }
 
 std::string tableLine(FamilyResult& result)
 {
 	Tally &near5 = result.kinds[std::size_t(Kind::near5)], &near30 = result.kinds[std::size_t(Kind::near30)];
 	const Tally &small = result.of(Kind::small), &solved = result.of(Kind::solved);
-	return fmt::format(
-		"{:17} {:>5} {:>5} {:>9} {:>9.3f} {:>9} | {:>7.2f} {:>7.2f} {:>7.2f} {:>7.3f} {:>7.3f} | {:>7.2f} {:>7.2f} | {:>7.2f} {:>7.2f} | "
-		"{:>6}\n",
-		result.family, result.poses, result.mixed, fmt::format("{}/{}", result.ghosts, result.apart), 100 * result.worstClaim,
-		fmt::format("{}/{}", result.unanswered, result.overlapping), inThousand(near5.changed, near5.motions),
-		inThousand(near5.pierced, near5.motions), inThousand(near5.bestHalfSpace, near5.motions), quantile(near5.changes, 0.99), 100 * quantile(near5.depths, 0.99),
-		inThousand(near30.faults(), near30.motions), inThousand(near30.bestHalfSpace, near30.motions),
-		inThousand(small.faults(), small.motions), inThousand(solved.faults(), solved.motions), result.worstPose);
+	const auto rate = [](int count, const Tally& tally)
+	{ return fmt::format("{:.2f}", inThousand(count, tally.motions)); };
+	const auto share = [](double value) { return fmt::format("{:.3f}", value); };
+	return lineOf({result.family, std::to_string(result.poses), std::to_string(result.mixed),
+				   fmt::format("{}/{}", result.ghosts, result.apart), share(100 * result.worstClaim),
+				   fmt::format("{}/{}", result.unanswered, result.overlapping), rate(near5.changed, near5),
+				   rate(near5.pierced, near5), rate(near5.bestHalfSpace, near5), share(quantile(near5.changes, 0.99)),
+				   share(100 * quantile(near5.depths, 0.99)), rate(near30.faults(), near30),
+				   rate(near30.bestHalfSpace, near30), rate(small.faults(), small), rate(solved.faults(), solved),
+				   std::to_string(result.worstPose)});
 }
 
 std::string described(const Trial& trial)
@@ -120,8 +130,8 @@ std::string described(const Trial& trial)
 	std::string text = fmt::format(
 		"pair {}, surfaces {} and {}{}, R {:.6g}; {}, depth {:.3g} % of R, {}; deepest claim {:.3g} % of R\n"
 		"motion: linear {:.5g} {:.5g} {:.5g}, angular {:.5g} {:.5g} {:.5g}, dt {:.6g}\n",
-		trial.pair, trial.answer.surfaceA, trial.answer.surfaceB, trial.answer.isMixed ? " and others" : "", trial.radius, v.isApart ? "apart" : "not apart",
-		100 * v.startDepth, v.isAnswered ? "answered" : "not answered", 100 * v.claim, motion.linear.x, motion.linear.y,
+		trial.pair, trial.answer.surfaceA, trial.answer.surfaceB, trial.answer.isMixed ? " and others" : "",
+		trial.radius, v.isApart ? "apart" : "not apart", 100 * v.startDepth, v.isAnswered ? "answered" : "not answered", 100 * v.claim, motion.linear.x, motion.linear.y,
 		motion.linear.z, motion.angular.x, motion.angular.y, motion.angular.z, motion.timeStep);
 	for (const Vec3& row : trial.which.aFromB.rotation.row)
 		text += fmt::format("aFromB: {:.9f} {:.9f} {:.9f}\n", row.x, row.y, row.z);
@@ -141,8 +151,8 @@ std::string described(const Trial& trial)
 		text += fmt::format("{}: {} motions, {} free, {} admitted; {} changed, {} pierced\n", kindName(Kind(k)),
 							t.motions, t.free, t.admitted, t.changed, t.pierced);
 	}
-	return text + fmt::format("largest change of a free motion within 5 degrees {:.3g}, depth of an admitted one {:.3g} "
-							  "% of R\n",
+	return text + fmt::format("within 5 degrees a free motion is changed by up to {:.3g} of it, an admitted one gets "
+							  "{:.3g} % of R deep\n",
 							  v.worstOf[0], 100 * v.worstOf[1]);
 }
 }  // namespace clod::oracle

@@ -129,7 +129,8 @@ void Solid::findEdges()
 			m_edges.push_back({{from, to}, {f, f}});
 		}
 	if (!found.empty())
-		throw std::runtime_error("a mesh of the oracle is open at vertex " + std::to_string(found.begin()->first.first));
+		throw std::runtime_error("a mesh of the oracle is open at vertex " +
+								 std::to_string(found.begin()->first.first));
 }
 
 void Solid::findPseudonormals()

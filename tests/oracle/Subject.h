@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the motion oracle judges: anything that turns two bodies, a pose and a predicted motion into contact constraints.
+// What the motion oracle judges: anything that turns two bodies, a pose and a predicted motion into contact
+// constraints.
 //
 // Frames and signs: all in body A's frame, in the meshes' unit; normals point from B to A; distances are signed,
 // negative is penetration. A motion is the velocity field of A's material relative to B's (RelativeMotion).
