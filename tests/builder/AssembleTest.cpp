@@ -32,7 +32,7 @@ std::shared_ptr<const Hierarchy> torus(bool paper, unsigned threads = 0)
 	return loaded(assembleHierarchy(torusLods(1, 0.4, 32, 16, 3), config, nullptr));
 }
 
-Vec3 randomIn(const Triangle& t, std::mt19937_64& random)
+Vec3 randomIn(const builder::Triangle& t, std::mt19937_64& random)
 {
 	std::uniform_real_distribution<double> unit(0, 1);
 	double u = unit(random), v = unit(random);
@@ -40,7 +40,7 @@ Vec3 randomIn(const Triangle& t, std::mt19937_64& random)
 	return t.a + u * (t.b - t.a) + v * (t.c - t.a);
 }
 
-Triangle faceOf(const Hierarchy& h, const Node& n, std::uint32_t i)
+builder::Triangle faceOf(const Hierarchy& h, const Node& n, std::uint32_t i)
 {
 	const Face& f = h.faces(n)[i];
 	return {h.hull(n).vertex(f.vertex[0]), h.hull(n).vertex(f.vertex[1]), h.hull(n).vertex(f.vertex[2])};
@@ -147,7 +147,7 @@ double floodedArea(const Mesh& mesh, std::uint32_t start, const Vec3& origin, co
 		for (const std::uint32_t next : neighbours[face])
 		{
 			const auto& t = mesh.triangles[next];
-			const Triangle other{mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
+			const builder::Triangle other{mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
 			if (seen[next] || dot(normalized(areaVector(other)), normal) <= 0.2) continue;
 			seen[next] = true;
 			open.push_back(next);

@@ -10,7 +10,7 @@
 #include "demos/peers/ClodPeer.h"
 #include "demos/peers/DispatchWorld.h"
 #include "demos/runner/InputSurface.h"
-#include "tests/query/Bodies.h"
+#include "tests/demos/BuiltBody.h"
 
 namespace
 {
@@ -78,7 +78,7 @@ TEST(PlacedBodies, TheWorldsObjectsHaveTheirVelocities)
 // B slides along A's flank, so near that they touch.
 struct Slide
 {
-	HierarchyPointer torus = test::body("torus", 300).hierarchy;
+	HierarchyPointer torus = test::builtBody("torus", 300).hierarchy;
 	PoseSample sample;
 	PairFrame frame;
 	explicit Slide(std::size_t rows, double metresPerSecond = 0.5)
@@ -144,7 +144,7 @@ TEST(PlacedBodies, TimesFitTheThreadsOwnClock)
 
 TEST(PlacedBodies, AsManyRowsAreMeasuredAsThereAreUpToThoseAskedFor)
 {
-	const HierarchyPointer box = test::body("box", 12).hierarchy;
+	const HierarchyPointer box = test::builtBody("box", 12).hierarchy;
 	const auto rowsOf = [&](std::size_t touching, int stride, int most)
 	{
 		std::vector<PoseRow> poses;

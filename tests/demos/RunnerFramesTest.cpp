@@ -8,7 +8,7 @@
 
 #include "demos/runner/Frames.h"
 #include "demos/runner/InputSurface.h"
-#include "tests/query/Bodies.h"
+#include "tests/demos/BuiltBody.h"
 
 namespace
 {
@@ -107,7 +107,7 @@ int swatchPixels(const Image& image, const Color& color)
 
 TEST(RunnerFrames, EveryLevelHasItsColourOnEitherBodyAndInTheLegend)
 {
-	const HierarchyPointer torus = test::body("torus", 300).hierarchy;
+	const HierarchyPointer torus = test::builtBody("torus", 300).hierarchy;
 	const int levels = int(coarsestLevel(*torus)) + 1;
 	ASSERT_GE(levels, 3);
 	// Viridis: dark violet is the finest, yellow the coarsest.
@@ -138,7 +138,7 @@ TEST(RunnerFrames, EveryLevelHasItsColourOnEitherBodyAndInTheLegend)
 
 TEST(RunnerFrames, TheLegendNamesTheLevelsOfBothBodies)
 {
-	const HierarchyPointer torus = test::body("torus", 300).hierarchy, ball = test::body("sphere", 108).hierarchy;
+	const HierarchyPointer torus = test::builtBody("torus", 300).hierarchy, ball = test::builtBody("sphere", 108).hierarchy;
 	for (const auto& [a, b] : {std::pair(torus, ball), std::pair(ball, torus)})
 	{
 		const FrameSubject subject = subjectOf(a, b);

@@ -13,7 +13,7 @@
 #include "demos/runner/Replay.h"
 #include "demos/runner/Statistics.h"
 #include "tests/demos/RunnerCommand.h"
-#include "tests/query/Bodies.h"
+#include "tests/demos/BuiltBody.h"
 #include "tests/query/TriangleGap.h"
 
 namespace
@@ -86,7 +86,7 @@ PoseRow boxes(std::int64_t step, double gap, double turn = 0)
 
 TEST_F(Scripted, GapsDepthsAndSpeedsOfBoxesAreThoseOfTheScript)
 {
-	const Body& box = body("box", 12);
+	const Body& box = builtBody("box", 12);
 	const double radius = box.hierarchy->asset().radius;
 	const double gaps[] = {0.003, 0.003, 0.0001, 0.0001, -0.001, -0.0011, 0.004, 0.004};
 	std::vector<PoseRow> poses;
@@ -120,7 +120,7 @@ TEST_F(Scripted, GapsDepthsAndSpeedsOfBoxesAreThoseOfTheScript)
 // Two tori, B passing A's flank: levels and changes are counted here from the contact lists themselves.
 TEST_F(Scripted, LevelsAndChurnAreThoseOfTheContactLists)
 {
-	const Body& torus = body("torus", 300);
+	const Body& torus = builtBody("torus", 300);
 	const Hierarchy& h = *torus.hierarchy;
 	std::vector<PoseRow> poses;
 	for (int i = 0; i < 12; ++i)
@@ -175,7 +175,7 @@ TEST_F(Scripted, LevelsAndChurnAreThoseOfTheContactLists)
 
 TEST_F(Scripted, TimesOfQueriesFitInTheProgramsLife)
 {
-	const Body& torus = body("torus", 300);
+	const Body& torus = builtBody("torus", 300);
 	std::vector<PoseRow> poses(300);
 	for (std::size_t i = 0; i < poses.size(); ++i)
 	{
@@ -229,7 +229,7 @@ TEST_F(Scripted, ABoxDroppedIntoTheFloorIsAsDeepAsItFell)
 {
 	const double edge = 0.02, fallen = 9.81 * 0.04 * 0.04, room = 0.002 + (std::sqrt(3.0) - 1) * edge / 2;
 	const std::string words = "run drop --exact --steps 1 --dt 0.04 --verify-penetration --model ";
-	const Recording run = record(words + fileOf(body("box", 12)), 4);
+	const Recording run = record(words + fileOf(builtBody("box", 12)), 4);
 	const json depth = run.report["interpenetration"];
 	EXPECT_NEAR(depth["deepest"].get<double>(), fallen - room, 1e-7);
 	EXPECT_EQ(depth["step"], 1);
@@ -244,7 +244,7 @@ TEST_F(Scripted, ABoxDroppedIntoTheFloorIsAsDeepAsItFell)
 TEST_F(Scripted, ARunsSpeedsLevelsTimesAndDepthAreThoseOfItsPoses)
 {
 	constexpr std::size_t steps = 300, last = 24;
-	const Body& ball = body("sphere", 300);
+	const Body& ball = builtBody("sphere", 300);
 	const Recording run =
 		record("run drop --steps 300 --dt 0.004166666666666667 --size 28 --verify-penetration --model " + fileOf(ball));
 	const auto of = [&](const char* name) { return column(run.csv, name); };

@@ -11,6 +11,8 @@
 
 #include "clod/bullet/BodyState.h"
 #include "clod/bullet/btClodCollisionAlgorithm.h"
+#include "clod/distance/SignedGap.h"
+#include "clod/manifold/ContactMemory.h"
 #include "tests/oracle/Meshes.h"
 
 namespace clod::oracle

@@ -10,7 +10,8 @@
 #include "cli/Program.h"
 #include "tests/oracle/BulletSubject.h"
 #include "tests/oracle/Report.h"
-#include "tests/query/Bodies.h"
+#include "tests/fixtures/Recipes.h"
+#include "tests/support/HierarchyContents.h"
 
 namespace clod::oracle
 {
@@ -53,7 +54,7 @@ HierarchyPointer built(const TriangleMesh& mesh, const std::string& folder)
 	builder::Mesh input;
 	input.vertices = mesh.vertices;
 	input.triangles = mesh.triangles;
-	const HierarchyPointer hierarchy = test::bodyOf("body of a family", input).hierarchy;
+	const HierarchyPointer hierarchy = test::loaded(test::built(input));
 	if (!file.empty()) checked(cli::writeFile(file, hierarchy->bytes()));
 	return hierarchy;
 }
