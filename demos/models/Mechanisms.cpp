@@ -96,8 +96,9 @@ Prism crank(double edge)
 Prism rod(double edge)
 {
 	const double round = ROUND * edge;
-	return plain({armLoop(ROD_LENGTH, edge), holeLoop({}, HOLE_RADIUS, round), holeLoop({0, ROD_LENGTH}, HOLE_RADIUS, round)},
-				 ARM_THICKNESS);
+	return plain(
+		{armLoop(ROD_LENGTH, edge), holeLoop({}, HOLE_RADIUS, round), holeLoop({0, ROD_LENGTH}, HOLE_RADIUS, round)},
+		ARM_THICKNESS);
 }
 
 Prism piston(double edge)
@@ -145,20 +146,19 @@ constexpr size_t STONE_TRIANGLES = 1280, STONE_MIN_TRIANGLES = 12;
 
 ModelMaker wedge(const std::string& name, int degrees)
 {
-	return {name, STONE_TRIANGLES, STONE_MIN_TRIANGLES,
-			[degrees](size_t count) { return makeWedge(degrees, count); }};
+	return {name, STONE_TRIANGLES, STONE_MIN_TRIANGLES, [degrees](size_t count) { return makeWedge(degrees, count); }};
 }
 
 ModelMaker voussoir(const std::string& name, int stones)
 {
-	return {name, STONE_TRIANGLES, STONE_MIN_TRIANGLES,
-			[stones](size_t count) { return makeVoussoir(stones, count); }};
+	return {name, STONE_TRIANGLES, STONE_MIN_TRIANGLES, [stones](size_t count) { return makeVoussoir(stones, count); }};
 }
 
 // N of `stem` followed by N, 0 where that is not the name.
 int numberAfter(const std::string& name, const std::string& stem)
 {
-	if (name.compare(0, stem.size(), stem) != 0 || name.size() == stem.size() || name.size() > stem.size() + 4) return 0;
+	if (name.compare(0, stem.size(), stem) != 0 || name.size() == stem.size() || name.size() > stem.size() + 4)
+		return 0;
 	for (size_t i = stem.size(); i < name.size(); ++i)
 		if (std::isdigit(static_cast<unsigned char>(name[i])) == 0) return 0;
 	return name[stem.size()] == '0' ? 0 : std::atoi(name.c_str() + stem.size());

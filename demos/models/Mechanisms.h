@@ -32,9 +32,9 @@ constexpr double SHAFT_LENGTH = ARM_THICKNESS + 2 * PIN_AXIAL_PLAY;
 // that end a pin, on whose shaft a second arm's middle plane is ARM_TO_ARM in front of the first one's.
 constexpr double ARM_TO_ARM = ARM_THICKNESS / 2 + SHAFT_LENGTH / 2;
 
-// crank: a disc, its centre of mass on the z axis, its pin at (0, CRANK_THROW). rod: holes at the origin and (0, ROD_LENGTH). piston: a
-// block with the pin at the origin. The rod's middle plane is PISTON_TO_ROD and CRANK_TO_ROD in front of theirs.
-// bore: a square tube along z for the piston, from 0 to BORE_LENGTH.
+// crank: a disc, its centre of mass on the z axis, its pin at (0, CRANK_THROW). rod: holes at the origin and (0,
+// ROD_LENGTH). piston: a block with the pin at the origin. The rod's middle plane is PISTON_TO_ROD and CRANK_TO_ROD in
+// front of theirs. bore: a square tube along z for the piston, from 0 to BORE_LENGTH.
 constexpr double CRANK_THROW = 0.020, CRANK_RADIUS = 0.036, CRANK_THICKNESS = 0.008, ROD_LENGTH = 0.080;
 constexpr double PISTON_WIDTH = 0.040, PISTON_DEPTH = 0.030, PISTON_BELOW = 0.010, PISTON_ABOVE = 0.090;
 constexpr double BORE_PLAY = 0.0001, BORE_LENGTH = 0.060, BORE_WALL = 0.006;
@@ -60,7 +60,7 @@ constexpr double WEDGE_HEIGHT = 0.020, WEDGE_LENGTH = 0.040;
 // tumbler: a cup with a cone for a wall that stands on y = 0. Stacked ones touch all round TUMBLER_PITCH apart.
 constexpr double TUMBLER_HEIGHT = 0.060, TUMBLER_FOOT = 0.020, TUMBLER_TOP = 0.0327, TUMBLER_WALL = 0.0016;
 extern const double TUMBLER_PITCH;
-// dish: a part of a hollow ball whose middle is the origin, of this radius inside.
+// dish: a part of a hollow ball whose middle is the origin; a ball of this radius keeps clear of its inside.
 constexpr double DISH_RADIUS = 0.060, DISH_WALL = 0.003;
 
 // plate: a flat disc, its axis z. peg: a flanged pin for the smooth torus to hang on. block and socket: a loose fit

@@ -22,11 +22,12 @@ constexpr double ROW = 2.5;          // height of a wall's quads over their widt
 // The search for a triangle count: when it ends, where it starts (metres), how it goes on round the last length.
 constexpr double CLOSE = 0.005, FIRST_EDGE = 0.005, TRIED_STEP = 0.008;
 constexpr int FIRST_TRIES = 6, MORE_TRIES = 40;
-constexpr double FLAT = 1e-5;        // area over squared edge below which three points are in a line
+constexpr double FLAT = 1e-5;  // area over squared edge below which three points are in a line
 
 double distance(const PlanarPoint& a, const PlanarPoint& b)
 {
-	return std::hypot(b.x - a.x, b.y - a.y);
+	const double x = b.x - a.x, y = b.y - a.y;
+	return std::sqrt(x * x + y * y);
 }
 
 double signedArea(const Loop& loop)
@@ -87,7 +88,8 @@ private:
 	}
 	bool hasRoom(const PlanarPoint& p, double room) const
 	{
-		return std::all_of(m_points.begin(), m_points.end(), [&](const PlanarPoint& q) { return distance(p, q) >= room; });
+		return std::all_of(m_points.begin(), m_points.end(),
+						   [&](const PlanarPoint& q) { return distance(p, q) >= room; });
 	}
 	// Of triangular lattices from fine to coarse the points whose size is the lattice's, and that have room.
 	void addInnerPoints()
@@ -176,7 +178,8 @@ public:
 private:
 	uint32_t vertex(size_t loop, size_t point, double z)
 	{
-		const auto [entry, isNew] = m_vertices.emplace(std::make_tuple(loop, point, z), uint32_t(m_mesh.vertices.size()));
+		const auto [entry, isNew] =
+			m_vertices.emplace(std::make_tuple(loop, point, z), uint32_t(m_mesh.vertices.size()));
 		const PlanarPoint& p = m_prism.loops[loop][point];
 		if (isNew) m_mesh.vertices.push_back({p.x, p.y, z});
 		return entry->second;
@@ -334,7 +337,8 @@ ModelMesh makePrism(size_t triangles, const std::function<Prism(double edge)>& a
 		const double count = tryEdge(edge);
 		edge *= count > 0 ? std::clamp(std::sqrt(count / double(triangles)), 0.4, 2.5) : 0.97;
 	}
-	for (int i = 0; i < MORE_TRIES && !isClose(); ++i) tryEdge(edge * (1 + TRIED_STEP * (i % 2 ? 1 : -1) * ((i + 1) / 2)));
+	for (int i = 0; i < MORE_TRIES && !isClose(); ++i)
+		tryEdge(edge * (1 + TRIED_STEP * (i % 2 ? 1 : -1) * ((i + 1) / 2)));
 	return best;
 }
 }  // namespace clod::demo

@@ -13,8 +13,8 @@ constexpr double PI = 3.14159265358979323846;
 
 ModelMesh bar(const std::vector<PlanarPoint>& corners, double length, size_t triangles)
 {
-	return makePrism(triangles, [&](double edge)
-					 { return Prism{{polygonLoop(corners, edge)}, {{{0}, length}}, -length / 2}; });
+	return makePrism(triangles,
+					 [&](double edge) { return Prism{{polygonLoop(corners, edge)}, {{{0}, length}}, -length / 2}; });
 }
 }  // namespace
 

@@ -52,8 +52,8 @@ Loop rackLoop(double edge)
 	right.push_back({RACK_PITCH_LINE + ROOT, -end});
 	for (int tooth = 0; tooth < RACK_TEETH; ++tooth)
 		for (const auto& [out, side] : {std::make_pair(ROOT, -1), {TIP, -1}, {TIP, 1}, {ROOT, 1}})
-			right.push_back({RACK_PITCH_LINE + out, PITCH * (tooth - RACK_TEETH / 2) +
-														side * (HALF_TOOTH - out * std::tan(PRESSURE_ANGLE))});
+			right.push_back({RACK_PITCH_LINE + out,
+							 PITCH * (tooth - RACK_TEETH / 2) + side * (HALF_TOOTH - out * std::tan(PRESSURE_ANGLE))});
 	right.push_back({RACK_PITCH_LINE + ROOT, end});
 	std::vector<PlanarPoint> corners = right;
 	for (auto p = right.rbegin(); p != right.rend(); ++p) corners.push_back({-p->x, p->y});
@@ -62,9 +62,7 @@ Loop rackLoop(double edge)
 
 ModelMesh toothed(size_t triangles, Loop (*loop)(double edge))
 {
-	return makePrism(triangles, [loop](double edge) {
-		return Prism{{loop(edge)}, {{{0}, WIDTH}}, -WIDTH / 2};
-	});
+	return makePrism(triangles, [loop](double edge) { return Prism{{loop(edge)}, {{{0}, WIDTH}}, -WIDTH / 2}; });
 }
 }  // namespace
 

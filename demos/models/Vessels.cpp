@@ -15,15 +15,16 @@ constexpr double PI = 3.14159265358979323846;
 constexpr double TUMBLER_EDGE = 0.003;  // rounding of the foot, outside
 constexpr double DISH_REACH = 55 * PI / 180;
 constexpr double CAP_SHARE = 0.7;  // of the flat middle that a cap covers
+constexpr double DISH_CAP = 0.2;   // way along the profile that a cap covers, over the radius
+constexpr double STRIPS = 7;       // for each cell of a cap
 
 double slope()
 {
 	return std::atan2(TUMBLER_TOP - TUMBLER_FOOT, TUMBLER_HEIGHT);  // of the wall against the vertical
 }
 
-ModelMesh turnedSolid(const Profile& profile, double capEnd, double ratio, size_t triangles)
+ModelMesh turnedSolid(const Profile& profile, double capEnd, const SweepSize& size)
 {
-	const SweepSize size = sweepSize(triangles, ratio);
 	if (size.capCells == 0) return {};
 	SweepGrid grid;
 	grid.capCells = size.capCells;
@@ -64,13 +65,16 @@ Profile tumblerProfile()
 	return p;
 }
 
-Profile dishProfile()
+// With the vertices of the inside so far out that its triangles keep clear of the ball.
+Profile dishProfile(const SweepSize& size)
 {
-	const double outside = DISH_RADIUS + DISH_WALL, angle = DISH_REACH - PI / 2, middle = DISH_RADIUS + DISH_WALL / 2;
+	const double columns = 4.0 * size.capCells, strip = 2 * DISH_REACH / std::max(1, size.strips);
+	const double inside = DISH_RADIUS / std::cos(PI / columns) / std::cos(strip / 2);
+	const double outside = inside + DISH_WALL, angle = DISH_REACH - PI / 2, middle = inside + DISH_WALL / 2;
 	Profile p;
 	p.arc({}, outside, -PI / 2, angle);
 	p.arc({middle * std::cos(angle), middle * std::sin(angle)}, DISH_WALL / 2, angle, angle + PI);
-	p.arc({}, DISH_RADIUS, angle, -PI / 2);
+	p.arc({}, inside, angle, -PI / 2);
 	return p;
 }
 }  // namespace
@@ -79,11 +83,12 @@ const double TUMBLER_PITCH = TUMBLER_WALL / std::sin(slope());
 
 ModelMesh makeTumbler(size_t triangles)
 {
-	return turnedSolid(tumblerProfile(), CAP_SHARE * (TUMBLER_FOOT - TUMBLER_EDGE), 7, triangles);
+	return turnedSolid(tumblerProfile(), CAP_SHARE * (TUMBLER_FOOT - TUMBLER_EDGE), sweepSize(triangles, STRIPS));
 }
 
 ModelMesh makeDish(size_t triangles)
 {
-	return turnedSolid(dishProfile(), 0.2 * DISH_RADIUS, 7, triangles);
+	const SweepSize size = sweepSize(triangles, STRIPS);
+	return turnedSolid(dishProfile(size), DISH_CAP * DISH_RADIUS, size);
 }
 }  // namespace clod::demo

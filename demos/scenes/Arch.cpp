@@ -27,7 +27,8 @@ Joint jointOf(const SceneState& state, std::size_t stone, int stones)
 	const double half = kPi / stones / 2, radius = (ARCH_INSIDE + ARCH_OUTSIDE) / 2;
 	const Vec3 middle{radius * std::sin(half), radius * std::cos(half), 0};
 	const Transform left = toTransform(state.bodies[stone].pose), right = toTransform(state.bodies[stone + 1].pose);
-	return {left * middle, right * Vec3{-middle.x, middle.y, 0}, left.rotation * Vec3{std::cos(half), -std::sin(half), 0}};
+	return {left * middle, right * Vec3{-middle.x, middle.y, 0},
+			left.rotation * Vec3{std::cos(half), -std::sin(half), 0}};
 }
 
 SceneDefinition archOf(int stones, const std::string& name)

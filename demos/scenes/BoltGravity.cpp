@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // A nut runs down the thread of a bolt by its weight, without friction, until it sits on the head. Ideally it falls
-// evenly accelerated, the slower the more its turning weighs: a = g / (1 + (2 pi k / lead)^2), k its radius of gyration.
+// evenly accelerated, the slower the more its turning weighs: a = g / (1 + (2 pi k / lead)^2), k its radius of
+// gyration.
 #include <algorithm>
 #include <cmath>
 
@@ -22,7 +23,7 @@ constexpr int steps = 360;
 std::vector<double> outcomeOf(const SceneState& state, double acceleration)
 {
 	const Pose& nut = state.bodies[1].pose;
-	const double(&q)[4] = nut.quaternion;
+	const double (&q)[4] = nut.quaternion;
 	const double turned = 2 * std::atan2(q[1], q[3]), onThread = -2 * kPi * nut.position.y / THREAD_LEAD;
 	const double ideal = std::max(constant::seat, constant::startHeight - acceleration * state.time * state.time / 2);
 	return {nut.position.y, ideal, std::remainder(turned - onThread, 2 * kPi) * 180 / kPi,

@@ -13,7 +13,8 @@ namespace constant
 {
 constexpr int cups = 10;
 constexpr double mass = 0.05, friction = 0.3;
-constexpr double gap = 0.002;  // in height, of every cup over the one below
+constexpr double gap = 0.002;   // in height, of every cup over the one below
+constexpr double twist = 0.02;  // against the one below: facets are not parallel
 constexpr int steps = 720;
 }  // namespace constant
 
@@ -34,14 +35,15 @@ std::vector<double> outcomeOf(const SceneState& state)
 
 SceneDefinition nestedCups()
 {
-	SceneDefinition scene = mechanism("nested-cups", "ten tumblers fall into one another and come to rest", constant::friction);
+	SceneDefinition scene =
+		mechanism("nested-cups", "ten tumblers fall into one another and come to rest", constant::friction);
 	SceneInfo& info = scene.info;
 	info.models = {{"tumbler", ""}};
 	for (int i = 0; i < constant::cups; ++i)
 	{
 		info.bodies.push_back({"cup-" + std::to_string(i + 1), 0, true});
 		const Vec3 place{0, i * (TUMBLER_PITCH + constant::gap), 0};
-		scene.bodies.push_back({i == 0 ? 0 : constant::mass, turnedAboutY(place, 0.1 * i), {}});
+		scene.bodies.push_back({i == 0 ? 0 : constant::mass, turnedAboutY(place, constant::twist * i), {}});
 	}
 	info.tolerance = 0.01 * TUMBLER_TOP;
 	info.thinnerWall = TUMBLER_WALL;

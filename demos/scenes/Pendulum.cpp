@@ -51,8 +51,7 @@ SceneDefinition pendulum()
 					{"swing_angle", "rad", true},
 					{"pin_off_axis", "m"},  // with PIN_PLAY it touches
 					{"pin_along_axis", "m"}};
-	scene.bodies = {{0, Pose{}, {}},
-					{constant::armMass, turnedAbout({0, 0, 1}, constant::startAngle), {}}};
+	scene.bodies = {{0, Pose{}, {}}, {constant::armMass, turnedAbout({0, 0, 1}, constant::startAngle), {}}};
 	scene.inPlace = [](std::size_t, const Vec3& center) { return length(center) < ARM_LENGTH; };
 	scene.prepare = knowReach;
 	scene.constants = {{"start_angle", constant::startAngle, "rad"},

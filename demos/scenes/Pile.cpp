@@ -29,7 +29,7 @@ SceneDefinition digitsOnFloor(const std::string& name, const std::string& summar
 	SceneDefinition scene = mechanism(name, summary, constant::friction);
 	SceneInfo& info = scene.info;
 	info.models = {{"floor", ""}};
-	info.bodies = {{"floor", 0, false}};
+	info.bodies = {{"floor", 0, true}};
 	scene.bodies = {{0, {{0, -constant::floorHalf, 0}}, {}}};
 	for (int digit = 0; digit < constant::digits; ++digit)
 		info.models.push_back({"number" + std::to_string(digit), ""});
@@ -45,7 +45,8 @@ SceneDefinition digitsOnFloor(const std::string& name, const std::string& summar
 
 void addDigit(SceneDefinition& scene, int digit, int copy, const Pose& pose)
 {
-	scene.info.bodies.push_back({"number" + std::to_string(digit) + "-" + std::to_string(copy + 1), std::size_t(digit) + 1, false});
+	scene.info.bodies.push_back(
+		{"number" + std::to_string(digit) + "-" + std::to_string(copy + 1), std::size_t(digit) + 1, false});
 	scene.bodies.push_back({constant::digitMass, pose, {}});
 }
 
@@ -62,8 +63,8 @@ SceneDefinition pileStacks()
 		for (int copy = 0; copy < constant::copies; ++copy)
 		{
 			const double height = (copy + 0.5) * constant::digitThickness + (copy + 1) * constant::stackGap;
-			const Vec3 place{(digit % constant::stacksInRow - (constant::stacksInRow - 1) / 2) * constant::stackAcross, height,
-							 (digit / constant::stacksInRow - 0.5) * constant::stackAlong};
+			const Vec3 place{(digit % constant::stacksInRow - (constant::stacksInRow - 1) / 2) * constant::stackAcross,
+							 height, (digit / constant::stacksInRow - 0.5) * constant::stackAlong};
 			addDigit(scene, digit, copy, turnedAbout({1, 0, 0}, -kPi / 2, place));
 		}
 	scene.constants = {{"stack_gap", constant::stackGap, "m"}};

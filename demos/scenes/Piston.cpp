@@ -36,7 +36,8 @@ std::vector<double> outcomeOf(const SceneState& state)
 
 SceneDefinition piston()
 {
-	SceneDefinition scene = mechanism("piston", "a turning crank drives a piston in its bore through a rod", constant::friction);
+	SceneDefinition scene =
+		mechanism("piston", "a turning crank drives a piston in its bore through a rod", constant::friction);
 	SceneInfo& info = scene.info;
 	info.models = {{"crank", ""}, {"rod", ""}, {"piston", ""}, {"bore", ""}};
 	info.bodies = {{"crank", 0, false}, {"rod", 1, false}, {"piston", 2, false}, {"bore", 3, true}};
@@ -45,7 +46,8 @@ SceneDefinition piston()
 	info.steps = constant::steps;
 	info.overview = {{0, 0.085, 0}, 0.155, 25, 12, -1, ""};
 	info.closeUp = {{0, CRANK_THROW, 0}, 0.045, 30, 15, 0, "close-up of the crank's pin"};
-	info.outcome = {{"crank_pin_off_axis", "m"}, {"piston_pin_off_axis", "m"}, {"piston_aside", "m"}, {"piston_height", "m"}};
+	info.outcome = {
+		{"crank_pin_off_axis", "m"}, {"piston_pin_off_axis", "m"}, {"piston_aside", "m"}, {"piston_height", "m"}};
 	// The crank's pin is level with its axis, to the left.
 	const Pose crank = turnedAbout({0, 0, 1}, kPi / 2, {0, 0, PISTON_TO_ROD - CRANK_TO_ROD});
 	const double rise = std::sqrt(ROD_LENGTH * ROD_LENGTH - CRANK_THROW * CRANK_THROW);

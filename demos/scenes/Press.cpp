@@ -35,13 +35,18 @@ SceneDefinition press()
 	block.position = {constant::offset, constant::startHeight, constant::offset};
 	scene.bodies = {{0, upright, {}}, {constant::mass, block, {}}};
 	scene.inPlace = [](std::size_t, const Vec3& center)
-	{ return center.y > -SOCKET_DEPTH + BLOCK_HEIGHT / 2 - SOCKET_PLAY && std::hypot(center.x, center.z) < BLOCK_WIDTH / 2; };
+	{
+		return center.y > -SOCKET_DEPTH + BLOCK_HEIGHT / 2 - SOCKET_PLAY &&
+			   std::hypot(center.x, center.z) < BLOCK_WIDTH / 2;
+	};
 	scene.outcome = [](const SceneState& state) -> std::vector<double>
 	{
 		const Transform moved = toTransform(state.bodies[1].pose);
 		return {-moved.translation.y, std::acos(std::min(1.0, moved.rotation.column(2).y)) * 180 / kPi};
 	};
-	scene.constants = {{"start_height", constant::startHeight, "m"}, {"offset", constant::offset, "m"}, {"play", SOCKET_PLAY, "m, either side"}};
+	scene.constants = {{"start_height", constant::startHeight, "m"},
+					   {"offset", constant::offset, "m"},
+					   {"play", SOCKET_PLAY, "m, either side"}};
 	return scene;
 }
 }  // namespace clod::demo

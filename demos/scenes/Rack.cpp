@@ -22,7 +22,7 @@ std::vector<double> outcomeOf(const SceneState& state)
 	const double height = state.bodies[0].pose.position.y, round = 2 * kPi * PINION_PITCH_RADIUS;
 	const auto rolled = [&](std::size_t pinion)
 	{
-		const double(&q)[4] = state.bodies[pinion].pose.quaternion;
+		const double (&q)[4] = state.bodies[pinion].pose.quaternion;
 		return 2 * std::atan2(q[2], q[3]) * PINION_PITCH_RADIUS;
 	};
 	return {std::remainder(height - rolled(1), round), std::remainder(height + rolled(2), round), height};
@@ -31,8 +31,7 @@ std::vector<double> outcomeOf(const SceneState& state)
 
 SceneDefinition rack()
 {
-	SceneDefinition scene =
-		mechanism("rack", "a rack rises and falls between two pinions, without friction", 0);
+	SceneDefinition scene = mechanism("rack", "a rack rises and falls between two pinions, without friction", 0);
 	SceneInfo& info = scene.info;
 	info.models = {{"rack", ""}, {"pinion", ""}};
 	info.bodies = {{"rack", 0, false}, {"left-pinion", 1, false}, {"right-pinion", 1, false}};
@@ -46,7 +45,8 @@ SceneDefinition rack()
 	scene.bodies = {{constant::rackMass, Pose{}, {}, {0, constant::startSpeed, 0}, {}, {0, 1, 0}, {0, 0, 0}},
 					{constant::pinionMass, {{-middle, 0, 0}}, {}, {}, {0, 0, turning}, {0, 0, 0}, {0, 0, 1}},
 					{constant::pinionMass, {{middle, 0, 0}}, {}, {}, {0, 0, -turning}, {0, 0, 0}, {0, 0, 1}}};
-	scene.inPlace = [](std::size_t, const Vec3& center) { return std::fabs(center.y) < kPi * TOOTH_MODULE * RACK_TEETH / 2; };
+	scene.inPlace = [](std::size_t, const Vec3& center)
+	{ return std::fabs(center.y) < kPi * TOOTH_MODULE * RACK_TEETH / 2; };
 	scene.outcome = outcomeOf;
 	scene.constants = {{"start_speed", constant::startSpeed, "m/s"},
 					   {"backlash", BACKLASH, "m"},

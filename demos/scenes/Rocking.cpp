@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Bodies that swing, rock or wobble for long: a plate that rolls on its rim as a coin does, a ring on a peg, and a torus
-// in a dish. Their amplitudes must not grow.
+// Bodies that swing, rock or wobble for long: a plate that rolls on its rim as a coin does, a ring on a peg, and a
+// torus in a dish. Their amplitudes must not grow.
 #include <cmath>
 
 #include "demos/models/Mechanisms.h"
@@ -30,10 +30,11 @@ double swingAngle(const SceneState& state)
 // Set going so that its middle stays where it is: the point of contact goes round at rate^2 = 4 g / (r sin tilt).
 SceneDefinition spinningPlate()
 {
-	SceneDefinition scene = mechanism("spinning-plate", "a plate rolls on its rim round a circle, as a coin does", constant::plateFriction);
+	SceneDefinition scene =
+		mechanism("spinning-plate", "a plate rolls on its rim round a circle, as a coin does", constant::plateFriction);
 	SceneInfo& info = scene.info;
 	info.models = {{"floor", ""}, {"plate", ""}};
-	info.bodies = {{"floor", 0, false}, {"plate", 1, false}};
+	info.bodies = {{"floor", 0, true}, {"plate", 1, false}};
 	info.tolerance = 0.01 * PLATE_RADIUS;
 	info.thinnerWall = PLATE_THICKNESS;
 	info.steps = constant::plateSteps;
@@ -45,8 +46,13 @@ SceneDefinition spinningPlate()
 	const Pose plate = turnedTwice(turnedAbout({1, 0, 0}, -kPi / 2), turnedAbout({0, 0, 1}, -tilt));
 	const double height = PLATE_RADIUS * s + PLATE_THICKNESS / 2 * c + constant::dropHeight;
 	const double rate = std::sqrt(4 * kGravity / (PLATE_RADIUS * s));
-	scene.bodies = {{0, {{0, -constant::floorHalf, 0}}, {}},
-					{constant::plateMass, {{0, height, 0}, {plate.quaternion[0], plate.quaternion[1], plate.quaternion[2], plate.quaternion[3]}}, {}, {}, rate * s * Vec3{-c, s, 0}}};
+	scene.bodies = {
+		{0, {{0, -constant::floorHalf, 0}}, {}},
+		{constant::plateMass,
+		 {{0, height, 0}, {plate.quaternion[0], plate.quaternion[1], plate.quaternion[2], plate.quaternion[3]}},
+		 {},
+		 {},
+		 rate * s * Vec3{-c, s, 0}}};
 	scene.inPlace = [](std::size_t, const Vec3& center)
 	{ return center.y > 0 && std::hypot(center.x, center.z) < PLATE_RADIUS; };
 	scene.outcome = [](const SceneState& state) -> std::vector<double>

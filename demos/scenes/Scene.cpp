@@ -10,8 +10,12 @@ namespace clod::demo
 const std::vector<SceneDefinition>& sceneDefinitions()
 {
 	static const std::vector<SceneDefinition> all = {
-		spoonCup(), torusSpiral(), numbersBowl(), spoonsNested(),
-		boltNut(),  mixedNeeds(),  contactArea(), pendulum(), doublePendulum(), chain(), rack(), piston(), arch(), arch101(), boltGravity(), wedges(), nestedCups(), pileStacks(), pileHeap(), press(), spinningPlate(), ringOnPeg(), rockingTorus(), drop({{"torus", ""}, {"number8", ""}, {"nut", ""}})};
+		spoonCup(),       torusSpiral(), numbersBowl(),  spoonsNested(),
+		boltNut(),        mixedNeeds(),  contactArea(),  pendulum(),
+		doublePendulum(), chain(),       rack(),         piston(),
+		arch(),           arch101(),     boltGravity(),  wedges(),
+		nestedCups(),     pileStacks(),  pileHeap(),     press(),
+		spinningPlate(),  ringOnPeg(),   rockingTorus(), drop({{"torus", ""}, {"number8", ""}, {"nut", ""}})};
 	return all;
 }
 
@@ -56,8 +60,8 @@ Pose turnedAbout(const Vec3& axis, double angle, const Vec3& place)
 
 Pose turnedTwice(const Pose& first, const Pose& second)
 {
-	const double(&p)[4] = second.quaternion;
-	const double(&q)[4] = first.quaternion;
+	const double (&p)[4] = second.quaternion;
+	const double (&q)[4] = first.quaternion;
 	const Vec3 u{p[0], p[1], p[2]}, v{q[0], q[1], q[2]}, w = p[3] * v + q[3] * u + cross(u, v);
 	return {toTransform(second) * first.position, {w.x, w.y, w.z, p[3] * q[3] - dot(u, v)}};
 }

@@ -28,8 +28,7 @@ std::vector<double> outcomeOf(const SceneState& state)
 
 SceneDefinition wedges()
 {
-	SceneDefinition scene =
-		mechanism("wedges", "wedges of 20 to 90 degrees fall edge on edge, crossed", 0.3);
+	SceneDefinition scene = mechanism("wedges", "wedges of 20 to 90 degrees fall edge on edge, crossed", 0.3);
 	SceneInfo& info = scene.info;
 	const Pose crossed = turnedTwice(turnedAbout({1, 0, 0}, kPi), turnedAbout({0, 1, 0}, kPi / 2));
 	const double middle = (constant::bluntest - constant::sharpest) / constant::step / 2.0;

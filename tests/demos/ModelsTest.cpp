@@ -53,10 +53,10 @@ std::vector<std::string> allNames()
 
 int genus(const std::string& name)
 {
-	static const std::map<std::string, int> holes = {{"cup", 1},     {"torus", 1},   {"smooth-torus", 1},
-													 {"nut", 1},     {"number0", 1}, {"number4", 1},
-													 {"number6", 1}, {"number8", 2}, {"number9", 1},
-													 {"arm", 1}, {"arm-with-pin", 1}, {"rod", 2}, {"bore", 1}, {"chain-link", 1}};
+	static const std::map<std::string, int> holes = {
+		{"cup", 1},          {"torus", 1},   {"smooth-torus", 1}, {"nut", 1},       {"number0", 1},
+		{"number4", 1},      {"number6", 1}, {"number8", 2},      {"number9", 1},   {"arm", 1},
+		{"arm-with-pin", 1}, {"rod", 2},     {"bore", 1},         {"chain-link", 1}};
 	const auto entry = holes.find(name);
 	return entry == holes.end() ? 0 : entry->second;
 }

@@ -229,14 +229,14 @@ demo::SceneRunOptions runOf(const SceneInfo& scene)
 	return run;
 }
 
-// Nothing drives its bodies on: to the end, it comes to rest.
+// Nothing drives its bodies on and something brakes them: to the end, it comes to rest.
 bool comesToRest(const SceneInfo& scene, int steps)
 {
 	bool isFree = steps == scene.steps;
 	for (const demo::SceneDefinition& definition : demo::sceneDefinitions())
 		if (definition.info.name == scene.name)
 		{
-			isFree = isFree && !definition.prepare;
+			isFree = isFree && !definition.prepare && definition.world.angularDamping > 0;
 			for (const demo::BodyDefinition& body : definition.bodies) isFree = isFree && !body.course;
 		}
 	return isFree;

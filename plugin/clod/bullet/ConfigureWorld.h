@@ -11,14 +11,16 @@ struct WorldSettings
 	// Passes of the solver over all contacts of a step. 10 (Bullet's default) leave piles and joints soft; stacks of a
 	// hundred bodies want 50.
 	int solverIterations = 30;
-	// Share of an overlap that a step takes away: of joints, and of contacts (whose push is no momentum: split impulse).
+	// Share of an overlap that a step takes away: of joints, and of contacts (whose push is no momentum: split
+	// impulse).
 	double erp = 0.2, erp2 = 0.8;
 	// Overlaps deeper than the negative of it, in Bullet's lengths, are pushed out by split impulse; the others by
 	// velocity, which stays as energy.
 	double splitImpulsePenetrationThreshold = 0;
 };
 
-// Sets the solver of `world`; call it before the first step. Besides the settings: two friction directions, as one along
-// the slip lets a leaning body creep sideways for ever, and split impulse. Gravity, bodies and dispatch stay as they are.
+// Sets the solver of `world`; call it before the first step. Besides the settings: two friction directions, as one
+// along the slip lets a leaning body creep sideways for ever, and split impulse. Gravity, bodies and dispatch stay as
+// they are.
 void configureWorld(btDynamicsWorld& world, const WorldSettings& settings = {});
 }  // namespace clod
