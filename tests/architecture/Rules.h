@@ -28,7 +28,8 @@ Faults upwardIncludes(const Sources& sources);
 Faults foreignIncludes(const Sources& sources);
 // What never links the builder never includes it: plugin, cli and demos.
 Faults builderIncludes(const Sources& sources);
-// Of the plugin: folders with more than kMostSourcesOfFolder headers and sources; files of more than kMostLinesOfSource.
+// Of the plugin: folders with more than kMostSourcesOfFolder headers and sources; files with more than
+// kMostLinesOfSource.
 Faults crowdedFolders(const Sources& sources);
 Faults longSources(const Sources& sources);
 // Headers of the plugin that reach a single .cpp of the whole product, which is not their own: it should hold them.

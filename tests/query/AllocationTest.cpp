@@ -21,11 +21,11 @@ void* operator new(std::size_t size)
 	if (void* p = std::malloc(size ? size : 1)) return p;
 	throw std::bad_alloc();
 }
-void operator delete(void* p) noexcept
+[[gnu::noinline]] void operator delete(void* p) noexcept  // inlined, GCC takes its free for a mismatch
 {
 	std::free(p);
 }
-void operator delete(void* p, std::size_t) noexcept
+[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept
 {
 	std::free(p);
 }
