@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <cstring>
+#include <array>
+#include <stdexcept>
 #include <filesystem>
 #include <functional>
 #include <limits>
@@ -44,9 +46,13 @@ std::string refusal(Bytes bytes)
 
 void setHeaderHash(Bytes& bytes)
 {
-	std::memset(bytes.data() + offsetof(FileHeader, headerHash), 0, 8);
+	if (bytes.size() < kFileStartBytes) throw std::invalid_argument("no header to hash");
+	const auto at = bytes.begin() + offsetof(FileHeader, headerHash);
+	std::fill_n(at, 8, std::byte{0});
 	const std::uint64_t hash = XXH3_64bits(bytes.data(), kFileStartBytes);
-	std::memcpy(bytes.data() + offsetof(FileHeader, headerHash), &hash, 8);
+	std::array<std::byte, 8> stored;
+	std::memcpy(stored.data(), &hash, stored.size());
+	std::copy(stored.begin(), stored.end(), at);
 }
 
 TEST(HierarchyFile, RoundTripIsByteForByte)
