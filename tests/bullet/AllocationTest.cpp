@@ -25,12 +25,13 @@ void* counted(std::size_t size)
 }
 }  // namespace
 
-void* operator new(std::size_t size)
+// Inlined in part, GCC takes malloc or free for a mismatch.
+[[gnu::noinline]] void* operator new(std::size_t size)
 {
 	if (void* p = counted(size)) return p;
 	throw std::bad_alloc();
 }
-[[gnu::noinline]] void operator delete(void* p) noexcept  // inlined, GCC takes its free for a mismatch
+[[gnu::noinline]] void operator delete(void* p) noexcept
 {
 	std::free(p);
 }

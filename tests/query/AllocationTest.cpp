@@ -15,13 +15,14 @@ namespace
 std::atomic<long> allocations{0};
 }
 
-void* operator new(std::size_t size)
+// Inlined in part, GCC takes malloc or free for a mismatch.
+[[gnu::noinline]] void* operator new(std::size_t size)
 {
 	++allocations;
 	if (void* p = std::malloc(size ? size : 1)) return p;
 	throw std::bad_alloc();
 }
-[[gnu::noinline]] void operator delete(void* p) noexcept  // inlined, GCC takes its free for a mismatch
+[[gnu::noinline]] void operator delete(void* p) noexcept
 {
 	std::free(p);
 }
