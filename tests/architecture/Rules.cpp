@@ -15,6 +15,7 @@ namespace
 {
 const char* const kFoldersUpward[] = {"collide", "hierarchy", "query", "distance", "manifold", "bullet"};
 constexpr int kUnknownFolder = -1;
+constexpr int kPackage = -2;
 
 bool startsWith(const std::string& text, const std::string& start)
 {
@@ -68,8 +69,15 @@ std::string pathOf(const std::string& include)
 }
 
 // Its folder's place in the order.
+// What lies in plugin/clod itself is the package's: version and export marks. It is below all folders.
+bool isOfPackage(const std::string& path)
+{
+	return startsWith(path, "plugin/clod/") && path.find('/', std::string("plugin/clod/").size()) == std::string::npos;
+}
+
 int rankOf(const std::string& pathInPlugin)
 {
+	if (isOfPackage(pathInPlugin)) return kPackage;
 	for (int rank = 0; rank < int(std::size(kFoldersUpward)); ++rank)
 		if (startsWith(pathInPlugin, std::string("plugin/clod/") + kFoldersUpward[rank] + "/")) return rank;
 	return kUnknownFolder;
@@ -217,7 +225,8 @@ Faults headersOfOneSource(const Sources& sources)
 	Faults faults;
 	for (const Source& source : sources)
 	{
-		if (!ofPlugin(source.path) || !endsWith(source.path, ".h") || isKernel(source.path)) continue;
+		if (!ofPlugin(source.path) || !endsWith(source.path, ".h") || isKernel(source.path) || isOfPackage(source.path))
+			continue;
 		const auto found = readers.find(source.path);
 		if (found == readers.end())
 			faults.push_back(source.path + " serves no source");
