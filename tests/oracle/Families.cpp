@@ -10,7 +10,7 @@ namespace clod::oracle
 namespace
 {
 constexpr double kTimeStep = 1.0 / 240;
-constexpr int kStarts = 20, kBlocks = 10, kSteps = 6, kBisections = 34;
+constexpr int kStarts = 20, kBlocks = 30, kSteps = 2, kBisections = 34;
 
 // A centred mesh and where its centre was.
 Vec3 center(TriangleMesh& mesh)

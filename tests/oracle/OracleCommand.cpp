@@ -95,10 +95,9 @@ void run(const Options& options)
 		if (options.common.textOnStdout()) fmt::print("{}", tableLine(result));
 		std::fflush(stdout);
 		for (const auto& row : rowsOf(result, options.setting)) rows.push_back(row);
+		if (!options.csv.empty()) checked(cli::writeFile(options.csv, csvOf(rows)));  // so far: a run may take hours
 	}
-	if (options.pose) return;
-	if (!options.csv.empty()) checked(cli::writeFile(options.csv, csvOf(rows)));
-	if (!options.common.json.empty()) checked(cli::writeJson(options.common.json, rows));
+	if (!options.pose && !options.common.json.empty()) checked(cli::writeJson(options.common.json, rows));
 }
 }  // namespace
 }  // namespace clod::oracle

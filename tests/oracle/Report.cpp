@@ -131,8 +131,9 @@ std::string described(const Trial& trial)
 		"pair {}, surfaces {} and {}{}, R {:.6g}; {}, depth {:.3g} % of R, {}; deepest claim {:.3g} % of R\n"
 		"motion: linear {:.5g} {:.5g} {:.5g}, angular {:.5g} {:.5g} {:.5g}, dt {:.6g}\n",
 		trial.pair, trial.answer.surfaceA, trial.answer.surfaceB, trial.answer.isMixed ? " and others" : "",
-		trial.radius, v.isApart ? "apart" : "not apart", 100 * v.startDepth, v.isAnswered ? "answered" : "not answered", 100 * v.claim, motion.linear.x, motion.linear.y,
-		motion.linear.z, motion.angular.x, motion.angular.y, motion.angular.z, motion.timeStep);
+		trial.radius, v.isApart ? "apart" : "not apart", 100 * v.startDepth,
+		v.isAnswered ? "answered" : "not answered", 100 * v.claim, motion.linear.x, motion.linear.y, motion.linear.z,
+		motion.angular.x, motion.angular.y, motion.angular.z, motion.timeStep);
 	for (const Vec3& row : trial.which.aFromB.rotation.row)
 		text += fmt::format("aFromB: {:.9f} {:.9f} {:.9f}\n", row.x, row.y, row.z);
 	const Vec3& at = trial.which.aFromB.translation;
