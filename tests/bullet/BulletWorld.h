@@ -9,7 +9,7 @@
 
 #include "clod/bullet/btClodCollisionAlgorithm.h"
 #include "clod/distance/SignedGap.h"
-#include "clod/manifold/ContactMemory.h"
+#include "clod/manifold/ContactPoints.h"
 
 namespace clod::test
 {

@@ -51,7 +51,6 @@ public:
 	{
 		std::uint64_t tests = 0, contacts = 0;
 		std::uint64_t planned = 0;   // of the tests, those of pairs that the dispatcher plans,
-		std::uint64_t searched = 0;  // of the tests, those of depths that no point answers
 		std::uint32_t pending = 0, coarsest = 0;
 		double excess = 0, least = kOff;  // least: of the pairs that were cut short
 		int cut = 0;
@@ -88,10 +87,9 @@ public:
 			[&step](const PairReport& pair)
 			{
 				const std::uint64_t tests =
-					std::uint64_t(pair.result->stats.boxTests) + pair.result->stats.hullTests + pair.searchTests;
+					std::uint64_t(pair.result->stats.boxTests) + pair.result->stats.hullTests;
 				step.tests += tests;
 				if (pair.isPlanned) step.planned += tests;
-				step.searched += pair.searchTests;
 				step.contacts += pair.result->contacts.size();
 				step.coarsest = std::max(step.coarsest, pair.coarsestLevel);
 				if (pair.result->excess > 0) step.least = std::min(step.least, pair.result->excess), ++step.cut;

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "clod/bullet/BodyState.h"
-#include "clod/manifold/ContactPointsSurface.h"
 #include "tests/bullet/CubeOnSlab.h"
 #include "tests/bullet/ManifoldState.h"
 #include "tests/query/Bodies.h"
@@ -177,42 +176,6 @@ TEST(WrittenPoints, KeepWhatTheSolverRemembersWhenTheyAreWrittenAgain)
 		}
 	EXPECT_GE(goingOn, 4u);
 	EXPECT_GE(4 * goingOn, 3 * points().size());
-}
-
-// Points that leak (ContactPointsSurface.h) are dropped, and others chosen; but for few.
-TEST(WrittenPoints, DoNotLeak)
-{
-	Random random(91);
-	std::uint32_t dropped = 0, left = 0;
-	for (int i = 0; i < 40; ++i)
-	{
-		CubeOnSlab scene;
-		const Mat3 turn = randomRotation(random);
-		const btTransform pose(btMatrix3x3(btScalar(turn.row[0].x), btScalar(turn.row[0].y), btScalar(turn.row[0].z),
-										   btScalar(turn.row[1].x), btScalar(turn.row[1].y), btScalar(turn.row[1].z),
-										   btScalar(turn.row[2].x), btScalar(turn.row[2].y), btScalar(turn.row[2].z)),
-							   btVector3(btScalar(uniform(random, 4, 5.5)), btScalar(uniform(random, -0.5, 0.6)), 0));
-		scene.body.setWorldTransform(pose);
-		scene.world.performDiscreteCollisionDetection();
-		scene.context.forEachPair(
-			[&](const PairReport& pair)
-			{
-				const Transform aFromB = inverse(toTransform(pair.objectA->getWorldTransform())) *
-										 toTransform(pair.objectB->getWorldTransform());
-				LeakCheck check;
-				check.start(pair.result->contacts);
-				for (const ContactCluster& cluster : pair.clusters->slots)
-					for (int k = 0; k < cluster.count; ++k)
-					{
-						const ContactPoint& point = cluster.points[std::size_t(k)].point;
-						const double margin = dot(point.pointOnA - point.pointOnB, point.normal) - point.height;
-						left += check.leaks(*pair.hierarchyA, *pair.hierarchyB, aFromB, point, margin);
-					}
-				dropped += pair.leaks;
-			});
-	}
-	EXPECT_GT(dropped, 20u);
-	EXPECT_LT(10 * left, dropped);  // three rounds of choosing are not always enough
 }
 
 // Two bars over each other, a step of turning apart: one of them turns about its middle, which stays where it is.

@@ -12,7 +12,7 @@
 #include "clod/bullet/BodyState.h"
 #include "clod/bullet/btClodCollisionAlgorithm.h"
 #include "clod/distance/SignedGap.h"
-#include "clod/manifold/ContactMemory.h"
+#include "clod/manifold/ContactPoints.h"
 #include "tests/oracle/Meshes.h"
 
 namespace clod::oracle
@@ -207,8 +207,12 @@ Answer BulletSubject::answer(const Transform& aFromB, const RelativeMotion& moti
 			const btManifoldPoint& point = manifold.getContactPoint(k);
 			const btVector3& onA = inOrder ? point.getPositionWorldOnA() : point.getPositionWorldOnB();
 			const Vec3 n = toVec3(point.m_normalWorldOnB);
+			// The row asks velocities for more than the height where a turning body's path bends away; what it asks to
+			// part stands as a token overlap times an ERP above 1 (clod/bullet/SolverTerms.h).
+			const double row = double(point.getDistance()) * std::max(1.0, double(point.m_contactERP));
+			const double height = double((point.getPositionWorldOnA() - point.getPositionWorldOnB()).dot(point.m_normalWorldOnB));
 			answer.constraints.push_back(
-				{toVec3(onA), normalized(inOrder ? n : -n), double(point.getDistance()) + m_raise});
+				{toVec3(onA), normalized(inOrder ? n : -n), height + m_raise, row - height});
 		}
 	}
 	findSurfaces(answer);

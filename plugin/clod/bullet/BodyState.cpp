@@ -51,4 +51,25 @@ RelativeMotion worldMotion(const btCollisionObject& object, double timeStep)
 	}
 	return {linear - cross(angular, toVec3(object.getWorldTransform().getOrigin())), angular, 0};
 }
+
+PairBody pairBody(const btCollisionObject& object, const Transform& worldFromFrame, double scale, double timeStep)
+{
+	const Vec3 center = toVec3(object.getWorldTransform().getOrigin());
+	const RelativeMotion motion = worldMotion(object, timeStep);
+	const Mat3 frameFromWorld = transposed(worldFromFrame.rotation);
+	PairBody body;
+	body.center = (1 / scale) * (frameFromWorld * (center - worldFromFrame.translation));
+	body.linear = (1 / scale) * (frameFromWorld * motion.velocity(center));
+	body.angular = frameFromWorld * motion.angular;
+	const Vec3 before = worldMotion(object, 0).velocity(center);
+	body.force = body.linear - (1 / scale) * (frameFromWorld * before);
+	const btRigidBody* rigid = btRigidBody::upcast(&object);
+	if (!rigid || object.isStaticOrKinematicObject()) return body;
+	const btMatrix3x3& inertia = rigid->getInvInertiaTensorWorld();
+	const Mat3 world = {{toVec3(inertia[0]), toVec3(inertia[1]), toVec3(inertia[2])}};
+	body.inverseMass = double(rigid->getInvMass());
+	body.inverseInertia = frameFromWorld * (world * worldFromFrame.rotation);
+	for (Vec3& row : body.inverseInertia.row) row = scale * scale * row;
+	return body;
+}
 }  // namespace clod

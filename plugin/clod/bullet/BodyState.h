@@ -18,4 +18,6 @@ bool isFinite(const RelativeMotion& motion);
 // World velocity field of a collision object, v(p) = linear + angular x p, as the solver will start from: forces and
 // gravity of the coming step included. With timeStep 0: as it moves now.
 RelativeMotion worldMotion(const btCollisionObject& object, double timeStep);
+// Mass and motion of an object in a frame of the world whose unit is `scale` world lengths.
+PairBody pairBody(const btCollisionObject& object, const Transform& worldFromFrame, double scale, double timeStep);
 }  // namespace clod

@@ -42,12 +42,14 @@ public:
 	std::optional<ViewCamera> camera;
 	// What the queries of a step may cost together, tests or time; pairs of two shapes of ours only. btClodDispatcher
 	// holds it over the whole step. Any other dispatcher lets each pair have a share by what it needed last, so that
-	// the sum is near the budget, not under it. A depth that has to be searched (PairReport::searchTests) is paid for
-	// first. A budget that cannot be used is warned of and not used.
+	// the sum is near the budget, not under it. A budget that cannot be used is warned of and not used.
 	Budget budget;
 	// Search the signed gap of touching bodies too (PairReport::result then has it, certified). Costs a millisecond or
 	// more.
 	bool searchGap = false;
+	// Bodies that overlap are moved apart no faster than this, in radii of the smaller body a second: a depth is taken
+	// back at once where it is small, and never thrown out where it is large.
+	double pushSpeed = 3;
 	// Receives each warning once a pair and cause; prints to stderr by default; empty = silent (lastStep() has it
 	// still). Called during a dispatch, by one thread at a time. It may ask this context for lastStep() and its pairs,
 	// unless a dispatch uses several threads: the pair at work is then half of this step, later ones are of the last.

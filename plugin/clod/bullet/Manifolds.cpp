@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <typeinfo>
 
+#include "clod/bullet/SolverTerms.h"
 #include "clod/query/Query.h"
 
 namespace clod
@@ -40,14 +41,15 @@ struct Material
 	}
 };
 
-// Has addContactPoint just these materials for the point, and has nobody added to it what points do not begin with?
-bool isPlain(const btManifoldPoint& point, const Material& material)
+// Has addContactPoint just these materials for the point, and has nobody changed it since it was written?
+bool isAsWritten(const btManifoldPoint& point, const Material& material, const SolverTerms& terms)
 {
-	return point.m_combinedFriction == material.friction && point.m_combinedRestitution == material.restitution &&
+	const SolverTerms now(point);
+	return point.m_combinedFriction == material.friction && now.restitution == terms.restitution &&
 		   point.m_combinedRollingFriction == material.rolling &&
-		   point.m_combinedSpinningFriction == material.spinning && point.m_contactPointFlags == 0 &&
+		   point.m_combinedSpinningFriction == material.spinning && now.flags == terms.flags && now.erp == terms.erp &&
 		   point.m_contactMotion1 == 0 && point.m_contactMotion2 == 0 && point.m_contactCFM == 0 &&
-		   point.m_contactERP == 0 && point.m_frictionCFM == 0;
+		   point.m_frictionCFM == 0;
 }
 }  // namespace
 
@@ -124,7 +126,7 @@ bool ManifoldSet::keep(ClusterSet& written, const WorldFrame& frame, btManifoldR
 		{
 			const btManifoldPoint& point = slot.manifold->getContactPoint(int(j));
 			if (!(point.m_localPointA == slot.localPointA[j] && point.m_localPointB == slot.localPointB[j] &&
-				  point.m_normalWorldOnB == slot.normal[j] && isPlain(point, material)))
+				  point.m_normalWorldOnB == slot.normal[j] && isAsWritten(point, material, slot.terms[j])))
 				return false;
 		}
 	}
@@ -135,6 +137,7 @@ bool ManifoldSet::keep(ClusterSet& written, const WorldFrame& frame, btManifoldR
 			written.slots[i].points[j].impulse = double(m_slots[i].manifold->getContactPoint(int(j)).m_appliedImpulse);
 		out.setPersistentManifold(m_slots[i].manifold);
 		out.refreshContactPoints();
+		setDistances(m_slots[i]);
 	}
 	return true;
 }
@@ -211,6 +214,7 @@ void ManifoldSet::writePoint(const ClusterPoint& clusterPoint, const WorldFrame&
 	if (place < 0 || m_target->getNumContacts() <= place) return;
 	btManifoldPoint& fresh = m_fresh[std::size_t(m_freshCount++)];
 	fresh = m_target->getContactPoint(place);
+	setSolverTerms(point, frame, fresh);
 	m_target->getContactPoint(place).m_userPersistentData = nullptr;
 	const std::uint32_t from = clusterPoint.previous;
 	if (from == kNone || !m_found[from]) return;
@@ -235,8 +239,19 @@ void ManifoldSet::closeSlot(int index, btManifoldResult& out)
 		slot.localPointA[std::size_t(i)] = m_fresh[std::size_t(i)].m_localPointA;
 		slot.localPointB[std::size_t(i)] = m_fresh[std::size_t(i)].m_localPointB;
 		slot.normal[std::size_t(i)] = m_fresh[std::size_t(i)].m_normalWorldOnB;
+		slot.terms[std::size_t(i)] = SolverTerms(m_fresh[std::size_t(i)]);
 	}
 	out.refreshContactPoints();
+	setDistances(slot);
+}
+
+// A refresh works distances out of the points' places. Points may be dropped on the way.
+void ManifoldSet::setDistances(Slot& slot)
+{
+	for (int k = 0; k < slot.manifold->getNumContacts(); ++k)
+		for (std::size_t i = 0; i < std::size_t(slot.count); ++i)
+			if (slot.manifold->getContactPoint(k).m_localPointA == slot.localPointA[i])
+				slot.manifold->getContactPoint(k).m_distance1 = slot.terms[i].distance;
 }
 
 void ManifoldSet::endWrite(const ClusterSet& clusters, const WorldFrame& frame, const btManifoldResult& out)

@@ -12,7 +12,7 @@
 #include <array>
 #include <optional>
 
-#include "clod/manifold/ContactMemory.h"
+#include "clod/manifold/ContactPoints.h"
 
 namespace clod
 {
@@ -26,6 +26,21 @@ struct WorldFrame
 	double scale = 1;      // world lengths a hierarchy unit
 	std::uint32_t levelA = 0, levelB = 0;
 	double breakingThreshold = 0;  // world length
+	double timeStep = 0;           // 0: points are for the poses as they are
+	double margin = 0, length = 1;  // of PointRules, world lengths
+	double pushSpeed = 0;           // at which an overlap is left at most, world lengths a second
+};
+
+// What is set of a point besides what its place and the materials make of it.
+struct SolverTerms
+{
+	btScalar distance, erp, restitution;
+	int flags;
+	explicit SolverTerms(const btManifoldPoint& p)
+		: distance(p.m_distance1), erp(p.m_contactERP), restitution(p.m_combinedRestitution), flags(p.m_contactPointFlags)
+	{
+	}
+	SolverTerms() : SolverTerms(btManifoldPoint()) {}
 };
 
 class ManifoldSet
@@ -71,9 +86,11 @@ private:
 		btPersistentManifold* manifold = nullptr;
 		int count = 0;
 		btScalar breakingThreshold = 0;
-		// As written: finds the points again.
+		// As written: finds the points again, and tells whether anybody has changed them.
 		std::array<btVector3, kClusterPoints> localPointA, localPointB, normal;
+		std::array<SolverTerms, kClusterPoints> terms;
 	};
+	static void setDistances(Slot& slot);
 	// What points are made from besides clusters and materials.
 	struct Ground
 	{

@@ -5,6 +5,7 @@
 #include <BulletCollision/CollisionShapes/btTriangleCallback.h>
 
 #include <algorithm>
+#include <array>
 
 #include "clod/bullet/BodyState.h"
 #include "clod/bullet/PairState.h"
@@ -13,36 +14,40 @@ namespace clod
 {
 namespace
 {
-constexpr int kLeakRounds = 3;          // reductions after dropping leaking points
 constexpr double kTestsPerPending = 8;  // what a pair that was not refined would have taken
 
-// Hands an engine mesh's triangles to the clipper, in A's frame and unit.
+// An engine mesh's triangles, in its own frame and the hierarchy's unit.
 struct TriangleSink : btTriangleCallback
 {
-	ForeignClipper& clipper;
-	const PairPose& pose;
-	const Metric& metric;
-	std::vector<ContactPoint>& points;
-	ForeignStats& stats;
-	TriangleSink(ForeignClipper& c, const PairPose& p, const Metric& m, std::vector<ContactPoint>& out, ForeignStats& s)
-		: clipper(c), pose(p), metric(m), points(out), stats(s)
+	const double scale;
+	std::vector<Triangle>& triangles;
+	std::vector<std::array<int, 2>>& names;
+	TriangleSink(double s, std::vector<Triangle>& t, std::vector<std::array<int, 2>>& n) : scale(s), triangles(t), names(n)
 	{
+		triangles.clear();
+		names.clear();
 	}
 	void processTriangle(btVector3* corners, int part, int index) override
 	{
 		Triangle triangle;
-		for (std::size_t i = 0; i < 3; ++i) triangle[i] = pose.aFromB * ((1 / pose.scale()) * toVec3(corners[i]));
-		clipper.clipTriangle(pose.hierarchyA(), triangle, std::uint32_t(part), std::uint32_t(index), metric, pose.rules,
-							 points, stats);
+		for (std::size_t i = 0; i < 3; ++i) triangle[i] = (1 / scale) * toVec3(corners[i]);
+		if (normalized(cross(triangle[1] - triangle[0], triangle[2] - triangle[0])) == Vec3{}) return;
+		triangles.push_back(triangle);
+		names.push_back({part, index});
 	}
 };
+
+Vec3 sphereCenter(const Hierarchy& hierarchy)
+{
+	return toVec3(hierarchy.asset().sphereCenter);
+}
 }  // namespace
 
 // The gap besides the contacts only where it is asked for: it costs a search of the input surfaces.
 void PairState::ask(const PairPose& pose, const Question& question)
 {
 	GapSettings settings = question.settings;
-	settings.budget = chooseBudget(pose);
+	settings.budget = chooseBudget();
 	if (question.withGap)
 		signedGap(pose.hierarchyA(), pose.hierarchyB(), pose.aFromB, settings, m_cache, m_result);
 	else
@@ -52,100 +57,96 @@ void PairState::ask(const PairPose& pose, const Question& question)
 	}
 	if (!settings.budget.isLimited()) return;
 	const QueryStats& stats = m_result.stats;
-	const double tests = double(stats.boxTests) + stats.hullTests + m_report.searchTests;
+	const double tests = double(stats.boxTests) + stats.hullTests;
 	m_context.setDemand(m_report, tests + kTestsPerPending * stats.pending);
 }
 
-// Planes and meshes have no hierarchy: their points are found on the way.
-void PairState::askForeign(const PairPose& pose)
+// Planes and meshes have no hierarchy: what of them is near is gathered anew.
+void PairState::askPartner(const PairPose& pose)
 {
 	m_result.clear();
-	m_foreignStats = {};
-	std::vector<ContactPoint>& points = m_pool.startWithPoints();
+	m_partnerStats = {};
+	m_partnerSurface.reset();
+	const Hierarchy& hierarchy = pose.hierarchyA();
+	const btCollisionShape& shape = *pose.b->getCollisionShape();
 	if (pose.partner == Partner::kPlane)
 	{
-		const auto& plane = static_cast<const btStaticPlaneShape&>(*pose.b->getCollisionShape());
-		const Vec3 local = toVec3(plane.getPlaneNormal());
-		const Vec3 onPlane = pose.aFromB * ((double(plane.getPlaneConstant()) / pose.scale()) * local);
-		const Vec3 normal = normalized(pose.aFromB.rotation * local);
-		m_foreign.clipPlane(pose.hierarchyA(), normal, dot(normal, onPlane), m_report.metric, pose.rules, points,
-							m_foreignStats);
+		const auto& plane = static_cast<const btStaticPlaneShape&>(shape);
+		const Vec3 normal = normalized(toVec3(plane.getPlaneNormal()));
+		const double offset = double(plane.getPlaneConstant()) / pose.scale();
+		m_partnerSurface.emplace(normal, offset, inverse(pose.aFromB) * sphereCenter(hierarchy),
+								 double(hierarchy.asset().radius));
+		const Vec3 inA = pose.aFromB.rotation * normal;
+		m_partner.withHalfSpace(hierarchy, inA, offset + dot(inA, pose.aFromB.translation), m_report.metric,
+								pose.tolerance, m_result.contacts, m_partnerStats);
 	}
 	else
 	{
-		const auto& concave = static_cast<const btConcaveShape&>(*pose.b->getCollisionShape());
-		TriangleSink sink(m_foreign, pose, m_report.metric, points, m_foreignStats);
+		TriangleSink sink(pose.scale(), m_triangles, m_names);
 		const btTransform bFromA = pose.b->getWorldTransform().inverse() * pose.a->getWorldTransform();
 		btVector3 low, high;
 		pose.shapeA->getAabb(bFromA, low, high);
 		const btScalar grow = btScalar(pose.tolerance * pose.scale());
-		concave.processAllTriangles(&sink, low - btVector3(grow, grow, grow), high + btVector3(grow, grow, grow));
+		static_cast<const btConcaveShape&>(shape).processAllTriangles(&sink, low - btVector3(grow, grow, grow),
+																	  high + btVector3(grow, grow, grow));
+		for (std::uint32_t i = 0; i < m_triangles.size(); ++i)
+		{
+			Triangle inA = m_triangles[i];
+			for (Vec3& corner : inA) corner = pose.aFromB * corner;
+			m_partner.withTriangle(hierarchy, inA, i, m_report.metric, pose.tolerance, m_result.contacts,
+								   m_partnerStats);
+		}
+		if (!m_result.contacts.empty()) m_partnerSurface.emplace(m_triangles, pose.rules.length);
 	}
-	m_result.errorBound = m_foreignStats.errorBound;
-	m_result.stats.boxTests = m_foreignStats.boxTests;
-	m_result.stats.finestLevel = m_foreignStats.nodes ? m_foreignStats.finestLevel : 0;
-	m_result.stats.coarsestLevel = m_foreignStats.coarsestLevel;
-	for (const ContactPoint& point : points)
-		m_result.minDistance = std::min(m_result.minDistance, point.height + pose.rules.margin);
+	m_result.errorBound = m_partnerStats.errorBound;
+	m_result.stats.boxTests = m_partnerStats.boxTests;
+	m_result.stats.finestLevel = m_partnerStats.nodes ? m_partnerStats.finestLevel : 0;
+	m_result.stats.coarsestLevel = m_partnerStats.coarsestLevel;
 }
 
 // A pair that was apart and is costs no more than it must: nothing is copied, and the clock not read again.
 void PairState::answer(const PairPose& pose, const Question& question)
 {
 	const Clock::time_point start = Clock::now();
-	Clock::time_point asked = start;
 	if (pose.isOfTwo())
-	{
 		ask(pose, question);
-		asked = Clock::now();
-		m_pool.start(pose.hierarchyA(), pose.hierarchyB(), pose.aFromB, m_result.contacts, pose.rules);
-	}
 	else
-		askForeign(pose);
+		askPartner(pose);
+	const Clock::time_point asked = Clock::now();
 	m_report.queryMicroseconds = microsecondsBetween(start, asked);
-	m_report.leaks = 0;
-	const bool staysEmpty = m_pool.isEmpty() && m_clusters.pointCount() == 0;
-	if (!staysEmpty) makePoints(pose);
+	const bool staysEmpty = m_result.contacts.empty() && !m_result.deep && m_clusters.pointCount() == 0;
+	if (!staysEmpty) findPoints(pose);
 	m_oldAFromB = pose.aFromB;
-	report(pose, depthKnown(pose));
+	report(pose);
 	m_report.contactMicroseconds = staysEmpty ? 0 : microsecondsSince(asked);
 	// What a budget cut short answers only under that budget: the next dispatch asks anew, with what it may cost then.
 	m_answered.reset();
 	if (!(m_result.excess > 0)) m_answered = question;
 }
 
-void PairState::makePoints(const PairPose& pose)
+void PairState::findPoints(const PairPose& pose)
 {
-	ClusterRules rules;
-	rules.length = pose.rules.length;
-	rules.margin = pose.rules.margin;
-	rules.tolerance = pose.rules.resting / pose.rules.length;
 	m_previous = m_clusters;
 	carryWithB(m_previous, pose.aFromB * inverse(m_oldAFromB));
-	m_reducer.reduce(m_pool, m_previous, rules, m_clusters);
-	if (pose.isOfTwo() && !m_pool.points().empty()) dropLeaks(pose, rules);
+	const ContactBody a = contactBody(pose.hierarchyA());
+	const ContactBody b = pose.isOfTwo()      ? contactBody(pose.hierarchyB())
+						  : m_partnerSurface ? contactBody(*m_partnerSurface)
+											 : ContactBody{};
+	m_facets.find(a, b, pose.aFromB, pose.rules, m_result.contacts, m_result.deep, m_previous);
+	m_facets.reduce(m_previous, m_clusters);
+	if (pose.isOfTwo()) return;
+	for (ContactCluster& cluster : m_clusters.slots)
+		for (int i = 0; i < cluster.count; ++i) namePartnerFace(pose, cluster.points[std::size_t(i)].point);
 }
 
-// Chosen points that turn out to be leaks are dropped and the choice made again.
-void PairState::dropLeaks(const PairPose& pose, const ClusterRules& rules)
+// Of a plane or an engine's mesh: as their owner names them.
+void PairState::namePartnerFace(const PairPose& pose, ContactPoint& point)
 {
-	m_leakCheck.start(m_result.contacts);
-	for (int round = 0; round < kLeakRounds; ++round)
-	{
-		std::uint32_t leaks = 0;
-		for (int slot = 0; slot < kMaxClusters; ++slot)
-			for (int i = 0; i < m_clusters.slots[std::size_t(slot)].count; ++i)
-			{
-				const ContactPoint& point = m_clusters.slots[std::size_t(slot)].points[std::size_t(i)].point;
-				if (!m_leakCheck.leaks(pose.hierarchyA(), pose.hierarchyB(), pose.aFromB, point, pose.rules.margin))
-					continue;
-				m_pool.drop(m_reducer.candidateOf(slot, i));
-				++leaks;
-			}
-		if (leaks == 0) return;
-		m_report.leaks += leaks;
-		m_reducer.reduce(m_pool, m_previous, rules, m_clusters);
-	}
+	m_result.minDistance = std::min(m_result.minDistance, point.height + pose.rules.margin);
+	const std::array<int, 2> name =
+		pose.partner == Partner::kPlane ? std::array<int, 2>{0, int(kNone)} : m_names[point.faceB / 2];
+	point.nodeB = std::uint32_t(name[0]);
+	point.faceB = std::uint32_t(name[1]);
 }
 
 // Every point continues the one in its place.

@@ -8,7 +8,6 @@ namespace clod
 struct PairPlan
 {
 	QueryPlan query;
-	double radius;            // of the smaller body
-	std::uint32_t spent = 0;  // tests besides those of the query
+	double radius;  // of the smaller body
 };
 }  // namespace clod

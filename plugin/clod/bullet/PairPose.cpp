@@ -59,7 +59,9 @@ void setRules(PairPose& pose, double timeStep, bool predicts, double closestPoin
 	const double scale = pose.scale();
 	rules.length = double(pose.hierarchyA().asset().radius);
 	if (pose.isOfTwo()) rules.length = std::min(rules.length, double(pose.hierarchyB().asset().radius));
-	rules.motion = relativeMotion(pose, timeStep, timeStep);
+	rules.a = pairBody(*pose.a->getCollisionObject(), pose.worldFromA, scale, timeStep);
+	rules.b = pairBody(*pose.b->getCollisionObject(), pose.worldFromA, scale, timeStep);
+	rules.timeStep = timeStep;
 	pose.seenMotion = relativeMotion(pose, 0, timeStep);
 	rules.margin = double(pose.shapeA->getMargin()) / scale;
 	if (pose.shapeB) rules.margin += double(pose.shapeB->getMargin()) / scale;
@@ -70,18 +72,18 @@ void setRules(PairPose& pose, double timeStep, bool predicts, double closestPoin
 		pose.isOfTwo() && pose.hierarchyB().asset().radius < pose.hierarchyA().asset().radius;
 	const Hierarchy& smaller = bIsSmaller ? pose.hierarchyB() : pose.hierarchyA();
 	const Vec3 center = bIsSmaller ? pose.aFromB * sphereCenter(smaller) : sphereCenter(smaller);
-	const double speed =
-		length(rules.motion.velocity(center)) + length(rules.motion.angular) * double(smaller.asset().radius);
+	const RelativeMotion relative = rules.motion();
+	const double speed = length(relative.velocity(center)) + length(relative.angular) * double(smaller.asset().radius);
 	pose.motion = speed * timeStep;
 	// A query of two hierarchies looks ahead along the motion (sweep); other shapes are met in all directions.
 	pose.tolerance = rules.margin + rules.resting;
-	if (!pose.isOfTwo()) pose.tolerance += kPredictionSlack * pose.motion;
+	if (!pose.isOfTwo()) pose.tolerance += kPathReach * pose.motion;
 }
 
 std::string whatIsNotFinite(const PairPose& pose, double timeStep)
 {
 	if (isFinite(pose.a->getWorldTransform()) && isFinite(pose.b->getWorldTransform()) && isFinite(pose.aFromB) &&
-		isFinite(pose.rules.motion))
+		isFinite(pose.rules.motion()))
 		return {};
 	for (const btCollisionObjectWrapper* body : {pose.a, pose.b})
 	{
@@ -98,8 +100,9 @@ std::string whatIsNotFinite(const PairPose& pose, double timeStep)
 
 Sweep PairPose::sweep() const
 {
-	const double ahead = -kPredictionSlack * rules.motion.timeStep;
-	return {ahead * rules.motion.linear, ahead * rules.motion.angular};
+	const RelativeMotion relative = rules.motion();
+	const double ahead = -kPathReach * rules.timeStep;
+	return {ahead * relative.linear, ahead * relative.angular};
 }
 
 double PairPose::thinnestWall() const

@@ -41,7 +41,7 @@ struct PairPose
 	const Hierarchy& hierarchyA() const { return shapeA->hierarchy(); }
 	const Hierarchy& hierarchyB() const { return shapeB->hierarchy(); }  // precondition: isOfTwo()
 	double scale() const { return shapeA->scale(); }
-	// B's motion relative to A in the step, as far ahead as speculative points may lie.
+	// B's motion relative to A in the step, as far ahead as contacts may lie.
 	Sweep sweep() const;
 	double thinnestWall() const;
 };

@@ -11,14 +11,23 @@ namespace
 constexpr Budget kSpent = {0, kOff};  // of a query whose budget somebody else has spent
 
 // Every field: one more does not compile before it is named here.
-auto fieldsOf(const PointRules& rules)
+auto fieldsOf(const PairBody& body)
 {
-	const auto& [length, resting, margin, motion] = rules;
-	const auto& [linear, angular, timeStep] = motion;
-	return std::tie(length, resting, margin, linear, angular, timeStep);
+	const auto& [inverseMass, inverseInertia, center, linear, angular, force] = body;
+	return std::tie(inverseMass, inverseInertia.row[0], inverseInertia.row[1], inverseInertia.row[2], center, linear,
+					angular, force);
+}
+bool sameRules(const PointRules& l, const PointRules& r)
+{
+	const auto fields = [](const PointRules& rules)
+	{
+		const auto& [length, resting, margin, a, b, timeStep] = rules;
+		return std::tuple_cat(std::tie(length, resting, margin, timeStep), fieldsOf(a), fieldsOf(b));
+	};
+	return fields(l) == fields(r);
 }
 
-WorldFrame worldFrame(const PairPose& pose, bool aIsFirst, double closestPoints)
+WorldFrame worldFrame(const PairPose& pose, double pushSpeed, bool aIsFirst, double closestPoints)
 {
 	WorldFrame frame;
 	frame.a = pose.a;
@@ -26,6 +35,10 @@ WorldFrame worldFrame(const PairPose& pose, bool aIsFirst, double closestPoints)
 	frame.aIsFirst = aIsFirst;
 	frame.worldFromA = pose.worldFromA;
 	frame.scale = pose.scale();
+	frame.timeStep = pose.rules.timeStep;
+	frame.margin = pose.rules.margin * frame.scale;
+	frame.length = pose.rules.length * frame.scale;
+	frame.pushSpeed = pushSpeed * frame.length;
 	frame.breakingThreshold = kBreakingShare * pose.rules.length * frame.scale + closestPoints;
 	return frame;
 }
@@ -52,7 +65,7 @@ PairState::Seen PairState::seen(const btCollisionShape& shape, const btClodShape
 
 bool PairState::same(const Question& l, const Question& r)
 {
-	return clod::same(l.aFromB, r.aFromB) && fieldsOf(l.rules) == fieldsOf(r.rules) &&
+	return clod::same(l.aFromB, r.aFromB) && sameRules(l.rules, r.rules) &&
 		   clod::same(l.settings, r.settings) && l.withGap == r.withGap;
 }
 
@@ -64,7 +77,7 @@ void PairState::noticeShapes(const PairPose& pose)
 	m_cache.clear();
 	m_clusters.clear();
 	m_answered.reset();
-	m_wasUnanswered = false;
+	m_facets.forget();
 	m_seenA = seenA;
 	m_seenB = seenB;
 }
@@ -124,11 +137,10 @@ std::optional<PairPlan> PairState::plan(const btCollisionObjectWrapper& body0, c
 	m_context.setPlanned(m_report);
 	m_hasPlan = true;
 	checkBudget();
-	searchAhead(pose);
 	ContactSettings settings = questionOf(pose).settings;
 	settings.budget = kSpent;
 	return PairPlan{QueryPlan(pose.hierarchyA(), pose.hierarchyB(), pose.aFromB, settings, m_cache.pair),
-					pose.rules.length, m_report.searchTests};
+					pose.rules.length};
 }
 
 // Has this dispatch one? What is asked by contactTest and the like is answered in full.
@@ -139,22 +151,12 @@ bool PairState::checkBudget()
 	return m_hasBudget = !m_isClosestPoints && error.empty() && m_context.budget.isLimited();
 }
 
-// A planned query has spent its part already; else a depth searched is paid for first.
-Budget PairState::chooseBudget(const PairPose& pose)
+// A planned query has spent its part already.
+Budget PairState::chooseBudget()
 {
 	const bool hasPlan = std::exchange(m_hasPlan, false);
-	if (!checkBudget())
-	{
-		m_report.searchTests = 0;
-		return {};
-	}
-	if (hasPlan) return kSpent;
-	const Clock::time_point start = Clock::now();
-	searchAhead(pose);
-	Budget share = m_context.shareOf(m_report);
-	share.tests = std::max(0.0, share.tests - m_report.searchTests);
-	share.microseconds = std::max(0.0, share.microseconds - microsecondsSince(start));
-	return share;
+	if (!checkBudget()) return {};
+	return hasPlan ? kSpent : m_context.shareOf(m_report);
 }
 
 void PairState::process(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
@@ -170,7 +172,7 @@ void PairState::process(const btCollisionObjectWrapper& body0, const btCollision
 		m_manifolds.write(m_clusters, {}, [](const ContactPoint&, std::uint32_t&, std::uint32_t&) {}, out);
 		return;
 	}
-	const WorldFrame frame = worldFrame(pose, pose.a == &body0, closestPoints);
+	const WorldFrame frame = worldFrame(pose, m_context.pushSpeed, pose.a == &body0, closestPoints);
 	const Question question = questionOf(pose);
 	const bool isAnswered =
 		pose.isOfTwo() && m_answered && !m_context.budget.isLimited() && same(*m_answered, question);

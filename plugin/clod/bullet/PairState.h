@@ -5,16 +5,17 @@
 #pragma once
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 
+#include <array>
 #include <optional>
+#include <vector>
 
 #include "clod/bullet/Manifolds.h"
 #include "clod/bullet/PairMetric.h"
 #include "clod/bullet/PairPlan.h"
 #include "clod/bullet/PairPose.h"
 #include "clod/distance/SignedGap.h"
-#include "clod/manifold/ContactClusters.h"
-#include "clod/manifold/ContactPointsForeign.h"
-#include "clod/manifold/ContactPointsSurface.h"
+#include "clod/manifold/FacetContacts.h"
+#include "clod/manifold/PartnerContacts.h"
 #include "clod/query/Clock.h"
 
 namespace clod
@@ -65,22 +66,18 @@ private:
 	Question questionOf(const PairPose& pose) const;
 	// Query.
 	void ask(const PairPose& pose, const Question& question);
-	void askForeign(const PairPose& pose);
+	void askPartner(const PairPose& pose);
 	bool checkBudget();
-	Budget chooseBudget(const PairPose& pose);
-	double searchDepth(const PairPose& pose);
-	void searchAhead(const PairPose& pose);
+	Budget chooseBudget();
 	// Points.
 	void answer(const PairPose& pose, const Question& question);
-	void makePoints(const PairPose& pose);
-	void dropLeaks(const PairPose& pose, const ClusterRules& rules);
+	void findPoints(const PairPose& pose);
+	void namePartnerFace(const PairPose& pose, ContactPoint& point);
 	void linkToThemselves();
 	void write(const PairPose& pose, const WorldFrame& frame, btManifoldResult& out);
 	// Report.
-	double depthKnown(const PairPose& pose);
-	void report(const PairPose& pose, double depth);
-	bool hasUnanswered(const PairPose& pose) const;
-	bool deeperThanPoints(double depth) const;
+	void report(const PairPose& pose);
+	bool isDeep() const;
 	double errorOfContacts(const PairPose& pose) const;
 	void forget();
 	void sayOnce(unsigned cause, const std::string& message);
@@ -99,15 +96,14 @@ private:
 	PairReport m_report;
 	unsigned m_warned = 0;
 	bool m_hasPlan = false;         // made by plan(), for the coming process()
-	bool m_wasUnanswered = false;   // hulls overlapped in the last dispatch, and no point answered
-	bool m_hasBudget = false;       // see checkBudget
-	std::optional<double> m_depth;  // searched under a budget, for this dispatch's pose
+	bool m_hasBudget = false;  // see checkBudget
+	FacetContacts m_facets;    // with the way out of a depth, besides buffers
 	// Buffers.
-	GapResult m_result, m_searched;
-	ForeignStats m_foreignStats;
-	CandidatePool m_pool;
-	ForeignClipper m_foreign;
-	LeakCheck m_leakCheck;
-	ContactReducer m_reducer;
+	GapResult m_result;
+	PartnerStats m_partnerStats;
+	PartnerContacts m_partner;
+	std::vector<Triangle> m_triangles;           // of a mesh within the tolerance, frame B,
+	std::vector<std::array<int, 2>> m_names;     // part and index of each,
+	std::optional<ContactSurface> m_partnerSurface;  // and the surface they make
 };
 }  // namespace clod

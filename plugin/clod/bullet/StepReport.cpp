@@ -18,7 +18,6 @@ void addTo(StepReport& sum, const PairReport& pair)
 	sum.candidates += pair.candidates;
 	sum.points += pair.points;
 	sum.clusters += pair.clusterCount;
-	sum.leaks += pair.leaks;
 	if (pair.result)
 	{
 		sum.nodePairs += std::uint32_t(pair.result->contacts.size());
@@ -28,7 +27,6 @@ void addTo(StepReport& sum, const PairReport& pair)
 		sum.excess = std::max(sum.excess, pair.result->excess);
 		sum.boxTests += pair.result->stats.boxTests;
 	}
-	sum.searchTests += pair.searchTests;
 	sum.queryMicroseconds += pair.queryMicroseconds;
 	sum.contactMicroseconds += pair.contactMicroseconds;
 	sum.keptPairs += pair.kept ? 1 : 0;

@@ -16,7 +16,7 @@ namespace clod
 {
 class Hierarchy;
 struct GapResult;   // distance/SignedGap.h
-struct ClusterSet;  // manifold/ContactMemory.h
+struct ClusterSet;  // manifold/ContactPoints.h
 
 // What one dispatch says of a pair. Empty where nothing could be asked.
 struct DispatchReport
@@ -31,12 +31,10 @@ struct DispatchReport
 	// (StopRule.h, certifiedErrorApart). While their hulls are apart the true gap there is within it of the hulls'
 	// distance; of a depth it says nothing. The certified gap is result's, with Context::searchGap.
 	double contactError = 0;
-	// Points that were looked at (pairs that cannot give one to choose are not clipped), and chosen; in so many
-	// manifolds; dropped as leaks.
-	std::uint32_t candidates = 0, points = 0, clusterCount = 0, leaks = 0;
+	// Contacts found, and points chosen of them, in so many manifolds.
+	std::uint32_t candidates = 0, points = 0, clusterCount = 0;
 	std::uint32_t finestLevel = 0, coarsestLevel = 0;
-	std::uint32_t searchTests = 0;   // of a depth searched, as hulls overlapped and no point answered; not in `result`
-	bool deep = false;               // penetration beyond what the contacts can prove
+	bool deep = false;  // an overlap of which the points tell no more than a way out
 	bool fast = false;               // one step moves the bodies farther than the thinnest wall
 	bool loose = false;              // contactError exceeds the thinnest wall
 	bool kept = false;               // nothing has changed: manifolds were left as the last dispatch wrote them
@@ -60,9 +58,8 @@ struct PairReport : DispatchReport
 struct CLOD_API StepReport
 {
 	std::uint32_t pairs = 0, pairsInContact = 0;
-	std::uint32_t nodePairs = 0, candidates = 0, points = 0, clusters = 0, leaks = 0;
+	std::uint32_t nodePairs = 0, candidates = 0, points = 0, clusters = 0;
 	std::uint32_t front = 0, hullTests = 0, boxTests = 0;
-	std::uint32_t searchTests = 0;  // besides, see PairReport
 	std::uint32_t pending = 0;      // node pairs that answered coarser than asked, for want of budget
 	double excess = 0;              // by which factor the worst of them exceeds its metric
 	std::uint32_t keptPairs = 0, deepPairs = 0, fastPairs = 0, loosePairs = 0;

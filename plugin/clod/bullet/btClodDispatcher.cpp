@@ -148,7 +148,7 @@ std::uint64_t btClodDispatcher::refine(const clod::Budget& budget, double alread
 	for (std::uint32_t i = 0; i < m_step->planned.size(); ++i)
 	{
 		const clod::PairPlan& plan = m_step->planned[i].plan;
-		committed += plan.spent + plan.query.committed();
+		committed += plan.query.committed();
 		answers += plan.query.answers();
 		if (plan.query.excess() > 0) m_step->queue.push_back(i);
 	}

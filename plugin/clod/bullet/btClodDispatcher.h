@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // A collision dispatcher that spends Context::budget over a whole step: every pair of btClodShapes is first brought to
 // its coarsest valid answer, then one queue over all pairs refines where the metric is exceeded by the largest factor,
-// then Bullet's dispatch makes the contacts. A budget of tests is never exceeded, unless the coarsest answers, and the
-// depths that have to be searched (PairReport::searchTests), alone cost more, and gives the same contacts every time; a
+// then Bullet's dispatch makes the contacts. A budget of tests is never exceeded, unless the coarsest answers
+// alone cost more, and gives the same contacts every time; a
 // budget of time is compared with a clock, see Query.h, and steps that fit in without being refined are not
 // (WholeStep.h). Without a budget it is a btCollisionDispatcher.
 //

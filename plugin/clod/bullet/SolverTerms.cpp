@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Zlib
+#include "clod/bullet/SolverTerms.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "clod/bullet/BodyState.h"
+#include "clod/bullet/Manifolds.h"
+#include "clod/manifold/PairSolve.h"
+
+namespace clod
+{
+namespace
+{
+constexpr double kDepthStep = 1.0 / 240;  // s: a step in which kDepthShare of a depth is taken back; as much a second
+										  // in longer ones,
+constexpr double kMostDepthShare = 0.6;   // but no more than this
+
+// A rebound of e v, whatever share of the step is left when the bodies touch, and with what pulls them together in the
+// step: speed is what they close with now, `pull` what they gain a second, distance what they have to go.
+double restitutionOf(double e, double speed, double pull, double distance, double dt)
+{
+	if (!(e > 0 && speed > 0)) return e;
+	const double d = std::max(0.0, distance);
+	const double later = e * e * (speed * speed + 2 * pull * d + pull * speed * dt) - 2 * pull * d;
+	const double inside = 0.25 * pull * pull * dt * dt + later;
+	const double rebound = inside > 0 ? -0.5 * pull * dt + std::sqrt(inside) : 0;
+	return std::max(0.0, (rebound + d / dt) / speed);
+}
+
+void setRestitution(const WorldFrame& frame, double row, btManifoldPoint& point)
+{
+	if (!(point.m_combinedRestitution > 0)) return;
+	const btCollisionObject *first = (frame.aIsFirst ? frame.a : frame.b)->getCollisionObject(),
+							*second = (frame.aIsFirst ? frame.b : frame.a)->getCollisionObject();
+	const Vec3 normal = toVec3(point.m_normalWorldOnB), onA = toVec3(point.m_positionWorldOnA),
+			   onB = toVec3(point.m_positionWorldOnB);
+	const auto closing = [&](double dt)
+	{ return -dot(normal, worldMotion(*first, dt).velocity(onA) - worldMotion(*second, dt).velocity(onB)); };
+	const double now = closing(0), then = closing(frame.timeStep);
+	const double e = double(point.m_combinedRestitution);
+	const bool isMet = then * frame.timeStep >= row;
+	point.m_combinedRestitution =
+		btScalar(isMet ? restitutionOf(e, now, (then - now) / frame.timeStep, row, frame.timeStep) : 0);
+}
+
+void setErp(double erp, btManifoldPoint& point)
+{
+	point.m_contactPointFlags |= BT_CONTACT_FLAG_HAS_CONTACT_ERP;
+	point.m_contactERP = btScalar(erp);
+}
+}  // namespace
+
+void setSolverTerms(const ContactPoint& point, const WorldFrame& frame, btManifoldPoint& written)
+{
+	const double dt = frame.timeStep, height = point.height * frame.scale, bend = point.bend * frame.scale;
+	if (!(dt > 0)) return;
+	const double row = velocityRow(height, bend);
+	const bool isDepth = height < 0 && !(bend < 0 && height > -frame.margin);
+	if (isDepth)
+	{
+		// As much a second whatever the step.
+		const double share = std::min(kMostDepthShare, 1 - std::pow(1 - kDepthShare, dt / kDepthStep));
+		written.m_distance1 = btScalar(height);
+		setErp(std::min(std::max(kDepthShare, share), frame.pushSpeed * dt / -height), written);
+	}
+	else if (row >= 0)
+		written.m_distance1 = btScalar(row);
+	else
+	{
+		written.m_distance1 = btScalar(-kTokenOverlap);
+		setErp(-row / kTokenOverlap, written);
+	}
+	setRestitution(frame, row, written);
+}
+}  // namespace clod

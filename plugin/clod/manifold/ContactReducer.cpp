@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Zlib
+#include "clod/manifold/ContactReducer.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace clod
+{
+namespace
+{
+constexpr double kMatchShare = 0.004;    // of the length: how far a point may move in a step and be the same
+constexpr double kMatchCosine = 0.866;   // 30 degrees
+constexpr double kMatchNormal = 0.05;    // of the length, a unit of change of normal counts for
+constexpr double kSpacing = 0.02;        // points nearer than so, of the length, add nothing,
+constexpr double kCarrySpacing = 0.002;  // if they carry,
+constexpr double kNormalCounts = 0.25;   // where a unit of normal counts as so much
+}  // namespace
+
+void ContactReducer::reduce(const std::vector<Facet>& facets, const std::vector<ContactPoint>& points,
+						  const ClusterSet& previous, double length, ClusterSet& next)
+{
+	m_facets = &facets;
+	m_points = &points;
+	m_length = length;
+	m_candidates.assign(facets.size(), Candidate{});
+	match(previous);
+	choose();
+	place(next);
+}
+
+void ContactReducer::match(const ClusterSet& previous)
+{
+	m_links.clear();
+	const double limit = kMatchShare * m_length;
+	for (std::uint32_t old = 0; old < kMostPoints; ++old)
+	{
+		const ContactCluster& cluster = previous.slots[old / kClusterPoints];
+		if (int(old % kClusterPoints) >= cluster.count) continue;
+		const ClusterPoint& point = cluster.points[old % kClusterPoints];
+		for (std::uint32_t i = 0; i < m_candidates.size(); ++i)
+		{
+			const ContactPoint& now = (*m_points)[i];
+			if (now.feature == point.point.feature)
+			{
+				m_links.push_back({-1, old, i});
+				continue;
+			}
+			const double place = std::min(lengthSquared(now.pointOnA - point.point.pointOnA),
+										  lengthSquared(now.pointOnA - point.placeWithB));
+			if (place > limit * limit) continue;
+			const double cosine = std::max(dot(now.normal, point.point.normal), dot(now.normal, point.normalWithB));
+			if (cosine < kMatchCosine) continue;
+			m_links.push_back({place + (2 - 2 * cosine) * kMatchNormal * kMatchNormal * m_length * m_length, old, i});
+		}
+	}
+	std::sort(m_links.begin(), m_links.end(),
+			  [](const Link& l, const Link& r)
+			  {
+				  if (l.squared != r.squared) return l.squared < r.squared;
+				  return l.old != r.old ? l.old < r.old : l.candidate < r.candidate;
+			  });
+	std::array<bool, kMostPoints> isLinked{};
+	for (const Link& link : m_links)
+	{
+		Candidate& candidate = m_candidates[link.candidate];
+		if (isLinked[link.old] || candidate.previous != kNone) continue;
+		isLinked[link.old] = true;
+		candidate.previous = link.old;
+		const double impulse = previous.slots[link.old / kClusterPoints].points[link.old % kClusterPoints].impulse;
+		candidate.weight = std::max(candidate.weight, impulse);
+	}
+	for (std::uint32_t i = 0; i < m_candidates.size(); ++i)
+		m_candidates[i].weight = std::max(m_candidates[i].weight, (*m_facets)[i].multiplier);
+}
+
+// By place and normal, as a share of the length.
+double ContactReducer::distanceBetween(std::uint32_t i, std::uint32_t j) const
+{
+	const ContactPoint &a = (*m_points)[i], &b = (*m_points)[j];
+	return std::sqrt(lengthSquared(a.pointOnA - b.pointOnA)) / m_length +
+		   kNormalCounts * std::sqrt(lengthSquared(a.normal - b.normal));
+}
+
+void ContactReducer::take(std::uint32_t i)
+{
+	m_candidates[i].isChosen = true;
+	m_chosen.push_back(i);
+	for (std::uint32_t j = 0; j < m_candidates.size(); ++j)
+		m_candidates[j].apart = std::min(m_candidates[j].apart, distanceBetween(i, j));
+}
+
+void ContactReducer::choose()
+{
+	m_chosen.clear();
+	m_order.clear();
+	for (std::uint32_t i = 0; i < m_candidates.size(); ++i)
+	{
+		m_candidates[i].apart = std::numeric_limits<double>::infinity();
+		if (m_candidates[i].weight > 0) m_order.push_back(i);
+	}
+	std::sort(m_order.begin(), m_order.end(),
+			  [&](std::uint32_t i, std::uint32_t j)
+			  {
+				  return m_candidates[i].weight != m_candidates[j].weight
+							 ? m_candidates[i].weight > m_candidates[j].weight
+							 : i < j;
+			  });
+	for (const std::uint32_t i : m_order)
+		if (m_chosen.size() < kMostPoints && m_candidates[i].apart >= kCarrySpacing) take(i);
+	// Lowest first where nothing is chosen yet.
+	const auto lowest = [&](std::uint32_t i) { return std::min((*m_facets)[i].distance, (*m_facets)[i].then); };
+	while (m_chosen.size() < kMostPoints)
+	{
+		std::uint32_t best = kNone;
+		for (std::uint32_t i = 0; i < m_candidates.size(); ++i)
+		{
+			if (m_candidates[i].isChosen || m_candidates[i].apart < kSpacing) continue;
+			if (best == kNone || m_candidates[i].apart > m_candidates[best].apart ||
+				(m_candidates[i].apart == m_candidates[best].apart &&
+				 lowest(i) < lowest(best)))
+				best = i;
+		}
+		if (best == kNone) return;
+		take(best);
+	}
+}
+
+// Those that go on stay in their group; others fill what is free.
+void ContactReducer::place(ClusterSet& next) const
+{
+	next.clear();
+	const auto put = [&](std::uint32_t i, std::size_t slot)
+	{
+		ContactCluster& cluster = next.slots[slot];
+		ClusterPoint& point = cluster.points[std::size_t(cluster.count++)];
+		point.point = (*m_points)[i];
+		point.previous = m_candidates[i].previous;
+		point.impulse = 0;
+	};
+	for (const std::uint32_t i : m_chosen)
+		if (m_candidates[i].previous != kNone) put(i, m_candidates[i].previous / kClusterPoints);
+	std::size_t slot = 0;
+	for (const std::uint32_t i : m_chosen)
+	{
+		if (m_candidates[i].previous != kNone) continue;
+		while (next.slots[slot].count == kClusterPoints) ++slot;
+		put(i, slot);
+	}
+}
+}  // namespace clod

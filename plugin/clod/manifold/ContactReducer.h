@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Zlib
+// From facets to the few points that a solver gets, in groups of at most four: those that carry by the pair's own solve
+// and those that carried in the step before come first, then what is farthest from all chosen. A point goes on as the
+// one of the same two features, or the nearest; it keeps its group.
+#pragma once
+#include <array>
+#include <vector>
+
+#include "clod/manifold/FacetFinder.h"
+#include "clod/manifold/ContactPoints.h"
+
+namespace clod
+{
+class ContactReducer
+{
+public:
+	// points: one a facet, in their order. previous: with placeWithB (carryWithB), and impulses.
+	void reduce(const std::vector<Facet>& facets, const std::vector<ContactPoint>& points, const ClusterSet& previous,
+				double length, ClusterSet& next);
+
+private:
+	static constexpr std::uint32_t kMostPoints = kMaxClusters * kClusterPoints;
+	struct Candidate
+	{
+		std::uint32_t previous = kNone;
+		double weight = 0;  // > 0: carries or carried
+		double apart = 0;   // from all chosen; see distanceBetween
+		bool isChosen = false;
+	};
+	void match(const ClusterSet& previous);
+	void choose();
+	void take(std::uint32_t i);
+	void place(ClusterSet& next) const;
+	double distanceBetween(std::uint32_t i, std::uint32_t j) const;
+
+	const std::vector<Facet>* m_facets = nullptr;
+	const std::vector<ContactPoint>* m_points = nullptr;
+	double m_length = 1;
+	std::vector<Candidate> m_candidates;
+	std::vector<std::uint32_t> m_chosen, m_order;
+	struct Link
+	{
+		double squared;
+		std::uint32_t old, candidate;
+	};
+	std::vector<Link> m_links;
+};
+}  // namespace clod

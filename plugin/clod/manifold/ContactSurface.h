@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Zlib
+// A surface as contacts see it: a mesh with everything that contact facets ask of it: convex edges with both polygon
+// normals, vertices with the edges that leave them, and a tree for the nearest face. Edges between coplanar triangles are
+// no features, reflex edges are touched by vertices only.
+//
+// A level of detail is closed. A sheet, which an engine's own mesh is, has two sides: each triangle is there twice, back
+// to back, and borders are edges folded by half a turn; so it is closed, too, and has no inside. A half space is one
+// face without end.
+//
+// Frame and unit: the body's, of a hierarchy. Immutable once made.
+#pragma once
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "clod/hierarchy/Hierarchy.h"
+
+namespace clod
+{
+struct SurfaceFace
+{
+	std::array<std::uint32_t, 3> vertex;     // counter-clockwise from outside
+	std::array<std::uint32_t, 3> neighbour;  // across edge (vertex[i], vertex[i + 1])
+	std::uint32_t polygon;                   // faces of one plane that hang together have the same
+	Vec3 normal;                             // unit, outward
+	double offset;                           // of its plane
+};
+
+// A convex edge. Unit vectors.
+struct SurfaceEdge
+{
+	std::array<std::uint32_t, 2> vertex, face;
+	Vec3 direction;               // from vertex[0] to vertex[1]
+	double length;
+	std::array<Vec3, 2> normal;   // of the faces
+	std::array<Vec3, 2> inward;   // in the faces, away from the edge
+};
+
+class ContactSurface
+{
+public:
+	struct Nearest
+	{
+		double distance = 0;  // negative inside
+		std::uint32_t face = kNone;
+		Vec3 point, normal;  // the pseudonormal there, unit
+	};
+
+	// A level's: made of its nodes' faces.
+	ContactSurface(const Hierarchy& hierarchy, std::uint32_t level);
+	// A sheet: one node a triangle, whose faces are the triangle and its back. size: tolerances are shares of it.
+	// Triangles that share two corners to the bit are neighbours.
+	ContactSurface(const std::vector<Triangle>& triangles, double size);
+	// A half space, normal . p <= offset, as seen within `size` of a point: one node, one face.
+	ContactSurface(const Vec3& normal, double offset, const Vec3& near, double size);
+
+	const std::vector<Vec3>& vertices() const { return m_vertices; }
+	const std::vector<SurfaceFace>& faces() const { return m_faces; }
+	const std::vector<SurfaceEdge>& edges() const { return m_edges; }
+	// Unit vectors along all edges that leave a vertex.
+	Span<Vec3> fan(std::uint32_t vertex) const
+	{
+		return {m_fans.data() + m_firstFan[vertex], m_firstFan[vertex + 1] - m_firstFan[vertex]};
+	}
+	// Unit; out of the solid.
+	const Vec3& pseudonormal(std::uint32_t vertex) const { return m_pseudonormals[vertex]; }
+	// Inside a polygon, or on a reflex edge's side only: no half-space holds its edges. It touches nothing first.
+	bool isCorner(std::uint32_t vertex) const { return m_isCorner[vertex] != 0; }
+	// One that has it.
+	std::uint32_t faceOfVertex(std::uint32_t vertex) const { return m_faceOfVertex[vertex]; }
+	bool isClosed() const { return m_kind == Kind::kClosed; }
+	bool isHalfSpace() const { return m_kind == Kind::kHalfSpace; }
+	// Of a node of this level: vertices and convex edges of its faces, and the faces (first, count).
+	Span<std::uint32_t> verticesOf(std::uint32_t node) const { return of(m_nodeVertices, m_firstVertexOf, node); }
+	Span<std::uint32_t> edgesOf(std::uint32_t node) const { return of(m_nodeEdges, m_firstEdgeOf, node); }
+	std::uint32_t firstFaceOf(std::uint32_t node) const { return m_firstFaceOf[node - m_firstNode]; }
+	std::uint32_t faceCountOf(std::uint32_t node) const
+	{
+		return m_firstFaceOf[node - m_firstNode + 1] - m_firstFaceOf[node - m_firstNode];
+	}
+
+	// Squared distance of a point's foot on a face's plane from the face.
+	double squaredBeside(std::uint32_t face, const Vec3& point) const;
+	// Distance of a point to the surface, negative inside; what is farther than `within` is not looked for (face kNone).
+	Nearest nearest(const Vec3& point, double within) const;
+	bool isInside(const Vec3& point) const;
+
+private:
+	enum class Kind
+	{
+		kClosed,
+		kSheet,
+		kHalfSpace
+	};
+	struct TreeBox
+	{
+		Vec3 low, high;
+		std::uint32_t first, count;  // faces in m_order; count 0: the two boxes from `first`
+	};
+	Span<std::uint32_t> of(const std::vector<std::uint32_t>& list, const std::vector<std::uint32_t>& first,
+						   std::uint32_t node) const
+	{
+		const std::uint32_t i = node - m_firstNode;
+		return {list.data() + first[i], first[i + 1] - first[i]};
+	}
+	void finish(double size, const std::vector<std::uint32_t>& firstFaceOfNode);
+	void weld(const Hierarchy& hierarchy, const Level& level);
+	void weld(const std::vector<Triangle>& triangles);
+	void joinSides();
+	void mergePolygons(double radius);
+	bool isBorderCorner(const SurfaceFace& face, std::size_t corner) const;
+	void findFans();
+	void findEdges();
+	void listNodes(const std::vector<std::uint32_t>& firstFaceOfNode);
+	void buildTree();
+	void split(std::uint32_t box, std::uint32_t first, std::uint32_t count);
+	Vec3 pseudonormalAt(std::uint32_t face, int feature) const;
+
+	std::vector<Vec3> m_vertices, m_pseudonormals, m_fans;
+	std::vector<std::uint32_t> m_firstFan, m_faceOfVertex;
+	std::vector<char> m_isCorner;
+	std::vector<SurfaceFace> m_faces;
+	std::vector<SurfaceEdge> m_edges;
+	Kind m_kind = Kind::kClosed;
+	std::uint32_t m_firstNode = 0;  // of the level, in the hierarchy
+	std::vector<std::uint32_t> m_nodeVertices, m_firstVertexOf, m_nodeEdges, m_firstEdgeOf, m_firstFaceOf;
+	std::vector<TreeBox> m_boxes;
+	std::vector<std::uint32_t> m_order;
+};
+
+// All levels of a hierarchy, each made when first asked for. Kept with it (Hierarchy::derived).
+class ContactSurfaces
+{
+public:
+	explicit ContactSurfaces(const Hierarchy& hierarchy);
+	~ContactSurfaces();
+	// May be called by several threads.
+	const ContactSurface& level(std::uint32_t level) const
+	{
+		const ContactSurface* made = m_made[level].load(std::memory_order_acquire);
+		return made ? *made : make(level);
+	}
+
+private:
+	const ContactSurface& make(std::uint32_t level) const;
+	const Hierarchy& m_hierarchy;
+	mutable std::mutex m_making;
+	std::unique_ptr<std::atomic<const ContactSurface*>[]> m_made;
+};
+}  // namespace clod

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Zlib
+#include "clod/manifold/DeepOverlap.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace clod
+{
+namespace
+{
+constexpr double kLeastDepth = 1e-3;   // of the length: less is the facets' business
+constexpr double kAgreement = 0.3;     // of the mean way's length in that of all ways, from which it is one
+constexpr std::size_t kMostProbed = 64;
+constexpr std::size_t kMostWays = 64;
+
+// How far A goes along the direction until the hulls of the two surfaces are apart.
+double hullDepth(const ContactSurface& a, const ContactSurface& b, const Transform& aFromB, const Vec3& direction)
+{
+	double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+	for (const Vec3& v : a.vertices()) lowest = std::min(lowest, dot(v, direction));
+	const Vec3 there = transposed(aFromB.rotation) * direction;
+	for (const Vec3& v : b.vertices()) highest = std::max(highest, dot(v, there));
+	return highest + dot(aFromB.translation, direction) - lowest;
+}
+}  // namespace
+
+// Corners and middles of a node's faces, inside the other body.
+void DeepOverlap::probe(const FacetQuestion& q, const Contact& contact, bool ofA)
+{
+	const std::uint32_t node = ofA ? contact.nodeA : contact.nodeB;
+	const ContactSurface& own = ofA ? q.a.surface(q.a.levelOf(contact.nodeA))
+									: q.b.surface(q.b.levelOf(contact.nodeB));
+	const ContactSurface& other = ofA ? q.b.surface(q.b.levelOf(contact.nodeB))
+									  : q.a.surface(q.a.levelOf(contact.nodeA));
+	const Transform bFromA = inverse(q.aFromB);
+	const auto look = [&](const Vec3& place)
+	{
+		const Vec3 there = ofA ? bFromA * place : q.aFromB * place;
+		const ContactSurface::Nearest near = other.nearest(there, std::numeric_limits<double>::infinity());
+		if (near.distance > -kLeastDepth * q.length()) return;
+		const Vec3 way = near.point - there;
+		m_inside.push_back({ofA ? place : there, ofA ? q.aFromB.rotation * way : -way});
+	};
+	const std::uint32_t first = own.firstFaceOf(node);
+	for (std::uint32_t f = first; f < first + own.faceCountOf(node); ++f)
+	{
+		const std::array<std::uint32_t, 3>& v = own.faces()[f].vertex;
+		const Vec3 corner[3] = {own.vertices()[v[0]], own.vertices()[v[1]], own.vertices()[v[2]]};
+		look((1.0 / 3) * (corner[0] + corner[1] + corner[2]));
+		for (std::size_t i = 0; i < 3; ++i)
+		{
+			look(corner[i]);
+			look(0.5 * (corner[i] + corner[(i + 1) % 3]));
+		}
+	}
+}
+
+Vec3 DeepOverlap::wayOut(const FacetQuestion& q, const std::vector<Contact>& contacts, const Vec3& kept) const
+{
+	if (kept != Vec3{}) return kept;
+	Vec3 sum;
+	double all = 0;
+	for (const Inside& inside : m_inside)
+	{
+		sum += inside.way;
+		all += length(inside.way);
+	}
+	const ContactSurface& a = q.a.surface(q.a.levelOf(contacts[0].nodeA));
+	const ContactSurface& b = q.b.surface(q.b.levelOf(contacts[0].nodeB));
+	Vec3 best = normalized(sum);
+	double least = length(sum) >= kAgreement * all ? hullDepth(a, b, q.aFromB, best) : std::numeric_limits<double>::infinity();
+	std::size_t tried = 0;
+	for (const Contact& contact : contacts)
+		for (const bool ofA : {true, false})
+		{
+			if (++tried > kMostWays) break;
+			const Vec3 mean = ofA ? -q.a.meanNormalOf(contact.nodeA)
+								  : q.aFromB.rotation * q.b.meanNormalOf(contact.nodeB);
+			if (mean == Vec3{}) continue;
+			const double depth = hullDepth(a, b, q.aFromB, mean);
+			if (depth >= 0.95 * least) continue;
+			least = depth;
+			best = mean;
+		}
+	return best;
+}
+
+std::optional<DeepAnswer> DeepOverlap::find(const FacetQuestion& q, const std::vector<Contact>& contacts,
+											const Vec3& kept)
+{
+	m_inside.clear();
+	if (!(q.b.hierarchy != nullptr)) return {};  // a half space's facets tell of any depth, and a sheet has no inside
+	std::size_t probed = 0;
+	for (const Contact& contact : contacts)
+	{
+		if (contact.upper > 0 || probed++ == kMostProbed) continue;
+		probe(q, contact, true);
+		probe(q, contact, false);
+	}
+	if (m_inside.empty()) return {};
+	DeepAnswer answer;
+	answer.normal = wayOut(q, contacts, kept);
+	if (answer.normal == Vec3{}) return {};
+	for (const Inside& inside : m_inside)
+	{
+		answer.depth = std::max(answer.depth, length(inside.way));
+		answer.point += (1.0 / double(m_inside.size())) * inside.point;
+	}
+	answer.nodeA = contacts[0].nodeA;
+	answer.nodeB = contacts[0].nodeB;
+	return answer;
+}
+}  // namespace clod

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Zlib
+// Contacts as facets of the Minkowski difference: two polyhedral surfaces touch where the origin reaches its boundary,
+// and that boundary is made of a vertex of one body over a face of the other, and of two crossing edges. A facet is one
+// constraint: points on both bodies, the normal, the signed distance.
+//
+// Everything in body A's frame, normals from B to A, distances without margins unless named height. Unit: the
+// hierarchies' own.
+//
+// Based on: Gregorius, The separating axis test between convex polyhedra, GDC 2013 (arcs); Mirtich, V-Clip, 1998
+// (Voronoi regions). Departs from Otaduy & Lin 2003, sec. 5: witness points of hull pairs make ghost forces at patch
+// borders in an engine that keeps bodies in touch.
+#pragma once
+#include <cstdint>
+#include <limits>
+
+#include "clod/manifold/ContactPoints.h"
+#include "clod/manifold/ContactSurface.h"
+
+namespace clod
+{
+struct Facet
+{
+	enum class Kind : std::uint8_t
+	{
+		kVertexFace,  // of A, of B
+		kFaceVertex,
+		kEdgeEdge,
+		kDeep  // no facet, but a way out (DeepOverlap.h)
+	};
+	enum class Reach : std::uint8_t
+	{
+		kNear,
+		kPath,
+		kOverlap,
+		kPossible  // none of these by the motion predicted, but by what contacts may make of it
+	};
+	Kind kind;
+	Reach reach;
+	std::uint32_t levelA, levelB, nodeA, nodeB;
+	std::uint32_t featureA, featureB;  // vertex, edge, or polygon of the level's surface
+	std::uint32_t faceA, faceB;        // of the level's surface, one that has the feature
+	Vec3 onA, onB, normal;
+	double distance;        // now
+	double then;            // at the end of the step if nothing intervened, of the same facet
+	double linear;          // what the motion closes by, to first order: negative closes
+	double multiplier = 0;  // of the pair's own solve, an impulse
+	double curvature() const { return then - distance - linear; }  // what the first order misses
+};
+
+// A body of a pair: the surfaces of a hierarchy's levels, or the one surface of what has none.
+struct ContactBody
+{
+	const Hierarchy* hierarchy = nullptr;
+	const ContactSurfaces* levels = nullptr;  // the hierarchy's
+	const ContactSurface* only = nullptr;
+	const ContactSurface& surface(std::uint32_t level) const { return only ? *only : levels->level(level); }
+	std::uint32_t levelOf(std::uint32_t node) const { return only ? 0 : hierarchy->node(node).level; }
+	// How far beneath its faces what is inside a node's hull may be.
+	double thicknessOf(std::uint32_t node) const
+	{
+		return only ? std::numeric_limits<double>::infinity() : double(hierarchy->node(node).thickness);
+	}
+	// Of a node's faces; zero where there is none.
+	Vec3 meanNormalOf(std::uint32_t node) const
+	{
+		return only ? only->faces()[only->firstFaceOf(node)].normal : toVec3(hierarchy->node(node).meanNormal);
+	}
+	// Index of a surface's face among all of the body's.
+	std::uint32_t globalFace(std::uint32_t level, std::uint32_t face) const
+	{
+		return only ? face : hierarchy->levels()[level].firstFace + face;
+	}
+};
+inline ContactBody contactBody(const Hierarchy& hierarchy)
+{
+	return {&hierarchy, &hierarchy.derived<ContactSurfaces>(), nullptr};
+}
+inline ContactBody contactBody(const ContactSurface& surface)
+{
+	return {nullptr, nullptr, &surface};
+}
+
+// What is asked of a pair in a step.
+struct FacetQuestion
+{
+	ContactBody a, b;
+	Transform aFromB, aFromBThen;  // now, and at the end of the step if nothing intervened
+	PointRules rules;
+	double length() const { return rules.length; }
+	double touching() const { return rules.margin + rules.resting; }  // contacts up to here, whatever the motion
+};
+
+inline constexpr double kFootShare = 1e-3;      // of the length: how far off its facet a foot may be
+inline constexpr double kDeepFootShare = 1e-2;  // and at most where bodies overlap
+inline constexpr double kPathSlack = 0.02;      // of the displacement: how far off a facet a chord may pass
+inline constexpr double kArcSlack = 0.01;       // radians: of cones and arcs
+inline constexpr double kInnerShare = 1e-4;     // of the length: overlaps below twice this are touch
+inline constexpr double kParallelSine = 1e-3;   // edges that cross at less have no normal of their own
+
+// Where two lines are nearest, as lengths along them. Precondition: not parallel.
+struct LinesCrossing
+{
+	double alongA, alongB;
+};
+inline LinesCrossing crossingOf(const Vec3& startA, const Vec3& directionA, const Vec3& startB, const Vec3& directionB)
+{
+	const Vec3 between = startA - startB;
+	const double cosine = dot(directionA, directionB), a = dot(directionA, between), b = dot(directionB, between);
+	const double sineSquared = 1 - cosine * cosine;
+	return {(cosine * b - a) / sineSquared, (b - cosine * a) / sineSquared};
+}
+}  // namespace clod

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: Zlib
+#include "clod/manifold/FacetChoice.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace clod
+{
+namespace
+{
+constexpr double kSatisfied = 0.02;       // of its depth: what a facet may lack and is satisfied
+constexpr double kSatisfiedShare = 1e-6;  // of the length, likewise
+constexpr double kBeyond = 1.05;          // times the least shift is where overlaps are looked for again
+constexpr double kSamePlace = 2e-3;       // of the length
+constexpr double kSameNormal = 0.99995;   // cosine: of one polygon's facets, and of polygons all but in one plane
+
+// A point deep inside the wedge of four half-spaces through two points: where the smallest distance to them is large.
+Vec3 deepPoint(const Vec3 (&normal)[4], const double (&offset)[4], const Vec3& start, double size)
+{
+	Vec3 point = start;
+	double step = 0.5 * size;
+	for (int round = 0; round < 24; ++round)
+	{
+		int worst = 0;
+		double highest = -1e300;
+		for (int i = 0; i < 4; ++i)
+		{
+			const double out = dot(normal[i], point) - offset[i];
+			if (out > highest)
+			{
+				highest = out;
+				worst = i;
+			}
+		}
+		point -= step * normal[worst];
+		step *= 0.85;
+	}
+	return point;
+}
+}  // namespace
+
+void FacetChoice::choose(const FacetQuestion& question, std::vector<Facet>& facets)
+{
+	m_question = &question;
+	dropInner(facets);
+	dropRidges(facets);
+}
+
+// Inside both bodies where the facet's overlap is real; frame A.
+Vec3 FacetChoice::overlapPoint(const Facet& facet) const
+{
+	const FacetQuestion& q = *m_question;
+	const double inner = std::min(kInnerShare * q.length(), 0.5 * std::abs(facet.distance));
+	if (facet.kind == Facet::Kind::kVertexFace)
+		return facet.onA - inner * q.a.surface(facet.levelA).pseudonormal(facet.featureA);
+	if (facet.kind == Facet::Kind::kFaceVertex)
+		return facet.onB -
+			   inner * (q.aFromB.rotation * q.b.surface(facet.levelB).pseudonormal(facet.featureB));
+	const SurfaceEdge& a = q.a.surface(facet.levelA).edges()[facet.featureA];
+	const SurfaceEdge& b = q.b.surface(facet.levelB).edges()[facet.featureB];
+	const Vec3 normal[4] = {a.normal[0], a.normal[1], q.aFromB.rotation * b.normal[0],
+							q.aFromB.rotation * b.normal[1]};
+	const double offset[4] = {dot(normal[0], facet.onA), dot(normal[1], facet.onA), dot(normal[2], facet.onB),
+							  dot(normal[3], facet.onB)};
+	return deepPoint(normal, offset, 0.5 * (facet.onA + facet.onB), std::abs(facet.distance));
+}
+
+// With A moved by the shift.
+bool FacetChoice::overlapsAt(const Facet& facet, const Vec3& shift) const
+{
+	const FacetQuestion& q = *m_question;
+	// The point goes with the body whose vertex it is.
+	const bool goesWithA = facet.kind == Facet::Kind::kVertexFace;
+	Vec3 onA = overlapPoint(facet);
+	Vec3 onB = onA;
+	if (goesWithA)
+		onB += shift;
+	else
+		onA -= shift;
+	const ContactSurface& b = q.b.surface(facet.levelB);
+	if (!b.isClosed() && !b.isHalfSpace())
+	{
+		// A sheet has no inside: it is crossed where its own point lies inside A.
+		const Vec3 moved = facet.onB - shift - 2 * kInnerShare * q.length() * facet.normal;
+		return q.a.surface(facet.levelA).isInside(facet.kind == Facet::Kind::kVertexFace ? moved : facet.onB - shift);
+	}
+	const bool isInB = b.isInside(inverse(q.aFromB) * onB);
+	if (facet.kind == Facet::Kind::kVertexFace) return isInB;
+	const bool isInA = q.a.surface(facet.levelA).isInside(onA);
+	return facet.kind == Facet::Kind::kFaceVertex ? isInA : isInA && isInB;
+}
+
+// The shortest x with normal . x + distance >= 0 for all planes (Hildreth's row action).
+Vec3 FacetChoice::leastShift() const
+{
+	Vec3 shift;
+	for (Plane& plane : m_planes) plane.multiplier = 0;
+	for (int round = 0; round < 50; ++round)
+	{
+		double change = 0;
+		for (Plane& plane : m_planes)
+		{
+			const double lacking = -(dot(plane.normal, shift) + plane.distance);
+			const double old = plane.multiplier;
+			plane.multiplier = std::max(0.0, old + lacking);
+			shift += (plane.multiplier - old) * plane.normal;
+			change = std::max(change, std::abs(plane.multiplier - old));
+		}
+		if (change < 1e-9 * m_question->length()) break;
+	}
+	return shift;
+}
+
+// Overlapping ones, shallowest first.
+void FacetChoice::dropInner(std::vector<Facet>& facets)
+{
+	m_order.clear();
+	m_isKept.assign(facets.size(), 1);
+	for (std::uint32_t i = 0; i < facets.size(); ++i)
+	{
+		if (facets[i].reach != Facet::Reach::kOverlap) continue;
+		m_isKept[i] = overlapsAt(facets[i], Vec3{}) ? 1 : 0;
+		if (m_isKept[i]) m_order.push_back(i);
+	}
+	std::sort(m_order.begin(), m_order.end(),
+			  [&](std::uint32_t i, std::uint32_t j)
+			  {
+				  return facets[i].distance != facets[j].distance ? facets[i].distance > facets[j].distance : i < j;
+			  });
+	m_planes.clear();
+	for (const Facet& facet : facets)
+		if (facet.reach != Facet::Reach::kOverlap && facet.distance < 0)
+			m_planes.push_back({facet.normal, facet.distance, 0});
+	Vec3 shift = m_planes.empty() || m_order.empty() ? Vec3{} : leastShift();
+	for (const std::uint32_t i : m_order)
+	{
+		const Facet& facet = facets[i];
+		const double lacking = -(dot(facet.normal, shift) + facet.distance);
+		if (lacking <= kSatisfied * -facet.distance + kSatisfiedShare * m_question->length()) continue;
+		const double far = length(shift);
+		if (!m_planes.empty() &&
+			!overlapsAt(facet, (kBeyond + (far > 0 ? kInnerShare * m_question->length() / far : 0)) * shift))
+		{
+			m_isKept[i] = 0;
+			continue;
+		}
+		m_planes.push_back({facet.normal, facet.distance, 0});
+		const Vec3 longer = leastShift();
+		// What cannot be left with the others holds, but is not asked for again.
+		if (dot(facet.normal, longer) + facet.distance < 0.5 * facet.distance)
+			m_planes.pop_back();
+		else
+			shift = longer;
+	}
+	std::size_t kept = 0;
+	for (std::uint32_t i = 0; i < facets.size(); ++i)
+		if (m_isKept[i]) facets[kept++] = facets[i];
+	facets.resize(kept, Facet{});
+}
+
+// Of the facet in the space of differences a - b, at the present pose; frame A.
+Vec3 FacetChoice::centerOf(const Facet& facet) const
+{
+	const FacetQuestion& q = *m_question;
+	const ContactSurface &a = q.a.surface(facet.levelA), &b = q.b.surface(facet.levelB);
+	const auto centerOfFace = [](const ContactSurface& surface, std::uint32_t f)
+	{
+		const SurfaceFace& face = surface.faces()[f];
+		return (1.0 / 3) * (surface.vertices()[face.vertex[0]] + surface.vertices()[face.vertex[1]] +
+							surface.vertices()[face.vertex[2]]);
+	};
+	const auto centerOfEdge = [](const ContactSurface& surface, std::uint32_t e)
+	{
+		const SurfaceEdge& edge = surface.edges()[e];
+		return 0.5 * (surface.vertices()[edge.vertex[0]] + surface.vertices()[edge.vertex[1]]);
+	};
+	switch (facet.kind)
+	{
+		case Facet::Kind::kVertexFace: return facet.onA - q.aFromB * centerOfFace(b, facet.faceB);
+		case Facet::Kind::kFaceVertex: return centerOfFace(a, facet.faceA) - facet.onB;
+		default: return centerOfEdge(a, facet.featureA) - q.aFromB * centerOfEdge(b, facet.featureB);
+	}
+}
+
+// Two facets at one place with different normals, each below the plane of the other, meet in a ridge.
+void FacetChoice::dropRidges(std::vector<Facet>& facets)
+{
+	const double near = kSamePlace * m_question->length();
+	m_isKept.assign(facets.size(), 1);
+	m_order.clear();
+	for (std::uint32_t i = 0; i < facets.size(); ++i)
+		if (facets[i].reach == Facet::Reach::kNear || facets[i].reach == Facet::Reach::kPath) m_order.push_back(i);
+	// Crossed last first; ties by what comes first.
+	std::sort(m_order.begin(), m_order.end(),
+			  [&](std::uint32_t i, std::uint32_t j)
+			  {
+				  const double a = facets[i].distance + facets[i].linear, b = facets[j].distance + facets[j].linear;
+				  return a != b ? a > b : i < j;
+			  });
+	for (std::size_t k = 0; k < m_order.size(); ++k)
+	{
+		const Facet& best = facets[m_order[k]];
+		if (!m_isKept[m_order[k]]) continue;
+		const Vec3 center = centerOf(best);
+		for (std::size_t l = k + 1; l < m_order.size(); ++l)
+		{
+			const Facet& other = facets[m_order[l]];
+			if (lengthSquared(best.onA - other.onA) > near * near || !m_isKept[m_order[l]] ||
+				dot(best.normal, other.normal) > kSameNormal || lengthSquared(best.onB - other.onB) > near * near)
+				continue;
+			const double slack = 1e-6 * m_question->length();
+			const Vec3 between = centerOf(other) - center;
+			// Normals point into the difference.
+			const bool otherIsBelow = dot(best.normal, between) > slack, bestIsBelow = dot(other.normal, between) < -slack;
+			if (otherIsBelow && bestIsBelow) m_isKept[m_order[l]] = 0;
+		}
+	}
+	std::size_t kept = 0;
+	for (std::uint32_t i = 0; i < facets.size(); ++i)
+		if (m_isKept[i]) facets[kept++] = facets[i];
+	facets.resize(kept, Facet{});
+}
+}  // namespace clod

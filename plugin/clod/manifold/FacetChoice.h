@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Zlib
+// Which facets are contacts, where several are found at one place.
+//
+// - Facets inside the difference are no boundary: an overlapping one counts only if its overlap point is inside both
+//   surfaces, and if the bodies still overlap there once they are moved out of the shallower ones.
+// - At a convex ridge of the difference the free motions are a union: one facet is kept, the one that the motion
+//   crosses last.
+#pragma once
+#include <vector>
+
+#include "clod/manifold/FacetFinder.h"
+
+namespace clod
+{
+class FacetChoice
+{
+public:
+	// Removes those that are no contacts.
+	void choose(const FacetQuestion& question, std::vector<Facet>& facets);
+
+private:
+	bool overlapsAt(const Facet& facet, const Vec3& shift) const;
+	Vec3 overlapPoint(const Facet& facet) const;
+	Vec3 centerOf(const Facet& facet) const;
+	void dropInner(std::vector<Facet>& facets);
+	void dropRidges(std::vector<Facet>& facets);
+	Vec3 leastShift() const;
+
+	const FacetQuestion* m_question = nullptr;
+	struct Plane
+	{
+		Vec3 normal;
+		double distance, multiplier;
+	};
+	mutable std::vector<Plane> m_planes;
+	std::vector<std::uint32_t> m_order;
+	std::vector<char> m_isKept;
+};
+}  // namespace clod

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Zlib
+#include "clod/manifold/FacetContacts.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+
+namespace clod
+{
+namespace
+{
+constexpr double kOpposing = -0.1;  // cosine
+
+Vec3 impulseOf(const ClusterSet& set)
+{
+	Vec3 sum;
+	for (const ContactCluster& cluster : set.slots)
+		for (int i = 0; i < cluster.count; ++i)
+			sum += cluster.points[std::size_t(i)].impulse * cluster.points[std::size_t(i)].point.normal;
+	return sum;
+}
+}  // namespace
+
+void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Transform& aFromB, const PointRules& rules,
+						 const std::vector<Contact>& contacts, bool isDeep, const ClusterSet& previous)
+{
+	m_facets.clear();
+	if (contacts.empty() && !isDeep) return forget();
+	m_question = {a, b, aFromB, aFromBAfter(rules.a, rules.b, aFromB, rules.timeStep), rules};
+	m_finder.find(m_question, contacts, m_facets);
+	m_choice.choose(m_question, m_facets);
+	answerDepth(contacts, isDeep, previous);
+	m_solve.solve(m_question, m_facets);
+	if (std::getenv("FACETS"))  // DEBUG
+	{
+		std::printf("contacts %zu\n", contacts.size());
+		for (const Facet& f : m_facets) std::printf("  kind %d reach %d d %g lin %g then %g m %g n %g %g %g at %g %g %g f %u %u\n", int(f.kind), int(f.reach), f.distance, f.linear, f.then, f.multiplier, f.normal.x, f.normal.y, f.normal.z, f.onA.x, f.onA.y, f.onA.z, f.featureA, f.featureB);
+	}
+}
+
+// Bodies overlap, and no facet says how deep: one point with a way out. While it is needed the way stays.
+void FacetContacts::answerDepth(const std::vector<Contact>& contacts, bool isDeep, const ClusterSet& previous)
+{
+	const bool overlap =
+		isDeep || std::any_of(contacts.begin(), contacts.end(), [](const Contact& c) { return c.upper <= 0; });
+	const bool isAnswered =
+		std::any_of(m_facets.begin(), m_facets.end(), [](const Facet& f) { return f.distance < 0; });
+	if (!overlap || (isAnswered && m_wayOut == Vec3{})) return forget();
+	const Vec3 kept = m_wayOut != Vec3{} ? m_wayOut : normalized(impulseOf(previous));
+	const std::optional<DeepAnswer> answer = m_deep.find(m_question, contacts, kept);
+	if (!answer) return forget();
+	m_wayOut = answer->normal;
+	// What opposes the way would hold the bodies where they are.
+	m_facets.erase(std::remove_if(m_facets.begin(), m_facets.end(),
+								  [&](const Facet& f) { return dot(f.normal, m_wayOut) < kOpposing; }),
+				   m_facets.end());
+	Facet facet{};
+	facet.kind = Facet::Kind::kDeep;
+	facet.reach = Facet::Reach::kOverlap;
+	facet.nodeA = answer->nodeA;
+	facet.nodeB = answer->nodeB;
+	facet.levelA = m_question.a.levelOf(answer->nodeA);
+	facet.levelB = m_question.b.levelOf(answer->nodeB);
+	facet.normal = answer->normal;
+	facet.distance = facet.then = -answer->depth;
+	facet.onA = answer->point - 0.5 * answer->depth * answer->normal;
+	facet.onB = answer->point + 0.5 * answer->depth * answer->normal;
+	m_facets.push_back(facet);
+}
+
+void FacetContacts::reduce(const ClusterSet& previous, ClusterSet& next)
+{
+	m_points.clear();
+	for (const Facet& facet : m_facets) m_points.push_back(pointOf(facet));
+	m_reducer.reduce(m_facets, m_points, previous, m_question.length(), next);
+}
+
+ContactPoint FacetContacts::pointOf(const Facet& facet) const
+{
+	ContactPoint point;
+	point.pointOnA = facet.onA;
+	point.pointOnB = facet.onB;
+	point.normal = facet.normal;
+	point.height = facet.distance - m_question.rules.margin;
+	point.bend = facet.curvature();
+	point.feature = (std::uint64_t(facet.featureA) * 0x9E3779B97F4A7C15u ^ facet.featureB) * 0xD6E8FEB86659FD93u +
+					(std::uint64_t(facet.kind) << 8 | facet.levelA << 4 | facet.levelB);
+	point.nodeA = facet.nodeA;
+	point.nodeB = facet.nodeB;
+	point.faceA = m_question.a.globalFace(facet.levelA, facet.faceA);
+	point.faceB = m_question.b.globalFace(facet.levelB, facet.faceB);
+	return point;
+}
+}  // namespace clod

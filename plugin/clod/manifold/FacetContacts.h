@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Zlib
+// Contact points of a pair as facets of its Minkowski difference: found (FacetFinder.h), chosen (FacetChoice.h), told which
+// carry (PairSolve.h), and reduced to what a solver gets (ContactReducer.h); a way out where none of them tells of a
+// depth (DeepOverlap.h).
+#pragma once
+#include <vector>
+
+#include "clod/Export.h"
+#include "clod/manifold/ContactReducer.h"
+#include "clod/manifold/DeepOverlap.h"
+#include "clod/manifold/FacetChoice.h"
+#include "clod/manifold/FacetFinder.h"
+#include "clod/manifold/PairSolve.h"
+
+namespace clod
+{
+// Holds buffers, and the way out of a depth while it is needed.
+class CLOD_API FacetContacts
+{
+public:
+	// All facets of the accepted pairs that are contacts. isDeep: one body is known to be inside the other.
+	void find(const ContactBody& a, const ContactBody& b, const Transform& aFromB, const PointRules& rules,
+			  const std::vector<Contact>& contacts, bool isDeep, const ClusterSet& previous);
+	bool isEmpty() const { return m_facets.empty(); }
+	std::size_t size() const { return m_facets.size(); }
+	// Of those found last, the ones a solver gets. previous: with placeWithB (carryWithB), and impulses.
+	void reduce(const ClusterSet& previous, ClusterSet& next);
+	// The points say nothing of the depth but a way out.
+	bool isDeep() const { return m_wayOut != Vec3{}; }
+	// The bodies were put elsewhere, or are others.
+	void forget() { m_wayOut = {}; }
+
+private:
+	ContactPoint pointOf(const Facet& facet) const;
+	void answerDepth(const std::vector<Contact>& contacts, bool isDeep, const ClusterSet& previous);
+
+	FacetQuestion m_question;
+	std::vector<Facet> m_facets;
+	std::vector<ContactPoint> m_points;
+	FacetFinder m_finder;
+	FacetChoice m_choice;
+	DeepOverlap m_deep;
+	Vec3 m_wayOut;  // while there is a depth that no facet answers
+	PairSolve m_solve;
+	ContactReducer m_reducer;
+};
+}  // namespace clod

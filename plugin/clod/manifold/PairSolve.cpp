@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Zlib
+#include "clod/manifold/PairSolve.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace clod
+{
+namespace
+{
+constexpr int kPasses = 3;
+constexpr int kSweeps = 12;
+
+Transform movedBy(const PairBody& body, const Transform& pose, double timeStep)
+{
+	const double angle = timeStep * length(body.angular);
+	const Vec3 axis = normalized(body.angular);
+	const double sine = std::sin(0.5 * angle);
+	const Mat3 turn = rotationFromQuaternion(sine * axis.x, sine * axis.y, sine * axis.z, std::cos(0.5 * angle));
+	return {turn * pose.rotation, body.center + timeStep * body.linear + turn * (pose.translation - body.center)};
+}
+}  // namespace
+
+Transform aFromBAfter(const PairBody& a, const PairBody& b, const Transform& aFromB, double timeStep)
+{
+	return inverse(movedBy(a, Transform{}, timeStep)) * movedBy(b, aFromB, timeStep);
+}
+
+double distanceAt(const FacetQuestion& question, const Facet& facet, const Transform& aFromB, const Transform& bFromA)
+{
+	if (facet.kind == Facet::Kind::kDeep)
+		return facet.distance + dot(facet.normal, question.aFromB.translation - aFromB.translation);
+	const ContactSurface &a = question.a.surface(facet.levelA), &b = question.b.surface(facet.levelB);
+	if (facet.kind == Facet::Kind::kVertexFace)
+	{
+		const SurfaceFace& face = b.faces()[facet.faceB];
+		return dot(face.normal, bFromA * a.vertices()[facet.featureA]) - face.offset;
+	}
+	if (facet.kind == Facet::Kind::kFaceVertex)
+	{
+		const SurfaceFace& face = a.faces()[facet.faceA];
+		return dot(face.normal, aFromB * b.vertices()[facet.featureB]) - face.offset;
+	}
+	const SurfaceEdge &e = a.edges()[facet.featureA], &k = b.edges()[facet.featureB];
+	const Vec3 between = a.vertices()[e.vertex[0]] - aFromB * b.vertices()[k.vertex[0]];
+	Vec3 normal = cross(e.direction, aFromB.rotation * k.direction);
+	const double sine = length(normal);
+	if (sine < kParallelSine) return dot(facet.normal, between);
+	normal = (1 / sine) * normal;
+	return dot(normal, facet.normal) < 0 ? -dot(normal, between) : dot(normal, between);
+}
+
+// The most that turning bodies add to a facet's distance beyond the first order.
+double PairSolve::bendBound(const Facet& facet, double timeStep) const
+{
+	const Vec3 leverA = facet.onA - m_a.center, leverB = facet.onB - m_b.center;
+	const double turnA = length(m_a.angular) * timeStep, turnB = length(m_b.angular) * timeStep;
+	const Vec3 velocity = m_a.linear + cross(m_a.angular, leverA) - m_b.linear - cross(m_b.angular, leverB);
+	return (turnA + turnB) * length(velocity) * timeStep + 0.5 * (turnA * turnA * length(leverA) + turnB * turnB * length(leverB));
+}
+
+// At the end of the step: is what it is made of over each other?
+bool PairSolve::isMet(const FacetQuestion& q, const Facet& facet, const Transform& after, const Transform& back) const
+{
+	const ContactSurface &a = q.a.surface(facet.levelA), &b = q.b.surface(facet.levelB);
+	const double slack = kFootShare * q.length();
+	if (facet.kind == Facet::Kind::kVertexFace)
+		return b.squaredBeside(facet.faceB, back * a.vertices()[facet.featureA]) <= slack * slack;
+	if (facet.kind == Facet::Kind::kFaceVertex)
+		return a.squaredBeside(facet.faceA, after * b.vertices()[facet.featureB]) <= slack * slack;
+	const SurfaceEdge &e = a.edges()[facet.featureA], &k = b.edges()[facet.featureB];
+	const Vec3 direction = after.rotation * k.direction;
+	if (length(cross(e.direction, direction)) < kParallelSine) return false;
+	const LinesCrossing at =
+		crossingOf(a.vertices()[e.vertex[0]], e.direction, after * b.vertices()[k.vertex[0]], direction);
+	return at.alongA >= -slack && at.alongA <= e.length + slack && at.alongB >= -slack && at.alongB <= k.length + slack;
+}
+
+void PairSolve::sweep(const FacetQuestion& question, const std::vector<Facet>& facets)
+{
+	m_a = question.rules.a;
+	m_b = question.rules.b;
+	for (std::size_t i = 0; i < facets.size(); ++i)
+	{
+		const double multiplier = m_multipliers[i];
+		if (multiplier == 0) continue;
+		const Row& row = m_rows[i];
+		m_a.linear += multiplier * m_a.inverseMass * row.normal;
+		m_a.angular += multiplier * row.pushA;
+		m_b.linear -= multiplier * m_b.inverseMass * row.normal;
+		m_b.angular -= multiplier * row.pushB;
+	}
+	for (int round = 0; round < kSweeps; ++round)
+	{
+		double change = 0;
+		for (std::size_t i = 0; i < facets.size(); ++i)
+		{
+			if (facets[i].reach == Facet::Reach::kPossible) continue;
+			const Row& row = m_rows[i];
+			const double wanted =
+				-velocityRow(facets[i].distance - question.rules.margin, facets[i].curvature()) / question.rules.timeStep;
+			const double speed = dot(row.normal, m_a.linear - m_b.linear) + dot(row.turnA, m_a.angular) -
+								 dot(row.turnB, m_b.angular);
+			const double old = m_multipliers[i];
+			m_multipliers[i] = std::max(0.0, old + row.effectiveMass * (wanted - speed));
+			const double impulse = m_multipliers[i] - old;
+			if (impulse == 0) continue;
+			change = std::max(change, std::abs(wanted - speed));
+			m_a.linear += impulse * m_a.inverseMass * row.normal;
+			m_a.angular += impulse * row.pushA;
+			m_b.linear -= impulse * m_b.inverseMass * row.normal;
+			m_b.angular -= impulse * row.pushB;
+		}
+		if (change * question.rules.timeStep < 1e-6 * question.length()) break;
+	}
+}
+
+void PairSolve::solve(const FacetQuestion& question, std::vector<Facet>& facets)
+{
+	const auto removePossible = [&]
+	{
+		facets.erase(std::remove_if(facets.begin(), facets.end(),
+									[](const Facet& f) { return f.reach == Facet::Reach::kPossible; }),
+					 facets.end());
+	};
+	const PointRules& rules = question.rules;
+	const bool canMove = rules.timeStep > 0 && (rules.a.inverseMass > 0 || rules.b.inverseMass > 0);
+	if (!canMove) removePossible();
+	if (facets.empty() || !canMove) return;
+	m_rows.clear();
+	m_multipliers.assign(facets.size(), 0);
+	for (const Facet& facet : facets)
+	{
+		Row row;
+		row.normal = facet.normal;
+		row.turnA = cross(facet.onA - question.rules.a.center, facet.normal);
+		row.turnB = cross(facet.onB - question.rules.b.center, facet.normal);
+		row.pushA = question.rules.a.inverseInertia * row.turnA;
+		row.pushB = question.rules.b.inverseInertia * row.turnB;
+		row.effectiveMass = 1 / (question.rules.a.inverseMass + question.rules.b.inverseMass + dot(row.pushA, row.turnA) +
+								 dot(row.pushB, row.turnB));
+		m_rows.push_back(row);
+	}
+	for (int pass = 0; pass < kPasses; ++pass)
+	{
+		sweep(question, facets);
+		const Transform after = aFromBAfter(m_a, m_b, question.aFromB, question.rules.timeStep), back = inverse(after);
+		for (std::size_t i = 0; i < facets.size(); ++i)
+		{
+			Facet& facet = facets[i];
+			const Row& row = m_rows[i];
+			facet.then = distanceAt(question, facet, after, back);
+			facet.linear = question.rules.timeStep * (dot(row.normal, m_a.linear - m_b.linear) + dot(row.turnA, m_a.angular) -
+											  dot(row.turnB, m_b.angular));
+			// A normal turns no faster than the bodies, but that of two edges all but parallel.
+			const double most = bendBound(facet, question.rules.timeStep);
+			facet.then = facet.distance + facet.linear + std::max(-most, std::min(most, facet.curvature()));
+			if (facet.reach == Facet::Reach::kPossible && facet.then < question.rules.margin &&
+				isMet(question, facet, after, back))
+				facet.reach = Facet::Reach::kPath;
+		}
+	}
+	for (std::size_t i = 0; i < facets.size(); ++i) facets[i].multiplier = m_multipliers[i];
+	removePossible();
+}
+}  // namespace clod

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Zlib
+// What a pair's contacts alone would make of the coming step: which of many facets carry (a multiplier each), and where
+// the bodies end, which is where the second order of each facet is taken. A few Gauss-Seidel sweeps without friction.
+#pragma once
+#include <vector>
+
+#include "clod/manifold/FacetFinder.h"
+
+namespace clod
+{
+inline constexpr double kDepthShare = 0.2;  // of a depth that a step takes back
+
+// What is asked of the normal velocity: normal . v dt >= -row. height: margins taken off.
+inline double velocityRow(double height, double bend)
+{
+	return height > 0 ? height + bend : kDepthShare * height + (bend < 0 ? bend : 0);
+}
+
+class PairSolve
+{
+public:
+	// Sets linear, then and multiplier of the facets; those that are possible only become paths where the solved motion
+	// meets them, or are removed.
+	void solve(const FacetQuestion& question, std::vector<Facet>& facets);
+
+private:
+	struct Row
+	{
+		Vec3 normal, turnA, turnB;  // of unit velocities
+		Vec3 pushA, pushB;          // change of angular velocity of a unit impulse
+		double effectiveMass;
+	};
+	bool isMet(const FacetQuestion& question, const Facet& facet, const Transform& after, const Transform& back) const;
+	double bendBound(const Facet& facet, double timeStep) const;
+	void sweep(const FacetQuestion& question, const std::vector<Facet>& facets);
+	std::vector<Row> m_rows;
+	std::vector<double> m_multipliers;
+	PairBody m_a, m_b;  // as solved
+};
+
+// Distance of the same facet at another pose.
+double distanceAt(const FacetQuestion& question, const Facet& facet, const Transform& aFromB, const Transform& bFromA);
+// Where B is in A's frame when both have moved for the step, A's frame with it.
+Transform aFromBAfter(const PairBody& a, const PairBody& b, const Transform& aFromB, double timeStep);
+}  // namespace clod

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Zlib
+// Accepted contacts of a hierarchy with what has none: a half space, or triangles of an engine's own mesh. The partner
+// counts as exact (no error, unlimited contact area), so the same metric chooses the nodes that answer.
+//
+// Frame A is the hierarchy's; B is the partner, whose surface has one node (a half space) or one a triangle, in the order
+// given (ContactSurface.h). Bodies may overlap where a contact says nothing: lower = upper = 0.
+#pragma once
+#include <vector>
+
+#include "clod/Export.h"
+#include "clod/query/Query.h"
+
+namespace clod
+{
+struct PartnerStats
+{
+	std::uint32_t boxTests = 0, nodes = 0, finestLevel = kNone, coarsestLevel = 0;
+	double errorBound = 0;  // the largest certified error of a node that answered
+};
+
+class CLOD_API PartnerContacts
+{
+public:
+	// Appends what is within the tolerance of the half space normal . p <= offset.
+	void withHalfSpace(const Hierarchy& hierarchy, const Vec3& normal, double offset, const Metric& metric,
+					   double tolerance, std::vector<Contact>& contacts, PartnerStats& stats);
+	// Of a triangle, which is node `index` of the partner's surface.
+	void withTriangle(const Hierarchy& hierarchy, const Triangle& triangle, std::uint32_t index, const Metric& metric,
+					  double tolerance, std::vector<Contact>& contacts, PartnerStats& stats);
+
+private:
+	template <class Separated>
+	void visit(const Hierarchy& hierarchy, const Metric& metric, const Separated& separated, std::uint32_t partner,
+			   std::vector<Contact>& contacts, PartnerStats& stats);
+	std::vector<std::uint32_t> m_stack, m_visited;
+	std::uint32_t m_visit = 0;
+};
+}  // namespace clod
