@@ -27,11 +27,11 @@ struct Facet
 		kEdgeEdge,
 		kDeep  // no facet, but a way out (DeepOverlap.h)
 	};
-	enum class Reach : std::uint8_t
+	enum class Reach : std::uint8_t  // what says more comes first
 	{
 		kNear,
-		kPath,
 		kOverlap,
+		kPath,
 		kPossible  // none of these by the motion predicted, but by what contacts may make of it
 	};
 	Kind kind;

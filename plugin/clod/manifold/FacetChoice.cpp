@@ -80,9 +80,11 @@ bool FacetChoice::overlapsAt(const Facet& facet, const Vec3& shift) const
 	const ContactSurface& b = q.b.surface(facet.levelB);
 	if (!b.isClosed() && !b.isHalfSpace())
 	{
-		// A sheet has no inside: it is crossed where its own point lies inside A.
-		const Vec3 moved = facet.onB - shift - 2 * kInnerShare * q.length() * facet.normal;
-		return q.a.surface(facet.levelA).isInside(facet.kind == Facet::Kind::kVertexFace ? moved : facet.onB - shift);
+		// A sheet has no inside: it is crossed where its own point lies inside A, with some of A on either side.
+		const Vec3 place = facet.onB - shift;
+		const Vec3 off = std::min(2 * kInnerShare * q.length(), 0.5 * std::abs(facet.distance)) * facet.normal;
+		const ContactSurface& a = q.a.surface(facet.levelA);
+		return a.isInside(place - off) && a.isInside(place + off);
 	}
 	const bool isInB = b.isInside(inverse(q.aFromB) * onB);
 	if (facet.kind == Facet::Kind::kVertexFace) return isInB;

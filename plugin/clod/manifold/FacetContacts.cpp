@@ -28,6 +28,7 @@ void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Trans
 	if (contacts.empty() && !isDeep) return forget();
 	m_question = {a, b, aFromB, aFromBAfter(rules.a, rules.b, aFromB, rules.timeStep), rules};
 	m_finder.find(m_question, contacts, m_facets);
+	if (std::getenv("FACETS")) for (const Facet& f : m_facets) std::printf("  found kind %d reach %d d %g then %g n %g %g %g f %u %u\n", int(f.kind), int(f.reach), f.distance, f.then, f.normal.x, f.normal.y, f.normal.z, f.featureA, f.featureB); // DEBUG
 	m_choice.choose(m_question, m_facets);
 	answerDepth(contacts, isDeep, previous);
 	m_solve.solve(m_question, m_facets);

@@ -12,6 +12,8 @@ namespace
 constexpr double kFar = std::numeric_limits<double>::infinity();
 const Vec3 kNowhereLow{kFar, kFar, kFar}, kNowhereHigh{-kFar, -kFar, -kFar};
 
+constexpr std::size_t kLeastTable = 256;
+
 void grow(Vec3& low, Vec3& high, const Vec3& p)
 {
 	for (int k = 0; k < 3; ++k)
@@ -48,36 +50,28 @@ void FacetFinder::find(const FacetQuestion& question, const std::vector<Contact>
 	m_bFromAThen = inverse(question.aFromBThen);
 	m_motion = question.rules.motion();
 	m_turn = length(m_motion.angular) * m_motion.timeStep;
-	if (m_keys.empty()) m_keys.resize(256);
-	std::fill(m_keys.begin(), m_keys.end(), Key{~std::uint64_t(0), 0});
-	m_keyCount = 0;
+	m_table.assign(std::max<std::size_t>(m_table.size(), kLeastTable), kNone);
 	for (const Contact& contact : contacts) findPair(contact);
 }
 
-bool FacetFinder::isNew(Facet::Kind kind, std::uint32_t featureA, std::uint32_t featureB)
+// Where the facet of the same features is, or would be, in the table.
+std::size_t FacetFinder::slotOf(const Facet& facet) const
 {
-	const Key key{std::uint64_t(featureA) << 32 | featureB,
-				  std::uint64_t(kind) << 32 | m_pair.levelA << 16 | m_pair.levelB};
-	const auto place = [&](const Key& k)
-	{ return std::size_t(((k.features ^ k.rest * 0xD6E8FEB86659FD93u) * 0x9E3779B97F4A7C15u) >> 32); };
-	const std::size_t mask = m_keys.size() - 1;
-	std::size_t at = place(key) & mask;
-	for (; m_keys[at].features != ~std::uint64_t(0); at = (at + 1) & mask)
-		if (m_keys[at] == key) return false;
-	m_keys[at] = key;
-	if (2 * ++m_keyCount <= m_keys.size()) return true;
-	std::vector<Key> old(2 * m_keys.size(), Key{~std::uint64_t(0), 0});
-	old.swap(m_keys);
-	for (const Key& k : old)
+	const std::uint64_t features = std::uint64_t(facet.featureA) << 32 | facet.featureB;
+	const std::uint64_t rest = std::uint64_t(facet.kind) << 32 | facet.levelA << 16 | facet.levelB;
+	std::size_t at = std::size_t(((features ^ rest * 0xD6E8FEB86659FD93u) * 0x9E3779B97F4A7C15u) >> 32);
+	for (;; ++at)
 	{
-		if (k.features == ~std::uint64_t(0)) continue;
-		std::size_t to = place(k) & (m_keys.size() - 1);
-		while (m_keys[to].features != ~std::uint64_t(0)) to = (to + 1) & (m_keys.size() - 1);
-		m_keys[to] = k;
+		at &= m_table.size() - 1;
+		if (m_table[at] == kNone) return at;
+		const Facet& other = (*m_facets)[m_table[at]];
+		if (other.featureA == facet.featureA && other.featureB == facet.featureB && other.kind == facet.kind &&
+			other.levelA == facet.levelA && other.levelB == facet.levelB)
+			return at;
 	}
-	return true;
 }
 
+// Several faces of one polygon may find the same facet, and several pairs of nodes: it is what the nearest of them says.
 void FacetFinder::add(Facet& facet)
 {
 	facet.levelA = m_pair.levelA;
@@ -85,7 +79,18 @@ void FacetFinder::add(Facet& facet)
 	facet.nodeA = m_pair.nodeA;
 	facet.nodeB = m_pair.nodeB;
 	facet.linear = dot(m_motion.velocity(facet.onA), facet.normal) * m_motion.timeStep;
+	const std::size_t slot = slotOf(facet);
+	if (m_table[slot] != kNone)
+	{
+		Facet& known = (*m_facets)[m_table[slot]];
+		if (facet.reach < known.reach) known = facet;
+		return;
+	}
+	m_table[slot] = std::uint32_t(m_facets->size());
 	m_facets->push_back(facet);
+	if (2 * m_facets->size() <= m_table.size()) return;
+	m_table.assign(2 * m_table.size(), kNone);
+	for (std::uint32_t i = 0; i < m_facets->size(); ++i) m_table[slotOf((*m_facets)[i])] = i;
 }
 
 void FacetFinder::findPair(const Contact& contact)
@@ -270,7 +275,6 @@ void FacetFinder::vertexOverFace(const MovedVertex& vertex, std::uint32_t faceIn
 	facet.kind = vertexIsOfA ? Facet::Kind::kVertexFace : Facet::Kind::kFaceVertex;
 	const std::uint32_t featureA = vertexIsOfA ? vertex.index : face.polygon;
 	const std::uint32_t featureB = vertexIsOfA ? face.polygon : vertex.index;
-	if (!isNew(facet.kind, featureA, featureB)) return;
 	facet.featureA = featureA;
 	facet.featureB = featureB;
 	facet.distance = now;
@@ -370,7 +374,7 @@ void FacetFinder::edgeOverEdge(const SurfaceEdge& edge, const MovedEdge& moved)
 			crossingOf(start, edge.direction, 0.5 * (moved.start + moved.thenStart), moved.direction);
 		counts = isWithin(middle.alongA, edge.length, slack) && isWithin(middle.alongB, other.length, slack);
 	}
-	if (!counts || !isNew(Facet::Kind::kEdgeEdge, std::uint32_t(&edge - m_pair.a->edges().data()), moved.index)) return;
+	if (!counts) return;
 	facet.kind = Facet::Kind::kEdgeEdge;
 	facet.featureA = std::uint32_t(&edge - m_pair.a->edges().data());
 	facet.featureB = moved.index;

@@ -45,7 +45,7 @@ private:
 	void vertexOverFace(const MovedVertex& vertex, std::uint32_t face, bool vertexIsOfA);
 	void edgesOverEdges();
 	void edgeOverEdge(const SurfaceEdge& edge, const MovedEdge& moved);
-	bool isNew(Facet::Kind kind, std::uint32_t featureA, std::uint32_t featureB);
+	std::size_t slotOf(const Facet& facet) const;
 	void add(Facet& facet);
 
 	const FacetQuestion* m_question = nullptr;
@@ -57,12 +57,6 @@ private:
 	std::vector<MovedVertex> m_verticesA, m_verticesB;  // in the other's frame
 	std::vector<std::uint32_t> m_facesA, m_facesB, m_edgesA;
 	std::vector<MovedEdge> m_edgesB;
-	struct Key
-	{
-		std::uint64_t features, rest;
-		bool operator==(const Key& o) const { return features == o.features && rest == o.rest; }
-	};
-	std::vector<Key> m_keys;  // of the facets found; an open hash table
-	std::size_t m_keyCount = 0;
+	std::vector<std::uint32_t> m_table;  // of the facets, by what makes them; open, a power of two
 };
 }  // namespace clod
