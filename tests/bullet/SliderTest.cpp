@@ -41,7 +41,6 @@ Ride slide(const PatchedMesh& bodyMesh, bool slabFirst)
 	for (int i = 0; i < 300; ++i)
 	{
 		scene.step();
-		if (std::getenv("SL")) std::printf("%d vy %g w %g y %g pts %d\n", i, double(body.getLinearVelocity().y()), double(body.getAngularVelocity().length()), double(body.getWorldTransform().getOrigin().y()), scene.contacts());
 		if (i < 24) continue;  // the first contact
 		ride.vertical = std::max(ride.vertical, std::abs(double(body.getLinearVelocity().y())));
 		ride.spin = std::max(ride.spin, double(body.getAngularVelocity().length()));

@@ -122,6 +122,7 @@ bool ManifoldSet::keep(ClusterSet& written, const WorldFrame& frame, btManifoldR
 		if (slot.manifold->getNumContacts() != slot.count) return false;
 		if (slot.count == 0) continue;
 		if (slot.manifold->getContactBreakingThreshold() != slot.breakingThreshold) return false;
+		if (slot.restitution != material.restitution) return false;
 		for (std::size_t j = 0; j < std::size_t(slot.count); ++j)
 		{
 			const btManifoldPoint& point = slot.manifold->getContactPoint(int(j));
@@ -180,6 +181,7 @@ bool ManifoldSet::openSlot(int index, const ContactCluster& cluster, const World
 	double highest = 0;
 	for (int i = 0; i < cluster.count; ++i) highest = std::max(highest, cluster.points[std::size_t(i)].point.height);
 	slot.breakingThreshold = btScalar(frame.breakingThreshold + 1.01 * highest * frame.scale);
+	slot.restitution = Material(out).restitution;
 	m_target->setContactBreakingThreshold(slot.breakingThreshold);
 	m_wasEmpty = m_target->getNumContacts() == 0;
 	for (int k = 0; k < m_target->getNumContacts(); ++k) m_target->clearUserCache(m_target->getContactPoint(k));

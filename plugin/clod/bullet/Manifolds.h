@@ -86,6 +86,7 @@ private:
 		btPersistentManifold* manifold = nullptr;
 		int count = 0;
 		btScalar breakingThreshold = 0;
+		btScalar restitution = 0;  // of the two materials
 		// As written: finds the points again, and tells whether anybody has changed them.
 		std::array<btVector3, kClusterPoints> localPointA, localPointB, normal;
 		std::array<SolverTerms, kClusterPoints> terms;

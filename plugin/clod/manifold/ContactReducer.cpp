@@ -14,6 +14,11 @@ constexpr double kMatchNormal = 0.05;    // of the length, a unit of change of n
 constexpr double kSpacing = 0.02;        // points nearer than so, of the length, add nothing,
 constexpr double kCarrySpacing = 0.002;  // if they carry,
 constexpr double kNormalCounts = 0.25;   // where a unit of normal counts as so much
+
+const ClusterPoint& pointAt(const ClusterSet& set, std::uint32_t index)
+{
+	return set.slots[index / kClusterPoints].points[index % kClusterPoints];
+}
 }  // namespace
 
 void ContactReducer::reduce(const std::vector<Facet>& facets, const std::vector<ContactPoint>& points,
@@ -25,7 +30,7 @@ void ContactReducer::reduce(const std::vector<Facet>& facets, const std::vector<
 	m_candidates.assign(facets.size(), Candidate{});
 	match(previous);
 	choose();
-	place(next);
+	place(previous, next);
 }
 
 void ContactReducer::match(const ClusterSet& previous)
@@ -36,7 +41,7 @@ void ContactReducer::match(const ClusterSet& previous)
 	{
 		const ContactCluster& cluster = previous.slots[old / kClusterPoints];
 		if (int(old % kClusterPoints) >= cluster.count) continue;
-		const ClusterPoint& point = cluster.points[old % kClusterPoints];
+		const ClusterPoint& point = pointAt(previous, old);
 		for (std::uint32_t i = 0; i < m_candidates.size(); ++i)
 		{
 			const ContactPoint& now = (*m_points)[i];
@@ -66,8 +71,7 @@ void ContactReducer::match(const ClusterSet& previous)
 		if (isLinked[link.old] || candidate.previous != kNone) continue;
 		isLinked[link.old] = true;
 		candidate.previous = link.old;
-		const double impulse = previous.slots[link.old / kClusterPoints].points[link.old % kClusterPoints].impulse;
-		candidate.weight = std::max(candidate.weight, impulse);
+		candidate.weight = std::max(candidate.weight, pointAt(previous, link.old).impulse);
 	}
 	for (std::uint32_t i = 0; i < m_candidates.size(); ++i)
 		m_candidates[i].weight = std::max(m_candidates[i].weight, (*m_facets)[i].multiplier);
@@ -126,7 +130,7 @@ void ContactReducer::choose()
 }
 
 // Those that go on stay in their group; others fill what is free.
-void ContactReducer::place(ClusterSet& next) const
+void ContactReducer::place(const ClusterSet& previous, ClusterSet& next) const
 {
 	next.clear();
 	const auto put = [&](std::uint32_t i, std::size_t slot)
@@ -135,7 +139,7 @@ void ContactReducer::place(ClusterSet& next) const
 		ClusterPoint& point = cluster.points[std::size_t(cluster.count++)];
 		point.point = (*m_points)[i];
 		point.previous = m_candidates[i].previous;
-		point.impulse = 0;
+		point.impulse = point.previous == kNone ? 0 : pointAt(previous, point.previous).impulse;
 	};
 	for (const std::uint32_t i : m_chosen)
 		if (m_candidates[i].previous != kNone) put(i, m_candidates[i].previous / kClusterPoints);

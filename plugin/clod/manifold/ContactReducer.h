@@ -30,7 +30,7 @@ private:
 	void match(const ClusterSet& previous);
 	void choose();
 	void take(std::uint32_t i);
-	void place(ClusterSet& next) const;
+	void place(const ClusterSet& previous, ClusterSet& next) const;
 	double distanceBetween(std::uint32_t i, std::uint32_t j) const;
 
 	const std::vector<Facet>* m_facets = nullptr;
