@@ -63,7 +63,7 @@ struct RingOnPlate : BulletWorld
 		compound.addChildShape(btTransform(btQuaternion::getIdentity(), btVector3(0, 40, 0)), &plateShape);
 		compound.addChildShape(btTransform::getIdentity(), &ringShape);
 		btCollisionShape& shape = isInCompound ? static_cast<btCollisionShape&>(compound) : ringShape;
-		const Vec3 above{0.1, 0.25 + 0.3 - 0.02, -0.05};
+		const Vec3 above{0.1, 0.25 + 0.3 - 0.04, -0.05};
 		if (isFirst) upper = &addBody(shape, 1, above);
 		lower = &addBody(plateShape, 0, {});
 		if (!isFirst) upper = &addBody(shape, 1, above);

@@ -23,24 +23,22 @@ double angleBetween(const Vec3& a, const Vec3& b)
 	return std::atan2(length(cross(a, b)), dot(a, b));
 }
 
-// Is there a direction with which all of these make no obtuse angle? A perceptron: it converges where there is room.
+// Is there a direction with which none of these makes an obtuse angle? If so one is at right angles to two of them, or
+// the guess is one.
 bool fitHalfSpace(Span<Vec3> directions, const Vec3& guess)
 {
-	constexpr int kRounds = 200;
-	Vec3 axis = guess;
-	for (int round = 0; round < kRounds; ++round)
+	const auto holds = [&directions](const Vec3& axis)
 	{
-		double lowest = -1e-3 * length(axis);
-		const Vec3* worst = nullptr;
-		for (const Vec3& d : directions)
-			if (dot(d, axis) < lowest)
-			{
-				lowest = dot(d, axis);
-				worst = &d;
-			}
-		if (!worst) return true;
-		axis += 0.5 * *worst;
-	}
+		const double lowest = -1e-3 * length(axis);
+		return std::all_of(directions.begin(), directions.end(), [&](const Vec3& d) { return dot(d, axis) >= lowest; });
+	};
+	if (guess != Vec3{} && holds(guess)) return true;
+	for (std::size_t i = 0; i < directions.size; ++i)
+		for (std::size_t j = 0; j < i; ++j)
+		{
+			const Vec3 axis = cross(directions[i], directions[j]);
+			if (length(axis) > 1e-6 && (holds(axis) || holds(-axis))) return true;
+		}
 	return false;
 }
 }  // namespace
@@ -54,7 +52,6 @@ ContactSurface::ContactSurface(const Hierarchy& hierarchy, std::uint32_t levelIn
 	for (std::uint32_t n = level.firstNode; n < level.firstNode + level.nodeCount; ++n)
 		firstFaceOfNode.push_back(hierarchy.node(n).firstFace - level.firstFace);
 	finish(double(hierarchy.asset().radius), firstFaceOfNode);
-	buildTree();
 }
 
 ContactSurface::ContactSurface(const std::vector<Triangle>& triangles, double size) : m_kind(Kind::kSheet)
@@ -276,8 +273,12 @@ bool ContactSurface::isBorderCorner(const SurfaceFace& face, std::size_t corner)
 void ContactSurface::findFans()
 {
 	m_pseudonormals.assign(m_vertices.size(), Vec3{});
-	std::vector<std::vector<Vec3>> fans(m_vertices.size());
-	std::vector<std::uint32_t> polygon(m_vertices.size(), kNone);
+	m_firstFan.assign(m_vertices.size() + 1, 0);
+	for (const SurfaceFace& face : m_faces)
+		for (const std::uint32_t v : face.vertex) ++m_firstFan[v + 1];
+	for (std::size_t v = 0; v < m_vertices.size(); ++v) m_firstFan[v + 1] += m_firstFan[v];
+	m_fans.resize(m_firstFan.back());
+	std::vector<std::uint32_t> end = m_firstFan, polygon(m_vertices.size(), kNone);
 	std::vector<char> isFlat(m_vertices.size(), 1);
 	for (const SurfaceFace& face : m_faces)
 		for (std::size_t i = 0; i < 3; ++i)
@@ -286,24 +287,21 @@ void ContactSurface::findFans()
 			const Vec3 next = normalized(m_vertices[face.vertex[(i + 1) % 3]] - m_vertices[v]);
 			const Vec3 previous = normalized(m_vertices[face.vertex[(i + 2) % 3]] - m_vertices[v]);
 			m_pseudonormals[v] += angleBetween(next, previous) * face.normal;
-			fans[v].push_back(next);
+			m_fans[end[v]++] = next;
 			if (polygon[v] == kNone) polygon[v] = face.polygon;
 			const SurfaceFace& first = m_faces[polygon[v]];
 			const bool isBack = m_kind == Kind::kSheet && dot(face.normal, first.normal) < -kCoplanarCosine &&
 								!isBorderCorner(face, i);
 			if (polygon[v] != face.polygon && !isBack) isFlat[v] = 0;
 		}
-	m_firstFan.assign(1, 0);
 	m_isCorner.resize(m_vertices.size());
-	for (std::size_t v = 0; v < m_vertices.size(); ++v)
+	for (std::uint32_t v = 0; v < m_vertices.size(); ++v)
 	{
 		m_pseudonormals[v] = normalized(m_pseudonormals[v]);
 		Vec3 guess = -m_pseudonormals[v];
 		if (m_kind == Kind::kSheet)
-			for (const Vec3& direction : fans[v]) guess += direction;
-		m_isCorner[v] = isFlat[v] == 0 && fitHalfSpace(Span<Vec3>{fans[v].data(), fans[v].size()}, guess);
-		m_fans.insert(m_fans.end(), fans[v].begin(), fans[v].end());
-		m_firstFan.push_back(std::uint32_t(m_fans.size()));
+			for (const Vec3& direction : fan(v)) guess += direction;
+		m_isCorner[v] = isFlat[v] == 0 && fitHalfSpace(fan(v), guess);
 	}
 }
 
@@ -343,36 +341,40 @@ void ContactSurface::listNodes(const std::vector<std::uint32_t>& firstFaceOfNode
 					(v == m_edges[e].vertex[1] && w == m_edges[e].vertex[0]))
 					edgeOf[f][i] = e;
 			}
-	const auto appendUnique = [](std::vector<std::uint32_t>& list, std::vector<std::uint32_t>& found)
-	{
-		std::sort(found.begin(), found.end());
-		found.erase(std::unique(found.begin(), found.end()), found.end());
-		list.insert(list.end(), found.begin(), found.end());
-		found.clear();
-	};
-	std::vector<std::uint32_t> found;
 	m_firstFaceOf = firstFaceOfNode;
 	m_firstFaceOf.push_back(std::uint32_t(m_faces.size()));
+	std::vector<std::uint32_t> found;
 	for (std::size_t n = 0; n < firstFaceOfNode.size(); ++n)
 	{
 		const std::uint32_t first = m_firstFaceOf[n], last = m_firstFaceOf[n + 1];
 		m_firstVertexOf.push_back(std::uint32_t(m_nodeVertices.size()));
 		m_firstEdgeOf.push_back(std::uint32_t(m_nodeEdges.size()));
+		found.clear();
 		for (std::uint32_t f = first; f < last; ++f)
 			found.insert(found.end(), m_faces[f].vertex.begin(), m_faces[f].vertex.end());
-		found.erase(std::remove_if(found.begin(), found.end(), [&](std::uint32_t v) { return !isCorner(v); }),
-					found.end());
-		appendUnique(m_nodeVertices, found);
+		std::sort(found.begin(), found.end());
+		found.erase(std::unique(found.begin(), found.end()), found.end());
+		m_nodeVertices.insert(m_nodeVertices.end(), found.begin(), found.end());
+		const auto localOf = [&found](std::uint32_t vertex)
+		{ return std::uint16_t(std::lower_bound(found.begin(), found.end(), vertex) - found.begin()); };
 		for (std::uint32_t f = first; f < last; ++f)
+		{
+			const std::array<std::uint32_t, 3>& v = m_faces[f].vertex;
+			m_faceCorners.push_back({localOf(v[0]), localOf(v[1]), localOf(v[2])});
 			for (const std::uint32_t e : edgeOf[f])
-				if (e != kNone) found.push_back(e);
-		appendUnique(m_nodeEdges, found);
+			{
+				// Of two faces of the node the first one has the edge.
+				if (e == kNone || (m_edges[e].face[0] != f && m_edges[e].face[0] >= first && m_edges[e].face[0] < last))
+					continue;
+				m_nodeEdges.push_back({e, localOf(m_edges[e].vertex[0]), localOf(m_edges[e].vertex[1])});
+			}
+		}
 	}
 	m_firstVertexOf.push_back(std::uint32_t(m_nodeVertices.size()));
 	m_firstEdgeOf.push_back(std::uint32_t(m_nodeEdges.size()));
 }
 
-void ContactSurface::buildTree()
+void ContactSurface::buildTree() const
 {
 	m_order.resize(m_faces.size());
 	for (std::uint32_t f = 0; f < m_faces.size(); ++f) m_order[f] = f;
@@ -380,7 +382,7 @@ void ContactSurface::buildTree()
 	split(0, 0, std::uint32_t(m_faces.size()));
 }
 
-void ContactSurface::split(std::uint32_t box, std::uint32_t first, std::uint32_t count)
+void ContactSurface::split(std::uint32_t box, std::uint32_t first, std::uint32_t count) const
 {
 	constexpr double kFar = std::numeric_limits<double>::infinity();
 	Vec3 low{kFar, kFar, kFar}, high{-kFar, -kFar, -kFar};
@@ -435,6 +437,7 @@ double ContactSurface::squaredBeside(std::uint32_t faceIndex, const Vec3& point)
 
 ContactSurface::Nearest ContactSurface::nearest(const Vec3& point, double within) const
 {
+	std::call_once(m_treeMade, [this] { buildTree(); });
 	const auto squaredTo = [&](std::uint32_t box)
 	{
 		double sum = 0;
@@ -486,6 +489,7 @@ bool ContactSurface::isInside(const Vec3& point) const
 {
 	if (m_kind == Kind::kSheet) return false;
 	if (m_kind == Kind::kHalfSpace) return dot(m_faces[0].normal, point) < m_faces[0].offset;
+	std::call_once(m_treeMade, [this] { buildTree(); });
 	for (int k = 0; k < 3; ++k)
 		if (point[k] < m_boxes[0].low[k] || point[k] > m_boxes[0].high[k]) return false;
 	return nearest(point, std::numeric_limits<double>::infinity()).distance < 0;

@@ -73,9 +73,17 @@ public:
 	std::uint32_t faceOfVertex(std::uint32_t vertex) const { return m_faceOfVertex[vertex]; }
 	bool isClosed() const { return m_kind == Kind::kClosed; }
 	bool isHalfSpace() const { return m_kind == Kind::kHalfSpace; }
-	// Of a node of this level: vertices and convex edges of its faces, and the faces (first, count).
+	// Of a node of this level: the vertices of its faces, the faces (first, count) with their corners among those, and its
+	// convex edges with theirs.
+	using FaceCorners = std::array<std::uint16_t, 3>;
+	struct NodeEdge
+	{
+		std::uint32_t edge;
+		std::uint16_t from, to;
+	};
 	Span<std::uint32_t> verticesOf(std::uint32_t node) const { return of(m_nodeVertices, m_firstVertexOf, node); }
-	Span<std::uint32_t> edgesOf(std::uint32_t node) const { return of(m_nodeEdges, m_firstEdgeOf, node); }
+	Span<NodeEdge> edgesOf(std::uint32_t node) const { return of(m_nodeEdges, m_firstEdgeOf, node); }
+	Span<FaceCorners> faceCornersOf(std::uint32_t node) const { return of(m_faceCorners, m_firstFaceOf, node); }
 	std::uint32_t firstFaceOf(std::uint32_t node) const { return m_firstFaceOf[node - m_firstNode]; }
 	std::uint32_t faceCountOf(std::uint32_t node) const
 	{
@@ -100,8 +108,8 @@ private:
 		Vec3 low, high;
 		std::uint32_t first, count;  // faces in m_order; count 0: the two boxes from `first`
 	};
-	Span<std::uint32_t> of(const std::vector<std::uint32_t>& list, const std::vector<std::uint32_t>& first,
-						   std::uint32_t node) const
+	template <class T>
+	Span<T> of(const std::vector<T>& list, const std::vector<std::uint32_t>& first, std::uint32_t node) const
 	{
 		const std::uint32_t i = node - m_firstNode;
 		return {list.data() + first[i], first[i + 1] - first[i]};
@@ -115,8 +123,8 @@ private:
 	void findFans();
 	void findEdges();
 	void listNodes(const std::vector<std::uint32_t>& firstFaceOfNode);
-	void buildTree();
-	void split(std::uint32_t box, std::uint32_t first, std::uint32_t count);
+	void buildTree() const;
+	void split(std::uint32_t box, std::uint32_t first, std::uint32_t count) const;
 	Vec3 pseudonormalAt(std::uint32_t face, int feature) const;
 
 	std::vector<Vec3> m_vertices, m_pseudonormals, m_fans;
@@ -126,9 +134,13 @@ private:
 	std::vector<SurfaceEdge> m_edges;
 	Kind m_kind = Kind::kClosed;
 	std::uint32_t m_firstNode = 0;  // of the level, in the hierarchy
-	std::vector<std::uint32_t> m_nodeVertices, m_firstVertexOf, m_nodeEdges, m_firstEdgeOf, m_firstFaceOf;
-	std::vector<TreeBox> m_boxes;
-	std::vector<std::uint32_t> m_order;
+	std::vector<std::uint32_t> m_nodeVertices, m_firstVertexOf, m_firstEdgeOf, m_firstFaceOf;
+	std::vector<NodeEdge> m_nodeEdges;
+	std::vector<FaceCorners> m_faceCorners;
+	// Only overlaps ask for them.
+	mutable std::once_flag m_treeMade;
+	mutable std::vector<TreeBox> m_boxes;
+	mutable std::vector<std::uint32_t> m_order;
 };
 
 // All levels of a hierarchy, each made when first asked for. Kept with it (Hierarchy::derived).

@@ -33,9 +33,16 @@ void DeepOverlap::probe(const FacetQuestion& q, const Contact& contact, bool ofA
 	const ContactSurface& other = ofA ? q.b.surface(q.b.levelOf(contact.nodeB))
 									  : q.a.surface(q.a.levelOf(contact.nodeA));
 	const Transform bFromA = inverse(q.aFromB);
+	// What is inside near the other's patch is under all of its faces, as patches are convex.
+	const std::uint32_t otherNode = ofA ? contact.nodeB : contact.nodeA;
+	const SurfaceFace* const firstFace = &other.faces()[other.firstFaceOf(otherNode)];
+	const SurfaceFace* const lastFace = firstFace + other.faceCountOf(otherNode);
+	const double slack = kLeastDepth * q.length();
 	const auto look = [&](const Vec3& place)
 	{
 		const Vec3 there = ofA ? bFromA * place : q.aFromB * place;
+		for (const SurfaceFace* face = firstFace; face != lastFace; ++face)
+			if (dot(face->normal, there) > face->offset + slack) return;
 		const ContactSurface::Nearest near = other.nearest(there, std::numeric_limits<double>::infinity());
 		if (near.distance > -kLeastDepth * q.length()) return;
 		const Vec3 way = near.point - there;

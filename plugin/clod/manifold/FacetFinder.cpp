@@ -10,24 +10,7 @@ namespace clod
 namespace
 {
 constexpr double kFar = std::numeric_limits<double>::infinity();
-const Vec3 kNowhereLow{kFar, kFar, kFar}, kNowhereHigh{-kFar, -kFar, -kFar};
-
 constexpr std::size_t kLeastTable = 256;
-
-void grow(Vec3& low, Vec3& high, const Vec3& p)
-{
-	for (int k = 0; k < 3; ++k)
-	{
-		low[k] = std::min(low[k], p[k]);
-		high[k] = std::max(high[k], p[k]);
-	}
-}
-
-bool meet(const Vec3& lowA, const Vec3& highA, const Vec3& lowB, const Vec3& highB, double reach)
-{
-	return lowA.x <= highB.x + reach && lowB.x <= highA.x + reach && lowA.y <= highB.y + reach &&
-		   lowB.y <= highA.y + reach && lowA.z <= highB.z + reach && lowB.z <= highA.z + reach;
-}
 
 bool isLowest(Span<Vec3> fan, const Vec3& up, double slack)
 {
@@ -47,7 +30,8 @@ void FacetFinder::find(const FacetQuestion& question, const std::vector<Contact>
 	m_question = &question;
 	m_facets = &facets;
 	m_bFromA = inverse(question.aFromB);
-	m_bFromAThen = inverse(question.aFromBThen);
+	m_nodesA.start(question, contacts, true);
+	m_nodesB.start(question, contacts, false);
 	m_motion = question.rules.motion();
 	m_turn = length(m_motion.angular) * m_motion.timeStep;
 	m_table.assign(std::max<std::size_t>(m_table.size(), kLeastTable), kNone);
@@ -96,120 +80,43 @@ void FacetFinder::add(Facet& facet)
 void FacetFinder::findPair(const Contact& contact)
 {
 	const FacetQuestion& q = *m_question;
-	const std::uint32_t levelA = q.a.levelOf(contact.nodeA), levelB = q.b.levelOf(contact.nodeB);
+	const MovedNode &nodeA = m_nodesA.of(contact.nodeA), &nodeB = m_nodesB.of(contact.nodeB);
 	const bool mayOverlap = contact.upper <= 0;
-	m_pair = {&q.a.surface(levelA), &q.b.surface(levelB), contact.nodeA, contact.nodeB, levelA, levelB, 0,
-			  mayOverlap ? kFar : 2 * kInnerShare * q.length(), mayOverlap ? q.a.thicknessOf(contact.nodeA) + q.b.thicknessOf(contact.nodeB) : 0};
-	gather(contact);
-	verticesOverFaces(true);
-	verticesOverFaces(false);
-	edgesOverEdges();
+	m_pair = {&q.a.surface(nodeA.level), &q.b.surface(nodeB.level), contact.nodeA, contact.nodeB, nodeA.level, nodeB.level};
+	m_pair.roam = 0.5 * nodeB.displaced;
+	m_pair.deepest = mayOverlap ? kFar : 2 * kInnerShare * q.length();
+	m_pair.reach = q.touching() + kFootShare * q.length() + m_pair.roam;
+	if (mayOverlap) m_pair.reach += q.a.thicknessOf(contact.nodeA) + q.b.thicknessOf(contact.nodeB);
+	gather(nodeA, nodeB);
+	for (const MovedCorner* corner : m_cornersA)
+		for (const std::uint32_t face : m_facesB) vertexOverFace(*corner, face, true);
+	for (const MovedCorner* corner : m_cornersB)
+		for (const std::uint32_t face : m_facesA) vertexOverFace(*corner, face, false);
+	for (const MovedEdge* edgeA : m_edgesA)
+		for (const MovedEdge* edgeB : m_edgesB)
+			if (edgeA->box.meets(edgeB->box, m_pair.reach)) edgeOverEdge(*edgeA, *edgeB);
 }
 
-// What of either node comes near the other in the step: by boxes, and by what lies between the hulls.
-void FacetFinder::gather(const Contact& contact)
+// What of either node comes near the other in the step.
+void FacetFinder::gather(const MovedNode& nodeA, const MovedNode& nodeB)
 {
-	const ContactSurface &a = *m_pair.a, &b = *m_pair.b;
-	const FacetQuestion& q = *m_question;
-	Vec3 lowA = kNowhereLow, highA = kNowhereHigh, lowB = kNowhereLow, highB = kNowhereHigh;
-	const std::uint32_t firstA = a.firstFaceOf(m_pair.nodeA), lastA = firstA + a.faceCountOf(m_pair.nodeA);
-	for (std::uint32_t f = firstA; f < lastA; ++f)
-		for (const std::uint32_t v : a.faces()[f].vertex) grow(lowA, highA, a.vertices()[v]);
-	const std::uint32_t firstB = b.firstFaceOf(m_pair.nodeB), lastB = firstB + b.faceCountOf(m_pair.nodeB);
-	m_facesB.clear();
-	double displaced = 0;
-	for (std::uint32_t f = firstB; f < lastB; ++f)
-		for (const std::uint32_t v : b.faces()[f].vertex)
-			displaced = std::max(displaced, lengthSquared(q.aFromBThen * b.vertices()[v] - q.aFromB * b.vertices()[v]));
-	m_pair.roam = 0.5 * std::sqrt(displaced);
-	const double reach = q.touching() + kFootShare * q.length() + m_pair.beneath + m_pair.roam;
-	// Between hulls that are apart what is far from the other along the way between them is far from it.
-	const bool isApart = contact.lower > 0 && contact.normal != Vec3{};
-	const double along = kPathReach * 2 * m_pair.roam + reach;
-	const double highestA = dot(contact.normal, contact.pointOnB) + along,
-				 lowestB = dot(contact.normal, contact.pointOnA) - along;
-	const auto isFarA = [&](const Vec3& p) { return isApart && dot(contact.normal, p) > highestA; };
-	const auto isFarB = [&](const Vec3& now) { return isApart && dot(contact.normal, now) < lowestB; };
-	for (std::uint32_t f = firstB; f < lastB; ++f)
+	const auto gatherOf = [reach = m_pair.reach](const MovedNode& node, const Box& other,
+												 std::vector<const MovedCorner*>& corners,
+												 std::vector<const MovedEdge*>& edges,
+												 std::vector<std::uint32_t>& faces)
 	{
-		Vec3 low = kNowhereLow, high = kNowhereHigh;
-		bool isFar = true;
-		for (const std::uint32_t v : b.faces()[f].vertex)
-		{
-			const Vec3 &p = b.vertices()[v], now = q.aFromB * p;
-			isFar = isFar && isFarB(now);
-			grow(low, high, now);
-			grow(low, high, now + kPathReach * (q.aFromBThen * p - now));
-		}
-		if (isFar) continue;
-		grow(lowB, highB, low);
-		grow(lowB, highB, high);
-		if (meet(low, high, lowA, highA, reach)) m_facesB.push_back(f);
-	}
-	m_facesA.clear();
-	m_verticesA.clear();
-	m_verticesB.clear();
-	m_edgesA.clear();
-	m_edgesB.clear();
-	if (m_facesB.empty()) return;
-	for (std::uint32_t f = firstA; f < lastA; ++f)
-	{
-		Vec3 low = kNowhereLow, high = kNowhereHigh;
-		bool isFar = true;
-		for (const std::uint32_t v : a.faces()[f].vertex)
-		{
-			grow(low, high, a.vertices()[v]);
-			isFar = isFar && isFarA(a.vertices()[v]);
-		}
-		if (!isFar && meet(low, high, lowB, highB, reach)) m_facesA.push_back(f);
-	}
-	for (const std::uint32_t v : a.verticesOf(m_pair.nodeA))
-	{
-		const Vec3& p = a.vertices()[v];
-		if (!isFarA(p) && meet(p, p, lowB, highB, reach)) m_verticesA.push_back({m_bFromA * p, m_bFromAThen * p, v});
-	}
-	for (const std::uint32_t v : b.verticesOf(m_pair.nodeB))
-	{
-		const MovedVertex moved{q.aFromB * b.vertices()[v], q.aFromBThen * b.vertices()[v], v};
-		if (isFarB(moved.now)) continue;
-		Vec3 low = kNowhereLow, high = kNowhereHigh;
-		grow(low, high, moved.now);
-		grow(low, high, moved.now + kPathReach * (moved.then - moved.now));
-		if (meet(low, high, lowA, highA, reach)) m_verticesB.push_back(moved);
-	}
-	for (const std::uint32_t e : a.edgesOf(m_pair.nodeA))
-	{
-		Vec3 low = kNowhereLow, high = kNowhereHigh;
-		bool isFar = true;
-		for (const std::uint32_t v : a.edges()[e].vertex)
-		{
-			grow(low, high, a.vertices()[v]);
-			isFar = isFar && isFarA(a.vertices()[v]);
-		}
-		if (!isFar && meet(low, high, lowB, highB, reach)) m_edgesA.push_back(e);
-	}
-	for (const std::uint32_t e : b.edgesOf(m_pair.nodeB))
-	{
-		const SurfaceEdge& edge = b.edges()[e];
-		MovedEdge moved;
-		moved.index = e;
-		bool isFar = true;
-		moved.low = kNowhereLow;
-		moved.high = kNowhereHigh;
-		for (const std::uint32_t v : edge.vertex)
-		{
-			const Vec3 &p = b.vertices()[v], now = q.aFromB * p;
-			grow(moved.low, moved.high, now);
-			grow(moved.low, moved.high, now + kPathReach * (q.aFromBThen * p - now));
-			isFar = isFar && isFarB(now);
-		}
-		if (isFar || !meet(moved.low, moved.high, lowA, highA, reach)) continue;
-		moved.start = q.aFromB * b.vertices()[edge.vertex[0]];
-		moved.thenStart = q.aFromBThen * b.vertices()[edge.vertex[0]];
-		moved.direction = q.aFromB.rotation * edge.direction;
-		moved.thenDirection = q.aFromBThen.rotation * edge.direction;
-		m_edgesB.push_back(moved);
-	}
+		corners.clear();
+		edges.clear();
+		faces.clear();
+		for (const MovedCorner& corner : node.corners)
+			if (corner.box.meets(other, reach)) corners.push_back(&corner);
+		for (const MovedEdge& edge : node.edges)
+			if (edge.box.meets(other, reach)) edges.push_back(&edge);
+		for (std::uint32_t f = 0; f < node.faces.size(); ++f)
+			if (node.faces[f].meets(other, reach)) faces.push_back(node.firstFace + f);
+	};
+	gatherOf(nodeA, nodeB.box, m_cornersA, m_edgesA, m_facesA);
+	gatherOf(nodeB, nodeA.box, m_cornersB, m_edgesB, m_facesB);
 }
 
 // Of facets that contacts may lead to, when their motion as predicted closes by so much.
@@ -218,14 +125,8 @@ double FacetFinder::highest(double closing) const
 	return m_question->touching() + m_pair.roam + 0.5 * closing;
 }
 
-void FacetFinder::verticesOverFaces(bool vertexIsOfA)
-{
-	for (const MovedVertex& vertex : vertexIsOfA ? m_verticesA : m_verticesB)
-		for (const std::uint32_t face : vertexIsOfA ? m_facesB : m_facesA) vertexOverFace(vertex, face, vertexIsOfA);
-}
-
 // In the face's frame.
-void FacetFinder::vertexOverFace(const MovedVertex& vertex, std::uint32_t faceIndex, bool vertexIsOfA)
+void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t faceIndex, bool vertexIsOfA)
 {
 	const FacetQuestion& q = *m_question;
 	const ContactSurface& faces = vertexIsOfA ? *m_pair.b : *m_pair.a;
@@ -296,23 +197,10 @@ void FacetFinder::vertexOverFace(const MovedVertex& vertex, std::uint32_t faceIn
 	add(facet);
 }
 
-void FacetFinder::edgesOverEdges()
-{
-	const ContactSurface& a = *m_pair.a;
-	const double reach = m_question->touching() + m_pair.beneath + m_pair.roam + kFootShare * m_question->length();
-	for (const std::uint32_t e : m_edgesA)
-	{
-		const SurfaceEdge& edge = a.edges()[e];
-		Vec3 low = kNowhereLow, high = kNowhereHigh;
-		for (const std::uint32_t v : edge.vertex) grow(low, high, a.vertices()[v]);
-		for (const MovedEdge& moved : m_edgesB)
-			if (meet(low, high, moved.low, moved.high, reach)) edgeOverEdge(edge, moved);
-	}
-}
-
-void FacetFinder::edgeOverEdge(const SurfaceEdge& edge, const MovedEdge& moved)
+void FacetFinder::edgeOverEdge(const MovedEdge& still, const MovedEdge& moved)
 {
 	const FacetQuestion& q = *m_question;
+	const SurfaceEdge& edge = m_pair.a->edges()[still.index];
 	const SurfaceEdge& other = m_pair.b->edges()[moved.index];
 	Vec3 normal = cross(edge.direction, moved.direction);
 	const double sine = length(normal);
@@ -376,7 +264,7 @@ void FacetFinder::edgeOverEdge(const SurfaceEdge& edge, const MovedEdge& moved)
 	}
 	if (!counts) return;
 	facet.kind = Facet::Kind::kEdgeEdge;
-	facet.featureA = std::uint32_t(&edge - m_pair.a->edges().data());
+	facet.featureA = still.index;
 	facet.featureB = moved.index;
 	facet.faceA = edge.face[0];
 	facet.faceB = other.face[0];

@@ -7,8 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "clod/manifold/Facet.h"
-#include "clod/query/Query.h"
+#include "clod/manifold/MovedNode.h"
 
 namespace clod
 {
@@ -20,43 +19,33 @@ public:
 	void find(const FacetQuestion& question, const std::vector<Contact>& contacts, std::vector<Facet>& facets);
 
 private:
-	struct MovedVertex
-	{
-		Vec3 now, then;
-		std::uint32_t index;
-	};
-	struct MovedEdge
-	{
-		Vec3 start, direction, thenStart, thenDirection, low, high;
-		std::uint32_t index;
-	};
 	struct Pair
 	{
 		const ContactSurface *a, *b;
 		std::uint32_t nodeA, nodeB, levelA, levelB;
-		double roam;     // half of what the step's motion displaces at most: so far from its middle contacts may lead
-		double deepest;  // overlaps beyond are not looked for
-		double beneath;  // how far beneath their faces what is inside may be
+		double roam = 0;     // half of what the step's motion displaces at most: so far from its middle contacts may lead
+		double deepest = 0;  // overlaps beyond are not looked for
+		double reach = 0;    // how far apart features may be
 	};
 	void findPair(const Contact& contact);
-	void gather(const Contact& contact);
+	void gather(const MovedNode& nodeA, const MovedNode& nodeB);
 	double highest(double closing) const;
-	void verticesOverFaces(bool vertexIsOfA);
-	void vertexOverFace(const MovedVertex& vertex, std::uint32_t face, bool vertexIsOfA);
-	void edgesOverEdges();
-	void edgeOverEdge(const SurfaceEdge& edge, const MovedEdge& moved);
+	void vertexOverFace(const MovedCorner& vertex, std::uint32_t face, bool vertexIsOfA);
+	void edgeOverEdge(const MovedEdge& still, const MovedEdge& moved);
 	std::size_t slotOf(const Facet& facet) const;
 	void add(Facet& facet);
 
 	const FacetQuestion* m_question = nullptr;
 	std::vector<Facet>* m_facets = nullptr;
-	Transform m_bFromA, m_bFromAThen;
+	Transform m_bFromA;
 	RelativeMotion m_motion;  // of A's material relative to B's
 	double m_turn = 0;  // of B relative to A in the step
-	Pair m_pair{};
-	std::vector<MovedVertex> m_verticesA, m_verticesB;  // in the other's frame
-	std::vector<std::uint32_t> m_facesA, m_facesB, m_edgesA;
-	std::vector<MovedEdge> m_edgesB;
+	Pair m_pair;
+	MovedNodes m_nodesA, m_nodesB;
+	// Of the pair, those that come near the other node.
+	std::vector<const MovedCorner*> m_cornersA, m_cornersB;
+	std::vector<const MovedEdge*> m_edgesA, m_edgesB;
+	std::vector<std::uint32_t> m_facesA, m_facesB;
 	std::vector<std::uint32_t> m_table;  // of the facets, by what makes them; open, a power of two
 };
 }  // namespace clod

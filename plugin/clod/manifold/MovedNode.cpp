@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Zlib
+#include "clod/manifold/MovedNode.h"
+
+namespace clod
+{
+void MovedNodes::start(const FacetQuestion& question, const std::vector<Contact>& contacts, bool isA)
+{
+	m_question = &question;
+	m_isA = isA;
+	m_otherFromThis = isA ? inverse(question.aFromB) : question.aFromB;
+	m_otherFromThisThen = isA ? inverse(question.aFromBThen) : question.aFromBThen;
+	m_nodes.clear();
+	for (const Contact& contact : contacts) m_nodes.push_back(isA ? contact.nodeA : contact.nodeB);
+	std::sort(m_nodes.begin(), m_nodes.end());
+	m_nodes.erase(std::unique(m_nodes.begin(), m_nodes.end()), m_nodes.end());
+	if (m_moved.size() < m_nodes.size()) m_moved.resize(m_nodes.size());
+	for (std::size_t i = 0; i < m_nodes.size(); ++i) m_moved[i].node = kNone;
+}
+
+const MovedNode& MovedNodes::of(std::uint32_t node)
+{
+	const auto at = std::lower_bound(m_nodes.begin(), m_nodes.end(), node) - m_nodes.begin();
+	MovedNode& moved = m_moved[std::size_t(at)];
+	if (moved.node != node) move(moved, node);
+	return moved;
+}
+
+void MovedNodes::move(MovedNode& moved, std::uint32_t node)
+{
+	const ContactBody& body = m_isA ? m_question->a : m_question->b;
+	moved.node = node;
+	moved.level = body.levelOf(node);
+	const ContactSurface& surface = body.surface(moved.level);
+	const Span<std::uint32_t> vertices = surface.verticesOf(node);
+	moved.corners.clear();
+	moved.edges.clear();
+	moved.faces.clear();
+	m_now.clear();
+	m_then.clear();
+	m_boxes.clear();
+	double displaced = 0;
+	for (const std::uint32_t v : vertices)
+	{
+		const Vec3& own = surface.vertices()[v];
+		const Vec3 now = m_otherFromThis * own, then = m_otherFromThisThen * own;
+		m_now.push_back(m_isA ? own : now);
+		m_then.push_back(m_isA ? own : then);
+		displaced = std::max(displaced, lengthSquared(then - now));
+		Box box{m_now.back(), m_now.back()};
+		box.add(m_now.back() + kPathReach * (m_then.back() - m_now.back()));
+		if (m_boxes.empty()) moved.box = box;
+		moved.box.add(box);
+		m_boxes.push_back(box);
+		if (surface.isCorner(v)) moved.corners.push_back({now, then, v, box});
+	}
+	moved.displaced = std::sqrt(displaced);
+	moved.firstFace = surface.firstFaceOf(node);
+	for (const ContactSurface::FaceCorners& corners : surface.faceCornersOf(node))
+	{
+		Box box = m_boxes[corners[0]];
+		box.add(m_boxes[corners[1]]);
+		box.add(m_boxes[corners[2]]);
+		moved.faces.push_back(box);
+	}
+	for (const ContactSurface::NodeEdge& edge : surface.edgesOf(node))
+	{
+		const Vec3& direction = surface.edges()[edge.edge].direction;
+		MovedEdge at;
+		at.index = edge.edge;
+		at.start = m_now[edge.from];
+		at.thenStart = m_then[edge.from];
+		at.direction = m_isA ? direction : m_question->aFromB.rotation * direction;
+		at.thenDirection = m_isA ? direction : m_question->aFromBThen.rotation * direction;
+		at.box = m_boxes[edge.from];
+		at.box.add(m_boxes[edge.to]);
+		moved.edges.push_back(at);
+	}
+}
+}  // namespace clod

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Zlib
+// Corners, edges and faces of a node where they are and where the coming step carries them, with a box round each. A node
+// lies beside many others: what is worked out of it serves a whole dispatch.
+#pragma once
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "clod/manifold/Facet.h"
+#include "clod/query/Query.h"
+
+namespace clod
+{
+struct Box
+{
+	Vec3 low, high;
+	void add(const Vec3& p)
+	{
+		low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+		high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+	}
+	void add(const Box& box)
+	{
+		add(box.low);
+		add(box.high);
+	}
+	bool meets(const Box& other, double reach) const
+	{
+		return low.x <= other.high.x + reach && other.low.x <= high.x + reach && low.y <= other.high.y + reach &&
+			   other.low.y <= high.y + reach && low.z <= other.high.z + reach && other.low.z <= high.z + reach;
+	}
+};
+
+// Boxes are in frame A, over the step as far ahead as contacts are looked for (kPathReach).
+struct MovedCorner
+{
+	Vec3 now, then;  // in the other body's frame
+	std::uint32_t index;
+	Box box;
+};
+struct MovedEdge
+{
+	Vec3 start, direction, thenStart, thenDirection;  // frame A
+	std::uint32_t index;
+	Box box;
+};
+struct MovedNode
+{
+	std::uint32_t node = kNone, level = 0, firstFace = 0;
+	double displaced = 0;  // the farthest that one of its points goes in the step, as predicted
+	Box box;
+	std::vector<MovedCorner> corners;
+	std::vector<MovedEdge> edges;
+	std::vector<Box> faces;
+};
+
+// The nodes of one body that a dispatch looks at.
+class MovedNodes
+{
+public:
+	// The nodes on side A or B of the contacts.
+	void start(const FacetQuestion& question, const std::vector<Contact>& contacts, bool isA);
+	// Precondition: one of them.
+	const MovedNode& of(std::uint32_t node);
+
+private:
+	void move(MovedNode& moved, std::uint32_t node);
+
+	const FacetQuestion* m_question = nullptr;
+	bool m_isA = false;
+	Transform m_otherFromThis, m_otherFromThisThen;
+	std::vector<std::uint32_t> m_nodes;  // sorted, each once
+	std::vector<MovedNode> m_moved;      // as many, or more; buffers are kept
+	std::vector<Vec3> m_now, m_then;     // of a node's vertices, frame A
+	std::vector<Box> m_boxes;
+};
+}  // namespace clod
