@@ -114,8 +114,8 @@ TEST(WrittenPoints, NameTheFaceAndTheLevelOfEachBodyThatTheyLieOn)
 					coarse += levelOfRing > 1;
 				}
 		}
-	EXPECT_GE(points, 4 * 4);
-	EXPECT_GE(coarse, 2 * 4);  // not to be taken for the plate's, or for the number of a child
+	EXPECT_GE(points, 3 * 4);
+	EXPECT_GE(coarse, 2 * 3);  // not to be taken for the plate's, or for the number of a child
 }
 
 TEST(WrittenPoints, OutsideSeesAPlantedFault)

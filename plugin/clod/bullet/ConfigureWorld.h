@@ -15,8 +15,8 @@ struct WorldSettings
 	// impulse).
 	double erp = 0.2, erp2 = 0.8;
 	// Overlaps deeper than the negative of it, in Bullet's lengths, are pushed out by split impulse; the others by
-	// velocity, which stays as energy.
-	double splitImpulsePenetrationThreshold = 0;
+	// velocity, which stays as energy. Below -kTokenOverlap (SolverTerms.h): contacts of turning bodies need velocities.
+	double splitImpulsePenetrationThreshold = -1e-6;
 };
 
 // Sets the solver of `world`; call it before the first step. Besides the settings: two friction directions, as one
