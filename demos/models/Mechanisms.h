@@ -24,9 +24,9 @@ const std::vector<ModelMaker>& mechanismParts();
 ModelMaker mechanismPart(const std::string& name);
 
 // Flanged pins and what turns on them: the hole's radius, its plate's thickness, and the room between the flanges.
-constexpr double PIN_RADIUS = 0.010, PIN_PLAY = 0.0001, PIN_AXIAL_PLAY = 0.0001;
-constexpr double FLANGE_RADIUS = 0.014, FLANGE_THICKNESS = 0.003;
-constexpr double ARM_THICKNESS = 0.010, ARM_LENGTH = 0.100, ARM_HALF_WIDTH = 0.016;
+constexpr double PIN_RADIUS = 0.1, PIN_PLAY = 0.001, PIN_AXIAL_PLAY = 0.001;
+constexpr double FLANGE_RADIUS = 0.14, FLANGE_THICKNESS = 0.03;
+constexpr double ARM_THICKNESS = 0.1, ARM_LENGTH = 1.0, ARM_HALF_WIDTH = 0.16;
 constexpr double SHAFT_LENGTH = ARM_THICKNESS + 2 * PIN_AXIAL_PLAY;
 // pin: its shaft's middle is the origin. arm: a hole at the origin, a round end at (0, -ARM_LENGTH). arm-with-pin: at
 // that end a pin, on whose shaft a second arm's middle plane is ARM_TO_ARM in front of the first one's.
@@ -35,9 +35,9 @@ constexpr double ARM_TO_ARM = ARM_THICKNESS / 2 + SHAFT_LENGTH / 2;
 // crank: a disc, its centre of mass on the z axis, its pin at (0, CRANK_THROW). rod: holes at the origin and (0,
 // ROD_LENGTH). piston: a block with the pin at the origin. The rod's middle plane is PISTON_TO_ROD and CRANK_TO_ROD in
 // front of theirs. bore: a square tube along z for the piston, from 0 to BORE_LENGTH.
-constexpr double CRANK_THROW = 0.020, CRANK_RADIUS = 0.036, CRANK_THICKNESS = 0.008, ROD_LENGTH = 0.080;
-constexpr double PISTON_WIDTH = 0.040, PISTON_DEPTH = 0.030, PISTON_BELOW = 0.010, PISTON_ABOVE = 0.090;
-constexpr double BORE_PLAY = 0.0001, BORE_LENGTH = 0.060, BORE_WALL = 0.006;
+constexpr double CRANK_THROW = 0.2, CRANK_RADIUS = 0.36, CRANK_THICKNESS = 0.08, ROD_LENGTH = 0.8;
+constexpr double PISTON_WIDTH = 0.4, PISTON_DEPTH = 0.3, PISTON_BELOW = 0.1, PISTON_ABOVE = 0.9;
+constexpr double BORE_PLAY = 0.001, BORE_LENGTH = 0.6, BORE_WALL = 0.06;
 constexpr double PISTON_TO_ROD = PISTON_DEPTH / 2 + SHAFT_LENGTH / 2;
 constexpr double CRANK_TO_ROD = CRANK_THICKNESS / 2 + SHAFT_LENGTH / 2;
 

@@ -12,7 +12,7 @@ namespace
 {
 namespace constant
 {
-constexpr double armMass = 0.1;
+constexpr double armMass = 10;
 constexpr double firstAngle = kPi / 2, secondAngle = kPi / 2 + 0.3;  // from hanging
 constexpr int steps = 1200;
 }  // namespace constant
@@ -40,8 +40,8 @@ SceneDefinition doublePendulum()
 	info.tolerance = 0.01 * FLANGE_RADIUS;
 	info.thinnerWall = FLANGE_THICKNESS;
 	info.steps = constant::steps;
-	info.overview = {{0, -0.02, 0}, 0.24, 20, 15, -1, ""};
-	info.closeUp = {{0, -ARM_LENGTH, 0}, 0.05, 30, 20, 1, "close-up of the second pin"};
+	info.overview = {{0, -0.2, 0}, 2.4, 20, 15, -1, ""};
+	info.closeUp = {{0, -ARM_LENGTH, 0}, 0.5, 30, 20, 1, "close-up of the second pin"};
 	info.outcome = {{"first_pin_off_axis", "m"}, {"second_pin_off_axis", "m"}};
 	const Pose upper = turnedAbout({0, 0, 1}, constant::firstAngle);
 	const Vec3 pin = toTransform(upper) * Vec3{0, -ARM_LENGTH, ARM_TO_ARM};

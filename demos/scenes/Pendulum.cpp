@@ -12,7 +12,7 @@ namespace
 {
 namespace constant
 {
-constexpr double armMass = 0.1;
+constexpr double armMass = 10;
 constexpr double startAngle = kPi / 2;  // from hanging
 constexpr int steps = 1200;
 }  // namespace constant
@@ -45,8 +45,8 @@ SceneDefinition pendulum()
 	info.tolerance = 0.01 * FLANGE_RADIUS;
 	info.thinnerWall = FLANGE_THICKNESS;
 	info.steps = constant::steps;
-	info.overview = {{0, -0.03, 0}, 0.110, 20, 15, -1, ""};
-	info.closeUp = {{0, 0, 0}, 0.022, 30, 20, -1, "close-up of the pin, through the arm"};
+	info.overview = {{0, -0.3, 0}, 1.10, 20, 15, -1, ""};
+	info.closeUp = {{0, 0, 0}, 0.22, 30, 20, -1, "close-up of the pin, through the arm"};
 	info.outcome = {{"swing_energy_left", ""},
 					{"swing_angle", "rad", true},
 					{"pin_off_axis", "m"},  // with PIN_PLAY it touches

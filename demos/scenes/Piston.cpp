@@ -12,9 +12,9 @@ namespace
 {
 namespace constant
 {
-constexpr double crankMass = 0.5, rodMass = 0.05, pistonMass = 0.2, friction = 0.3;
-constexpr double startTurning = 12;  // rad/s
-constexpr double boreLow = 0.120;    // above the crank's axis
+constexpr double crankMass = 50, rodMass = 5, pistonMass = 20, friction = 0.3;
+constexpr double startTurning = 4;   // rad/s
+constexpr double boreLow = 1.20;    // above the crank's axis
 constexpr int steps = 1200;
 }  // namespace constant
 
@@ -44,8 +44,8 @@ SceneDefinition piston()
 	info.tolerance = 0.01 * FLANGE_RADIUS;
 	info.thinnerWall = FLANGE_THICKNESS;
 	info.steps = constant::steps;
-	info.overview = {{0, 0.085, 0}, 0.155, 25, 12, -1, ""};
-	info.closeUp = {{0, CRANK_THROW, 0}, 0.045, 30, 15, 0, "close-up of the crank's pin"};
+	info.overview = {{0, 0.85, 0}, 1.55, 25, 12, -1, ""};
+	info.closeUp = {{0, CRANK_THROW, 0}, 0.45, 30, 15, 0, "close-up of the crank's pin"};
 	info.outcome = {
 		{"crank_pin_off_axis", "m"}, {"piston_pin_off_axis", "m"}, {"piston_aside", "m"}, {"piston_height", "m"}};
 	// The crank's pin is level with its axis, to the left.
@@ -59,7 +59,7 @@ SceneDefinition piston()
 		{constant::rodMass, turnedAbout({0, 0, 1}, lean, {-CRANK_THROW, 0, PISTON_TO_ROD}), {}, {0, -down, 0}},
 		{constant::pistonMass, {{0, rise, 0}}, {}, {0, -down, 0}},
 		{0, turnedAbout({1, 0, 0}, -kPi / 2, {0, constant::boreLow, 0}), {}}};
-	scene.inPlace = [](std::size_t, const Vec3& center) { return center.y > -CRANK_THROW && center.y < 0.2; };
+	scene.inPlace = [](std::size_t, const Vec3& center) { return center.y > -CRANK_THROW && center.y < 2; };
 	scene.outcome = outcomeOf;
 	scene.constants = {{"start_turning", constant::startTurning, "rad/s"},
 					   {"pin_play", PIN_PLAY, "m, radial"},

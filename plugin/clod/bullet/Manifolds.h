@@ -27,7 +27,6 @@ struct WorldFrame
 	std::uint32_t levelA = 0, levelB = 0;
 	double breakingThreshold = 0;  // world length
 	double timeStep = 0;           // 0: points are for the poses as they are
-	double margin = 0, length = 1;  // of PointRules, world lengths
 	double pushSpeed = 0;           // at which an overlap is left at most, world lengths a second
 };
 

@@ -36,9 +36,7 @@ WorldFrame worldFrame(const PairPose& pose, double pushSpeed, bool aIsFirst, dou
 	frame.worldFromA = pose.worldFromA;
 	frame.scale = pose.scale();
 	frame.timeStep = pose.rules.timeStep;
-	frame.margin = pose.rules.margin * frame.scale;
-	frame.length = pose.rules.length * frame.scale;
-	frame.pushSpeed = pushSpeed * frame.length;
+	frame.pushSpeed = pushSpeed * pose.rules.length * frame.scale;
 	frame.breakingThreshold = kBreakingShare * pose.rules.length * frame.scale + closestPoints;
 	return frame;
 }

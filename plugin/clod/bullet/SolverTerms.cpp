@@ -56,7 +56,9 @@ void setSolverTerms(const ContactPoint& point, const WorldFrame& frame, btManifo
 	const double dt = frame.timeStep, height = point.height * frame.scale, bend = point.bend * frame.scale;
 	if (!(dt > 0)) return;
 	const double row = velocityRow(height, bend);
-	const bool isDepth = height < 0 && !(bend < 0 && height > -frame.margin);
+	// Positions leave an overlap by more than the path bends into it, or velocities have to answer for both: at most twice
+	// what the bend itself asks for.
+	const bool isDepth = height < 0 && -bend < kDepthShare * -height;
 	if (isDepth)
 	{
 		// As much a second whatever the step.

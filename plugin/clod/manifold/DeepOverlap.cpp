@@ -10,6 +10,7 @@ namespace
 {
 constexpr double kLeastDepth = 1e-3;   // of the length: less is the facets' business
 constexpr double kAgreement = 0.3;     // of the mean way's length in that of all ways, from which it is one
+constexpr double kOpposing = 0.3;      // cosine to the pair's direction below which a way is not its own
 constexpr std::size_t kMostProbed = 64;
 constexpr std::size_t kMostWays = 64;
 
@@ -24,7 +25,7 @@ double hullDepth(const ContactSurface& a, const ContactSurface& b, const Transfo
 }
 }  // namespace
 
-// Corners and middles of a node's faces, inside the other body.
+// The deepest of the corners and middles of a node's faces inside the other body.
 void DeepOverlap::probe(const FacetQuestion& q, const Contact& contact, bool ofA)
 {
 	const std::uint32_t node = ofA ? contact.nodeA : contact.nodeB;
@@ -38,28 +39,30 @@ void DeepOverlap::probe(const FacetQuestion& q, const Contact& contact, bool ofA
 	const SurfaceFace* const firstFace = &other.faces()[other.firstFaceOf(otherNode)];
 	const SurfaceFace* const lastFace = firstFace + other.faceCountOf(otherNode);
 	const double slack = kLeastDepth * q.length();
-	const auto look = [&](const Vec3& place)
+	Inside deepest{};
+	const auto look = [&](const Vec3& place, std::uint32_t feature)
 	{
 		const Vec3 there = ofA ? bFromA * place : q.aFromB * place;
 		for (const SurfaceFace* face = firstFace; face != lastFace; ++face)
 			if (dot(face->normal, there) > face->offset + slack) return;
 		const ContactSurface::Nearest near = other.nearest(there, std::numeric_limits<double>::infinity());
-		if (near.distance > -kLeastDepth * q.length()) return;
+		if (near.distance > -kLeastDepth * q.length() || -near.distance <= length(deepest.way)) return;
 		const Vec3 way = near.point - there;
-		m_inside.push_back({ofA ? place : there, ofA ? q.aFromB.rotation * way : -way});
+		deepest = {ofA ? place : there, ofA ? q.aFromB.rotation * way : -way, contact.nodeA, contact.nodeB, feature, ofA};
 	};
 	const std::uint32_t first = own.firstFaceOf(node);
 	for (std::uint32_t f = first; f < first + own.faceCountOf(node); ++f)
 	{
 		const std::array<std::uint32_t, 3>& v = own.faces()[f].vertex;
 		const Vec3 corner[3] = {own.vertices()[v[0]], own.vertices()[v[1]], own.vertices()[v[2]]};
-		look((1.0 / 3) * (corner[0] + corner[1] + corner[2]));
-		for (std::size_t i = 0; i < 3; ++i)
+		look((1.0 / 3) * (corner[0] + corner[1] + corner[2]), 7 * f);
+		for (std::uint32_t i = 0; i < 3; ++i)
 		{
-			look(corner[i]);
-			look(0.5 * (corner[i] + corner[(i + 1) % 3]));
+			look(corner[i], 7 * f + 1 + i);
+			look(0.5 * (corner[i] + corner[(i + 1) % 3]), 7 * f + 4 + i);
 		}
 	}
+	if (deepest.way != Vec3{}) m_inside.push_back(deepest);
 }
 
 Vec3 DeepOverlap::wayOut(const FacetQuestion& q, const std::vector<Contact>& contacts, const Vec3& kept) const
@@ -92,11 +95,12 @@ Vec3 DeepOverlap::wayOut(const FacetQuestion& q, const std::vector<Contact>& con
 	return best;
 }
 
-std::optional<DeepAnswer> DeepOverlap::find(const FacetQuestion& q, const std::vector<Contact>& contacts,
-											const Vec3& kept)
+Vec3 DeepOverlap::find(const FacetQuestion& q, const std::vector<Contact>& contacts, const Vec3& kept,
+					   std::vector<Facet>& facets)
 {
 	m_inside.clear();
-	if (!(q.b.hierarchy != nullptr)) return {};  // a half space's facets tell of any depth, and a sheet has no inside
+	// A half space's facets tell of any depth, and a sheet has no inside.
+	if (q.b.hierarchy == nullptr) return {};
 	std::size_t probed = 0;
 	for (const Contact& contact : contacts)
 	{
@@ -105,16 +109,31 @@ std::optional<DeepAnswer> DeepOverlap::find(const FacetQuestion& q, const std::v
 		probe(q, contact, false);
 	}
 	if (m_inside.empty()) return {};
-	DeepAnswer answer;
-	answer.normal = wayOut(q, contacts, kept);
-	if (answer.normal == Vec3{}) return {};
-	for (const Inside& inside : m_inside)
+	const Vec3 way = wayOut(q, contacts, kept);
+	if (way == Vec3{}) return {};
+	const auto add = [&](const Inside& inside, const Vec3& normal)
 	{
-		answer.depth = std::max(answer.depth, length(inside.way));
-		answer.point += (1.0 / double(m_inside.size())) * inside.point;
-	}
-	answer.nodeA = contacts[0].nodeA;
-	answer.nodeB = contacts[0].nodeB;
-	return answer;
+		Facet facet{};
+		facet.kind = Facet::Kind::kDeep;
+		facet.reach = Facet::Reach::kOverlap;
+		facet.nodeA = inside.nodeA;
+		facet.nodeB = inside.nodeB;
+		facet.levelA = q.a.levelOf(inside.nodeA);
+		facet.levelB = q.b.levelOf(inside.nodeB);
+		facet.featureA = inside.ofA ? inside.feature : inside.nodeA;
+		facet.featureB = inside.ofA ? inside.nodeB : inside.feature;
+		facet.normal = normal;
+		facet.distance = facet.then = -length(inside.way);
+		facet.onA = inside.ofA ? inside.point : inside.point + facet.distance * normal;
+		facet.onB = inside.ofA ? inside.point - facet.distance * normal : inside.point;
+		facets.push_back(facet);
+	};
+	const std::size_t before = facets.size();
+	for (const Inside& inside : m_inside)
+		if (dot(inside.way, way) >= kOpposing * length(inside.way)) add(inside, normalized(inside.way));
+	if (facets.size() > before) return way;
+	const auto isDeeper = [](const Inside& l, const Inside& r) { return length(l.way) < length(r.way); };
+	add(*std::max_element(m_inside.begin(), m_inside.end(), isDeeper), way);
+	return way;
 }
 }  // namespace clod

@@ -1,33 +1,28 @@
 // SPDX-License-Identifier: Zlib
 // A depth that no facet answers: bodies overlap so far that what is inside has lost sight of the surface. One direction
-// for the pair, and one point to push at: the direction kept from the step before, else the mean way out of what is
-// inside, else the shortest way out of the hulls.
+// for the pair, kept from the step before, else the mean way out of what is inside, else the shortest way out of the
+// hulls; and a contact for each place inside whose own way out does not oppose it.
 #pragma once
-#include <optional>
 #include <vector>
 
 #include "clod/manifold/FacetFinder.h"
 
 namespace clod
 {
-struct DeepAnswer
-{
-	Vec3 point, normal;  // from B to A
-	double depth = 0;
-	std::uint32_t nodeA = 0, nodeB = 0;
-};
-
 class DeepOverlap
 {
 public:
-	// Empty where nothing is found inside. kept: a direction to go on with, or zero.
-	std::optional<DeepAnswer> find(const FacetQuestion& question, const std::vector<Contact>& contacts,
-								   const Vec3& kept);
+	// Appends the contacts, and returns the direction, from B to A; zero where nothing is found inside. kept: a direction
+	// to go on with, or zero.
+	Vec3 find(const FacetQuestion& question, const std::vector<Contact>& contacts, const Vec3& kept,
+			  std::vector<Facet>& facets);
 
 private:
 	struct Inside
 	{
-		Vec3 point, way;  // out of B for A's points, and for B's the way A has to go; length: the depth
+		Vec3 point, way;  // frame A; the way A has to go until the place is outside; length: the depth
+		std::uint32_t nodeA, nodeB, feature;
+		bool ofA;
 	};
 	void probe(const FacetQuestion& question, const Contact& contact, bool ofA);
 	Vec3 wayOut(const FacetQuestion& question, const std::vector<Contact>& contacts, const Vec3& kept) const;

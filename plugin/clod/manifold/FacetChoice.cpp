@@ -46,50 +46,35 @@ void FacetChoice::choose(const FacetQuestion& question, std::vector<Facet>& face
 	dropRidges(facets);
 }
 
-// Inside both bodies where the facet's overlap is real; frame A.
-Vec3 FacetChoice::overlapPoint(const Facet& facet) const
-{
-	const FacetQuestion& q = *m_question;
-	const double inner = std::min(kInnerShare * q.length(), 0.5 * std::abs(facet.distance));
-	if (facet.kind == Facet::Kind::kVertexFace)
-		return facet.onA - inner * q.a.surface(facet.levelA).pseudonormal(facet.featureA);
-	if (facet.kind == Facet::Kind::kFaceVertex)
-		return facet.onB -
-			   inner * (q.aFromB.rotation * q.b.surface(facet.levelB).pseudonormal(facet.featureB));
-	const SurfaceEdge& a = q.a.surface(facet.levelA).edges()[facet.featureA];
-	const SurfaceEdge& b = q.b.surface(facet.levelB).edges()[facet.featureB];
-	const Vec3 normal[4] = {a.normal[0], a.normal[1], q.aFromB.rotation * b.normal[0],
-							q.aFromB.rotation * b.normal[1]};
-	const double offset[4] = {dot(normal[0], facet.onA), dot(normal[1], facet.onA), dot(normal[2], facet.onB),
-							  dot(normal[3], facet.onB)};
-	return deepPoint(normal, offset, 0.5 * (facet.onA + facet.onB), std::abs(facet.distance));
-}
-
-// With A moved by the shift.
+// Do the bodies overlap at the facet, with A moved by the shift?
 bool FacetChoice::overlapsAt(const Facet& facet, const Vec3& shift) const
 {
 	const FacetQuestion& q = *m_question;
-	// The point goes with the body whose vertex it is.
-	const bool goesWithA = facet.kind == Facet::Kind::kVertexFace;
-	Vec3 onA = overlapPoint(facet);
-	Vec3 onB = onA;
-	if (goesWithA)
-		onB += shift;
-	else
-		onA -= shift;
-	const ContactSurface& b = q.b.surface(facet.levelB);
+	const ContactSurface &a = q.a.surface(facet.levelA), &b = q.b.surface(facet.levelB);
+	const double inner = std::min(kInnerShare * q.length(), 0.5 * std::abs(facet.distance));
+	const auto isInA = [&](const Vec3& place) { return a.isInside(place - shift); };
+	const auto isInB = [&](const Vec3& place) { return b.isInside(inverse(q.aFromB) * place); };
 	if (!b.isClosed() && !b.isHalfSpace())
 	{
 		// A sheet has no inside: it is crossed where its own point lies inside A, with some of A on either side.
-		const Vec3 place = facet.onB - shift;
-		const Vec3 off = std::min(2 * kInnerShare * q.length(), 0.5 * std::abs(facet.distance)) * facet.normal;
-		const ContactSurface& a = q.a.surface(facet.levelA);
-		return a.isInside(place - off) && a.isInside(place + off);
+		const Vec3 off = std::min(2 * inner, 0.5 * std::abs(facet.distance)) * facet.normal;
+		return isInA(facet.onB - off) && isInA(facet.onB + off);
 	}
-	const bool isInB = b.isInside(inverse(q.aFromB) * onB);
-	if (facet.kind == Facet::Kind::kVertexFace) return isInB;
-	const bool isInA = q.a.surface(facet.levelA).isInside(onA);
-	return facet.kind == Facet::Kind::kFaceVertex ? isInA : isInA && isInB;
+	// Just inside the corner.
+	if (facet.kind == Facet::Kind::kVertexFace)
+		return isInB(facet.onA + shift - inner * a.pseudonormal(facet.featureA));
+	if (facet.kind == Facet::Kind::kFaceVertex)
+		return isInA(facet.onB - inner * (q.aFromB.rotation * b.pseudonormal(facet.featureB)));
+	// Of two edges deep inside what they have in common.
+	const SurfaceEdge& edgeA = a.edges()[facet.featureA];
+	const SurfaceEdge& edgeB = b.edges()[facet.featureB];
+	const Vec3 normal[4] = {edgeA.normal[0], edgeA.normal[1], q.aFromB.rotation * edgeB.normal[0],
+							q.aFromB.rotation * edgeB.normal[1]};
+	const Vec3 onA = facet.onA + shift;
+	const double offset[4] = {dot(normal[0], onA), dot(normal[1], onA), dot(normal[2], facet.onB),
+							  dot(normal[3], facet.onB)};
+	const Vec3 point = deepPoint(normal, offset, 0.5 * (onA + facet.onB), std::abs(facet.distance));
+	return isInA(point) && isInB(point);
 }
 
 // The shortest x with normal . x + distance >= 0 for all planes (Hildreth's row action).

@@ -20,7 +20,6 @@ public:
 
 private:
 	bool overlapsAt(const Facet& facet, const Vec3& shift) const;
-	Vec3 overlapPoint(const Facet& facet) const;
 	Vec3 centerOf(const Facet& facet) const;
 	void dropInner(std::vector<Facet>& facets);
 	void dropRidges(std::vector<Facet>& facets);

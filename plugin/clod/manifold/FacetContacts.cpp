@@ -2,6 +2,8 @@
 #include "clod/manifold/FacetContacts.h"
 
 #include <algorithm>
+#include <cstdio>
+#include <cstdlib>
 
 namespace clod
 {
@@ -26,9 +28,15 @@ void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Trans
 	if (contacts.empty() && !isDeep) return forget();
 	m_question = {a, b, aFromB, aFromBAfter(rules.a, rules.b, aFromB, rules.timeStep), rules};
 	m_finder.find(m_question, contacts, m_facets);
+	if (std::getenv("FACETS")) for (const Facet& f : m_facets) std::printf("  found kind %d reach %d d %g then %g n %g %g %g at %g %g %g f %u %u l %u %u\n", int(f.kind), int(f.reach), f.distance, f.then, f.normal.x, f.normal.y, f.normal.z, f.onA.x, f.onA.y, f.onA.z, f.featureA, f.featureB, f.levelA, f.levelB);
 	m_choice.choose(m_question, m_facets);
 	answerDepth(contacts, isDeep, previous);
 	m_solve.solve(m_question, m_facets);
+	if (std::getenv("FACETS"))
+	{
+		std::printf("%p CONTACTS %zu overlapping %d deep %d wayout %d\n", (void*)this, contacts.size(), int(std::count_if(contacts.begin(), contacts.end(), [](const Contact& c) { return c.upper <= 0; })), isDeep, m_wayOut != Vec3{});
+		for (const Facet& f : m_facets) std::printf("  kind %d reach %d d %g lin %g then %g m %g n %g %g %g at %g %g %g f %u %u\n", int(f.kind), int(f.reach), f.distance, f.linear, f.then, f.multiplier, f.normal.x, f.normal.y, f.normal.z, f.onA.x, f.onA.y, f.onA.z, f.featureA, f.featureB);
+	}
 }
 
 // Bodies overlap, and no facet says how deep: one point with a way out. While it is needed the way stays.
@@ -40,25 +48,14 @@ void FacetContacts::answerDepth(const std::vector<Contact>& contacts, bool isDee
 		std::any_of(m_facets.begin(), m_facets.end(), [](const Facet& f) { return f.distance < 0; });
 	if (!overlap || (isAnswered && m_wayOut == Vec3{})) return forget();
 	const Vec3 kept = m_wayOut != Vec3{} ? m_wayOut : normalized(impulseOf(previous));
-	const std::optional<DeepAnswer> answer = m_deep.find(m_question, contacts, kept);
-	if (!answer) return forget();
-	m_wayOut = answer->normal;
+	m_deepFacets.clear();
+	m_wayOut = m_deep.find(m_question, contacts, kept, m_deepFacets);
+	if (m_wayOut == Vec3{}) return;
 	// What opposes the way would hold the bodies where they are.
 	m_facets.erase(std::remove_if(m_facets.begin(), m_facets.end(),
 								  [&](const Facet& f) { return dot(f.normal, m_wayOut) < kOpposing; }),
 				   m_facets.end());
-	Facet facet{};
-	facet.kind = Facet::Kind::kDeep;
-	facet.reach = Facet::Reach::kOverlap;
-	facet.nodeA = answer->nodeA;
-	facet.nodeB = answer->nodeB;
-	facet.levelA = m_question.a.levelOf(answer->nodeA);
-	facet.levelB = m_question.b.levelOf(answer->nodeB);
-	facet.normal = answer->normal;
-	facet.distance = facet.then = -answer->depth;
-	facet.onA = answer->point - 0.5 * answer->depth * answer->normal;
-	facet.onB = answer->point + 0.5 * answer->depth * answer->normal;
-	m_facets.push_back(facet);
+	m_facets.insert(m_facets.end(), m_deepFacets.begin(), m_deepFacets.end());
 }
 
 void FacetContacts::reduce(const ClusterSet& previous, ClusterSet& next)

@@ -35,7 +35,7 @@ private:
 	void answerDepth(const std::vector<Contact>& contacts, bool isDeep, const ClusterSet& previous);
 
 	FacetQuestion m_question;
-	std::vector<Facet> m_facets;
+	std::vector<Facet> m_facets, m_deepFacets;
 	std::vector<ContactPoint> m_points;
 	FacetFinder m_finder;
 	FacetChoice m_choice;

@@ -28,8 +28,6 @@ Transform aFromBAfter(const PairBody& a, const PairBody& b, const Transform& aFr
 
 double distanceAt(const FacetQuestion& question, const Facet& facet, const Transform& aFromB, const Transform& bFromA)
 {
-	if (facet.kind == Facet::Kind::kDeep)
-		return facet.distance + dot(facet.normal, question.aFromB.translation - aFromB.translation);
 	const ContactSurface &a = question.a.surface(facet.levelA), &b = question.b.surface(facet.levelB);
 	if (facet.kind == Facet::Kind::kVertexFace)
 	{
@@ -149,9 +147,11 @@ void PairSolve::solve(const FacetQuestion& question, std::vector<Facet>& facets)
 		{
 			Facet& facet = facets[i];
 			const Row& row = m_rows[i];
-			facet.then = distanceAt(question, facet, after, back);
 			facet.linear = question.rules.timeStep * (dot(row.normal, m_a.linear - m_b.linear) + dot(row.turnA, m_a.angular) -
 											  dot(row.turnB, m_b.angular));
+			facet.then = facet.distance + facet.linear;
+			if (facet.kind == Facet::Kind::kDeep) continue;
+			facet.then = distanceAt(question, facet, after, back);
 			// A normal turns no faster than the bodies, but that of two edges all but parallel.
 			const double most = bendBound(facet, question.rules.timeStep);
 			facet.then = facet.distance + facet.linear + std::max(-most, std::min(most, facet.curvature()));
