@@ -130,12 +130,13 @@ void ContactReducer::choose()
 }
 
 // Those that go on stay in their group; others fill what is free.
-void ContactReducer::place(const ClusterSet& previous, ClusterSet& next) const
+void ContactReducer::place(const ClusterSet& previous, ClusterSet& next)
 {
 	next.clear();
 	const auto put = [&](std::uint32_t i, std::size_t slot)
 	{
 		ContactCluster& cluster = next.slots[slot];
+		m_facetOf[slot][std::size_t(cluster.count)] = i;
 		ClusterPoint& point = cluster.points[std::size_t(cluster.count++)];
 		point.point = (*m_points)[i];
 		point.previous = m_candidates[i].previous;

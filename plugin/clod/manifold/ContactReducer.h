@@ -17,6 +17,8 @@ public:
 	// points: one a facet, in their order. previous: with placeWithB (carryWithB), and impulses.
 	void reduce(const std::vector<Facet>& facets, const std::vector<ContactPoint>& points, const ClusterSet& previous,
 				double length, ClusterSet& next);
+	// Of which facet the last reduction made a point.
+	std::uint32_t facetOf(std::size_t slot, std::size_t index) const { return m_facetOf[slot][index]; }
 
 private:
 	static constexpr std::uint32_t kMostPoints = kMaxClusters * kClusterPoints;
@@ -30,7 +32,7 @@ private:
 	void match(const ClusterSet& previous);
 	void choose();
 	void take(std::uint32_t i);
-	void place(const ClusterSet& previous, ClusterSet& next) const;
+	void place(const ClusterSet& previous, ClusterSet& next);
 	double distanceBetween(std::uint32_t i, std::uint32_t j) const;
 
 	const std::vector<Facet>* m_facets = nullptr;
@@ -44,5 +46,6 @@ private:
 		std::uint32_t old, candidate;
 	};
 	std::vector<Link> m_links;
+	std::array<std::array<std::uint32_t, kClusterPoints>, kMaxClusters> m_facetOf{};
 };
 }  // namespace clod

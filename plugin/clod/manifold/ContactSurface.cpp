@@ -12,35 +12,8 @@ namespace clod
 {
 namespace
 {
-// Coordinates are stored in float: planes whose vertices agree so well (share of the radius) are one.
-constexpr double kCoplanar = 2e-6;
-constexpr double kCoplanarCosine = 0.9999;  // and their normals
-constexpr double kFlatEdge = 1e-4;          // sine; edges folded less are no features
 constexpr std::uint32_t kLeafFaces = 4;
 
-double angleBetween(const Vec3& a, const Vec3& b)
-{
-	return std::atan2(length(cross(a, b)), dot(a, b));
-}
-
-// Is there a direction with which none of these makes an obtuse angle? If so one is at right angles to two of them, or
-// the guess is one.
-bool fitHalfSpace(Span<Vec3> directions, const Vec3& guess)
-{
-	const auto holds = [&directions](const Vec3& axis)
-	{
-		const double lowest = -1e-3 * length(axis);
-		return std::all_of(directions.begin(), directions.end(), [&](const Vec3& d) { return dot(d, axis) >= lowest; });
-	};
-	if (guess != Vec3{} && holds(guess)) return true;
-	for (std::size_t i = 0; i < directions.size; ++i)
-		for (std::size_t j = 0; j < i; ++j)
-		{
-			const Vec3 axis = cross(directions[i], directions[j]);
-			if (length(axis) > 1e-6 && (holds(axis) || holds(-axis))) return true;
-		}
-	return false;
-}
 }  // namespace
 
 ContactSurface::ContactSurface(const Hierarchy& hierarchy, std::uint32_t levelIndex)
@@ -77,7 +50,11 @@ ContactSurface::ContactSurface(const Vec3& normal, double offset, const Vec3& ne
 	m_isCorner.assign(3, 0);
 	m_faceOfVertex.assign(3, 0);
 	m_firstFan.assign(4, 0);
-	listNodes({0});
+	m_polygonFaces = {0};
+	m_firstPolygonFace = {0, 1};
+	m_firstBorder = {0, 0};
+	m_polygonCenters = {foot};
+	listNodes({0}, {{kNone, kNone, kNone}});
 }
 
 // What follows from faces, vertices and neighbours.
@@ -85,8 +62,8 @@ void ContactSurface::finish(double size, const std::vector<std::uint32_t>& first
 {
 	mergePolygons(size);
 	findFans();
-	findEdges();
-	listNodes(firstFaceOfNode);
+	findEdges(firstFaceOfNode);
+	findBorders();
 }
 
 // Neighbours share vertices; round a corner the walk over neighbours meets all faces that share it.
@@ -217,163 +194,6 @@ void ContactSurface::joinSides()
 	}
 }
 
-// Faces are added to the plane of the polygon's largest face.
-void ContactSurface::mergePolygons(double radius)
-{
-	std::vector<std::uint32_t> bySize(m_faces.size());
-	std::vector<double> area(m_faces.size());
-	for (std::uint32_t f = 0; f < m_faces.size(); ++f)
-	{
-		bySize[f] = f;
-		const std::array<std::uint32_t, 3>& v = m_faces[f].vertex;
-		area[f] = length(cross(m_vertices[v[1]] - m_vertices[v[0]], m_vertices[v[2]] - m_vertices[v[0]]));
-		m_faces[f].polygon = kNone;
-	}
-	std::sort(bySize.begin(), bySize.end(),
-			  [&](std::uint32_t i, std::uint32_t j) { return area[i] != area[j] ? area[i] > area[j] : i < j; });
-	std::vector<std::uint32_t> open;
-	for (const std::uint32_t seed : bySize)
-	{
-		if (m_faces[seed].polygon != kNone) continue;
-		const Vec3 normal = m_faces[seed].normal;
-		const double offset = dot(normal, m_vertices[m_faces[seed].vertex[0]]);
-		open.assign(1, seed);
-		m_faces[seed].polygon = seed;
-		while (!open.empty())
-		{
-			SurfaceFace& face = m_faces[open.back()];
-			open.pop_back();
-			face.normal = normal;
-			face.offset = offset;
-			for (const std::uint32_t next : face.neighbour)
-			{
-				SurfaceFace& other = m_faces[next];
-				if (other.polygon != kNone || dot(other.normal, normal) < kCoplanarCosine) continue;
-				const bool isFlat = std::all_of(other.vertex.begin(), other.vertex.end(),
-												[&](std::uint32_t v)
-												{
-													return std::abs(dot(normal, m_vertices[v]) - offset) <
-														   kCoplanar * radius;
-												});
-				if (!isFlat) continue;
-				other.polygon = seed;
-				open.push_back(next);
-			}
-		}
-	}
-}
-
-// Has the face's own back beyond an edge at that corner?
-bool ContactSurface::isBorderCorner(const SurfaceFace& face, std::size_t corner) const
-{
-	const std::uint32_t own = std::uint32_t(&face - m_faces.data()) / 2;
-	return face.neighbour[corner] / 2 == own || face.neighbour[(corner + 2) % 3] / 2 == own;
-}
-
-void ContactSurface::findFans()
-{
-	m_pseudonormals.assign(m_vertices.size(), Vec3{});
-	m_firstFan.assign(m_vertices.size() + 1, 0);
-	for (const SurfaceFace& face : m_faces)
-		for (const std::uint32_t v : face.vertex) ++m_firstFan[v + 1];
-	for (std::size_t v = 0; v < m_vertices.size(); ++v) m_firstFan[v + 1] += m_firstFan[v];
-	m_fans.resize(m_firstFan.back());
-	std::vector<std::uint32_t> end = m_firstFan, polygon(m_vertices.size(), kNone);
-	std::vector<char> isFlat(m_vertices.size(), 1);
-	for (const SurfaceFace& face : m_faces)
-		for (std::size_t i = 0; i < 3; ++i)
-		{
-			const std::uint32_t v = face.vertex[i];
-			const Vec3 next = normalized(m_vertices[face.vertex[(i + 1) % 3]] - m_vertices[v]);
-			const Vec3 previous = normalized(m_vertices[face.vertex[(i + 2) % 3]] - m_vertices[v]);
-			m_pseudonormals[v] += angleBetween(next, previous) * face.normal;
-			m_fans[end[v]++] = next;
-			if (polygon[v] == kNone) polygon[v] = face.polygon;
-			const SurfaceFace& first = m_faces[polygon[v]];
-			const bool isBack = m_kind == Kind::kSheet && dot(face.normal, first.normal) < -kCoplanarCosine &&
-								!isBorderCorner(face, i);
-			if (polygon[v] != face.polygon && !isBack) isFlat[v] = 0;
-		}
-	m_isCorner.resize(m_vertices.size());
-	for (std::uint32_t v = 0; v < m_vertices.size(); ++v)
-	{
-		m_pseudonormals[v] = normalized(m_pseudonormals[v]);
-		Vec3 guess = -m_pseudonormals[v];
-		if (m_kind == Kind::kSheet)
-			for (const Vec3& direction : fan(v)) guess += direction;
-		m_isCorner[v] = isFlat[v] == 0 && fitHalfSpace(fan(v), guess);
-	}
-}
-
-void ContactSurface::findEdges()
-{
-	for (std::uint32_t f = 0; f < m_faces.size(); ++f)
-		for (std::size_t i = 0; i < 3; ++i)
-		{
-			const SurfaceFace& face = m_faces[f];
-			const std::uint32_t g = face.neighbour[i];
-			if (g < f || face.polygon == m_faces[g].polygon) continue;
-			SurfaceEdge edge;
-			edge.vertex = {face.vertex[i], face.vertex[(i + 1) % 3]};
-			edge.face = {f, g};
-			const Vec3 along = m_vertices[edge.vertex[1]] - m_vertices[edge.vertex[0]];
-			edge.length = length(along);
-			edge.direction = normalized(along);
-			edge.normal = {face.normal, m_faces[g].normal};
-			edge.inward = {normalized(cross(edge.normal[0], edge.direction)),
-						   normalized(cross(edge.direction, edge.normal[1]))};
-			// Convex: the second face falls away from the first one's plane, or is its back.
-			const bool isBorder = m_kind == Kind::kSheet && g / 2 == f / 2;
-			if (!isBorder && dot(edge.normal[0], edge.inward[1]) > -kFlatEdge) continue;
-			m_edges.push_back(edge);
-		}
-}
-
-void ContactSurface::listNodes(const std::vector<std::uint32_t>& firstFaceOfNode)
-{
-	std::vector<std::array<std::uint32_t, 3>> edgeOf(m_faces.size(), {kNone, kNone, kNone});
-	for (std::uint32_t e = 0; e < m_edges.size(); ++e)
-		for (const std::uint32_t f : m_edges[e].face)
-			for (std::size_t i = 0; i < 3; ++i)
-			{
-				const std::uint32_t v = m_faces[f].vertex[i], w = m_faces[f].vertex[(i + 1) % 3];
-				if ((v == m_edges[e].vertex[0] && w == m_edges[e].vertex[1]) ||
-					(v == m_edges[e].vertex[1] && w == m_edges[e].vertex[0]))
-					edgeOf[f][i] = e;
-			}
-	m_firstFaceOf = firstFaceOfNode;
-	m_firstFaceOf.push_back(std::uint32_t(m_faces.size()));
-	std::vector<std::uint32_t> found;
-	for (std::size_t n = 0; n < firstFaceOfNode.size(); ++n)
-	{
-		const std::uint32_t first = m_firstFaceOf[n], last = m_firstFaceOf[n + 1];
-		m_firstVertexOf.push_back(std::uint32_t(m_nodeVertices.size()));
-		m_firstEdgeOf.push_back(std::uint32_t(m_nodeEdges.size()));
-		found.clear();
-		for (std::uint32_t f = first; f < last; ++f)
-			found.insert(found.end(), m_faces[f].vertex.begin(), m_faces[f].vertex.end());
-		std::sort(found.begin(), found.end());
-		found.erase(std::unique(found.begin(), found.end()), found.end());
-		m_nodeVertices.insert(m_nodeVertices.end(), found.begin(), found.end());
-		const auto localOf = [&found](std::uint32_t vertex)
-		{ return std::uint16_t(std::lower_bound(found.begin(), found.end(), vertex) - found.begin()); };
-		for (std::uint32_t f = first; f < last; ++f)
-		{
-			const std::array<std::uint32_t, 3>& v = m_faces[f].vertex;
-			m_faceCorners.push_back({localOf(v[0]), localOf(v[1]), localOf(v[2])});
-			for (const std::uint32_t e : edgeOf[f])
-			{
-				// Of two faces of the node the first one has the edge.
-				if (e == kNone || (m_edges[e].face[0] != f && m_edges[e].face[0] >= first && m_edges[e].face[0] < last))
-					continue;
-				m_nodeEdges.push_back({e, localOf(m_edges[e].vertex[0]), localOf(m_edges[e].vertex[1])});
-			}
-		}
-	}
-	m_firstVertexOf.push_back(std::uint32_t(m_nodeVertices.size()));
-	m_firstEdgeOf.push_back(std::uint32_t(m_nodeEdges.size()));
-}
-
 void ContactSurface::buildTree() const
 {
 	m_order.resize(m_faces.size());
@@ -426,13 +246,49 @@ Vec3 ContactSurface::pseudonormalAt(std::uint32_t face, int feature) const
 	return normalized(f.normal + m_faces[f.neighbour[std::size_t(feature - 3)]].normal);
 }
 
-double ContactSurface::squaredBeside(std::uint32_t faceIndex, const Vec3& point) const
+std::uint32_t ContactSurface::nearestFaceOf(std::uint32_t polygon, const Vec3& point) const
 {
-	const SurfaceFace& face = m_faces[faceIndex];
-	const Vec3 foot = point - (dot(face.normal, point) - face.offset) * face.normal;
-	return nearestOnTriangle(
-			   Triangle{m_vertices[face.vertex[0]], m_vertices[face.vertex[1]], m_vertices[face.vertex[2]]}, foot)
-		.squared;
+	std::uint32_t nearest = kNone;
+	double best = std::numeric_limits<double>::infinity();
+	for (const std::uint32_t face : facesOf(polygon))
+	{
+		const double squared = nearestOnTriangle(triangleOf(face), point).squared;
+		if (squared >= best) continue;
+		best = squared;
+		nearest = face;
+	}
+	return nearest;
+}
+
+double ContactSurface::squaredBeside(std::uint32_t polygon, const Vec3& point) const
+{
+	const Span<std::uint32_t> faces = facesOf(polygon);
+	const SurfaceFace& plane = m_faces[faces[0]];
+	const Vec3 foot = point - (dot(plane.normal, point) - plane.offset) * plane.normal;
+	double best = std::numeric_limits<double>::infinity();
+	const Span<Border> border = borderOf(polygon);
+	if (border.empty() || faces.size <= border.size)
+	{
+		for (const std::uint32_t face : faces) best = std::min(best, nearestOnTriangle(triangleOf(face), foot).squared);
+		return best;
+	}
+	// How often does a ray in the plane cross the border?
+	const Vec3& n = plane.normal;
+	const int drop = std::abs(n.x) >= std::abs(n.y) && std::abs(n.x) >= std::abs(n.z) ? 0
+					 : std::abs(n.y) >= std::abs(n.z)                                  ? 1
+																					   : 2;
+	const int u = (drop + 1) % 3, v = (drop + 2) % 3;
+	bool isInside = false;
+	for (const Border& side : border)
+	{
+		const Vec3 &from = m_vertices[side[0]], &to = m_vertices[side[1]];
+		const Vec3 along = to - from;
+		const double share = std::max(0.0, std::min(1.0, dot(foot - from, along) / lengthSquared(along)));
+		best = std::min(best, lengthSquared(foot - from - share * along));
+		if ((from[v] > foot[v]) == (to[v] > foot[v])) continue;
+		if (foot[u] < from[u] + (foot[v] - from[v]) / along[v] * along[u]) isInside = !isInside;
+	}
+	return isInside ? 0 : best;
 }
 
 ContactSurface::Nearest ContactSurface::nearest(const Vec3& point, double within) const
@@ -468,9 +324,7 @@ ContactSurface::Nearest ContactSurface::nearest(const Vec3& point, double within
 		}
 		for (std::uint32_t i = box.first; i < box.first + box.count; ++i)
 		{
-			const SurfaceFace& face = m_faces[m_order[i]];
-			const NearestOnTriangle here = nearestOnTriangle(
-				Triangle{m_vertices[face.vertex[0]], m_vertices[face.vertex[1]], m_vertices[face.vertex[2]]}, point);
+			const NearestOnTriangle here = nearestOnTriangle(triangleOf(m_order[i]), point);
 			if (here.squared >= best) continue;
 			best = here.squared;
 			found.face = m_order[i];

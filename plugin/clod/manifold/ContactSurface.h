@@ -73,25 +73,36 @@ public:
 	std::uint32_t faceOfVertex(std::uint32_t vertex) const { return m_faceOfVertex[vertex]; }
 	bool isClosed() const { return m_kind == Kind::kClosed; }
 	bool isHalfSpace() const { return m_kind == Kind::kHalfSpace; }
-	// Of a node of this level: the vertices of its faces, the faces (first, count) with their corners among those, and its
-	// convex edges with theirs.
-	using FaceCorners = std::array<std::uint16_t, 3>;
-	struct NodeEdge
+	// What a node of this level has: vertices; convex edges, whole, be it only a part of them; polygons, with the corners
+	// of its own triangles of them, as indices into its vertices.
+	struct NodePolygon
 	{
-		std::uint32_t edge;
-		std::uint16_t from, to;
+		std::uint32_t polygon, firstCorner, cornerCount;
 	};
 	Span<std::uint32_t> verticesOf(std::uint32_t node) const { return of(m_nodeVertices, m_firstVertexOf, node); }
-	Span<NodeEdge> edgesOf(std::uint32_t node) const { return of(m_nodeEdges, m_firstEdgeOf, node); }
-	Span<FaceCorners> faceCornersOf(std::uint32_t node) const { return of(m_faceCorners, m_firstFaceOf, node); }
+	Span<std::uint32_t> edgesOf(std::uint32_t node) const { return of(m_nodeEdges, m_firstEdgeOf, node); }
+	Span<NodePolygon> polygonsOf(std::uint32_t node) const { return of(m_nodePolygons, m_firstPolygonOf, node); }
+	Span<std::uint16_t> cornersOf(const NodePolygon& polygon) const
+	{
+		return {m_polygonCorners.data() + polygon.firstCorner, polygon.cornerCount};
+	}
 	std::uint32_t firstFaceOf(std::uint32_t node) const { return m_firstFaceOf[node - m_firstNode]; }
 	std::uint32_t faceCountOf(std::uint32_t node) const
 	{
 		return m_firstFaceOf[node - m_firstNode + 1] - m_firstFaceOf[node - m_firstNode];
 	}
 
-	// Squared distance of a point's foot on a face's plane from the face.
-	double squaredBeside(std::uint32_t face, const Vec3& point) const;
+	Span<std::uint32_t> facesOf(std::uint32_t polygon) const { return slice(m_polygonFaces, m_firstPolygonFace, polygon); }
+	const SurfaceFace& planeOf(std::uint32_t polygon) const
+	{
+		return m_faces[m_polygonFaces[m_firstPolygonFace[polygon]]];
+	}
+	// Mean of a polygon's corners.
+	const Vec3& centerOf(std::uint32_t polygon) const { return m_polygonCenters[polygon]; }
+	// Squared distance of a point's foot on a polygon's plane from the polygon.
+	double squaredBeside(std::uint32_t polygon, const Vec3& point) const;
+	// Of the polygon.
+	std::uint32_t nearestFaceOf(std::uint32_t polygon, const Vec3& point) const;
 	// Distance of a point to the surface, negative inside; what is farther than `within` is not looked for (face kNone).
 	Nearest nearest(const Vec3& point, double within) const;
 	bool isInside(const Vec3& point) const;
@@ -108,21 +119,37 @@ private:
 		Vec3 low, high;
 		std::uint32_t first, count;  // faces in m_order; count 0: the two boxes from `first`
 	};
+	using Border = std::array<std::uint32_t, 2>;  // a straight side, from vertex to vertex
+	template <class T>
+	static Span<T> slice(const std::vector<T>& list, const std::vector<std::uint32_t>& first, std::uint32_t i)
+	{
+		return {list.data() + first[i], first[i + 1] - first[i]};
+	}
 	template <class T>
 	Span<T> of(const std::vector<T>& list, const std::vector<std::uint32_t>& first, std::uint32_t node) const
 	{
-		const std::uint32_t i = node - m_firstNode;
-		return {list.data() + first[i], first[i + 1] - first[i]};
+		return slice(list, first, node - m_firstNode);
+	}
+	Span<Border> borderOf(std::uint32_t polygon) const { return slice(m_border, m_firstBorder, polygon); }
+	Triangle triangleOf(std::uint32_t face) const
+	{
+		const std::array<std::uint32_t, 3>& v = m_faces[face].vertex;
+		return {m_vertices[v[0]], m_vertices[v[1]], m_vertices[v[2]]};
 	}
 	void finish(double size, const std::vector<std::uint32_t>& firstFaceOfNode);
 	void weld(const Hierarchy& hierarchy, const Level& level);
 	void weld(const std::vector<Triangle>& triangles);
 	void joinSides();
-	void mergePolygons(double radius);
+	void mergePolygons(double size);
 	bool isBorderCorner(const SurfaceFace& face, std::size_t corner) const;
 	void findFans();
-	void findEdges();
-	void listNodes(const std::vector<std::uint32_t>& firstFaceOfNode);
+	void findTriangleEdges(std::vector<SurfaceEdge>& edges) const;
+	void findEdges(const std::vector<std::uint32_t>& firstFaceOfNode);
+	void findBorders();
+	void findBorder(std::uint32_t polygon, Span<std::uint32_t> faces, std::vector<std::uint32_t>& next,
+					std::vector<std::uint32_t>& starts);
+	void listNodes(const std::vector<std::uint32_t>& firstFaceOfNode,
+				   const std::vector<std::array<std::uint32_t, 3>>& edgeOf);
 	void buildTree() const;
 	void split(std::uint32_t box, std::uint32_t first, std::uint32_t count) const;
 	Vec3 pseudonormalAt(std::uint32_t face, int feature) const;
@@ -134,9 +161,13 @@ private:
 	std::vector<SurfaceEdge> m_edges;
 	Kind m_kind = Kind::kClosed;
 	std::uint32_t m_firstNode = 0;  // of the level, in the hierarchy
-	std::vector<std::uint32_t> m_nodeVertices, m_firstVertexOf, m_firstEdgeOf, m_firstFaceOf;
-	std::vector<NodeEdge> m_nodeEdges;
-	std::vector<FaceCorners> m_faceCorners;
+	std::vector<std::uint32_t> m_polygonFaces, m_firstPolygonFace;
+	std::vector<Vec3> m_polygonCenters;
+	std::vector<Border> m_border;  // of polygons of several faces
+	std::vector<std::uint32_t> m_firstBorder;
+	std::vector<std::uint32_t> m_nodeVertices, m_nodeEdges, m_firstVertexOf, m_firstEdgeOf, m_firstPolygonOf, m_firstFaceOf;
+	std::vector<NodePolygon> m_nodePolygons;
+	std::vector<std::uint16_t> m_polygonCorners;
 	// Only overlaps ask for them.
 	mutable std::once_flag m_treeMade;
 	mutable std::vector<TreeBox> m_boxes;

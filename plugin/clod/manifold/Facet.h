@@ -38,7 +38,6 @@ struct Facet
 	Reach reach;
 	std::uint32_t levelA, levelB, nodeA, nodeB;
 	std::uint32_t featureA, featureB;  // vertex, edge, or polygon of the level's surface
-	std::uint32_t faceA, faceB;        // of the level's surface, one that has the feature
 	Vec3 onA, onB, normal;
 	double distance;        // now
 	double then;            // at the end of the step if nothing intervened, of the same facet

@@ -150,12 +150,6 @@ Vec3 FacetChoice::centerOf(const Facet& facet) const
 {
 	const FacetQuestion& q = *m_question;
 	const ContactSurface &a = q.a.surface(facet.levelA), &b = q.b.surface(facet.levelB);
-	const auto centerOfFace = [](const ContactSurface& surface, std::uint32_t f)
-	{
-		const SurfaceFace& face = surface.faces()[f];
-		return (1.0 / 3) * (surface.vertices()[face.vertex[0]] + surface.vertices()[face.vertex[1]] +
-							surface.vertices()[face.vertex[2]]);
-	};
 	const auto centerOfEdge = [](const ContactSurface& surface, std::uint32_t e)
 	{
 		const SurfaceEdge& edge = surface.edges()[e];
@@ -163,8 +157,8 @@ Vec3 FacetChoice::centerOf(const Facet& facet) const
 	};
 	switch (facet.kind)
 	{
-		case Facet::Kind::kVertexFace: return facet.onA - q.aFromB * centerOfFace(b, facet.faceB);
-		case Facet::Kind::kFaceVertex: return centerOfFace(a, facet.faceA) - facet.onB;
+		case Facet::Kind::kVertexFace: return facet.onA - q.aFromB * b.centerOf(facet.featureB);
+		case Facet::Kind::kFaceVertex: return a.centerOf(facet.featureA) - facet.onB;
 		default: return centerOfEdge(a, facet.featureA) - q.aFromB * centerOfEdge(b, facet.featureB);
 	}
 }

@@ -63,6 +63,37 @@ void FacetContacts::reduce(const ClusterSet& previous, ClusterSet& next)
 	m_points.clear();
 	for (const Facet& facet : m_facets) m_points.push_back(pointOf(facet));
 	m_reducer.reduce(m_facets, m_points, previous, m_question.length(), next);
+	const Transform bFromA = inverse(m_question.aFromB);
+	for (std::size_t slot = 0; slot < next.slots.size(); ++slot)
+		for (std::size_t i = 0; i < std::size_t(next.slots[slot].count); ++i)
+			nameFaces(m_facets[m_reducer.facetOf(slot, i)], bFromA, next.slots[slot].points[i].point);
+}
+
+// The triangles that a point lies on: a feature may have many.
+void FacetContacts::nameFaces(const Facet& facet, const Transform& bFromA, ContactPoint& point) const
+{
+	const ContactSurface &a = m_question.a.surface(facet.levelA), &b = m_question.b.surface(facet.levelB);
+	const auto onEdge = [](const ContactSurface& surface, std::uint32_t edge, const Vec3& place)
+	{ return surface.nearestFaceOf(surface.faces()[surface.edges()[edge].face[0]].polygon, place); };
+	std::uint32_t faceA = a.firstFaceOf(facet.nodeA), faceB = b.firstFaceOf(facet.nodeB);
+	switch (facet.kind)
+	{
+		case Facet::Kind::kVertexFace:
+			faceA = a.faceOfVertex(facet.featureA);
+			faceB = b.nearestFaceOf(facet.featureB, bFromA * facet.onB);
+			break;
+		case Facet::Kind::kFaceVertex:
+			faceA = a.nearestFaceOf(facet.featureA, facet.onA);
+			faceB = b.faceOfVertex(facet.featureB);
+			break;
+		case Facet::Kind::kEdgeEdge:
+			faceA = onEdge(a, facet.featureA, facet.onA);
+			faceB = onEdge(b, facet.featureB, bFromA * facet.onB);
+			break;
+		case Facet::Kind::kDeep: break;
+	}
+	point.faceA = m_question.a.globalFace(facet.levelA, faceA);
+	point.faceB = m_question.b.globalFace(facet.levelB, faceB);
 }
 
 ContactPoint FacetContacts::pointOf(const Facet& facet) const
@@ -77,8 +108,6 @@ ContactPoint FacetContacts::pointOf(const Facet& facet) const
 					(std::uint64_t(facet.kind) << 8 | facet.levelA << 4 | facet.levelB);
 	point.nodeA = facet.nodeA;
 	point.nodeB = facet.nodeB;
-	point.faceA = m_question.a.globalFace(facet.levelA, facet.faceA);
-	point.faceB = m_question.b.globalFace(facet.levelB, facet.faceB);
 	return point;
 }
 }  // namespace clod

@@ -87,36 +87,43 @@ void FacetFinder::findPair(const Contact& contact)
 	m_pair.deepest = mayOverlap ? kFar : 2 * kInnerShare * q.length();
 	m_pair.reach = q.touching() + kFootShare * q.length() + m_pair.roam;
 	if (mayOverlap) m_pair.reach += q.a.thicknessOf(contact.nodeA) + q.b.thicknessOf(contact.nodeB);
-	gather(nodeA, nodeB);
+	gather(contact, nodeA, nodeB);
 	for (const MovedCorner* corner : m_cornersA)
-		for (const std::uint32_t face : m_facesB) vertexOverFace(*corner, face, true);
+		for (const std::uint32_t polygon : m_polygonsB) vertexOverFace(*corner, polygon, true);
 	for (const MovedCorner* corner : m_cornersB)
-		for (const std::uint32_t face : m_facesA) vertexOverFace(*corner, face, false);
+		for (const std::uint32_t polygon : m_polygonsA) vertexOverFace(*corner, polygon, false);
 	for (const MovedEdge* edgeA : m_edgesA)
 		for (const MovedEdge* edgeB : m_edgesB)
 			if (edgeA->box.meets(edgeB->box, m_pair.reach)) edgeOverEdge(*edgeA, *edgeB);
 }
 
-// What of either node comes near the other in the step.
-void FacetFinder::gather(const MovedNode& nodeA, const MovedNode& nodeB)
+// What of either node comes near the other in the step: by boxes, and by what lies between the hulls.
+void FacetFinder::gather(const Contact& contact, const MovedNode& nodeA, const MovedNode& nodeB)
 {
-	const auto gatherOf = [reach = m_pair.reach](const MovedNode& node, const Box& other,
-												 std::vector<const MovedCorner*>& corners,
-												 std::vector<const MovedEdge*>& edges,
-												 std::vector<std::uint32_t>& faces)
+	const double reach = m_pair.reach;
+	// Between hulls that are apart what is farther from the other along the way between them stays so.
+	const bool isApart = contact.lower > 0 && contact.normal != Vec3{};
+	const double far = reach + kPathReach * nodeB.displaced;
+	const auto gatherOf = [&](const MovedNode& node, const Box& other, const Vec3& away, double farthest,
+							  std::vector<const MovedCorner*>& corners, std::vector<const MovedEdge*>& edges,
+							  std::vector<std::uint32_t>& polygons)
 	{
+		const auto isNear = [&](const Box& box)
+		{ return box.meets(other, reach) && !(isApart && box.lowestAlong(away) > farthest); };
 		corners.clear();
 		edges.clear();
-		faces.clear();
+		polygons.clear();
 		for (const MovedCorner& corner : node.corners)
-			if (corner.box.meets(other, reach)) corners.push_back(&corner);
+			if (isNear(corner.box)) corners.push_back(&corner);
 		for (const MovedEdge& edge : node.edges)
-			if (edge.box.meets(other, reach)) edges.push_back(&edge);
-		for (std::uint32_t f = 0; f < node.faces.size(); ++f)
-			if (node.faces[f].meets(other, reach)) faces.push_back(node.firstFace + f);
+			if (isNear(edge.box)) edges.push_back(&edge);
+		for (const MovedPolygon& polygon : node.polygons)
+			if (isNear(polygon.box)) polygons.push_back(polygon.index);
 	};
-	gatherOf(nodeA, nodeB.box, m_cornersA, m_edgesA, m_facesA);
-	gatherOf(nodeB, nodeA.box, m_cornersB, m_edgesB, m_facesB);
+	gatherOf(nodeA, nodeB.box, contact.normal, dot(contact.normal, contact.pointOnB) + far, m_cornersA, m_edgesA,
+			 m_polygonsA);
+	gatherOf(nodeB, nodeA.box, -contact.normal, far - dot(contact.normal, contact.pointOnA), m_cornersB, m_edgesB,
+			 m_polygonsB);
 }
 
 // Of facets that contacts may lead to, when their motion as predicted closes by so much.
@@ -126,12 +133,12 @@ double FacetFinder::highest(double closing) const
 }
 
 // In the face's frame.
-void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t faceIndex, bool vertexIsOfA)
+void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygon, bool vertexIsOfA)
 {
 	const FacetQuestion& q = *m_question;
 	const ContactSurface& faces = vertexIsOfA ? *m_pair.b : *m_pair.a;
 	const ContactSurface& vertices = vertexIsOfA ? *m_pair.a : *m_pair.b;
-	const SurfaceFace& face = faces.faces()[faceIndex];
+	const SurfaceFace& face = faces.planeOf(polygon);
 	const double now = dot(face.normal, vertex.now) - face.offset;
 	const double then = dot(face.normal, vertex.then) - face.offset;
 	const double end = now + kPathReach * (then - now);
@@ -150,7 +157,7 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t faceIn
 		const double slack =
 			std::max(kFootShare * q.length(), std::min(-now, kDeepFootShare * q.length()));
 		counts = isLowest(vertices.fan(vertex.index), up, kArcSlack) &&
-				 faces.squaredBeside(faceIndex, foot) <= slack * slack;
+				 faces.squaredBeside(polygon, foot) <= slack * slack;
 	}
 	if (!counts && now > 0 && end <= q.rules.margin && end < now)
 	{
@@ -161,7 +168,7 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t faceIn
 		const auto meets = [&](double share)
 		{
 			const Vec3 p = vertex.now + share * move;
-			return faces.squaredBeside(faceIndex, p) <= slack * slack;
+			return faces.squaredBeside(polygon, p) <= slack * slack;
 		};
 		counts = meets(first) || meets(last);
 	}
@@ -170,18 +177,16 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t faceIn
 		facet.reach = Facet::Reach::kPossible;
 		const Vec3 middle = 0.5 * (vertex.now + vertex.then);
 		const double slack = m_pair.roam + kFootShare * q.length();
-		counts = faces.squaredBeside(faceIndex, middle) <= slack * slack;
+		counts = faces.squaredBeside(polygon, middle) <= slack * slack;
 	}
 	if (!counts) return;
 	facet.kind = vertexIsOfA ? Facet::Kind::kVertexFace : Facet::Kind::kFaceVertex;
-	const std::uint32_t featureA = vertexIsOfA ? vertex.index : face.polygon;
-	const std::uint32_t featureB = vertexIsOfA ? face.polygon : vertex.index;
+	const std::uint32_t featureA = vertexIsOfA ? vertex.index : polygon;
+	const std::uint32_t featureB = vertexIsOfA ? polygon : vertex.index;
 	facet.featureA = featureA;
 	facet.featureB = featureB;
 	facet.distance = now;
 	facet.then = then;
-	facet.faceA = vertexIsOfA ? vertices.faceOfVertex(vertex.index) : faceIndex;
-	facet.faceB = vertexIsOfA ? faceIndex : vertices.faceOfVertex(vertex.index);
 	if (vertexIsOfA)
 	{
 		facet.normal = q.aFromB.rotation * face.normal;
@@ -266,8 +271,6 @@ void FacetFinder::edgeOverEdge(const MovedEdge& still, const MovedEdge& moved)
 	facet.kind = Facet::Kind::kEdgeEdge;
 	facet.featureA = still.index;
 	facet.featureB = moved.index;
-	facet.faceA = edge.face[0];
-	facet.faceB = other.face[0];
 	facet.normal = normal;
 	facet.distance = now;
 	facet.then = then;

@@ -28,9 +28,9 @@ private:
 		double reach = 0;    // how far apart features may be
 	};
 	void findPair(const Contact& contact);
-	void gather(const MovedNode& nodeA, const MovedNode& nodeB);
+	void gather(const Contact& contact, const MovedNode& nodeA, const MovedNode& nodeB);
 	double highest(double closing) const;
-	void vertexOverFace(const MovedCorner& vertex, std::uint32_t face, bool vertexIsOfA);
+	void vertexOverFace(const MovedCorner& vertex, std::uint32_t polygon, bool vertexIsOfA);
 	void edgeOverEdge(const MovedEdge& still, const MovedEdge& moved);
 	std::size_t slotOf(const Facet& facet) const;
 	void add(Facet& facet);
@@ -45,7 +45,7 @@ private:
 	// Of the pair, those that come near the other node.
 	std::vector<const MovedCorner*> m_cornersA, m_cornersB;
 	std::vector<const MovedEdge*> m_edgesA, m_edgesB;
-	std::vector<std::uint32_t> m_facesA, m_facesB;
+	std::vector<std::uint32_t> m_polygonsA, m_polygonsB;
 	std::vector<std::uint32_t> m_table;  // of the facets, by what makes them; open, a power of two
 };
 }  // namespace clod

@@ -34,7 +34,7 @@ void MovedNodes::move(MovedNode& moved, std::uint32_t node)
 	const Span<std::uint32_t> vertices = surface.verticesOf(node);
 	moved.corners.clear();
 	moved.edges.clear();
-	moved.faces.clear();
+	moved.polygons.clear();
 	m_now.clear();
 	m_then.clear();
 	m_boxes.clear();
@@ -54,25 +54,28 @@ void MovedNodes::move(MovedNode& moved, std::uint32_t node)
 		if (surface.isCorner(v)) moved.corners.push_back({now, then, v, box});
 	}
 	moved.displaced = std::sqrt(displaced);
-	moved.firstFace = surface.firstFaceOf(node);
-	for (const ContactSurface::FaceCorners& corners : surface.faceCornersOf(node))
+	for (const ContactSurface::NodePolygon& polygon : surface.polygonsOf(node))
 	{
+		const Span<std::uint16_t> corners = surface.cornersOf(polygon);
 		Box box = m_boxes[corners[0]];
-		box.add(m_boxes[corners[1]]);
-		box.add(m_boxes[corners[2]]);
-		moved.faces.push_back(box);
+		for (const std::uint16_t corner : corners) box.add(m_boxes[corner]);
+		moved.polygons.push_back({polygon.polygon, box});
 	}
-	for (const ContactSurface::NodeEdge& edge : surface.edgesOf(node))
+	for (const std::uint32_t index : surface.edgesOf(node))
 	{
-		const Vec3& direction = surface.edges()[edge.edge].direction;
+		const SurfaceEdge& edge = surface.edges()[index];
+		const Vec3 &from = surface.vertices()[edge.vertex[0]], &to = surface.vertices()[edge.vertex[1]];
 		MovedEdge at;
-		at.index = edge.edge;
-		at.start = m_now[edge.from];
-		at.thenStart = m_then[edge.from];
-		at.direction = m_isA ? direction : m_question->aFromB.rotation * direction;
-		at.thenDirection = m_isA ? direction : m_question->aFromBThen.rotation * direction;
-		at.box = m_boxes[edge.from];
-		at.box.add(m_boxes[edge.to]);
+		at.index = index;
+		at.start = m_isA ? from : m_question->aFromB * from;
+		at.thenStart = m_isA ? from : m_question->aFromBThen * from;
+		at.direction = m_isA ? edge.direction : m_question->aFromB.rotation * edge.direction;
+		at.thenDirection = m_isA ? edge.direction : m_question->aFromBThen.rotation * edge.direction;
+		at.box = {at.start, at.start};
+		at.box.add(at.start + kPathReach * (at.thenStart - at.start));
+		const Vec3 end = m_isA ? to : at.start + edge.length * at.direction;
+		at.box.add(end);
+		if (!m_isA) at.box.add(end + kPathReach * (at.thenStart + edge.length * at.thenDirection - end));
 		moved.edges.push_back(at);
 	}
 }

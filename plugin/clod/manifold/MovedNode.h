@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Corners, edges and faces of a node where they are and where the coming step carries them, with a box round each. A node
+// Corners, edges and polygons of a node where they are and where the coming step carries them, with a box round each. A node
 // lies beside many others: what is worked out of it serves a whole dispatch.
 #pragma once
 #include <algorithm>
@@ -24,6 +24,12 @@ struct Box
 		add(box.low);
 		add(box.high);
 	}
+	// The least dot(direction, p) of it.
+	double lowestAlong(const Vec3& direction) const
+	{
+		return direction.x * (direction.x > 0 ? low.x : high.x) + direction.y * (direction.y > 0 ? low.y : high.y) +
+			   direction.z * (direction.z > 0 ? low.z : high.z);
+	}
 	bool meets(const Box& other, double reach) const
 	{
 		return low.x <= other.high.x + reach && other.low.x <= high.x + reach && low.y <= other.high.y + reach &&
@@ -44,14 +50,19 @@ struct MovedEdge
 	std::uint32_t index;
 	Box box;
 };
+struct MovedPolygon
+{
+	std::uint32_t index;
+	Box box;  // of what the node has of it
+};
 struct MovedNode
 {
-	std::uint32_t node = kNone, level = 0, firstFace = 0;
+	std::uint32_t node = kNone, level = 0;
 	double displaced = 0;  // the farthest that one of its points goes in the step, as predicted
 	Box box;
 	std::vector<MovedCorner> corners;
 	std::vector<MovedEdge> edges;
-	std::vector<Box> faces;
+	std::vector<MovedPolygon> polygons;
 };
 
 // The nodes of one body that a dispatch looks at.

@@ -31,12 +31,12 @@ double distanceAt(const FacetQuestion& question, const Facet& facet, const Trans
 	const ContactSurface &a = question.a.surface(facet.levelA), &b = question.b.surface(facet.levelB);
 	if (facet.kind == Facet::Kind::kVertexFace)
 	{
-		const SurfaceFace& face = b.faces()[facet.faceB];
+		const SurfaceFace& face = b.planeOf(facet.featureB);
 		return dot(face.normal, bFromA * a.vertices()[facet.featureA]) - face.offset;
 	}
 	if (facet.kind == Facet::Kind::kFaceVertex)
 	{
-		const SurfaceFace& face = a.faces()[facet.faceA];
+		const SurfaceFace& face = a.planeOf(facet.featureA);
 		return dot(face.normal, aFromB * b.vertices()[facet.featureB]) - face.offset;
 	}
 	const SurfaceEdge &e = a.edges()[facet.featureA], &k = b.edges()[facet.featureB];
@@ -63,9 +63,9 @@ bool PairSolve::isMet(const FacetQuestion& q, const Facet& facet, const Transfor
 	const ContactSurface &a = q.a.surface(facet.levelA), &b = q.b.surface(facet.levelB);
 	const double slack = kFootShare * q.length();
 	if (facet.kind == Facet::Kind::kVertexFace)
-		return b.squaredBeside(facet.faceB, back * a.vertices()[facet.featureA]) <= slack * slack;
+		return b.squaredBeside(facet.featureB, back * a.vertices()[facet.featureA]) <= slack * slack;
 	if (facet.kind == Facet::Kind::kFaceVertex)
-		return a.squaredBeside(facet.faceA, after * b.vertices()[facet.featureB]) <= slack * slack;
+		return a.squaredBeside(facet.featureA, after * b.vertices()[facet.featureB]) <= slack * slack;
 	const SurfaceEdge &e = a.edges()[facet.featureA], &k = b.edges()[facet.featureB];
 	const Vec3 direction = after.rotation * k.direction;
 	if (length(cross(e.direction, direction)) < kParallelSine) return false;

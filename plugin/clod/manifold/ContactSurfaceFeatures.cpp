@@ -1,0 +1,332 @@
+// SPDX-License-Identifier: Zlib
+// What is found on a mesh: flat polygons, vertices that are corners, edges between polygons, and what a node has of them.
+#include <algorithm>
+#include <cmath>
+
+#include "clod/manifold/ContactSurface.h"
+
+namespace clod
+{
+namespace
+{
+// Coordinates are stored in float: planes whose vertices agree so well (share of the radius) are one.
+constexpr double kCoplanar = 2e-6;
+constexpr double kCoplanarCosine = 0.9999;  // and their normals
+constexpr double kFlatEdge = 1e-4;          // sine; edges folded less are no features
+constexpr double kStraight = 1e-4;          // sine; edges that turn less at a vertex are one
+
+double angleBetween(const Vec3& a, const Vec3& b)
+{
+	return std::atan2(length(cross(a, b)), dot(a, b));
+}
+
+// Is there a direction with which none of these makes an obtuse angle? If so one is at right angles to two of them, or
+// the guess is one.
+bool fitHalfSpace(Span<Vec3> directions, const Vec3& guess)
+{
+	const auto holds = [&directions](const Vec3& axis)
+	{
+		const double lowest = -1e-3 * length(axis);
+		return std::all_of(directions.begin(), directions.end(), [&](const Vec3& d) { return dot(d, axis) >= lowest; });
+	};
+	if (guess != Vec3{} && holds(guess)) return true;
+	for (std::size_t i = 0; i < directions.size; ++i)
+		for (std::size_t j = 0; j < i; ++j)
+		{
+			const Vec3 axis = cross(directions[i], directions[j]);
+			if (length(axis) > 1e-6 && (holds(axis) || holds(-axis))) return true;
+		}
+	return false;
+}
+
+// Where an edge goes on straight. Of a vertex with two edges between polygons, which then are the same two polygons'.
+struct EdgeEnds
+{
+	std::uint32_t count = 0;
+	std::array<std::uint32_t, 2> edge{};
+	bool isStraight = false;
+};
+}  // namespace
+
+// Faces are added to the plane of the polygon's largest face.
+void ContactSurface::mergePolygons(double size)
+{
+	std::vector<std::uint32_t> bySize(m_faces.size());
+	std::vector<double> area(m_faces.size());
+	for (std::uint32_t f = 0; f < m_faces.size(); ++f)
+	{
+		bySize[f] = f;
+		const std::array<std::uint32_t, 3>& v = m_faces[f].vertex;
+		area[f] = length(cross(m_vertices[v[1]] - m_vertices[v[0]], m_vertices[v[2]] - m_vertices[v[0]]));
+		m_faces[f].polygon = kNone;
+	}
+	std::sort(bySize.begin(), bySize.end(),
+			  [&](std::uint32_t i, std::uint32_t j) { return area[i] != area[j] ? area[i] > area[j] : i < j; });
+	std::vector<std::uint32_t> open;
+	for (const std::uint32_t seed : bySize)
+	{
+		if (m_faces[seed].polygon != kNone) continue;
+		const Vec3 normal = m_faces[seed].normal;
+		const double offset = dot(normal, m_vertices[m_faces[seed].vertex[0]]);
+		open.assign(1, seed);
+		const std::uint32_t polygon = std::uint32_t(m_firstPolygonFace.size());
+		m_firstPolygonFace.push_back(std::uint32_t(m_polygonFaces.size()));
+		m_faces[seed].polygon = polygon;
+		while (!open.empty())
+		{
+			m_polygonFaces.push_back(open.back());
+			SurfaceFace& face = m_faces[open.back()];
+			open.pop_back();
+			face.normal = normal;
+			face.offset = offset;
+			for (const std::uint32_t next : face.neighbour)
+			{
+				SurfaceFace& other = m_faces[next];
+				if (other.polygon != kNone || dot(other.normal, normal) < kCoplanarCosine) continue;
+				const bool isFlat = std::all_of(other.vertex.begin(), other.vertex.end(),
+												[&](std::uint32_t v)
+												{
+													return std::abs(dot(normal, m_vertices[v]) - offset) <
+														   kCoplanar * size;
+												});
+				if (!isFlat) continue;
+				other.polygon = polygon;
+				open.push_back(next);
+			}
+		}
+	}
+	m_firstPolygonFace.push_back(std::uint32_t(m_polygonFaces.size()));
+}
+
+// Has the face's own back beyond an edge at that corner?
+bool ContactSurface::isBorderCorner(const SurfaceFace& face, std::size_t corner) const
+{
+	const std::uint32_t own = std::uint32_t(&face - m_faces.data()) / 2;
+	return face.neighbour[corner] / 2 == own || face.neighbour[(corner + 2) % 3] / 2 == own;
+}
+
+void ContactSurface::findFans()
+{
+	m_pseudonormals.assign(m_vertices.size(), Vec3{});
+	m_firstFan.assign(m_vertices.size() + 1, 0);
+	for (const SurfaceFace& face : m_faces)
+		for (const std::uint32_t v : face.vertex) ++m_firstFan[v + 1];
+	for (std::size_t v = 0; v < m_vertices.size(); ++v) m_firstFan[v + 1] += m_firstFan[v];
+	m_fans.resize(m_firstFan.back());
+	std::vector<std::uint32_t> end = m_firstFan, polygon(m_vertices.size(), kNone);
+	std::vector<char> isFlat(m_vertices.size(), 1);
+	for (const SurfaceFace& face : m_faces)
+		for (std::size_t i = 0; i < 3; ++i)
+		{
+			const std::uint32_t v = face.vertex[i];
+			const Vec3 next = normalized(m_vertices[face.vertex[(i + 1) % 3]] - m_vertices[v]);
+			const Vec3 previous = normalized(m_vertices[face.vertex[(i + 2) % 3]] - m_vertices[v]);
+			m_pseudonormals[v] += angleBetween(next, previous) * face.normal;
+			m_fans[end[v]++] = next;
+			if (polygon[v] == kNone) polygon[v] = face.polygon;
+			const SurfaceFace& first = m_faces[m_polygonFaces[m_firstPolygonFace[polygon[v]]]];
+			const bool isBack = m_kind == Kind::kSheet && dot(face.normal, first.normal) < -kCoplanarCosine &&
+								!isBorderCorner(face, i);
+			if (polygon[v] != face.polygon && !isBack) isFlat[v] = 0;
+		}
+	m_isCorner.resize(m_vertices.size());
+	for (std::uint32_t v = 0; v < m_vertices.size(); ++v)
+	{
+		m_pseudonormals[v] = normalized(m_pseudonormals[v]);
+		Vec3 guess = -m_pseudonormals[v];
+		if (m_kind == Kind::kSheet)
+			for (const Vec3& direction : fan(v)) guess += direction;
+		m_isCorner[v] = isFlat[v] == 0 && fitHalfSpace(fan(v), guess);
+	}
+}
+
+// Between two triangles of different polygons, by both.
+void ContactSurface::findTriangleEdges(std::vector<SurfaceEdge>& edges) const
+{
+	for (std::uint32_t f = 0; f < m_faces.size(); ++f)
+		for (std::size_t i = 0; i < 3; ++i)
+		{
+			const SurfaceFace& face = m_faces[f];
+			const std::uint32_t g = face.neighbour[i];
+			if (g < f || face.polygon == m_faces[g].polygon) continue;
+			SurfaceEdge edge;
+			edge.vertex = {face.vertex[i], face.vertex[(i + 1) % 3]};
+			edge.face = {f, g};
+			const Vec3 along = m_vertices[edge.vertex[1]] - m_vertices[edge.vertex[0]];
+			edge.length = length(along);
+			edge.direction = normalized(along);
+			edge.normal = {face.normal, m_faces[g].normal};
+			edge.inward = {normalized(cross(edge.normal[0], edge.direction)),
+						   normalized(cross(edge.direction, edge.normal[1]))};
+			edges.push_back(edge);
+		}
+}
+
+// Edges of triangles that go on straight are one; reflex ones are no features. Corners lie at an edge's ends only.
+void ContactSurface::findEdges(const std::vector<std::uint32_t>& firstFaceOfNode)
+{
+	std::vector<SurfaceEdge> parts;
+	findTriangleEdges(parts);
+	std::vector<EdgeEnds> ends(m_vertices.size());
+	for (std::uint32_t e = 0; e < parts.size(); ++e)
+		for (const std::uint32_t v : parts[e].vertex)
+		{
+			if (ends[v].count < 2) ends[v].edge[ends[v].count] = e;
+			++ends[v].count;
+		}
+	for (std::uint32_t v = 0; v < m_vertices.size(); ++v)
+	{
+		if (ends[v].count != 2) continue;
+		const SurfaceEdge &one = parts[ends[v].edge[0]], &other = parts[ends[v].edge[1]];
+		const bool samePolygons = m_faces[one.face[0]].polygon + m_faces[one.face[1]].polygon ==
+								  m_faces[other.face[0]].polygon + m_faces[other.face[1]].polygon;
+		ends[v].isStraight = samePolygons && length(cross(one.direction, other.direction)) < kStraight &&
+							 one.vertex[0] + one.vertex[1] - v != other.vertex[0] + other.vertex[1] - v;
+		if (ends[v].isStraight) m_isCorner[v] = 0;
+	}
+	std::vector<std::array<std::uint32_t, 3>> edgeOf(m_faces.size(), {kNone, kNone, kNone});
+	std::vector<char> isUsed(parts.size(), 0);
+	for (std::uint32_t first = 0; first < parts.size(); ++first)
+	{
+		SurfaceEdge edge = parts[first];
+		// Convex: the second face falls away from the first one's plane, or is its back.
+		const bool isBorder = m_kind == Kind::kSheet && edge.face[0] / 2 == edge.face[1] / 2;
+		if (isUsed[first] || (!isBorder && dot(edge.normal[0], edge.inward[1]) > -kFlatEdge)) continue;
+		const std::uint32_t index = std::uint32_t(m_edges.size());
+		const auto use = [&](std::uint32_t part)
+		{
+			isUsed[part] = 1;
+			for (const std::uint32_t f : parts[part].face)
+				for (std::size_t i = 0; i < 3; ++i)
+				{
+					const std::uint32_t v = m_faces[f].vertex[i], w = m_faces[f].vertex[(i + 1) % 3];
+					if (std::min(v, w) == std::min(parts[part].vertex[0], parts[part].vertex[1]) &&
+						std::max(v, w) == std::max(parts[part].vertex[0], parts[part].vertex[1]))
+						edgeOf[f][i] = index;
+				}
+		};
+		use(first);
+		for (std::size_t side = 0; side < 2; ++side)
+			for (std::uint32_t part = first; ends[edge.vertex[side]].isStraight;)
+			{
+				const EdgeEnds& at = ends[edge.vertex[side]];
+				part = at.edge[0] == part ? at.edge[1] : at.edge[0];
+				if (isUsed[part]) break;
+				use(part);
+				edge.vertex[side] = parts[part].vertex[0] == edge.vertex[side] ? parts[part].vertex[1] : parts[part].vertex[0];
+			}
+		edge.length = length(m_vertices[edge.vertex[1]] - m_vertices[edge.vertex[0]]);
+		m_edges.push_back(edge);
+	}
+	listNodes(firstFaceOfNode, edgeOf);
+}
+
+// Of each polygon, straight sides as one.
+void ContactSurface::findBorders()
+{
+	const std::size_t polygons = m_firstPolygonFace.size() - 1;
+	std::vector<std::uint32_t> next(m_vertices.size(), kNone);
+	std::vector<std::uint32_t> starts;
+	m_firstBorder.assign(1, 0);
+	for (std::uint32_t p = 0; p < polygons; ++p)
+	{
+		const Span<std::uint32_t> faces = facesOf(p);
+		if (faces.size > 1) findBorder(p, faces, next, starts);
+		m_firstBorder.push_back(std::uint32_t(m_border.size()));
+		Vec3 center;
+		for (const std::uint32_t f : faces)
+			for (const std::uint32_t v : m_faces[f].vertex) center += (1.0 / double(3 * faces.size)) * m_vertices[v];
+		m_polygonCenters.push_back(center);
+	}
+}
+
+// next, starts: buffers; next is kNone for all before and after. A vertex that the border meets twice ends its sides.
+void ContactSurface::findBorder(std::uint32_t polygon, Span<std::uint32_t> faces, std::vector<std::uint32_t>& next,
+								std::vector<std::uint32_t>& starts)
+{
+	constexpr std::uint32_t kTwice = kNone - 1;
+	starts.clear();
+	const std::size_t first = m_border.size();
+	for (const std::uint32_t f : faces)
+		for (std::size_t i = 0; i < 3; ++i)
+		{
+			if (m_faces[m_faces[f].neighbour[i]].polygon == polygon) continue;
+			const std::uint32_t from = m_faces[f].vertex[i], to = m_faces[f].vertex[(i + 1) % 3];
+			m_border.push_back({from, to});
+			next[from] = next[from] == kNone ? to : kTwice;
+			starts.push_back(from);
+		}
+	const auto goesOnStraight = [&](const Border& side)
+	{
+		const std::uint32_t end = next[side[1]];
+		if (end == kTwice || end == kNone || end == side[0]) return false;
+		const Vec3 here = m_vertices[side[1]] - m_vertices[side[0]], there = m_vertices[end] - m_vertices[side[1]];
+		return dot(here, there) > 0 && length(cross(here, there)) < kStraight * length(here) * length(there);
+	};
+	// Sides that another one goes on as are dropped, those before them made longer.
+	std::vector<Border> sides;
+	std::vector<char> isContinued(m_border.size() - first, 0);
+	std::vector<std::uint32_t> straightInto;
+	for (std::size_t i = first; i < m_border.size(); ++i)
+		if (goesOnStraight(m_border[i])) straightInto.push_back(m_border[i][1]);
+	std::sort(straightInto.begin(), straightInto.end());
+	for (std::size_t i = first; i < m_border.size(); ++i)
+	{
+		if (std::binary_search(straightInto.begin(), straightInto.end(), m_border[i][0])) continue;
+		Border side = m_border[i];
+		while (std::binary_search(straightInto.begin(), straightInto.end(), side[1])) side[1] = next[side[1]];
+		sides.push_back(side);
+	}
+	m_border.resize(first);
+	m_border.insert(m_border.end(), sides.begin(), sides.end());
+	for (const std::uint32_t v : starts) next[v] = kNone;
+}
+
+// edgeOf: the edge on either side of each face.
+void ContactSurface::listNodes(const std::vector<std::uint32_t>& firstFaceOfNode,
+							   const std::vector<std::array<std::uint32_t, 3>>& edgeOf)
+{
+	m_firstFaceOf = firstFaceOfNode;
+	m_firstFaceOf.push_back(std::uint32_t(m_faces.size()));
+	std::vector<std::uint32_t> vertices, edges;
+	std::vector<std::array<std::uint32_t, 2>> polygons;  // polygon, face
+	const auto sortUnique = [](std::vector<std::uint32_t>& list)
+	{
+		std::sort(list.begin(), list.end());
+		list.erase(std::unique(list.begin(), list.end()), list.end());
+	};
+	for (std::size_t n = 0; n < firstFaceOfNode.size(); ++n)
+	{
+		m_firstVertexOf.push_back(std::uint32_t(m_nodeVertices.size()));
+		m_firstEdgeOf.push_back(std::uint32_t(m_nodeEdges.size()));
+		m_firstPolygonOf.push_back(std::uint32_t(m_nodePolygons.size()));
+		vertices.clear();
+		edges.clear();
+		polygons.clear();
+		for (std::uint32_t f = m_firstFaceOf[n]; f < m_firstFaceOf[n + 1]; ++f)
+		{
+			vertices.insert(vertices.end(), m_faces[f].vertex.begin(), m_faces[f].vertex.end());
+			for (const std::uint32_t e : edgeOf[f])
+				if (e != kNone) edges.push_back(e);
+			polygons.push_back({m_faces[f].polygon, f});
+		}
+		sortUnique(vertices);
+		sortUnique(edges);
+		std::sort(polygons.begin(), polygons.end());
+		m_nodeVertices.insert(m_nodeVertices.end(), vertices.begin(), vertices.end());
+		m_nodeEdges.insert(m_nodeEdges.end(), edges.begin(), edges.end());
+		for (const auto& [polygon, face] : polygons)
+		{
+			if (m_nodePolygons.size() == m_firstPolygonOf.back() || m_nodePolygons.back().polygon != polygon)
+				m_nodePolygons.push_back({polygon, std::uint32_t(m_polygonCorners.size()), 0});
+			for (const std::uint32_t v : m_faces[face].vertex)
+				m_polygonCorners.push_back(
+					std::uint16_t(std::lower_bound(vertices.begin(), vertices.end(), v) - vertices.begin()));
+			m_nodePolygons.back().cornerCount += 3;
+		}
+	}
+	m_firstVertexOf.push_back(std::uint32_t(m_nodeVertices.size()));
+	m_firstEdgeOf.push_back(std::uint32_t(m_nodeEdges.size()));
+	m_firstPolygonOf.push_back(std::uint32_t(m_nodePolygons.size()));
+}
+}  // namespace clod
