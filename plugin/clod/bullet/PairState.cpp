@@ -4,6 +4,8 @@
 
 #include <tuple>
 
+#include "clod/bullet/TimeOfImpact.h"
+
 namespace clod
 {
 namespace
@@ -155,6 +157,13 @@ Budget PairState::chooseBudget()
 	const bool hasPlan = std::exchange(m_hasPlan, false);
 	if (!checkBudget()) return {};
 	return hasPlan ? kSpent : m_context.shareOf(m_report);
+}
+
+double PairState::timeOfImpact(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+							   const btDispatcherInfo& info)
+{
+	const PairPose pose = poseOf(body0, body1, info, true, 0);
+	return pose.isAsked() ? clod::timeOfImpact(pose, m_cache, m_onTheWay) : 1;
 }
 
 void PairState::process(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,

@@ -34,6 +34,9 @@ public:
 	// The first part of the coming process() under a budget over many pairs; empty where there is nothing to plan.
 	std::optional<PairPlan> plan(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 								 const btDispatcherInfo& info);
+	// See TimeOfImpact.h.
+	double timeOfImpact(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+						const btDispatcherInfo& info);
 	void append(btManifoldArray& manifolds) const { m_manifolds.append(manifolds); }
 
 private:
@@ -99,7 +102,7 @@ private:
 	bool m_hasBudget = false;  // see checkBudget
 	FacetContacts m_facets;    // with the way out of a depth, besides buffers
 	// Buffers.
-	GapResult m_result;
+	GapResult m_result, m_onTheWay;
 	PartnerStats m_partnerStats;
 	PartnerContacts m_partner;
 	std::vector<Triangle> m_triangles;           // of a mesh within the tolerance, frame B,

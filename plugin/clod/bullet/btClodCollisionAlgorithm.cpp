@@ -68,10 +68,12 @@ void btClodCollisionAlgorithm::processCollision(const btCollisionObjectWrapper* 
 	m_state->process(*body0, *body1, info, *out);
 }
 
-btScalar btClodCollisionAlgorithm::calculateTimeOfImpact(btCollisionObject*, btCollisionObject*,
-														 const btDispatcherInfo&, btManifoldResult*)
+btScalar btClodCollisionAlgorithm::calculateTimeOfImpact(btCollisionObject* body0, btCollisionObject* body1,
+														 const btDispatcherInfo& info, btManifoldResult*)
 {
-	return btScalar(1);
+	const btCollisionObjectWrapper first(nullptr, body0->getCollisionShape(), body0, body0->getWorldTransform(), -1, -1);
+	const btCollisionObjectWrapper second(nullptr, body1->getCollisionShape(), body1, body1->getWorldTransform(), -1, -1);
+	return btScalar(m_state->timeOfImpact(first, second, info));
 }
 
 std::optional<clod::PairPlan> btClodCollisionAlgorithm::plan(const btCollisionObjectWrapper& body0,

@@ -36,7 +36,8 @@ public:
 
 	void processCollision(const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1,
 						  const btDispatcherInfo& info, btManifoldResult* out) override;
-	// No continuous detection: contacts are speculative over one step instead.
+	// Of the two bodies' way to their interpolation transforms (TimeOfImpact.h). Contacts do not need it: they look ahead
+	// over a step by themselves.
 	btScalar calculateTimeOfImpact(btCollisionObject* body0, btCollisionObject* body1, const btDispatcherInfo& info,
 								   btManifoldResult* out) override;
 	// For budgets over a whole step: the first part of the coming processCollision, at the poses of the two objects.

@@ -33,7 +33,9 @@ void FacetFinder::find(const FacetQuestion& question, const std::vector<Contact>
 	m_nodesA.start(question, contacts, true);
 	m_nodesB.start(question, contacts, false);
 	m_motion = question.rules.motion();
-	m_turn = length(m_motion.angular) * m_motion.timeStep;
+	// What an impact of that speed may add to the turning, besides.
+	const double speed = length(m_motion.velocity(question.rules.b.center));
+	m_turn = (length(m_motion.angular) + speed / question.length()) * m_motion.timeStep;
 	m_table.assign(std::max<std::size_t>(m_table.size(), kLeastTable), kNone);
 	for (const Contact& contact : contacts) findPair(contact);
 }

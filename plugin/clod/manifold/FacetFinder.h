@@ -39,7 +39,7 @@ private:
 	std::vector<Facet>* m_facets = nullptr;
 	Transform m_bFromA;
 	RelativeMotion m_motion;  // of A's material relative to B's
-	double m_turn = 0;  // of B relative to A in the step
+	double m_turn = 0;  // radians that contacts may turn B relative to A in the step, at most
 	Pair m_pair;
 	MovedNodes m_nodesA, m_nodesB;
 	// Of the pair, those that come near the other node.

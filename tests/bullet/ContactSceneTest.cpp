@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What contacts are for, in a plain Bullet world at 1/240 and 1/60 s: sharp edges hold, overlaps part at a bounded speed,
+// what is fast does not pass and what flies past is not deflected, what bounces keeps e, and seams are not felt.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "clod/bullet/ConfigureWorld.h"
+#include "tests/bullet/BulletWorld.h"
+#include "tests/bullet/PatchHierarchy.h"
+
+namespace clod::test
+{
+namespace
+{
+constexpr double kPi = 3.14159265358979323846;
+
+// Over the edge along z, or hanging from it.
+PatchedMesh wedge(double degrees, double height, double length, bool edgeUp)
+{
+	const double half = height * std::tan(0.5 * degrees * kPi / 180), y = edgeUp ? -height : height;
+	PatchedMesh mesh;
+	for (const double z : {-0.5 * length, 0.5 * length})
+		for (const Vec3& p : {Vec3{0, 0, z}, Vec3{-half, y, z}, Vec3{half, y, z}}) mesh.vertices.push_back(p);
+	mesh.triangles = {{0, 2, 1}, {3, 4, 5}, {0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 5, 4}, {2, 0, 3}, {2, 3, 5}};
+	if (!edgeUp)
+		for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+	for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) mesh.patch.push_back(i);
+	mesh.wall = 0.2 * half;
+	return mesh;
+}
+
+struct SceneWorld : BulletWorld
+{
+	explicit SceneWorld(double rate, double gravity = 9.81)
+	{
+		timeStep = 1 / rate;
+		configureWorld(world);
+		world.setGravity(btVector3(0, btScalar(-gravity), 0));
+		context.worldMetric = ContactMetric::exactly();
+	}
+	// The mesh's own origin at the position.
+	btRigidBody& put(const PatchedMesh& mesh, double mass, const Vec3& position,
+					 const btQuaternion& rotation = btQuaternion::getIdentity())
+	{
+		btClodShape& shape = addShape(patchHierarchy(mesh));
+		btRigidBody& body = addBody(shape, mass, Vec3{}, rotation);
+		const btTransform pose(rotation, btVector3(btScalar(position.x), btScalar(position.y), btScalar(position.z)));
+		body.setWorldTransform(pose * shape.meshFromBody());
+		body.setInterpolationWorldTransform(body.getWorldTransform());
+		body.setDamping(0, 0);
+		return body;
+	}
+};
+
+double apart(const btRigidBody& a, const btRigidBody& b)
+{
+	const btVector3 way = (a.getWorldTransform().getOrigin() - b.getWorldTransform().getOrigin()).absolute();
+	return double(way[way.maxAxis()]);
+}
+
+class AtRate : public testing::TestWithParam<double>
+{
+};
+INSTANTIATE_TEST_SUITE_P(Steps, AtRate, testing::Values(240.0, 60.0));
+}  // namespace
+
+TEST_P(AtRate, CrossedWedgesHold)
+{
+	for (const double angle : {20.0, 50.0, 90.0})
+		for (const double yaw : {90.0, 10.0, 0.0})
+		{
+			SceneWorld world(GetParam());
+			world.put(wedge(angle, 1, 2, true), 0, {});
+			btRigidBody& top = world.put(wedge(angle, 1, 2, false), 1, {0, 0.05, 0},
+										 btQuaternion(btVector3(0, 1, 0), btScalar(yaw * kPi / 180)));
+			top.setAngularFactor(0);
+			const double start = heightOf(top);
+			world.step(int(GetParam()));
+			EXPECT_NEAR(start - heightOf(top), 0.05, 0.002) << angle << " degrees, yaw " << yaw;
+		}
+}
+
+TEST_P(AtRate, OverlapsPartWithinASecondAtABoundedSpeed)
+{
+	for (const double share : {0.02, 0.1, 0.3, 0.6, 1.0})
+	{
+		SceneWorld world(GetParam(), 0);
+		const PatchedMesh box = boxMesh({1, 1, 1}, {2, 2, 2}, 1);
+		const double speed = world.context.pushSpeed * std::sqrt(0.75);
+		btRigidBody& first = world.put(box, 1, {});
+		btRigidBody& second = world.put(box, 1, {1 - share, 0.05, 0.03});
+		double before = apart(first, second), fastest = 0;
+		for (int i = 0; i < int(GetParam()); ++i)
+		{
+			world.step();
+			fastest = std::max(fastest, (apart(first, second) - before) * GetParam());
+			before = apart(first, second);
+		}
+		EXPECT_GT(before, 0.99) << share;
+		EXPECT_LT(fastest, 1.05 * speed) << share;
+		EXPECT_LT(double((first.getLinearVelocity() - second.getLinearVelocity()).length()), 0.1 * speed) << share;
+	}
+}
+
+namespace
+{
+// A ball of 5 cm against a wall 2 cm thick whose face is x = -0.01: how many of so many shots pass.
+int shotsThrough(double rate, const std::string& wall, double speed, int shots)
+{
+	int through = 0;
+	for (int i = 0; i < shots; ++i)
+	{
+		SceneWorld world(rate, 0);
+		btTriangleMesh mesh;
+		if (wall == "ours")
+			world.put(boxMesh({0.02, 4, 4}, {1, 4, 4}, 1), 0, {});
+		else if (wall == "plane")
+			world.addBody(world.add(std::make_unique<btStaticPlaneShape>(btVector3(-1, 0, 0), btScalar(0.01))), 0, {});
+		else
+		{
+			const PatchedMesh box = boxMesh({0.02, 4, 4}, {1, 4, 4}, 1);
+			for (const auto& t : box.triangles)
+			{
+				const Vec3 &a = box.vertices[t[0]], &b = box.vertices[t[1]], &c = box.vertices[t[2]];
+				mesh.addTriangle(btVector3(btScalar(a.x), btScalar(a.y), btScalar(a.z)),
+								 btVector3(btScalar(b.x), btScalar(b.y), btScalar(b.z)),
+								 btVector3(btScalar(c.x), btScalar(c.y), btScalar(c.z)));
+			}
+			world.addBody(world.add(std::make_unique<btBvhTriangleMeshShape>(&mesh, true)), 0, {});
+		}
+		btRigidBody& ball = world.put(ballMesh(0.05, 1), 1, {-1 - 0.037 * i, 0.03 * i, 0.02 * i});
+		ball.setLinearVelocity(btVector3(btScalar(speed), 0, 0));
+		ball.setAngularVelocity(btVector3(btScalar(i), btScalar(2 * i), 3));
+		world.step(int(2.5 / speed * rate) + 10);
+		if (ball.getWorldTransform().getOrigin().x() > 0) ++through;
+	}
+	return through;
+}
+}  // namespace
+
+TEST_P(AtRate, FastBallsStopAtAThinWall)
+{
+	for (const char* wall : {"ours", "plane", "mesh"})
+		for (const double speed : {20.0, 120.0, 300.0})
+			EXPECT_EQ(shotsThrough(GetParam(), wall, speed, 6), 0) << wall << ", " << speed << " m/s";
+}
+
+TEST_P(AtRate, WhatJustMissesIsNotDeflected)
+{
+	for (const double speed : {2.0, 20.0, 120.0, 300.0})
+		for (int i = 0; i < 6; ++i)
+		{
+			SceneWorld world(GetParam(), 0);
+			world.put(boxMesh({0.02, 4, 4}, {1, 4, 4}, 1), 0, {});
+			// Its lowest point passes 1 mm over the wall's upper side.
+			btRigidBody& ball = world.put(ballMesh(0.05, 1), 1, {-1 - 0.037 * i, 2.051, 0.1 * i});
+			ball.setLinearVelocity(btVector3(btScalar(speed), 0, 0));
+			world.step(int(2.5 / speed * GetParam()) + 10);
+			EXPECT_EQ(double(ball.getLinearVelocity().y()), 0) << speed << " m/s, shot " << i;
+			EXPECT_EQ(double(ball.getLinearVelocity().x()), speed) << speed << " m/s, shot " << i;
+		}
+}
+
+TEST_P(AtRate, BouncesKeepTheirShareOfTheSpeed)
+{
+	for (const double e : {1.0, 0.9, 0.5})
+		for (const bool isBall : {true, false})
+		{
+			double mean = 0;
+			for (int i = 0; i < 20; ++i)
+			{
+				SceneWorld world(GetParam());
+				world.put(boxMesh({10, 1, 10}, {2, 1, 2}, 1), 0, {0, -0.5, 0}).setRestitution(1);
+				const double drop = 0.5 + 0.0371 * i;
+				btRigidBody& body =
+					world.put(isBall ? ballMesh(0.5, 2) : boxMesh({1, 1, 1}, {2, 2, 2}, 1), 1, {0, 0.5 + drop, 0});
+				body.setRestitution(btScalar(e));
+				double highest = 0;
+				bool isUp = false;
+				for (int k = 0; k < int(3 * GetParam()); ++k)
+				{
+					world.step();
+					isUp = isUp || body.getLinearVelocity().y() > 0;
+					if (isUp) highest = std::max(highest, heightOf(body));
+					if (isUp && body.getLinearVelocity().y() < 0) break;
+				}
+				const double share = (highest - 0.5) / drop / (e * e);
+				EXPECT_NEAR(share, 1, 0.15) << e << (isBall ? " ball " : " cube ") << drop;
+				mean += share / 20;
+			}
+			EXPECT_NEAR(mean, 1, GetParam() < 100 ? 0.05 : 0.02) << e << (isBall ? " ball" : " cube");
+		}
+}
+
+TEST_P(AtRate, FlushBodiesAreOneFloor)
+{
+	for (const double yaw : {0.0, 0.3})
+	{
+		SceneWorld world(GetParam());
+		const PatchedMesh cell = boxMesh({1, 1, 1}, {2, 2, 2}, 1);
+		for (int i = 0; i < 6; ++i) world.put(cell, 0, {double(i), -0.5, 0}).setFriction(0);
+		btRigidBody& body = world.put(boxMesh({0.5, 0.5, 0.5}, {2, 2, 2}, 1), 1, {0, 0.2502, 0},
+									  btQuaternion(btVector3(0, 1, 0), btScalar(yaw)));
+		body.setFriction(0);
+		body.setLinearVelocity(btVector3(3, 0, 0));
+		world.step(int(1.4 * GetParam()));
+		EXPECT_NEAR(double(body.getLinearVelocity().x()), 3, 3e-3) << yaw;
+		EXPECT_NEAR(heightOf(body), 0.25, 2e-3) << yaw;
+		EXPECT_LT(double(body.getAngularVelocity().length()), 0.01) << yaw;
+	}
+}
+}  // namespace clod::test

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// calculateTimeOfImpact against closed forms: balls and boxes that fly at each other and turn.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/bullet/BulletWorld.h"
+#include "tests/bullet/PatchHierarchy.h"
+
+namespace clod::test
+{
+namespace
+{
+struct Flight
+{
+	BulletWorld scene;
+	btRigidBody *first = nullptr, *second = nullptr;
+	btCollisionAlgorithm* algorithm = nullptr;
+
+	~Flight()
+	{
+		if (!algorithm) return;
+		algorithm->~btCollisionAlgorithm();
+		scene.dispatcher.freeCollisionAlgorithm(algorithm);
+	}
+	double timeOfImpact(const btTransform& firstTo, const btTransform& secondTo)
+	{
+		first->setInterpolationWorldTransform(firstTo);
+		second->setInterpolationWorldTransform(secondTo);
+		if (!algorithm)
+		{
+			const btCollisionObjectWrapper a(nullptr, first->getCollisionShape(), first, first->getWorldTransform(), -1, -1);
+			const btCollisionObjectWrapper b(nullptr, second->getCollisionShape(), second, second->getWorldTransform(), -1,
+											 -1);
+			algorithm = scene.dispatcher.findAlgorithm(&a, &b, nullptr, BT_CONTACT_POINT_ALGORITHMS);
+		}
+		btManifoldResult result;
+		return double(algorithm->calculateTimeOfImpact(first, second, scene.world.getDispatchInfo(), &result));
+	}
+};
+
+btTransform at(double x, double y, double z, double turn = 0)
+{
+	return btTransform(btQuaternion(btVector3(0, 0, 1), btScalar(turn)), btVector3(btScalar(x), btScalar(y), btScalar(z)));
+}
+}  // namespace
+
+TEST(TimeOfImpact, OfBoxesThatFlyAtEachOther)
+{
+	Flight flight;
+	btClodShape& box = flight.scene.addShape(patchHierarchy(boxMesh({1, 1, 1}, {2, 2, 2}, 1)));
+	flight.first = &flight.scene.addBody(box, 1, {0, 0, 0});
+	flight.second = &flight.scene.addBody(box, 1, {11, 0.2, 0.1});
+	// 10 are between them, they close 40: met after a quarter.
+	EXPECT_NEAR(flight.timeOfImpact(at(15, 0, 0), at(-14, 0.2, 0.1)), 0.25, 2e-3);
+	EXPECT_LE(flight.timeOfImpact(at(15, 0, 0), at(-14, 0.2, 0.1)), 0.25);
+	EXPECT_EQ(flight.timeOfImpact(at(-15, 0, 0), at(14, 0.2, 0.1)), 1);
+	EXPECT_EQ(flight.timeOfImpact(at(0, 20, 0), at(11, 20.2, 0.1)), 1);
+	// Just past.
+	EXPECT_EQ(flight.timeOfImpact(at(22, 0, 0), at(0, 3.2, 0.1)), 1);
+}
+
+TEST(TimeOfImpact, OfABarThatTurnsIntoABox)
+{
+	Flight flight;
+	btClodShape& bar = flight.scene.addShape(patchHierarchy(boxMesh({4, 0.2, 0.2}, {8, 1, 1}, 1)));
+	btClodShape& box = flight.scene.addShape(patchHierarchy(boxMesh({1, 1, 1}, {2, 2, 2}, 1)));
+	flight.first = &flight.scene.addBody(bar, 1, {0, 0, 0});
+	flight.second = &flight.scene.addBody(box, 1, {1.5, 1.5, 0});
+	// The bar's upper corner, at (2, 0.1), rises to the box's lower side.
+	const double angle = std::asin(1 / std::hypot(2.0, 0.1)) - std::atan2(0.1, 2.0);
+	const double part = flight.timeOfImpact(at(0, 0, 0, 0.9), at(1.5, 1.5, 0));
+	EXPECT_LE(part, angle / 0.9 + 1e-6);
+	EXPECT_GT(part, angle / 0.9 - 5e-3);
+	EXPECT_EQ(flight.timeOfImpact(at(0, 0, 0, -0.9), at(1.5, 1.5, 0)), 1);
+}
+
+TEST(TimeOfImpact, OfABodyAndAPlane)
+{
+	Flight flight;
+	btClodShape& box = flight.scene.addShape(patchHierarchy(boxMesh({1, 1, 1}, {2, 2, 2}, 1)));
+	auto& plane = flight.scene.add(std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), btScalar(0)));
+	flight.first = &flight.scene.addBody(box, 1, {0, 5.5, 0});
+	flight.second = &flight.scene.addBody(plane, 0, {0, 0, 0});
+	EXPECT_NEAR(flight.timeOfImpact(at(3, -4.5, 0), at(0, 0, 0)), 0.5, 2e-3);
+	EXPECT_EQ(flight.timeOfImpact(at(3, 1, 0), at(0, 0, 0)), 1);
+}
+
+TEST(TimeOfImpact, WhatTouchesAlreadyIsLeftToItsContacts)
+{
+	Flight flight;
+	btClodShape& box = flight.scene.addShape(patchHierarchy(boxMesh({1, 1, 1}, {2, 2, 2}, 1)));
+	flight.first = &flight.scene.addBody(box, 1, {0, 0, 0});
+	flight.second = &flight.scene.addBody(box, 1, {1, 0, 0});
+	EXPECT_EQ(flight.timeOfImpact(at(1, 0, 0), at(0, 0, 0)), 1);
+}
+}  // namespace clod::test
