@@ -11,7 +11,7 @@ namespace
 constexpr double kSatisfied = 0.02;       // of its depth: what a facet may lack and is satisfied
 constexpr double kSatisfiedShare = 1e-6;  // of the length, likewise
 constexpr double kBeyond = 1.05;          // times the least shift is where overlaps are looked for again
-constexpr double kTie = 2e-4;             // of the length: heights at the end of the step
+constexpr double kTie = 1e-3;             // of the length: of heights now and at the end of the step
 constexpr double kSamePlace = 2e-3;       // of the length
 constexpr double kSameNormal = 0.99995;   // cosine: of one polygon's facets, and of polygons all but in one plane
 
@@ -188,10 +188,15 @@ void FacetChoice::dropRidges(std::vector<Facet>& facets)
 		{
 			const Facet& other = facets[m_order[l]];
 			// Over the ridge itself both hold: an edge stands on a parallel edge.
-			if (best.distance + best.linear - other.distance - other.linear < kTie * m_question->length()) continue;
-			if (lengthSquared(best.onA - other.onA) > near * near || !m_isKept[m_order[l]] ||
-				dot(best.normal, other.normal) > kSameNormal || lengthSquared(best.onB - other.onB) > near * near)
+			const double tie = kTie * m_question->length();
+			if (std::abs(best.distance - other.distance) < tie &&
+				std::abs(best.distance + best.linear - other.distance - other.linear) < tie)
 				continue;
+			if (!m_isKept[m_order[l]] || dot(best.normal, other.normal) > kSameNormal) continue;
+			// One of them may be met farther on the way.
+			const double betweenA = lengthSquared(best.onA - other.onA), betweenB = lengthSquared(best.onB - other.onB);
+			const double reach = near + std::max(std::abs(best.linear), std::abs(other.linear));
+			if (std::min(betweenA, betweenB) > near * near || std::max(betweenA, betweenB) > reach * reach) continue;
 			const double slack = 1e-6 * m_question->length();
 			const Vec3 between = centerOf(other) - center;
 			// Normals point into the difference.

@@ -33,6 +33,7 @@ void FacetFinder::find(const FacetQuestion& question, const std::vector<Contact>
 	m_nodesA.start(question, contacts, true);
 	m_nodesB.start(question, contacts, false);
 	m_motion = question.rules.motion();
+	m_dip = kPathReach * length(question.rules.a.force - question.rules.b.force) * m_motion.timeStep;
 	// What an impact of that speed may add to the turning, besides.
 	const double speed = length(m_motion.velocity(question.rules.b.center));
 	m_turn = (length(m_motion.angular) + speed / question.length()) * m_motion.timeStep;
@@ -172,7 +173,8 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 			const Vec3 p = vertex.now + share * move;
 			return faces.squaredBeside(polygon, p) <= slack * slack;
 		};
-		counts = meets(first) || meets(last);
+		// A path that only the step's forces bend under the face slides on over it: who holds the body is not known here.
+		counts = meets(first) || meets(last) || (end >= q.rules.margin - m_dip && meets(1));
 	}
 	if (!counts && now > 0 && now <= highest(now - then))
 	{

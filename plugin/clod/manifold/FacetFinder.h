@@ -39,6 +39,7 @@ private:
 	std::vector<Facet>* m_facets = nullptr;
 	Transform m_bFromA;
 	RelativeMotion m_motion;  // of A's material relative to B's
+	double m_dip = 0;   // how far forces alone carry the bodies
 	double m_turn = 0;  // radians that contacts may turn B relative to A in the step, at most
 	Pair m_pair;
 	MovedNodes m_nodesA, m_nodesB;

@@ -61,7 +61,7 @@ double PairSolve::bendBound(const Facet& facet, double timeStep) const
 bool PairSolve::isMet(const FacetQuestion& q, const Facet& facet, const Transform& after, const Transform& back) const
 {
 	const ContactSurface &a = q.a.surface(facet.levelA), &b = q.b.surface(facet.levelB);
-	const double slack = kFootShare * q.length();
+	const double slack = kInnerShare * q.length();
 	if (facet.kind == Facet::Kind::kVertexFace)
 		return b.squaredBeside(facet.featureB, back * a.vertices()[facet.featureA]) <= slack * slack;
 	if (facet.kind == Facet::Kind::kFaceVertex)
