@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "clod/collide/ClippedPolygon.h"
-#include "clod/query/SurfaceFaces.h"
+#include "clod/hierarchy/InputSurface.h"
 
 namespace clod
 {

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "clod/collide/BoxSeparation.h"
-#include "clod/query/SurfaceFaces.h"
+#include "clod/hierarchy/InputSurface.h"
 
 namespace clod
 {

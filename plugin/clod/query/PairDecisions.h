@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "clod/collide/BoxSeparation.h"
-#include "clod/query/ContactSink.h"
 #include "clod/collide/MotionBound.h"
+#include "clod/query/ContactSink.h"
 #include "clod/query/StopRule.h"
 
 namespace clod
