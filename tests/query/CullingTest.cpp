@@ -72,14 +72,14 @@ TEST(HullCull, RemembersOnlyPointsThatWereFound)
 			for (int k = 0; k < 4; ++k) limit = std::nextafter(limit, 0.0);
 			for (int k = 0; k < 9; ++k, limit = std::nextafter(limit, 1e300))
 			{
-				HullMemory memory;
+				CachedSeparation memory;
 				QueryStats stats;
 				HullCull cull(context, stats);
 				const bool isApart = cull.isApart(a, b, limit, memory);
 				const SweptBound bound = canonicalSweptBound(context, a, b, limit, limit);
 				EXPECT_EQ(isApart, bound.lower > limit);
 				stopped += !isApart && !bound.hasPoints;
-				if (memory.knowledge != HullKnowledge::kNear) continue;
+				if (memory.kind != CachedSeparation::Kind::kNear) continue;
 				++remembered;
 				EXPECT_TRUE(bound.hasPoints);
 				EXPECT_LT(sweptPointDistance(context, b, toVec3(memory.onA), toVec3(memory.onB)),

@@ -16,6 +16,16 @@
 
 namespace clod
 {
+// A bound from below, or above, that a motion may have made wrong by `moved`.
+inline float lowerAfter(float bound, float moved)
+{
+	return bound - moved - 1.2e-7f * (bound < 0 ? -bound : bound);
+}
+inline float upperAfter(float bound, float moved)
+{
+	return bound + moved + 1.2e-7f * (bound < 0 ? -bound : bound);
+}
+
 inline double motionBound(const RelativePose& from, const RelativePose& to, double reachA, double reachB)
 {
 	double turn = 0;

@@ -45,10 +45,10 @@ private:
 		for (const std::uint32_t i : m_front.slack.answers)
 		{
 			const FrontEntry& entry = m_front.entries[i];
-			HullMemory memory = remembered(entry, m_front.hulls);
+			CachedSeparation cached = cachedOf(entry, m_front.hulls);
 			const std::uint32_t before = m_stats->hullTests;
-			if (answers(entry, memory) != (entry.state == NodePairState::kAnswer)) return false;
-			if (memory.knowledge == HullKnowledge::kApart) m_front.slack.spent += m_stats->hullTests - before;
+			if (answers(entry, cached) != (entry.state == NodePairState::kAnswer)) return false;
+			if (cached.isApart()) m_front.slack.spent += m_stats->hullTests - before;
 		}
 		return true;
 	}
@@ -66,9 +66,9 @@ private:
 		}
 		if (!entry.whileApart && entry.state != NodePairState::kAnswer && cullsByHulls(entry))
 		{
-			HullMemory memory = remembered(entry, m_front.hulls);
-			if (areHullsApart(entry, memory) != (entry.state == NodePairState::kHullsApart)) return false;
-			keepSlack(i, m_moved, slackOfHulls(entry, memory));
+			CachedSeparation cached = cachedOf(entry, m_front.hulls);
+			if (areHullsApart(entry, cached) != (entry.state == NodePairState::kHullsApart)) return false;
+			keepSlack(i, m_moved, slackOfHulls(entry, cached));
 		}
 		if (!isOpen(entry.state)) return true;
 		Row row = rowOf(entry);

@@ -133,15 +133,15 @@ protected:
 					row.high[child[i]] = upperAfter(separations[i], 0);
 				});
 	}
-	HullMemory remembered(const FrontEntry& old, const std::vector<HullMemory>& hulls) const
+	CachedSeparation cachedOf(const FrontEntry& old, const std::vector<CachedSeparation>& hulls) const
 	{
 		if (old.hull == kNone) return {};
-		HullMemory memory = hulls[old.hull];
-		if (memory.knowledge != HullKnowledge::kApart) return memory;
+		CachedSeparation cached = hulls[old.hull];
+		if (!cached.isApart()) return cached;
 		const OrientedBox& box = m_context.b.cullBox(old.b);
-		const double nearer = m_partMotion.along(toVec3(memory.onA), centerOf(box), double(box.radius)) + m_change;
-		memory.lower = lowerAfter(memory.lower, float(nearer + 3e-7 * std::abs(nearer)));
-		return memory;
+		const double nearer = m_partMotion.along(toVec3(cached.onA), centerOf(box), double(box.radius)) + m_change;
+		cached.lower = lowerAfter(cached.lower, float(nearer + 3e-7 * std::abs(nearer)));
+		return cached;
 	}
 
 	bool cullsByHulls(const FrontEntry& entry) const
@@ -153,21 +153,21 @@ protected:
 	{
 		return cullLimit(m_context.a.node(entry.a), m_context.b.node(entry.b), m_settings.tolerance);
 	}
-	bool areHullsApart(const FrontEntry& entry, HullMemory& memory)
+	bool areHullsApart(const FrontEntry& entry, CachedSeparation& cached)
 	{
-		return m_hulls.isApart(entry.a, entry.b, cullLimitOf(entry), memory);
+		return m_hulls.isApart(entry.a, entry.b, cullLimitOf(entry), cached);
 	}
 	// What that decision can take.
-	double slackOfHulls(const FrontEntry& entry, const HullMemory& memory) const
+	double slackOfHulls(const FrontEntry& entry, const CachedSeparation& cached) const
 	{
-		return m_hulls.slackOf(entry.a, entry.b, cullLimitOf(entry), memory);
+		return m_hulls.slackOf(entry.a, entry.b, cullLimitOf(entry), cached);
 	}
 	// Whether an entry answers that may, as its hulls decide; and its answer.
-	bool answers(const FrontEntry& entry, HullMemory& memory)
+	bool answers(const FrontEntry& entry, CachedSeparation& cached)
 	{
 		HullEvaluations known;
-		if (entry.whileApart && !m_hulls.areApart(entry.a, entry.b, m_settings.tolerance, memory, known)) return false;
-		m_sink.answer(entry.a, entry.b, memory, known);
+		if (entry.whileApart && !m_hulls.areApart(entry.a, entry.b, m_settings.tolerance, cached, known)) return false;
+		m_sink.answer(entry.a, entry.b, cached, known);
 		return true;
 	}
 

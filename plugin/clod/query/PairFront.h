@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "clod/collide/HullDistance.h"
+#include "clod/collide/SeparatingAxis.h"
 #include "clod/query/BackOff.h"
 #include "clod/query/Query.h"
 
@@ -47,31 +48,6 @@ struct FrontEntry
 	bool whileApart = false;  // answers, or is opened, as its hulls are apart, or not
 };
 static_assert(sizeof(FrontEntry) == 36);
-
-// What a pair keeps of its hull test: a direction along which the hulls were apart, or two points that were near.
-enum class HullKnowledge : std::uint8_t
-{
-	kNothing,
-	kApart,
-	kNear
-};
-struct HullMemory
-{
-	HullKnowledge knowledge = HullKnowledge::kNothing;
-	float lower = 0;           // apart: of the hull distance along onA, carried on with the motion
-	float onA[3] = {0, 0, 0};  // frame A. apart: the direction `lower` was measured along; near: a point of hull a
-	float onB[3] = {0, 0, 0};  // frame B. near: a point of hull b
-};
-
-// A bound from below, or above, that a motion may have made wrong by `moved`.
-inline float lowerAfter(float bound, float moved)
-{
-	return bound - moved - 1.2e-7f * (bound < 0 ? -bound : bound);
-}
-inline float upperAfter(float bound, float moved)
-{
-	return bound + moved + 1.2e-7f * (bound < 0 ? -bound : bound);
-}
 
 // Set of pairs with an O(1) clear. Open addressing; grows by doubling. Node indices are below 2^28.
 class VisitedPairs
@@ -156,7 +132,7 @@ struct PairFront
 {
 	std::vector<FrontEntry> entries;  // of the last finished traversal; [0] is the pair of roots, children lie together
 	std::vector<FrontEntry> previous;  // the one before, read while entries is written
-	std::vector<HullMemory> hulls, previousHulls;
+	std::vector<CachedSeparation> hulls, previousHulls;
 	VisitedPairs visited;
 	double motion = 0;         // accumulated bound of the relative motion and of the sweep's change (MotionBound.h)
 	double pending = 0;        // the part of it since the last finished traversal
