@@ -20,8 +20,7 @@ namespace
 RelativePose::RelativePose(const Transform& aFromB, double reach)
 	: rotation(aFromB.rotation), inverseRotation(transposed(aFromB.rotation)), translation(aFromB.translation)
 {
-	constexpr double kUnit = std::numeric_limits<double>::epsilon();
-	rounding = 16 * kUnit * (3 * reach + length(translation));
+	rounding = 16 * kDoubleUnit * (3 * reach + length(translation));
 }
 
 double separationAlong(const ConvexHull& a, const ConvexHull& b, const RelativePose& pose, const Vec3& direction,

@@ -14,12 +14,11 @@
 #include <cstdint>
 #include <limits>
 
+#include "clod/collide/Constants.h"
 #include "clod/collide/ConvexHull.h"
 
 namespace clod
 {
-inline constexpr double kHullDistanceAccuracy = 1e-7;
-
 // Maps frame B into frame A, prepared once a query.
 struct RelativePose
 {

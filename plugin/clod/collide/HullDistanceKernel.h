@@ -2,9 +2,6 @@
 // GJK with support-plane lower bound, early exit and certified termination. For InstructionSets.h: no include guard.
 #include "clod/collide/SimplexKernel.h"
 
-constexpr int kMaxIterations = 128;
-constexpr double kConverged = 1e-11;  // relative to the length of the support points
-
 // Of a (-) b.
 struct Corner
 {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "clod/distance/Constants.h"
 #include "clod/distance/GapCertificate.h"
 #include "clod/query/ContactSearch.h"
 
@@ -11,8 +12,6 @@ namespace clod
 namespace
 {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kSharpness = 0.85;      // of the largest s0: no worse is the gap known
-constexpr double kDepthAccuracy = 1e-6;  // of the smaller radius: how exactly a depth is searched at least
 
 class GapSearch
 {
@@ -103,9 +102,9 @@ private:
 													double(m_context.b.node(contact.nodeB).deviation));
 		if (m_found.isOfInput) deviation = 0;
 		const double tolerance = m_settings.tolerance;
-		const double farthest = m_settings.distance ? tolerance : tolerance + 2.5 * deviation;
+		const double farthest = m_settings.distance ? tolerance : tolerance + kHiddenDepth * deviation;
 		double found = 0;  // a depth of some point
-		for (double reach = tolerance > 0 ? 0.2 * tolerance : farthest;;
+		for (double reach = tolerance > 0 ? kShallow * tolerance : farthest;;
 			 reach = reach < tolerance ? tolerance : 2 * reach)
 		{
 			reach = std::min(reach, farthest);
@@ -149,10 +148,10 @@ private:
 		{
 			// A coarser answer could not be told from one beyond reach.
 			accuracy.absolute =
-				std::max(accuracy.absolute, std::min(0.5 * limit(), 0.2 * std::min(reach, m_settings.tolerance)));
+				std::max(accuracy.absolute, std::min(0.5 * limit(), kShallow * std::min(reach, m_settings.tolerance)));
 			accuracy.relative = 0;
 		}
-		if (m_settings.distance || limit() < kInfinity) accuracy.cellLimit *= 10;
+		if (m_settings.distance || limit() < kInfinity) accuracy.cellLimit *= kMoreCells;
 		return accuracy;
 	}
 	// So deep at some point, perhaps deeper.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "clod/distance/SurfaceDistance.h"
 
+#include "clod/distance/Constants.h"
 #include "clod/query/HullCull.h"
 
 namespace clod
@@ -77,8 +78,7 @@ protected:
 			ofPair = {a, b, ofSmaller.axis};
 			return far;
 		}
-		// A little beyond: so the direction still tells at the next pose.
-		const HullDistance distance = canonicalDistance(context, a, b, 1.1 * best);
+		const HullDistance distance = canonicalDistance(context, a, b, kBeyondBest * best);
 		if (distance.lower > best)
 		{
 			ofSmaller = {keyA, keyB, toFloat3(distance.normal)};

@@ -3,14 +3,12 @@
 
 #include <algorithm>
 
+#include "clod/query/Constants.h"
+
 namespace clod
 {
 namespace
 {
-constexpr double kWorthMixing = 16;         // times the pairs of nodes that mixed levels would need
-constexpr double kWorthSimplifying = 0.25;  // of the pairs of leaves; else leaves, whose boxes are tighter
-constexpr double kFewer = 0.75;             // of the boxes that meet, for more pairs of nodes
-
 bool keepLimit(const LevelBounds& a, const LevelBounds& b, double maxError)
 {
 	const double cover = double(a.cover) + double(b.cover), protrude = double(a.protrude) + double(b.protrude);

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "clod/collide/MotionBound.h"
-#include "clod/query/FrontValidation.h"
+#include "clod/query/Constants.h"
 #include "clod/query/Traversal.h"
 
 namespace clod
@@ -91,7 +91,7 @@ void followMotion(const QueryContext& context, const ContactSettings& settings, 
 		state.front.move(motion, change);
 		state.lastMove = motion + change;
 		const bool otherTree = state.settings.budget.isLimited() != settings.budget.isLimited();
-		if (otherTree || !(state.front.motion < 1e5 * context.size)) state.clearFronts();
+		if (otherTree || !(state.front.motion < kFarthestMotion * context.size)) state.clearFronts();
 	}
 	state.pose = context.pose;
 }

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Zlib
-#include "clod/query/FrontValidation.h"
-
+// Most fronts are what they were: bodies at rest hardly move. Each entry keeps how much motion the decisions on it and on
+// its children can take, and where few have used that up, these alone are made again. If they are the same, so is the
+// front, and only its accepted pairs are left to be evaluated. If one is not, the front is made anew (Traversal.cpp).
+#include <algorithm>
 #include <tuple>
+
+#include "clod/query/Traversal.h"
 
 namespace clod
 {
 namespace
 {
-constexpr std::size_t kEntriesADecision = 4;  // of a traversal cost as much as one decision made again
-
 class FrontValidation : private PairDecisions
 {
 public:

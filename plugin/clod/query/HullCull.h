@@ -5,6 +5,7 @@
 #pragma once
 #include <optional>
 
+#include "clod/query/Constants.h"
 #include "clod/query/PairFront.h"
 #include "clod/query/QueryContext.h"
 
@@ -14,7 +15,7 @@ namespace clod
 inline double roomOf(const QueryContext& context, std::uint32_t a, std::uint32_t b, double limit)
 {
 	const double size = double(context.a.cullBox(a).radius) + double(context.b.cullBox(b).radius);
-	return 10 * kHullDistanceAccuracy * (size + limit + context.longestMove) + 4 * context.pose.rounding;
+	return kEvaluationRoom * (size + limit + context.longestMove) + 4 * context.pose.rounding;
 }
 // A lower bound of their distance, of whatever axis, shows what an evaluation from the canonical start would.
 inline bool isBeyond(const QueryContext& context, std::uint32_t a, std::uint32_t b, double lower, double limit)
@@ -110,7 +111,7 @@ private:
 	double belowLimit(std::uint32_t b, double limit, const CachedSeparation& cached) const
 	{
 		if (cached.kind != CachedSeparation::Kind::kNear) return 0;
-		const double rounding = 2e-7 * m_context.size;  // of points kept as floats
+		const double rounding = kPlaceRounding * m_context.size;
 		return limit - rounding - sweptPointDistance(m_context, b, toVec3(cached.onA), toVec3(cached.onB));
 	}
 	const QueryContext& m_context;

@@ -31,7 +31,7 @@ struct TraversalSettings
 // Since the last traversal, rounded up.
 inline float motionSince(const PairFront& front)
 {
-	return float(front.pending) * (1 + 3e-7f);
+	return float(front.pending) * (1 + float(kBoundRounding));
 }
 
 class PairDecisions
@@ -45,7 +45,7 @@ public:
 		  m_sink(sink),
 		  m_rootA(context.a.root()),
 		  m_limit(roundDown(settings.tolerance)),
-		  m_room(1e-9 * context.size + context.boxes.roundingOfTwo()),
+		  m_room(kSumRounding * context.size + context.boxes.roundingOfTwo()),
 		  m_moved(motionSince(front)),
 		  m_change(front.pendingChange),
 		  m_stats(&stats),
@@ -140,7 +140,7 @@ protected:
 		if (!cached.isApart()) return cached;
 		const OrientedBox& box = m_context.b.cullBox(old.b);
 		const double nearer = m_partMotion.along(toVec3(cached.onA), centerOf(box), double(box.radius)) + m_change;
-		cached.lower = lowerAfter(cached.lower, float(nearer + 3e-7 * std::abs(nearer)));
+		cached.lower = lowerAfter(cached.lower, float(nearer + kBoundRounding * std::abs(nearer)));
 		return cached;
 	}
 
@@ -202,7 +202,7 @@ protected:
 	{
 		if (!(slack < kAlways)) return;
 		float& slackOfEntry = m_front.slack.ofEntry[i];
-		slackOfEntry = std::min(slackOfEntry, lowerAfter(float(slack - 1e-6 * m_settings.tolerance), -moved));
+		slackOfEntry = std::min(slackOfEntry, lowerAfter(float(slack - kSlackRounding * m_settings.tolerance), -moved));
 	}
 
 	const QueryContext& m_context;

@@ -15,6 +15,7 @@
 #include "clod/collide/HullDistance.h"
 #include "clod/collide/SeparatingAxis.h"
 #include "clod/query/BackOff.h"
+#include "clod/query/Constants.h"
 #include "clod/query/Query.h"
 
 namespace clod
@@ -112,7 +113,7 @@ inline void addTo(QueryStats& stats, const FrontCounts& counts)
 	stats.touchedFinestLevel = counts.touchedFinestLevel;
 }
 
-// What it takes to give the answers of a traversal again where its decisions are what they were (FrontValidation.h).
+// What it takes to give the answers of a traversal again where its decisions are what they were (FrontValidation.cpp).
 struct FrontSlack
 {
 	std::vector<float> ofEntry;          // the motion that its decisions, and those on its children, can take
@@ -125,8 +126,6 @@ struct FrontSlack
 		spent = 0;
 	}
 };
-
-inline constexpr std::uint32_t kLongestBackOff = 15;
 
 struct PairFront
 {
@@ -142,7 +141,7 @@ struct PairFront
 	double tolerance = 0;  // of the last finished traversal
 	FrontCounts counts;
 	FrontSlack slack;
-	BackOff backOff{kLongestBackOff};  // traversals that keep no slack, until the next attempt to validate a front
+	BackOff backOff{kFrontBackOff};  // traversals that keep no slack, until the next attempt to validate a front
 
 	void move(double by, double sweepChange)
 	{

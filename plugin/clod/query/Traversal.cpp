@@ -34,7 +34,7 @@ public:
 	}
 
 private:
-	// For FrontValidation.h; where that was in vain, now and then only.
+	// For FrontValidation.cpp; where that was in vain, now and then only.
 	void startSlack()
 	{
 		m_front.slack.clear();

@@ -8,7 +8,7 @@ namespace clod
 {
 namespace
 {
-constexpr std::size_t kErrorsCounted = 24;
+constexpr std::size_t kErrorsCounted = 24;  // down to a float's last place of the radius
 
 // None of a node at the base or below.
 Span<std::uint32_t> primaryChildren(const Hierarchy& h, std::uint32_t node, std::uint32_t base)

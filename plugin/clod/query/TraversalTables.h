@@ -5,11 +5,12 @@
 #include <vector>
 
 #include "clod/Export.h"
+#include "clod/collide/BoxSeparation.h"
 #include "clod/hierarchy/Hierarchy.h"
 
 namespace clod
 {
-inline constexpr std::uint32_t kWideChildren = 8;  // as many culling boxes as are compared at once
+inline constexpr std::uint32_t kWideChildren = kBoxLanes;  // as many as are compared at once
 
 // A contact level as a whole.
 struct LevelBounds
