@@ -17,10 +17,10 @@ namespace
 #include "clod/collide/CompiledTwice.h"
 }  // namespace
 
-RelativePose::RelativePose(const Transform& aFromB, double reach)
+RelativePose::RelativePose(const Transform& aFromB, double radius)
 	: rotation(aFromB.rotation), inverseRotation(transposed(aFromB.rotation)), translation(aFromB.translation)
 {
-	rounding = 16 * kDoubleUnit * (3 * reach + length(translation));
+	rounding = 16 * kDoubleUnit * (3 * radius + length(translation));
 }
 
 double separationAlong(const ConvexHull& a, const ConvexHull& b, const RelativePose& pose, const Vec3& direction,

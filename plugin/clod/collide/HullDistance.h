@@ -23,8 +23,8 @@ namespace clod
 struct RelativePose
 {
 	RelativePose() = default;
-	// reach: bound of |vertex| in both frames.
-	RelativePose(const Transform& aFromB, double reach);
+	// radius: bound of |vertex| in both frames.
+	RelativePose(const Transform& aFromB, double radius);
 	Vec3 apply(const Vec3& inB) const { return rotation * inB + translation; }
 	Vec3 directionToB(const Vec3& inA) const { return inverseRotation * inA; }
 

@@ -26,14 +26,14 @@ inline float upperAfter(float bound, float moved)
 	return bound + moved + kFloatStep * (bound < 0 ? -bound : bound);
 }
 
-inline double motionBound(const RelativePose& from, const RelativePose& to, double reachA, double reachB)
+inline double motionBound(const RelativePose& from, const RelativePose& to, double radiusA, double radiusB)
 {
 	double turn = 0;
 	for (int i = 0; i < 3; ++i) turn += lengthSquared(to.rotation.row[i] - from.rotation.row[i]);
 	turn = std::sqrt(0.5 * turn);
-	const double ofB = length(to.translation - from.translation) + turn * reachB;
+	const double ofB = length(to.translation - from.translation) + turn * radiusB;
 	const Vec3 originFrom = from.inverseRotation * from.translation, originTo = to.inverseRotation * to.translation;
-	const double ofA = length(originTo - originFrom) + turn * reachA;
+	const double ofA = length(originTo - originFrom) + turn * radiusA;
 	// Rounding of the two poses and of the axes of the boxes (BoxSeparation.cpp).
 	return (1 + kMotionRounding) * std::max(ofA, ofB) + from.rounding + to.rounding;
 }
@@ -72,15 +72,15 @@ private:
 // queries, m being the motion bound between them: a point p went from q0 to q1, |q1 - q0| <= m, and d1(q1) - d0(q0) =
 // (d1 - d0)(t1) + (w1 - w0) x (q1 - t1) + w0 x (q1 - q0), t1 being where the origin of B is.
 inline double sweepChange(const RelativePose& from, const Sweep& before, const RelativePose& to, const Sweep& now,
-						  double motion, double reachB)
+						  double motion, double radiusB)
 {
 	if (before.isZero() && now.isZero()) return 0;
 	const double turn = length(now.angular - before.angular);
-	const double longest = length(now.of(to.translation)) + length(now.angular) * reachB;
+	const double longest = length(now.of(to.translation)) + length(now.angular) * radiusB;
 	double axes = 0;  // how far axes fixed to B turned
 	for (int i = 0; i < 3; ++i) axes += lengthSquared(to.rotation.row[i] - from.rotation.row[i]);
 	// The spread of a box changes with the angular part as well, hence twice.
-	return (1 + kMotionRounding) * (length(now.of(to.translation) - before.of(to.translation)) + 2 * turn * reachB +
+	return (1 + kMotionRounding) * (length(now.of(to.translation) - before.of(to.translation)) + 2 * turn * radiusB +
 						 length(before.angular) * motion + std::sqrt(0.5 * axes) * longest);
 }
 }  // namespace clod

@@ -103,8 +103,8 @@ void gatherSides(const QueryContext& context, const std::vector<Contact>& contac
 void GatheredSurface::scan(ContactSide::Slot& slot, const Vec3& point)
 {
 	if (!slot.gathered) m_other.gather(slot);
-	const double reach = m_distance + slot.radius;
-	if (lengthSquared(point - slot.center) > reach * reach) return;
+	const double ofBall = m_distance + slot.radius;
+	if (lengthSquared(point - slot.center) > ofBall * ofBall) return;
 	for (std::uint32_t i = slot.firstFace; i < slot.firstFace + slot.faceCount; ++i)
 	{
 		const GatheredFace& face = m_other.faces[i];

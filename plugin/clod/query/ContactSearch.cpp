@@ -85,9 +85,9 @@ void followMotion(const QueryContext& context, const ContactSettings& settings, 
 	}
 	else if (state.filled)
 	{
-		const double motion = motionBound(state.pose, context.pose, context.reachA, context.reachB);
+		const double motion = motionBound(state.pose, context.pose, context.radiusA, context.radiusB);
 		const double change =
-			sweepChange(state.pose, state.settings.sweep, context.pose, context.sweep, motion, context.reachB);
+			sweepChange(state.pose, state.settings.sweep, context.pose, context.sweep, motion, context.radiusB);
 		state.front.move(motion, change);
 		state.lastMove = motion + change;
 		const bool otherTree = state.settings.budget.isLimited() != settings.budget.isLimited();
@@ -119,7 +119,7 @@ ContactSearch::ContactSearch(const Hierarchy& a, const Hierarchy& b, const Trans
 	state.settings = settings;
 	result.stats.front = state.front.counts.leaves;
 	result.stats.frontInner = state.front.counts.inner;
-	result.stats.stillClear = 1;
+	result.stats.stillApart = 1;
 }
 
 void ContactSearch::run(double tolerance)

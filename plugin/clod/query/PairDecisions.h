@@ -31,7 +31,7 @@ struct TraversalSettings
 // Since the last traversal, rounded up.
 inline float motionSince(const PairFront& front)
 {
-	return float(front.pending) * (1 + float(kBoundRounding));
+	return float(front.motionSince) * (1 + float(kBoundRounding));
 }
 
 class PairDecisions
@@ -47,7 +47,7 @@ public:
 		  m_limit(roundDown(settings.tolerance)),
 		  m_room(kSumRounding * context.size + context.boxes.roundingOfTwo()),
 		  m_moved(motionSince(front)),
-		  m_change(front.pendingChange),
+		  m_change(front.sweepChangeSince),
 		  m_stats(&stats),
 		  m_hulls(context, stats)
 	{
@@ -55,7 +55,7 @@ public:
 	}
 
 protected:
-	static constexpr double kAlways = std::numeric_limits<double>::infinity();
+	static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 	// Some of the pairs of one opened: a node of one body and children of the other's, and what is known of them. Sets
 	// of children are bits.
@@ -200,7 +200,7 @@ protected:
 	// A decision on entry i, made at a motion of `moved` since the traversal, can take so much more.
 	void keepSlack(std::uint32_t i, float moved, double slack)
 	{
-		if (!(slack < kAlways)) return;
+		if (!(slack < kInfinity)) return;
 		float& slackOfEntry = m_front.slack.ofEntry[i];
 		slackOfEntry = std::min(slackOfEntry, lowerAfter(float(slack - kSlackRounding * m_settings.tolerance), -moved));
 	}

@@ -134,8 +134,8 @@ struct PairFront
 	std::vector<CachedSeparation> hulls, previousHulls;
 	VisitedPairs visited;
 	double motion = 0;         // accumulated bound of the relative motion and of the sweep's change (MotionBound.h)
-	double pending = 0;        // the part of it since the last finished traversal
-	double pendingChange = 0;  // the part of that which is the sweep's
+	double motionSince = 0;    // the part of it since the last finished traversal
+	double sweepChangeSince = 0;  // and of that the sweep's
 	RelativePose pose;         // of the last finished traversal
 
 	double tolerance = 0;  // of the last finished traversal
@@ -146,8 +146,8 @@ struct PairFront
 	void move(double by, double sweepChange)
 	{
 		motion += by + sweepChange;
-		pending += by + sweepChange;
-		pendingChange += sweepChange;
+		motionSince += by + sweepChange;
+		sweepChangeSince += sweepChange;
 	}
 	void clear()
 	{
@@ -155,7 +155,7 @@ struct PairFront
 		previous.clear();
 		hulls.clear();
 		slack.clear();
-		motion = pending = pendingChange = 0;
+		motion = motionSince = sweepChangeSince = 0;
 		backOff.succeed();
 	}
 };

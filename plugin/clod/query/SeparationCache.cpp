@@ -10,8 +10,8 @@ namespace clod
 {
 namespace
 {
-// What a traversal is to find nothing of: contacts, or pairs whose surfaces may be within the tolerance, too.
-struct ClearOf
+// What a search is for, and a traversal finds nothing of: contacts, or pairs whose surfaces may be near, too.
+struct Searched
 {
 	StopRule strict;   // a pair that answers by this rule is not opened by any in question,
 	StopRule relaxed;  // one that does not by this rule answers by none: differing in the threshold only
@@ -23,7 +23,7 @@ struct MotionJudge
 {
 	const QueryContext& context;
 	QueryStats& stats;
-	const ClearOf& what;
+	const Searched& what;
 	double best;
 	NearestPairScratch& scratch;
 	static constexpr bool nearestFirst = false;
@@ -58,7 +58,7 @@ struct MotionJudge
 
 // By how much the pair may move, sweep included (MotionBound.h), before a traversal can find something by the two rules
 // or any between them; at most `cap`. <= 0: it may already.
-double clearMotion(const QueryContext& context, const ClearOf& what, double cap, NearestPairScratch& scratch,
+double safeMotion(const QueryContext& context, const Searched& what, double cap, NearestPairScratch& scratch,
 				   QueryStats& stats)
 {
 	scratch.visited.clear();
@@ -100,8 +100,8 @@ double room(const QueryContext& context, double tolerance)
 bool SeparationCache::holds(const QueryContext& context, const ContactSettings& settings, const AskedGap& gap)
 {
 	if (!m_isKnown || !isMeantFor(settings, gap)) return false;
-	const double motion = motionBound(m_pose, context.pose, context.reachA, context.reachB);
-	const double change = sweepChange(m_pose, m_settings.sweep, context.pose, context.sweep, motion, context.reachB);
+	const double motion = motionBound(m_pose, context.pose, context.radiusA, context.radiusB);
+	const double change = sweepChange(m_pose, m_settings.sweep, context.pose, context.sweep, motion, context.radiusB);
 	if (!(motion + change + room(context, settings.tolerance) < m_motion)) return false;
 	if (!isWithinThresholds(context, settings.metric)) return false;
 	++m_uses;
@@ -136,16 +136,16 @@ double SeparationCache::motionToGo(const QueryContext& context, const StopRule& 
 		m_thresholds.least /= kThresholdSpan;
 		m_thresholds.most = std::min(kThresholdSpan * m_thresholds.most, std::numeric_limits<double>::max());
 	}
-	const ClearOf contacts{rule.with(m_thresholds.least), rule.with(m_thresholds.most), settings.tolerance,
+	const Searched contacts{rule.with(m_thresholds.least), rule.with(m_thresholds.most), settings.tolerance,
 						   gap.isAsked && !rule.base().isUsed()};
-	const double motion = clearMotion(context, contacts, cap, tools.scratch, tools.stats);
+	const double motion = safeMotion(context, contacts, cap, tools.scratch, tools.stats);
 	m_largestCover = rule.baseCover();
 	if (!gap.isAsked || m_largestCover <= gap.error) return motion;
 	// The surfaces are asked (distance/SignedGap.cpp).
 	m_largestCover = 0;
 	if (!(motion > 0)) return motion;
 	const StopRule exact = StopRule::ofLeaves(context);
-	return clearMotion(context, {exact, exact, settings.tolerance, false}, motion, tools.scratch, tools.stats);
+	return safeMotion(context, {exact, exact, settings.tolerance, false}, motion, tools.scratch, tools.stats);
 }
 
 bool SeparationCache::isWithinThresholds(const QueryContext& context, const Metric& metric) const

@@ -20,7 +20,7 @@ public:
 		m_front.visited.clear();
 		startSlack();
 		m_front.counts = FrontCounts{};
-		m_front.pending = m_front.pendingChange = 0;
+		m_front.motionSince = m_front.sweepChangeSince = 0;
 		m_front.pose = m_context.pose;
 		startAtRoots();
 		for (std::uint32_t i = 0; i < m_front.entries.size(); ++i)
@@ -165,7 +165,7 @@ private:
 			entry.old = row.old[k];
 			++m_carried;
 		}
-		double slack = kAlways;
+		double slack = kInfinity;
 		if (!m_settings.rule.isInTree(entry.a, entry.b) && !m_front.visited.insert(entry.a, entry.b))
 		{
 			entry.state = NodePairState::kElsewhere;
@@ -189,7 +189,7 @@ private:
 			before = m_front.previous[entry.old].state;
 			cached = cachedOf(m_front.previous[entry.old], m_front.previousHulls);
 		}
-		double slack = kAlways;
+		double slack = kInfinity;
 		const Acceptance acceptance = acceptanceOf(entry, before);
 		entry.whileApart = acceptance == Acceptance::kWhileApart;
 		if (acceptance != Acceptance::kNo)
