@@ -21,9 +21,8 @@ inline constexpr double kFarthestMotion = 1e5;
 inline constexpr double kEvaluationRoom = 10 * kHullDistanceAccuracy;
 
 // Choice of base levels (BaseLevels.cpp).
-inline constexpr double kWorthMixing = 16;         // times the pairs of nodes that mixed levels would need
-inline constexpr double kWorthSimplifying = 0.25;  // of the pairs of leaves; else leaves, whose boxes are tighter
-inline constexpr double kFewer = 0.75;             // of the boxes that meet, for more pairs of nodes
+inline constexpr double kWorthMixing = 16;  // times the pairs of nodes that mixed levels would need
+inline constexpr double kFewer = 0.75;      // of the boxes that meet, for more pairs of nodes
 
 // Fronts that are validated (FrontValidation.cpp).
 inline constexpr std::uint32_t kFrontBackOff = 15;    // traversals without slack, at most, once bodies move
