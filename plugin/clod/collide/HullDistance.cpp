@@ -18,9 +18,11 @@ namespace
 }  // namespace
 
 RelativePose::RelativePose(const Transform& aFromB, double radius)
-	: rotation(aFromB.rotation), inverseRotation(transposed(aFromB.rotation)), translation(aFromB.translation)
+	: rotation(aFromB.rotation),
+	  inverseRotation(transposed(aFromB.rotation)),
+	  translation(aFromB.translation),
+	  rounding(16 * kDoubleUnit * (3 * radius + length(translation)))
 {
-	rounding = 16 * kDoubleUnit * (3 * radius + length(translation));
 }
 
 double separationAlong(const ConvexHull& a, const ConvexHull& b, const RelativePose& pose, const Vec3& direction,

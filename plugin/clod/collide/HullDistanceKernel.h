@@ -42,7 +42,7 @@ CLOD_INLINED void packed(const std::int32_t (&lanes)[8], Vector& v)
 	v = (Vector)_mm256_permutevar8x32_epi32((__m256i)v, halves);
 #else
 	const Vector from = v;
-	for (int i = 0; i < 4; ++i) v[i] = from[lanes[2 * i] / 2];
+	for (std::size_t i = 0; i < 4; ++i) v[i] = from[lanes[2 * i] / 2];
 #endif
 }
 CLOD_INLINED void packed(const std::int32_t (&lanes)[8], Points& points)

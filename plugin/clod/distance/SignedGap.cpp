@@ -86,7 +86,7 @@ void signedGap(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, 
 	GapCache::Search& search = cache.search();
 	if (isSamePose(a, b, aFromB, settings, state) && !state.hasLast && answersAgain(settings, search, state))
 	{
-		state.settings = settings;
+		state.settings = static_cast<const ContactSettings&>(settings);
 		result = search.last;
 		return;
 	}
