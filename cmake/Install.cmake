@@ -58,7 +58,7 @@ clod_install_licence(plugin libclod-dev LICENSE.Zlib)
 
 if(TARGET clod_builder)
 	clod_install_library(clod_builder builder clod-builder builder)
-	clod_install_headers(builder ${PROJECT_SOURCE_DIR}/builder clod/builder/Builder.h)
+	clod_install_headers(builder ${PROJECT_SOURCE_DIR}/builder/library clod/builder/Builder.h)
 	clod_install_licence(builder libclod-builder-dev LICENSE.GPL-3.0)
 endif()
 

@@ -1,6 +1,11 @@
 # SPDX-License-Identifier: Zlib
 # At install time: copies `headers`, and what they include with clod/, from `root` to `destination`.
 cmake_policy(VERSION 3.25)
+foreach(header IN LISTS headers)
+	if(NOT EXISTS ${root}/${header})
+		message(FATAL_ERROR "no header ${root}/${header} to install")
+	endif()
+endforeach()
 set(wanted ${headers})
 set(copied "")
 while(wanted)

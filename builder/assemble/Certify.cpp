@@ -70,7 +70,7 @@ double largestDistance(const Polygon& p, const Triangle& t)
 	return std::sqrt(most);
 }
 
-double reachFrom(const Polygon& p, const Vec3& c)
+double radiusFrom(const Polygon& p, const Vec3& c)
 {
 	double most = 0;
 	for (const Vec3& v : p) most = std::max(most, length(v - c));
@@ -108,7 +108,7 @@ public:
 	{
 		m_normal = normalized(areaVector(t));
 		m_parts = 1;
-		m_size = reachFrom({t.a, t.b, t.c}, centroid(t));
+		m_size = radiusFrom({t.a, t.b, t.c}, centroid(t));
 		m_stack.push_back({{t.a, t.b, t.c}, 0, false});
 		while (!m_stack.empty())
 		{
@@ -125,10 +125,10 @@ private:
 	void visit(const Part& part)
 	{
 		const Vec3 c = middle(part.polygon);
-		if (part.isCut && area(part.polygon) <= kSliver * m_size * reachFrom(part.polygon, c)) return;
+		if (part.isCut && area(part.polygon) <= kSliver * m_size * radiusFrom(part.polygon, c)) return;
 		const auto found = m_nearest(c);
 		const double byCorners = largestDistance(part.polygon, found.first);
-		const double bound = std::min(byCorners, found.second + reachFrom(part.polygon, c));
+		const double bound = std::min(byCorners, found.second + radiusFrom(part.polygon, c));
 		m_sup.lower = std::max(m_sup.lower, found.second);
 		if (good(bound)) return take(bound);
 		if (++m_parts > m_budget || part.halvings > 40) return take(bound);

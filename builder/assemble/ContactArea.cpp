@@ -57,14 +57,14 @@ std::vector<std::pair<Vec3, double>> slab(const Vec3& normal, double delta, doub
 }  // namespace
 
 // What a flood may reach: the slab and the cap, round the origin.
-struct ContactArea::Reach
+struct ContactArea::Region
 {
 	Vec3 normal;
 	double delta;
 	std::vector<std::pair<Vec3, double>> planes;
 	double inner;  // radius of the cap's inscribed circle
 
-	Reach(const Vec3& n, double depth, double cap)
+	Region(const Vec3& n, double depth, double cap)
 		: normal(n), delta(depth), planes(slab(n, depth, cap)), inner(planes.back().second)
 	{
 	}
@@ -124,17 +124,17 @@ void ContactArea::cluster(std::uint32_t seed)
 }
 
 // Whether every face is wholly in reach and turned towards the normal far enough: a flood that meets one meets all.
-bool ContactArea::isInReach(const Cluster& cluster, const Vec3& origin, const Reach& reach) const
+bool ContactArea::isInRegion(const Cluster& cluster, const Vec3& origin, const Region& region) const
 {
-	const double along = dot(cluster.axis, reach.normal);
+	const double along = dot(cluster.axis, region.normal);
 	const double across = std::sqrt(std::max(0.0, 1 - along * along));
 	if (along * cluster.coneCosine - across * cluster.coneSine <= kFacing + 1e-9) return false;
 	for (const Vec3& v : cluster.vertices)
-		if (!reach.holds(v - origin)) return false;
+		if (!region.holds(v - origin)) return false;
 	return true;
 }
 
-double ContactArea::areaOf(std::uint32_t face, const Vec3& origin, const Reach& reach) const
+double ContactArea::areaOf(std::uint32_t face, const Vec3& origin, const Region& region) const
 {
 	const auto& t = m_mesh.triangles[face];
 	Polygon polygon;
@@ -142,17 +142,17 @@ double ContactArea::areaOf(std::uint32_t face, const Vec3& origin, const Reach& 
 	for (const std::uint32_t v : t)
 	{
 		polygon.push_back(m_mesh.vertices[v] - origin);
-		isHeld = isHeld && reach.holds(polygon.back());
+		isHeld = isHeld && region.holds(polygon.back());
 	}
-	if (isHeld) return std::max(0.0, dot(m_areas[face], reach.normal));
-	for (const auto& plane : reach.planes)
+	if (isHeld) return std::max(0.0, dot(m_areas[face], region.normal));
+	for (const auto& plane : region.planes)
 		if (!polygon.empty()) clip(polygon, plane.first, plane.second);
-	return polygon.empty() ? -1 : projectedArea(polygon, reach.normal);
+	return polygon.empty() ? -1 : projectedArea(polygon, region.normal);
 }
 
 double ContactArea::at(std::uint32_t start, const Vec3& origin, const Vec3& normal) const
 {
-	const Reach reach(normal, m_delta, m_cap);
+	const Region region(normal, m_delta, m_cap);
 	thread_local VisitMarks seen, asked, taken;  // faces; clusters asked whether they are in reach; those that are
 	seen.restart(m_mesh.triangles.size());
 	asked.restart(m_clusters.size());
@@ -166,8 +166,8 @@ double ContactArea::at(std::uint32_t start, const Vec3& origin, const Vec3& norm
 		open.pop_back();
 		if (taken.has(id)) continue;
 		const Cluster& c = m_clusters[id];
-		const bool whole = asked.add(id) && isInReach(c, origin, reach);
-		const double here = whole ? dot(c.area, normal) : areaOf(face, origin, reach);
+		const bool whole = asked.add(id) && isInRegion(c, origin, region);
+		const double here = whole ? dot(c.area, normal) : areaOf(face, origin, region);
 		if (here < 0) continue;
 		area += here;
 		if (whole) taken.add(id);

@@ -26,10 +26,10 @@ private:
 		Vec3 axis;                          // every normal is within a cone round it
 		double coneCosine = 1, coneSine = 0;
 	};
-	struct Reach;
+	struct Region;
 	void cluster(std::uint32_t seed);
-	bool isInReach(const Cluster& cluster, const Vec3& origin, const Reach& reach) const;
-	double areaOf(std::uint32_t face, const Vec3& origin, const Reach& reach) const;
+	bool isInRegion(const Cluster& cluster, const Vec3& origin, const Region& region) const;
+	double areaOf(std::uint32_t face, const Vec3& origin, const Region& region) const;
 
 	const Mesh& m_mesh;
 	double m_delta, m_cap;

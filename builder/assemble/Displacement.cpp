@@ -112,12 +112,12 @@ double byDisplacement(Cell& cell, const std::vector<Vec3>& normals, double start
 	double best = std::numeric_limits<double>::infinity();
 	for (double pull : {0.1, 0.5, 2.0})
 	{
-		if (inward == Vec3{} || cell.reach() <= 0) break;
-		best = std::min(best, cell.needed({inward, pull / cell.reach(), cell.center()}, start, std::min(limit, best)));
+		if (inward == Vec3{} || cell.radius() <= 0) break;
+		best = std::min(best, cell.needed({inward, pull / cell.radius(), cell.center()}, start, std::min(limit, best)));
 		if (best <= 1.4 * start) return best;
 	}
-	if (cell.reach() > 0)
-		best = std::min(best, cell.needed({Vec3{}, 1 / cell.reach(), cell.center()}, start, std::min(limit, best)));
+	if (cell.radius() > 0)
+		best = std::min(best, cell.needed({Vec3{}, 1 / cell.radius(), cell.center()}, start, std::min(limit, best)));
 	return best;
 }
 }  // namespace clod::builder

@@ -29,11 +29,11 @@ public:
 		: m_solid(solid), m_scale(scale), m_shape(hullShape(points, 0.25 * scale.rounding))
 	{
 		for (const Vec3& p : m_shape.corners) m_center += (1 / double(m_shape.corners.size())) * p;
-		for (const Vec3& p : m_shape.corners) m_reach = std::max(m_reach, length(p - m_center));
+		for (const Vec3& p : m_shape.corners) m_radius = std::max(m_radius, length(p - m_center));
 	}
 	const HullShape& shape() const { return m_shape; }
 	const Vec3& center() const { return m_center; }
-	double reach() const { return m_reach; }
+	double radius() const { return m_radius; }
 
 	// The smallest amount of this displacement (times its largest length) that brings the cell into the solid, up to 15
 	// %; infinity beyond `limit`.
@@ -47,7 +47,7 @@ private:
 	const ProtrusionScale m_scale;
 	HullShape m_shape;
 	Vec3 m_center;
-	double m_reach = 0;
+	double m_radius = 0;
 	double m_gathered = -1;
 	std::vector<Triangle> m_near;
 };

@@ -103,9 +103,9 @@ struct Ball
 {
 	Vec3 middle;
 	double radius = 0;
-	bool isBeyond(const Vec3& p, double reach) const
+	bool isBeyond(const Vec3& p, double distance) const
 	{
-		return lengthSquared(p - middle) > (reach + radius) * (reach + radius);
+		return lengthSquared(p - middle) > (distance + radius) * (distance + radius);
 	}
 };
 inline Ball ballRound(const Triangle& t)

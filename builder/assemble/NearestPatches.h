@@ -73,14 +73,14 @@ public:
 	// infinity where it is more than the limit. Most faces are passed over for the ball round them.
 	double distanceTo(std::uint32_t patch, const Vec3& p, double limit) const
 	{
-		double best = std::numeric_limits<double>::infinity(), reach = limit;
+		double best = std::numeric_limits<double>::infinity(), within = limit;
 		for (std::uint32_t k = m_firstFace[patch]; k < m_firstFace[patch + 1]; ++k)
 		{
-			if (m_faces[k].ball.isBeyond(p, reach)) continue;
+			if (m_faces[k].ball.isBeyond(p, within)) continue;
 			const double here = distanceSquared(p, m_tree.triangle(m_faces[k].index));
 			if (here >= best) continue;
 			best = here;
-			reach = std::min(limit, std::sqrt(best) * (1 + 1e-9));
+			within = std::min(limit, std::sqrt(best) * (1 + 1e-9));
 		}
 		return std::sqrt(best) <= limit ? std::sqrt(best) : std::numeric_limits<double>::infinity();
 	}

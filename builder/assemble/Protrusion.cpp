@@ -144,10 +144,10 @@ private:
 		double least = std::numeric_limits<double>::infinity();
 		for (std::uint32_t c : cell.corner)
 		{
-			double reach = 0;
+			double longest = 0;
 			for (std::uint32_t other : cell.corner)
-				reach = std::max(reach, length(m_corners[c].point - m_corners[other].point));
-			least = std::min(least, m_corners[c].distance + reach);
+				longest = std::max(longest, length(m_corners[c].point - m_corners[other].point));
+			least = std::min(least, m_corners[c].distance + longest);
 		}
 		return least;
 	}

@@ -63,8 +63,8 @@ Finding judgeTriangle(const TriangleTree& surface, const Triangle& whole, double
 			known = nearest.triangle;
 			const Triangle& other = surface.triangles()[nearest.triangle];
 			settled = std::max({distance(other, t[0]), distance(other, t[1]), distance(other, t[2])}) <= bound + slack;
-			const double reach = std::max({length(t[0] - from), length(t[1] - from), length(t[2] - from)});
-			settled = settled || nearest.distance + reach <= bound + slack;
+			const double radius = std::max({length(t[0] - from), length(t[1] - from), length(t[2] - from)});
+			settled = settled || nearest.distance + radius <= bound + slack;
 			if (settled) break;
 		}
 		if (settled) continue;
@@ -90,7 +90,7 @@ public:
 		: m_solid(solid), m_points(points), m_hull(hullOf(points, slack)), m_bound(bound), m_slack(slack)
 	{
 		for (const Vec3& p : points) m_center += (1 / double(points.size())) * p;
-		for (const Vec3& p : points) m_reach = std::max(m_reach, length(p - m_center));
+		for (const Vec3& p : points) m_radius = std::max(m_radius, length(p - m_center));
 		Box box = boxOf(points);
 		box.grow(bound + slack);
 		m_near = solid.surface().overlapping(box);
@@ -139,7 +139,7 @@ private:
 	bool fitsInside(const Map& map) const
 	{
 		const Vec3 pullCenter = m_center;
-		const double scale = m_reach > 0 ? map.pull / m_reach : 0;
+		const double scale = m_radius > 0 ? map.pull / m_radius : 0;
 		const auto velocity = [&](const Vec3& x) { return map.shift + scale * (pullCenter - x); };
 		double fastest = 0;
 		for (const Vec3& p : m_points) fastest = std::max(fastest, length(velocity(p)));
@@ -168,17 +168,17 @@ private:
 	{
 		const Vec3 c = 0.25 * (corner[0].at + corner[1].at + corner[2].at + corner[3].at);
 		const TriangleTree::Nearest nearest = m_solid.surface().nearest(c);
-		double reach = 0, toTriangle = 0;
+		double radius = 0, toTriangle = 0;
 		for (const auto& [at, image] : corner)
 		{
-			reach = std::max(reach, length(at - c));
+			radius = std::max(radius, length(at - c));
 			toTriangle = std::max(toTriangle, distance(m_solid.surface().triangles()[nearest.triangle], at));
 		}
-		const double anywhere = std::min(nearest.distance + reach, toTriangle);
+		const double anywhere = std::min(nearest.distance + radius, toTriangle);
 		if (anywhere <= m_bound + m_slack) return anywhere;
 		const bool inside = m_solid.holds(c);
 		if (!inside) attained = std::max(attained, nearest.distance);
-		const double lipschitz = std::max(0.0, (inside ? -nearest.distance : nearest.distance) + reach);
+		const double lipschitz = std::max(0.0, (inside ? -nearest.distance : nearest.distance) + radius);
 		return std::min(lipschitz, toTriangle);
 	}
 	Corner cornerAt(const Vec3& p) const
@@ -266,7 +266,7 @@ private:
 	const std::vector<Vec3>& m_points;
 	Hull m_hull;
 	Vec3 m_center;
-	double m_reach = 0, m_bound, m_slack;
+	double m_radius = 0, m_bound, m_slack;
 	std::vector<std::uint32_t> m_near;
 };
 

@@ -44,20 +44,20 @@ double crossing(const Triangle& t, const Vec3& origin, const Vec3& direction, do
 	return at;
 }
 
-Wall wallBehind(const Subject& s, const TriangleTree& surface, const Vec3& origin, const Vec3& direction, double reach)
+Wall wallBehind(const Subject& s, const TriangleTree& surface, const Vec3& origin, const Vec3& direction, double limit)
 {
 	constexpr double kNone = std::numeric_limits<double>::infinity();
 	Wall wall{kNone, kNone};
 	Box box;
 	box.add(origin);
-	box.add(origin + reach * direction);
+	box.add(origin + limit * direction);
 	box.grow(s.slack);
 	for (const std::uint32_t f : surface.overlapping(box))
 	{
 		const double possible = crossing(surface.triangles()[f], origin, direction, s.slack);
 		const double certain = crossing(surface.triangles()[f], origin, direction, -s.slack);
-		if (possible > -s.slack && possible <= reach) wall.low = std::min(wall.low, std::max(0.0, possible));
-		if (certain > s.slack && certain <= reach) wall.high = std::min(wall.high, certain);
+		if (possible > -s.slack && possible <= limit) wall.low = std::min(wall.low, std::max(0.0, possible));
+		if (certain > s.slack && certain <= limit) wall.high = std::min(wall.high, certain);
 	}
 	return wall;
 }
@@ -71,15 +71,15 @@ void faceThickness(const Subject& s, const TriangleTree& surface, std::uint32_t 
 	const Vec3 middle = (1.0 / 3) * (t[0] + t[1] + t[2]);
 	const double most = kMost * s.radius;
 	const float stored = s.h.faces()[f].thickness;
-	const double reach = surface.nearest(middle).distance + s.slack;
+	const double limit = surface.nearest(middle).distance + s.slack;
 	Box box;
 	box.add(middle);
-	box.grow(reach);
+	box.grow(limit);
 	bool sound = false;
 	for (const std::uint32_t other : surface.overlapping(box))
 	{
 		const Vec3 origin = nearestOn(surface.triangles()[other], middle);
-		if (sound || length(origin - middle) > reach) continue;
+		if (sound || length(origin - middle) > limit) continue;
 		wall = wallBehind(s, surface, origin, {-double(n[0]), -double(n[1]), -double(n[2])}, 2.1 * most);
 		// One number where nothing is undecided, and then to the last bit.
 		const double room = wall.low == wall.high ? 1e-12 * s.radius : s.slack;

@@ -185,21 +185,21 @@ double Validity::foreignCover(const Front& front)
 {
 	const Plane& plane = front.plane;
 	const double slab = front.blind;
-	const double reach = slab + length(front.box.high - front.box.low);
+	const double height = slab + length(front.box.high - front.box.low);
 	Box searched = front.box;
-	searched.include(Box{front.box.low + reach * plane.normal, front.box.high + reach * plane.normal});
+	searched.include(Box{front.box.low + height * plane.normal, front.box.high + height * plane.normal});
 	double covered = 0;
 	searchForeign(searched.grownBy(slab),
 				  [&](std::uint32_t face, const TrianglePoints& t)
 				  {
 					  const bool leaves = dot(cross(t[1] - t[0], t[2] - t[0]), plane.normal) > 0;
 					  const auto heights = std::minmax({plane.height(t[0]), plane.height(t[1]), plane.height(t[2])});
-					  if (heights.second <= (leaves ? -slab : 0) || heights.first >= reach) return true;
+					  if (heights.second <= (leaves ? -slab : 0) || heights.first >= height) return true;
 					  if (front.isBeside({front.frame(t[0]), front.frame(t[1]), front.frame(t[2])})) return true;
 					  static thread_local std::vector<Vec3> polygon, scratch;
 					  polygon.assign(t.begin(), t.end());
 					  clipBelow(polygon, {-plane.normal, -plane.offset}, leaves ? -slab : 0, scratch);
-					  clipBelow(polygon, plane, -reach, scratch);
+					  clipBelow(polygon, plane, -height, scratch);
 					  if (polygon.empty()) return true;
 					  std::vector<Point2> projected;
 					  for (const Vec3& p : polygon) projected.push_back(front.frame(p));

@@ -86,9 +86,9 @@ private:
 	{
 		const auto& c = piece.corners;
 		const Sample centre = sample((1.0 / 3) * (c[0].point + c[1].point + c[2].point));
-		double reach = 0;
-		for (const Sample& corner : c) reach = std::max(reach, length(corner.point - centre.point));
-		piece.upper = std::min(bound(piece, centre.triangle), centre.distance + reach);
+		double radius = 0;
+		for (const Sample& corner : c) radius = std::max(radius, length(corner.point - centre.point));
+		piece.upper = std::min(bound(piece, centre.triangle), centre.distance + radius);
 		if (piece.upper <= m_rounding)
 			m_settled = std::max(m_settled, piece.upper);
 		else

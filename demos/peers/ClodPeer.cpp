@@ -159,7 +159,7 @@ ExactSample takeSample(const HierarchyPointer& a, const HierarchyPointer& b, con
 		if (near.at(poses[i]).gap <= rules.tolerance) touching.push_back(i);
 	}
 	const std::vector<std::size_t> measured = chosenOf(touching, rules);
-	ExactQuery exact(*a, *b, kReach * rules.tolerance);
+	ExactQuery exact(*a, *b, kExactRange * rules.tolerance);
 	ExactSample result;
 	for (const std::size_t i : measured) result.exact.push_back(exact.at(poses[i]));
 	result.sample = sampleOf(poses, measured, rules);

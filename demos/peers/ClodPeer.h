@@ -36,10 +36,10 @@ struct SampleRules
 struct ExactSample
 {
 	PoseSample sample;
-	std::vector<ExactRow> exact;  // one a measured row; contacts up to kReach times the tolerance
+	std::vector<ExactRow> exact;  // one a measured row; contacts up to kExactRange times the tolerance
 };
 // A promised bound is looked for up to twice the tolerance; what promises more is founded by contacts within it.
-inline constexpr double kReach = 2;
+inline constexpr double kExactRange = 2;
 ExactSample takeSample(const HierarchyPointer& a, const HierarchyPointer& b, const std::vector<PoseRow>& poses,
 					   const SampleRules& rules, const std::function<void(double)>& progress);
 }  // namespace clod::demo

@@ -253,7 +253,7 @@ void add(QueryStats& sum, const QueryStats& stats)
 	sum.boxTests += stats.boxTests;
 	sum.hullTests += stats.hullTests;
 	sum.skippedBySlack += stats.skippedBySlack;
-	sum.stillClear += stats.stillClear;
+	sum.stillApart += stats.stillApart;
 	sum.frontKept += stats.frontKept;
 	sum.frontCame += stats.frontCame;
 	sum.frontGone += stats.frontGone;
@@ -366,7 +366,7 @@ std::string formatReplay(const std::vector<ReplayRow>& rows)
 		"step,query_us,front,hull_tests,contacts,min_distance,error_bound,finest_level,coarsest_level,"
 		"gap_us,box_tests,gjk_runs,skipped_by_slack,point_queries,gap_searches,deep,speed_radii_per_s,motion,front_"
 		"inner,"
-		"duplicates,body_a,body_b,churn,pending,excess,needed,touched_finest_level,still_clear,front_kept,front_came,"
+		"duplicates,body_a,body_b,churn,pending,excess,needed,touched_finest_level,still_apart,front_kept,front_came,"
 		"front_gone,depths_cut_short\n";
 	for (const ReplayRow& r : rows)
 	{
@@ -377,7 +377,7 @@ std::string formatReplay(const std::vector<ReplayRow>& rows)
 							q.hullTests, q.skippedBySlack, q.pointQueries, q.gapSearches, int(r.deep), r.speed,
 							name(r.motion()), q.frontInner, q.duplicates, r.bodyA, r.bodyB, r.churn, q.pending,
 							number(r.excess));
-		text += fmt::format(",{},{},{},{},{},{},{}\n", q.needed, q.touchedFinestLevel, q.stillClear, q.frontKept,
+		text += fmt::format(",{},{},{},{},{},{},{}\n", q.needed, q.touchedFinestLevel, q.stillApart, q.frontKept,
 							q.frontCame, q.frontGone, q.depthsCutShort);
 	}
 	return text;

@@ -196,7 +196,7 @@ std::string formatSceneRows(const SceneInfo& info, const std::vector<SceneRow>& 
 		std::string(info.isPair() ? kPosesHeader : "step") +
 		",time,gap,error_bound,contacts,points,manifolds,finest_level,coarsest_level,front,hull_tests,"
 		"query_us,gap_us,dispatch_us,step_us,speed_m_per_s,turning_rad_per_s,speed_radii_per_s,motion,deep,pairs,"
-		"pending,excess,dispatch_error_bound,touched_finest_level,still_clear,front_kept,front_came,front_gone,skipped_"
+		"pending,excess,dispatch_error_bound,touched_finest_level,still_apart,front_kept,front_came,front_gone,skipped_"
 		"by_slack,depths_cut_short,energy_j,kinetic_j,deepest_m";
 	for (const OutcomeName& name : info.outcome) text += "," + name.name;
 	text += "\n";
@@ -213,7 +213,7 @@ std::string formatSceneRows(const SceneInfo& info, const std::vector<SceneRow>& 
 			fastest(s, &BodyState::turning), q.speed, name(q.motion()), int(q.deep), s.pairs.size(), q.stats.pending,
 			number(q.excess), number(s.contactError));
 		text +=
-			fmt::format(",{},{},{},{},{},{},{},{},{},{}", q.stats.touchedFinestLevel, q.stats.stillClear,
+			fmt::format(",{},{},{},{},{},{},{},{},{},{}", q.stats.touchedFinestLevel, q.stats.stillApart,
 						q.stats.frontKept, q.stats.frontCame, q.stats.frontGone, q.stats.skippedBySlack,
 						q.stats.depthsCutShort, number(s.energy()), number(s.kinetic), number(row.deepest));
 		for (const double value : s.outcome) text += "," + number(value);

@@ -68,13 +68,13 @@ std::string pathOf(const std::string& include)
 	return startsWith(include, "clod/") ? "plugin/" + include : include;
 }
 
-// Its folder's place in the order.
 // What lies in plugin/clod itself is the package's: version and export marks. It is below all folders.
 bool isOfPackage(const std::string& path)
 {
 	return startsWith(path, "plugin/clod/") && path.find('/', std::string("plugin/clod/").size()) == std::string::npos;
 }
 
+// Its folder's place in the order.
 int rankOf(const std::string& pathInPlugin)
 {
 	if (isOfPackage(pathInPlugin)) return kPackage;

@@ -44,7 +44,7 @@ struct HullData
 		z.push_back(float(p.z));
 	}
 	ConvexHull hull() const { return {{x.data(), y.data(), z.data(), count, std::uint32_t(x.size())}, sweep}; }
-	double reach() const
+	double radius() const
 	{
 		double r = 0;
 		for (std::uint32_t i = 0; i < count; ++i) r = std::max(r, length(hull().vertices.vertex(i)) + length(sweep));
@@ -135,7 +135,7 @@ Pair makePair(Random& random)
 	if (random() % 3) pair.aFromB.rotation = rotation(random);
 	pair.aFromB.translation = scale * uniform(random, 0, 3) * direction(random);
 	if (random() % 3 == 0) return pair;
-	const RelativePose pose(pair.aFromB, std::max(pair.a.reach(), pair.b.reach()));
+	const RelativePose pose(pair.aFromB, std::max(pair.a.radius(), pair.b.radius()));
 	const HullDistance now = hullDistance(pair.a.hull(), pair.b.hull(), pose, -pair.aFromB.translation, 1e300);
 	const double kGaps[] = {0, 1e-9, -1e-9, 1e-6, -1e-6, 1e-4, -1e-4, 1e-2, -1e-2, 0.3, -0.3};
 	pair.aFromB.translation += (now.upper - scale * kGaps[random() % 11]) * now.normal;
@@ -190,7 +190,7 @@ TEST(HullDistance, AgreesWithExactArithmetic)
 	for (int i = 0; i < pairs; ++i)
 	{
 		const Pair pair = makePair(random);
-		const RelativePose pose(pair.aFromB, std::max(pair.a.reach(), pair.b.reach()));
+		const RelativePose pose(pair.aFromB, std::max(pair.a.radius(), pair.b.radius()));
 		const HullDistance ours = hullDistance(pair.a.hull(), pair.b.hull(), pose, -pair.aFromB.translation, 1e300);
 		const Verdict verdict = judge(pair, pose, ours);
 		EXPECT_LE(verdict.error, 2e-5) << "pair " << i;
@@ -216,9 +216,9 @@ TEST(HullDistance, TheOracleSeesPlantedFaults)
 	for (int i = 0; i < 200; ++i)
 	{
 		const Pair pair = makePair(random);
-		const RelativePose pose(pair.aFromB, std::max(pair.a.reach(), pair.b.reach()));
+		const RelativePose pose(pair.aFromB, std::max(pair.a.radius(), pair.b.radius()));
 		HullDistance ours = hullDistance(pair.a.hull(), pair.b.hull(), pose, -pair.aFromB.translation, 1e300);
-		if (ours.overlap || ours.upper < 1e-3 * pair.a.reach()) continue;
+		if (ours.overlap || ours.upper < 1e-3 * pair.a.radius()) continue;
 		++tried;
 		HullDistance fault = ours;
 		fault.upper = 1.001 * ours.upper;
@@ -240,7 +240,7 @@ TEST(HullDistance, StopsEarlyOnlyWithProof)
 	for (int i = 0; i < 2000; ++i)
 	{
 		const Pair pair = makePair(random);
-		const RelativePose pose(pair.aFromB, std::max(pair.a.reach(), pair.b.reach()));
+		const RelativePose pose(pair.aFromB, std::max(pair.a.radius(), pair.b.radius()));
 		const Vec3 start = -pair.aFromB.translation;
 		const HullDistance full = hullDistance(pair.a.hull(), pair.b.hull(), pose, start, 1e300);
 		const double limit = uniform(random, 0, 2) * full.upper;
@@ -258,7 +258,7 @@ TEST(HullDistance, ScalesExactlyByPowersOfTwo)
 	for (int i = 0; i < 500; ++i)
 	{
 		Pair pair = makePair(random);
-		const RelativePose pose(pair.aFromB, std::max(pair.a.reach(), pair.b.reach()));
+		const RelativePose pose(pair.aFromB, std::max(pair.a.radius(), pair.b.radius()));
 		const Vec3 start = -pair.aFromB.translation;
 		const HullDistance one = hullDistance(pair.a.hull(), pair.b.hull(), pose, start, 1e300);
 		for (HullData* data : {&pair.a, &pair.b})
@@ -268,7 +268,7 @@ TEST(HullDistance, ScalesExactlyByPowersOfTwo)
 			data->sweep = 1024 * data->sweep;
 		}
 		pair.aFromB.translation = 1024 * pair.aFromB.translation;
-		const RelativePose larger(pair.aFromB, 1024 * std::max(pair.a.reach(), pair.b.reach()) / 1024);
+		const RelativePose larger(pair.aFromB, 1024 * std::max(pair.a.radius(), pair.b.radius()) / 1024);
 		const HullDistance two = hullDistance(pair.a.hull(), pair.b.hull(), larger, 1024 * start, 1e300);
 		EXPECT_EQ(1024 * one.lower, two.lower);
 		EXPECT_EQ(1024 * one.upper, two.upper);
@@ -288,7 +288,7 @@ TEST(HullDistance, IsTheSameOnAnyMachine)
 	for (int i = 0; i < 5000; ++i)
 	{
 		const Pair pair = makePair(random);
-		const RelativePose pose(pair.aFromB, std::max(pair.a.reach(), pair.b.reach()));
+		const RelativePose pose(pair.aFromB, std::max(pair.a.radius(), pair.b.radius()));
 		const Vec3 start = -pair.aFromB.translation, move = i % 3 ? Vec3{} : 0.1 * length(start) * direction(random);
 		const HullDistance chosen = hullDistance(pair.a.hull(), pair.b.hull(), pose, start, 1e300, move);
 		const HullDistance plain = hullDistancePlain(pair.a.hull(), pair.b.hull(), pose, start, 1e300, move);
@@ -312,7 +312,7 @@ TEST(HullDistance, SeparationIsThatOfALoopOverAllVertices)
 		HullData a = makeHull(random, Family(random() % int(Family::kCount)), 1);
 		HullData b = makeHull(random, Family(random() % int(Family::kCount)), 1);
 		a.sweep = b.sweep = Vec3{};
-		const RelativePose pose(Transform{}, std::max(a.reach(), b.reach()));
+		const RelativePose pose(Transform{}, std::max(a.radius(), b.radius()));
 		const Vec3 along = random() % 8 ? direction(random) : Vec3{0, 0, random() % 2 ? 1. : -1.};
 		const double expected = -farthest(a, -along) - farthest(b, along);
 		ASSERT_NEAR(separationAlong(a.hull(), b.hull(), pose, along), expected, 2 * pose.rounding) << "pair " << i;

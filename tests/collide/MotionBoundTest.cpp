@@ -15,19 +15,19 @@ using namespace clod;
 using namespace clod::test;
 
 // Reaches of A and B: either may be the larger by far.
-constexpr double kReaches[][2] = {{1, 1}, {10, 0.1}, {0.1, 10}};
+constexpr double kRadii[][2] = {{1, 1}, {10, 0.1}, {0.1, 10}};
 
 struct Motion
 {
 	RelativePose from, to;
 };
-Motion randomMotion(Random& random, double reachA, double reachB, double turn, double shift)
+Motion randomMotion(Random& random, double radiusA, double radiusB, double turn, double shift)
 {
-	const double reach = std::max(reachA, reachB);
-	const Transform first{randomRotation(random), uniform(random, 0, 2) * reach * randomDirection(random)};
+	const double radius = std::max(radiusA, radiusB);
+	const Transform first{randomRotation(random), uniform(random, 0, 2) * radius * randomDirection(random)};
 	const Transform second{randomRotation(random, turn) * first.rotation,
 						   first.translation + shift * randomDirection(random)};
-	return {RelativePose(first, reach), RelativePose(second, reach)};
+	return {RelativePose(first, radius), RelativePose(second, radius)};
 }
 Vec3 toA(const RelativePose& pose, const Vec3& ofB)
 {
@@ -41,7 +41,7 @@ Vec3 toB(const RelativePose& pose, const Vec3& ofA)
 TEST(MotionBound, NoPointOfEitherBodyMovesFartherAsSeenFromTheOther)
 {
 	Random random(61);
-	for (const auto& [reachA, reachB] : kReaches)
+	for (const auto& [radiusA, radiusB] : kRadii)
 		for (const double turn : {0.0, 1e-3, 0.5})
 		{
 			double tightest = 0;
@@ -50,21 +50,21 @@ TEST(MotionBound, NoPointOfEitherBodyMovesFartherAsSeenFromTheOther)
 			{
 				// About A's middle, as if A turned alone; or anyhow.
 				const double shift = i % 2 == 0 && turn > 0 ? 0 : uniform(random, 0, 0.1);
-				const Motion motion = randomMotion(random, reachA, reachB, turn, shift);
-				const double bound = motionBound(motion.from, motion.to, reachA, reachB);
+				const Motion motion = randomMotion(random, radiusA, radiusB, turn, shift);
+				const double bound = motionBound(motion.from, motion.to, radiusA, radiusB);
 				double farthestOfA = 0, farthestOfB = 0;
 				for (int k = 0; k < 50; ++k)
 				{
-					const Vec3 a = reachA * randomDirection(random), b = reachB * randomDirection(random);
+					const Vec3 a = radiusA * randomDirection(random), b = radiusB * randomDirection(random);
 					farthestOfA = std::max(farthestOfA, length(toB(motion.to, a) - toB(motion.from, a)));
 					farthestOfB = std::max(farthestOfB, length(toA(motion.to, b) - toA(motion.from, b)));
 				}
-				ASSERT_LE(std::max(farthestOfA, farthestOfB), bound) << reachA << " " << reachB << " " << turn;
+				ASSERT_LE(std::max(farthestOfA, farthestOfB), bound) << radiusA << " " << radiusB << " " << turn;
 				if (bound > 1e-6) tightest = std::max(tightest, std::max(farthestOfA, farthestOfB) / bound);
 				decidedByA = decidedByA || farthestOfA > 1.01 * farthestOfB;
 			}
-			EXPECT_GT(tightest, 0.9) << reachA << " " << reachB << " " << turn;
-			EXPECT_TRUE(decidedByA || turn == 0 || reachA < reachB) << reachA << " " << reachB << " " << turn;
+			EXPECT_GT(tightest, 0.9) << radiusA << " " << radiusB << " " << turn;
+			EXPECT_TRUE(decidedByA || turn == 0 || radiusA < radiusB) << radiusA << " " << radiusB << " " << turn;
 		}
 }
 
@@ -104,14 +104,14 @@ constexpr SweepCase kSweepCases[] = {{"linear part", true, false, false, 0.9},
 TEST(MotionBound, NoSweepOfAPointChangesByMore)
 {
 	Random random(63);
-	for (const auto& [reachA, reachB] : kReaches)
+	for (const auto& [radiusA, radiusB] : kRadii)
 		for (const SweepCase& c : kSweepCases)
 		{
 			double tightest = 0;
 			for (int i = 0; i < 200; ++i)
 			{
-				const double size = std::max(reachA, reachB);
-				const Motion motion = randomMotion(random, reachA, reachB, c.turns ? 0.3 : 0, c.turns ? 0.1 * size : 0);
+				const double size = std::max(radiusA, radiusB);
+				const Motion motion = randomMotion(random, radiusA, radiusB, c.turns ? 0.3 : 0, c.turns ? 0.1 * size : 0);
 				const Sweep before{size * randomDirection(random), uniform(random, 0, 1) * randomDirection(random)};
 				Sweep now = before;
 				if (c.linear) now.linear += 0.3 * size * randomDirection(random);
@@ -120,19 +120,19 @@ TEST(MotionBound, NoSweepOfAPointChangesByMore)
 				if (c.angular && !c.linear)
 					now.linear += cross(before.angular - now.angular, motion.from.translation);
 				const double bound = sweepChange(motion.from, before, motion.to, now,
-												 motionBound(motion.from, motion.to, reachA, reachB), reachB);
+												 motionBound(motion.from, motion.to, radiusA, radiusB), radiusB);
 				for (int k = 0; k < 50; ++k)
 				{
-					const Vec3 point = reachB * randomDirection(random), axis = randomDirection(random);
+					const Vec3 point = radiusB * randomDirection(random), axis = randomDirection(random);
 					const Vec3 was = before.of(toA(motion.from, point)), is = now.of(toA(motion.to, point));
 					const double alongB = std::abs(dot(is, motion.to.rotation * axis) -
 												   dot(was, motion.from.rotation * axis));
 					const double changed = std::max(length(is - was), alongB);
-					ASSERT_LE(changed, bound + 1e-12 * size) << c.name << ", reach of B " << reachB;
+					ASSERT_LE(changed, bound + 1e-12 * size) << c.name << ", radius of B " << radiusB;
 					tightest = std::max(tightest, changed / bound);
 				}
 			}
-			EXPECT_GT(tightest, c.tightest) << c.name << ", reach of B " << reachB;
+			EXPECT_GT(tightest, c.tightest) << c.name << ", radius of B " << radiusB;
 		}
 }
 }  // namespace

@@ -174,7 +174,7 @@ TEST_F(RunnerCommand, ReplayWritesAllThatAQueryTells)
 	ASSERT_EQ(bench(replayWords() + cache() + " --quiet --gap-error 0 --csv " + path("told.csv")).code, 0);
 	const std::string csv = readText(path("told.csv"));
 	const std::vector<double> came = column(csv, "front_came"), gone = column(csv, "front_gone"),
-							  clear = column(csv, "still_clear"), searches = column(csv, "gap_searches"),
+							  clear = column(csv, "still_apart"), searches = column(csv, "gap_searches"),
 							  contacts = column(csv, "contacts");
 	ASSERT_EQ(came.size(), 40u);
 	EXPECT_GT(came[0], 0);

@@ -60,7 +60,7 @@ std::vector<int> searches(int leaps, int uses)
 			// A traversal compares the two roots' boxes alone.
 			const bool isSearched = result.stats.boxTests + result.stats.hullTests > 1;
 			if (isSearched) found.push_back(leap);
-			EXPECT_TRUE(step == 0 || result.stats.stillClear || found.empty() || found.back() != leap) << leap;
+			EXPECT_TRUE(step == 0 || result.stats.stillApart || found.empty() || found.back() != leap) << leap;
 		}
 	}
 	return found;

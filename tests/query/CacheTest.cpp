@@ -28,7 +28,7 @@ struct Walk
 // What happened on walks.
 struct Tally
 {
-	int queries = 0, withContacts = 0, deep = 0, stillClear = 0, frontKept = 0;
+	int queries = 0, withContacts = 0, deep = 0, stillApart = 0, frontKept = 0;
 	// Queries with another number of contacts than the one before, with some after none, with none after some.
 	int changed = 0, came = 0, went = 0;
 	std::uint64_t boxTests = 0, freshBoxTests = 0;
@@ -44,7 +44,7 @@ void ask(Walk& walk, Tally& tally)
 	ASSERT_EQ(difference(result, expected), "")
 		<< walk.pair.a.name << " query " << walk.queries << ": " << result.minDistance << " +- " << result.errorBound
 		<< " deep " << result.deep << ", fresh " << expected.minDistance << " +- " << expected.errorBound
-		<< ", contacts " << result.contacts.size() << ", still clear " << result.stats.stillClear << ", exact "
+		<< ", contacts " << result.contacts.size() << ", still clear " << result.stats.stillApart << ", exact "
 		<< walk.settings.metric.exact << ", distance " << walk.settings.distance << ", contacts only "
 		<< walk.settings.contactsOnly << ", gap error " << walk.settings.gapError << ", searches "
 		<< result.stats.gapSearches << "," << expected.stats.gapSearches << ", point queries "
@@ -52,7 +52,7 @@ void ask(Walk& walk, Tally& tally)
 	++tally.queries;
 	tally.withContacts += !result.contacts.empty();
 	tally.deep += result.deep;
-	tally.stillClear += int(result.stats.stillClear);
+	tally.stillApart += int(result.stats.stillApart);
 	tally.frontKept += int(result.stats.frontKept);
 	tally.changed += result.contacts.size() != before;
 	tally.came += walk.queries > 0 && before == 0 && !result.contacts.empty();
@@ -117,11 +117,11 @@ TEST(Query, CachedEqualsFreshBitForBit)
 		ASSERT_NO_FATAL_FAILURE(go(walk, steps, tally, move));
 	}
 	std::printf("%d steps with contacts, %d deep, %d still clear, %d fronts kept, box tests %.0f %% of fresh\n",
-				tally.withContacts, tally.deep, tally.stillClear, tally.frontKept,
+				tally.withContacts, tally.deep, tally.stillApart, tally.frontKept,
 				100.0 * double(tally.boxTests) / double(tally.freshBoxTests));
 	EXPECT_GT(tally.withContacts, steps);
 	EXPECT_GT(tally.frontKept, steps / 2);
-	EXPECT_GT(tally.stillClear, steps / 20);
+	EXPECT_GT(tally.stillApart, steps / 20);
 	EXPECT_LT(tally.boxTests, tally.freshBoxTests);
 }
 
@@ -180,8 +180,8 @@ TEST(Query, BodiesApartAreLeftAloneUntilTheyCanTouch)
 			};
 			ASSERT_NO_FATAL_FAILURE(go(walk, 150, tally, move)) << "approach " << approach;
 		}
-	std::printf("%d queries, %d still clear, %d with contacts\n", tally.queries, tally.stillClear, tally.withContacts);
-	EXPECT_GT(tally.stillClear, tally.queries / 3);
+	std::printf("%d queries, %d still clear, %d with contacts\n", tally.queries, tally.stillApart, tally.withContacts);
+	EXPECT_GT(tally.stillApart, tally.queries / 3);
 	EXPECT_GT(tally.withContacts, tally.queries / 10);
 }
 
@@ -247,8 +247,8 @@ TEST(Query, BodiesThatPartMayTouchByCoarserHulls)
 			const auto move = [&](int) { walk.pose.translation += way; };
 			ASSERT_NO_FATAL_FAILURE(go(walk, 100, tally, move)) << "parting " << parting;
 		}
-	std::printf("%d queries, %d still clear, contacts began %d times\n", tally.queries, tally.stillClear, tally.came);
-	EXPECT_GT(tally.stillClear, tally.queries / 20);
+	std::printf("%d queries, %d still clear, contacts began %d times\n", tally.queries, tally.stillApart, tally.came);
+	EXPECT_GT(tally.stillApart, tally.queries / 20);
 	EXPECT_GT(tally.came, 0);
 }
 
@@ -327,7 +327,7 @@ TEST(Query, WalksApartOfEverySelection)
 		for (const int only : {0, 1})
 		{
 			const Tally& tally = tallies[kind][only];
-			const double share = 100.0 * tally.stillClear / std::max(1, tally.queries - tally.withContacts);
+			const double share = 100.0 * tally.stillApart / std::max(1, tally.queries - tally.withContacts);
 			std::printf("%s, %s: %.0f %% of the queries apart still clear\n", kSelectionNames[kind],
 						only ? "contacts only" : "gap", share);
 			EXPECT_GT(share, 30) << kSelectionNames[kind] << only;
@@ -366,9 +366,9 @@ TEST(Query, ThresholdsThatRiseAreSeenAtOnce)
 			ASSERT_NO_FATAL_FAILURE(go(walk, 120, tally, move)) << "walk " << i;
 		}
 	const int changes = tally.came + tally.went;
-	std::printf("%d queries, %d still clear, contacts came or went %d times\n", tally.queries, tally.stillClear,
+	std::printf("%d queries, %d still clear, contacts came or went %d times\n", tally.queries, tally.stillApart,
 				changes);
-	EXPECT_GT(tally.stillClear, tally.queries / 10);
+	EXPECT_GT(tally.stillApart, tally.queries / 10);
 	EXPECT_GT(changes, 20);
 }
 
@@ -406,8 +406,8 @@ TEST(Query, BodiesApartAreLookedAtWhenCoarseHullsComeApartAgain)
 				walk.pose.translation += step;
 			}
 		}
-	std::printf("%d queries, %d still clear, contacts vanished in %d\n", tally.queries, tally.stillClear, vanished);
-	EXPECT_GT(tally.stillClear, tally.queries / 20);
+	std::printf("%d queries, %d still clear, contacts vanished in %d\n", tally.queries, tally.stillApart, vanished);
+	EXPECT_GT(tally.stillApart, tally.queries / 20);
 	EXPECT_GT(vanished, 2);
 }
 

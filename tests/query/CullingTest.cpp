@@ -46,8 +46,8 @@ TEST(BoxSeparation, IsALowerBoundAndLipschitz)
 			if (i % 2) sweep.linear += 0.1 * length(sweep.linear) * randomDirection(random);
 			if (i % 4 == 3) sweep.angular += 0.1 * length(sweep.angular) * randomDirection(random);
 			const QueryContext there(a, b, pose, sweep);
-			const double motion = motionBound(here.pose, there.pose, here.reachA, here.reachB);
-			const double change = sweepChange(here.pose, old, there.pose, sweep, motion, here.reachB);
+			const double motion = motionBound(here.pose, there.pose, here.radiusA, here.radiusB);
+			const double change = sweepChange(here.pose, old, there.pose, sweep, motion, here.radiusB);
 			EXPECT_LE(std::abs(separation(there) - before), motion + change + here.boxes.roundingOfTwo());
 		}
 	}
@@ -72,14 +72,14 @@ TEST(HullCull, RemembersOnlyPointsThatWereFound)
 			for (int k = 0; k < 4; ++k) limit = std::nextafter(limit, 0.0);
 			for (int k = 0; k < 9; ++k, limit = std::nextafter(limit, 1e300))
 			{
-				HullMemory memory;
+				CachedSeparation memory;
 				QueryStats stats;
 				HullCull cull(context, stats);
 				const bool isApart = cull.isApart(a, b, limit, memory);
 				const SweptBound bound = canonicalSweptBound(context, a, b, limit, limit);
 				EXPECT_EQ(isApart, bound.lower > limit);
 				stopped += !isApart && !bound.hasPoints;
-				if (memory.knowledge != HullKnowledge::kNear) continue;
+				if (memory.kind != CachedSeparation::Kind::kNear) continue;
 				++remembered;
 				EXPECT_TRUE(bound.hasPoints);
 				EXPECT_LT(sweptPointDistance(context, b, toVec3(memory.onA), toVec3(memory.onB)),
@@ -140,9 +140,9 @@ TEST(TraversalTables, WideChildrenReachEveryNodeOfTheBaseOnce)
 					open.pop_back();
 					++reached[node];
 					if (h->node(node).level <= base) continue;
-					const Span<std::uint32_t> children = tables.wideChildren(node, base);
+					const Span<std::uint32_t> children = tables.collapsedChildren(node, base);
 					EXPECT_FALSE(children.empty());
-					EXPECT_LE(children.size, std::max<std::size_t>(kWideChildren, h->node(node).primaryChildCount));
+					EXPECT_LE(children.size, std::max<std::size_t>(kCollapsedChildren, h->node(node).primaryChildCount));
 					for (const std::uint32_t child : children) open.push_back(child);
 				}
 				for (std::uint32_t node = 0; node < h->nodes().size; ++node)

@@ -37,7 +37,7 @@ struct History
 		{
 			pose.translation += step;
 			if (!ask().empty()) return false;
-			if (result.stats.stillClear || result.stats.frontKept) return true;
+			if (result.stats.stillApart || result.stats.frontKept) return true;
 		}
 		return false;
 	}
@@ -85,7 +85,7 @@ TEST(StaleAnswers, BodiesApartAreLookedAtOnceTheirSweepBringsThemTogether)
 					std::string(c.name) + (isExact ? ", exact" : "") + (contactsOnly ? "" : ", gap");
 				EXPECT_EQ(history.ask(), "") << where;
 				ASSERT_TRUE(history.settle({1e-4, 0, 0})) << where;
-				ASSERT_EQ(history.result.stats.stillClear, 1u) << where;
+				ASSERT_EQ(history.result.stats.stillApart, 1u) << where;
 				for (int again = 0; again < 3; ++again)
 				{
 					history.settings.sweep = c.after;

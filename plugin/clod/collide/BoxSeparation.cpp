@@ -12,13 +12,11 @@ namespace clod
 {
 namespace
 {
-constexpr double kUnit = 0x1p-24;
 // What is along a box's axes is known to load()'s tolerance: an axis of another length takes half of it off a
 // projection on that axis, axes that are not orthonormal three times it off a corner. Of the sizes.
 constexpr double kAxisRounding = 4 * kAxisTolerance;
 // Projections in float: fewer than 40 roundings, of sums below sqrt(3) times the sizes, and the axes' own.
-constexpr double kRounding = kAxisRounding + 40 * 1.7321 * kUnit;
-constexpr double kHuge = 1e15;
+constexpr double kRounding = kAxisRounding + 40 * kRootOf3 * kFloatUnit;
 
 #define CLOD_KERNEL "clod/collide/BoxSeparationKernel.h"
 #include "clod/collide/CompiledTwice.h"
@@ -36,7 +34,7 @@ std::uint32_t sphereSeparations(const BoxFrame& frame, const OrientedBox& one, b
 		const Vec3 move = toVec3(frame.linear) + cross(toVec3(frame.angular), center);
 		const double radii = double(a.radius) + double(b.radius), turn = double(frame.turn) * double(b.radius);
 		const double distance = distanceToSegment(center - centerOf(a), move);
-		separations[i] = float(distance - radii - turn - (kRounding + 1e-6) * frame.size);
+		separations[i] = float(distance - radii - turn - (kRounding + kSphereRounding) * frame.size);
 		within |= separations[i] <= limit ? 1U << i : 0;
 	}
 	return within;
@@ -44,7 +42,7 @@ std::uint32_t sphereSeparations(const BoxFrame& frame, const OrientedBox& one, b
 }  // namespace
 
 BoxFrame::BoxFrame(const RelativePose& pose, const Sweep& sweep, double sizeOfPair)
-	: turn(float((1 + 4 * kUnit) * length(sweep.angular))), size(sizeOfPair), moves(!sweep.isZero())
+	: turn(float((1 + 4 * kFloatUnit) * length(sweep.angular))), size(sizeOfPair), moves(!sweep.isZero())
 {
 	for (int i = 0; i < 3; ++i)
 	{
@@ -54,8 +52,8 @@ BoxFrame::BoxFrame(const RelativePose& pose, const Sweep& sweep, double sizeOfPa
 		angular[i] = float(sweep.angular[i]);
 	}
 	// A component of a place or a way is a sum of at most four products of floats: 8 roundings, in three components.
-	rounding = float(1.7321 * 8 * kUnit * (size + 2 * length(sweep.angular) * size));
-	isHuge = !(size < kHuge);
+	rounding = float(kRootOf3 * 8 * kFloatUnit * (size + 2 * length(sweep.angular) * size));
+	isHuge = !(size < kLargestInFloat);
 }
 
 double BoxFrame::roundingOfTwo() const

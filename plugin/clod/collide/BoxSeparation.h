@@ -24,7 +24,7 @@ inline constexpr std::uint32_t kBoxLanes = 8;
 struct BoxFrame
 {
 	BoxFrame() = default;
-	// size: reach of both bodies, their distance and the longest way in the step.
+	// size: radii of both bodies about their origins, their distance and the longest way in the step.
 	BoxFrame(const RelativePose& pose, const Sweep& sweep, double size);
 	// A bound of what rounding takes off two separations.
 	double roundingOfTwo() const;

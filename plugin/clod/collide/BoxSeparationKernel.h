@@ -181,26 +181,26 @@ CLOD_INLINED void separate(const BoxFrame& frame, const Boxes& a, const Boxes& b
 	}
 	slack += (size + distance) * float(kRounding) + frame.rounding;
 	result = distance - radii;
-	Lanes reachA[3]{};
+	Lanes extentA[3]{};
 	for (int i = 0; i < 3; ++i)
 	{
-		Lanes reachB{}, apart;
+		Lanes extentB{}, apart;
 		for (int j = 0; j < 3; ++j)
 		{
 			Lanes cosine;
 			product(a.axis[i], b.axis[j], cosine);
 			magnitude(cosine);
-			reachB += cosine * b.half[j];
-			reachA[j] += cosine * a.half[i];
+			extentB += cosine * b.half[j];
+			extentA[j] += cosine * a.half[i];
 		}
 		apartAlong(a.axis[i], between, move, apart);
-		larger(result, apart - a.half[i] - reachB);
+		larger(result, apart - a.half[i] - extentB);
 	}
 	for (int j = 0; j < 3; ++j)
 	{
 		Lanes apart;
 		apartAlong(b.axis[j], between, move, apart);
-		larger(result, apart - b.half[j] - reachA[j]);
+		larger(result, apart - b.half[j] - extentA[j]);
 	}
 	result -= slack;
 }

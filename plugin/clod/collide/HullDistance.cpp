@@ -17,11 +17,12 @@ namespace
 #include "clod/collide/CompiledTwice.h"
 }  // namespace
 
-RelativePose::RelativePose(const Transform& aFromB, double reach)
-	: rotation(aFromB.rotation), inverseRotation(transposed(aFromB.rotation)), translation(aFromB.translation)
+RelativePose::RelativePose(const Transform& aFromB, double radius)
+	: rotation(aFromB.rotation),
+	  inverseRotation(transposed(aFromB.rotation)),
+	  translation(aFromB.translation),
+	  rounding(16 * kDoubleUnit * (3 * radius + length(translation)))
 {
-	constexpr double kUnit = std::numeric_limits<double>::epsilon();
-	rounding = 16 * kUnit * (3 * reach + length(translation));
 }
 
 double separationAlong(const ConvexHull& a, const ConvexHull& b, const RelativePose& pose, const Vec3& direction,

@@ -14,18 +14,17 @@
 #include <cstdint>
 #include <limits>
 
+#include "clod/collide/Constants.h"
 #include "clod/collide/ConvexHull.h"
 
 namespace clod
 {
-inline constexpr double kHullDistanceAccuracy = 1e-7;
-
 // Maps frame B into frame A, prepared once a query.
 struct RelativePose
 {
 	RelativePose() = default;
-	// reach: bound of |vertex| in both frames.
-	RelativePose(const Transform& aFromB, double reach);
+	// radius: bound of |vertex| in both frames.
+	RelativePose(const Transform& aFromB, double radius);
 	Vec3 apply(const Vec3& inB) const { return rotation * inB + translation; }
 	Vec3 directionToB(const Vec3& inA) const { return inverseRotation * inA; }
 

@@ -2,9 +2,6 @@
 // GJK with support-plane lower bound, early exit and certified termination. For InstructionSets.h: no include guard.
 #include "clod/collide/SimplexKernel.h"
 
-constexpr int kMaxIterations = 128;
-constexpr double kConverged = 1e-11;  // relative to the length of the support points
-
 // Of a (-) b.
 struct Corner
 {
@@ -45,7 +42,7 @@ CLOD_INLINED void packed(const std::int32_t (&lanes)[8], Vector& v)
 	v = (Vector)_mm256_permutevar8x32_epi32((__m256i)v, halves);
 #else
 	const Vector from = v;
-	for (int i = 0; i < 4; ++i) v[i] = from[lanes[2 * i] / 2];
+	for (std::size_t i = 0; i < 4; ++i) v[i] = from[lanes[2 * i] / 2];
 #endif
 }
 CLOD_INLINED void packed(const std::int32_t (&lanes)[8], Points& points)

@@ -16,16 +16,26 @@
 
 namespace clod
 {
-inline double motionBound(const RelativePose& from, const RelativePose& to, double reachA, double reachB)
+// A bound from below, or above, that a motion may have made wrong by `moved`.
+inline float lowerAfter(float bound, float moved)
+{
+	return bound - moved - kFloatStep * (bound < 0 ? -bound : bound);
+}
+inline float upperAfter(float bound, float moved)
+{
+	return bound + moved + kFloatStep * (bound < 0 ? -bound : bound);
+}
+
+inline double motionBound(const RelativePose& from, const RelativePose& to, double radiusA, double radiusB)
 {
 	double turn = 0;
 	for (int i = 0; i < 3; ++i) turn += lengthSquared(to.rotation.row[i] - from.rotation.row[i]);
 	turn = std::sqrt(0.5 * turn);
-	const double ofB = length(to.translation - from.translation) + turn * reachB;
+	const double ofB = length(to.translation - from.translation) + turn * radiusB;
 	const Vec3 originFrom = from.inverseRotation * from.translation, originTo = to.inverseRotation * to.translation;
-	const double ofA = length(originTo - originFrom) + turn * reachA;
+	const double ofA = length(originTo - originFrom) + turn * radiusA;
 	// Rounding of the two poses and of the axes of the boxes (BoxSeparation.cpp).
-	return (1 + 4e-6) * std::max(ofA, ofB) + from.rounding + to.rounding;
+	return (1 + kMotionRounding) * std::max(ofA, ofB) + from.rounding + to.rounding;
 }
 
 // The same for the part of B within a sphere: a point c + u of it, |u| <= r, moves by (R2 - R1) c + t2 - t1 and, beyond
@@ -48,8 +58,8 @@ public:
 	double along(const Vec3& direction, const Vec3& center, double radius) const
 	{
 		const Vec3 way = m_turn * center + m_shift;
-		const double rounding = 4e-6 * (std::abs(way.x) + std::abs(way.y) + std::abs(way.z));
-		return dot(direction, way) + rounding + (1 + 4e-6) * m_spread * radius + m_rounding;
+		const double rounding = kMotionRounding * (std::abs(way.x) + std::abs(way.y) + std::abs(way.z));
+		return dot(direction, way) + rounding + (1 + kMotionRounding) * m_spread * radius + m_rounding;
 	}
 
 private:
@@ -62,15 +72,15 @@ private:
 // queries, m being the motion bound between them: a point p went from q0 to q1, |q1 - q0| <= m, and d1(q1) - d0(q0) =
 // (d1 - d0)(t1) + (w1 - w0) x (q1 - t1) + w0 x (q1 - q0), t1 being where the origin of B is.
 inline double sweepChange(const RelativePose& from, const Sweep& before, const RelativePose& to, const Sweep& now,
-						  double motion, double reachB)
+						  double motion, double radiusB)
 {
 	if (before.isZero() && now.isZero()) return 0;
 	const double turn = length(now.angular - before.angular);
-	const double longest = length(now.of(to.translation)) + length(now.angular) * reachB;
+	const double longest = length(now.of(to.translation)) + length(now.angular) * radiusB;
 	double axes = 0;  // how far axes fixed to B turned
 	for (int i = 0; i < 3; ++i) axes += lengthSquared(to.rotation.row[i] - from.rotation.row[i]);
 	// The spread of a box changes with the angular part as well, hence twice.
-	return (1 + 4e-6) * (length(now.of(to.translation) - before.of(to.translation)) + 2 * turn * reachB +
+	return (1 + kMotionRounding) * (length(now.of(to.translation) - before.of(to.translation)) + 2 * turn * radiusB +
 						 length(before.angular) * motion + std::sqrt(0.5 * axes) * longest);
 }
 }  // namespace clod

@@ -12,10 +12,6 @@
 
 #include "clod/collide/SupportKernel.h"
 
-// Below this share of the product of its sides an area or volume is rounding noise of the corners.
-constexpr double kDegenerate = 1e-13;
-constexpr double kResidual = 1e-14;  // of an enclosure, relative to the farthest corner
-
 // Four points or vectors.
 struct Points
 {

@@ -3,6 +3,8 @@
 
 #include <limits>
 
+#include "clod/collide/Constants.h"
+
 namespace clod
 {
 namespace
@@ -48,8 +50,6 @@ NearestOnTriangle nearestOnTriangle(const Triangle& triangle, const Vec3& from)
 	const double ofA = d3 * d6 - d5 * d4;
 	if (ofA <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0 && (d4 - d3) + (d5 - d6) > 0)
 		return nearestFeature(from, b + ((d4 - d3) / ((d4 - d3) + (d5 - d6))) * (c - b), 4);
-	// The square of twice the area, against those of two edges: of a sliver of an angle below 1e-6 it is mere rounding.
-	constexpr double kNoArea = 1e-12;
 	const double sum = ofA + ofB + ofC;
 	if (!(sum > kNoArea * (d1 - d3) * (d2 - d6))) return nearestOnEdges(triangle, from);
 	const double scale = 1 / sum;

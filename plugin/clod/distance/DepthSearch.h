@@ -18,7 +18,8 @@
 #include <vector>
 
 #include "clod/collide/ClippedPolygon.h"
-#include "clod/query/SurfaceFaces.h"
+#include "clod/distance/Constants.h"
+#include "clod/hierarchy/InputSurface.h"
 
 namespace clod
 {
@@ -49,8 +50,8 @@ struct DepthBound
 
 struct DepthAccuracy
 {
-	double absolute = 0, relative = 0.01;
-	std::size_t cellLimit = 4000;                             // of one search; the bounds stay true when it is met
+	double absolute = 0, relative = kDepthShare;
+	std::size_t cellLimit = kDepthCells;                        // of one search; the bounds stay true when it is met
 	double enough = std::numeric_limits<double>::infinity();  // a depth that need not be known better
 };
 
@@ -148,7 +149,6 @@ private:
 	// Into three along a plane, unless that only scratches the cell.
 	bool cut(const DepthCell& cell, const Vec3& normal, double offset)
 	{
-		constexpr double kScratch = 1e-3;
 		const Triangle& corner = cell.triangle;
 		double side[3], most = 0, least = 0;
 		for (int i = 0; i < 3; ++i)

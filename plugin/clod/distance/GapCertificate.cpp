@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <limits>
 
+#include "clod/distance/Constants.h"
+
 namespace clod
 {
 namespace
 {
-constexpr double kUp = 1 + 1e-12;  // rounds a sum of a few terms up
-
 double sum(float x, float y)
 {
 	return double(x) + double(y);
@@ -18,7 +18,7 @@ double sum(float x, float y)
 
 Gap bracketed(double value, double low, double high)
 {
-	return {value, kUp * std::max(value - low, high - value), false};
+	return {value, kSumUp * std::max(value - low, high - value), false};
 }
 }  // namespace
 

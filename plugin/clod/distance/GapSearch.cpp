@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "clod/distance/Constants.h"
 #include "clod/distance/GapCertificate.h"
 #include "clod/query/ContactSearch.h"
 
@@ -11,8 +12,6 @@ namespace clod
 namespace
 {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kSharpness = 0.85;      // of the largest s0: no worse is the gap known
-constexpr double kDepthAccuracy = 1e-6;  // of the smaller radius: how exactly a depth is searched at least
 
 class GapSearch
 {
@@ -103,56 +102,56 @@ private:
 													double(m_context.b.node(contact.nodeB).deviation));
 		if (m_found.isOfInput) deviation = 0;
 		const double tolerance = m_settings.tolerance;
-		const double farthest = m_settings.distance ? tolerance : tolerance + 2.5 * deviation;
+		const double farthest = m_settings.distance ? tolerance : tolerance + kHiddenDepth * deviation;
 		double found = 0;  // a depth of some point
-		for (double reach = tolerance > 0 ? 0.2 * tolerance : farthest;;
-			 reach = reach < tolerance ? tolerance : 2 * reach)
+		for (double range = tolerance > 0 ? kShallow * tolerance : farthest;;
+			 range = range < tolerance ? tolerance : 2 * range)
 		{
-			reach = std::min(reach, farthest);
-			if ((found < reach || reach == 0) && isDepthWithin(reach, found)) return;
-			if (reach == farthest) break;
+			range = std::min(range, farthest);
+			if ((found < range || range == 0) && isDepthWithin(range, found)) return;
+			if (range == farthest) break;
 		}
 		setInside(found);
 	}
 
-	// The depth is less than `reach`, and set; else some point's is not, or may not be, by `found`.
-	bool isDepthWithin(double reach, double& found)
+	// The depth is less than `range`, and set; else some point's is not, or may not be, by `found`.
+	bool isDepthWithin(double range, double& found)
 	{
-		if (m_found.isOfInput && reach <= m_settings.tolerance)
+		if (m_found.isOfInput && range <= m_settings.tolerance)
 		{
 			m_search.near.clear();
 			for (const Contact& contact : m_result.contacts)
-				if (contact.lower <= reach) m_search.near.push_back(contact);
+				if (contact.lower <= range) m_search.near.push_back(contact);
 		}
 		else
 		{
-			gatherLeafPairs(m_context, reach, m_search.surfaces, m_search.near, m_result.stats);
+			gatherLeafPairs(m_context, range, m_search.surfaces, m_search.near, m_result.stats);
 			m_search.sorter.sort(m_search.near);
 		}
 		const PointBoxes counting(m_result.stats);
-		DepthAccuracy accuracy = depthAccuracy(reach);
-		accuracy.enough = reach;
+		DepthAccuracy accuracy = depthAccuracy(range);
+		accuracy.enough = range;
 		const DepthBound depth =
 			nearPenetration(m_context, m_search.near, accuracy, m_search.penetration, m_result.stats);
 		found = std::max(found, depth.lower);
-		if (!(depth.upper < reach)) return false;
+		if (!(depth.upper < range)) return false;
 		set(gapBetween(-depth.upper, -depth.lower));
 		return true;
 	}
 
 	// The last per cent of a depth is not worth its cost, unless a limit asks for it.
-	DepthAccuracy depthAccuracy(double reach) const
+	DepthAccuracy depthAccuracy(double range) const
 	{
 		DepthAccuracy accuracy;
 		accuracy.absolute = kDepthAccuracy * std::min(m_context.a.asset().radius, m_context.b.asset().radius);
 		if (limit() < kInfinity)
 		{
-			// A coarser answer could not be told from one beyond reach.
+			// A coarser answer could not be told from one beyond the range.
 			accuracy.absolute =
-				std::max(accuracy.absolute, std::min(0.5 * limit(), 0.2 * std::min(reach, m_settings.tolerance)));
+				std::max(accuracy.absolute, std::min(0.5 * limit(), kShallow * std::min(range, m_settings.tolerance)));
 			accuracy.relative = 0;
 		}
-		if (m_settings.distance || limit() < kInfinity) accuracy.cellLimit *= 10;
+		if (m_settings.distance || limit() < kInfinity) accuracy.cellLimit *= kMoreCells;
 		return accuracy;
 	}
 	// So deep at some point, perhaps deeper.
@@ -173,14 +172,14 @@ private:
 	// Nothing within the tolerance: the closest accepted pair, then the certificate within its distance.
 	void farApart()
 	{
-		double reach = 0;
-		if (limit() < kInfinity || !m_walk.widenToNearest(reach))
+		double distance = 0;
+		if (limit() < kInfinity || !m_walk.widenToNearest(distance))
 		{
 			fromSurfaces();
 			return;
 		}
 		m_found = m_walk.found();
-		set(gapApart(m_context, m_result.contacts, reach, m_found.largestCover));
+		set(gapApart(m_context, m_result.contacts, distance, m_found.largestCover));
 		m_result.contacts.clear();
 	}
 

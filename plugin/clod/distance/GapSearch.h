@@ -34,14 +34,14 @@ struct FoundPairs
 // Walk: FoundPairs found()      - of the contact list in the result;
 //       double depthInside()    - > 0: a component of one body is inside the other by so much; nothing overlaps;
 //       bool widenToNearest()   - fills the contact list anew with what is within the distance of the nearest accepted
-//                                 pair, `reach` then; false: the walk cannot, the input surfaces are asked.
+//                                 pair, `distance` then; false: the walk cannot, the input surfaces are asked.
 class GapWalk
 {
 public:
 	virtual ~GapWalk() = default;
 	virtual FoundPairs found() const = 0;
 	virtual double depthInside() = 0;
-	virtual bool widenToNearest(double& reach) = 0;
+	virtual bool widenToNearest(double& distance) = 0;
 };
 
 // Sets minDistance, errorBound and deep of a result whose contacts are found and sorted.

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "clod/distance/Constants.h"
+
 namespace clod
 {
 namespace
@@ -66,7 +68,7 @@ void ContactSide::gather(Slot& slot)
 		// Shorter than a unit by more than rounding: along it nothing looks farther than it is. None of a sliver.
 		const Vec3 normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
 		const double area = length(normal);
-		if (area > 1e-5 * squared) face.normal = ((1 - 1e-9) / area) * normal;
+		if (area > kSliver * squared) face.normal = (kBelowUnit / area) * normal;
 		for (std::uint32_t k = 0; k < hull.count; ++k)
 			face.top = std::max(face.top, dot(face.normal, hull.vertex(k) - face.center));
 		face.top += std::max(0.0, dot(face.normal, thickened.sweep));
@@ -76,7 +78,7 @@ void ContactSide::gather(Slot& slot)
 	double squared = 0;
 	for (std::uint32_t i = 0; i < hull.count; ++i)
 		squared = std::max(squared, lengthSquared(hull.vertex(i) - slot.center));
-	slot.radius = (1 + 1e-12) * std::sqrt(squared);
+	slot.radius = kSumUp * std::sqrt(squared);
 }
 
 void gatherSides(const QueryContext& context, const std::vector<Contact>& contacts, ContactSide& a, ContactSide& b)
@@ -101,8 +103,8 @@ void gatherSides(const QueryContext& context, const std::vector<Contact>& contac
 void GatheredSurface::scan(ContactSide::Slot& slot, const Vec3& point)
 {
 	if (!slot.gathered) m_other.gather(slot);
-	const double reach = m_distance + slot.radius;
-	if (lengthSquared(point - slot.center) > reach * reach) return;
+	const double ofBall = m_distance + slot.radius;
+	if (lengthSquared(point - slot.center) > ofBall * ofBall) return;
 	for (std::uint32_t i = slot.firstFace; i < slot.firstFace + slot.faceCount; ++i)
 	{
 		const GatheredFace& face = m_other.faces[i];
@@ -159,7 +161,7 @@ SignedDistance GatheredSurface::signedDistance(std::uint32_t group, const Vec3& 
 	const Vec3 normal = pseudonormal(*m_other.hierarchy, nearest.face, m_feature);
 	const bool outside = dot(point - m_point, normal) >= 0;
 	if (!outside && m_distance >= m_tolerance)
-		return {distanceToInput(*m_other.hierarchy, point, m_stats.boxTests, kUp * m_distance).distance, m_face,
+		return {distanceToInput(*m_other.hierarchy, point, m_stats.boxTests, kSumUp * m_distance).distance, m_face,
 				m_feature};
 	return {outside ? m_distance : -m_distance, m_face, m_feature};
 }

@@ -71,8 +71,6 @@ public:
 	std::uint32_t across(std::uint32_t face, int edge) const;
 
 private:
-	static constexpr double kUp = 1 + 1e-12;  // rounds a sum of a few terms up
-
 	void scan(ContactSide::Slot& slot, const Vec3& point);
 	double above(ContactSide::Slot& slot, const Triangle& triangle);
 	void meet(std::uint32_t face, const Vec3& point);

@@ -25,11 +25,11 @@ public:
 		return {m_walk.largestCover(), m_walk.isOfInput(), m_walk.isCutShort(), m_walk.rule().thresholds().most};
 	}
 	double depthInside() override { return m_walk.depthInside(); }
-	bool widenToNearest(double& reach) override
+	bool widenToNearest(double& distance) override
 	{
 		if (m_walk.rule().isOfLeaves()) return false;
-		reach = closestDistance(m_walk.context(), m_walk.rule(), m_search.surfaces, m_result.stats);
-		m_walk.run(reach);
+		distance = closestDistance(m_walk.context(), m_walk.rule(), m_search.surfaces, m_result.stats);
+		m_walk.run(distance);
 		return true;
 	}
 
@@ -86,7 +86,7 @@ void signedGap(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, 
 	GapCache::Search& search = cache.search();
 	if (isSamePose(a, b, aFromB, settings, state) && !state.hasLast && answersAgain(settings, search, state))
 	{
-		state.settings = settings;
+		state.settings = static_cast<const ContactSettings&>(settings);
 		result = search.last;
 		return;
 	}

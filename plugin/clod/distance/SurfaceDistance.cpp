@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "clod/distance/SurfaceDistance.h"
 
+#include "clod/distance/Constants.h"
 #include "clod/query/HullCull.h"
 
 namespace clod
@@ -43,7 +44,7 @@ struct LeafJudge
 	const QueryContext& context;
 	QueryStats& stats;
 	double best;
-	RememberedDirections& directions;
+	SeparatingAxes& axes;
 	static constexpr bool nearestFirst = false;
 
 	static bool counts(const NearestPairScratch::Candidate&, double) { return true; }
@@ -52,38 +53,36 @@ struct LeafJudge
 	double limit() const { return best; }
 
 protected:
-	// From the canonical start, unless a remembered direction shows that the distance is beyond `best`: then that is
-	// what comes back, and no more. Tried are the pair's own direction and the last one of the smaller leaf: what that
-	// is near lies much the same way.
+	// From the canonical start, unless a cached axis shows that the distance is beyond `best`: then that is what comes
+	// back, and no more. Tried are the pair's own axis and the last one of the smaller leaf: what that is near lies much
+	// the same way.
 	HullDistance distanceOf(const NearestPairScratch::Candidate& pair)
 	{
 		++stats.hullTests;
 		const std::uint32_t a = pair.a, b = pair.b;
 		const bool isASmaller = context.a.cullBox(a).radius <= context.b.cullBox(b).radius;
-		const std::uint32_t keyA = isASmaller ? a : kNone, keyB = isASmaller ? kNone : b;
-		RememberedDirections::Entry &ofPair = directions.at(a, b), &ofSmaller = directions.at(keyA, keyB);
+		const std::uint32_t keyA = isASmaller ? a : SeparatingAxes::kNobody;
+		const std::uint32_t keyB = isASmaller ? SeparatingAxes::kNobody : b;
+		SeparatingAxes::Entry &ofPair = axes.at(a, b), &ofSmaller = axes.at(keyA, keyB);
 		HullDistance far;
 		far.upper = std::numeric_limits<double>::infinity();
-		const auto isFar = [&](const RememberedDirections::Entry& known)
+		const auto isFar = [&](const Float3& axis)
 		{
-			far.lower =
-				separationAlong(contactHull(context.a, context.a.node(a)), contactHull(context.b, context.b.node(b)),
-								context.pose, toVec3(known.direction));
-			return far.lower > best + roomOf(context, a, b, best);
+			far.lower = separationAlong(contactHull(context.a, context.a.node(a)),
+										contactHull(context.b, context.b.node(b)), context.pose, toVec3(axis));
+			return isBeyond(context, a, b, far.lower, best);
 		};
-		if (ofPair.isOf(a, b) && isFar(ofPair)) return far;
-		if (ofSmaller.isOf(keyA, keyB) && isFar(ofSmaller))
+		if (ofPair.isOf(a, b) && isFar(ofPair.axis)) return far;
+		if (ofSmaller.isOf(keyA, keyB) && isFar(ofSmaller.axis))
 		{
-			ofPair = ofSmaller.with(a, b);
+			ofPair = {a, b, ofSmaller.axis};
 			return far;
 		}
-		// A little beyond: so the direction still tells at the next pose.
-		const HullDistance distance = canonicalDistance(context, a, b, 1.1 * best);
+		const HullDistance distance = canonicalDistance(context, a, b, kBeyondBest * best);
 		if (distance.lower > best)
 		{
-			const Vec3& n = distance.normal;
-			ofSmaller = {keyA, keyB, {float(n.x), float(n.y), float(n.z)}};
-			ofPair = ofSmaller.with(a, b);
+			ofSmaller = {keyA, keyB, toFloat3(distance.normal)};
+			ofPair = {a, b, ofSmaller.axis};
 		}
 		return distance;
 	}
@@ -134,11 +133,11 @@ SurfaceDistance surfaceDistance(const QueryContext& context, double known, Surfa
 {
 	const StopRule rule = StopRule::ofLeaves(context);
 	const std::uint32_t before = stats.hullTests;
-	SurfaceJudge judge{{context, stats, known, scratch.directions}, scratch.nearest};
+	SurfaceJudge judge{{context, stats, known, scratch.axes}, scratch.nearest};
 	const auto [a, b] = scratch.nearest;
 	if (isAnswer(context, rule, scratch.nearest)) judge.best = std::min(known, judge.ofPair({0, a, b}));
 	NearestPairSearch<SurfaceJudge>(context, rule, judge, scratch, stats).run();
-	scratch.directions.reserve(stats.hullTests - before);
+	scratch.axes.reserve(stats.hullTests - before);
 	// No bracket is wider than an evaluation's accuracy, and what was not evaluated is beyond the best.
 	const double low = std::min(judge.value, judge.best) - kHullDistanceAccuracy * context.size;
 	return {judge.best > 0 ? std::max(0.0, low) : 0, judge.best, judge.value};
@@ -148,7 +147,7 @@ void gatherLeafPairs(const QueryContext& context, double tolerance, SurfaceSearc
 					 std::vector<Contact>& pairs, QueryStats& stats)
 {
 	pairs.clear();
-	GatherJudge judge{{context, stats, tolerance, scratch.directions}, pairs};
+	GatherJudge judge{{context, stats, tolerance, scratch.axes}, pairs};
 	NearestPairSearch<GatherJudge>(context, StopRule::ofLeaves(context), judge, scratch, stats).run();
 }
 }  // namespace clod

@@ -2,49 +2,14 @@
 // How far apart two bodies are: the nearest pair of accepted nodes, whatever their level, or of the input surfaces; and
 // the pairs of leaves near each other. Each search starts from the roots, so what it finds is a function of the pose.
 #pragma once
+#include "clod/collide/SeparatingAxis.h"
 #include "clod/query/NearestPair.h"
 
 namespace clod
 {
-// Directions that pairs of leaves were seen to be apart along, tried first the next time: most pairs that are near by
-// their boxes are met again. What does not fit is forgotten.
-class RememberedDirections
-{
-public:
-	struct Entry
-	{
-		std::uint32_t a = kNone, b = kNone;
-		float direction[3] = {0, 0, 0};  // frame A, from B to A
-		bool isOf(std::uint32_t nodeA, std::uint32_t nodeB) const { return a == nodeA && b == nodeB; }
-		Entry with(std::uint32_t nodeA, std::uint32_t nodeB) const
-		{
-			return {nodeA, nodeB, {direction[0], direction[1], direction[2]}};
-		}
-	};
-	// Where the direction of a pair, or of one leaf and kNone, is, if it is, and goes.
-	Entry& at(std::uint32_t a, std::uint32_t b)
-	{
-		const std::uint64_t pair = std::uint64_t(a) << 32 | b;
-		return m_entries[std::size_t((pair * 0x9E3779B97F4A7C15u) >> 40) & (m_entries.size() - 1)];
-	}
-	// Room for so many, should they come again.
-	void reserve(std::size_t pairs)
-	{
-		constexpr std::size_t kSlotsAPair = 16;
-		if (kSlotsAPair * pairs <= m_entries.size()) return;
-		std::size_t size = kFewest;
-		while (size < kSlotsAPair * pairs) size *= 2;
-		m_entries.assign(size, Entry{});
-	}
-
-private:
-	static constexpr std::size_t kFewest = 1024;
-	std::vector<Entry> m_entries = std::vector<Entry>(kFewest);
-};
-
 struct SurfaceSearchScratch : NearestPairScratch
 {
-	RememberedDirections directions;
+	SeparatingAxes axes;  // of pairs of leaves, and of leaves: most pairs that are near by their boxes are met again
 };
 
 // The smallest tolerance at which a traversal reports a contact: over all accepted pairs and the ways to them, the

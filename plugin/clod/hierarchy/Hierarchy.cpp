@@ -61,7 +61,7 @@ Result<std::shared_ptr<const Hierarchy>> Hierarchy::load(const std::string& path
 
 // The root's box and the asset's box enclose everything: their farthest corner from the origin is at R. The corners of
 // a box that fits what it encloses along each of its axes are then within sqrt(3) R; load() refuses others.
-double Hierarchy::reach() const
+double Hierarchy::originRadius() const
 {
 	const OrientedBox& box = cullBox(root());
 	const double half = std::sqrt(double(box.half[0]) * box.half[0] + double(box.half[1]) * box.half[1] +

@@ -66,7 +66,7 @@ public:
 	std::uint32_t coarsestClodLevel() const { return m_coarsestClodLevel; }
 	bool isPaperBuild() const { return (asset().flags & kPaperBuild) != 0; }
 	// A bound of the distance from the body's origin to everything in the hierarchy, corners of culling boxes included.
-	double reach() const;
+	double originRadius() const;
 	// Hash of the whole block (xxh3, 64 bits): identifies the asset.
 	std::uint64_t contentHash() const { return m_contentHash; }
 	const std::vector<std::byte>& bytes() const { return m_bytes; }

@@ -160,9 +160,9 @@ std::string faceRecord(const Hierarchy& h, const Node& n, const Face& f)
 	const Vec3 normal = toVec3(f.normal), p0 = hull.vertex(f.vertex[0]), p1 = hull.vertex(f.vertex[1]),
 			   p2 = hull.vertex(f.vertex[2]);
 	if (p0 == p1 || p1 == p2 || p2 == p0) return "two corners in one place";
-	const double reach = std::max({dot(normal, p0), dot(normal, p1), dot(normal, p2)});
-	if (!std::isfinite(f.offset) || double(f.offset) < reach) return "offset is below a vertex";
-	if (double(f.offset) > reach + double(h.asset().storageTolerance)) return "offset is above every vertex";
+	const double height = std::max({dot(normal, p0), dot(normal, p1), dot(normal, p2)});
+	if (!std::isfinite(f.offset) || double(f.offset) < height) return "offset is below a vertex";
+	if (double(f.offset) > height + double(h.asset().storageTolerance)) return "offset is above every vertex";
 	const Vec3 area = cross(p1 - p0, p2 - p0);
 	if (area != Vec3{} && dot(area, normal) <= 0) return "normal points inward";
 	if (dot(normal, toVec3(n.meanNormal)) < double(n.coneCosine) - kUnitTolerance)
@@ -236,12 +236,12 @@ std::string cullBoxes(const Hierarchy& h)
 	std::vector<std::uint32_t> parent(h.nodes().size, kNone);
 	for (std::uint32_t i = 0; i < h.nodes().size; ++i)
 		for (std::uint32_t k = 0; k < h.node(i).primaryChildCount; ++k) parent[h.children(h.node(i))[k]] = i;
-	const double reach = h.reach();
+	const double radius = h.originRadius();
 	for (std::uint32_t i = 0; i < h.nodes().size; ++i)
 	{
 		const std::string problem = boxFrame(h.cullBox(i));
 		if (!problem.empty()) return element("node", i) + problem;
-		if (!(farthestCorner(h.cullBox(i)) <= reach))
+		if (!(farthestCorner(h.cullBox(i)) <= radius))
 			return element("node", i) + "culling box is larger than the asset";
 		const Node& n = h.node(i);
 		const Vec3 sweep = double(n.thickness) * toVec3(n.inward);

@@ -9,6 +9,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "clod/query/Constants.h"
+
 namespace clod
 {
 class AnswerCost
@@ -42,7 +44,6 @@ public:
 
 private:
 	static constexpr std::size_t kBuckets = 64;
-	static constexpr std::uint64_t kRemembered = 120;  // observations
 	struct Seen
 	{
 		double answers = 0, microseconds = 0;

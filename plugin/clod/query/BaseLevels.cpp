@@ -3,14 +3,12 @@
 
 #include <algorithm>
 
+#include "clod/query/Constants.h"
+
 namespace clod
 {
 namespace
 {
-constexpr double kWorthMixing = 16;         // times the pairs of nodes that mixed levels would need
-constexpr double kWorthSimplifying = 0.25;  // of the pairs of leaves; else leaves, whose boxes are tighter
-constexpr double kFewer = 0.75;             // of the boxes that meet, for more pairs of nodes
-
 bool keepLimit(const LevelBounds& a, const LevelBounds& b, double maxError)
 {
 	const double cover = double(a.cover) + double(b.cover), protrude = double(a.protrude) + double(b.protrude);
@@ -33,8 +31,7 @@ BaseLevels chooseBaseLevels(const QueryContext& context, double maxError, bool i
 		return Choice{levels, nodes * double(b.levels()[levels.b].nodeCount),
 					  meetingBoxes(ofA.bounds(levels.a), ofB.bounds(levels.b))};
 	};
-	const Choice leaves = choiceOf({0, 0});
-	Choice fewest = leaves, slimmest = leaves;
+	Choice fewest = choiceOf({0, 0}), slimmest = fewest;
 	std::uint32_t levelB = b.coarsestClodLevel();
 	for (std::uint32_t levelA = 0; levelA <= a.coarsestClodLevel(); ++levelA)
 	{
@@ -45,8 +42,7 @@ BaseLevels chooseBaseLevels(const QueryContext& context, double maxError, bool i
 		if (next.pairs < fewest.pairs) fewest = next;
 		if (next.meeting < slimmest.meeting) slimmest = next;
 	}
-	Choice best = fewest.pairs > kWorthSimplifying * leaves.pairs ? leaves : fewest;
-	if (slimmest.meeting < kFewer * best.meeting) best = slimmest;
+	const Choice& best = slimmest.meeting < kFewer * fewest.meeting ? slimmest : fewest;
 	if (!best.levels.isOfLeaves() && !isAlone) return {};
 	const double mixed = double(ofA.fewestWithin(0.5 * maxError)) * double(ofB.fewestWithin(0.5 * maxError));
 	return best.pairs <= kWorthMixing * mixed ? best.levels : BaseLevels{};

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "clod/collide/MotionBound.h"
-#include "clod/query/FrontValidation.h"
+#include "clod/query/Constants.h"
 #include "clod/query/Traversal.h"
 
 namespace clod
@@ -85,13 +85,13 @@ void followMotion(const QueryContext& context, const ContactSettings& settings, 
 	}
 	else if (state.filled)
 	{
-		const double motion = motionBound(state.pose, context.pose, context.reachA, context.reachB);
+		const double motion = motionBound(state.pose, context.pose, context.radiusA, context.radiusB);
 		const double change =
-			sweepChange(state.pose, state.settings.sweep, context.pose, context.sweep, motion, context.reachB);
+			sweepChange(state.pose, state.settings.sweep, context.pose, context.sweep, motion, context.radiusB);
 		state.front.move(motion, change);
 		state.lastMove = motion + change;
 		const bool otherTree = state.settings.budget.isLimited() != settings.budget.isLimited();
-		if (otherTree || !(state.front.motion < 1e5 * context.size)) state.clearFronts();
+		if (otherTree || !(state.front.motion < kFarthestMotion * context.size)) state.clearFronts();
 	}
 	state.pose = context.pose;
 }
@@ -119,7 +119,7 @@ ContactSearch::ContactSearch(const Hierarchy& a, const Hierarchy& b, const Trans
 	state.settings = settings;
 	result.stats.front = state.front.counts.leaves;
 	result.stats.frontInner = state.front.counts.inner;
-	result.stats.stillClear = 1;
+	result.stats.stillApart = 1;
 }
 
 void ContactSearch::run(double tolerance)

@@ -20,11 +20,11 @@ HullDistance ContactSink::distanceAtRest(std::uint32_t a, std::uint32_t b, doubl
 	return canonicalContact(m_context, a, b, limit);
 }
 
-void ContactSink::answer(std::uint32_t a, std::uint32_t b, HullMemory& memory, const HullEvaluations& known)
+void ContactSink::answer(std::uint32_t a, std::uint32_t b, CachedSeparation& cached, const HullEvaluations& known)
 {
 	const bool areWanted = m_covers == Covers::kWanted;
 	const double limit = areWanted ? cullLimit(m_context.a.node(a), m_context.b.node(b), m_tolerance) : m_tolerance;
-	if (m_hulls.isStillApart(a, b, limit, memory)) return;
+	if (m_hulls.isStillApart(a, b, limit, cached)) return;
 	const bool moves = m_context.longestMove > 0;
 	if (moves)
 	{
@@ -33,7 +33,7 @@ void ContactSink::answer(std::uint32_t a, std::uint32_t b, HullMemory& memory, c
 			known.onTheWay ? *known.onTheWay : canonicalSweptBound(m_context, a, b, m_tolerance, m_tolerance);
 		if (bound.lower > m_tolerance)
 		{
-			HullCull::keepApart(memory, bound.lower, bound.normal);
+			cached.setApart(bound.lower, bound.normal);
 			if (areWanted && !(distanceAtRest(a, b, limit, known).lower > limit)) noContact(a, b);
 			return;
 		}
@@ -41,11 +41,11 @@ void ContactSink::answer(std::uint32_t a, std::uint32_t b, HullMemory& memory, c
 	const HullDistance distance = distanceAtRest(a, b, limit, known);
 	if (!moves && distance.lower > m_tolerance)
 	{
-		HullCull::keepApart(memory, distance.lower, distance.normal);
+		cached.setApart(distance.lower, distance.normal);
 		if (!(distance.lower > limit)) noContact(a, b);
 		return;
 	}
-	memory = HullMemory{};
+	cached = {};
 	m_contacts.push_back({a, b, distance.lower, distance.upper, distance.pointOnA, distance.pointOnB, distance.normal});
 }
 

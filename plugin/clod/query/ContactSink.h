@@ -33,13 +33,13 @@ public:
 
 	// An accepted pair needs nothing, its boxes are not even compared: one that is no contact leaves no trace then,
 	// near or far.
-	bool skips(std::uint32_t a, std::uint32_t b, const HullMemory& memory) const
+	bool skips(std::uint32_t a, std::uint32_t b, const CachedSeparation& cached) const
 	{
-		return forgetsOthers() && m_hulls.isProvenApart(a, b, m_tolerance, memory);
+		return forgetsOthers() && m_hulls.isProvenApart(a, b, m_tolerance, cached);
 	}
 
 	// An accepted pair within the tolerance by its culling volumes.
-	void answer(std::uint32_t a, std::uint32_t b, HullMemory& memory, const HullEvaluations& known = {});
+	void answer(std::uint32_t a, std::uint32_t b, CachedSeparation& cached, const HullEvaluations& known = {});
 
 	// An accepted pair that is no contact leaves no trace.
 	bool forgetsOthers() const { return m_covers == Covers::kBounded; }

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Zlib
-#include "clod/query/FrontValidation.h"
-
+// Most fronts are what they were: bodies at rest hardly move. Each entry keeps how much motion the decisions on it and on
+// its children can take, and where few have used that up, these alone are made again. If they are the same, so is the
+// front, and only its accepted pairs are left to be evaluated. If one is not, the front is made anew (Traversal.cpp).
+#include <algorithm>
 #include <tuple>
+
+#include "clod/query/Traversal.h"
 
 namespace clod
 {
 namespace
 {
-constexpr std::size_t kEntriesADecision = 4;  // of a traversal cost as much as one decision made again
-
 class FrontValidation : private PairDecisions
 {
 public:
@@ -45,10 +47,10 @@ private:
 		for (const std::uint32_t i : m_front.slack.answers)
 		{
 			const FrontEntry& entry = m_front.entries[i];
-			HullMemory memory = remembered(entry, m_front.hulls);
+			CachedSeparation cached = cachedOf(entry, m_front.hulls);
 			const std::uint32_t before = m_stats->hullTests;
-			if (answers(entry, memory) != (entry.state == NodePairState::kAnswer)) return false;
-			if (memory.knowledge == HullKnowledge::kApart) m_front.slack.spent += m_stats->hullTests - before;
+			if (answers(entry, cached) != (entry.state == NodePairState::kAnswer)) return false;
+			if (cached.isApart()) m_front.slack.spent += m_stats->hullTests - before;
 		}
 		return true;
 	}
@@ -66,9 +68,9 @@ private:
 		}
 		if (!entry.whileApart && entry.state != NodePairState::kAnswer && cullsByHulls(entry))
 		{
-			HullMemory memory = remembered(entry, m_front.hulls);
-			if (areHullsApart(entry, memory) != (entry.state == NodePairState::kHullsApart)) return false;
-			keepSlack(i, m_moved, slackOfHulls(entry, memory));
+			CachedSeparation cached = cachedOf(entry, m_front.hulls);
+			if (areHullsApart(entry, cached) != (entry.state == NodePairState::kHullsApart)) return false;
+			keepSlack(i, m_moved, slackOfHulls(entry, cached));
 		}
 		if (!isOpen(entry.state)) return true;
 		Row row = rowOf(entry);

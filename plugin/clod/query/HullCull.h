@@ -5,6 +5,7 @@
 #pragma once
 #include <optional>
 
+#include "clod/query/Constants.h"
 #include "clod/query/PairFront.h"
 #include "clod/query/QueryContext.h"
 
@@ -14,7 +15,12 @@ namespace clod
 inline double roomOf(const QueryContext& context, std::uint32_t a, std::uint32_t b, double limit)
 {
 	const double size = double(context.a.cullBox(a).radius) + double(context.b.cullBox(b).radius);
-	return 10 * kHullDistanceAccuracy * (size + limit + context.longestMove) + 4 * context.pose.rounding;
+	return kEvaluationRoom * (size + limit + context.longestMove) + 4 * context.pose.rounding;
+}
+// A lower bound of their distance, of whatever axis, shows what an evaluation from the canonical start would.
+inline bool isBeyond(const QueryContext& context, std::uint32_t a, std::uint32_t b, double lower, double limit)
+{
+	return lower > limit + roomOf(context, a, b, limit);
 }
 
 // What canonical evaluations of a pair have said of it.
@@ -30,71 +36,68 @@ public:
 	HullCull(const QueryContext& context, QueryStats& stats) : m_context(context), m_stats(stats) {}
 
 	// The remembered bound alone says so.
-	bool isProvenApart(std::uint32_t a, std::uint32_t b, double limit, const HullMemory& memory) const
+	bool isProvenApart(std::uint32_t a, std::uint32_t b, double limit, const CachedSeparation& cached) const
 	{
-		return memory.knowledge == HullKnowledge::kApart &&
-			   double(memory.lower) > limit + roomOf(m_context, a, b, limit);
+		return cached.isApart() && isBeyond(m_context, a, b, double(cached.lower), limit);
 	}
 	// As before, or seen along the remembered direction.
-	bool isStillApart(std::uint32_t a, std::uint32_t b, double limit, HullMemory& memory)
+	bool isStillApart(std::uint32_t a, std::uint32_t b, double limit, CachedSeparation& cached)
 	{
-		if (memory.knowledge != HullKnowledge::kApart) return false;
-		if (isProvenApart(a, b, limit, memory))
+		if (!cached.isApart()) return false;
+		if (isProvenApart(a, b, limit, cached))
 		{
 			++m_stats.skippedBySlack;
 			return true;
 		}
 		++m_stats.hullTests;
-		const Vec3 axis = toVec3(memory.onA);
+		const Vec3 axis = toVec3(cached.onA);
 		const double lower = sweptSeparationAlong(m_context, a, b, axis);
-		if (!(lower > limit + roomOf(m_context, a, b, limit))) return false;
-		keepApart(memory, lower, axis);
+		if (!isBeyond(m_context, a, b, lower, limit)) return false;
+		cached.setApart(lower, axis);
 		return true;
 	}
-	bool isApart(std::uint32_t a, std::uint32_t b, double limit, HullMemory& memory)
+	bool isApart(std::uint32_t a, std::uint32_t b, double limit, CachedSeparation& cached)
 	{
-		if (belowLimit(b, limit - roomOf(m_context, a, b, limit), memory) > 0)
+		if (belowLimit(b, limit - roomOf(m_context, a, b, limit), cached) > 0)
 		{
 			++m_stats.skippedBySlack;
 			return false;
 		}
-		if (isStillApart(a, b, limit, memory)) return true;
+		if (isStillApart(a, b, limit, cached)) return true;
 		++m_stats.hullTests;
 		const SweptBound bound = canonicalSweptBound(m_context, a, b, limit, limit);
 		if (bound.lower > limit)
 		{
-			keepApart(memory, bound.lower, bound.normal);
+			cached.setApart(bound.lower, bound.normal);
 			return true;
 		}
-		memory.knowledge = bound.hasPoints ? HullKnowledge::kNear : HullKnowledge::kNothing;
-		keep(bound.onA, memory.onA);
-		keep(bound.onB, memory.onB);
+		cached = {};
+		if (bound.hasPoints) cached.setNear(bound.onA, bound.onB);
 		return false;
 	}
 	// How much motion that decision can take, from either side, by what is remembered of it; at most 0: none.
-	double slackOf(std::uint32_t a, std::uint32_t b, double limit, const HullMemory& memory) const
+	double slackOf(std::uint32_t a, std::uint32_t b, double limit, const CachedSeparation& cached) const
 	{
 		const double room = roomOf(m_context, a, b, limit);
-		return memory.knowledge == HullKnowledge::kApart ? double(memory.lower) - limit - room
-														 : belowLimit(b, limit - room, memory);
+		return cached.isApart() ? double(cached.lower) - limit - room : belowLimit(b, limit - room, cached);
 	}
 	// As they are, whatever the sweep; where they stay beyond the tolerance on the way as well, that is remembered.
 	// What else had to be evaluated is handed on, as far as a contact needs it.
-	bool areApart(std::uint32_t a, std::uint32_t b, double tolerance, HullMemory& memory, HullEvaluations& known)
+	bool areApart(std::uint32_t a, std::uint32_t b, double tolerance, CachedSeparation& cached, HullEvaluations& known)
 	{
-		if (isProvenApart(a, b, 0, memory))
+		if (isProvenApart(a, b, 0, cached))
 		{
 			++m_stats.skippedBySlack;
 			return true;
 		}
-		if (isStillApart(a, b, tolerance, memory)) return true;
+		if (isStillApart(a, b, tolerance, cached)) return true;
 		++m_stats.hullTests;
 		if (m_context.longestMove > 0)
 		{
 			known.onTheWay = canonicalSweptBound(m_context, a, b, tolerance, tolerance);
-			if (known.onTheWay->lower > tolerance + roomOf(m_context, a, b, tolerance))
+			if (isBeyond(m_context, a, b, known.onTheWay->lower, tolerance))
 			{
-				keepApart(memory, known.onTheWay->lower, known.onTheWay->normal);
+				cached.setApart(known.onTheWay->lower, known.onTheWay->normal);
 				return true;
 			}
 			++m_stats.hullTests;
@@ -102,24 +105,14 @@ public:
 		known.atRest = canonicalContact(m_context, a, b, tolerance);
 		return known.atRest->lower > 0;
 	}
-	static void keepApart(HullMemory& memory, double lower, const Vec3& direction)
-	{
-		memory.knowledge = HullKnowledge::kApart;
-		memory.lower = lowerAfter(float(lower), 0);
-		keep(direction, memory.onA);
-	}
 
 private:
 	// By how much the points that were near are nearer than the limit.
-	double belowLimit(std::uint32_t b, double limit, const HullMemory& memory) const
+	double belowLimit(std::uint32_t b, double limit, const CachedSeparation& cached) const
 	{
-		if (memory.knowledge != HullKnowledge::kNear) return 0;
-		const double rounding = 2e-7 * m_context.size;  // of points kept as floats
-		return limit - rounding - sweptPointDistance(m_context, b, toVec3(memory.onA), toVec3(memory.onB));
-	}
-	static void keep(const Vec3& v, float (&kept)[3])
-	{
-		for (int i = 0; i < 3; ++i) kept[i] = float(v[i]);
+		if (cached.kind != CachedSeparation::Kind::kNear) return 0;
+		const double rounding = kPlaceRounding * m_context.size;
+		return limit - rounding - sweptPointDistance(m_context, b, toVec3(cached.onA), toVec3(cached.onB));
 	}
 	const QueryContext& m_context;
 	QueryStats& m_stats;

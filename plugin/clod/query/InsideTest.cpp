@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "clod/query/Constants.h"
+
 namespace clod
 {
 namespace
@@ -75,7 +77,7 @@ double InsideProbes::depthInside(const Hierarchy& other, const Transform& intoOt
 		const Vec3 point = intoOther * probe.point;
 		if (boxDistance(around, point) > 0) continue;
 		// The sign holds until the body has moved by the distance; how deep inside is measured anew.
-		if (probe.distance > 0 && motion - probe.stamp < 0.999 * probe.distance)
+		if (probe.distance > 0 && motion - probe.stamp < kKeptOfSign * probe.distance)
 		{
 			++stats.skippedBySlack;
 			continue;
@@ -99,6 +101,6 @@ double InsideProbes::distanceOutside(const Hierarchy& other, const Transform& in
 		++stats.pointQueries;
 		least = std::min(least, std::max(toBox, distanceToInput(other, point, stats.boxTests).distance));
 	}
-	return 0.999 * std::max(0.0, least);
+	return kKeptOfSign * std::max(0.0, least);
 }
 }  // namespace clod

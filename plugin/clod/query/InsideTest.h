@@ -4,8 +4,8 @@
 #pragma once
 #include <vector>
 
+#include "clod/hierarchy/InputSurface.h"
 #include "clod/query/QueryContext.h"
-#include "clod/query/SurfaceFaces.h"
 
 namespace clod
 {

@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "clod/collide/BoxSeparation.h"
-#include "clod/query/ContactSink.h"
 #include "clod/collide/MotionBound.h"
+#include "clod/query/ContactSink.h"
 #include "clod/query/StopRule.h"
 
 namespace clod
@@ -31,7 +31,7 @@ struct TraversalSettings
 // Since the last traversal, rounded up.
 inline float motionSince(const PairFront& front)
 {
-	return float(front.pending) * (1 + 3e-7f);
+	return float(front.motionSince) * (1 + float(kBoundRounding));
 }
 
 class PairDecisions
@@ -45,9 +45,9 @@ public:
 		  m_sink(sink),
 		  m_rootA(context.a.root()),
 		  m_limit(roundDown(settings.tolerance)),
-		  m_room(1e-9 * context.size + context.boxes.roundingOfTwo()),
+		  m_room(kSumRounding * context.size + context.boxes.roundingOfTwo()),
 		  m_moved(motionSince(front)),
-		  m_change(front.pendingChange),
+		  m_change(front.sweepChangeSince),
 		  m_stats(&stats),
 		  m_hulls(context, stats)
 	{
@@ -55,7 +55,7 @@ public:
 	}
 
 protected:
-	static constexpr double kAlways = std::numeric_limits<double>::infinity();
+	static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 	// Some of the pairs of one opened: a node of one body and children of the other's, and what is known of them. Sets
 	// of children are bits.
@@ -133,15 +133,15 @@ protected:
 					row.high[child[i]] = upperAfter(separations[i], 0);
 				});
 	}
-	HullMemory remembered(const FrontEntry& old, const std::vector<HullMemory>& hulls) const
+	CachedSeparation cachedOf(const FrontEntry& old, const std::vector<CachedSeparation>& hulls) const
 	{
 		if (old.hull == kNone) return {};
-		HullMemory memory = hulls[old.hull];
-		if (memory.knowledge != HullKnowledge::kApart) return memory;
+		CachedSeparation cached = hulls[old.hull];
+		if (!cached.isApart()) return cached;
 		const OrientedBox& box = m_context.b.cullBox(old.b);
-		const double nearer = m_partMotion.along(toVec3(memory.onA), centerOf(box), double(box.radius)) + m_change;
-		memory.lower = lowerAfter(memory.lower, float(nearer + 3e-7 * std::abs(nearer)));
-		return memory;
+		const double nearer = m_partMotion.along(toVec3(cached.onA), centerOf(box), double(box.radius)) + m_change;
+		cached.lower = lowerAfter(cached.lower, float(nearer + kBoundRounding * std::abs(nearer)));
+		return cached;
 	}
 
 	bool cullsByHulls(const FrontEntry& entry) const
@@ -153,21 +153,21 @@ protected:
 	{
 		return cullLimit(m_context.a.node(entry.a), m_context.b.node(entry.b), m_settings.tolerance);
 	}
-	bool areHullsApart(const FrontEntry& entry, HullMemory& memory)
+	bool areHullsApart(const FrontEntry& entry, CachedSeparation& cached)
 	{
-		return m_hulls.isApart(entry.a, entry.b, cullLimitOf(entry), memory);
+		return m_hulls.isApart(entry.a, entry.b, cullLimitOf(entry), cached);
 	}
 	// What that decision can take.
-	double slackOfHulls(const FrontEntry& entry, const HullMemory& memory) const
+	double slackOfHulls(const FrontEntry& entry, const CachedSeparation& cached) const
 	{
-		return m_hulls.slackOf(entry.a, entry.b, cullLimitOf(entry), memory);
+		return m_hulls.slackOf(entry.a, entry.b, cullLimitOf(entry), cached);
 	}
 	// Whether an entry answers that may, as its hulls decide; and its answer.
-	bool answers(const FrontEntry& entry, HullMemory& memory)
+	bool answers(const FrontEntry& entry, CachedSeparation& cached)
 	{
 		HullEvaluations known;
-		if (entry.whileApart && !m_hulls.areApart(entry.a, entry.b, m_settings.tolerance, memory, known)) return false;
-		m_sink.answer(entry.a, entry.b, memory, known);
+		if (entry.whileApart && !m_hulls.areApart(entry.a, entry.b, m_settings.tolerance, cached, known)) return false;
+		m_sink.answer(entry.a, entry.b, cached, known);
 		return true;
 	}
 
@@ -200,9 +200,9 @@ protected:
 	// A decision on entry i, made at a motion of `moved` since the traversal, can take so much more.
 	void keepSlack(std::uint32_t i, float moved, double slack)
 	{
-		if (!(slack < kAlways)) return;
+		if (!(slack < kInfinity)) return;
 		float& slackOfEntry = m_front.slack.ofEntry[i];
-		slackOfEntry = std::min(slackOfEntry, lowerAfter(float(slack - 1e-6 * m_settings.tolerance), -moved));
+		slackOfEntry = std::min(slackOfEntry, lowerAfter(float(slack - kSlackRounding * m_settings.tolerance), -moved));
 	}
 
 	const QueryContext& m_context;

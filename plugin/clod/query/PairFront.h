@@ -13,7 +13,9 @@
 #include <vector>
 
 #include "clod/collide/HullDistance.h"
+#include "clod/collide/SeparatingAxis.h"
 #include "clod/query/BackOff.h"
+#include "clod/query/Constants.h"
 #include "clod/query/Query.h"
 
 namespace clod
@@ -47,31 +49,6 @@ struct FrontEntry
 	bool whileApart = false;  // answers, or is opened, as its hulls are apart, or not
 };
 static_assert(sizeof(FrontEntry) == 36);
-
-// What a pair keeps of its hull test: a direction along which the hulls were apart, or two points that were near.
-enum class HullKnowledge : std::uint8_t
-{
-	kNothing,
-	kApart,
-	kNear
-};
-struct HullMemory
-{
-	HullKnowledge knowledge = HullKnowledge::kNothing;
-	float lower = 0;           // apart: of the hull distance along onA, carried on with the motion
-	float onA[3] = {0, 0, 0};  // frame A. apart: the direction `lower` was measured along; near: a point of hull a
-	float onB[3] = {0, 0, 0};  // frame B. near: a point of hull b
-};
-
-// A bound from below, or above, that a motion may have made wrong by `moved`.
-inline float lowerAfter(float bound, float moved)
-{
-	return bound - moved - 1.2e-7f * (bound < 0 ? -bound : bound);
-}
-inline float upperAfter(float bound, float moved)
-{
-	return bound + moved + 1.2e-7f * (bound < 0 ? -bound : bound);
-}
 
 // Set of pairs with an O(1) clear. Open addressing; grows by doubling. Node indices are below 2^28.
 class VisitedPairs
@@ -136,7 +113,7 @@ inline void addTo(QueryStats& stats, const FrontCounts& counts)
 	stats.touchedFinestLevel = counts.touchedFinestLevel;
 }
 
-// What it takes to give the answers of a traversal again where its decisions are what they were (FrontValidation.h).
+// What it takes to give the answers of a traversal again where its decisions are what they were (FrontValidation.cpp).
 struct FrontSlack
 {
 	std::vector<float> ofEntry;          // the motion that its decisions, and those on its children, can take
@@ -150,29 +127,27 @@ struct FrontSlack
 	}
 };
 
-inline constexpr std::uint32_t kLongestBackOff = 15;
-
 struct PairFront
 {
 	std::vector<FrontEntry> entries;  // of the last finished traversal; [0] is the pair of roots, children lie together
 	std::vector<FrontEntry> previous;  // the one before, read while entries is written
-	std::vector<HullMemory> hulls, previousHulls;
+	std::vector<CachedSeparation> hulls, previousHulls;
 	VisitedPairs visited;
 	double motion = 0;         // accumulated bound of the relative motion and of the sweep's change (MotionBound.h)
-	double pending = 0;        // the part of it since the last finished traversal
-	double pendingChange = 0;  // the part of that which is the sweep's
+	double motionSince = 0;    // the part of it since the last finished traversal
+	double sweepChangeSince = 0;  // and of that the sweep's
 	RelativePose pose;         // of the last finished traversal
 
 	double tolerance = 0;  // of the last finished traversal
 	FrontCounts counts;
 	FrontSlack slack;
-	BackOff backOff{kLongestBackOff};  // traversals that keep no slack, until the next attempt to validate a front
+	BackOff backOff{kFrontBackOff};  // traversals that keep no slack, until the next attempt to validate a front
 
 	void move(double by, double sweepChange)
 	{
 		motion += by + sweepChange;
-		pending += by + sweepChange;
-		pendingChange += sweepChange;
+		motionSince += by + sweepChange;
+		sweepChangeSince += sweepChange;
 	}
 	void clear()
 	{
@@ -180,7 +155,7 @@ struct PairFront
 		previous.clear();
 		hulls.clear();
 		slack.clear();
-		motion = pending = pendingChange = 0;
+		motion = motionSince = sweepChangeSince = 0;
 		backOff.succeed();
 	}
 };

@@ -51,7 +51,7 @@ struct QueryStats
 	std::uint32_t boxTests = 0;    // culling boxes compared
 	std::uint32_t hullTests = 0;   // hull distances evaluated (GJK runs)
 	std::uint32_t skippedBySlack = 0;
-	std::uint32_t stillClear = 0;  // 1: the bodies were apart by more than they have moved since; nothing was looked at
+	std::uint32_t stillApart = 0;  // 1: the bodies were apart by more than they have moved since; nothing was looked at
 	std::uint32_t frontKept = 0;   // 1: no decision of the last traversal has changed; only its answers were evaluated
 	// Moves of the front: pairs of nodes kept in its tree that the query before did not keep, and the other way round.
 	// None under a budget, nor where the last front still holds.

@@ -11,12 +11,12 @@ QueryContext::QueryContext(const Hierarchy& hierarchyA, const Hierarchy& hierarc
 	  b(hierarchyB),
 	  tablesA(hierarchyA.derived<TraversalTables>()),
 	  tablesB(hierarchyB.derived<TraversalTables>()),
-	  reachA(hierarchyA.reach()),
-	  reachB(hierarchyB.reach()),
-	  pose(aFromB, std::max(reachA, reachB)),
+	  radiusA(hierarchyA.originRadius()),
+	  radiusB(hierarchyB.originRadius()),
+	  pose(aFromB, std::max(radiusA, radiusB)),
 	  sweep(motion),
-	  longestMove(length(sweep.of(aFromB.translation)) + length(sweep.angular) * reachB),
-	  size(reachA + reachB + length(aFromB.translation) + longestMove),
+	  longestMove(length(sweep.of(aFromB.translation)) + length(sweep.angular) * radiusB),
+	  size(radiusA + radiusB + length(aFromB.translation) + longestMove),
 	  boxes(pose, sweep, size)
 {
 }

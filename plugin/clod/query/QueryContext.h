@@ -17,11 +17,11 @@ struct QueryContext
 	const Hierarchy& a;
 	const Hierarchy& b;
 	const TraversalTables &tablesA, &tablesB;
-	double reachA, reachB;  // Hierarchy::reach
+	double radiusA, radiusB;  // Hierarchy::originRadius
 	RelativePose pose;
 	Sweep sweep;
 	double longestMove;  // no point of B moves farther in the step
-	double size;         // reach of both bodies, their distance and the longest way in the step
+	double size;         // radii of both bodies, their distance and the longest way in the step
 	BoxFrame boxes;
 };
 

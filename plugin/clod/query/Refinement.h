@@ -98,7 +98,7 @@ public:
 	{
 		const auto hand = [&](std::uint32_t a, std::uint32_t b)
 		{
-			HullMemory unknown;
+			CachedSeparation unknown;
 			sink.answer(a, b, unknown);
 		};
 		for (const NodePair& pair : m_accepted) hand(pair.a, pair.b);

@@ -10,12 +10,8 @@ namespace clod
 {
 namespace
 {
-constexpr std::uint32_t kWorthwhile = 4;  // queries that a search should save
-constexpr double kFarthest = 64;          // moves: what is farther is not looked for
-constexpr double kSpan = 2;               // thresholds of later queries: so many times these
-
-// What a traversal is to find nothing of: contacts, or pairs whose surfaces may be within the tolerance, too.
-struct ClearOf
+// What a search is for, and a traversal finds nothing of: contacts, or pairs whose surfaces may be near, too.
+struct Searched
 {
 	StopRule strict;   // a pair that answers by this rule is not opened by any in question,
 	StopRule relaxed;  // one that does not by this rule answers by none: differing in the threshold only
@@ -27,13 +23,10 @@ struct MotionJudge
 {
 	const QueryContext& context;
 	QueryStats& stats;
-	const ClearOf& what;
+	const Searched& what;
 	double best;
 	NearestPairScratch& scratch;
 	static constexpr bool nearestFirst = false;
-	// Pairs that leave half as much to go as the best are not looked at, and half of the best is the answer: a fifth of
-	// the tests, for a search a half more often (docs/MEASURED.md).
-	static constexpr double kShare = 0.5;
 
 	// Once: its own separation is a bound whichever the way.
 	bool counts(const NearestPairScratch::Candidate& pair, double)
@@ -48,7 +41,9 @@ struct MotionJudge
 	{
 		return what.relaxed.acceptance(pair.a, pair.b) != Acceptance::kNo;
 	}
-	double limit() const { return what.tolerance + kShare * best; }
+	// Pairs that leave half as much to go as the best are not looked at, and half of the best is the answer: a fifth of
+	// the tests, for a search a half more often.
+	double limit() const { return what.tolerance + kShareOfNearest * best; }
 	double ofPair(const NearestPairScratch::Candidate& pair)
 	{
 		++stats.hullTests;
@@ -63,7 +58,7 @@ struct MotionJudge
 
 // By how much the pair may move, sweep included (MotionBound.h), before a traversal can find something by the two rules
 // or any between them; at most `cap`. <= 0: it may already.
-double clearMotion(const QueryContext& context, const ClearOf& what, double cap, NearestPairScratch& scratch,
+double safeMotion(const QueryContext& context, const Searched& what, double cap, NearestPairScratch& scratch,
 				   QueryStats& stats)
 {
 	scratch.visited.clear();
@@ -76,7 +71,7 @@ double clearMotion(const QueryContext& context, const ClearOf& what, double cap,
 			cap, judge.ofPair({boxSeparation(context.boxes, context.a.cullBox(a), context.b.cullBox(b)), a, b}));
 	}
 	NearestPairSearch<MotionJudge>(context, what.strict, judge, scratch, stats).run();
-	return judge.best > 0 ? MotionJudge::kShare * judge.best : judge.best;
+	return judge.best > 0 ? kShareOfNearest * judge.best : judge.best;
 }
 
 bool dependsOnPose(const Metric& metric)
@@ -97,16 +92,16 @@ double outside(const QueryContext& context, const SeparationCache::Tools& tools)
 // For the rounding of the search and of what a traversal would compute now.
 double room(const QueryContext& context, double tolerance)
 {
-	return 2 * (1e-9 * context.size + context.boxes.roundingOfTwo()) +
-		   10 * kHullDistanceAccuracy * (context.size + tolerance) + 4 * context.pose.rounding;
+	return 2 * (kSumRounding * context.size + context.boxes.roundingOfTwo()) +
+		   kEvaluationRoom * (context.size + tolerance) + 4 * context.pose.rounding;
 }
 }  // namespace
 
 bool SeparationCache::holds(const QueryContext& context, const ContactSettings& settings, const AskedGap& gap)
 {
 	if (!m_isKnown || !isMeantFor(settings, gap)) return false;
-	const double motion = motionBound(m_pose, context.pose, context.reachA, context.reachB);
-	const double change = sweepChange(m_pose, m_settings.sweep, context.pose, context.sweep, motion, context.reachB);
+	const double motion = motionBound(m_pose, context.pose, context.radiusA, context.radiusB);
+	const double change = sweepChange(m_pose, m_settings.sweep, context.pose, context.sweep, motion, context.radiusB);
 	if (!(motion + change + room(context, settings.tolerance) < m_motion)) return false;
 	if (!isWithinThresholds(context, settings.metric)) return false;
 	++m_uses;
@@ -121,7 +116,7 @@ void SeparationCache::seek(const QueryContext& context, const StopRule& rule, co
 	m_isKnown = false;
 	m_uses = 0;
 	if (!m_backOff.isOver()) return;
-	const double cap = lastMove > 0 ? kFarthest * lastMove : settings.tolerance;
+	const double cap = lastMove > 0 ? kFarthestSearch * lastMove : settings.tolerance;
 	m_motion = motionToGo(context, rule, settings, gap, cap, tools);
 	if (m_motion > 0) m_motion = std::min(m_motion, outside(context, tools));
 	m_pose = context.pose;
@@ -138,19 +133,19 @@ double SeparationCache::motionToGo(const QueryContext& context, const StopRule& 
 	m_thresholds = StopRule::thresholds(context, settings.metric);
 	if (dependsOnPose(settings.metric) && m_thresholds.most < kOff)
 	{
-		m_thresholds.least /= kSpan;
-		m_thresholds.most = std::min(kSpan * m_thresholds.most, std::numeric_limits<double>::max());
+		m_thresholds.least /= kThresholdSpan;
+		m_thresholds.most = std::min(kThresholdSpan * m_thresholds.most, std::numeric_limits<double>::max());
 	}
-	const ClearOf contacts{rule.with(m_thresholds.least), rule.with(m_thresholds.most), settings.tolerance,
+	const Searched contacts{rule.with(m_thresholds.least), rule.with(m_thresholds.most), settings.tolerance,
 						   gap.isAsked && !rule.base().isUsed()};
-	const double motion = clearMotion(context, contacts, cap, tools.scratch, tools.stats);
+	const double motion = safeMotion(context, contacts, cap, tools.scratch, tools.stats);
 	m_largestCover = rule.baseCover();
 	if (!gap.isAsked || m_largestCover <= gap.error) return motion;
 	// The surfaces are asked (distance/SignedGap.cpp).
 	m_largestCover = 0;
 	if (!(motion > 0)) return motion;
 	const StopRule exact = StopRule::ofLeaves(context);
-	return clearMotion(context, {exact, exact, settings.tolerance, false}, motion, tools.scratch, tools.stats);
+	return safeMotion(context, {exact, exact, settings.tolerance, false}, motion, tools.scratch, tools.stats);
 }
 
 bool SeparationCache::isWithinThresholds(const QueryContext& context, const Metric& metric) const

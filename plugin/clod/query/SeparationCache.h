@@ -9,6 +9,7 @@
 // Based on: conservative advancement (Mirtich 1996).
 #pragma once
 #include "clod/query/BackOff.h"
+#include "clod/query/Constants.h"
 #include "clod/query/InsideTest.h"
 #include "clod/query/NearestPair.h"
 #include "clod/query/Query.h"
@@ -46,8 +47,6 @@ public:
 			  double lastMove, const Tools& tools);
 
 private:
-	static constexpr std::uint32_t kLongestBackOff = 63;  // queries until the next search
-
 	double motionToGo(const QueryContext& context, const StopRule& rule, const ContactSettings& settings,
 					  const AskedGap& gap, double cap, const Tools& tools);
 	bool isWithinThresholds(const QueryContext& context, const Metric& metric) const;
@@ -61,6 +60,6 @@ private:
 	ThresholdRange m_thresholds{0, 0};
 	double m_largestCover = 0;
 	std::uint32_t m_uses = 0;
-	BackOff m_backOff{kLongestBackOff};
+	BackOff m_backOff{kSearchBackOff};
 };
 }  // namespace clod

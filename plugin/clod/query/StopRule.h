@@ -176,7 +176,7 @@ public:
 		const Node& node = side.node(index);
 		const std::uint32_t base = isOfA ? m_base.a : m_base.b;
 		if (base == kNone || node.level <= base) return side.children(node);
-		return (isOfA ? m_context->tablesA : m_context->tablesB).wideChildren(index, base);
+		return (isOfA ? m_context->tablesA : m_context->tablesB).collapsedChildren(index, base);
 	}
 
 private:
@@ -207,12 +207,12 @@ private:
 		const OrientedBox& box = isA ? a : b;
 		return {isA ? centerOf(box) : m_context->pose.apply(centerOf(box)), double(box.radius)};
 	}
-	// The places: no node's centre is beyond the reach of its body, nor its ball wider than what is within.
+	// The places: no node's centre is beyond the radius of its body, nor its ball wider than what is within.
 	static ThresholdRange rangeOf(const QueryContext& context, const Threshold& threshold)
 	{
 		if (threshold.isConstant()) return {threshold.constant(), threshold.constant()};
-		const ThresholdRange ofA = threshold.within({Vec3{}, 3 * context.reachA});
-		const ThresholdRange ofB = threshold.within({context.pose.translation, 3 * context.reachB});
+		const ThresholdRange ofA = threshold.within({Vec3{}, 3 * context.radiusA});
+		const ThresholdRange ofB = threshold.within({context.pose.translation, 3 * context.radiusB});
 		return {std::min(ofA.least, ofB.least),
 				std::min(std::max(ofA.most, ofB.most), std::numeric_limits<double>::max())};
 	}
@@ -220,8 +220,8 @@ private:
 	{
 		const Vec3 &linear = metric.velocity.linear, &angular = metric.velocity.angular;
 		const double turning = length(angular);
-		return std::max(length(linear) + turning * context.reachA,
-						length(linear + cross(angular, context.pose.translation)) + turning * context.reachB);
+		return std::max(length(linear) + turning * context.radiusA,
+						length(linear + cross(angular, context.pose.translation)) + turning * context.radiusB);
 	}
 
 	const QueryContext* m_context;

@@ -20,7 +20,7 @@ public:
 		m_front.visited.clear();
 		startSlack();
 		m_front.counts = FrontCounts{};
-		m_front.pending = m_front.pendingChange = 0;
+		m_front.motionSince = m_front.sweepChangeSince = 0;
 		m_front.pose = m_context.pose;
 		startAtRoots();
 		for (std::uint32_t i = 0; i < m_front.entries.size(); ++i)
@@ -34,7 +34,7 @@ public:
 	}
 
 private:
-	// For FrontValidation.h; where that was in vain, now and then only.
+	// For FrontValidation.cpp; where that was in vain, now and then only.
 	void startSlack()
 	{
 		m_front.slack.clear();
@@ -151,7 +151,7 @@ private:
 			return true;
 		}
 		if (!m_settings.sameRule || old.state != NodePairState::kAnswer || old.hull == kNone) return false;
-		return m_sink.skips(row.a(k), row.b(k), remembered(old, m_front.previousHulls));
+		return m_sink.skips(row.a(k), row.b(k), cachedOf(old, m_front.previousHulls));
 	}
 
 	// A pair within the tolerance by its culling volumes.
@@ -165,7 +165,7 @@ private:
 			entry.old = row.old[k];
 			++m_carried;
 		}
-		double slack = kAlways;
+		double slack = kInfinity;
 		if (!m_settings.rule.isInTree(entry.a, entry.b) && !m_front.visited.insert(entry.a, entry.b))
 		{
 			entry.state = NodePairState::kElsewhere;
@@ -183,28 +183,28 @@ private:
 	double decide(FrontEntry& entry)
 	{
 		NodePairState before = NodePairState::kSeparated;
-		HullMemory memory;
+		CachedSeparation cached;
 		if (entry.old != kNone)
 		{
 			before = m_front.previous[entry.old].state;
-			memory = remembered(m_front.previous[entry.old], m_front.previousHulls);
+			cached = cachedOf(m_front.previous[entry.old], m_front.previousHulls);
 		}
-		double slack = kAlways;
+		double slack = kInfinity;
 		const Acceptance acceptance = acceptanceOf(entry, before);
 		entry.whileApart = acceptance == Acceptance::kWhileApart;
 		if (acceptance != Acceptance::kNo)
 		{
-			if (answers(entry, memory))
+			if (answers(entry, cached))
 			{
 				entry.state = NodePairState::kAnswer;
-				keep(entry, memory);
+				keep(entry, cached);
 			}
 		}
 		else if (cullsByHulls(entry))
 		{
-			if (areHullsApart(entry, memory)) entry.state = NodePairState::kHullsApart;
-			if (m_keepsSlack) slack = slackOfHulls(entry, memory);
-			keep(entry, memory);
+			if (areHullsApart(entry, cached)) entry.state = NodePairState::kHullsApart;
+			if (m_keepsSlack) slack = slackOfHulls(entry, cached);
+			keep(entry, cached);
 		}
 		if (entry.state == NodePairState::kSeparated)
 		{
@@ -216,10 +216,10 @@ private:
 		return slack;
 	}
 
-	void keep(FrontEntry& entry, const HullMemory& memory)
+	void keep(FrontEntry& entry, const CachedSeparation& cached)
 	{
 		entry.hull = std::uint32_t(m_front.hulls.size());
-		m_front.hulls.push_back(memory);
+		m_front.hulls.push_back(cached);
 	}
 
 	Acceptance acceptanceOf(const FrontEntry& entry, NodePairState before) const

@@ -21,4 +21,11 @@ namespace clod
 // Makes the front, and hands what answers to the sink.
 void traverse(const QueryContext& context, const TraversalSettings& settings, PairFront& front, ContactSink& sink,
 			  QueryStats& stats);
+
+// Is the last front still the front (FrontValidation.cpp)? Whether it has what it takes to tell, and few enough decisions
+// have to be made again; otherwise it is tried again, and slack for it kept, after some traversals only.
+bool isWorthValidating(const TraversalSettings& settings, PairFront& front);
+// Gives its answers once more. False, perhaps with some given: the front has changed. Precondition: worth it.
+bool validateFront(const QueryContext& context, const TraversalSettings& settings, PairFront& front, ContactSink& sink,
+				   QueryStats& stats);
 }  // namespace clod

@@ -8,7 +8,7 @@ namespace clod
 {
 namespace
 {
-constexpr std::size_t kErrorsCounted = 24;
+constexpr std::size_t kErrorsCounted = 24;  // down to a float's last place of the radius
 
 // None of a node at the base or below.
 Span<std::uint32_t> primaryChildren(const Hierarchy& h, std::uint32_t node, std::uint32_t base)
@@ -24,7 +24,7 @@ std::size_t widest(const Hierarchy& h, std::uint32_t base, const std::uint32_t* 
 	for (std::size_t i = 0; i < count; ++i)
 	{
 		const std::size_t children = primaryChildren(h, listed[i], base).size;
-		if (children == 0 || count - 1 + children > kWideChildren) continue;
+		if (children == 0 || count - 1 + children > kCollapsedChildren) continue;
 		if (best == count || h.cullBox(listed[i]).radius > h.cullBox(listed[best]).radius) best = i;
 	}
 	return best;
@@ -45,7 +45,7 @@ TraversalTables::TraversalTables(const Hierarchy& hierarchy)
 	boundLevels(hierarchy);
 	countFewest(hierarchy);
 	for (std::uint32_t level = 0; level <= hierarchy.coarsestClodLevel(); ++level)
-		m_wide.push_back(collapse(hierarchy, level));
+		m_collapsed.push_back(collapse(hierarchy, level));
 }
 
 double TraversalTables::errorCounted(std::size_t i) const
@@ -53,11 +53,11 @@ double TraversalTables::errorCounted(std::size_t i) const
 	return std::ldexp(m_radius, -int(i));
 }
 
-// Collapses the tree of primary children above a level (wideChildren). Parents lie behind their
+// Collapses the tree of primary children above a level (collapsedChildren). Parents lie behind their
 // children.
-TraversalTables::WideTree TraversalTables::collapse(const Hierarchy& h, std::uint32_t base)
+TraversalTables::CollapsedTree TraversalTables::collapse(const Hierarchy& h, std::uint32_t base)
 {
-	WideTree tree;
+	CollapsedTree tree;
 	std::vector<std::uint32_t>& list = tree.children;
 	const Level& level = h.levels()[base];
 	tree.firstNode = level.firstNode + level.nodeCount;

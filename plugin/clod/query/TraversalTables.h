@@ -5,11 +5,12 @@
 #include <vector>
 
 #include "clod/Export.h"
+#include "clod/collide/BoxSeparation.h"
 #include "clod/hierarchy/Hierarchy.h"
 
 namespace clod
 {
-inline constexpr std::uint32_t kWideChildren = 8;  // as many culling boxes as are compared at once
+inline constexpr std::uint32_t kCollapsedChildren = kBoxLanes;  // as many as are compared at once
 
 // A contact level as a whole.
 struct LevelBounds
@@ -32,11 +33,11 @@ public:
 	explicit TraversalTables(const Hierarchy& hierarchy);
 
 	// What stands for the primary children of a node above level `base` where no level above that may answer: its
-	// primary descendants down to the base, the largest boxes opened first, as long as they are at most kWideChildren.
+	// primary descendants down to the base, the largest boxes opened first, as long as they are at most kCollapsedChildren.
 	// Only nodes met on the way from the root have any.
-	Span<std::uint32_t> wideChildren(std::uint32_t node, std::uint32_t base) const
+	Span<std::uint32_t> collapsedChildren(std::uint32_t node, std::uint32_t base) const
 	{
-		const WideTree& tree = m_wide[base];
+		const CollapsedTree& tree = m_collapsed[base];
 		const Range range = tree.ranges[node - tree.firstNode];
 		return {tree.children.data() + range.first, range.count};
 	}
@@ -50,20 +51,20 @@ private:
 	{
 		std::uint32_t first = 0, count = 0;
 	};
-	struct WideTree
+	struct CollapsedTree
 	{
 		std::uint32_t firstNode = 0;  // above the base
 		std::vector<Range> ranges;    // of each from there on
 		std::vector<std::uint32_t> children;
 	};
-	static WideTree collapse(const Hierarchy& hierarchy, std::uint32_t base);
+	static CollapsedTree collapse(const Hierarchy& hierarchy, std::uint32_t base);
 	void boundLevels(const Hierarchy& hierarchy);
 	void countFewest(const Hierarchy& hierarchy);
 	double errorCounted(std::size_t i) const;
 
 	double m_radius;
 	std::uint32_t m_leafCount;
-	std::vector<WideTree> m_wide;         // one a contact level
+	std::vector<CollapsedTree> m_collapsed;         // one a contact level
 	std::vector<LevelBounds> m_bounds;    // one a contact level
 	std::vector<std::uint32_t> m_fewest;  // within the radius, its half, its quarter, ...
 };

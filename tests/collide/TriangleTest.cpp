@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Triangles: the nearest point, also where there is no area, and clipping, also where rounding decides.
-#include "clod/query/SurfaceFaces.h"
+#include "clod/collide/Triangle.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Pseudonormals and the nearest face of the input surface.
-#include "clod/query/SurfaceFaces.h"
+#include "clod/hierarchy/InputSurface.h"
 
 #include <algorithm>
 #include <limits>

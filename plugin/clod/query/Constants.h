@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Zlib
+// The numbers that a query is tuned and rounded with. But for the choice of base levels none changes an
+// answer: they decide what is kept, tried or left out. What the tuned ones buy is measured in docs/MEASURED.md,
+// "Constants".
+#pragma once
+#include <cstdint>
+
+#include "clod/collide/Constants.h"
+
+namespace clod
+{
+// Rounding. Each is at least twice what it stands for.
+inline constexpr double kSumRounding = 1e-9;    // of the size: motions added up a million times
+inline constexpr double kPlaceRounding = 2e-7;  // of the size: two points kept as floats, each off by sqrt(3) kFloatUnit
+inline constexpr double kBoundRounding = 3e-7;  // of a bound: three operations in float, and its own conversion
+inline constexpr double kSlackRounding = 1e-6;  // of the tolerance: the float bounds near it that a slack is of
+inline constexpr double kKeptOfSign = 0.999;    // of a distance: so much motion leaves its sign
+// Motions of so many sizes are not added up: what comes then would be lost below kSumRounding.
+inline constexpr double kFarthestMotion = 1e5;
+// Evaluations of one hull distance near a limit differ by up to twice the accuracy each way.
+inline constexpr double kEvaluationRoom = 10 * kHullDistanceAccuracy;
+
+// Choice of base levels (BaseLevels.cpp).
+inline constexpr double kWorthMixing = 16;  // times the pairs of nodes that mixed levels would need
+inline constexpr double kFewer = 0.75;      // of the boxes that meet, for more pairs of nodes
+
+// Fronts that are validated (FrontValidation.cpp).
+inline constexpr std::uint32_t kFrontBackOff = 15;    // traversals without slack, at most, once bodies move
+inline constexpr std::uint32_t kEntriesADecision = 4;  // of a traversal cost as much as one decision made again
+
+// Searches for the motion that bodies apart can take (SeparationCache.cpp).
+inline constexpr std::uint32_t kSearchBackOff = 63;  // queries without a search, at most
+inline constexpr std::uint32_t kWorthwhile = 4;      // queries that a search should save
+inline constexpr double kFarthestSearch = 64;        // moves of a query: what is farther is not looked for
+inline constexpr double kThresholdSpan = 2;          // thresholds of later queries: so many times these
+inline constexpr double kShareOfNearest = 0.5;       // of the motion to the nearest pair is the answer
+
+// Budgets of time (AnswerCost.h): observations until what was seen is forgotten, two seconds of steps at 60 a second.
+inline constexpr std::uint64_t kRemembered = 120;
+}  // namespace clod
