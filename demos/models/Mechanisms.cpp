@@ -12,7 +12,7 @@ namespace clod::demo
 namespace
 {
 // Pieces of round loops, as a share of those of straight ones: joints turn smoothly.
-constexpr double ROUND = 0.2, HALF_ROUND = 0.6;
+constexpr double ROUND = 0.3, HALF_ROUND = 0.6;
 constexpr double HOLE_RADIUS = PIN_RADIUS + PIN_PLAY;
 
 // A plate with a flanged pin on it: `plate` are loops, the pin stands at `place`.

@@ -15,7 +15,7 @@ namespace constant
 constexpr int links = 10;
 constexpr double mass = 0.01, friction = 0.3;
 constexpr double slant = kPi / 4;  // of the chain at the start, below the horizontal
-constexpr double slack = 0.00002;  // of a joint at the start
+constexpr double slack = 0.00015;  // of a joint at the start
 constexpr int steps = 1200;
 }  // namespace constant
 

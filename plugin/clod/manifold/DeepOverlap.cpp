@@ -9,10 +9,12 @@ namespace clod
 namespace
 {
 constexpr double kLeastDepth = 1e-3;   // of the length: less is the facets' business
-constexpr double kAgreement = 0.3;     // of the mean way's length in that of all ways, from which it is one
 constexpr double kOpposing = 0.3;      // cosine to the pair's direction below which a way is not its own
+
+constexpr double kFar = 1.5;           // times the deepest place's own way: by then a mean way has led out, or is none
 constexpr std::size_t kMostProbed = 64;
 constexpr std::size_t kMostWays = 64;
+constexpr std::size_t kMostVertices = 256;
 
 // How far A goes along the direction until the hulls of the two surfaces are apart.
 double hullDepth(const ContactSurface& a, const ContactSurface& b, const Transform& aFromB, const Vec3& direction)
@@ -65,32 +67,53 @@ void DeepOverlap::probe(const FacetQuestion& q, const Contact& contact, bool ofA
 	if (deepest.way != Vec3{}) m_inside.push_back(deepest);
 }
 
+// When A is moved so far, is no vertex of either inside the other? Of many so many, evenly.
+bool DeepOverlap::leadsOut(const FacetQuestion& q, const ContactSurface& a, const ContactSurface& b,
+						   const Vec3& shift) const
+{
+	const auto isFree = [&](const ContactSurface& one, const Transform& otherFromOne, const ContactSurface& other)
+	{
+		const std::size_t stride = 1 + one.vertices().size() / kMostVertices;
+		for (std::size_t i = 0; i < one.vertices().size(); i += stride)
+			if (other.isInside(otherFromOne * one.vertices()[i]) &&
+				other.nearest(otherFromOne * one.vertices()[i], std::numeric_limits<double>::infinity()).distance <
+					-kLeastDepth * q.length())
+				return false;
+		return true;
+	};
+	Transform moved = q.aFromB;
+	moved.translation -= shift;
+	return isFree(a, inverse(moved), b) && isFree(b, moved, a);
+}
+
 Vec3 DeepOverlap::wayOut(const FacetQuestion& q, const std::vector<Contact>& contacts, const Vec3& kept) const
 {
 	if (kept != Vec3{}) return kept;
 	Vec3 sum;
-	double all = 0;
+	double deepest = 0;
 	for (const Inside& inside : m_inside)
 	{
 		sum += inside.way;
-		all += length(inside.way);
+		deepest = std::max(deepest, length(inside.way));
 	}
+	Vec3 best = normalized(sum);
+	// Hulls know nothing of bodies that reach through each other: they are asked only where this leads nowhere.
 	const ContactSurface& a = q.a.surface(q.a.levelOf(contacts[0].nodeA));
 	const ContactSurface& b = q.b.surface(q.b.levelOf(contacts[0].nodeB));
-	Vec3 best = normalized(sum);
-	double least = length(sum) >= kAgreement * all ? hullDepth(a, b, q.aFromB, best) : std::numeric_limits<double>::infinity();
+	if (best != Vec3{} && leadsOut(q, a, b, kFar * deepest * best)) return best;
+	double least = std::numeric_limits<double>::infinity();
 	std::size_t tried = 0;
 	for (const Contact& contact : contacts)
 		for (const bool ofA : {true, false})
 		{
 			if (++tried > kMostWays) break;
-			const Vec3 mean = ofA ? -q.a.meanNormalOf(contact.nodeA)
+			const Vec3 normal = ofA ? -q.a.meanNormalOf(contact.nodeA)
 								  : q.aFromB.rotation * q.b.meanNormalOf(contact.nodeB);
-			if (mean == Vec3{}) continue;
-			const double depth = hullDepth(a, b, q.aFromB, mean);
+			if (normal == Vec3{}) continue;
+			const double depth = hullDepth(a, b, q.aFromB, normal);
 			if (depth >= 0.95 * least) continue;
 			least = depth;
-			best = mean;
+			best = normal;
 		}
 	return best;
 }

@@ -25,6 +25,7 @@ private:
 		bool ofA;
 	};
 	void probe(const FacetQuestion& question, const Contact& contact, bool ofA);
+	bool leadsOut(const FacetQuestion& question, const ContactSurface& a, const ContactSurface& b, const Vec3& shift) const;
 	Vec3 wayOut(const FacetQuestion& question, const std::vector<Contact>& contacts, const Vec3& kept) const;
 	std::vector<Inside> m_inside;
 };

@@ -174,7 +174,7 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 			return faces.squaredBeside(polygon, p) <= slack * slack;
 		};
 		// A path that only the step's forces bend under the face slides on over it: who holds the body is not known here.
-		counts = meets(first) || meets(last) || (end >= q.rules.margin - m_dip && meets(1));
+		counts = meets(first) || meets(last) || (end >= -m_dip && meets(1));
 	}
 	if (!counts && now > 0 && now <= highest(now - then))
 	{
