@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Contacts of two boxes where closed forms know them, and of random poses by what must hold: apart, nothing claims a
+// depth; a point lies on both surfaces; exchanged bodies have the same contacts.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "clod/manifold/FacetContacts.h"
+#include "clod/query/Query.h"
+#include "tests/bullet/PatchHierarchy.h"
+#include "tests/query/Bodies.h"
+
+namespace clod::test
+{
+namespace
+{
+using HierarchyPointer = std::shared_ptr<const Hierarchy>;
+
+struct Pair
+{
+	HierarchyPointer a, b;
+	Transform aFromB;
+	PointRules rules;
+
+	Pair(HierarchyPointer first, HierarchyPointer second, const Transform& pose)
+		: a(std::move(first)), b(std::move(second)), aFromB(pose)
+	{
+		rules.length = std::min(double(a->asset().radius), double(b->asset().radius));
+		rules.resting = kRestingShare * rules.length;
+		rules.b.center = pose.translation;
+	}
+	// B moves on so far in a step, all at once.
+	void move(const Vec3& way)
+	{
+		rules.timeStep = 1.0 / 240;
+		rules.a.inverseMass = rules.b.inverseMass = 1;
+		for (PairBody* body : {&rules.a, &rules.b}) body->inverseInertia = Mat3{};
+		rules.b.linear = (1 / rules.timeStep) * way;
+	}
+	std::vector<ContactPoint> points() const
+	{
+		ContactSettings settings;
+		settings.metric.exact = true;
+		settings.tolerance = rules.margin + rules.resting;
+		settings.sweep = {kPathReach * rules.timeStep * rules.b.linear, {}};
+		PairCache cache;
+		ContactResult result;
+		contacts(*a, *b, aFromB, settings, cache, result);
+		FacetContacts facets;
+		ClusterSet none, set;
+		facets.find(contactBody(*a), contactBody(*b), aFromB, rules, result.contacts, result.deep, none);
+		facets.reduce(none, set);
+		std::vector<ContactPoint> points;
+		for (const ContactCluster& cluster : set.slots)
+			for (int i = 0; i < cluster.count; ++i) points.push_back(cluster.points[std::size_t(i)].point);
+		return points;
+	}
+};
+
+HierarchyPointer cubeOf(int cells = 2)
+{
+	return patchHierarchy(boxMesh({1, 1, 1}, {cells, cells, cells}, 1));
+}
+
+Transform at(const Vec3& place, const Mat3& turn = {})
+{
+	return {turn, place};
+}
+}  // namespace
+
+TEST(FacetContacts, AFlatCubeOnACubeHasTheCornersOfTheCommonRectangle)
+{
+	for (const int cells : {1, 2, 6})
+	{
+		const std::vector<ContactPoint> points = Pair(cubeOf(cells), cubeOf(cells), at({0.3, 1.0002, 0.2})).points();
+		ASSERT_EQ(points.size(), 4u) << cells;
+		for (const ContactPoint& point : points)
+		{
+			EXPECT_NEAR(point.normal.y, -1, 1e-6);
+			EXPECT_NEAR(point.height, 0.0002, 1e-6);
+			EXPECT_TRUE(std::abs(point.pointOnA.x - 0.5) < 1e-5 || std::abs(point.pointOnA.x + 0.2) < 1e-5);
+			EXPECT_TRUE(std::abs(point.pointOnA.z - 0.5) < 1e-5 || std::abs(point.pointOnA.z + 0.3) < 1e-5);
+		}
+	}
+}
+
+TEST(FacetContacts, CrossedEdgesTouchAtOnePoint)
+{
+	// Both stand on an edge: the lower one's upper edge along x, the upper one's lower edge along z.
+	const double c = std::sqrt(0.5);
+	const Mat3 aboutX{{{1, 0, 0}, {0, c, -c}, {0, c, c}}}, aboutZ{{{c, -c, 0}, {c, c, 0}, {0, 0, 1}}};
+	const Transform worldFromA = at({}, aboutX), worldFromB = at({0.1, 2 * c + 0.0003, 0.05}, aboutZ);
+	const std::vector<ContactPoint> points = Pair(cubeOf(), cubeOf(), inverse(worldFromA) * worldFromB).points();
+	ASSERT_EQ(points.size(), 1u);
+	const Vec3 normal = worldFromA.rotation * points[0].normal, place = worldFromA * points[0].pointOnA;
+	EXPECT_NEAR(normal.y, -1, 1e-6);
+	EXPECT_NEAR(points[0].height, 0.0003, 1e-6);
+	EXPECT_NEAR(place.x, 0.1, 1e-5);
+	EXPECT_NEAR(place.z, 0, 1e-5);
+}
+
+TEST(FacetContacts, WhatIsMetOnTheWayIsAContactAndWhatIsPassedIsNone)
+{
+	Pair head(cubeOf(), cubeOf(), at({3, 0.1, 0.2}));
+	head.move({-2.5, 0, 0});
+	const std::vector<ContactPoint> points = head.points();
+	ASSERT_FALSE(points.empty());
+	double nearest = 10;
+	for (const ContactPoint& point : points)
+	{
+		EXPECT_NEAR(point.normal.x, -1, 1e-6);
+		nearest = std::min(nearest, point.height);
+	}
+	EXPECT_NEAR(nearest, 2, 1e-5);
+	Pair past(cubeOf(), cubeOf(), at({3, 1.05, 0.2}));
+	past.move({-2.5, 0, 0});
+	for (const ContactPoint& point : past.points())
+	{
+		EXPECT_GT(point.height, 0.04);
+		EXPECT_NEAR(point.normal.x, 0, 1e-6);  // the face that it flies along, none that it would hit
+	}
+}
+
+TEST(FacetContacts, TheSecondOrderOfATurningBodyIsInTheConstraint)
+{
+	// Over its own corner, B turns about z through its middle: the corner leaves its tangent by w^2 r dt^2 / 2.
+	Pair turning(cubeOf(), cubeOf(), at({0, 1.0002, 0}));
+	turning.move({});
+	turning.rules.b.angular = {0, 0, 12};
+	turning.rules.b.inverseInertia = {{{1e-6, 0, 0}, {0, 1e-6, 0}, {0, 0, 1e-6}}};
+	const double turn = 12 * turning.rules.timeStep;
+	double most = 0;
+	for (const ContactPoint& point : turning.points()) most = std::max(most, std::abs(point.bend));
+	EXPECT_LT(most, turn * turn);
+	EXPECT_GT(most, 0.1 * turn * turn);
+}
+
+TEST(FacetContacts, ApartNothingClaimsADepthAndPointsLieOnBothSurfaces)
+{
+	const HierarchyPointer solids[] = {cubeOf(), patchHierarchy(ballMesh(0.5, 1)), body("torus", 900).hierarchy,
+									   patchHierarchy(singleTriangles(ballMesh(0.5, 1)))};
+	Random random(11);
+	int met = 0;
+	for (int i = 0; i < 400; ++i)
+	{
+		const HierarchyPointer& a = solids[i % 4];
+		const HierarchyPointer& b = solids[(i / 4) % 4];
+		const ContactSurface &onA = a->derived<ContactSurfaces>().level(0), &onB = b->derived<ContactSurfaces>().level(0);
+		Transform pose = at(randomRotation(random).row[0], randomRotation(random));
+		// Brought together until the vertices are just outside.
+		const double reach = double(a->asset().radius) + double(b->asset().radius);
+		double apart = reach, near = 0;
+		const auto overlaps = [&](double distance)
+		{
+			Transform moved = pose;
+			moved.translation = distance * pose.translation;
+			return std::any_of(onB.vertices().begin(), onB.vertices().end(),
+							   [&](const Vec3& v) { return onA.isInside(moved * v); }) ||
+				   std::any_of(onA.vertices().begin(), onA.vertices().end(),
+							   [&](const Vec3& v) { return onB.isInside(inverse(moved) * v); });
+		};
+		for (int k = 0; k < 30; ++k) (overlaps(0.5 * (apart + near)) ? near : apart) = 0.5 * (apart + near);
+		pose.translation = (apart + 1e-5) * pose.translation;
+		const Pair pair(a, b, pose);
+		GapSettings settings;
+		settings.metric.exact = settings.distance = true;
+		GapCache cache;
+		GapResult gap;
+		signedGap(*a, *b, pose, settings, cache, gap);
+		if (gap.minDistance - gap.errorBound <= 0) continue;  // an edge passes an edge
+		for (const ContactPoint& point : pair.points())
+		{
+			++met;
+			EXPECT_GE(point.height, -2e-4 * pair.rules.length) << i;
+			EXPECT_NEAR(length(point.normal), 1, 1e-9);
+			EXPECT_LT(length(point.pointOnA - point.pointOnB - point.height * point.normal), 1e-9);
+			EXPECT_LT(std::abs(onA.nearest(point.pointOnA, 10).distance), 2e-3 * pair.rules.length) << i;
+			EXPECT_LT(std::abs(onB.nearest(inverse(pose) * point.pointOnB, 10).distance), 2e-3 * pair.rules.length) << i;
+		}
+	}
+	EXPECT_GT(met, 100);
+}
+
+TEST(FacetContacts, AHalfSpaceHoldsCornersAtAnyDepth)
+{
+	const HierarchyPointer box = cubeOf();
+	const ContactSurface ground({0, 1, 0}, 0, {}, 1);
+	FacetContacts facets;
+	ClusterSet none, set;
+	PointRules rules;
+	rules.resting = 1e-3;
+	const Transform aFromB = at({0, 0.1, 0});  // the ground is 0.6 over the box's lower side
+	facets.find(contactBody(*box), contactBody(ground), aFromB, rules,
+				{{0, 0, 0, 0, {}, {}, {}}}, false, none);
+	facets.reduce(none, set);
+	int deep = 0;
+	for (const ContactCluster& cluster : set.slots)
+		for (int i = 0; i < cluster.count; ++i)
+			deep += std::abs(cluster.points[std::size_t(i)].point.height + 0.6) < 1e-6 ? 1 : 0;
+	EXPECT_GT(deep, 0);
+}
+}  // namespace clod::test
