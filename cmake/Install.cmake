@@ -38,7 +38,7 @@ file(RELATIVE_PATH CLOD_PC_PREFIX /x/${CMAKE_INSTALL_LIBDIR}/pkgconfig /x)
 string(REGEX REPLACE "/$" "" CLOD_PC_PREFIX "${CLOD_PC_PREFIX}")
 clod_install_library(clod_core core clod-core plugin)
 set(CLOD_PUBLIC_HEADERS clod/Version.h clod/hierarchy/Hierarchy.h clod/query/Query.h clod/query/ContactMetric.h
-	clod/distance/SignedGap.h clod/manifold/ContactMemory.h)
+	clod/distance/SignedGap.h clod/manifold/ContactPoints.h)
 foreach(suffix "" -float64)
 	if(TARGET clod::clod${suffix})
 		get_target_property(target clod::clod${suffix} ALIASED_TARGET)

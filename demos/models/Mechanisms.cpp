@@ -34,11 +34,11 @@ Prism withPin(std::vector<Loop> plate, double thickness, const PlanarPoint& plac
 	return prism;
 }
 
-Prism spool(double radius, double flangeRadius, double length, double edge)
+Prism spool(double radius, double flangeRadius, double flange, double length, double edge)
 {
 	return {{discLoop({}, flangeRadius, HALF_ROUND * edge), discLoop({}, radius, ROUND * edge)},
-			{{{0}, FLANGE_THICKNESS}, {{1}, length}, {{0}, FLANGE_THICKNESS}},
-			-length / 2 - FLANGE_THICKNESS};
+			{{{0}, flange}, {{1}, length}, {{0}, flange}},
+			-length / 2 - flange};
 }
 
 Prism plain(std::vector<Loop> loops, double thickness)
@@ -65,12 +65,12 @@ Loop reversed(const Loop& loop)
 
 Prism pin(double edge)
 {
-	return spool(PIN_RADIUS, FLANGE_RADIUS, SHAFT_LENGTH, edge);
+	return spool(PIN_RADIUS, FLANGE_RADIUS, FLANGE_THICKNESS, SHAFT_LENGTH, edge);
 }
 
 Prism peg(double edge)
 {
-	return spool(PEG_RADIUS, PEG_FLANGE_RADIUS, PEG_LENGTH, edge);
+	return spool(PEG_RADIUS, PEG_FLANGE_RADIUS, PEG_FLANGE_THICKNESS, PEG_LENGTH, edge);
 }
 
 Prism arm(double edge)

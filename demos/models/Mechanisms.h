@@ -66,7 +66,7 @@ constexpr double DISH_RADIUS = 0.060, DISH_WALL = 0.003;
 // plate: a flat disc, its axis z. peg: a flanged pin for the smooth torus to hang on. block and socket: a loose fit
 // along z; the socket's opening is z = 0, the block's lower face too.
 constexpr double PLATE_RADIUS = 0.030, PLATE_THICKNESS = 0.003;
-constexpr double PEG_RADIUS = 0.005, PEG_FLANGE_RADIUS = 0.009, PEG_LENGTH = 0.024;
+constexpr double PEG_RADIUS = 0.005, PEG_FLANGE_RADIUS = 0.009, PEG_FLANGE_THICKNESS = 0.003, PEG_LENGTH = 0.024;
 constexpr double BLOCK_WIDTH = 0.020, BLOCK_HEIGHT = 0.030, SOCKET_PLAY = 0.00005, SOCKET_DEPTH = 0.020;
 constexpr double SOCKET_WIDTH = 0.036, SOCKET_BOTTOM = 0.006;
 

@@ -21,6 +21,7 @@ constexpr double CLEARANCE = 0.8;    // between points, as a share of the size t
 constexpr double ROW = 2.5;          // height of a wall's quads over their width
 // The search for a triangle count: when it ends, where it starts (metres), how it goes on round the last length.
 constexpr double CLOSE = 0.005, FIRST_EDGE = 0.005, TRIED_STEP = 0.008;
+constexpr double LONGEST_EDGE = 1, SMALL_PART = 0.1;
 constexpr int FIRST_TRIES = 6, MORE_TRIES = 40;
 constexpr double FLAT = 1e-5;  // area over squared edge below which three points are in a line
 
@@ -331,7 +332,11 @@ ModelMesh makePrism(size_t triangles, const std::function<Prism(double edge)>& a
 		return count;
 	};
 	const auto isClose = [&] { return !best.triangles.empty() && error(best) <= CLOSE * double(triangles); };
-	double edge = FIRST_EDGE;
+	// Parts of a metre start with longer ones, or a single try takes minutes.
+	double extent = 0;
+	for (const Loop& loop : atEdge(LONGEST_EDGE).loops)
+		for (const PlanarPoint& p : loop) extent = std::max({extent, std::fabs(p.x), std::fabs(p.y)});
+	double edge = FIRST_EDGE * (extent > SMALL_PART ? extent / SMALL_PART : 1);
 	for (int i = 0; i < FIRST_TRIES && !isClose(); ++i)
 	{
 		const double count = tryEdge(edge);

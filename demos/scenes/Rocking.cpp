@@ -68,7 +68,7 @@ SceneDefinition ringOnPeg()
 	info.models = {{"peg", ""}, {"smooth-torus", ""}};
 	info.bodies = {{"peg", 0, false}, {"ring", 1, false}};
 	info.tolerance = 0.01 * (TORUS_RING_RADIUS + TORUS_TUBE_RADIUS);
-	info.thinnerWall = FLANGE_THICKNESS;
+	info.thinnerWall = PEG_FLANGE_THICKNESS;
 	info.steps = constant::ringSteps;
 	info.overview = {{0, -0.008, 0}, 0.036, 25, 15, -1, ""};
 	info.closeUp = {{0, 0, 0}, 0.015, 30, 20, -1, "close-up of the peg"};

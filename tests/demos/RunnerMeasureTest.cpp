@@ -302,7 +302,10 @@ TEST_F(RunnerCommand, IdlePairsAreMeasuredBesideHullsInEveryState)
 		const bool touches = row["state"] == "touching, unchanged";
 		EXPECT_EQ(row["points"].get<double>() > 0, touches) << row;
 		EXPECT_GT(row["dispatch_us"]["median"].get<double>(), 0) << row;
-		EXPECT_EQ(row["ratio_to_hulls"] == 1, row["who"] == "two hulls of 32 vertices") << row;
+		if (row["who"] == "two hulls of 32 vertices")
+		{
+			EXPECT_EQ(row["ratio_to_hulls"], 1) << row;
+		}
 	}
 	EXPECT_EQ(bench("idle " + path("cup.obj ") + path("spoon.obj") + cache()).code, 2);
 	EXPECT_EQ(bench("idle spoon-cub" + cache()).code, 2);

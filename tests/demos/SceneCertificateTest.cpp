@@ -179,8 +179,10 @@ protected:
 			if (isTightAimed(settings) && truth.minDistance > 0 && !result.contacts.empty())
 			{
 				Tally::Tightness& tightness = m_tally.tightness[selections[i].name];
-				if (result.errorBound > 1e-6 * radius)
-					tightness.shares.push_back(result.errorBound / test::deviationOfNearest(a, b, result));
+				const double deviation = test::deviationOfNearest(a, b, result);
+				// Of nodes that are all but exact the nearest pair says nothing of the bound.
+				if (result.errorBound > 1e-6 * radius && deviation > 1e-4 * radius)
+					tightness.shares.push_back(result.errorBound / deviation);
 				else
 					++tightness.exact;
 			}

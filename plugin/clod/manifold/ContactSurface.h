@@ -16,6 +16,7 @@
 #include <mutex>
 #include <vector>
 
+#include "clod/Export.h"
 #include "clod/hierarchy/Hierarchy.h"
 
 namespace clod
@@ -39,7 +40,7 @@ struct SurfaceEdge
 	std::array<Vec3, 2> inward;   // in the faces, away from the edge
 };
 
-class ContactSurface
+class CLOD_API ContactSurface
 {
 public:
 	struct Nearest
@@ -175,7 +176,7 @@ private:
 };
 
 // All levels of a hierarchy, each made when first asked for. Kept with it (Hierarchy::derived).
-class ContactSurfaces
+class CLOD_API ContactSurfaces
 {
 public:
 	explicit ContactSurfaces(const Hierarchy& hierarchy);
