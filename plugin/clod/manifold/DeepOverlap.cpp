@@ -10,7 +10,6 @@ namespace
 {
 constexpr double kLeastDepth = 1e-3;   // of the length: less is the facets' business
 constexpr double kOpposing = 0.3;      // cosine to the pair's direction below which a way is not its own
-
 constexpr double kFar = 1.5;           // times the deepest place's own way: by then a mean way has led out, or is none
 constexpr std::size_t kMostProbed = 64;
 constexpr std::size_t kMostWays = 64;
