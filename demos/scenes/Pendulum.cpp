@@ -45,7 +45,7 @@ SceneDefinition pendulum()
 	info.tolerance = 0.01 * FLANGE_RADIUS;
 	info.thinnerWall = FLANGE_THICKNESS;
 	info.steps = constant::steps;
-	info.overview = {{0, -0.3, 0}, 1.10, 20, 15, -1, ""};
+	info.overview = {{0, -0.3, 0}, 1.35, 20, 15, -1, ""};
 	info.closeUp = {{0, 0, 0}, 0.22, 30, 20, -1, "close-up of the pin, through the arm"};
 	info.outcome = {{"swing_energy_left", ""},
 					{"swing_angle", "rad", true},
