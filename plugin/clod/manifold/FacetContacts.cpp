@@ -2,8 +2,6 @@
 #include "clod/manifold/FacetContacts.h"
 
 #include <algorithm>
-#include <cstdio>
-#include <cstdlib>
 
 namespace clod
 {
@@ -28,15 +26,9 @@ void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Trans
 	if (contacts.empty() && !isDeep) return forget();
 	m_question = {a, b, aFromB, aFromBAfter(rules.a, rules.b, aFromB, rules.timeStep), rules};
 	m_finder.find(m_question, contacts, m_facets);
-	if (std::getenv("FACETS")) for (const Facet& f : m_facets) std::printf("  found kind %d reach %d d %g then %g n %g %g %g at %g %g %g f %u %u l %u %u\n", int(f.kind), int(f.reach), f.distance, f.then, f.normal.x, f.normal.y, f.normal.z, f.onA.x, f.onA.y, f.onA.z, f.featureA, f.featureB, f.levelA, f.levelB);
 	m_choice.choose(m_question, m_facets);
 	answerDepth(contacts, isDeep, previous);
 	m_solve.solve(m_question, m_facets);
-	if (std::getenv("FACETS"))
-	{
-		std::printf("%p CONTACTS %zu overlapping %d deep %d wayout %d\n", (void*)this, contacts.size(), int(std::count_if(contacts.begin(), contacts.end(), [](const Contact& c) { return c.upper <= 0; })), isDeep, m_wayOut != Vec3{});
-		for (const Facet& f : m_facets) std::printf("  kind %d reach %d d %g lin %g then %g m %g n %g %g %g at %g %g %g f %u %u\n", int(f.kind), int(f.reach), f.distance, f.linear, f.then, f.multiplier, f.normal.x, f.normal.y, f.normal.z, f.onA.x, f.onA.y, f.onA.z, f.featureA, f.featureB);
-	}
 }
 
 // Bodies overlap, and no facet says how deep: one point with a way out. While it is needed the way stays.
