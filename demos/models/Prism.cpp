@@ -336,7 +336,7 @@ ModelMesh makePrism(size_t triangles, const std::function<Prism(double edge)>& a
 	double extent = 0;
 	for (const Loop& loop : atEdge(LONGEST_EDGE).loops)
 		for (const PlanarPoint& p : loop) extent = std::max({extent, std::fabs(p.x), std::fabs(p.y)});
-	double edge = FIRST_EDGE * (extent > SMALL_PART ? extent / SMALL_PART : 1);
+	double edge = FIRST_EDGE * std::max(1.0, extent / SMALL_PART);
 	for (int i = 0; i < FIRST_TRIES && !isClose(); ++i)
 	{
 		const double count = tryEdge(edge);

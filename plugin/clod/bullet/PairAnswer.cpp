@@ -36,11 +36,6 @@ struct TriangleSink : btTriangleCallback
 		names.push_back({part, index});
 	}
 };
-
-Vec3 sphereCenter(const Hierarchy& hierarchy)
-{
-	return toVec3(hierarchy.asset().sphereCenter);
-}
 }  // namespace
 
 // The gap besides the contacts only where it is asked for: it costs a search of the input surfaces.
@@ -74,7 +69,7 @@ void PairState::askPartner(const PairPose& pose)
 		const auto& plane = static_cast<const btStaticPlaneShape&>(shape);
 		const Vec3 normal = normalized(toVec3(plane.getPlaneNormal()));
 		const double offset = double(plane.getPlaneConstant()) / pose.scale();
-		m_partnerSurface.emplace(normal, offset, inverse(pose.aFromB) * sphereCenter(hierarchy),
+		m_partnerSurface.emplace(normal, offset, inverse(pose.aFromB) * toVec3(hierarchy.asset().sphereCenter),
 								 double(hierarchy.asset().radius));
 		const Vec3 inA = pose.aFromB.rotation * normal;
 		m_partner.withHalfSpace(hierarchy, inA, offset + dot(inA, pose.aFromB.translation), m_report.metric,

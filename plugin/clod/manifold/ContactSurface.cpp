@@ -13,7 +13,6 @@ namespace clod
 namespace
 {
 constexpr std::uint32_t kLeafFaces = 4;
-
 }  // namespace
 
 ContactSurface::ContactSurface(const Hierarchy& hierarchy, std::uint32_t levelIndex)

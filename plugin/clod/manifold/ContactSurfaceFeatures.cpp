@@ -265,7 +265,6 @@ void ContactSurface::findBorder(std::uint32_t polygon, Span<std::uint32_t> faces
 	};
 	// Sides that another one goes on as are dropped, those before them made longer.
 	std::vector<Border> sides;
-	std::vector<char> isContinued(m_border.size() - first, 0);
 	std::vector<std::uint32_t> straightInto;
 	for (std::size_t i = first; i < m_border.size(); ++i)
 		if (goesOnStraight(m_border[i])) straightInto.push_back(m_border[i][1]);

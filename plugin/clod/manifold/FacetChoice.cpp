@@ -79,7 +79,7 @@ bool FacetChoice::overlapsAt(const Facet& facet, const Vec3& shift) const
 }
 
 // The shortest x with normal . x + distance >= 0 for all planes (Hildreth's row action).
-Vec3 FacetChoice::leastShift() const
+Vec3 FacetChoice::leastShift()
 {
 	Vec3 shift;
 	for (Plane& plane : m_planes) plane.multiplier = 0;
@@ -97,6 +97,14 @@ Vec3 FacetChoice::leastShift() const
 		if (change < 1e-9 * m_question->length()) break;
 	}
 	return shift;
+}
+
+void FacetChoice::removeDropped(std::vector<Facet>& facets) const
+{
+	std::size_t kept = 0;
+	for (std::uint32_t i = 0; i < facets.size(); ++i)
+		if (m_isKept[i]) facets[kept++] = facets[i];
+	facets.resize(kept, Facet{});
 }
 
 // Overlapping ones, shallowest first.
@@ -140,10 +148,7 @@ void FacetChoice::dropInner(std::vector<Facet>& facets)
 		else
 			shift = longer;
 	}
-	std::size_t kept = 0;
-	for (std::uint32_t i = 0; i < facets.size(); ++i)
-		if (m_isKept[i]) facets[kept++] = facets[i];
-	facets.resize(kept, Facet{});
+	removeDropped(facets);
 }
 
 // Of the facet in the space of differences a - b, at the present pose; frame A.
@@ -167,7 +172,7 @@ Vec3 FacetChoice::centerOf(const Facet& facet) const
 // Two facets at one place with different normals, each below the plane of the other, meet in a ridge.
 void FacetChoice::dropRidges(std::vector<Facet>& facets)
 {
-	const double near = kSamePlace * m_question->length();
+	const double near = kSamePlace * m_question->length(), tie = kTie * m_question->length();
 	m_isKept.assign(facets.size(), 1);
 	m_order.clear();
 	for (std::uint32_t i = 0; i < facets.size(); ++i)
@@ -188,7 +193,6 @@ void FacetChoice::dropRidges(std::vector<Facet>& facets)
 		{
 			const Facet& other = facets[m_order[l]];
 			// Over the ridge itself both hold: an edge stands on a parallel edge.
-			const double tie = kTie * m_question->length();
 			if (std::abs(best.distance - other.distance) < tie &&
 				std::abs(best.distance + best.linear - other.distance - other.linear) < tie)
 				continue;
@@ -204,9 +208,6 @@ void FacetChoice::dropRidges(std::vector<Facet>& facets)
 			if (otherIsBelow && bestIsBelow) m_isKept[m_order[l]] = 0;
 		}
 	}
-	std::size_t kept = 0;
-	for (std::uint32_t i = 0; i < facets.size(); ++i)
-		if (m_isKept[i]) facets[kept++] = facets[i];
-	facets.resize(kept, Facet{});
+	removeDropped(facets);
 }
 }  // namespace clod

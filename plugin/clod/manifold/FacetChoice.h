@@ -23,7 +23,8 @@ private:
 	Vec3 centerOf(const Facet& facet) const;
 	void dropInner(std::vector<Facet>& facets);
 	void dropRidges(std::vector<Facet>& facets);
-	Vec3 leastShift() const;
+	void removeDropped(std::vector<Facet>& facets) const;
+	Vec3 leastShift();
 
 	const FacetQuestion* m_question = nullptr;
 	struct Plane
@@ -31,7 +32,7 @@ private:
 		Vec3 normal;
 		double distance, multiplier;
 	};
-	mutable std::vector<Plane> m_planes;
+	std::vector<Plane> m_planes;
 	std::vector<std::uint32_t> m_order;
 	std::vector<char> m_isKept;
 };

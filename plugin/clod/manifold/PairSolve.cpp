@@ -74,6 +74,14 @@ bool PairSolve::isMet(const FacetQuestion& q, const Facet& facet, const Transfor
 	return at.alongA >= -slack && at.alongA <= e.length + slack && at.alongB >= -slack && at.alongB <= k.length + slack;
 }
 
+void PairSolve::push(const Row& row, double impulse)
+{
+	m_a.linear += impulse * m_a.inverseMass * row.normal;
+	m_a.angular += impulse * row.pushA;
+	m_b.linear -= impulse * m_b.inverseMass * row.normal;
+	m_b.angular -= impulse * row.pushB;
+}
+
 void PairSolve::sweep(const FacetQuestion& question, const std::vector<Facet>& facets)
 {
 	m_a = question.rules.a;
@@ -83,10 +91,7 @@ void PairSolve::sweep(const FacetQuestion& question, const std::vector<Facet>& f
 		const double multiplier = m_multipliers[i];
 		if (multiplier == 0) continue;
 		const Row& row = m_rows[i];
-		m_a.linear += multiplier * m_a.inverseMass * row.normal;
-		m_a.angular += multiplier * row.pushA;
-		m_b.linear -= multiplier * m_b.inverseMass * row.normal;
-		m_b.angular -= multiplier * row.pushB;
+		push(row, multiplier);
 	}
 	for (int round = 0; round < kSweeps; ++round)
 	{
@@ -104,10 +109,7 @@ void PairSolve::sweep(const FacetQuestion& question, const std::vector<Facet>& f
 			const double impulse = m_multipliers[i] - old;
 			if (impulse == 0) continue;
 			change = std::max(change, std::abs(wanted - speed));
-			m_a.linear += impulse * m_a.inverseMass * row.normal;
-			m_a.angular += impulse * row.pushA;
-			m_b.linear -= impulse * m_b.inverseMass * row.normal;
-			m_b.angular -= impulse * row.pushB;
+			push(row, impulse);
 		}
 		if (change * question.rules.timeStep < 1e-6 * question.length()) break;
 	}
