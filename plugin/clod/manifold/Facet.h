@@ -10,6 +10,7 @@
 // (Voronoi regions). Departs from Otaduy & Lin 2003, sec. 5: witness points of hull pairs make ghost forces at patch
 // borders in an engine that keeps bodies in touch.
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 
@@ -87,6 +88,8 @@ struct FacetQuestion
 	PointRules rules;
 	double length() const { return rules.length; }
 	double touching() const { return rules.margin + rules.resting; }  // contacts up to here, whatever the motion
+	// How far off its facet a foot may be.
+	double footSlack(double distance) const;
 };
 
 inline constexpr double kFootShare = 1e-3;      // of the length: how far off its facet a foot may be
@@ -95,6 +98,23 @@ inline constexpr double kPathSlack = 0.02;      // of the displacement: how far 
 inline constexpr double kArcSlack = 0.01;       // radians: of cones and arcs
 inline constexpr double kInnerShare = 1e-4;     // of the length: overlaps below twice this are touch
 inline constexpr double kParallelSine = 1e-3;   // edges that cross at less have no normal of their own
+
+inline double FacetQuestion::footSlack(double distance) const
+{
+	return std::max(kFootShare * length(), std::min(-distance, kDeepFootShare * length()));
+}
+
+// Of two lines along their common normal, to the side of `normal`; where they have none along that.
+inline double distanceOfLines(const Vec3& startA, const Vec3& directionA, const Vec3& startB, const Vec3& directionB,
+							  const Vec3& normal)
+{
+	const Vec3 between = startA - startB;
+	Vec3 across = cross(directionA, directionB);
+	const double sine = length(across);
+	if (sine < kParallelSine) return dot(normal, between);
+	across = (1 / sine) * across;
+	return dot(across, normal) < 0 ? -dot(across, between) : dot(across, between);
+}
 
 // Where two lines are nearest, as lengths along them. Precondition: not parallel.
 struct LinesCrossing

@@ -7,7 +7,7 @@ namespace clod
 {
 namespace
 {
-constexpr double kOpposing = -0.1;  // cosine
+constexpr double kAgainst = -0.1;  // cosine to the way out
 
 Vec3 impulseOf(const ClusterSet& set)
 {
@@ -45,7 +45,7 @@ void FacetContacts::answerDepth(const std::vector<Contact>& contacts, bool isDee
 	if (m_wayOut == Vec3{}) return;
 	// What opposes the way would hold the bodies where they are.
 	m_facets.erase(std::remove_if(m_facets.begin(), m_facets.end(),
-								  [&](const Facet& f) { return dot(f.normal, m_wayOut) < kOpposing; }),
+								  [&](const Facet& f) { return dot(f.normal, m_wayOut) < kAgainst; }),
 				   m_facets.end());
 	m_facets.insert(m_facets.end(), m_deepFacets.begin(), m_deepFacets.end());
 }

@@ -21,7 +21,6 @@ public:
 	// All facets of the accepted pairs that are contacts. isDeep: one body is known to be inside the other.
 	void find(const ContactBody& a, const ContactBody& b, const Transform& aFromB, const PointRules& rules,
 			  const std::vector<Contact>& contacts, bool isDeep, const ClusterSet& previous);
-	bool isEmpty() const { return m_facets.empty(); }
 	std::size_t size() const { return m_facets.size(); }
 	// Of those found last, the ones a solver gets. previous: with placeWithB (carryWithB), and impulses.
 	void reduce(const ClusterSet& previous, ClusterSet& next);

@@ -157,8 +157,7 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 	bool counts = false;
 	if (now <= q.touching())
 	{
-		const double slack =
-			std::max(kFootShare * q.length(), std::min(-now, kDeepFootShare * q.length()));
+		const double slack = q.footSlack(now);
 		counts = isLowest(vertices.fan(vertex.index), up, kArcSlack) &&
 				 faces.squaredBeside(polygon, foot) <= slack * slack;
 	}
@@ -185,10 +184,8 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 	}
 	if (!counts) return;
 	facet.kind = vertexIsOfA ? Facet::Kind::kVertexFace : Facet::Kind::kFaceVertex;
-	const std::uint32_t featureA = vertexIsOfA ? vertex.index : polygon;
-	const std::uint32_t featureB = vertexIsOfA ? polygon : vertex.index;
-	facet.featureA = featureA;
-	facet.featureB = featureB;
+	facet.featureA = vertexIsOfA ? vertex.index : polygon;
+	facet.featureB = vertexIsOfA ? polygon : vertex.index;
 	facet.distance = now;
 	facet.then = then;
 	if (vertexIsOfA)
@@ -224,15 +221,7 @@ void FacetFinder::edgeOverEdge(const MovedEdge& still, const MovedEdge& moved)
 	const Vec3& start = m_pair.a->vertices()[edge.vertex[0]];
 	const double now = dot(normal, start - moved.start);
 	if (now < -m_pair.deepest) return;
-	Vec3 thenNormal = cross(edge.direction, moved.thenDirection);
-	const double thenSine = length(thenNormal);
-	double then = dot(normal, start - moved.thenStart);
-	if (thenSine > kParallelSine)
-	{
-		thenNormal = (1 / thenSine) * thenNormal;
-		if (dot(thenNormal, normal) < 0) thenNormal = -thenNormal;
-		then = dot(thenNormal, start - moved.thenStart);
-	}
+	const double then = distanceOfLines(start, edge.direction, moved.thenStart, moved.thenDirection, normal);
 	const double end = now + kPathReach * (then - now);
 	if (now > highest(now - then) && end > q.rules.margin) return;
 
@@ -242,7 +231,7 @@ void FacetFinder::edgeOverEdge(const MovedEdge& still, const MovedEdge& moved)
 	bool counts = false;
 	if (now <= q.touching() && arc >= -kArcSlack)
 	{
-		const double slack = std::max(kFootShare * q.length(), std::min(-now, kDeepFootShare * q.length()));
+		const double slack = q.footSlack(now);
 		counts = isWithin(at.alongA, edge.length, slack) && isWithin(at.alongB, other.length, slack);
 	}
 	if (!counts && now > 0 && end <= q.rules.margin && end < now)

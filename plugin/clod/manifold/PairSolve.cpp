@@ -40,12 +40,8 @@ double distanceAt(const FacetQuestion& question, const Facet& facet, const Trans
 		return dot(face.normal, aFromB * b.vertices()[facet.featureB]) - face.offset;
 	}
 	const SurfaceEdge &e = a.edges()[facet.featureA], &k = b.edges()[facet.featureB];
-	const Vec3 between = a.vertices()[e.vertex[0]] - aFromB * b.vertices()[k.vertex[0]];
-	Vec3 normal = cross(e.direction, aFromB.rotation * k.direction);
-	const double sine = length(normal);
-	if (sine < kParallelSine) return dot(facet.normal, between);
-	normal = (1 / sine) * normal;
-	return dot(normal, facet.normal) < 0 ? -dot(normal, between) : dot(normal, between);
+	return distanceOfLines(a.vertices()[e.vertex[0]], e.direction, aFromB * b.vertices()[k.vertex[0]],
+						   aFromB.rotation * k.direction, facet.normal);
 }
 
 // The most that turning bodies add to a facet's distance beyond the first order.
