@@ -14,6 +14,7 @@
 
 #include "clod/Export.h"
 #include "clod/bullet/Abi.h"
+#include "clod/bullet/ConvexPartner.h"
 #include "clod/bullet/StepReport.h"
 #include "clod/query/Budget.h"
 
@@ -77,6 +78,7 @@ private:
 	mutable std::recursive_mutex m_saying;  // one message at a time, but for those that a message's handler causes
 	std::vector<const PairReport*> m_pairs;
 	double m_demand = 0, m_unplannedDemand = 0;  // sums over the pairs; whole numbers
+	ConvexPartners m_convexPartners;
 	std::vector<std::unique_ptr<btCollisionAlgorithmCreateFunc>> m_createFunctions;  // one set a registration
 };
 }  // namespace clod

@@ -129,17 +129,19 @@ void PairState::findPoints(const PairPose& pose)
 											 : ContactBody{};
 	m_facets.find(a, b, pose.aFromB, pose.rules, m_result.contacts, m_result.deep, m_previous);
 	m_facets.reduce(m_previous, m_clusters);
-	if (pose.isOfTwo()) return;
+	if (pose.partner == Partner::kClod) return;
 	for (ContactCluster& cluster : m_clusters.slots)
 		for (int i = 0; i < cluster.count; ++i) namePartnerFace(pose, cluster.points[std::size_t(i)].point);
 }
 
-// Of a plane or an engine's mesh: as their owner names them.
+// Of what is no body of ours: as its owner names it.
 void PairState::namePartnerFace(const PairPose& pose, ContactPoint& point)
 {
-	m_result.minDistance = std::min(m_result.minDistance, point.height + pose.rules.margin);
-	const std::array<int, 2> name =
-		pose.partner == Partner::kPlane ? std::array<int, 2>{0, int(kNone)} : m_names[point.faceB / 2];
+	const bool hasGap = pose.isOfTwo() && m_context.searchGap && !pose.isRound();
+	if (!hasGap) m_result.minDistance = std::min(m_result.minDistance, point.height + pose.rules.margin - pose.rules.radiusB);
+	const std::array<int, 2> name = pose.partner == Partner::kConvex  ? std::array<int, 2>{int(kNone), int(kNone)}
+									: pose.partner == Partner::kPlane ? std::array<int, 2>{0, int(kNone)}
+																	  : m_names[point.faceB / 2];
 	point.nodeB = std::uint32_t(name[0]);
 	point.faceB = std::uint32_t(name[1]);
 }

@@ -15,7 +15,7 @@ ContactMetric chosenMetric(const Context& context, const PairPose& pose, const V
 		return answer;
 	}
 	const std::optional<ContactMetric>& ofA = pose.shapeA->metric();
-	const std::optional<ContactMetric> ofB = pose.isOfTwo() ? pose.shapeB->metric() : std::nullopt;
+	const std::optional<ContactMetric> ofB = pose.shapeB ? pose.shapeB->metric() : std::nullopt;
 	const ContactMetric& first = ofA ? *ofA : ofB ? *ofB : context.worldMetric;
 	error = contactMetricError(first, camera);
 	if (!ofA || !ofB) return first;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "clod/bullet/PairPose.h"
 
+#include <BulletCollision/CollisionShapes/btConvexShape.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -21,6 +23,7 @@ Vec3 sphereCenter(const Hierarchy& hierarchy)
 Partner partnerOf(const btCollisionShape& shape)
 {
 	if (shape.getShapeType() == STATIC_PLANE_PROXYTYPE) return Partner::kPlane;
+	if (shape.isConvex()) return Partner::kConvex;
 	return shape.isConcave() ? Partner::kConcave : Partner::kOther;
 }
 
@@ -63,9 +66,12 @@ void setRules(PairPose& pose, double timeStep, bool predicts, double closestPoin
 	rules.b = pairBody(*pose.b->getCollisionObject(), pose.worldFromA, scale, timeStep);
 	rules.timeStep = timeStep;
 	pose.seenMotion = relativeMotion(pose, 0, timeStep);
-	rules.margin = double(pose.shapeA->getMargin()) / scale;
-	if (pose.shapeB) rules.margin += double(pose.shapeB->getMargin()) / scale;
+	rules.radiusA = double(pose.shapeA->getMargin()) / scale;
+	if (pose.shapeB) rules.radiusB = double(pose.shapeB->getMargin()) / scale;
+	if (pose.convex) rules.radiusB = pose.convex->radius;
+	rules.margin = rules.radiusA + rules.radiusB;
 	if (predicts) rules.margin += kSkinShare * rules.length;
+	rules.nearest = closestPoints > 0;
 	rules.resting = std::max(kRestingShare * rules.length, closestPoints / scale);
 
 	const bool bIsSmaller =
@@ -112,11 +118,18 @@ double PairPose::thinnestWall() const
 }
 
 PairPose poseOf(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-				const btDispatcherInfo& info, bool predicts, double closestPoints)
+				const btDispatcherInfo& info, bool predicts, double closestPoints, ConvexPartners& partners,
+				const std::shared_ptr<const ConvexPartner>& known)
 {
 	PairPose pose;
 	chooseBodies(body0, body1, pose);
 	if (pose.partner == Partner::kOther) return pose;
+	if (pose.partner == Partner::kConvex)
+	{
+		pose.convex = partners.of(static_cast<const btConvexShape&>(*pose.b->getCollisionShape()), pose.scale(), known);
+		pose.notFinite = pose.convex->problem;
+		if (!pose.notFinite.empty()) return pose;
+	}
 	pose.worldFromA = toTransform(pose.a->getWorldTransform());
 	pose.aFromB = inverse(pose.worldFromA) * toTransform(pose.b->getWorldTransform());
 	pose.aFromB.translation = (1 / pose.scale()) * pose.aFromB.translation;

@@ -5,8 +5,10 @@
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 
+#include <memory>
 #include <string>
 
+#include "clod/bullet/ConvexPartner.h"
 #include "clod/bullet/btClodShape.h"
 #include "clod/collide/Sweep.h"
 #include "clod/manifold/ContactPoints.h"
@@ -16,6 +18,7 @@ namespace clod
 enum class Partner
 {
 	kClod,
+	kConvex,
 	kPlane,
 	kConcave,
 	kOther
@@ -28,6 +31,7 @@ struct PairPose
 	const btCollisionObjectWrapper* b = nullptr;
 	const btClodShape* shapeA = nullptr;
 	const btClodShape* shapeB = nullptr;  // null where B is no shape of ours; of another scale than A: Partner::kConcave
+	std::shared_ptr<const ConvexPartner> convex;  // what B is, where it is a convex shape of Bullet's
 	Transform worldFromA;                 // world lengths; all else in frame A and the hierarchy's unit
 	Transform aFromB;
 	PointRules rules;           // with the motion that the solver will start from,
@@ -37,9 +41,15 @@ struct PairPose
 	std::string notFinite;      // empty, or what is not finite: nothing may be asked then
 
 	bool isAsked() const { return partner != Partner::kOther && notFinite.empty(); }
-	bool isOfTwo() const { return partner == Partner::kClod; }
+	// Of two hierarchies?
+	bool isOfTwo() const { return partner == Partner::kClod || partner == Partner::kConvex; }
+	// A body is grown by a radius: certified gaps are of what is not.
+	bool isRound() const { return rules.radiusA + rules.radiusB > 0; }
 	const Hierarchy& hierarchyA() const { return shapeA->hierarchy(); }
-	const Hierarchy& hierarchyB() const { return shapeB->hierarchy(); }  // precondition: isOfTwo()
+	const Hierarchy& hierarchyB() const  // precondition: isOfTwo()
+	{
+		return partner == Partner::kConvex ? *convex->hierarchy : shapeB->hierarchy();
+	}
 	double scale() const { return shapeA->scale(); }
 	// B's motion relative to A in the step, as far ahead as contacts may lie.
 	Sweep sweep() const;
@@ -47,6 +57,8 @@ struct PairPose
 };
 
 // predicts: false answers for the poses as they are. closestPoints: contacts are wanted so far apart, world length.
+// known: the pair's convex partner as of the last time, or null.
 PairPose poseOf(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-				const btDispatcherInfo& info, bool predicts, double closestPoints);
+				const btDispatcherInfo& info, bool predicts, double closestPoints, ConvexPartners& partners,
+				const std::shared_ptr<const ConvexPartner>& known);
 }  // namespace clod

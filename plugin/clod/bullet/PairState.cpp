@@ -23,8 +23,8 @@ bool sameRules(const PointRules& l, const PointRules& r)
 {
 	const auto fields = [](const PointRules& rules)
 	{
-		const auto& [length, resting, margin, a, b, timeStep] = rules;
-		return std::tuple_cat(std::tie(length, resting, margin, timeStep), fieldsOf(a), fieldsOf(b));
+		const auto& [length, resting, margin, radiusA, radiusB, nearest, a, b, timeStep] = rules;
+		return std::tuple_cat(std::tie(length, resting, margin, radiusA, radiusB, nearest, timeStep), fieldsOf(a), fieldsOf(b));
 	};
 	return fields(l) == fields(r);
 }
@@ -57,10 +57,16 @@ PairState::~PairState()
 	m_context.remove(&m_report);
 }
 
-PairState::Seen PairState::seen(const btCollisionShape& shape, const btClodShape* ours)
+PairState::Seen PairState::seenA(const PairPose& pose)
 {
-	if (!ours) return {&shape, 0, 0};
-	return {&shape, ours->hierarchy().contentHash(), ours->revision()};
+	return {pose.shapeA, pose.hierarchyA().contentHash(), pose.shapeA->revision()};
+}
+
+PairState::Seen PairState::seenB(const PairPose& pose)
+{
+	const btCollisionShape* const shape = pose.b->getCollisionShape();
+	if (!pose.isOfTwo() || !pose.isAsked()) return {shape, 0, 0};
+	return {shape, pose.hierarchyB().contentHash(), pose.shapeB ? pose.shapeB->revision() : 0};
 }
 
 bool PairState::same(const Question& l, const Question& r)
@@ -72,20 +78,22 @@ bool PairState::same(const Question& l, const Question& r)
 // Where a shape is another than in the last dispatch, nothing kept holds.
 void PairState::noticeShapes(const PairPose& pose)
 {
-	const Seen seenA = seen(*pose.shapeA, pose.shapeA), seenB = seen(*pose.b->getCollisionShape(), pose.shapeB);
-	if (m_seenA == seenA && m_seenB == seenB) return;
+	const Seen a = seenA(pose), b = seenB(pose);
+	if (m_seenA == a && m_seenB == b) return;
 	m_cache.clear();
 	m_clusters.clear();
 	m_answered.reset();
 	m_facets.forget();
-	m_seenA = seenA;
-	m_seenB = seenB;
+	m_seenA = a;
+	m_seenB = b;
+	m_convex = pose.convex;  // held: the caches are of its hierarchy
 }
 
 PairPose PairState::begin(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 						  const btDispatcherInfo& info, double closestPoints)
 {
-	PairPose pose = poseOf(body0, body1, info, !m_isClosestPoints, closestPoints);
+	PairPose pose =
+		poseOf(body0, body1, info, !m_isClosestPoints, closestPoints, m_context.m_convexPartners, m_convex);
 	m_report.notFinite = pose.notFinite;
 	if (pose.shapeA != nullptr) noticeShapes(pose);
 	if (pose.partner == Partner::kOther) return pose;
@@ -115,7 +123,7 @@ PairState::Question PairState::questionOf(const PairPose& pose) const
 	question.settings.tolerance = pose.tolerance;
 	question.settings.sweep = pose.sweep();
 	question.rules = pose.rules;
-	question.withGap = m_context.searchGap;
+	question.withGap = m_context.searchGap && !pose.isRound();
 	return question;
 }
 
@@ -162,7 +170,7 @@ Budget PairState::chooseBudget()
 double PairState::timeOfImpact(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 							   const btDispatcherInfo& info)
 {
-	const PairPose pose = poseOf(body0, body1, info, true, 0);
+	const PairPose pose = poseOf(body0, body1, info, true, 0, m_context.m_convexPartners, m_convex);
 	return pose.isAsked() ? clod::timeOfImpact(pose, m_cache, m_onTheWay) : 1;
 }
 
@@ -202,7 +210,7 @@ void PairState::write(const PairPose& pose, const WorldFrame& frame, btManifoldR
 	const auto levelOf = [&pose](const ContactPoint& point, std::uint32_t& levelA, std::uint32_t& levelB)
 	{
 		levelA = pose.hierarchyA().node(point.nodeA).level;
-		levelB = pose.isOfTwo() ? pose.hierarchyB().node(point.nodeB).level : point.nodeB;
+		levelB = pose.partner == Partner::kClod ? pose.hierarchyB().node(point.nodeB).level : point.nodeB;
 	};
 	m_manifolds.write(m_clusters, frame, levelOf, out);
 }

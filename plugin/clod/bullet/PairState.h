@@ -44,8 +44,8 @@ private:
 	struct Seen
 	{
 		const btCollisionShape* shape = nullptr;
-		std::uint64_t contentHash = 0;  // of the hierarchy, where it is one of ours,
-		int revision = -1;              // and the shape's
+		std::uint64_t contentHash = 0;  // of the hierarchy, where it has one,
+		int revision = -1;              // and that of a shape of ours
 		bool operator==(const Seen& other) const
 		{
 			return shape == other.shape && contentHash == other.contentHash && revision == other.revision;
@@ -59,7 +59,8 @@ private:
 		PointRules rules;
 		bool withGap = false;
 	};
-	static Seen seen(const btCollisionShape& shape, const btClodShape* ours);
+	static Seen seenA(const PairPose& pose);
+	static Seen seenB(const PairPose& pose);
 	static bool same(const Question& l, const Question& r);
 
 	// Pose.
@@ -93,6 +94,7 @@ private:
 	// From dispatch to dispatch.
 	Seen m_seenA, m_seenB;
 	Transform m_oldAFromB;
+	std::shared_ptr<const ConvexPartner> m_convex;
 	GapCache m_cache;
 	std::optional<Question> m_answered;  // what the clusters answer
 	ClusterSet m_clusters, m_previous;

@@ -28,16 +28,20 @@ struct CreateFunction : btCollisionAlgorithmCreateFunc
 
 // Types this algorithm takes over against its own. Bullet's entry for EMPTY does nothing and stays; the number of
 // btSdfCollisionShape is also the one programs use for their own concave shapes, which give triangles as all others do.
-bool takesOver(int type)
+bool isMesh(int type)
 {
 	return btBroadphaseProxy::isConcave(type) && type != EMPTY_SHAPE_PROXYTYPE;
+}
+bool takesOver(int type)
+{
+	return isMesh(type) || btBroadphaseProxy::isConvex(type);
 }
 
 std::string reasonAgainst(btCollisionDispatcher* dispatcher, const clod::Context* context, int shapeType)
 {
 	if (!dispatcher) return "registerAlgorithm: the dispatcher is null";
 	if (!context) return "registerAlgorithm: the context is null";
-	if (!takesOver(shapeType) || shapeType == STATIC_PLANE_PROXYTYPE)
+	if (!isMesh(shapeType) || shapeType == STATIC_PLANE_PROXYTYPE)
 		return "registerAlgorithm: shape type " + std::to_string(shapeType) + " is not a concave mesh type";
 	const bool isDouble = sizeof(btScalar) == sizeof(double);
 	if (bool(btIsDoublePrecision()) != isDouble) return "registerAlgorithm: Bullet and this plugin differ in precision";

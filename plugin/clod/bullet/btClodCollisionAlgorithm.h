@@ -23,8 +23,8 @@ struct PairPlan;
 class CLOD_API btClodCollisionAlgorithm : public btActivatingCollisionAlgorithm
 {
 public:
-	// Registers shape type `shapeType` against itself, static planes and Bullet's concave shapes, in both dispatch
-	// tables and both orders. Convex shapes, compounds and soft bodies keep Bullet's entries, which call ours or
+	// Registers shape type `shapeType` against itself, static planes and Bullet's convex and concave shapes, in both
+	// dispatch tables and both orders. Compounds and soft bodies keep Bullet's entries, which call ours or
 	// processAllTriangles. Call before the first pair exists and after any other registration; the context must outlive
 	// the dispatcher's pairs. Several dispatchers may share one context. Value: how many pairs of types were set.
 	static clod::Result<int> registerAlgorithm(btCollisionDispatcher* dispatcher, clod::Context* context,

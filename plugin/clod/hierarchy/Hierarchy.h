@@ -65,6 +65,7 @@ public:
 	std::uint32_t root() const { return std::uint32_t(m_nodes.size - 1); }
 	std::uint32_t coarsestClodLevel() const { return m_coarsestClodLevel; }
 	bool isPaperBuild() const { return (asset().flags & kPaperBuild) != 0; }
+	bool isThinCore() const { return (asset().flags & kThinCore) != 0; }
 	// A bound of the distance from the body's origin to everything in the hierarchy, corners of culling boxes included.
 	double originRadius() const;
 	// Hash of the whole block (xxh3, 64 bits): identifies the asset.
@@ -76,6 +77,9 @@ public:
 	{
 		return m_derived.get<T>(*this);
 	}
+
+	// ConvexPiece.h alone makes such: the one kind of hierarchy that need not keep every rule of a file.
+	static std::shared_ptr<const Hierarchy> ofPiece(std::vector<std::byte> bytes);
 
 private:
 	Hierarchy() = default;

@@ -155,6 +155,8 @@ struct HierarchyReader
 		h.m_hullZ = view<float>(h.m_bytes, entry(Section::hullZ)).data;
 		h.m_hullSize = std::size_t(entry(Section::hullX).count);
 		h.m_contentHash = XXH3_64bits(h.m_bytes.data(), h.m_bytes.size());
+		for (std::uint32_t i = 0; i < h.m_levels.size; ++i)
+			if ((h.m_levels[i].flags & kClodNode) != 0) h.m_coarsestClodLevel = i;
 	}
 
 	static Result<std::shared_ptr<const Hierarchy>> read(std::vector<std::byte> bytes)
@@ -166,20 +168,32 @@ struct HierarchyReader
 		problem = checkSections(bytes, table);
 		if (problem.empty()) problem = checkCounts(table);
 		if (!problem.empty()) return Error{problem};
-		const std::shared_ptr<Hierarchy> hierarchy(new Hierarchy);
-		hierarchy->m_bytes = std::move(bytes);
-		bind(*hierarchy, table);
+		std::shared_ptr<const Hierarchy> hierarchy = own(std::move(bytes));
 		problem = validate(*hierarchy);
 		if (!problem.empty()) return Error{problem};
-		for (std::uint32_t i = 0; i < hierarchy->m_levels.size; ++i)
-			if ((hierarchy->m_levels[i].flags & kClodNode) != 0) hierarchy->m_coarsestClodLevel = i;
-		return std::shared_ptr<const Hierarchy>(hierarchy);
+		return hierarchy;
+	}
+
+	// Precondition: bytes as encode() writes them.
+	static std::shared_ptr<const Hierarchy> own(std::vector<std::byte> bytes)
+	{
+		const std::shared_ptr<Hierarchy> hierarchy(new Hierarchy);
+		hierarchy->m_bytes = std::move(bytes);
+		SectionEntry table[kSectionCount];
+		std::memcpy(table, hierarchy->m_bytes.data() + sizeof(FileHeader), sizeof table);
+		bind(*hierarchy, table);
+		return hierarchy;
 	}
 };
 
 Result<std::shared_ptr<const Hierarchy>> Hierarchy::fromBytes(std::vector<std::byte> bytes)
 {
 	return HierarchyReader::read(std::move(bytes));
+}
+
+std::shared_ptr<const Hierarchy> Hierarchy::ofPiece(std::vector<std::byte> bytes)
+{
+	return HierarchyReader::own(std::move(bytes));
 }
 
 std::vector<std::byte> encode(const HierarchyContent& content)

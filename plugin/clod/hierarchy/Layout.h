@@ -116,4 +116,6 @@ struct Asset
 };
 static_assert(sizeof(Asset) == 192);
 inline constexpr std::uint32_t kPaperBuild = 1;  // Asset::flags: built with --paper (label-inherited tree, no shared children)
+// A point or a segment, the core of a round body; in memory only (ConvexPiece.h): it has no area and no inside.
+inline constexpr std::uint32_t kThinCore = 2;
 }  // namespace clod

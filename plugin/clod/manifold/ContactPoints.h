@@ -18,7 +18,7 @@ namespace clod
 // Where B has no hierarchy nodeB is the part and faceB the index its owner gave.
 struct ContactPoint
 {
-	Vec3 pointOnA, pointOnB;  // pointOnA - pointOnB = (height + margin) * normal
+	Vec3 pointOnA, pointOnB;  // on the surfaces, those of round bodies: apart along the normal
 	Vec3 normal;              // unit, from B to A
 	double height = 0;        // signed distance of the surfaces grown by the margin; negative is penetration
 	double bend = 0;  // height at the end of the step, less what the first order of the motion makes of this one
@@ -41,7 +41,9 @@ struct PointRules
 {
 	double length = 1;   // the smaller bounding radius of the pair: tolerances are shares of it
 	double resting = 0;  // points up to this height are contacts whatever the motion
-	double margin = 0;   // sum of both bodies' margins: surfaces touch at this height
+	double margin = 0;   // surfaces touch at this height: both radii, and what bodies shall stay apart
+	double radiusA = 0, radiusB = 0;  // that bodies are grown by: round at corners and edges
+	bool nearest = false;  // the nearest points are wanted though bodies are apart, be they corners'
 	PairBody a, b;
 	double timeStep = 0;  // seconds; 0: nothing is looked ahead for
 	// Of A's material relative to B's.

@@ -19,6 +19,11 @@ ContactSurface::ContactSurface(const Hierarchy& hierarchy, std::uint32_t levelIn
 {
 	const Level& level = hierarchy.levels()[levelIndex];
 	m_firstNode = level.firstNode;
+	if (hierarchy.isThinCore())
+	{
+		makeCore(hierarchy.hull(hierarchy.node(level.firstNode)));
+		return;
+	}
 	weld(hierarchy, level);
 	std::vector<std::uint32_t> firstFaceOfNode;
 	for (std::uint32_t n = level.firstNode; n < level.firstNode + level.nodeCount; ++n)
@@ -54,6 +59,33 @@ ContactSurface::ContactSurface(const Vec3& normal, double offset, const Vec3& ne
 	m_firstBorder = {0, 0};
 	m_polygonCenters = {foot};
 	listNodes({0}, {{kNone, kNone, kNone}});
+}
+
+void ContactSurface::makeCore(const HullView& vertices)
+{
+	m_kind = Kind::kCore;
+	m_firstFan.assign(1, 0);
+	for (std::uint32_t v = 0; v < vertices.count; ++v)
+	{
+		m_vertices.push_back(vertices.vertex(v));
+		if (vertices.count > 1) m_fans.push_back(normalized(vertices.vertex(1 - v) - vertices.vertex(v)));
+		m_firstFan.push_back(std::uint32_t(m_fans.size()));
+		m_nodeVertices.push_back(v);
+	}
+	m_pseudonormals.assign(m_vertices.size(), Vec3{});
+	m_isCorner.assign(m_vertices.size(), 1);
+	m_faceOfVertex.assign(m_vertices.size(), kNone);
+	if (m_vertices.size() > 1)
+	{
+		const double along = length(m_vertices[1] - m_vertices[0]);
+		m_edges.push_back({{0, 1}, {kNone, kNone}, m_fans[0], along, {}, {}});
+		m_nodeEdges.push_back(0);
+	}
+	m_firstPolygonFace.assign(1, 0);
+	m_firstVertexOf = {0, std::uint32_t(m_nodeVertices.size())};
+	m_firstEdgeOf = {0, std::uint32_t(m_nodeEdges.size())};
+	m_firstPolygonOf = {0, 0};
+	m_firstFaceOf = {0, 0};
 }
 
 // What follows from faces, vertices and neighbours.
@@ -340,7 +372,7 @@ ContactSurface::Nearest ContactSurface::nearest(const Vec3& point, double within
 
 bool ContactSurface::isInside(const Vec3& point) const
 {
-	if (m_kind == Kind::kSheet) return false;
+	if (m_kind == Kind::kSheet || m_kind == Kind::kCore) return false;
 	if (m_kind == Kind::kHalfSpace) return dot(m_faces[0].normal, point) < m_faces[0].offset;
 	std::call_once(m_treeMade, [this] { buildTree(); });
 	for (int k = 0; k < 3; ++k)

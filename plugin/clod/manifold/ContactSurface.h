@@ -5,7 +5,8 @@
 //
 // A level of detail is closed. A sheet, which an engine's own mesh is, has two sides: each triangle is there twice, back
 // to back, and borders are edges folded by half a turn; so it is closed, too, and has no inside. A half space is one
-// face without end.
+// face without end. A thin core is a vertex, or two and the edge between them, which no face bounds: its normals and what
+// lies inward of it are zero.
 //
 // Frame and unit: the body's, of a hierarchy. Immutable once made.
 #pragma once
@@ -50,7 +51,7 @@ public:
 		Vec3 point, normal;  // the pseudonormal there, unit
 	};
 
-	// A level's: made of its nodes' faces.
+	// A level's: made of its nodes' faces; of a thin core its vertices.
 	ContactSurface(const Hierarchy& hierarchy, std::uint32_t level);
 	// A sheet: one node a triangle, whose faces are the triangle and its back. size: tolerances are shares of it.
 	// Triangles that share two corners to the bit are neighbours.
@@ -70,10 +71,11 @@ public:
 	const Vec3& pseudonormal(std::uint32_t vertex) const { return m_pseudonormals[vertex]; }
 	// Inside a polygon, or on a reflex edge's side only: no half-space holds its edges. It touches nothing first.
 	bool isCorner(std::uint32_t vertex) const { return m_isCorner[vertex] != 0; }
-	// One that has it.
+	// One that has it; kNone of a core.
 	std::uint32_t faceOfVertex(std::uint32_t vertex) const { return m_faceOfVertex[vertex]; }
 	bool isClosed() const { return m_kind == Kind::kClosed; }
 	bool isHalfSpace() const { return m_kind == Kind::kHalfSpace; }
+	bool isCore() const { return m_kind == Kind::kCore; }
 	// What a node of this level has: vertices; convex edges, whole, be it only a part of them; polygons, with the corners
 	// of its own triangles of them, as indices into its vertices.
 	struct NodePolygon
@@ -105,6 +107,7 @@ public:
 	// Of the polygon.
 	std::uint32_t nearestFaceOf(std::uint32_t polygon, const Vec3& point) const;
 	// Distance of a point to the surface, negative inside; what is farther than `within` is not looked for (face kNone).
+	// Precondition: it has faces.
 	Nearest nearest(const Vec3& point, double within) const;
 	bool isInside(const Vec3& point) const;
 
@@ -113,7 +116,8 @@ private:
 	{
 		kClosed,
 		kSheet,
-		kHalfSpace
+		kHalfSpace,
+		kCore
 	};
 	struct TreeBox
 	{
@@ -137,6 +141,7 @@ private:
 		const std::array<std::uint32_t, 3>& v = m_faces[face].vertex;
 		return {m_vertices[v[0]], m_vertices[v[1]], m_vertices[v[2]]};
 	}
+	void makeCore(const HullView& vertices);
 	void finish(double size, const std::vector<std::uint32_t>& firstFaceOfNode);
 	void weld(const Hierarchy& hierarchy, const Level& level);
 	void weld(const std::vector<Triangle>& triangles);

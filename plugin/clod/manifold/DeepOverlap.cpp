@@ -37,9 +37,10 @@ void DeepOverlap::probe(const FacetQuestion& q, const Contact& contact, bool ofA
 	const Transform bFromA = inverse(q.aFromB);
 	// What is inside near the other's patch is under all of its faces, as patches are convex.
 	const std::uint32_t otherNode = ofA ? contact.nodeB : contact.nodeA;
-	const SurfaceFace* const firstFace = &other.faces()[other.firstFaceOf(otherNode)];
+	const SurfaceFace* const firstFace = other.faces().data() + other.firstFaceOf(otherNode);
 	const SurfaceFace* const lastFace = firstFace + other.faceCountOf(otherNode);
 	const double slack = kLeastDepth * q.length();
+	if (other.isCore()) return;
 	Inside deepest{};
 	const auto look = [&](const Vec3& place, std::uint32_t feature)
 	{
@@ -63,6 +64,7 @@ void DeepOverlap::probe(const FacetQuestion& q, const Contact& contact, bool ofA
 			look(0.5 * (corner[i] + corner[(i + 1) % 3]), 7 * f + 4 + i);
 		}
 	}
+	for (std::uint32_t v = 0; own.isCore() && v < own.vertices().size(); ++v) look(own.vertices()[v], v);
 	if (deepest.way != Vec3{}) m_inside.push_back(deepest);
 }
 

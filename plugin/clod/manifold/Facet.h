@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // Contacts as facets of the Minkowski difference: two polyhedral surfaces touch where the origin reaches its boundary,
 // and that boundary is made of a vertex of one body over a face of the other, and of two crossing edges. A facet is one
-// constraint: points on both bodies, the normal, the signed distance.
+// constraint: points on both bodies, the normal, the signed distance. Bodies grown by a radius touch with vertices, besides:
+// of one over an edge or a vertex of the other, along the way between the nearest points.
 //
 // Everything in body A's frame, normals from B to A, distances without margins unless named height. Unit: the
 // hierarchies' own.
@@ -26,6 +27,9 @@ struct Facet
 		kVertexFace,  // of A, of B
 		kFaceVertex,
 		kEdgeEdge,
+		kVertexEdge,
+		kEdgeVertex,
+		kVertexVertex,
 		kDeep  // no facet, but a way out (DeepOverlap.h)
 	};
 	enum class Reach : std::uint8_t  // what says more comes first
@@ -68,7 +72,7 @@ struct ContactBody
 	// Index of a surface's face among all of the body's.
 	std::uint32_t globalFace(std::uint32_t level, std::uint32_t face) const
 	{
-		return only ? face : hierarchy->levels()[level].firstFace + face;
+		return only || face == kNone ? face : hierarchy->levels()[level].firstFace + face;
 	}
 };
 inline ContactBody contactBody(const Hierarchy& hierarchy)
@@ -88,6 +92,8 @@ struct FacetQuestion
 	PointRules rules;
 	double length() const { return rules.length; }
 	double touching() const { return rules.margin + rules.resting; }  // contacts up to here, whatever the motion
+	// Do vertices over edges and vertices count?
+	bool isRound() const { return rules.nearest || rules.radiusA + rules.radiusB > 0; }
 	// How far off its facet a foot may be.
 	double footSlack(double distance) const;
 };
@@ -114,6 +120,13 @@ inline double distanceOfLines(const Vec3& startA, const Vec3& directionA, const 
 	if (sine < kParallelSine) return dot(normal, between);
 	across = (1 / sine) * across;
 	return dot(across, normal) < 0 ? -dot(across, between) : dot(across, between);
+}
+
+// From the nearest point of a line.
+inline Vec3 fromLine(const Vec3& start, const Vec3& direction, const Vec3& point)
+{
+	const Vec3 between = point - start;
+	return between - dot(between, direction) * direction;
 }
 
 // Where two lines are nearest, as lengths along them. Precondition: not parallel.

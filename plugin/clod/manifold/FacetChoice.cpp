@@ -165,7 +165,8 @@ Vec3 FacetChoice::centerOf(const Facet& facet) const
 	{
 		case Facet::Kind::kVertexFace: return facet.onA - q.aFromB * b.centerOf(facet.featureB);
 		case Facet::Kind::kFaceVertex: return a.centerOf(facet.featureA) - facet.onB;
-		default: return centerOfEdge(a, facet.featureA) - q.aFromB * centerOfEdge(b, facet.featureB);
+		case Facet::Kind::kEdgeEdge: return centerOfEdge(a, facet.featureA) - q.aFromB * centerOfEdge(b, facet.featureB);
+		default: return facet.onA - facet.onB;
 	}
 }
 

@@ -66,7 +66,10 @@ void FacetContacts::nameFaces(const Facet& facet, const Transform& bFromA, Conta
 {
 	const ContactSurface &a = m_question.a.surface(facet.levelA), &b = m_question.b.surface(facet.levelB);
 	const auto onEdge = [](const ContactSurface& surface, std::uint32_t edge, const Vec3& place)
-	{ return surface.nearestFaceOf(surface.faces()[surface.edges()[edge].face[0]].polygon, place); };
+	{
+		const std::uint32_t face = surface.edges()[edge].face[0];
+		return face == kNone ? kNone : surface.nearestFaceOf(surface.faces()[face].polygon, place);
+	};
 	std::uint32_t faceA = a.firstFaceOf(facet.nodeA), faceB = b.firstFaceOf(facet.nodeB);
 	switch (facet.kind)
 	{
@@ -82,7 +85,21 @@ void FacetContacts::nameFaces(const Facet& facet, const Transform& bFromA, Conta
 			faceA = onEdge(a, facet.featureA, facet.onA);
 			faceB = onEdge(b, facet.featureB, bFromA * facet.onB);
 			break;
-		case Facet::Kind::kDeep: break;
+		case Facet::Kind::kVertexEdge:
+			faceA = a.faceOfVertex(facet.featureA);
+			faceB = onEdge(b, facet.featureB, bFromA * facet.onB);
+			break;
+		case Facet::Kind::kEdgeVertex:
+			faceA = onEdge(a, facet.featureA, facet.onA);
+			faceB = b.faceOfVertex(facet.featureB);
+			break;
+		case Facet::Kind::kVertexVertex:
+			faceA = a.faceOfVertex(facet.featureA);
+			faceB = b.faceOfVertex(facet.featureB);
+			break;
+		case Facet::Kind::kDeep:
+			if (b.isCore()) faceB = kNone;
+			break;
 	}
 	point.faceA = m_question.a.globalFace(facet.levelA, faceA);
 	point.faceB = m_question.b.globalFace(facet.levelB, faceB);
@@ -91,8 +108,8 @@ void FacetContacts::nameFaces(const Facet& facet, const Transform& bFromA, Conta
 ContactPoint FacetContacts::pointOf(const Facet& facet) const
 {
 	ContactPoint point;
-	point.pointOnA = facet.onA;
-	point.pointOnB = facet.onB;
+	point.pointOnA = facet.onA - m_question.rules.radiusA * facet.normal;
+	point.pointOnB = facet.onB + m_question.rules.radiusB * facet.normal;
 	point.normal = facet.normal;
 	point.height = facet.distance - m_question.rules.margin;
 	point.bend = facet.curvature();

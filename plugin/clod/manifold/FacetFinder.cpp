@@ -98,6 +98,7 @@ void FacetFinder::findPair(const Contact& contact)
 	for (const MovedEdge* edgeA : m_edgesA)
 		for (const MovedEdge* edgeB : m_edgesB)
 			if (edgeA->box.meets(edgeB->box, m_pair.reach)) edgeOverEdge(*edgeA, *edgeB);
+	if (q.isRound()) findRound();
 }
 
 // What of either node comes near the other in the step: by boxes, and by what lies between the hulls.

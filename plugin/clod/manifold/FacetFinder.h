@@ -2,9 +2,11 @@
 // Finds the facets (Facet.h) of pairs of nodes within reach.
 //
 // A facet is near when it is within the resting height now (vertex locally lowest, edges' arcs crossing, foot on the
-// facet), on the way when the chord of the coming step meets it, and overlapping when its distance is negative.
+// facet), on the way when the chord of the coming step meets it, and overlapping when its distance is negative. Facets of
+// vertices over edges and vertices are looked for where a body is round; they never overlap.
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "clod/manifold/MovedNode.h"
@@ -32,6 +34,19 @@ private:
 	double highest(double closing) const;
 	void vertexOverFace(const MovedCorner& vertex, std::uint32_t polygon, bool vertexIsOfA);
 	void edgeOverEdge(const MovedEdge& still, const MovedEdge& moved);
+	// RoundFacets.cpp, frame A.
+	struct Approach
+	{
+		Facet::Reach reach;
+		double share;  // of the way ahead, where it counts
+		Vec3 between;  // there
+	};
+	std::optional<Approach> approach(const Vec3& now, const Vec3& then) const;
+	void findRound();
+	void vertexOverEdge(const MovedCorner& vertex, const MovedEdge& edge, bool vertexIsOfA);
+	void vertexOverVertex(const MovedCorner& ofA, const MovedCorner& ofB);
+	bool isInCone(const MovedCorner& vertex, const Vec3& normal, bool isOfA) const;
+	void addRound(Facet& facet, const Approach& approach, const Vec3& now, const Vec3& then, const Vec3& normal);
 	std::size_t slotOf(const Facet& facet) const;
 	void add(Facet& facet);
 

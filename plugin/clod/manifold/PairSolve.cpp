@@ -19,6 +19,24 @@ Transform movedBy(const PairBody& body, const Transform& pose, double timeStep)
 	const Mat3 turn = rotationFromQuaternion(sine * axis.x, sine * axis.y, sine * axis.z, std::cos(0.5 * angle));
 	return {turn * pose.rotation, body.center + timeStep * body.linear + turn * (pose.translation - body.center)};
 }
+
+bool isOfRound(Facet::Kind kind)
+{
+	return kind == Facet::Kind::kVertexEdge || kind == Facet::Kind::kEdgeVertex || kind == Facet::Kind::kVertexVertex;
+}
+
+// From the nearest point of B's feature to that of A's, with a vertex on one side at least.
+Vec3 betweenAt(const Facet& facet, const ContactSurface& a, const ContactSurface& b, const Transform& aFromB)
+{
+	if (facet.kind == Facet::Kind::kVertexVertex) return a.vertices()[facet.featureA] - aFromB * b.vertices()[facet.featureB];
+	if (facet.kind == Facet::Kind::kVertexEdge)
+	{
+		const SurfaceEdge& k = b.edges()[facet.featureB];
+		return fromLine(aFromB * b.vertices()[k.vertex[0]], aFromB.rotation * k.direction, a.vertices()[facet.featureA]);
+	}
+	const SurfaceEdge& e = a.edges()[facet.featureA];
+	return -fromLine(a.vertices()[e.vertex[0]], e.direction, aFromB * b.vertices()[facet.featureB]);
+}
 }  // namespace
 
 Transform aFromBAfter(const PairBody& a, const PairBody& b, const Transform& aFromB, double timeStep)
@@ -38,6 +56,11 @@ double distanceAt(const FacetQuestion& question, const Facet& facet, const Trans
 	{
 		const SurfaceFace& face = a.planeOf(facet.featureA);
 		return dot(face.normal, aFromB * b.vertices()[facet.featureB]) - face.offset;
+	}
+	if (isOfRound(facet.kind))
+	{
+		const Vec3 between = betweenAt(facet, a, b, aFromB);
+		return std::copysign(length(between), dot(between, facet.normal));
 	}
 	const SurfaceEdge &e = a.edges()[facet.featureA], &k = b.edges()[facet.featureB];
 	return distanceOfLines(a.vertices()[e.vertex[0]], e.direction, aFromB * b.vertices()[k.vertex[0]],
@@ -62,6 +85,22 @@ bool PairSolve::isMet(const FacetQuestion& q, const Facet& facet, const Transfor
 		return b.squaredBeside(facet.featureB, back * a.vertices()[facet.featureA]) <= slack * slack;
 	if (facet.kind == Facet::Kind::kFaceVertex)
 		return a.squaredBeside(facet.featureA, after * b.vertices()[facet.featureB]) <= slack * slack;
+	if (facet.kind == Facet::Kind::kVertexVertex) return true;
+	const auto isOver = [slack](const SurfaceEdge& edge, const Vec3& start, const Vec3& point)
+	{
+		const double along = dot(edge.direction, point - start);
+		return along >= -slack && along <= edge.length + slack;
+	};
+	if (facet.kind == Facet::Kind::kVertexEdge)
+	{
+		const SurfaceEdge& k = b.edges()[facet.featureB];
+		return isOver(k, b.vertices()[k.vertex[0]], back * a.vertices()[facet.featureA]);
+	}
+	if (facet.kind == Facet::Kind::kEdgeVertex)
+	{
+		const SurfaceEdge& e = a.edges()[facet.featureA];
+		return isOver(e, a.vertices()[e.vertex[0]], after * b.vertices()[facet.featureB]);
+	}
 	const SurfaceEdge &e = a.edges()[facet.featureA], &k = b.edges()[facet.featureB];
 	const Vec3 direction = after.rotation * k.direction;
 	if (length(cross(e.direction, direction)) < kParallelSine) return false;
@@ -150,9 +189,10 @@ void PairSolve::solve(const FacetQuestion& question, std::vector<Facet>& facets)
 			facet.then = facet.distance + facet.linear;
 			if (facet.kind == Facet::Kind::kDeep) continue;
 			facet.then = distanceAt(question, facet, after, back);
-			// A normal turns no faster than the bodies, but that of two edges all but parallel.
+			// A normal turns no faster than the bodies, but that of two edges all but parallel, and of a round corner.
 			const double most = bendBound(facet, question.rules.timeStep);
-			facet.then = facet.distance + facet.linear + std::max(-most, std::min(most, facet.curvature()));
+			if (!isOfRound(facet.kind))
+				facet.then = facet.distance + facet.linear + std::max(-most, std::min(most, facet.curvature()));
 			if (facet.reach == Facet::Reach::kPossible && facet.then < question.rules.margin &&
 				isMet(question, facet, after, back))
 				facet.reach = Facet::Reach::kPath;

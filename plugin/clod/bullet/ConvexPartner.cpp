@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Zlib
+#include "clod/bullet/ConvexPartner.h"
+
+#include <BulletCollision/CollisionShapes/btConeShape.h>
+#include <BulletCollision/CollisionShapes/btConvexShape.h>
+#include <BulletCollision/CollisionShapes/btCylinderShape.h>
+#include <BulletCollision/CollisionShapes/btMultiSphereShape.h>
+#include <BulletCollision/CollisionShapes/btPolyhedralConvexShape.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "clod/bullet/BodyState.h"
+#include "clod/hierarchy/ConvexPiece.h"
+#include "clod/manifold/ContactPoints.h"
+
+namespace clod
+{
+namespace
+{
+constexpr std::size_t kMostCorners = 256;        // of what is curved
+constexpr std::size_t kMostHullCorners = 65535;  // that a face can name
+constexpr double kCurved = 0.5 * kSkinShare;     // of the radius: how far a prism may be from its cylinder
+constexpr double kSheet = 1e-5;                  // of its size: half the thickness of what is flat
+constexpr std::size_t kMostUnused = 256;         // partners kept for shapes that may come again
+
+// A shape as points or as a support function, grown by a radius. World lengths.
+struct Description
+{
+	std::vector<double> numbers;
+	std::vector<Vec3> points;
+	double radius = 0;
+	bool isBySupport = false;
+	double error = 0;
+};
+
+Vec3 coreSupport(const btConvexShape& shape, const Vec3& direction)
+{
+	return toVec3(shape.localGetSupportingVertexWithoutMargin(
+		btVector3(btScalar(direction.x), btScalar(direction.y), btScalar(direction.z))));
+}
+
+// A regular polygon between the circles that it touches with its corners and with its sides, so that either is as far off.
+void addRim(double radius, double height, int up, Description& description)
+{
+	const int sides = 4 * int(std::ceil(0.125 * 3.14159265358979 / std::sqrt(kCurved)));
+	const double half = 3.14159265358979 / sides, corner = 2 * radius / (1 + std::cos(half));
+	for (int i = 0; i < sides; ++i)
+	{
+		Vec3 p;
+		p[up] = height;
+		p[(up + 1) % 3] = corner * std::cos((2 * i + 1) * half);
+		p[(up + 2) % 3] = corner * std::sin((2 * i + 1) * half);
+		description.points.push_back(p);
+	}
+	description.error = std::max(description.error, radius - corner * std::cos(half));
+}
+
+void describeCylinder(const btCylinderShape& shape, Description& description)
+{
+	const int up = shape.getUpAxis();
+	const Vec3 half = toVec3(shape.getHalfExtentsWithoutMargin());
+	const double radius = std::max(0.0, double(shape.getRadius()) - description.radius);
+	const double height = std::max(0.0, half[up]);
+	addRim(radius, height, up, description);
+	addRim(radius, -height, up, description);
+}
+
+void describeCone(const btConeShape& shape, Description& description)
+{
+	const int up = shape.getConeUpIndex();
+	Vec3 apex;
+	apex[up] = 0.5 * double(shape.getHeight());
+	description.points.push_back(apex);
+	addRim(double(shape.getRadius()), -apex[up], up, description);
+}
+
+// Where all have one radius: their centres.
+bool describeSpheres(const btMultiSphereShape& shape, Description& description)
+{
+	const Vec3 scaling = toVec3(shape.getLocalScaling());
+	for (int i = 0; i < shape.getSphereCount(); ++i)
+	{
+		const Vec3 p = toVec3(shape.getSpherePosition(i));
+		description.points.push_back({p.x * scaling.x, p.y * scaling.y, p.z * scaling.z});
+		if (shape.getSphereRadius(i) != shape.getSphereRadius(0)) description.isBySupport = true;
+	}
+	if (description.isBySupport)
+	{
+		description.points.clear();
+		return false;
+	}
+	description.radius = double(shape.getSphereRadius(0)) * scaling.x;
+	return true;
+}
+
+void describePolyhedron(const btPolyhedralConvexShape& shape, Description& description)
+{
+	for (int i = 0; i < shape.getNumVertices(); ++i)
+	{
+		btVector3 vertex;
+		shape.getVertex(i, vertex);
+		description.points.push_back(toVec3(vertex));
+	}
+	// Of a box Bullet gives the corners with the margin in them.
+	if (shape.getShapeType() == BOX_SHAPE_PROXYTYPE) description.radius = 0;
+	description.isBySupport = description.points.empty();
+}
+
+Description describe(const btConvexShape& shape)
+{
+	Description description;
+	description.radius = double(shape.getMargin());
+	if (shape.isPolyhedral())
+		describePolyhedron(static_cast<const btPolyhedralConvexShape&>(shape), description);
+	else if (shape.getShapeType() == CYLINDER_SHAPE_PROXYTYPE)
+		describeCylinder(static_cast<const btCylinderShape&>(shape), description);
+	else if (shape.getShapeType() == CONE_SHAPE_PROXYTYPE)
+		describeCone(static_cast<const btConeShape&>(shape), description);
+	else if (shape.getShapeType() != MULTI_SPHERE_SHAPE_PROXYTYPE ||
+			 !describeSpheres(static_cast<const btMultiSphereShape&>(shape), description))
+		description.isBySupport = true;
+	std::vector<double>& numbers = description.numbers;
+	numbers = {double(shape.getShapeType()), description.radius};
+	for (const Vec3& p : description.points) numbers.insert(numbers.end(), {p.x, p.y, p.z});
+	for (int x = -1; description.isBySupport && x <= 1; ++x)
+		for (int y = -1; y <= 1; ++y)
+			for (int z = -1; z <= 1; ++z)
+			{
+				const Vec3 p = coreSupport(shape, {double(x), double(y), double(z)});
+				numbers.insert(numbers.end(), {p.x, p.y, p.z});
+			}
+	return description;
+}
+
+// What encloses no volume is made a thin solid.
+ConvexPolyhedron thickened(const ConvexPolyhedron& flat)
+{
+	const std::array<std::uint32_t, 3>& t = flat.triangles[0];
+	double size = 0;
+	for (const Vec3& v : flat.vertices) size = std::max(size, length(v - flat.vertices[0]));
+	const Vec3 half = kSheet * size *
+					  normalized(cross(flat.vertices[t[1]] - flat.vertices[t[0]], flat.vertices[t[2]] - flat.vertices[t[0]]));
+	std::vector<Vec3> points;
+	for (const Vec3& v : flat.vertices)
+	{
+		points.push_back(v + half);
+		points.push_back(v - half);
+	}
+	return convexPolyhedron(points, kMostHullCorners);
+}
+
+void make(const btConvexShape& shape, double unit, const Description& description, ConvexPartner& partner)
+{
+	partner.radius = description.radius / unit;
+	ConvexPolyhedron polyhedron;
+	if (description.isBySupport)
+	{
+		double size = 0;
+		for (std::size_t i = 2; i < description.numbers.size(); ++i) size = std::max(size, std::abs(description.numbers[i]));
+		polyhedron = convexPolyhedron([&](const Vec3& d) { return (1 / unit) * coreSupport(shape, d); },
+									  kCurved * (size + description.radius) / unit, kMostCorners);
+	}
+	else
+	{
+		std::vector<Vec3> points;
+		for (const Vec3& p : description.points) points.push_back((1 / unit) * p);
+		polyhedron = convexPolyhedron(points, kMostHullCorners);
+	}
+	partner.error = polyhedron.error + description.error / unit;
+	Result<std::shared_ptr<const Hierarchy>> piece = convexPiece(polyhedron, partner.radius);
+	if (!piece && !polyhedron.triangles.empty()) piece = convexPiece(thickened(polyhedron), partner.radius);
+	if (piece)
+		partner.hierarchy = piece.value();
+	else
+		partner.problem = piece.error();
+}
+}  // namespace
+
+std::shared_ptr<const ConvexPartner> ConvexPartners::of(const btConvexShape& shape, double unit,
+														const std::shared_ptr<const ConvexPartner>& known)
+{
+	Description description = describe(shape);
+	description.numbers.push_back(unit);
+	if (known && known->shape == description.numbers) return known;
+	ConvexPartner made;
+	made.shape = description.numbers;
+	if (!std::all_of(made.shape.begin(), made.shape.end(), [](double v) { return std::isfinite(v); }))
+	{
+		made.problem = "a number of the shape is not finite";
+		return std::make_shared<const ConvexPartner>(made);
+	}
+	const std::lock_guard<std::mutex> lock(m_mutex);
+	std::shared_ptr<const ConvexPartner>& partner = m_partners[made.shape];
+	if (partner) return partner;
+	make(shape, unit, description, made);
+	const auto kept = partner = std::make_shared<const ConvexPartner>(std::move(made));
+	for (auto i = m_partners.begin(); m_partners.size() > kMostUnused && i != m_partners.end();)
+		i = i->second.use_count() == 1 ? m_partners.erase(i) : std::next(i);
+	return kept;
+}
+}  // namespace clod

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Zlib
+// Bullet's own convex shapes as their partners meet them: one-piece hierarchies (hierarchy/ConvexPiece.h) grown by a radius,
+// so that a box, a hull or a sphere is met by the same code as another body of ours.
+//
+// Exact are: a box with its corners sharp, margin included; polyhedra by their vertices, grown by their margin; spheres,
+// capsules and multi-spheres of one radius. A cylinder or a cone is a prism or a pyramid whose sides are within half the skin
+// of it, grown by its margin; whatever else has a support function is an inner polyhedron of as many corners as that
+// takes, but no more than kMostCorners, grown by its margin.
+#pragma once
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "clod/hierarchy/Hierarchy.h"
+
+class btConvexShape;
+
+namespace clod
+{
+struct ConvexPartner
+{
+	std::vector<double> shape;  // all that makes it, the unit included: equal lists are equal partners
+	std::shared_ptr<const Hierarchy> hierarchy;  // none where the shape cannot be used,
+	std::string problem;                         // and why
+	double radius = 0;  // that the hierarchy is grown by
+	double error = 0;   // how far the shape may reach out of what stands for it
+};
+
+// Those of a world. May be used by several threads.
+class ConvexPartners
+{
+public:
+	// In units of `unit` world lengths. known: the last answer, or null; it comes back while the shape is as it was. Cost:
+	// a look at the shape's numbers or vertices; anew some 20 us for a box, a millisecond for a hull of 100 vertices.
+	std::shared_ptr<const ConvexPartner> of(const btConvexShape& shape, double unit,
+											const std::shared_ptr<const ConvexPartner>& known);
+
+private:
+	std::mutex m_mutex;
+	std::map<std::vector<double>, std::shared_ptr<const ConvexPartner>> m_partners;
+};
+}  // namespace clod

@@ -1,0 +1,343 @@
+// SPDX-License-Identifier: Zlib
+#include "clod/collide/ConvexPolyhedron.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+
+namespace clod
+{
+namespace
+{
+constexpr double kFlat = 1e-6;      // of the size: extents below are none
+constexpr double kVisible = 1e-9;   // of the size: how far above a face a point is outside, beyond rounding
+constexpr double kExact = 2e-7;     // of the size: vertices are floats
+constexpr std::uint32_t kNobody = 0xFFFFFFFFu;
+
+struct HullFace
+{
+	std::array<std::uint32_t, 3> vertex;
+	std::array<std::uint32_t, 3> neighbour;  // across edge (vertex[i], vertex[i + 1])
+	Vec3 normal;
+	double offset = 0;
+	Vec3 beyond;           // the body's farthest point along the normal,
+	double error = 0;      // and how far outside it is
+	bool isAlive = true;
+};
+
+class Hull
+{
+public:
+	Hull(const Support& support, double accuracy, std::size_t mostVertices)
+		: m_support(support), m_accuracy(accuracy), m_mostVertices(mostVertices)
+	{
+	}
+	ConvexPolyhedron make();
+
+private:
+	Vec3 farthest(const Vec3& direction) const { return toVec3(toFloat3(m_support(direction))); }
+	bool findSimplex();
+	void makeFlat(const Vec3& normal);
+	std::uint32_t addFace(std::uint32_t a, std::uint32_t b, std::uint32_t c);
+	void measure(HullFace& face) const;
+	bool isOutward(const HullFace& face) const { return face.normal != Vec3{} && dot(face.normal, m_inside) < face.offset; }
+	void makeSimplex();
+	void refine();
+	bool insert(std::uint32_t from, const Vec3& point);
+	ConvexPolyhedron result() const;
+
+	const Support& m_support;
+	const double m_accuracy;
+	const std::size_t m_mostVertices;
+	double m_size = 0;
+	std::vector<Vec3> m_vertices;
+	std::vector<HullFace> m_faces;
+	std::vector<std::array<std::uint32_t, 3>> m_flat;
+	Vec3 m_inside;
+	double m_error = 0;
+};
+
+Vec3 acrossOf(const Vec3& v)
+{
+	return normalized(cross(v, std::abs(v.x) <= std::abs(v.y) && std::abs(v.x) <= std::abs(v.z) ? Vec3{1, 0, 0}
+							   : std::abs(v.y) <= std::abs(v.z)                                 ? Vec3{0, 1, 0}
+																								: Vec3{0, 0, 1}));
+}
+
+// The first points, as many as the body has dimensions and one. True: it is solid.
+bool Hull::findSimplex()
+{
+	std::vector<Vec3> points;
+	for (int x = -1; x <= 1; ++x)
+		for (int y = -1; y <= 1; ++y)
+			for (int z = -1; z <= 1; ++z)
+				if (x != 0 || y != 0 || z != 0) points.push_back(farthest({double(x), double(y), double(z)}));
+	double widest = -1, largest = 0;
+	Vec3 a, b;
+	for (const Vec3& p : points)
+		for (const Vec3& q : points)
+			if (lengthSquared(p - q) > widest)
+			{
+				widest = lengthSquared(p - q);
+				a = p;
+				b = q;
+			}
+	for (const Vec3& p : points) largest = std::max(largest, length(p));
+	m_size = std::sqrt(widest);
+	m_vertices = {a};
+	if (m_size <= kExact * largest) return false;
+	m_vertices.push_back(b);
+	const Vec3 along = normalized(b - a), across = acrossOf(along), third = cross(along, across);
+	Vec3 c, d;
+	double far = 0;
+	for (const Vec3& direction : {across, -across, third, -third, across + third, across - third})
+	{
+		const Vec3 p = farthest(direction);
+		const double off = length(cross(p - a, along));
+		if (off > far)
+		{
+			far = off;
+			c = p;
+		}
+	}
+	if (far <= kFlat * m_size) return false;
+	const Vec3 normal = normalized(cross(b - a, c - a));
+	far = 0;
+	for (const Vec3& direction : {normal, -normal})
+	{
+		const Vec3 p = farthest(direction);
+		if (std::abs(dot(p - a, normal)) <= far) continue;
+		far = std::abs(dot(p - a, normal));
+		d = p;
+	}
+	if (far <= kFlat * m_size)
+	{
+		m_vertices.push_back(c);
+		makeFlat(normal);
+		return false;
+	}
+	if (dot(normal, d - a) > 0) std::swap(b, c);
+	m_vertices = {a, b, c, d};
+	m_inside = 0.25 * (a + b + c + d);
+	return true;
+}
+
+// A polygon, refined edge by edge in its plane.
+void Hull::makeFlat(const Vec3& normal)
+{
+	std::vector<Vec3> ring = m_vertices;
+	for (;;)
+	{
+		double worst = std::max(m_accuracy, kExact * m_size);
+		std::size_t at = ring.size();
+		Vec3 beyond;
+		m_error = 0;
+		for (std::size_t i = 0; i < ring.size(); ++i)
+		{
+			const Vec3 out = normalized(cross(ring[(i + 1) % ring.size()] - ring[i], normal));
+			const Vec3 p = farthest(out);
+			const double error = dot(out, p - ring[i]);
+			m_error = std::max(m_error, error);
+			if (error <= worst) continue;
+			worst = error;
+			at = i;
+			beyond = p;
+		}
+		if (at == ring.size() || ring.size() >= m_mostVertices) break;
+		ring.insert(ring.begin() + std::ptrdiff_t(at) + 1, beyond);
+	}
+	m_vertices = ring;
+	for (std::uint32_t i = 2; i < ring.size(); ++i)
+	{
+		m_flat.push_back({0, i - 1, i});
+		m_flat.push_back({0, i, i - 1});
+	}
+}
+
+void Hull::measure(HullFace& face) const
+{
+	const Vec3 &a = m_vertices[face.vertex[0]], &b = m_vertices[face.vertex[1]], &c = m_vertices[face.vertex[2]];
+	face.normal = normalized(cross(b - a, c - a));
+	face.offset = std::max({dot(face.normal, a), dot(face.normal, b), dot(face.normal, c)});
+}
+
+std::uint32_t Hull::addFace(std::uint32_t a, std::uint32_t b, std::uint32_t c)
+{
+	HullFace face;
+	face.vertex = {a, b, c};
+	face.neighbour = {kNobody, kNobody, kNobody};
+	measure(face);
+	face.beyond = farthest(face.normal);
+	face.error = dot(face.normal, face.beyond) - face.offset;
+	m_faces.push_back(face);
+	return std::uint32_t(m_faces.size() - 1);
+}
+
+void Hull::makeSimplex()
+{
+	addFace(0, 1, 2);
+	addFace(0, 3, 1);
+	addFace(1, 3, 2);
+	addFace(2, 3, 0);
+	m_faces[0].neighbour = {1, 2, 3};
+	m_faces[1].neighbour = {3, 2, 0};
+	m_faces[2].neighbour = {1, 3, 0};
+	m_faces[3].neighbour = {2, 1, 0};
+}
+
+// Faces below the point go, those round them are joined to it. False: rounding forbids it, and nothing has changed.
+bool Hull::insert(std::uint32_t from, const Vec3& point)
+{
+	std::vector<std::uint32_t> visible(1, from);
+	std::vector<char> isSeen(m_faces.size(), 0);
+	isSeen[from] = 1;
+	std::map<std::uint32_t, std::array<std::uint32_t, 3>> horizon;  // by its first vertex: the second, the face outside, its edge
+	for (std::size_t i = 0; i < visible.size(); ++i)
+		for (std::size_t e = 0; e < 3; ++e)
+		{
+			const HullFace& face = m_faces[visible[i]];
+			const std::uint32_t next = face.neighbour[e];
+			const HullFace& other = m_faces[next];
+			if (isSeen[next] == 1) continue;
+			if (dot(other.normal, point) - other.offset > kVisible * m_size)
+			{
+				isSeen[next] = 1;
+				visible.push_back(next);
+			}
+		}
+	for (const std::uint32_t f : visible)
+		for (std::size_t e = 0; e < 3; ++e)
+		{
+			const HullFace& face = m_faces[f];
+			const std::uint32_t next = face.neighbour[e];
+			if (isSeen[next] == 1) continue;
+			std::uint32_t back = 0;
+			while (m_faces[next].neighbour[back] != f || m_faces[next].vertex[back] != face.vertex[(e + 1) % 3]) ++back;
+			if (!horizon.insert({face.vertex[e], {face.vertex[(e + 1) % 3], next, back}}).second) return false;
+		}
+	std::size_t length = 0;
+	for (std::uint32_t at = horizon.begin()->first; length <= horizon.size(); ++length)
+	{
+		const auto found = horizon.find(at);
+		if (found == horizon.end()) return false;
+		HullFace face;
+		face.vertex = {at, found->second[0], 0};
+		const Vec3 &a = m_vertices[at], &b = m_vertices[found->second[0]];
+		face.normal = normalized(cross(b - a, point - a));
+		face.offset = dot(face.normal, a);
+		if (!isOutward(face)) return false;
+		at = found->second[0];
+		if (at == horizon.begin()->first) break;
+	}
+	if (length + 1 != horizon.size()) return false;
+
+	for (const std::uint32_t f : visible) m_faces[f].isAlive = false;
+	const std::uint32_t apex = std::uint32_t(m_vertices.size());
+	m_vertices.push_back(point);
+	std::uint32_t first = kNobody, last = kNobody, at = horizon.begin()->first;
+	do
+	{
+		const auto& [to, outside, edge] = horizon.at(at);
+		const std::uint32_t face = addFace(at, to, apex);
+		m_faces[face].neighbour[0] = outside;
+		m_faces[outside].neighbour[edge] = face;
+		if (last != kNobody)
+		{
+			m_faces[face].neighbour[2] = last;
+			m_faces[last].neighbour[1] = face;
+		}
+		else
+			first = face;
+		last = face;
+		at = to;
+	} while (at != horizon.begin()->first);
+	m_faces[first].neighbour[2] = last;
+	m_faces[last].neighbour[1] = first;
+	return true;
+}
+
+void Hull::refine()
+{
+	const double accuracy = std::max(m_accuracy, kExact * m_size);
+	double refused = 0;
+	for (;;)
+	{
+		std::uint32_t worst = kNobody;
+		m_error = 0;
+		for (std::uint32_t f = 0; f < m_faces.size(); ++f)
+		{
+			if (!m_faces[f].isAlive || m_faces[f].error <= m_error) continue;
+			m_error = m_faces[f].error;
+			worst = f;
+		}
+		if (m_error <= accuracy || m_vertices.size() >= m_mostVertices) break;
+		if (insert(worst, m_faces[worst].beyond)) continue;
+		refused = std::max(refused, m_error);
+		m_faces[worst].error = 0;
+	}
+	m_error = std::max(m_error, refused);
+}
+
+ConvexPolyhedron Hull::result() const
+{
+	ConvexPolyhedron polyhedron;
+	polyhedron.error = m_error;
+	if (m_faces.empty())
+	{
+		polyhedron.vertices = m_vertices;
+		polyhedron.triangles = m_flat;
+		return polyhedron;
+	}
+	std::vector<std::uint32_t> place(m_vertices.size(), kNobody);
+	for (const HullFace& face : m_faces)
+	{
+		if (!face.isAlive) continue;
+		std::array<std::uint32_t, 3> triangle;
+		for (std::size_t i = 0; i < 3; ++i)
+		{
+			std::uint32_t& at = place[face.vertex[i]];
+			if (at == kNobody)
+			{
+				at = std::uint32_t(polyhedron.vertices.size());
+				polyhedron.vertices.push_back(m_vertices[face.vertex[i]]);
+			}
+			triangle[i] = at;
+		}
+		polyhedron.triangles.push_back(triangle);
+	}
+	return polyhedron;
+}
+
+ConvexPolyhedron Hull::make()
+{
+	if (findSimplex())
+	{
+		makeSimplex();
+		refine();
+	}
+	return result();
+}
+}  // namespace
+
+ConvexPolyhedron convexPolyhedron(const Support& support, double accuracy, std::size_t mostVertices)
+{
+	return Hull(support, accuracy, std::max<std::size_t>(4, mostVertices)).make();
+}
+
+ConvexPolyhedron convexPolyhedron(const std::vector<Vec3>& points, std::size_t mostVertices)
+{
+	const Support farthest = [&points](const Vec3& direction)
+	{
+		Vec3 best;
+		double most = -std::numeric_limits<double>::infinity();
+		for (const Vec3& p : points)
+			if (dot(p, direction) > most)
+			{
+				most = dot(p, direction);
+				best = p;
+			}
+		return best;
+	};
+	return convexPolyhedron(farthest, 0, mostVertices);
+}
+}  // namespace clod

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Zlib
+// Facets of round bodies: a vertex of one over an edge or a vertex of the other, along the way between them.
+#include <algorithm>
+#include <cmath>
+
+#include "clod/manifold/FacetFinder.h"
+
+namespace clod
+{
+void FacetFinder::findRound()
+{
+	for (const MovedCorner* corner : m_cornersA)
+		for (const MovedEdge* edge : m_edgesB)
+			if (corner->box.meets(edge->box, m_pair.reach)) vertexOverEdge(*corner, *edge, true);
+	for (const MovedCorner* corner : m_cornersB)
+		for (const MovedEdge* edge : m_edgesA)
+			if (corner->box.meets(edge->box, m_pair.reach)) vertexOverEdge(*corner, *edge, false);
+	for (const MovedCorner* ofA : m_cornersA)
+		for (const MovedCorner* ofB : m_cornersB)
+			if (ofA->box.meets(ofB->box, m_pair.reach)) vertexOverVertex(*ofA, *ofB);
+}
+
+// Of two features that are so far apart now and at the end of the step. Between is all but straight.
+std::optional<FacetFinder::Approach> FacetFinder::approach(const Vec3& now, const Vec3& then) const
+{
+	const FacetQuestion& q = *m_question;
+	if (lengthSquared(now) <= q.touching() * q.touching()) return Approach{Facet::Reach::kNear, 0, now};
+	const Vec3 ahead = kPathReach * (then - now);
+	const double squared = lengthSquared(ahead), along = dot(now, ahead);
+	const double nearest = squared > 0 ? std::max(0.0, std::min(1.0, -along / squared)) : 0;
+	const double least = lengthSquared(now + nearest * ahead), margin = q.rules.margin;
+	if (nearest > 0 && least <= margin * margin)
+	{
+		const double root = std::sqrt(std::max(0.0, along * along - squared * (lengthSquared(now) - margin * margin)));
+		const double first = std::max(0.0, (-along - root) / squared);
+		return Approach{Facet::Reach::kPath, kPathReach * first, now + first * ahead};
+	}
+	const double highest = q.touching() + m_pair.roam;
+	if (least <= highest * highest) return Approach{Facet::Reach::kPossible, kPathReach * nearest, now + nearest * ahead};
+	return {};
+}
+
+// May the vertex touch with this normal, from B to A?
+bool FacetFinder::isInCone(const MovedCorner& vertex, const Vec3& normal, bool isOfA) const
+{
+	const Vec3 up = isOfA ? normal : -(m_bFromA.rotation * normal);
+	for (const Vec3& d : (isOfA ? m_pair.a : m_pair.b)->fan(vertex.index))
+		if (dot(d, up) < -kArcSlack) return false;
+	return true;
+}
+
+void FacetFinder::addRound(Facet& facet, const Approach& approach, const Vec3& now, const Vec3& then, const Vec3& normal)
+{
+	facet.reach = approach.reach;
+	facet.normal = normal;
+	facet.distance = dot(normal, now);
+	facet.then = std::copysign(length(then), dot(normal, then));
+	add(facet);
+}
+
+void FacetFinder::vertexOverEdge(const MovedCorner& vertex, const MovedEdge& moved, bool vertexIsOfA)
+{
+	const Vec3 place = vertexIsOfA ? m_pair.a->vertices()[vertex.index] : vertex.now;
+	const Vec3 placeThen = vertexIsOfA ? place : vertex.then;
+	const double sign = vertexIsOfA ? 1 : -1;
+	const Vec3 now = sign * fromLine(moved.start, moved.direction, place);
+	const Vec3 then = sign * fromLine(moved.thenStart, moved.thenDirection, placeThen);
+	const std::optional<Approach> met = approach(now, then);
+	if (!met) return;
+	const SurfaceEdge& edge = (vertexIsOfA ? m_pair.b : m_pair.a)->edges()[moved.index];
+	const double alongNow = dot(moved.direction, place - moved.start);
+	const double alongThen = dot(moved.thenDirection, placeThen - moved.thenStart);
+	const double along = alongNow + met->share * (alongThen - alongNow);
+	const double slack = met->reach == Facet::Reach::kPossible ? m_pair.roam
+														  : kPathSlack * met->share * std::abs(alongThen - alongNow);
+	if (along < -slack || along > edge.length + slack) return;
+	const Vec3 normal = normalized(met->between);
+	if (normal == Vec3{} || !isInCone(vertex, normal, vertexIsOfA)) return;
+	const Vec3 away = vertexIsOfA ? -(m_bFromA.rotation * normal) : normal;
+	if (dot(away, edge.inward[0]) < -kArcSlack || dot(away, edge.inward[1]) < -kArcSlack) return;
+	Facet facet;
+	facet.kind = vertexIsOfA ? Facet::Kind::kVertexEdge : Facet::Kind::kEdgeVertex;
+	facet.featureA = vertexIsOfA ? vertex.index : moved.index;
+	facet.featureB = vertexIsOfA ? moved.index : vertex.index;
+	const double distance = dot(normal, now);
+	facet.onA = vertexIsOfA ? place : place + distance * normal;
+	facet.onB = vertexIsOfA ? place - distance * normal : place;
+	addRound(facet, *met, now, then, normal);
+}
+
+void FacetFinder::vertexOverVertex(const MovedCorner& ofA, const MovedCorner& ofB)
+{
+	const Vec3& place = m_pair.a->vertices()[ofA.index];
+	const Vec3 now = place - ofB.now, then = place - ofB.then;
+	const std::optional<Approach> met = approach(now, then);
+	if (!met) return;
+	const Vec3 normal = normalized(met->between);
+	if (normal == Vec3{} || !isInCone(ofA, normal, true) || !isInCone(ofB, normal, false)) return;
+	Facet facet;
+	facet.kind = Facet::Kind::kVertexVertex;
+	facet.featureA = ofA.index;
+	facet.featureB = ofB.index;
+	facet.onA = place;
+	facet.onB = place - dot(normal, now) * normal;
+	addRound(facet, *met, now, then, normal);
+}
+}  // namespace clod

@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Bullet's convex shapes against ours: rest, distances and rolling, with closed forms and Bullet's own GJK beside.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "tests/bullet/BulletWorld.h"
+#include "tests/bullet/PatchHierarchy.h"
+#include "tests/query/Bodies.h"
+#include "tests/query/TriangleGap.h"
+
+namespace clod::test
+{
+namespace
+{
+struct Kind
+{
+	const char* name;
+	std::function<std::unique_ptr<btCollisionShape>()> make;
+	double height;     // of its lowest point under its origin, as it is put down
+	double tolerance;  // of that, besides skin and resting height
+};
+
+std::unique_ptr<btConvexHullShape> hullOfCube(double half)
+{
+	auto hull = std::make_unique<btConvexHullShape>();
+	for (int i = 0; i < 8; ++i)
+		hull->addPoint(btVector3(btScalar((i & 1) != 0 ? half : -half), btScalar((i & 2) != 0 ? half : -half),
+								 btScalar((i & 4) != 0 ? half : -half)));
+	return hull;
+}
+
+const std::vector<Kind>& kinds()
+{
+	static const std::vector<Kind> all = {
+		{"box", [] { return std::make_unique<btBoxShape>(btVector3(btScalar(0.5), btScalar(0.3), btScalar(0.4))); }, 0.3, 0},
+		{"hull", [] { return hullOfCube(0.4); }, 0.44, 0},
+		{"sphere", [] { return std::make_unique<btSphereShape>(btScalar(0.5)); }, 0.5, 0},
+		{"capsule", [] { return std::make_unique<btCapsuleShapeX>(btScalar(0.3), btScalar(0.8)); }, 0.3, 0},
+		{"spheres",
+		 []
+		 {
+			 const btVector3 places[2] = {btVector3(btScalar(-0.3), 0, 0), btVector3(btScalar(0.3), 0, 0)};
+			 const btScalar radii[2] = {btScalar(0.25), btScalar(0.25)};
+			 return std::make_unique<btMultiSphereShape>(places, radii, 2);
+		 },
+		 0.25, 0},
+		{"unequal spheres",
+		 []
+		 {
+			 const btVector3 places[2] = {btVector3(btScalar(-0.3), 0, 0), btVector3(btScalar(0.3), btScalar(-0.05), 0)};
+			 const btScalar radii[2] = {btScalar(0.25), btScalar(0.2)};
+			 return std::make_unique<btMultiSphereShape>(places, radii, 2);
+		 },
+		 0.25, 0.004},
+		{"cylinder",
+		 [] { return std::make_unique<btCylinderShape>(btVector3(btScalar(0.4), btScalar(0.3), btScalar(0.4))); }, 0.3, 0},
+		{"cone", [] { return std::make_unique<btConeShape>(btScalar(0.4), btScalar(0.8)); }, 0.44, 0},
+	};
+	return all;
+}
+}  // namespace
+
+// What touches with radii stands at them; nothing sinks, creeps or jumps. Ground and mover change places.
+TEST(Convex, RestsWhereItsSurfaceSays)
+{
+	for (const Kind& kind : kinds())
+		for (const bool clodIsGround : {true, false})
+		{
+			BulletWorld scene;
+			btCollisionShape& convex = scene.add(kind.make());
+			btClodShape& ours = scene.addShape(clodIsGround ? slab() : cube());
+			if (!clodIsGround && std::string(kind.name) != "box") continue;
+			btRigidBody& ground =
+				clodIsGround ? scene.addBody(ours, 0, {0, -0.5, 0}) : scene.addBody(convex, 0, {0, -kind.height, 0});
+			const double height = clodIsGround ? kind.height : 0.5;
+			btRigidBody& body = clodIsGround ? scene.addBody(convex, 1, {0.1, height + 0.05, 0.2})
+											 : scene.addBody(ours, 1, {0.1, height + 0.05, 0.05});
+			body.setRollingFriction(btScalar(0.01));
+			ground.setRollingFriction(btScalar(0.5));
+			scene.step(720);
+			EXPECT_NEAR(heightOf(body), height, 0.0015 + kind.tolerance) << kind.name;
+			EXPECT_LT(double(body.getLinearVelocity().length()), 1e-3) << kind.name;
+			EXPECT_TRUE(scene.warnings.empty()) << kind.name << ": " << scene.warnings.front();
+			EXPECT_LE(scene.contacts(), 32) << kind.name;
+		}
+}
+
+namespace
+{
+// The least distance of what contactPairTest says, by points no farther apart than the threshold.
+struct Closest : btCollisionWorld::ContactResultCallback
+{
+	double least = std::numeric_limits<double>::infinity();
+	explicit Closest(double threshold) { m_closestDistanceThreshold = btScalar(threshold); }
+	btScalar addSingleResult(btManifoldPoint& point, const btCollisionObjectWrapper*, int, int,
+							 const btCollisionObjectWrapper*, int, int) override
+	{
+		least = std::min(least, double(point.getDistance()));
+		return 0;
+	}
+};
+
+// A convex shape of Bullet's as triangles, those of a point or a segment without area, grown by a radius.
+struct Grown
+{
+	std::unique_ptr<btCollisionShape> shape;
+	TriangleSoup triangles;
+	double radius;
+};
+std::vector<Grown> grownShapes()
+{
+	std::vector<Grown> all;
+	all.push_back({std::make_unique<btSphereShape>(btScalar(0.4)), {{Vec3{}, Vec3{}, Vec3{}}}, 0.4});
+	const Vec3 top{0, 0.3, 0}, bottom{0, -0.3, 0};
+	all.push_back({std::make_unique<btCapsuleShape>(btScalar(0.2), btScalar(0.6)), {{top, bottom, bottom}}, 0.2});
+	const Vec3 corners[4] = {{0.5, 0, 0}, {-0.25, 0.4, 0}, {-0.25, -0.2, 0.4}, {-0.25, -0.2, -0.4}};
+	for (const double margin : {0.0, 0.1})
+	{
+		auto hull = std::make_unique<btConvexHullShape>();
+		for (const Vec3& c : corners) hull->addPoint(btVector3(btScalar(c.x), btScalar(c.y), btScalar(c.z)));
+		hull->setMargin(btScalar(margin));
+		all.push_back({std::move(hull), {}, margin});
+		for (std::size_t i = 0; i < 4; ++i)
+			all.back().triangles.push_back({corners[i], corners[(i + 1) % 4], corners[(i + 2) % 4]});
+	}
+	return all;
+}
+}  // namespace
+
+// Brute force over all triangles, at all distances up to twice the radius, in both orders.
+TEST(Convex, ClosestPointsAreAsFarAsBruteForceSays)
+{
+	Random random(7);
+	int compared = 0;
+	for (const char* name : {"torus-900", "cup-3000"})
+	{
+		const Body& ours = body(name);
+		const double scale = 1 / double(ours.hierarchy->asset().radius);
+		for (Grown& grown : grownShapes())
+		{
+			BulletWorld scene;
+			scene.context.worldMetric = ContactMetric::exactly();
+			btClodShape& shape = scene.addShape(ours.hierarchy);
+			shape.setLocalScaling(btVector3(btScalar(scale), btScalar(scale), btScalar(scale)));
+			btRigidBody& a = scene.addBody(shape, 1, {});
+			btRigidBody& b = scene.addBody(*grown.shape, 1, {});
+			for (int pose = 0; pose < 30; ++pose)
+			{
+				const Mat3 turn = randomRotation(random);
+				const Vec3 place = uniform(random, 0.2, 1.6) * randomDirection(random);
+				btMatrix3x3 basis;
+				for (int i = 0; i < 3; ++i)
+					basis[i].setValue(btScalar(turn.row[i].x), btScalar(turn.row[i].y), btScalar(turn.row[i].z));
+				b.setWorldTransform(btTransform(basis, btVector3(btScalar(place.x), btScalar(place.y), btScalar(place.z))));
+				double expected = std::numeric_limits<double>::infinity();
+				for (std::array<Vec3, 3> s : grown.triangles)
+				{
+					for (Vec3& p : s) p = (1 / scale) * (turn * p + place);
+					for (const std::array<Vec3, 3>& t : ours.triangles)
+						expected = std::min(expected, scale * triangleDistance(s, t));
+				}
+				if (expected < 1e-3 || windingNumber(ours.triangles, (1 / scale) * place) > 0.5) continue;
+				expected -= grown.radius;
+				++compared;
+				for (const bool aFirst : {true, false})
+				{
+					Closest closest(2);
+					scene.world.contactPairTest(aFirst ? &a : &b, aFirst ? &b : &a, closest);
+					EXPECT_NEAR(closest.least, expected, 5e-6) << name << ", " << grown.shape->getName() << " " << grown.radius << ", pose " << pose;
+				}
+			}
+		}
+	}
+	EXPECT_GT(compared, 120);
+}
+
+// A closed slab of flat triangles, in patches: what slides or rolls over it feels none of their borders.
+TEST(Convex, FlatTrianglesHaveNoSeams)
+{
+	const auto grid = patchHierarchy(boxMesh({20, 1, 4}, {40, 1, 8}, 2));
+	for (const Kind& kind : kinds())
+	{
+		const std::string name = kind.name;
+		if (name == "cone" || name == "unequal spheres" || name == "cylinder") continue;
+		BulletWorld scene;
+		btRigidBody& ground = scene.addBody(scene.addShape(grid), 0, {0, -0.5, 0});
+		btRigidBody& body = scene.addBody(scene.add(kind.make()), 1, {-8.5, kind.height + 0.0005, 0.1});
+		ground.setFriction(0);
+		const bool rolls = name == "sphere";
+		body.setFriction(rolls ? 1 : 0);
+		ground.setFriction(rolls ? 1 : 0);
+		body.setLinearVelocity(btVector3(4, 0, 0));
+		if (rolls) body.setAngularVelocity(btVector3(0, 0, btScalar(-4 / kind.height)));
+		scene.step(20);
+		const double start = heightOf(body);
+		double low = start, high = start;
+		for (int i = 0; i < 1000; ++i)
+		{
+			scene.step();
+			low = std::min(low, heightOf(body));
+			high = std::max(high, heightOf(body));
+		}
+		EXPECT_GT(double(body.getLinearVelocity().x()), 3.99) << name;
+		EXPECT_LT(high - low, 1e-4) << name;
+		EXPECT_LT(std::abs(double(body.getWorldTransform().getOrigin().z()) - 0.1), 1e-3) << name;
+	}
+}
+
+// Thirty balls let go just over flat ground stay where they are.
+TEST(Convex, BallsOnFlatGroundDoNotRollOff)
+{
+	BulletWorld scene;
+	scene.addBody(scene.addShape(patchHierarchy(boxMesh({20, 1, 20}, {20, 1, 20}, 2))), 0, {0, -0.5, 0});
+	btCollisionShape& ball = scene.add(std::make_unique<btSphereShape>(btScalar(0.5)));
+	Random random(3);
+	std::vector<btRigidBody*> balls;
+	for (int i = 0; i < 30; ++i)
+		balls.push_back(&scene.addBody(ball, 1,
+									   {1.5 * (i % 6) - 4 + uniform(random, -0.2, 0.2), 0.6,
+										1.5 * (i / 6) - 3 + uniform(random, -0.2, 0.2)}));
+	scene.step(720);
+	for (const btRigidBody* one : balls) EXPECT_LT(double(one->getLinearVelocity().length()), 1e-3);
+}
+
+// Radii and dimensions may change while a pair lives.
+TEST(Convex, ShapesThatChangeAreSeen)
+{
+	BulletWorld scene;
+	scene.addBody(scene.addShape(slab()), 0, {0, -0.5, 0});
+	auto& box = scene.add(std::make_unique<btBoxShape>(btVector3(btScalar(0.5), btScalar(0.5), btScalar(0.5))));
+	btRigidBody& body = scene.addBody(box, 1, {0, 0.5, 0});
+	scene.step(120);
+	EXPECT_NEAR(heightOf(body), 0.5, 2e-3);
+	box.setLocalScaling(btVector3(1, btScalar(0.5), 1));
+	scene.step(240);
+	EXPECT_NEAR(heightOf(body), 0.25, 2e-3);
+	auto& sphere = scene.add(std::make_unique<btSphereShape>(btScalar(0.4)));
+	body.setCollisionShape(&sphere);
+	body.translate(btVector3(0, btScalar(0.2), 0));
+	scene.step(240);
+	EXPECT_NEAR(heightOf(body), 0.4, 2e-3);
+}
+
+// A bad shape is told of, by name of its cause, and is no contact.
+TEST(Convex, WhatIsNotFiniteIsRefusedWithAReason)
+{
+	BulletWorld scene;
+	scene.addBody(scene.addShape(slab()), 0, {0, -0.5, 0});
+	auto& hull = scene.add(hullOfCube(0.5));
+	hull.getUnscaledPoints()[0].setX(std::numeric_limits<btScalar>::quiet_NaN());
+	scene.addBody(hull, 1, {0, 0.4, 0});
+	scene.step(3);
+	ASSERT_FALSE(scene.warnings.empty());
+	EXPECT_NE(scene.warnings.front().find("not finite"), std::string::npos) << scene.warnings.front();
+	EXPECT_EQ(scene.contacts(), 0);
+}
+}  // namespace clod::test
