@@ -144,20 +144,22 @@ TEST(ClodShape, InertiaIsThatOfTheSolid)
 	EXPECT_NEAR(double(principal.y()), 4 * 25, 1e-3);
 }
 
-TEST(ClodShape, OnlyUniformPositiveScalesAreTaken)
+TEST(ClodShape, ScalesOfZeroAreRefusedWithAReason)
 {
 	btClodShape shape(patchHierarchy(boxMesh({4, 2, 3}, {1, 1, 1}, 1)));
 	const int before = shape.revision();
 	const btScalar nan = std::numeric_limits<btScalar>::quiet_NaN();
 	for (const btVector3& bad :
-		 {btVector3(1, 2, 1), btVector3(-1, -1, -1), btVector3(0, 0, 0), btVector3(nan, nan, nan)})
+		 {btVector3(1, 0, 1), btVector3(0, 0, 0), btVector3(nan, nan, nan), btVector3(1, 1, nan)})
 	{
 		shape.setLocalScaling(bad);
 		EXPECT_EQ(shape.scale(), 1);
+		EXPECT_NE(shape.scalingError(), "");
 	}
 	EXPECT_EQ(shape.revision(), before);
 	shape.setLocalScaling(btVector3(100, 100, 100));
 	EXPECT_EQ(shape.scale(), 100);
+	EXPECT_EQ(shape.scalingError(), "");
 	EXPECT_NE(shape.revision(), before);
 	btVector3 low, high;
 	shape.getAabb(btTransform::getIdentity(), low, high);

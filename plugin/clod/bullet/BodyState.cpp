@@ -2,6 +2,7 @@
 #include "clod/bullet/BodyState.h"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
+#include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 
 namespace clod
 {
@@ -37,9 +38,27 @@ bool isFinite(const RelativeMotion& motion)
 	return isFinite(motion.linear) && isFinite(motion.angular);
 }
 
+namespace
+{
+// As the links move now: forces of the coming step act on joints, and are not known here.
+RelativeMotion motionOfLink(const btMultiBodyLinkCollider& link)
+{
+	const btMultiBody& body = *link.m_multiBody;
+	const std::size_t index = std::size_t(link.m_link + 1), count = std::size_t(body.getNumLinks() + 1);
+	btAlignedObjectArray<btVector3> angular, linear;  // the base's first
+	angular.resize(int(count));
+	linear.resize(int(count));
+	body.compTreeLinkVelocities(&angular[0], &linear[0]);
+	const Vec3 turning = toVec3(body.localDirToWorld(link.m_link, angular[int(index)]));
+	const Vec3 moving = toVec3(body.localDirToWorld(link.m_link, linear[int(index)]));
+	return {moving - cross(turning, toVec3(link.getWorldTransform().getOrigin())), turning, 0};
+}
+}  // namespace
+
 RelativeMotion worldMotion(const btCollisionObject& object, double timeStep)
 {
 	if (object.isStaticObject()) return {};
+	if (const btMultiBodyLinkCollider* link = btMultiBodyLinkCollider::upcast(&object)) return motionOfLink(*link);
 	Vec3 linear = toVec3(object.getInterpolationLinearVelocity());
 	Vec3 angular = toVec3(object.getInterpolationAngularVelocity());
 	if (const btRigidBody* body = btRigidBody::upcast(&object))

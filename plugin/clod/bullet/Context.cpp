@@ -4,11 +4,32 @@
 #include <BulletCollision/CollisionDispatch/btCollisionCreateFunc.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 namespace clod
 {
+namespace
+{
+constexpr int kAsked = 1000;  // before this many boxes a program may still be setting up its world
+std::atomic<int> g_unregistered{0};  // boxes asked for; negative once a dispatcher is registered
+}  // namespace
+
+void warnIfUnregistered()
+{
+	if (g_unregistered.load(std::memory_order_relaxed) < 0) return;
+	if (g_unregistered.fetch_add(1, std::memory_order_relaxed) != kAsked) return;
+	std::fprintf(stderr, "clod: bodies of btClodShape are in a world, but no dispatcher was registered: "
+						 "they touch nothing. Call btClodCollisionAlgorithm::registerAlgorithm or clod::setUpWorld\n");
+}
+
+void Context::noteRegistration()
+{
+	g_unregistered.store(std::numeric_limits<int>::min(), std::memory_order_relaxed);
+}
+
 Context::Context() : warn([](const std::string& message) { std::fprintf(stderr, "clod: %s\n", message.c_str()); }) {}
 Context::~Context() = default;
 
@@ -59,11 +80,13 @@ double Context::unplannedShare() const
 	return budget.tests < kOff && m_demand > 0 ? budget.tests * m_unplannedDemand / m_demand : 0;
 }
 
-void Context::say(const std::string& message) const
+void Context::say(unsigned cause, const std::string& message)
 {
 	const std::lock_guard<std::recursive_mutex> lock(m_saying);
+	const int said = ++m_said[cause];
 	const auto handler = warn;  // one that replaces itself goes on to its end
-	if (handler) handler(message);
+	if (!handler || said > kMostMessages) return;
+	handler(said < kMostMessages ? message : message + " (further pairs of which the same holds are not told of)");
 }
 
 // By index, and not locked during a visit: pairs may come, as those of a contactTest do, and go.

@@ -6,6 +6,7 @@
 // Lengths are in the hierarchies' unit (before any shape scaling).
 #pragma once
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -24,6 +25,10 @@ struct btCollisionAlgorithmCreateFunc;
 
 namespace clod
 {
+// Bodies of ours that no dispatcher knows fall through each other. What a world asks of shapes before any registration is
+// counted, process-wide, and after some steps' worth one message goes to stderr. Once there is one it costs a load.
+void warnIfUnregistered();
+
 class CLOD_API Context
 {
 public:
@@ -51,10 +56,13 @@ public:
 	// Bodies that overlap are moved apart no faster than this, in radii of the smaller body a second: a depth is taken
 	// back at once where it is small, and never thrown out where it is large.
 	double pushSpeed = 3;
-	// Receives each warning once a pair and cause; prints to stderr by default; empty = silent (lastStep() has it
-	// still). Called during a dispatch, by one thread at a time. It may ask this context for lastStep() and its pairs,
+	// Receives each warning once a pair and cause, with the bodies' world indices, user indices and files, and of each
+	// cause the first kMostMessages; prints to stderr by default; empty = silent (lastStep() has it still). Called during
+	// a dispatch, by one thread at a time. It may ask this context for lastStep() and its pairs,
 	// unless a dispatch uses several threads: the pair at work is then half of this step, later ones are of the last.
 	std::function<void(const std::string& message)> warn;
+
+	static constexpr int kMostMessages = 10;
 
 	// Of the budget of tests, what pairs that btClodDispatcher cannot plan will take.
 	double unplannedShare() const;
@@ -72,12 +80,14 @@ private:
 	void setPlanned(PairReport& report);  // by btClodDispatcher from now on
 	void add(const PairReport* report);
 	void remove(const PairReport* report);
-	void say(const std::string& message) const;
+	void say(unsigned cause, const std::string& message);
+	static void noteRegistration();
 	const PairReport* pairAt(std::size_t index) const;
 	mutable std::mutex m_mutex;             // of pairs and demand; no function of the user's is called under it
 	mutable std::recursive_mutex m_saying;  // one message at a time, but for those that a message's handler causes
 	std::vector<const PairReport*> m_pairs;
 	double m_demand = 0, m_unplannedDemand = 0;  // sums over the pairs; whole numbers
+	std::map<unsigned, int> m_said;  // how often, of each cause
 	ConvexPartners m_convexPartners;
 	std::vector<std::unique_ptr<btCollisionAlgorithmCreateFunc>> m_createFunctions;  // one set a registration
 };

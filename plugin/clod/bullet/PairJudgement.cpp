@@ -7,11 +7,29 @@
 
 namespace clod
 {
+namespace
+{
+std::string nameOf(const btCollisionObject* object)
+{
+	if (!object) return "none";
+	const auto* shape = dynamic_cast<const btClodShape*>(object->getCollisionShape());
+	std::string name = "body " + std::to_string(object->getWorldArrayIndex());
+	if (object->getUserIndex() != -1) name += " (user index " + std::to_string(object->getUserIndex()) + ")";
+	if (shape && !shape->name().empty()) name += " of " + shape->name();
+	return name;
+}
+}  // namespace
+
+std::string PairState::bodies() const
+{
+	return nameOf(m_report.objectA) + " and " + nameOf(m_report.objectB);
+}
+
 void PairState::sayOnce(unsigned cause, const std::string& message)
 {
 	if ((m_warned & cause) != 0) return;
 	m_warned |= cause;
-	m_context.say(message);
+	m_context.say(cause, bodies() + ": " + message);
 }
 
 void PairState::warnOnce(bool now, unsigned cause, const char* what)

@@ -33,6 +33,7 @@ Metric PairMetric::resolve(const Context& context, const PairPose& pose)
 {
 	m_frame.radius = pose.rules.length;
 	m_frame.scale = pose.scale();
+	m_frame.userLength = pose.userLength();
 	m_frame.worldFromA = pose.worldFromA;
 	m_frame.motion = pose.seenMotion;
 	m_frame.camera = context.camera ? &*context.camera : nullptr;

@@ -13,6 +13,7 @@ namespace clod
 namespace
 {
 constexpr double kSameScale = 1e-6;  // scales whose ratio differs by less are equal
+const char* const kNoFloats = "floats cannot hold a body at its scale";
 
 Vec3 sphereCenter(const Hierarchy& hierarchy)
 {
@@ -40,8 +41,31 @@ void chooseBodies(const btCollisionObjectWrapper& body0, const btCollisionObject
 	pose.b = firstIsA ? &body1 : &body0;
 	pose.shapeA = firstIsA ? shape0 : shape1;
 	pose.shapeB = firstIsA ? shape1 : shape0;
-	const bool sameScale = bothClod && std::abs(pose.shapeA->scale() / pose.shapeB->scale() - 1) < kSameScale;
-	pose.partner = sameScale ? Partner::kClod : partnerOf(*pose.b->getCollisionShape());
+	pose.partner = bothClod ? Partner::kClod : partnerOf(*pose.b->getCollisionShape());
+}
+
+// In which unit are they asked, and as which hierarchies?
+void chooseHierarchies(PairPose& pose, ConvexPartners& partners, const std::shared_ptr<const ConvexPartner>& known)
+{
+	pose.unit = pose.shapeA->scale();
+	pose.asked.a = pose.shapeA->sharedHierarchy();
+	if (pose.partner == Partner::kConvex)
+	{
+		pose.convex = partners.of(static_cast<const btConvexShape&>(*pose.b->getCollisionShape()), pose.unit, known);
+		pose.asked.b = pose.convex->hierarchy;
+		pose.notFinite = pose.convex->problem;
+	}
+	if (pose.partner != Partner::kClod) return;
+	pose.asked.b = pose.shapeB->sharedHierarchy();
+	if (std::abs(pose.shapeA->scale() / pose.shapeB->scale() - 1) < kSameScale) return;
+	const HierarchyPair inWorld{pose.shapeA->inWorldLengths(), pose.shapeB->inWorldLengths()};
+	if (!inWorld.a || !inWorld.b)
+	{
+		pose.notFinite = kNoFloats;
+		return;
+	}
+	pose.unit = 1;
+	pose.asked = inWorld;
 }
 
 // B's velocities of A's material, frame A.
@@ -111,6 +135,12 @@ Sweep PairPose::sweep() const
 	return {ahead * relative.linear, ahead * relative.angular};
 }
 
+double PairPose::userLength() const
+{
+	const double ofA = shapeA->leastScale();
+	return (shapeB ? std::min(ofA, shapeB->leastScale()) : ofA) / unit;
+}
+
 double PairPose::thinnestWall() const
 {
 	const double wall = double(hierarchyA().asset().thinnestWall);
@@ -124,12 +154,8 @@ PairPose poseOf(const btCollisionObjectWrapper& body0, const btCollisionObjectWr
 	PairPose pose;
 	chooseBodies(body0, body1, pose);
 	if (pose.partner == Partner::kOther) return pose;
-	if (pose.partner == Partner::kConvex)
-	{
-		pose.convex = partners.of(static_cast<const btConvexShape&>(*pose.b->getCollisionShape()), pose.scale(), known);
-		pose.notFinite = pose.convex->problem;
-		if (!pose.notFinite.empty()) return pose;
-	}
+	chooseHierarchies(pose, partners, known);
+	if (!pose.notFinite.empty()) return pose;
 	pose.worldFromA = toTransform(pose.a->getWorldTransform());
 	pose.aFromB = inverse(pose.worldFromA) * toTransform(pose.b->getWorldTransform());
 	pose.aFromB.translation = (1 / pose.scale()) * pose.aFromB.translation;

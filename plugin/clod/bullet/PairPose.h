@@ -24,13 +24,21 @@ enum class Partner
 	kOther
 };
 
+struct HierarchyPair
+{
+	std::shared_ptr<const Hierarchy> a, b;
+};
+
 struct PairPose
 {
 	Partner partner = Partner::kOther;
 	const btCollisionObjectWrapper* a = nullptr;
 	const btCollisionObjectWrapper* b = nullptr;
 	const btClodShape* shapeA = nullptr;
-	const btClodShape* shapeB = nullptr;  // null where B is no shape of ours; of another scale than A: Partner::kConcave
+	const btClodShape* shapeB = nullptr;  // null where B is no shape of ours
+	// As they are asked, in a common unit: that of A's shape, or the world's where two shapes of ours differ in scale.
+	HierarchyPair asked;
+	double unit = 1;  // world lengths
 	std::shared_ptr<const ConvexPartner> convex;  // what B is, where it is a convex shape of Bullet's
 	Transform worldFromA;                 // world lengths; all else in frame A and the hierarchy's unit
 	Transform aFromB;
@@ -45,12 +53,11 @@ struct PairPose
 	bool isOfTwo() const { return partner == Partner::kClod || partner == Partner::kConvex; }
 	// A body is grown by a radius: certified gaps are of what is not.
 	bool isRound() const { return rules.radiusA + rules.radiusB > 0; }
-	const Hierarchy& hierarchyA() const { return shapeA->hierarchy(); }
-	const Hierarchy& hierarchyB() const  // precondition: isOfTwo()
-	{
-		return partner == Partner::kConvex ? *convex->hierarchy : shapeB->hierarchy();
-	}
-	double scale() const { return shapeA->scale(); }
+	const Hierarchy& hierarchyA() const { return *asked.a; }
+	const Hierarchy& hierarchyB() const { return *asked.b; }  // precondition: isOfTwo()
+	double scale() const { return unit; }
+	// Units a length of the hierarchy as the user gave it: that of the body scaled least.
+	double userLength() const;
 	// B's motion relative to A in the step, as far ahead as contacts may lie.
 	Sweep sweep() const;
 	double thinnestWall() const;

@@ -86,7 +86,8 @@ void PairState::noticeShapes(const PairPose& pose)
 	m_facets.forget();
 	m_seenA = a;
 	m_seenB = b;
-	m_convex = pose.convex;  // held: the caches are of its hierarchy
+	m_convex = pose.convex;
+	m_asked = pose.asked;  // held: the caches are of them
 }
 
 PairPose PairState::begin(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
@@ -99,6 +100,8 @@ PairPose PairState::begin(const btCollisionObjectWrapper& body0, const btCollisi
 	if (pose.partner == Partner::kOther) return pose;
 	m_report.objectA = pose.a->getCollisionObject();
 	m_report.objectB = pose.b->getCollisionObject();
+	for (const btClodShape* shape : {pose.shapeA, pose.shapeB})
+		if (shape && !shape->scalingError().empty()) sayOnce(64, "a shape keeps its last scale: " + shape->scalingError());
 	if (!pose.notFinite.empty())
 	{
 		sayOnce(32, "a pair has no contacts: " + pose.notFinite);

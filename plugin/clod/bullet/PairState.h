@@ -85,6 +85,7 @@ private:
 	double errorOfContacts(const PairPose& pose) const;
 	void forget();
 	void sayOnce(unsigned cause, const std::string& message);
+	std::string bodies() const;
 	void warnOnce(bool now, unsigned cause, const char* what);
 
 	Context& m_context;
@@ -95,6 +96,7 @@ private:
 	Seen m_seenA, m_seenB;
 	Transform m_oldAFromB;
 	std::shared_ptr<const ConvexPartner> m_convex;
+	HierarchyPair m_asked;
 	GapCache m_cache;
 	std::optional<Question> m_answered;  // what the clusters answer
 	ClusterSet m_clusters, m_previous;

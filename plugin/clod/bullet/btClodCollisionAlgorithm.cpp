@@ -109,6 +109,7 @@ clod::Result<int> btClodCollisionAlgorithm::registerAlgorithm(btCollisionDispatc
 		dispatcher->registerClosestPointsCreateFunc(type, shapeType, closestPoints.get());
 		++count;
 	}
+	clod::Context::noteRegistration();
 	context->m_createFunctions.push_back(std::move(contacts));
 	context->m_createFunctions.push_back(std::move(closestPoints));
 	return count;

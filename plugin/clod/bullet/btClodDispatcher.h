@@ -6,9 +6,8 @@
 // budget of time is compared with a clock, see Query.h, and steps that fit in without being refined are not
 // (WholeStep.h). Without a budget it is a btCollisionDispatcher.
 //
-// Pairs are planned for the poses before dispatch. Not planned are shapes inside compounds and shapes of different
-// scale (the former get shares by what they needed last, see Context; the latter meet as plain triangles, without
-// budgets), and what has no hierarchy. Continuous dispatch is not budgeted.
+// Pairs are planned for the poses before dispatch. Not planned are shapes inside compounds and against Bullet's convex ones
+// (which get shares by what they needed last, see Context), and what has no hierarchy. Continuous dispatch is not budgeted.
 //
 // Based on: Otaduy & Lin 2003, sec. 3.3 and 5.2.
 #pragma once

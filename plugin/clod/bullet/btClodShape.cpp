@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Zlib
 #include "clod/bullet/btClodShape.h"
 
+#include <BulletCollision/CollisionShapes/btConvexShape.h>
 #include <BulletCollision/CollisionShapes/btTriangleCallback.h>
 #include <BulletCollision/NarrowPhaseCollision/btRaycastCallback.h>
 #include <LinearMath/btAabbUtil2.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <optional>
 #include <vector>
 
+#include "clod/hierarchy/ScaledHierarchy.h"
 #include "clod/manifold/ContactPoints.h"
 #include "clod/query/TraversalTables.h"
 
@@ -19,6 +21,8 @@ using clod::OrientedBox;
 using clod::Hierarchy;
 using clod::toVec3;
 using clod::Vec3;
+
+constexpr double kSameScale = 1e-6;  // factors that differ by less are one
 
 btVector3 scaled(const Vec3& v, double scale)
 {
@@ -54,8 +58,9 @@ Query boxQuery(const btVector3& low, const btVector3& high, double scale)
 	return query;
 }
 
-// Segment from `from` to `to` (hierarchy unit) against a box, slab by slab in the box's own axes.
-bool misses(const OrientedBox& box, const Vec3& from, const Vec3& to)
+// Segment from `from` to `to` (hierarchy unit) against a box grown by an axis-aligned one of half size `grown`, slab by slab
+// in the box's own axes.
+bool misses(const OrientedBox& box, const Vec3& grown, const Vec3& from, const Vec3& to)
 {
 	double enter = 0, leave = 1;
 	const Vec3 start = from - toVec3(box.center), path = to - from;
@@ -63,7 +68,8 @@ bool misses(const OrientedBox& box, const Vec3& from, const Vec3& to)
 	{
 		const Vec3 axis = toVec3(box.axis[i]);
 		const double at = dot(axis, start), along = dot(axis, path);
-		const double half = double(box.half[i]) * (1 + 1e-6) + 1e-6 * (std::abs(at) + std::abs(along));
+		const double reach = std::abs(axis.x) * grown.x + std::abs(axis.y) * grown.y + std::abs(axis.z) * grown.z;
+		const double half = (double(box.half[i]) + reach) * (1 + 1e-6) + 1e-6 * (std::abs(at) + std::abs(along));
 		if (along == 0)
 		{
 			if (std::abs(at) > half) return true;
@@ -75,6 +81,44 @@ bool misses(const OrientedBox& box, const Vec3& from, const Vec3& to)
 		if (enter > leave) return true;
 	}
 	return false;
+}
+
+// What a ray or a sweep of Bullet's passes through, in the shape's frame and the hierarchy's unit; it ends where it has
+// been stopped.
+struct Path
+{
+	Vec3 from, to, grown;
+	const btScalar* share = nullptr;
+	bool misses(const OrientedBox& box) const { return ::misses(box, grown, from, from + double(*share) * (to - from)); }
+};
+
+// Empty where triangles are asked for by their box alone.
+std::optional<Path> pathOf(const btTriangleCallback& callback, double scale)
+{
+	const auto inUnit = [scale](const btVector3& v) {
+		return (1 / scale) * Vec3{double(v.x()), double(v.y()), double(v.z())};
+	};
+	if (const auto* ray = dynamic_cast<const btTriangleRaycastCallback*>(&callback))
+		return Path{inUnit(ray->m_from), inUnit(ray->m_to), Vec3{}, &ray->m_hitFraction};
+	const auto* sweep = dynamic_cast<const btTriangleConvexcastCallback*>(&callback);
+	if (!sweep) return {};
+	// The swept shape turns on its way by no more than its box at either end and the sphere round it tell.
+	const btTransform shapeFromWorld = sweep->m_triangleToWorld.inverse();
+	const btTransform from = shapeFromWorld * sweep->m_convexShapeFrom, to = shapeFromWorld * sweep->m_convexShapeTo;
+	btVector3 low, high, center;
+	btScalar radius;
+	sweep->m_convexShape->getAabb(btTransform(from.getBasis()), low, high);
+	if (!(from.getBasis() == to.getBasis()))
+	{
+		sweep->m_convexShape->getBoundingSphere(center, radius);
+		const btScalar around = center.length() + radius;
+		low.setValue(-around, -around, -around);
+		high = -low;
+	}
+	const btVector3 middle = btScalar(0.5) * (low + high);
+	const btScalar room = sweep->m_triangleCollisionMargin + sweep->m_allowedPenetration;
+	const btVector3 half = btScalar(0.5) * (high - low) + btVector3(room, room, room);
+	return Path{inUnit(from.getOrigin() + middle), inUnit(to.getOrigin() + middle), inUnit(half), &sweep->m_hitFraction};
 }
 
 // Walks the tree to the input surface; `skip` cuts branches, `visit` gets the level-0 nodes.
@@ -96,7 +140,7 @@ void walk(const Hierarchy& hierarchy, const Skip& skip, const Visit& visit)
 }  // namespace
 
 btClodShape::btClodShape(std::shared_ptr<const clod::Hierarchy> hierarchy, int shapeType)
-	: m_hierarchy(std::move(hierarchy)), m_scaling(1, 1, 1)
+	: m_given(std::move(hierarchy)), m_hierarchy(m_given), m_scaling(1, 1, 1)
 {
 	m_shapeType = shapeType;
 	m_collisionMargin = 0;
@@ -117,18 +161,45 @@ void btClodShape::updateBounds()
 
 void btClodShape::setLocalScaling(const btVector3& scaling)
 {
-	const double scale = double(scaling.x());
-	const double spread = std::max(std::abs(double(scaling.y()) - scale), std::abs(double(scaling.z()) - scale));
-	if (!(scale > 0) || !std::isfinite(scale) || !(spread <= 1e-6 * scale))
+	const Vec3 factors{double(scaling.x()), double(scaling.y()), double(scaling.z())};
+	const double scale = factors.x;
+	const double spread = std::max(std::abs(factors.y - scale), std::abs(factors.z - scale));
+	const bool isUniform = isFinite(factors) && scale > 0 && spread <= kSameScale * scale;
+	if (isUniform)
 	{
-		std::fprintf(stderr, "btClodShape: scaling (%g, %g, %g) refused, it must be uniform and positive; kept %g\n",
-					 double(scaling.x()), double(scaling.y()), double(scaling.z()), m_scale);
-		return;
+		m_hierarchy = m_given;
+		m_scale = scale;
+		m_scalingError.clear();
 	}
+	else
+	{
+		clod::Result<std::shared_ptr<const Hierarchy>> derived = clod::scaledHierarchy(*m_given, factors);
+		m_scalingError = derived ? std::string() : derived.error();
+		if (!derived) return;
+		m_hierarchy = derived.value();
+		m_hierarchy->derived<clod::TraversalTables>();
+		m_scale = 1;
+	}
+	m_inWorldLengths.reset();
 	m_scaling = scaling;
-	m_scale = scale;
 	++m_revision;
 	updateBounds();
+}
+
+double btClodShape::leastScale() const
+{
+	return std::min({std::abs(double(m_scaling.x())), std::abs(double(m_scaling.y())), std::abs(double(m_scaling.z()))});
+}
+
+// Null where floats cannot hold it.
+std::shared_ptr<const Hierarchy> btClodShape::inWorldLengths() const
+{
+	if (m_scale == 1) return m_hierarchy;
+	const std::lock_guard<std::mutex> lock(m_deriving);
+	if (m_inWorldLengths) return m_inWorldLengths;
+	clod::Result<std::shared_ptr<const Hierarchy>> derived = clod::scaledHierarchy(*m_hierarchy, {m_scale, m_scale, m_scale});
+	if (derived) m_inWorldLengths = derived.value();
+	return m_inWorldLengths;
 }
 
 btTransform btClodShape::meshFromBody() const
@@ -164,6 +235,7 @@ void btClodShape::calculateLocalInertia(btScalar mass, btVector3& inertia) const
 
 void btClodShape::getAabb(const btTransform& worldFromBody, btVector3& aabbMin, btVector3& aabbMax) const
 {
+	clod::warnIfUnregistered();
 	// Compounds drop a child's pair, and its memory, as soon as these boxes part: they must hold every resting contact.
 	const double resting = (clod::kRestingShare + clod::kSkinShare) * double(m_hierarchy->asset().radius) * m_scale;
 	btTransformAabb(m_localMin, m_localMax, m_collisionMargin + btScalar(resting), worldFromBody, aabbMin, aabbMax);
@@ -180,17 +252,9 @@ void btClodShape::processAllTriangles(btTriangleCallback* callback, const btVect
 {
 	const Hierarchy& hierarchy = *m_hierarchy;
 	const Query query = boxQuery(aabbMin, aabbMax, m_scale);
-	const auto* ray = dynamic_cast<const btTriangleRaycastCallback*>(callback);
-	const auto inUnit = [this](const btVector3& v) {
-		return (1 / m_scale) * Vec3{double(v.x()), double(v.y()), double(v.z())};
-	};
+	const std::optional<Path> path = pathOf(*callback, m_scale);
 	const auto skip = [&](const OrientedBox& box)
-	{
-		if (query.separated(box)) return true;
-		if (!ray) return false;
-		const Vec3 from = inUnit(ray->m_from);
-		return misses(box, from, from + double(ray->m_hitFraction) * (inUnit(ray->m_to) - from));
-	};
+	{ return query.separated(box) || (path && path->misses(box)); };
 	const auto visit = [&](const clod::Node& node)
 	{
 		const clod::HullView hull = hierarchy.hull(node);

@@ -4,14 +4,17 @@
 //
 // Frame: the hierarchy's body frame, that is the mesh's axes with the origin at the centre of mass. Give Bullet
 //   worldFromBody = worldFromMesh * shape.meshFromBody().
-// Unit: the hierarchy's times the shape's scale. Bullet's own constants (0.02 breaking threshold, 0.04 split-impulse
+// Unit: the hierarchy's times the shape's scale. A body stretched or mirrored has a hierarchy of its own, derived from the
+// one given, and the scale 1. Bullet's own constants (0.02 breaking threshold, 0.04 split-impulse
 // threshold, sleeping speeds) suit bodies of about one unit: scale small things up (100 for tableware in metres).
 #pragma once
 #include <BulletCollision/CollisionShapes/btConcaveShape.h>
 #include <LinearMath/btTransform.h>
 
 #include <memory>
+#include <mutex>
 #include <optional>
+#include <string>
 
 #include "clod/Export.h"
 #include "clod/bullet/Context.h"
@@ -30,6 +33,7 @@ public:
 	// The type must be the one registerAlgorithm was given. Margin 0.
 	explicit btClodShape(std::shared_ptr<const clod::Hierarchy> hierarchy, int shapeType = FAST_CONCAVE_MESH_PROXYTYPE);
 
+	// The one in use.
 	const clod::Hierarchy& hierarchy() const
 	{
 		return *m_hierarchy;
@@ -37,6 +41,16 @@ public:
 	const std::shared_ptr<const clod::Hierarchy>& sharedHierarchy() const
 	{
 		return m_hierarchy;
+	}
+
+	// What messages and serialised worlds call it: the file it is of, say. Empty at first.
+	void setName(const std::string& name)
+	{
+		m_name = name;
+	}
+	const std::string& name() const
+	{
+		return m_name;
 	}
 
 	// Thresholds of every pair this shape takes part in; none = the context's. Takes effect at the next dispatch.
@@ -53,16 +67,29 @@ public:
 		return m_metric;
 	}
 
-	// Uniform positive scales only. Anything else is refused: the old scale stays and a message is printed.
+	// Any factors along the body frame's axes but zero, from the hierarchy as given. A uniform positive one costs nothing,
+	// but where bodies of different scales meet, which are then derived (hierarchy/ScaledHierarchy.h) once a shape; any
+	// other derives one here: some milliseconds for 10,000 triangles. What is refused leaves the old scale, and
+	// scalingError() tells why; the shape's pairs warn of it.
 	void setLocalScaling(const btVector3& scaling) override;
+	// Empty, or why the last setLocalScaling was refused.
+	const std::string& scalingError() const
+	{
+		return m_scalingError;
+	}
 	const btVector3& getLocalScaling() const override
 	{
 		return m_scaling;
 	}
+	// World lengths a unit of hierarchy().
 	double scale() const
 	{
 		return m_scale;
 	}
+	// World lengths a unit of the hierarchy as given, in the direction of the least scale.
+	double leastScale() const;
+	// hierarchy() in world lengths; null where floats cannot hold it. May be called by several threads.
+	std::shared_ptr<const clod::Hierarchy> inWorldLengths() const;
 	// Changes with every accepted setLocalScaling, so that pairs notice.
 	int revision() const
 	{
@@ -89,7 +116,10 @@ public:
 	}
 
 private:
-	std::shared_ptr<const clod::Hierarchy> m_hierarchy;
+	std::shared_ptr<const clod::Hierarchy> m_given, m_hierarchy;
+	mutable std::shared_ptr<const clod::Hierarchy> m_inWorldLengths;
+	mutable std::mutex m_deriving;
+	std::string m_scalingError, m_name;
 	std::optional<clod::ContactMetric> m_metric;
 	btVector3 m_scaling, m_localMin, m_localMax;
 	double m_scale = 1;

@@ -25,7 +25,8 @@ void store(float (&to)[3], const Vec3& v)
 class Piece
 {
 public:
-	Piece(const ConvexPolyhedron& polyhedron, double radius) : m_vertices(polyhedron.vertices), m_triangles(polyhedron.triangles)
+	Piece(const ConvexPolyhedron& polyhedron, double radius)
+		: m_vertices(polyhedron.vertices), m_triangles(polyhedron.triangles)
 	{
 		m_isThin = m_triangles.empty();
 		const std::uint32_t last = std::uint32_t(m_vertices.size() - 1);
@@ -201,6 +202,6 @@ Result<std::shared_ptr<const Hierarchy>> convexPiece(const ConvexPolyhedron& pol
 		return Error{"a convex piece has more than two vertices, but no triangles"};
 	Piece piece(polyhedron, radius);
 	if (!(piece.content().asset.volume > 0)) return Error{"a convex piece is flat"};
-	return Hierarchy::ofPiece(encode(piece.content()));
+	return Hierarchy::fromOwnBytes(encode(piece.content()));
 }
 }  // namespace clod

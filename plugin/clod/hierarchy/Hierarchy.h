@@ -78,8 +78,9 @@ public:
 		return m_derived.get<T>(*this);
 	}
 
-	// ConvexPiece.h alone makes such: the one kind of hierarchy that need not keep every rule of a file.
-	static std::shared_ptr<const Hierarchy> ofPiece(std::vector<std::byte> bytes);
+	// Of bytes that encode() wrote for content made here, and that need no proof: of a piece (ConvexPiece.h), or of a proved
+	// body scaled (ScaledHierarchy.h).
+	static std::shared_ptr<const Hierarchy> fromOwnBytes(std::vector<std::byte> bytes);
 
 private:
 	Hierarchy() = default;

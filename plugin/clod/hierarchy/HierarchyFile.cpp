@@ -191,7 +191,7 @@ Result<std::shared_ptr<const Hierarchy>> Hierarchy::fromBytes(std::vector<std::b
 	return HierarchyReader::read(std::move(bytes));
 }
 
-std::shared_ptr<const Hierarchy> Hierarchy::ofPiece(std::vector<std::byte> bytes)
+std::shared_ptr<const Hierarchy> Hierarchy::fromOwnBytes(std::vector<std::byte> bytes)
 {
 	return HierarchyReader::own(std::move(bytes));
 }

@@ -68,6 +68,27 @@ void DeepOverlap::probe(const FacetQuestion& q, const Contact& contact, bool ofA
 	if (deepest.way != Vec3{}) m_inside.push_back(deepest);
 }
 
+// The vertex nearest to the way out, of a body no part of which is near the other's surface. Of many some, evenly.
+void DeepOverlap::probeWhole(const FacetQuestion& q, bool ofA)
+{
+	const auto coarsest = [](const Hierarchy& h) { return h.coarsestClodLevel(); };
+	const std::uint32_t levelA = coarsest(*q.a.hierarchy), levelB = coarsest(*q.b.hierarchy);
+	const ContactSurface& own = ofA ? q.a.surface(levelA) : q.b.surface(levelB);
+	const ContactSurface& other = ofA ? q.b.surface(levelB) : q.a.surface(levelA);
+	if (other.isCore()) return;
+	const Transform otherFromOwn = ofA ? inverse(q.aFromB) : q.aFromB;
+	const std::size_t stride = 1 + own.vertices().size() / kMostVertices;
+	for (std::uint32_t v = 0; v < own.vertices().size(); v += std::uint32_t(stride))
+	{
+		const Vec3 there = otherFromOwn * own.vertices()[v];
+		if (!other.isInside(there)) continue;
+		const ContactSurface::Nearest near = other.nearest(there, std::numeric_limits<double>::infinity());
+		const Vec3 way = near.point - there;
+		m_inside.push_back({ofA ? own.vertices()[v] : there, ofA ? q.aFromB.rotation * way : -way,
+							q.a.hierarchy->levels()[levelA].firstNode, q.b.hierarchy->levels()[levelB].firstNode, v, ofA});
+	}
+}
+
 // When A is moved so far, is no vertex of either inside the other? Of many so many, evenly.
 bool DeepOverlap::leadsOut(const FacetQuestion& q, const ContactSurface& a, const ContactSurface& b,
 						   const Vec3& shift) const
@@ -132,8 +153,14 @@ Vec3 DeepOverlap::find(const FacetQuestion& q, const std::vector<Contact>& conta
 		probe(q, contact, true);
 		probe(q, contact, false);
 	}
+	const bool isWhole = m_inside.empty();
+	if (isWhole)
+		for (const bool ofA : {true, false}) probeWhole(q, ofA);
 	if (m_inside.empty()) return {};
-	const Vec3 way = wayOut(q, contacts, kept);
+	const auto isShallower = [](const Inside& l, const Inside& r) { return lengthSquared(l.way) < lengthSquared(r.way); };
+	const Vec3 way = !isWhole         ? wayOut(q, contacts, kept)
+					 : kept != Vec3{} ? kept
+									  : normalized(std::min_element(m_inside.begin(), m_inside.end(), isShallower)->way);
 	if (way == Vec3{}) return {};
 	const auto add = [&](const Inside& inside, const Vec3& normal)
 	{
@@ -156,8 +183,7 @@ Vec3 DeepOverlap::find(const FacetQuestion& q, const std::vector<Contact>& conta
 	for (const Inside& inside : m_inside)
 		if (dot(inside.way, way) >= kOpposing * length(inside.way)) add(inside, normalized(inside.way));
 	if (facets.size() > before) return way;
-	const auto isDeeper = [](const Inside& l, const Inside& r) { return length(l.way) < length(r.way); };
-	add(*std::max_element(m_inside.begin(), m_inside.end(), isDeeper), way);
+	add(*std::max_element(m_inside.begin(), m_inside.end(), isShallower), way);
 	return way;
 }
 }  // namespace clod

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // A depth that no facet answers: bodies overlap so far that what is inside has lost sight of the surface. One direction
 // for the pair, kept from the step before, else the mean way out of what is inside, else the shortest way out of the
-// hulls; and a contact for each place inside whose own way out does not oppose it.
+// hulls; and a contact for each place inside whose own way out does not oppose it. A body that is wholly inside, far from
+// any surface, is looked at as a whole.
 #pragma once
 #include <vector>
 
@@ -25,6 +26,7 @@ private:
 		bool ofA;
 	};
 	void probe(const FacetQuestion& question, const Contact& contact, bool ofA);
+	void probeWhole(const FacetQuestion& question, bool ofA);
 	bool leadsOut(const FacetQuestion& question, const ContactSurface& a, const ContactSurface& b, const Vec3& shift) const;
 	Vec3 wayOut(const FacetQuestion& question, const std::vector<Contact>& contacts, const Vec3& kept) const;
 	std::vector<Inside> m_inside;

@@ -114,12 +114,12 @@ Metric resolve(const ContactMetric& from, const MetricFrame& frame)
 	Metric metric;
 	metric.exact = from.exact;
 	metric.combine = from.combine;
-	metric.weightedDeviation = std::min(from.weightedDeviation, from.weightedDeviationShare * frame.radius);
-	metric.maxError = std::min(from.maxError, from.maxErrorShare * frame.radius);
+	metric.weightedDeviation = std::min(from.weightedDeviation * frame.userLength, from.weightedDeviationShare * frame.radius);
+	metric.maxError = std::min(from.maxError * frame.userLength, from.maxErrorShare * frame.radius);
 	if (from.velocity < kOff)
 	{
 		metric.velocity.time = from.velocity * frame.motion.timeStep;
-		metric.velocity.floor = std::min(from.velocityFloor, from.velocityFloorShare * frame.radius);
+		metric.velocity.floor = std::min(from.velocityFloor * frame.userLength, from.velocityFloorShare * frame.radius);
 		metric.velocity.linear = frame.motion.linear;
 		metric.velocity.angular = frame.motion.angular;
 	}

@@ -3,7 +3,8 @@
 // pair's smaller bounding radius, for a world, a shape or a pair. resolve() turns it into the query's Metric for one
 // step.
 //
-// Thresholds are in the hierarchies' unit (before any shape scaling); the camera and the place given to an own function
+// Thresholds are in the hierarchies' unit (before any shape scaling; where two bodies are scaled differently, as the one
+// scaled less has it); the camera and the place given to an own function
 // are in the world's. Infinity (kOff) = not used; with nothing used the coarsest contact level answers. Metric.h
 // defines each metric and its corners.
 #pragma once
@@ -70,6 +71,7 @@ struct MetricFrame
 {
 	double radius = 1;      // the smaller bounding radius, hierarchy unit
 	double scale = 1;       // world lengths a hierarchy unit
+	double userLength = 1;  // hierarchy units a length of the metric's: not 1 where bodies of different scales meet
 	Transform worldFromA;   // translation in world lengths
 	RelativeMotion motion;  // as the bodies move now, hierarchy unit; its time step is dt
 	const ViewCamera* camera = nullptr;

@@ -1,0 +1,386 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What Bullet offers besides bodies that touch: each facility does with a shape of ours what it does with the shape that a
+// user would have taken otherwise.
+#include <BulletCollision/CollisionDispatch/btGhostObject.h>
+#include <BulletCollision/NarrowPhaseCollision/btRaycastCallback.h>
+#include <BulletDynamics/Character/btKinematicCharacterController.h>
+#include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
+#include <BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h>
+#include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
+#include <BulletDynamics/Vehicle/btRaycastVehicle.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "tests/bullet/BulletWorld.h"
+#include "tests/bullet/PatchHierarchy.h"
+#include "tests/query/Bodies.h"
+
+namespace clod::test
+{
+namespace
+{
+btVector3 vector(double x, double y, double z)
+{
+	return btVector3(btScalar(x), btScalar(y), btScalar(z));
+}
+btVector3 toBullet(const Vec3& v)
+{
+	return vector(v.x, v.y, v.z);
+}
+btTransform at(double x, double y, double z)
+{
+	return btTransform(btQuaternion::getIdentity(), vector(x, y, z));
+}
+btTransform randomPose(Random& random, double far)
+{
+	const Mat3 turn = randomRotation(random);
+	btMatrix3x3 basis;
+	for (int i = 0; i < 3; ++i) basis[i] = toBullet(turn.row[i]);
+	return btTransform(basis, toBullet(uniform(random, 0, far) * randomDirection(random)));
+}
+
+// The same surface as Bullet's own mesh.
+struct Bvh
+{
+	btTriangleMesh mesh;
+	std::unique_ptr<btBvhTriangleMeshShape> shape;
+	explicit Bvh(const Hierarchy& hierarchy)
+	{
+		for (const std::array<Vec3, 3>& t : inputTriangles(hierarchy))
+			mesh.addTriangle(toBullet(t[0]), toBullet(t[1]), toBullet(t[2]));
+		shape = std::make_unique<btBvhTriangleMeshShape>(&mesh, true);
+	}
+};
+
+std::shared_ptr<const Hierarchy> landscape()
+{
+	return patchHierarchy(boxMesh({20, 1, 20}, {20, 1, 20}, 2));
+}
+
+struct Touches : btCollisionWorld::ContactResultCallback
+{
+	int points = 0;
+	double deepest = std::numeric_limits<double>::infinity();
+	btScalar addSingleResult(btManifoldPoint& point, const btCollisionObjectWrapper*, int, int,
+							 const btCollisionObjectWrapper*, int, int) override
+	{
+		++points;
+		deepest = std::min(deepest, double(point.getDistance()));
+		return 0;
+	}
+};
+}  // namespace
+
+TEST(Facilities, AGhostMeetsAndHoldsNothing)
+{
+	BulletWorld scene;
+	btGhostPairCallback callback;
+	scene.broadphase.getOverlappingPairCache()->setInternalGhostPairCallback(&callback);
+	btPairCachingGhostObject ghost;
+	ghost.setCollisionShape(&scene.addShape(slab()));
+	ghost.setCollisionFlags(ghost.getCollisionFlags() | btCollisionObject::CF_NO_CONTACT_RESPONSE);
+	scene.world.addCollisionObject(&ghost, btBroadphaseProxy::SensorTrigger, btBroadphaseProxy::AllFilter);
+	auto& box = scene.add(std::make_unique<btBoxShape>(vector(0.5, 0.5, 0.5)));
+	const btRigidBody& body = scene.addBody(box, 1, {0, 1.2, 0});
+	int touched = 0;
+	for (int i = 0; i < 240; ++i)
+	{
+		scene.step();
+		touched += ghost.getNumOverlappingObjects() > 0 && scene.contacts() > 0 ? 1 : 0;
+	}
+	EXPECT_GT(touched, 10);
+	EXPECT_LT(heightOf(body), -2);
+	scene.world.removeCollisionObject(&ghost);
+}
+
+TEST(Facilities, AKinematicLiftCarriesConvexBodies)
+{
+	BulletWorld scene;
+	btRigidBody& lift = scene.addBody(scene.addShape(slab()), 0, {0, -0.5, 0});
+	lift.setCollisionFlags(lift.getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
+	auto& box = scene.add(std::make_unique<btBoxShape>(vector(0.5, 0.5, 0.5)));
+	const btRigidBody& body = scene.addBody(box, 1, {0, 0.5, 0});
+	double lowest = 1;
+	for (int i = 1; i <= 240; ++i)
+	{
+		lift.setWorldTransform(at(0, -0.5 + i / 240.0, 0));
+		scene.step();
+		if (i > 10) lowest = std::min(lowest, heightOf(body) - i / 240.0);
+	}
+	EXPECT_NEAR(heightOf(body), 1.5, 0.01);
+	EXPECT_GT(lowest, 0.49);
+}
+
+// Ground of ours beside Bullet's own mesh.
+TEST(Facilities, ACharacterWalksAsOnAMesh)
+{
+	const auto ground = landscape();
+	Bvh bvh(*ground);
+	double end[2][3];
+	for (const bool ours : {true, false})
+	{
+		BulletWorld scene;
+		btGhostPairCallback callback;
+		scene.broadphase.getOverlappingPairCache()->setInternalGhostPairCallback(&callback);
+		btCollisionShape& shape = ours ? static_cast<btCollisionShape&>(scene.addShape(ground)) : *bvh.shape;
+		scene.addBody(shape, 0, {0, -0.5, 0});
+		btCapsuleShape capsule(btScalar(0.3), btScalar(1));
+		btPairCachingGhostObject ghost;
+		ghost.setWorldTransform(at(0, 1.5, 0));
+		ghost.setCollisionShape(&capsule);
+		ghost.setCollisionFlags(btCollisionObject::CF_CHARACTER_OBJECT);
+		btKinematicCharacterController character(&ghost, &capsule, btScalar(0.2), vector(0, 1, 0));
+		scene.world.addCollisionObject(&ghost, btBroadphaseProxy::CharacterFilter,
+									   btBroadphaseProxy::StaticFilter | btBroadphaseProxy::DefaultFilter);
+		scene.world.addAction(&character);
+		character.setWalkDirection(vector(0.01, 0, 0.004));
+		scene.timeStep = 1.0 / 60;
+		scene.step(240);
+		for (int i = 0; i < 3; ++i) end[ours ? 0 : 1][i] = double(ghost.getWorldTransform().getOrigin()[i]);
+		scene.world.removeAction(&character);
+		scene.world.removeCollisionObject(&ghost);
+	}
+	for (int i = 0; i < 3; ++i) EXPECT_NEAR(end[0][i], end[1][i], 0.02) << i;
+	EXPECT_GT(end[0][0], 2);
+}
+
+TEST(Facilities, AVehicleStandsAsOnAMesh)
+{
+	const auto ground = landscape();
+	Bvh bvh(*ground);
+	double height[2];
+	for (const bool ours : {true, false})
+	{
+		BulletWorld scene;
+		btCollisionShape& shape = ours ? static_cast<btCollisionShape&>(scene.addShape(ground)) : *bvh.shape;
+		scene.addBody(shape, 0, {0, -0.5, 0});
+		auto& box = scene.add(std::make_unique<btBoxShape>(vector(1, 0.3, 2)));
+		btRigidBody& chassis = scene.addBody(box, 800, {0, 1, 0});
+		btDefaultVehicleRaycaster caster(&scene.world);
+		btRaycastVehicle::btVehicleTuning tuning;
+		btRaycastVehicle vehicle(tuning, &chassis, &caster);
+		vehicle.setCoordinateSystem(0, 1, 2);
+		for (int i = 0; i < 4; ++i)
+			vehicle.addWheel(vector((i & 1) != 0 ? 0.9 : -0.9, 0, (i & 2) != 0 ? 1.5 : -1.5), vector(0, -1, 0),
+							 vector(-1, 0, 0), btScalar(0.5), btScalar(0.4), tuning, (i & 2) != 0);
+		scene.world.addAction(&vehicle);
+		scene.step(960);
+		height[ours ? 0 : 1] = heightOf(chassis);
+		scene.world.removeAction(&vehicle);
+	}
+	EXPECT_NEAR(height[0], height[1], 1e-3);
+	EXPECT_GT(height[0], 0.4);
+}
+
+// A base and a link of ours, hinged, fall at 5 m/s on a box: where their speed were not seen they would dip 50 mm.
+TEST(Facilities, LinksOfAMultiBodyAreSeenMoving)
+{
+	btDefaultCollisionConfiguration configuration;
+	btCollisionDispatcher dispatcher(&configuration);
+	btDbvtBroadphase broadphase;
+	btMultiBodyConstraintSolver solver;
+	btMultiBodyDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
+	Context context;
+	context.warn = {};
+	ASSERT_TRUE(btClodCollisionAlgorithm::registerAlgorithm(&dispatcher, &context));
+	world.setGravity(vector(0, -9.81, 0));
+	btClodShape shape(cube());
+	btBoxShape floorShape(vector(10, 1, 10));
+	btRigidBody ground(btRigidBody::btRigidBodyConstructionInfo(0, nullptr, &floorShape));
+	ground.setWorldTransform(at(0, -1, 0));
+	world.addRigidBody(&ground);
+	btVector3 inertia;
+	shape.calculateLocalInertia(1, inertia);
+	btMultiBody body(1, 1, inertia, false, false);
+	body.setupRevolute(0, 1, inertia, -1, btQuaternion::getIdentity(), vector(0, 0, 1), vector(0.6, 0, 0), vector(0.6, 0, 0),
+					   true);
+	body.finalizeMultiDof();
+	body.setBasePos(vector(0, 1.5, 0));
+	body.setBaseVel(vector(0, -5, 0));
+	btMultiBodyLinkCollider base(&body, -1), link(&body, 0);
+	for (btMultiBodyLinkCollider* collider : {&base, &link})
+	{
+		collider->setCollisionShape(&shape);
+		collider->setActivationState(DISABLE_DEACTIVATION);
+		world.addCollisionObject(collider, btBroadphaseProxy::DefaultFilter, btBroadphaseProxy::StaticFilter | btBroadphaseProxy::DefaultFilter);
+	}
+	body.setBaseCollider(&base);
+	body.getLink(0).m_collider = &link;
+	world.addMultiBody(&body);
+	double lowest = 1;
+	for (int i = 0; i < 240; ++i)
+	{
+		world.stepSimulation(btScalar(1.0 / 120), 0);
+		for (const btMultiBodyLinkCollider* collider : {&base, &link})
+			lowest = std::min(lowest, double(collider->getWorldTransform().getOrigin().y()));
+	}
+	EXPECT_GT(lowest, 0.49);
+	EXPECT_LT(lowest, 0.51);
+	world.removeMultiBody(&body);
+	world.removeCollisionObject(&base);
+	world.removeCollisionObject(&link);
+	world.removeRigidBody(&ground);
+}
+
+TEST(Facilities, CompoundsOfConvexShapesAndOfOursRest)
+{
+	for (const bool oursInside : {true, false})
+	{
+		BulletWorld scene;
+		auto& compound = scene.add(std::make_unique<btCompoundShape>());
+		auto& box = scene.add(std::make_unique<btBoxShape>(vector(0.5, 0.5, 0.5)));
+		auto& plate = scene.add(std::make_unique<btBoxShape>(vector(5, 0.5, 5)));
+		btCollisionShape& part = oursInside ? static_cast<btCollisionShape&>(scene.addShape(cube())) : box;
+		btCollisionShape& ground = oursInside ? static_cast<btCollisionShape&>(plate) : scene.addShape(slab());
+		compound.addChildShape(at(-0.7, 0, 0), &part);
+		compound.addChildShape(at(0.7, 0, 0), &part);
+		scene.addBody(ground, 0, {0, -0.5, 0});
+		const btRigidBody& body = scene.addBody(compound, 1, {0, 0.55, 0});
+		scene.step(480);
+		EXPECT_NEAR(heightOf(body), 0.5, 2e-3) << oursInside;
+		EXPECT_LT(double(body.getLinearVelocity().length()), 1e-3) << oursInside;
+	}
+}
+
+// Against Bullet's own mesh, and without a look at what the sweep does not pass.
+TEST(Facilities, SweepsHitWhatTheyHitOfAMesh)
+{
+	Random random(17);
+	const Body& torus = body("torus-900");
+	const double scale = 1 / double(torus.hierarchy->asset().radius);
+	Bvh bvh(*torus.hierarchy);
+	btScaledBvhTriangleMeshShape theirs(bvh.shape.get(), vector(scale, scale, scale));
+	int hits = 0;
+	for (int round = 0; round < 200; ++round)
+	{
+		std::unique_ptr<btConvexShape> swept;
+		if (round % 2 == 0)
+			swept = std::make_unique<btSphereShape>(btScalar(0.1));
+		else
+			swept = std::make_unique<btBoxShape>(vector(0.2, 0.05, 0.1));
+		btTransform from = randomPose(random, 0), to = randomPose(random, 0);
+		from.setOrigin(toBullet(2.0 * randomDirection(random)));
+		to.setOrigin(-from.getOrigin() + toBullet(0.7 * randomDirection(random)));
+		if (round % 4 < 2) to.setBasis(from.getBasis());
+		double fraction[2];
+		for (const bool ours : {true, false})
+		{
+			BulletWorld scene;
+			btClodShape& shape = scene.addShape(torus.hierarchy);
+			shape.setLocalScaling(vector(scale, scale, scale));
+			scene.addBody(ours ? static_cast<btCollisionShape&>(shape) : theirs, 0, {});
+			scene.world.updateAabbs();
+			btCollisionWorld::ClosestConvexResultCallback closest(from.getOrigin(), to.getOrigin());
+			scene.world.convexSweepTest(swept.get(), from, to, closest);
+			fraction[ours ? 0 : 1] = double(closest.m_closestHitFraction);
+		}
+		EXPECT_NEAR(fraction[0], fraction[1], 2e-4) << round;
+		hits += fraction[0] < 1 ? 1 : 0;
+	}
+	EXPECT_GT(hits, 50);
+	EXPECT_LT(hits, 200);
+}
+
+TEST(Facilities, SweepsLookAtTheirOwnWayOnly)
+{
+	struct Counter : btTriangleConvexcastCallback
+	{
+		int triangles = 0;
+		using btTriangleConvexcastCallback::btTriangleConvexcastCallback;
+		void processTriangle(btVector3*, int, int) override { ++triangles; }
+		btScalar reportHit(const btVector3&, const btVector3&, btScalar, int, int) override { return 1; }
+	};
+	const btClodShape shape(landscape());
+	const btSphereShape ball(btScalar(0.1));
+	Counter counter(&ball, at(-9, 1, -9), at(9, 1, 9), at(0, 0, 0), 0);
+	shape.processAllTriangles(&counter, vector(-9.2, -2, -9.2), vector(9.2, 2, 9.2));
+	EXPECT_EQ(counter.triangles, 0);
+	Counter along(&ball, at(-9, 0.5, -9), at(9, 0.5, 9), at(0, 0, 0), 0);
+	shape.processAllTriangles(&along, vector(-9.2, -2, -9.2), vector(9.2, 2, 9.2));
+	EXPECT_GT(along.triangles, 36);
+	EXPECT_LT(along.triangles, 260);  // of 800 on that side: patches of eight along the diagonal
+}
+
+// Two cubes in any overlap, one wholly inside the other too: contactPairTest has a point, and below zero. The oracle is the
+// separating axes of boxes.
+TEST(Facilities, ContactPairTestKnowsOverlapsOfAnyDepth)
+{
+	Random random(23);
+	const auto ours = cube();
+	int overlapping = 0;
+	for (int round = 0; round < 300; ++round)
+	{
+		const double size = round % 3 == 0 ? 0.3 : 1;
+		BulletWorld scene;
+		btRigidBody& a = scene.addBody(scene.addShape(ours), 1, {});
+		const bool isConvex = round % 2 == 0;
+		btClodShape& second = scene.addShape(ours);
+		second.setLocalScaling(vector(size, size, size));
+		auto& box = scene.add(std::make_unique<btBoxShape>(vector(0.5 * size, 0.5 * size, 0.5 * size)));
+		btRigidBody& b = scene.addBody(isConvex ? static_cast<btCollisionShape&>(box) : second, 1, {});
+		const btTransform pose = randomPose(random, 1.3);
+		b.setWorldTransform(pose);
+		// The least overlap along the faces' normals and the edges' products.
+		double least = std::numeric_limits<double>::infinity();
+		std::vector<btVector3> axes;
+		for (int i = 0; i < 3; ++i)
+		{
+			btVector3 e(0, 0, 0);
+			e[i] = 1;
+			axes.push_back(e);
+			axes.push_back(pose.getBasis().getColumn(i));
+			for (int j = 0; j < 3; ++j)
+				if (e.cross(pose.getBasis().getColumn(j)).length() > btScalar(1e-3))
+					axes.push_back(e.cross(pose.getBasis().getColumn(j)).normalized());
+		}
+		for (const btVector3& axis : axes)
+		{
+			double reach = 0.5 * double(axis.absolute().dot(vector(1, 1, 1)));
+			for (int j = 0; j < 3; ++j) reach += 0.5 * size * std::abs(double(axis.dot(pose.getBasis().getColumn(j))));
+			least = std::min(least, reach - std::abs(double(axis.dot(pose.getOrigin()))));
+		}
+		if (std::abs(least) < 2e-3) continue;
+		Touches touches;
+		scene.world.contactPairTest(&a, &b, touches);
+		const bool overlaps = touches.points > 0 && touches.deepest < 0;
+		EXPECT_EQ(overlaps, least > 0) << round << " by " << least << ", size " << size << (isConvex ? ", box" : "");
+		overlapping += least > 0 ? 1 : 0;
+	}
+	EXPECT_GT(overlapping, 100);
+}
+
+TEST(Facilities, DeepRoundBodiesAreKnownToOverlap)
+{
+	for (const double depth : {0.1, 0.3, 0.5})
+	{
+		BulletWorld scene;
+		btRigidBody& a = scene.addBody(scene.addShape(cube()), 1, {});
+		auto& ball = scene.add(std::make_unique<btSphereShape>(btScalar(0.1)));
+		btRigidBody& b = scene.addBody(ball, 1, {0, 0.5 - depth, 0});
+		Touches touches;
+		scene.world.contactPairTest(&a, &b, touches);
+		EXPECT_GT(touches.points, 0) << depth;
+		EXPECT_LT(touches.deepest, 0) << depth;
+	}
+}
+
+TEST(Facilities, ABodyAtRestFallsAsleepAndWakes)
+{
+	BulletWorld scene;
+	scene.addBody(scene.addShape(slab()), 0, {0, -0.5, 0});
+	auto& box = scene.add(std::make_unique<btBoxShape>(vector(0.5, 0.5, 0.5)));
+	btRigidBody& body = scene.addBody(box, 1, {0, 0.5, 0});
+	body.forceActivationState(ACTIVE_TAG);
+	scene.step(1200);
+	EXPECT_FALSE(body.isActive());
+	EXPECT_NEAR(heightOf(body), 0.5, 2e-3);
+	body.activate();
+	body.applyCentralImpulse(vector(0, 3, 0));
+	scene.step(10);
+	EXPECT_GT(heightOf(body), 0.51);
+}
+}  // namespace clod::test

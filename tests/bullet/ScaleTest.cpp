@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Bodies of any scale: they rest, roll and answer as those that were made at that size.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <tuple>
+
+#include "clod/hierarchy/ScaledHierarchy.h"
+#include "tests/bullet/BulletWorld.h"
+#include "tests/bullet/PatchHierarchy.h"
+#include "tests/query/Bodies.h"
+
+namespace clod::test
+{
+namespace
+{
+btVector3 vector(double x, double y, double z)
+{
+	return btVector3(btScalar(x), btScalar(y), btScalar(z));
+}
+// The last report of the only pair.
+PairReport onlyPair(const Context& context)
+{
+	PairReport last;
+	context.forEachPair([&last](const PairReport& report) { last = report; });
+	return last;
+}
+}  // namespace
+
+TEST(Scale, StretchedBodiesRestAtTheirHeight)
+{
+	for (const Vec3& scale : {Vec3{1, 2, 1}, Vec3{-1, 0.5, 1}, Vec3{2, -1, 0.5}, Vec3{-1, -1, -1}, Vec3{0.3, 0.3, 0.3}})
+	{
+		BulletWorld scene;
+		scene.addBody(scene.addShape(slab()), 0, {0, -0.5, 0});
+		btClodShape& shape = scene.addShape(cube());
+		shape.setLocalScaling(vector(scale.x, scale.y, scale.z));
+		EXPECT_EQ(shape.scalingError(), "");
+		const btRigidBody& body = scene.addBody(shape, 1, {0.1, 0.5 * std::abs(scale.y) + 0.05, 0.2});
+		scene.step(480);
+		EXPECT_NEAR(heightOf(body), 0.5 * std::abs(scale.y), 2e-3) << scale.y;
+		EXPECT_LT(double(body.getLinearVelocity().length()), 1e-3);
+		EXPECT_TRUE(scene.warnings.empty()) << scene.warnings.front();
+	}
+}
+
+// A ball of 5 cm on a slab of 10 m hovers by its own skin.
+TEST(Scale, TheSkinFollowsTheSmallerBody)
+{
+	BulletWorld scene;
+	scene.addBody(scene.addShape(slab()), 0, {0, -0.5, 0});
+	btClodShape& small = scene.addShape(cube());
+	small.setLocalScaling(vector(0.05, 0.05, 0.05));
+	const btRigidBody& body = scene.addBody(small, 1, {0, 0.03, 0});
+	scene.step(240);
+	EXPECT_NEAR(heightOf(body), 0.025, 0.001 * 0.05);
+}
+
+// Two toruses, one of them another size than the other: levels, pairs of nodes and certified errors are the same as of one
+// that was made so, and lengths of metrics those of the body scaled less.
+TEST(Scale, UnequalScalesAnswerAsBodiesMadeAtThatSize)
+{
+	const auto torus = body("torus-900").hierarchy;
+	for (const double factor : {1.001, 1.01, 10.0})
+		for (const bool byLength : {false, true})
+		{
+			const double radius = double(torus->asset().radius), unit = 1 / radius;
+			const ContactMetric metric = byLength ? ContactMetric() : ContactMetric::deviationShare(0.02);
+			PairReport reports[2];
+			for (const bool isMade : {false, true})
+			{
+				BulletWorld scene;
+				scene.context.worldMetric = metric;
+				if (byLength) scene.context.worldMetric.weightedDeviation = 0.02 * radius;
+				btClodShape& large = isMade ? scene.addShape(scaledHierarchy(*torus, {factor, factor, factor}).value())
+											: scene.addShape(torus);
+				btClodShape& small = scene.addShape(torus);
+				const double scale = isMade ? unit : factor * unit;
+				large.setLocalScaling(vector(scale, scale, scale));
+				small.setLocalScaling(vector(unit, unit, unit));
+				scene.addBody(large, 0, {});
+				const double height = (factor + 1) * 0.3;
+				btRigidBody& body = scene.addBody(small, 1, {0.7 * (factor - 1), height, 0});
+				body.setLinearVelocity(vector(0, -1, 0));
+				for (int i = 0; i < 960 && scene.contacts() == 0; ++i) scene.step();
+				scene.step(4);
+				reports[isMade ? 1 : 0] = onlyPair(scene.context);
+				EXPECT_GT(scene.contacts(), 0);
+			}
+			const auto nodes = [](const PairReport& report)
+			{ return std::make_tuple(report.finestLevel, report.coarsestLevel, report.points); };
+			EXPECT_EQ(nodes(reports[0]), nodes(reports[1])) << factor << " " << byLength;
+			EXPECT_NEAR(reports[0].contactError * radius, reports[1].contactError * radius, 1e-3) << factor;
+		}
+}
+
+TEST(Scale, ARefusedScaleIsToldOf)
+{
+	BulletWorld scene;
+	scene.addBody(scene.addShape(slab()), 0, {0, -0.5, 0});
+	btClodShape& shape = scene.addShape(cube());
+	shape.setLocalScaling(vector(1, 0, 1));
+	EXPECT_NE(shape.scalingError().find("zero"), std::string::npos) << shape.scalingError();
+	const btRigidBody& body = scene.addBody(shape, 1, {0, 0.5, 0});
+	scene.step(10);
+	ASSERT_EQ(scene.warnings.size(), 1u);
+	EXPECT_NE(scene.warnings[0].find(shape.scalingError()), std::string::npos) << scene.warnings[0];
+	EXPECT_NEAR(heightOf(body), 0.5, 0.01);
+}
+
+// While a pair lives.
+TEST(Scale, StretchingABodyAtRestIsNoticed)
+{
+	BulletWorld scene;
+	scene.addBody(scene.addShape(slab()), 0, {0, -0.5, 0});
+	btClodShape& shape = scene.addShape(cube());
+	btRigidBody& body = scene.addBody(shape, 1, {0, 0.5, 0});
+	scene.step(60);
+	shape.setLocalScaling(vector(1, 0.5, 1));
+	scene.step(240);
+	EXPECT_NEAR(heightOf(body), 0.25, 2e-3);
+	shape.setLocalScaling(vector(1, 1, 1));
+	body.translate(vector(0, 0.26, 0));
+	scene.step(240);
+	EXPECT_NEAR(heightOf(body), 0.5, 2e-3);
+}
+
+TEST(Scale, RaysMeetTheStretchedSurface)
+{
+	BulletWorld scene;
+	btClodShape& shape = scene.addShape(cube());
+	shape.setLocalScaling(vector(-1, 3, 1));
+	scene.addBody(shape, 0, {});
+	const btVector3 from = vector(0.1, 5, 0.2), to = vector(0.1, -5, 0.2);
+	btCollisionWorld::ClosestRayResultCallback ray(from, to);
+	scene.world.updateAabbs();
+	scene.world.rayTest(from, to, ray);
+	ASSERT_TRUE(ray.hasHit());
+	EXPECT_NEAR(double(ray.m_hitPointWorld.y()), 1.5, 1e-4);
+	EXPECT_GT(double(ray.m_hitNormalWorld.y()), 0.99);
+}
+}  // namespace clod::test
