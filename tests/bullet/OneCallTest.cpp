@@ -102,6 +102,35 @@ TEST(OneCall, RefusesWithAReason)
 	EXPECT_FALSE(ClodBody::make(nullptr));
 }
 
+// A box under a name: other importers keep the body, those that know the name load the file.
+TEST(Serialized, AsABoxWhoseNameLeadsBack)
+{
+	BulletWorld scene;
+	btClodShape& shape = scene.addShape(cube());
+	shape.setName("dir/a cube: of mine.clod");
+	shape.setLocalScaling(btVector3(btScalar(-1.5), 2, 3));
+	scene.addBody(shape, 1, {});
+	btDefaultSerializer serializer;
+	scene.world.serialize(&serializer);
+	const std::string bytes(reinterpret_cast<const char*>(serializer.getBufferPointer()),
+							std::size_t(serializer.getCurrentBufferSize()));
+	const std::size_t at = bytes.find("clod:");
+	ASSERT_NE(at, std::string::npos);
+	const auto read = btClodShape::readSerializedName(bytes.c_str() + at);
+	ASSERT_TRUE(read);
+	EXPECT_EQ(read->contentHash, cube()->contentHash());
+	EXPECT_EQ(read->name, shape.name());
+	EXPECT_LT(double((read->scaling - shape.getLocalScaling()).length()), 1e-6);
+	btConvexInternalShapeData data;
+	EXPECT_STREQ(shape.serialize(&data, &serializer), "btConvexInternalShapeData");
+	EXPECT_EQ(int(sizeof data), shape.calculateSerializeBufferSize());
+	EXPECT_EQ(data.m_collisionShapeData.m_shapeType, int(BOX_SHAPE_PROXYTYPE));
+	EXPECT_NEAR(double(data.m_implicitShapeDimensions.m_floats[1]), 1, 1e-3);
+	for (const char* other : {"", "box", "clod:", "clod:12:1:2:x", "clod:zz:1:2:3:x"})
+		EXPECT_FALSE(btClodShape::readSerializedName(other)) << other;
+	EXPECT_FALSE(btClodShape::readSerializedName(nullptr));
+}
+
 TEST(Messages, NameBodiesAndFilesAndEnd)
 {
 	BulletWorld scene;

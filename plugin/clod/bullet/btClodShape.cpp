@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Zlib
 #include "clod/bullet/btClodShape.h"
 
-#include <BulletCollision/CollisionShapes/btConvexShape.h>
+#include <BulletCollision/CollisionShapes/btConvexInternalShape.h>
 #include <BulletCollision/CollisionShapes/btTriangleCallback.h>
 #include <BulletCollision/NarrowPhaseCollision/btRaycastCallback.h>
 #include <LinearMath/btAabbUtil2.h>
+#include <LinearMath/btSerializer.h>
 
 #include <algorithm>
+#include <cinttypes>
 #include <cmath>
+#include <cstdio>
+#include <cstring>
 #include <optional>
 #include <vector>
 
@@ -23,6 +27,7 @@ using clod::toVec3;
 using clod::Vec3;
 
 constexpr double kSameScale = 1e-6;  // factors that differ by less are one
+constexpr const char* kSerializedAs = "clod:";
 
 btVector3 scaled(const Vec3& v, double scale)
 {
@@ -245,6 +250,53 @@ btScalar btClodShape::getContactBreakingThreshold(btScalar defaultFactor) const
 {
 	const btScalar fine = btScalar(clod::kBreakingShare * double(m_hierarchy->asset().radius) * m_scale);
 	return btMin(btConcaveShape::getContactBreakingThreshold(defaultFactor), fine);
+}
+
+int btClodShape::calculateSerializeBufferSize() const
+{
+	return int(sizeof(btConvexInternalShapeData));
+}
+
+const char* btClodShape::serialize(void* buffer, btSerializer* serializer) const
+{
+	// The bits of floats: how numbers are written depends on the machine's language.
+	std::uint32_t bits[3];
+	for (int i = 0; i < 3; ++i)
+	{
+		const float factor = float(m_scaling[i]);
+		std::memcpy(&bits[i], &factor, sizeof factor);
+	}
+	char numbers[64];
+	std::snprintf(numbers, sizeof numbers, "%016" PRIx64 ":%08" PRIx32 ":%08" PRIx32 ":%08" PRIx32 ":",
+				  m_given->contentHash(), bits[0], bits[1], bits[2]);
+	m_serializedName = kSerializedAs + std::string(numbers) + m_name;
+	if (!serializer->findNameForPointer(this)) serializer->registerNameForPointer(this, m_serializedName.c_str());
+	auto& data = *static_cast<btConvexInternalShapeData*>(buffer);
+	data = {};
+	btConcaveShape::serialize(&data.m_collisionShapeData, serializer);
+	data.m_collisionShapeData.m_shapeType = BOX_SHAPE_PROXYTYPE;
+	btVector3(1, 1, 1).serializeFloat(data.m_localScaling);
+	btVector3 farthest = m_localMin.absolute();
+	farthest.setMax(m_localMax.absolute());
+	farthest.serializeFloat(data.m_implicitShapeDimensions);
+	data.m_collisionMargin = float(m_collisionMargin);
+	return "btConvexInternalShapeData";
+}
+
+std::optional<btClodShape::Serialized> btClodShape::readSerializedName(const char* name)
+{
+	const std::string text = name ? name : "";
+	if (text.compare(0, std::strlen(kSerializedAs), kSerializedAs) != 0) return {};
+	std::uint64_t hash = 0;
+	std::uint32_t bits[3];
+	int end = 0;
+	const char* const numbers = text.c_str() + std::strlen(kSerializedAs);
+	const int read = std::sscanf(numbers, "%16" SCNx64 ":%8" SCNx32 ":%8" SCNx32 ":%8" SCNx32 ":%n", &hash, &bits[0],
+								 &bits[1], &bits[2], &end);
+	if (read != 4 || end == 0) return {};
+	float factor[3];
+	std::memcpy(factor, bits, sizeof factor);
+	return Serialized{hash, btVector3(btScalar(factor[0]), btScalar(factor[1]), btScalar(factor[2])), numbers + end};
 }
 
 void btClodShape::processAllTriangles(btTriangleCallback* callback, const btVector3& aabbMin,

@@ -11,6 +11,7 @@
 #include <BulletCollision/CollisionShapes/btConcaveShape.h>
 #include <LinearMath/btTransform.h>
 
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -115,11 +116,27 @@ public:
 		return "Clod";
 	}
 
+	// Bullet's files have no place for a shape of a kind of its own: what is written is a box of this shape's extent, which
+	// any importer can read, under a name that tells a program of yours what to put in its place. It is given to the
+	// serializer for this shape, unless it has another name there already. The surface stays in the .clod file.
+	int calculateSerializeBufferSize() const override;
+	const char* serialize(void* buffer, btSerializer* serializer) const override;
+	// What such a name says; none where it is no such name. An importer asks for the name of the box
+	// (btWorldImporter::getNameForPointer) where it makes the body, and loads `name`, whose hierarchy must have the hash.
+	struct Serialized
+	{
+		std::uint64_t contentHash;  // of the hierarchy as given
+		btVector3 scaling;
+		std::string name;
+	};
+	static std::optional<Serialized> readSerializedName(const char* name);
+
 private:
 	std::shared_ptr<const clod::Hierarchy> m_given, m_hierarchy;
 	mutable std::shared_ptr<const clod::Hierarchy> m_inWorldLengths;
 	mutable std::mutex m_deriving;
 	std::string m_scalingError, m_name;
+	mutable std::string m_serializedName;  // serializers keep a pointer to it
 	std::optional<clod::ContactMetric> m_metric;
 	btVector3 m_scaling, m_localMin, m_localMax;
 	double m_scale = 1;
