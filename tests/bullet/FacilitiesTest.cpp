@@ -176,8 +176,10 @@ TEST(Facilities, AVehicleStandsAsOnAMesh)
 	EXPECT_GT(height[0], 0.4);
 }
 
-// A base and a link of ours, hinged, fall at 5 m/s on a box: where their speed were not seen they would dip 50 mm.
-TEST(Facilities, LinksOfAMultiBodyAreSeenMoving)
+namespace
+{
+// A base and a link of ours, hinged, fall at 5 m/s on a box. How low do they get?
+double lowestOfLinks(double start)
 {
 	btDefaultCollisionConfiguration configuration;
 	btCollisionDispatcher dispatcher(&configuration);
@@ -186,7 +188,7 @@ TEST(Facilities, LinksOfAMultiBodyAreSeenMoving)
 	btMultiBodyDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
 	Context context;
 	context.warn = {};
-	ASSERT_TRUE(btClodCollisionAlgorithm::registerAlgorithm(&dispatcher, &context));
+	if (!btClodCollisionAlgorithm::registerAlgorithm(&dispatcher, &context)) return 0;
 	world.setGravity(vector(0, -9.81, 0));
 	btClodShape shape(cube());
 	btBoxShape floorShape(vector(10, 1, 10));
@@ -196,34 +198,46 @@ TEST(Facilities, LinksOfAMultiBodyAreSeenMoving)
 	btVector3 inertia;
 	shape.calculateLocalInertia(1, inertia);
 	btMultiBody body(1, 1, inertia, false, false);
-	body.setupRevolute(0, 1, inertia, -1, btQuaternion::getIdentity(), vector(0, 0, 1), vector(0.6, 0, 0), vector(0.6, 0, 0),
-					   true);
+	body.setupRevolute(0, 1, inertia, -1, btQuaternion::getIdentity(), vector(0, 0, 1), vector(0.6, 0, 0),
+					   vector(0.6, 0, 0), true);
 	body.finalizeMultiDof();
-	body.setBasePos(vector(0, 1.5, 0));
+	body.setBasePos(vector(0, start, 0));
 	body.setBaseVel(vector(0, -5, 0));
 	btMultiBodyLinkCollider base(&body, -1), link(&body, 0);
 	for (btMultiBodyLinkCollider* collider : {&base, &link})
 	{
 		collider->setCollisionShape(&shape);
 		collider->setActivationState(DISABLE_DEACTIVATION);
-		world.addCollisionObject(collider, btBroadphaseProxy::DefaultFilter, btBroadphaseProxy::StaticFilter | btBroadphaseProxy::DefaultFilter);
+		world.addCollisionObject(collider, btBroadphaseProxy::DefaultFilter,
+								 btBroadphaseProxy::StaticFilter | btBroadphaseProxy::DefaultFilter);
 	}
 	body.setBaseCollider(&base);
 	body.getLink(0).m_collider = &link;
 	world.addMultiBody(&body);
-	double lowest = 1;
-	for (int i = 0; i < 240; ++i)
+	double lowest = start;
+	for (int i = 0; i < 120; ++i)
 	{
 		world.stepSimulation(btScalar(1.0 / 120), 0);
 		for (const btMultiBodyLinkCollider* collider : {&base, &link})
 			lowest = std::min(lowest, double(collider->getWorldTransform().getOrigin().y()));
 	}
-	EXPECT_GT(lowest, 0.49);
-	EXPECT_LT(lowest, 0.51);
 	world.removeMultiBody(&body);
 	world.removeCollisionObject(&base);
 	world.removeCollisionObject(&link);
 	world.removeRigidBody(&ground);
+	return lowest;
+}
+}  // namespace
+
+// Where their speed is not seen they dip by what a step carries them, up to 40 mm, depending on where they start.
+TEST(Facilities, LinksOfAMultiBodyAreSeenMoving)
+{
+	for (int i = 0; i < 6; ++i)
+	{
+		const double lowest = lowestOfLinks(1.5 + 0.007 * i);
+		EXPECT_GT(lowest, 0.49) << i;
+		EXPECT_LT(lowest, 0.51) << i;
+	}
 }
 
 TEST(Facilities, CompoundsOfConvexShapesAndOfOursRest)

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "tests/query/Bodies.h"
 #include "tests/query/Questions.h"
@@ -95,6 +96,32 @@ TEST(ScaledHierarchy, InertiaIsThatOfTheScaledSolid)
 		const Mat3 tensor = {{{t[0], t[3], t[4]}, {t[3], t[1], t[5]}, {t[4], t[5], t[2]}}};
 		for (int i = 0; i < 3; ++i)
 			EXPECT_NEAR(dot(turn.column(i), tensor * turn.column((i + 1) % 3)), 0, 1e-4 * size);
+	}
+}
+
+// No linear map makes a distance grow by more than its largest factor, nor shrink by more than its smallest.
+TEST(ScaledHierarchy, BoundsAreNoLessThanProvedAndHardlyMore)
+{
+	for (const Vec3& scale : kScales)
+	{
+		const Hierarchy& from = *body("cup-3000").hierarchy;
+		const auto to = scaledHierarchy(from, scale).value();
+		const double factors[3] = {std::abs(scale.x), std::abs(scale.y), std::abs(scale.z)};
+		const double largest = *std::max_element(factors, factors + 3), smallest = *std::min_element(factors, factors + 3);
+		const double rounding = 1e-6 * double(to->asset().radius);
+		for (std::uint32_t i = 0; i < from.nodes().size; ++i)
+		{
+			const Node &a = from.node(i), &b = to->node(i);
+			const std::pair<float, float> bounds[] = {
+				{a.cover, b.cover}, {a.reach, b.reach}, {a.protrude, b.protrude}, {a.surf, b.surf}, {a.hausdorff, b.hausdorff}};
+			for (const auto& [before, after] : bounds)
+			{
+				EXPECT_GE(double(after), largest * double(before));
+				EXPECT_LE(double(after), 1.001 * largest * double(before) + rounding);
+			}
+			EXPECT_LE(double(b.thickness), largest * double(a.thickness));
+			EXPECT_GE(double(b.thickness), 0.999 * smallest * double(a.thickness) - rounding);
+		}
 	}
 }
 
