@@ -140,7 +140,7 @@ Vec3 DeepOverlap::wayOut(const FacetQuestion& q, const std::vector<Contact>& con
 	return best;
 }
 
-Vec3 DeepOverlap::find(const FacetQuestion& q, const std::vector<Contact>& contacts, const Vec3& kept,
+Vec3 DeepOverlap::find(const FacetQuestion& q, const std::vector<Contact>& contacts, bool isDeep, const Vec3& kept,
 					   std::vector<Facet>& facets)
 {
 	m_inside.clear();
@@ -153,7 +153,7 @@ Vec3 DeepOverlap::find(const FacetQuestion& q, const std::vector<Contact>& conta
 		probe(q, contact, true);
 		probe(q, contact, false);
 	}
-	const bool isWhole = m_inside.empty();
+	const bool isWhole = isDeep && m_inside.empty();
 	if (isWhole)
 		for (const bool ofA : {true, false}) probeWhole(q, ofA);
 	if (m_inside.empty()) return {};

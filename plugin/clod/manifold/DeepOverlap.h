@@ -14,8 +14,8 @@ class DeepOverlap
 {
 public:
 	// Appends the contacts, and returns the direction, from B to A; zero where nothing is found inside. kept: a direction
-	// to go on with, or zero.
-	Vec3 find(const FacetQuestion& question, const std::vector<Contact>& contacts, const Vec3& kept,
+	// to go on with, or zero. isDeep: one body is known to be inside the other, near a surface or not.
+	Vec3 find(const FacetQuestion& question, const std::vector<Contact>& contacts, bool isDeep, const Vec3& kept,
 			  std::vector<Facet>& facets);
 
 private:

@@ -41,7 +41,7 @@ void FacetContacts::answerDepth(const std::vector<Contact>& contacts, bool isDee
 	if (!overlap || (isAnswered && m_wayOut == Vec3{})) return forget();
 	const Vec3 kept = m_wayOut != Vec3{} ? m_wayOut : normalized(impulseOf(previous));
 	m_deepFacets.clear();
-	m_wayOut = m_deep.find(m_question, contacts, kept, m_deepFacets);
+	m_wayOut = m_deep.find(m_question, contacts, isDeep, kept, m_deepFacets);
 	if (m_wayOut == Vec3{}) return;
 	// What opposes the way would hold the bodies where they are.
 	m_facets.erase(std::remove_if(m_facets.begin(), m_facets.end(),
