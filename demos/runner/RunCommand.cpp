@@ -33,7 +33,7 @@ struct RunOptions
 	Selection selection;
 	std::string scene, csv, poses;
 	std::vector<std::string> models;  // of `drop`
-	int steps = 0;
+	int steps = 0, passes = 1, parts = 1;
 	double dt = 0;
 	double resolution = 1;
 	bool verifyPenetration = false, undamped = false;
@@ -78,6 +78,8 @@ SceneRunOptions setUp(const RunOptions& options, const SceneInfo& info, Hierarch
 	run.scene.metric = toMetric(options.selection);
 	run.scene.budget = options.selection.budget;
 	run.scene.dt = options.dt > 0 ? options.dt : info.dt;
+	run.scene.passes = options.passes;
+	run.scene.parts = options.parts;
 	run.paper = options.selection.paper;
 	run.steps = options.steps > 0 ? options.steps : info.steps;
 	run.scene.camera = toCameraPath(options.selection, run.steps);
@@ -248,6 +250,16 @@ void addRunCommand(CLI::App& program)
 	command->add_option("--dt", options->dt, "Seconds a step (default: the scene's)")
 		->type_name("SECONDS")
 		->check(between(1e-6, 1.0));
+	command
+		->add_option("--passes", options->passes,
+					 "How often a step's contacts are found and solved at most; 1: Bullet's own world")
+		->type_name("N")
+		->check(CLI::Range(1, 10))
+		->capture_default_str();
+	command->add_option("--parts", options->parts, "Into how many parts a step may be divided where passes do not settle it")
+		->type_name("N")
+		->check(CLI::Range(1, 64))
+		->capture_default_str();
 	addResolution(*command, options->resolution);
 	command->add_option("--csv", options->csv, "A row a step, under a budget of its own dispatch; - is stdout")
 		->type_name("FILE");

@@ -6,6 +6,7 @@
 #include <clod/bullet/ConfigureWorld.h>
 #include <clod/bullet/btClodCollisionAlgorithm.h>
 #include <clod/bullet/btClodDispatcher.h>
+#include <clod/bullet/btClodDynamicsWorld.h>
 #include <clod/bullet/btClodShape.h>
 
 #include <algorithm>
@@ -25,14 +26,14 @@ Vec3 centerOf(const Hierarchy& hierarchy)
 }
 
 // A world that knows how long its collision dispatch took.
-class TimedWorld : public btDiscreteDynamicsWorld
+class TimedWorld : public btClodDynamicsWorld
 {
 public:
-	using btDiscreteDynamicsWorld::btDiscreteDynamicsWorld;
+	using btClodDynamicsWorld::btClodDynamicsWorld;
 	void performDiscreteCollisionDetection() override
 	{
 		const auto start = std::chrono::steady_clock::now();
-		btDiscreteDynamicsWorld::performDiscreteCollisionDetection();
+		btClodDynamicsWorld::performDiscreteCollisionDetection();
 		m_dispatchMicroseconds =
 			std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
 	}
@@ -62,7 +63,7 @@ struct RigidScene::Bullet
 	mutable btClodDispatcher dispatcher{&configuration, &context};
 	btDbvtBroadphase broadphase;
 	btSequentialImpulseConstraintSolver solver;
-	TimedWorld world{&dispatcher, &broadphase, &solver, &configuration};
+	TimedWorld world{&dispatcher, &broadphase, &solver, &configuration, &context};
 	std::vector<std::unique_ptr<btClodShape>> shapes;  // one a model
 	std::vector<std::unique_ptr<btRigidBody>> bodies;
 };
@@ -105,6 +106,8 @@ void RigidScene::setUpSolver()
 	WorldSettings settings;
 	settings.solverIterations = m_definition.world.solverIterations;
 	configureWorld(m_bullet->world, settings);
+	m_bullet->world.setMostPasses(m_settings.passes);
+	m_bullet->world.setMostParts(m_settings.parts);
 }
 
 const Hierarchy& RigidScene::hierarchyOf(std::size_t body) const
@@ -199,6 +202,9 @@ SceneState RigidScene::state() const
 	}
 	state.pairs = nearPairs();
 	state.stepMicroseconds = m_stepMicroseconds;
+	state.passes = bullet.world.passes();
+	state.parts = bullet.world.parts();
+	state.pairsAskedAgain = bullet.world.pairsAskedAgain();
 	state.dispatchMicroseconds = bullet.world.dispatchMicroseconds();
 	const StepReport statistics = bullet.context.lastStep();
 	state.warnings = statistics.warnings();
@@ -312,6 +318,8 @@ std::vector<SceneConstant> RigidScene::constants() const
 		{"split_impulse_penetration_threshold", double(solver.m_splitImpulsePenetrationThreshold), "Bullet's length"},
 		{"erp", double(solver.m_erp), ""},
 		{"erp2", double(solver.m_erp2), ""},
+		{"passes", double(m_settings.passes), "at most"},
+		{"parts", double(m_settings.parts), "at most"},
 		{"sleeping", 0, ""}};
 	// Bodies of one model weigh the same.
 	for (std::size_t model = 0; model < info.models.size(); ++model)

@@ -84,6 +84,7 @@ struct SceneSettings
 	std::optional<CameraPath> camera;                      // of view metrics; the meshes' unit
 	Budget budget;                                         // of the queries of a step
 	double dt = 0;
+	int passes = 1, parts = 1;   // of btClodDynamicsWorld at most; with 1 the world is Bullet's own
 	bool printsWarnings = true;  // of the plugin, as they come; SceneState has them anyway
 };
 
@@ -123,6 +124,7 @@ struct SceneState
 	std::vector<BodyState> bodies;
 	std::vector<BodyPair> pairs;      // followed now, see SceneInfo::isPair
 	double stepMicroseconds = 0;      // the whole of stepSimulation
+	int passes = 1, parts = 1, pairsAskedAgain = 0;  // see SceneSettings::passes
 	double dispatchMicroseconds = 0;  // its collision dispatch
 	double contactError = 0;          // certified, of the coarsest contact of any pair; the meshes' unit
 	double excess = 0;                // under a budget: by which factor the worst contact misses its metric

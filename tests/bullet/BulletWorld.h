@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "clod/bullet/btClodCollisionAlgorithm.h"
+#include "clod/bullet/btClodDynamicsWorld.h"
 #include "clod/distance/SignedGap.h"
 #include "clod/manifold/ContactPoints.h"
 
@@ -21,12 +22,18 @@ struct BulletWorld
 	btSequentialImpulseConstraintSolver solver;
 	Context context;
 	std::vector<std::string> warnings;
-	btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
+	const std::unique_ptr<btDiscreteDynamicsWorld> ownWorld;
+	btDiscreteDynamicsWorld& world;
 	std::vector<std::unique_ptr<btCollisionShape>> shapes;
 	std::vector<std::unique_ptr<btRigidBody>> bodies;
 	double timeStep = 1.0 / 240;
 
-	BulletWorld()
+	// Bullet's own world, or the one that meets impacts within a step.
+	explicit BulletWorld(bool meetsImpacts = false)
+		: ownWorld(meetsImpacts ? std::make_unique<btClodDynamicsWorld>(&dispatcher, &broadphase, &solver, &configuration,
+																		&context)
+								: std::make_unique<btDiscreteDynamicsWorld>(&dispatcher, &broadphase, &solver, &configuration)),
+		  world(*ownWorld)
 	{
 		context.warn = [this](const std::string& message) { warnings.push_back(message); };
 		if (!btClodCollisionAlgorithm::registerAlgorithm(&dispatcher, &context)) std::abort();

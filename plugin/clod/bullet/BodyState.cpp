@@ -71,17 +71,34 @@ RelativeMotion worldMotion(const btCollisionObject& object, double timeStep)
 	return {linear - cross(angular, toVec3(object.getWorldTransform().getOrigin())), angular, 0};
 }
 
-PairBody pairBody(const btCollisionObject& object, const Transform& worldFromFrame, double scale, double timeStep)
+RelativeMotion solvedMotion(const btCollisionObject& object)
+{
+	if (object.isStaticOrKinematicObject()) return worldMotion(object, 0);
+	const Vec3 angular = toVec3(object.getInterpolationAngularVelocity());
+	return {toVec3(object.getInterpolationLinearVelocity()) -
+				cross(angular, toVec3(object.getWorldTransform().getOrigin())),
+			angular, 0};
+}
+
+RelativeMotion relativeMotion(const RelativeMotion& a, const RelativeMotion& b, const Transform& worldFromA, double scale,
+							  double timeStep)
+{
+	RelativeMotion motion = inFrame({a.linear - b.linear, a.angular - b.angular, 0}, worldFromA);
+	motion.linear = (1 / scale) * motion.linear;
+	motion.timeStep = timeStep;
+	return motion;
+}
+
+PairBody pairBody(const btCollisionObject& object, const Transform& worldFromFrame, double scale,
+				  const RelativeMotion& motion, const RelativeMotion& withoutForces)
 {
 	const Vec3 center = toVec3(object.getWorldTransform().getOrigin());
-	const RelativeMotion motion = worldMotion(object, timeStep);
 	const Mat3 frameFromWorld = transposed(worldFromFrame.rotation);
 	PairBody body;
 	body.center = (1 / scale) * (frameFromWorld * (center - worldFromFrame.translation));
 	body.linear = (1 / scale) * (frameFromWorld * motion.velocity(center));
 	body.angular = frameFromWorld * motion.angular;
-	const Vec3 before = worldMotion(object, 0).velocity(center);
-	body.force = body.linear - (1 / scale) * (frameFromWorld * before);
+	body.force = body.linear - (1 / scale) * (frameFromWorld * withoutForces.velocity(center));
 	const btRigidBody* rigid = btRigidBody::upcast(&object);
 	if (!rigid || object.isStaticOrKinematicObject()) return body;
 	const btMatrix3x3& inertia = rigid->getInvInertiaTensorWorld();

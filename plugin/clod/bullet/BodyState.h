@@ -18,6 +18,13 @@ bool isFinite(const RelativeMotion& motion);
 // World velocity field of a collision object, v(p) = linear + angular x p, as the solver will start from: forces and
 // gravity of the coming step included. With timeStep 0: as it moves now.
 RelativeMotion worldMotion(const btCollisionObject& object, double timeStep);
-// Mass and motion of an object in a frame of the world whose unit is `scale` world lengths.
-PairBody pairBody(const btCollisionObject& object, const Transform& worldFromFrame, double scale, double timeStep);
+// As the step's solver left it, which btClodDynamicsWorld keeps in the interpolation velocities.
+RelativeMotion solvedMotion(const btCollisionObject& object);
+// Of A's material relative to B's, both moving in the world as given; in frame A, whose unit is `scale` world lengths.
+RelativeMotion relativeMotion(const RelativeMotion& a, const RelativeMotion& b, const Transform& worldFromA, double scale,
+							  double timeStep);
+// Mass of an object, and its motion as given, with and without forces, in a frame of the world whose unit is `scale`
+// world lengths.
+PairBody pairBody(const btCollisionObject& object, const Transform& worldFromFrame, double scale,
+				  const RelativeMotion& motion, const RelativeMotion& withoutForces);
 }  // namespace clod

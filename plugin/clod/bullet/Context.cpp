@@ -9,6 +9,8 @@
 #include <cstdio>
 #include <limits>
 
+#include "clod/bullet/PairState.h"
+
 namespace clod
 {
 namespace
@@ -33,18 +35,19 @@ void Context::noteRegistration()
 Context::Context() : warn([](const std::string& message) { std::fprintf(stderr, "clod: %s\n", message.c_str()); }) {}
 Context::~Context() = default;
 
-void Context::add(const PairReport* report)
+void Context::add(PairState* pair)
 {
 	const std::lock_guard<std::mutex> lock(m_mutex);
-	m_pairs.push_back(report);
+	m_pairs.push_back(pair);
 }
 
-void Context::remove(const PairReport* report)
+void Context::remove(PairState* pair)
 {
+	const PairReport* report = &pair->lastReport();
 	const std::lock_guard<std::mutex> lock(m_mutex);
 	m_demand -= report->demand;
 	if (!report->isPlanned) m_unplannedDemand -= report->demand;
-	m_pairs.erase(std::find(m_pairs.begin(), m_pairs.end(), report));
+	m_pairs.erase(std::find(m_pairs.begin(), m_pairs.end(), pair));
 }
 
 void Context::setDemand(PairReport& report, double tests)
@@ -90,7 +93,7 @@ void Context::say(unsigned cause, const std::string& message)
 }
 
 // By index, and not locked during a visit: pairs may come, as those of a contactTest do, and go.
-const PairReport* Context::pairAt(std::size_t index) const
+PairState* Context::pairAt(std::size_t index) const
 {
 	const std::lock_guard<std::mutex> lock(m_mutex);
 	return index < m_pairs.size() ? m_pairs[index] : nullptr;
@@ -99,7 +102,7 @@ const PairReport* Context::pairAt(std::size_t index) const
 void Context::forEachPair(const std::function<void(const PairReport&)>& visit) const
 {
 	std::size_t index = 0;
-	while (const PairReport* report = pairAt(index++)) visit(*report);
+	while (const PairState* pair = pairAt(index++)) visit(pair->lastReport());
 }
 
 StepReport Context::lastStep() const

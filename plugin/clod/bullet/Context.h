@@ -21,10 +21,13 @@
 
 class btCollisionObject;
 class btClodCollisionAlgorithm;
+class btClodDynamicsWorld;
 struct btCollisionAlgorithmCreateFunc;
 
 namespace clod
 {
+class PairState;
+
 // Bodies of ours that no dispatcher knows fall through each other. What a world asks of shapes before any registration is
 // counted, process-wide, and after some steps' worth one message goes to stderr. Once there is one it costs a load.
 void warnIfUnregistered();
@@ -74,18 +77,20 @@ public:
 private:
 	friend class PairState;
 	friend class ::btClodCollisionAlgorithm;
+	friend class ::btClodDynamicsWorld;
 	// A pair's part of the budget; 0 <= demand: tests that it needed last.
 	Budget shareOf(const PairReport& report) const;
 	void setDemand(PairReport& report, double tests);
 	void setPlanned(PairReport& report);  // by btClodDispatcher from now on
-	void add(const PairReport* report);
-	void remove(const PairReport* report);
+	void add(PairState* pair);
+	void remove(PairState* pair);
 	void say(unsigned cause, const std::string& message);
 	static void noteRegistration();
-	const PairReport* pairAt(std::size_t index) const;
+	PairState* pairAt(std::size_t index) const;
 	mutable std::mutex m_mutex;             // of pairs and demand; no function of the user's is called under it
 	mutable std::recursive_mutex m_saying;  // one message at a time, but for those that a message's handler causes
-	std::vector<const PairReport*> m_pairs;
+	std::vector<PairState*> m_pairs;
+	bool m_isSolved = false;  // contacts are asked for what the step's solver has made of the motion
 	double m_demand = 0, m_unplannedDemand = 0;  // sums over the pairs; whole numbers
 	std::map<unsigned, int> m_said;  // how often, of each cause
 	ConvexPartners m_convexPartners;

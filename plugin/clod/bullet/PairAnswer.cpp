@@ -103,14 +103,19 @@ void PairState::askPartner(const PairPose& pose)
 void PairState::answer(const PairPose& pose, const Question& question)
 {
 	const Clock::time_point start = Clock::now();
+	bool goesOn = pose.prediction == Prediction::kSolved;
 	if (pose.isOfTwo())
 		ask(pose, question);
-	else
+	else if (!goesOn || pose.tolerance > m_foreseen.tolerance)
+	{
 		askPartner(pose);
+		goesOn = goesOn && pose.partner == Partner::kPlane;  // a mesh's features are numbered as they are gathered
+	}
 	const Clock::time_point asked = Clock::now();
 	m_report.queryMicroseconds = microsecondsBetween(start, asked);
 	const bool staysEmpty = m_result.contacts.empty() && !m_result.deep && m_clusters.pointCount() == 0;
-	if (!staysEmpty) findPoints(pose);
+	foresee(pose);
+	if (!staysEmpty) findPoints(pose, goesOn);
 	m_oldAFromB = pose.aFromB;
 	report(pose);
 	m_report.contactMicroseconds = staysEmpty ? 0 : microsecondsSince(asked);
@@ -119,7 +124,7 @@ void PairState::answer(const PairPose& pose, const Question& question)
 	if (!(m_result.excess > 0)) m_answered = question;
 }
 
-void PairState::findPoints(const PairPose& pose)
+void PairState::findPoints(const PairPose& pose, bool goesOn)
 {
 	m_previous = m_clusters;
 	carryWithB(m_previous, pose.aFromB * inverse(m_oldAFromB));
@@ -127,7 +132,8 @@ void PairState::findPoints(const PairPose& pose)
 	const ContactBody b = pose.isOfTwo()      ? contactBody(pose.hierarchyB())
 						  : m_partnerSurface ? contactBody(*m_partnerSurface)
 											 : ContactBody{};
-	m_facets.find(a, b, pose.aFromB, pose.rules, m_result.contacts, m_result.deep, m_previous);
+	m_facets.find(a, b, pose.aFromB, pose.rules, m_result.contacts, m_result.deep, m_previous, goesOn);
+	m_foreseen.motion = m_facets.expectedMotion();
 	m_facets.reduce(m_previous, m_clusters);
 	if (pose.partner == Partner::kClod) return;
 	for (ContactCluster& cluster : m_clusters.slots)

@@ -68,43 +68,45 @@ void chooseHierarchies(PairPose& pose, ConvexPartners& partners, const std::shar
 	pose.asked = inWorld;
 }
 
-// B's velocities of A's material, frame A.
-RelativeMotion relativeMotion(const PairPose& pose, double impulseTime, double timeStep)
+RelativeMotion relativeMotion(const PairPose& pose, double timeStep)
 {
-	const RelativeMotion a = worldMotion(*pose.a->getCollisionObject(), impulseTime),
-						 b = worldMotion(*pose.b->getCollisionObject(), impulseTime);
-	RelativeMotion motion = inFrame({a.linear - b.linear, a.angular - b.angular, 0}, pose.worldFromA);
-	motion.linear = (1 / pose.scale()) * motion.linear;
-	motion.timeStep = timeStep;
-	return motion;
+	return relativeMotion(worldMotion(*pose.a->getCollisionObject(), 0), worldMotion(*pose.b->getCollisionObject(), 0),
+						  pose.worldFromA, pose.scale(), timeStep);
 }
 
 // Motion of the step, resting height and margins, and how far apart two bodies may be to need contacts.
-void setRules(PairPose& pose, double timeStep, bool predicts, double closestPoints)
+void setRules(PairPose& pose, double timeStep, Prediction prediction, double closestPoints)
 {
+	const auto bodyOf = [&](const btCollisionObjectWrapper& wrapper)
+	{
+		const btCollisionObject& object = *wrapper.getCollisionObject();
+		if (prediction != Prediction::kSolved)
+			return pairBody(object, pose.worldFromA, pose.scale(), worldMotion(object, timeStep), worldMotion(object, 0));
+		return pairBody(object, pose.worldFromA, pose.scale(), solvedMotion(object), solvedMotion(object));
+	};
 	PointRules& rules = pose.rules;
 	const double scale = pose.scale();
 	rules.length = double(pose.hierarchyA().asset().radius);
 	if (pose.isOfTwo()) rules.length = std::min(rules.length, double(pose.hierarchyB().asset().radius));
-	rules.a = pairBody(*pose.a->getCollisionObject(), pose.worldFromA, scale, timeStep);
-	rules.b = pairBody(*pose.b->getCollisionObject(), pose.worldFromA, scale, timeStep);
+	rules.a = bodyOf(*pose.a);
+	rules.b = bodyOf(*pose.b);
 	rules.timeStep = timeStep;
-	pose.seenMotion = relativeMotion(pose, 0, timeStep);
+	pose.seenMotion = relativeMotion(pose, timeStep);
 	rules.radiusA = double(pose.shapeA->getMargin()) / scale;
 	if (pose.shapeB) rules.radiusB = double(pose.shapeB->getMargin()) / scale;
 	if (pose.convex) rules.radiusB = pose.convex->radius;
 	rules.margin = rules.radiusA + rules.radiusB;
-	if (predicts) rules.margin += kSkinShare * rules.length;
+	if (prediction != Prediction::kStill) rules.margin += kSkinShare * rules.length;
 	rules.nearest = closestPoints > 0;
 	rules.resting = std::max(kRestingShare * rules.length, closestPoints / scale);
 
 	const bool bIsSmaller =
 		pose.isOfTwo() && pose.hierarchyB().asset().radius < pose.hierarchyA().asset().radius;
 	const Hierarchy& smaller = bIsSmaller ? pose.hierarchyB() : pose.hierarchyA();
-	const Vec3 center = bIsSmaller ? pose.aFromB * sphereCenter(smaller) : sphereCenter(smaller);
+	pose.center = bIsSmaller ? pose.aFromB * sphereCenter(smaller) : sphereCenter(smaller);
+	pose.radius = double(smaller.asset().radius);
 	const RelativeMotion relative = rules.motion();
-	const double speed = length(relative.velocity(center)) + length(relative.angular) * double(smaller.asset().radius);
-	pose.motion = speed * timeStep;
+	pose.motion = (length(relative.velocity(pose.center)) + length(relative.angular) * pose.radius) * timeStep;
 	// A query of two hierarchies looks ahead along the motion (sweep); other shapes are met in all directions.
 	pose.tolerance = rules.margin + rules.resting;
 	if (!pose.isOfTwo()) pose.tolerance += kPathReach * pose.motion;
@@ -148,10 +150,11 @@ double PairPose::thinnestWall() const
 }
 
 PairPose poseOf(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-				const btDispatcherInfo& info, bool predicts, double closestPoints, ConvexPartners& partners,
+				const btDispatcherInfo& info, Prediction prediction, double closestPoints, ConvexPartners& partners,
 				const std::shared_ptr<const ConvexPartner>& known)
 {
 	PairPose pose;
+	pose.prediction = prediction;
 	chooseBodies(body0, body1, pose);
 	if (pose.partner == Partner::kOther) return pose;
 	chooseHierarchies(pose, partners, known);
@@ -159,8 +162,8 @@ PairPose poseOf(const btCollisionObjectWrapper& body0, const btCollisionObjectWr
 	pose.worldFromA = toTransform(pose.a->getWorldTransform());
 	pose.aFromB = inverse(pose.worldFromA) * toTransform(pose.b->getWorldTransform());
 	pose.aFromB.translation = (1 / pose.scale()) * pose.aFromB.translation;
-	const double timeStep = predicts ? double(info.m_timeStep) : 0;
-	setRules(pose, timeStep, predicts, closestPoints);
+	const double timeStep = prediction == Prediction::kStill ? 0 : double(info.m_timeStep);
+	setRules(pose, timeStep, prediction, closestPoints);
 	pose.notFinite = whatIsNotFinite(pose, timeStep);
 	return pose;
 }

@@ -29,9 +29,18 @@ struct HierarchyPair
 	std::shared_ptr<const Hierarchy> a, b;
 };
 
+// What the bodies are taken to do in the step.
+enum class Prediction
+{
+	kStill,  // nothing: the answer is for the poses as they are
+	kFree,   // as they move, with forces and without contacts
+	kSolved  // as the step's solver has left them: btClodDynamicsWorld
+};
+
 struct PairPose
 {
 	Partner partner = Partner::kOther;
+	Prediction prediction = Prediction::kStill;
 	const btCollisionObjectWrapper* a = nullptr;
 	const btCollisionObjectWrapper* b = nullptr;
 	const btClodShape* shapeA = nullptr;
@@ -44,6 +53,8 @@ struct PairPose
 	Transform aFromB;
 	PointRules rules;           // with the motion that the solver will start from,
 	RelativeMotion seenMotion;  // and that the bodies have: one at rest gains speed from gravity, and loses it again
+	Vec3 center;                // of the smaller body's sphere
+	double radius = 0;          // and its
 	double motion = 0;          // bound on the relative motion of the step
 	double tolerance = 0;       // contact distance
 	std::string notFinite;      // empty, or what is not finite: nothing may be asked then
@@ -63,9 +74,9 @@ struct PairPose
 	double thinnestWall() const;
 };
 
-// predicts: false answers for the poses as they are. closestPoints: contacts are wanted so far apart, world length.
+// closestPoints: contacts are wanted so far apart, world length.
 // known: the pair's convex partner as of the last time, or null.
 PairPose poseOf(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-				const btDispatcherInfo& info, bool predicts, double closestPoints, ConvexPartners& partners,
+				const btDispatcherInfo& info, Prediction prediction, double closestPoints, ConvexPartners& partners,
 				const std::shared_ptr<const ConvexPartner>& known);
 }  // namespace clod

@@ -4,6 +4,7 @@
 
 #include <tuple>
 
+#include "clod/bullet/BodyState.h"
 #include "clod/bullet/TimeOfImpact.h"
 
 namespace clod
@@ -49,12 +50,12 @@ PairState::PairState(Context& context, btDispatcher& dispatcher, btPersistentMan
 {
 	m_report.result = &m_result;
 	m_report.clusters = &m_clusters;
-	m_context.add(&m_report);
+	m_context.add(this);
 }
 
 PairState::~PairState()
 {
-	m_context.remove(&m_report);
+	m_context.remove(this);
 }
 
 PairState::Seen PairState::seenA(const PairPose& pose)
@@ -93,8 +94,10 @@ void PairState::noticeShapes(const PairPose& pose)
 PairPose PairState::begin(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 						  const btDispatcherInfo& info, double closestPoints)
 {
-	PairPose pose =
-		poseOf(body0, body1, info, !m_isClosestPoints, closestPoints, m_context.m_convexPartners, m_convex);
+	const Prediction prediction = m_isClosestPoints	   ? Prediction::kStill
+								  : m_context.m_isSolved ? Prediction::kSolved
+														   : Prediction::kFree;
+	PairPose pose = poseOf(body0, body1, info, prediction, closestPoints, m_context.m_convexPartners, m_convex);
 	m_report.notFinite = pose.notFinite;
 	if (pose.shapeA != nullptr) noticeShapes(pose);
 	if (pose.partner == Partner::kOther) return pose;
@@ -173,7 +176,8 @@ Budget PairState::chooseBudget()
 double PairState::timeOfImpact(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 							   const btDispatcherInfo& info)
 {
-	const PairPose pose = poseOf(body0, body1, info, true, 0, m_context.m_convexPartners, m_convex);
+	const PairPose pose =
+		poseOf(body0, body1, info, Prediction::kFree, 0, m_context.m_convexPartners, m_convex);
 	return pose.isAsked() ? clod::timeOfImpact(pose, m_cache, m_onTheWay) : 1;
 }
 
@@ -185,6 +189,7 @@ void PairState::process(const btCollisionObjectWrapper& body0, const btCollision
 	m_report.kept = false;
 	if (!pose.isAsked())
 	{
+		m_foreseen = {};
 		m_manifolds.readImpulses(m_clusters);
 		forget();
 		m_manifolds.write(m_clusters, {}, [](const ContactPoint&, std::uint32_t&, std::uint32_t&) {}, out);
@@ -206,6 +211,29 @@ void PairState::process(const btCollisionObjectWrapper& body0, const btCollision
 	else
 		answer(pose, question);
 	write(pose, frame, out);
+}
+
+void PairState::foresee(const PairPose& pose)
+{
+	m_foreseen = {pose.worldFromA,
+				  pose.scale(),
+				  pose.rules.timeStep,
+				  pose.tolerance,
+				  kSkinShare * pose.rules.length,
+				  pose.radius,
+				  pose.center,
+				  pose.rules.motion()};
+}
+
+double PairState::surprise() const
+{
+	const double dt = m_foreseen.timeStep;
+	if (!(dt > 0)) return 0;
+	const RelativeMotion now = relativeMotion(solvedMotion(*m_report.objectA), solvedMotion(*m_report.objectB),
+											  m_foreseen.worldFromA, m_foreseen.scale, dt);
+	const RelativeMotion change = {now.linear - m_foreseen.motion.linear, now.angular - m_foreseen.motion.angular, dt};
+	const double speed = length(change.velocity(m_foreseen.center)) + length(change.angular) * m_foreseen.radius;
+	return speed * dt / m_foreseen.skin;
 }
 
 void PairState::write(const PairPose& pose, const WorldFrame& frame, btManifoldResult& out)

@@ -34,10 +34,13 @@ public:
 	// The first part of the coming process() under a budget over many pairs; empty where there is nothing to plan.
 	std::optional<PairPlan> plan(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 								 const btDispatcherInfo& info);
+	// How far the bodies move in the step, as solved, otherwise than the points were found for; in skins.
+	double surprise() const;
 	// See TimeOfImpact.h.
 	double timeOfImpact(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 						const btDispatcherInfo& info);
 	void append(btManifoldArray& manifolds) const { m_manifolds.append(manifolds); }
+	const PairReport& lastReport() const { return m_report; }
 
 private:
 	// Which shape a body has. Shapes change under a live pair, and others are made in their place.
@@ -50,6 +53,15 @@ private:
 		{
 			return shape == other.shape && contentHash == other.contentHash && revision == other.revision;
 		}
+	};
+	// The step as the pair's points alone would have it, and what they were found for.
+	struct Foreseen
+	{
+		Transform worldFromA;
+		double scale = 1, timeStep = 0, tolerance = 0;
+		double skin = 1, radius = 0;  // of the smaller body,
+		Vec3 center;                  // frame A
+		RelativeMotion motion;        // of A's material relative to B's
 	};
 	// What a dispatch asks of two shapes of ours: equal questions have equal answers.
 	struct Question
@@ -75,7 +87,9 @@ private:
 	Budget chooseBudget();
 	// Points.
 	void answer(const PairPose& pose, const Question& question);
-	void findPoints(const PairPose& pose);
+	void foresee(const PairPose& pose);
+	void findPoints(const PairPose& pose, bool goesOn);
+
 	void namePartnerFace(const PairPose& pose, ContactPoint& point);
 	void linkToThemselves();
 	void write(const PairPose& pose, const WorldFrame& frame, btManifoldResult& out);
@@ -99,6 +113,7 @@ private:
 	HierarchyPair m_asked;
 	GapCache m_cache;
 	std::optional<Question> m_answered;  // what the clusters answer
+	Foreseen m_foreseen;
 	ClusterSet m_clusters, m_previous;
 	PairReport m_report;
 	unsigned m_warned = 0;

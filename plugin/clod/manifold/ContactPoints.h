@@ -36,6 +36,16 @@ struct PairBody
 	Vec3 linear, angular;  // velocity as the solver starts from it: forces of the coming step included
 	Vec3 force;            // what they add to the linear velocity
 };
+inline PairBody withoutForces(PairBody body)
+{
+	body.linear -= body.force;
+	return body;
+}
+// Of A's material relative to B's.
+inline RelativeMotion motionBetween(const PairBody& a, const PairBody& b, double timeStep)
+{
+	return {a.linear - cross(a.angular, a.center) - b.linear + cross(b.angular, b.center), a.angular - b.angular, timeStep};
+}
 
 struct PointRules
 {
@@ -46,12 +56,7 @@ struct PointRules
 	bool nearest = false;  // the nearest points are wanted though bodies are apart, be they corners'
 	PairBody a, b;
 	double timeStep = 0;  // seconds; 0: nothing is looked ahead for
-	// Of A's material relative to B's.
-	RelativeMotion motion() const
-	{
-		return {a.linear - cross(a.angular, a.center) - b.linear + cross(b.angular, b.center), a.angular - b.angular,
-				timeStep};
-	}
+	RelativeMotion motion() const { return motionBetween(a, b, timeStep); }
 };
 
 inline constexpr double kRestingShare = 0.001;  // default resting height, share of PointRules::length

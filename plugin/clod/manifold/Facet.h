@@ -88,7 +88,8 @@ inline ContactBody contactBody(const ContactSurface& surface)
 struct FacetQuestion
 {
 	ContactBody a, b;
-	Transform aFromB, aFromBThen;  // now, and at the end of the step if nothing intervened
+	Transform aFromB, aFromBThen;  // now, and at the end of the step if nothing intervened,
+	Transform aFromBUnforced;      // and if forces did not act either
 	PointRules rules;
 	double length() const { return rules.length; }
 	double touching() const { return rules.margin + rules.resting; }  // contacts up to here, whatever the motion
@@ -100,7 +101,6 @@ struct FacetQuestion
 
 inline constexpr double kFootShare = 1e-3;      // of the length: how far off its facet a foot may be
 inline constexpr double kDeepFootShare = 1e-2;  // and at most where bodies overlap
-inline constexpr double kPathSlack = 0.02;      // of the displacement: how far off a facet a chord may pass
 inline constexpr double kArcSlack = 0.01;       // radians: of cones and arcs
 inline constexpr double kInnerShare = 1e-4;     // of the length: overlaps below twice this are touch
 inline constexpr double kParallelSine = 1e-3;   // edges that cross at less have no normal of their own

@@ -20,15 +20,25 @@ Vec3 impulseOf(const ClusterSet& set)
 }  // namespace
 
 void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Transform& aFromB, const PointRules& rules,
-						 const std::vector<Contact>& contacts, bool isDeep, const ClusterSet& previous)
+						 const std::vector<Contact>& contacts, bool isDeep, const ClusterSet& previous, bool goesOn)
 {
-	m_facets.clear();
-	if (contacts.empty() && !isDeep) return forget();
-	m_question = {a, b, aFromB, aFromBAfter(rules.a, rules.b, aFromB, rules.timeStep), rules};
+	m_expected = rules.motion();
+	if (!goesOn) m_facets.clear();
+	m_facets.erase(std::remove_if(m_facets.begin(), m_facets.end(),
+								  [](const Facet& f) { return f.kind == Facet::Kind::kDeep; }),
+				   m_facets.end());
+	if (contacts.empty() && !isDeep && m_facets.empty()) return forget();
+	m_question = {a,
+				  b,
+				  aFromB,
+				  aFromBAfter(rules.a, rules.b, aFromB, rules.timeStep),
+				  aFromBAfter(withoutForces(rules.a), withoutForces(rules.b), aFromB, rules.timeStep),
+				  rules};
 	m_finder.find(m_question, contacts, m_facets);
 	m_choice.choose(m_question, m_facets);
 	answerDepth(contacts, isDeep, previous);
 	m_solve.solve(m_question, m_facets);
+	m_expected = m_solve.motion();
 }
 
 // Bodies overlap, and no facet says how deep: one point with a way out. While it is needed the way stays.
@@ -38,7 +48,11 @@ void FacetContacts::answerDepth(const std::vector<Contact>& contacts, bool isDee
 		isDeep || std::any_of(contacts.begin(), contacts.end(), [](const Contact& c) { return c.upper <= 0; });
 	const bool isAnswered =
 		std::any_of(m_facets.begin(), m_facets.end(), [](const Facet& f) { return f.distance < 0; });
-	if (!overlap || (isAnswered && m_wayOut == Vec3{})) return forget();
+	if (!overlap || (isAnswered && m_wayOut == Vec3{}))
+	{
+		m_wayOut = {};
+		return;
+	}
 	const Vec3 kept = m_wayOut != Vec3{} ? m_wayOut : normalized(impulseOf(previous));
 	m_deepFacets.clear();
 	m_wayOut = m_deep.find(m_question, contacts, isDeep, kept, m_deepFacets);

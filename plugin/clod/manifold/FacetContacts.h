@@ -18,16 +18,23 @@ namespace clod
 class CLOD_API FacetContacts
 {
 public:
-	// All facets of the accepted pairs that are contacts. isDeep: one body is known to be inside the other.
+	// All facets of the accepted pairs that are contacts. isDeep: one body is known to be inside the other. goesOn: those
+	// found last stay, as nothing but the motion of the rules has changed.
 	void find(const ContactBody& a, const ContactBody& b, const Transform& aFromB, const PointRules& rules,
-			  const std::vector<Contact>& contacts, bool isDeep, const ClusterSet& previous);
+			  const std::vector<Contact>& contacts, bool isDeep, const ClusterSet& previous, bool goesOn = false);
+	// Of A's material relative to B's, frame A: the coming step's, as these contacts alone would have it.
+	const RelativeMotion& expectedMotion() const { return m_expected; }
 	std::size_t size() const { return m_facets.size(); }
 	// Of those found last, the ones a solver gets. previous: with placeWithB (carryWithB), and impulses.
 	void reduce(const ClusterSet& previous, ClusterSet& next);
 	// The points say nothing of the depth but a way out.
 	bool isDeep() const { return m_wayOut != Vec3{}; }
 	// The bodies were put elsewhere, or are others.
-	void forget() { m_wayOut = {}; }
+	void forget()
+	{
+		m_wayOut = {};
+		m_facets.clear();
+	}
 
 private:
 	ContactPoint pointOf(const Facet& facet) const;
@@ -40,6 +47,7 @@ private:
 	FacetFinder m_finder;
 	FacetChoice m_choice;
 	DeepOverlap m_deep;
+	RelativeMotion m_expected;
 	Vec3 m_wayOut;  // while there is a depth that no facet answers
 	PairSolve m_solve;
 	ContactReducer m_reducer;

@@ -12,6 +12,13 @@ namespace
 constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr std::size_t kLeastTable = 256;
 
+// Where something goes in the step as far as a facet is concerned: forces count along its normal, but sideways they may
+// be held by whom is not known here, and a body that slides over a border does not fall beneath it.
+Vec3 along(const Vec3& normal, const Vec3& unforced, const Vec3& then)
+{
+	return unforced + dot(normal, then - unforced) * normal;
+}
+
 bool isLowest(Span<Vec3> fan, const Vec3& up, double slack)
 {
 	for (const Vec3& d : fan)
@@ -33,12 +40,19 @@ void FacetFinder::find(const FacetQuestion& question, const std::vector<Contact>
 	m_nodesA.start(question, contacts, true);
 	m_nodesB.start(question, contacts, false);
 	m_motion = question.rules.motion();
-	m_dip = kPathReach * length(question.rules.a.force - question.rules.b.force) * m_motion.timeStep;
+	m_sagitta = 0.125 * kPathReach * length(m_motion.angular) * m_motion.timeStep;
 	// What an impact of that speed may add to the turning, besides.
 	const double speed = length(m_motion.velocity(question.rules.b.center));
 	m_turn = (length(m_motion.angular) + speed / question.length()) * m_motion.timeStep;
-	m_table.assign(std::max<std::size_t>(m_table.size(), kLeastTable), kNone);
+	for (Facet& facet : facets) facet.linear = dot(m_motion.velocity(facet.onA), facet.normal) * m_motion.timeStep;
+	tabulate(std::max<std::size_t>(m_table.size(), kLeastTable));
 	for (const Contact& contact : contacts) findPair(contact);
+}
+
+void FacetFinder::tabulate(std::size_t size)
+{
+	m_table.assign(size, kNone);
+	for (std::uint32_t i = 0; i < m_facets->size(); ++i) m_table[slotOf((*m_facets)[i])] = i;
 }
 
 // Where the facet of the same features is, or would be, in the table.
@@ -76,8 +90,7 @@ void FacetFinder::add(Facet& facet)
 	m_table[slot] = std::uint32_t(m_facets->size());
 	m_facets->push_back(facet);
 	if (2 * m_facets->size() <= m_table.size()) return;
-	m_table.assign(2 * m_table.size(), kNone);
-	for (std::uint32_t i = 0; i < m_facets->size(); ++i) m_table[slotOf((*m_facets)[i])] = i;
+	tabulate(2 * m_table.size());
 }
 
 void FacetFinder::findPair(const Contact& contact)
@@ -144,12 +157,13 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 	const ContactSurface& vertices = vertexIsOfA ? *m_pair.a : *m_pair.b;
 	const SurfaceFace& face = faces.planeOf(polygon);
 	const double now = dot(face.normal, vertex.now) - face.offset;
+	const Vec3 normal = vertexIsOfA ? q.aFromB.rotation * face.normal : -face.normal;
 	const double then = dot(face.normal, vertex.then) - face.offset;
 	const double end = now + kPathReach * (then - now);
 	if (now > highest(now - then) && end > q.rules.margin) return;
 	if (now < -m_pair.deepest) return;
 
-	const Vec3 up = vertexIsOfA ? q.aFromB.rotation * face.normal : m_bFromA.rotation * face.normal;
+	const Vec3 up = vertexIsOfA ? normal : m_bFromA.rotation * face.normal;
 	if (!isLowest(vertices.fan(vertex.index), up, kArcSlack + m_turn)) return;
 	const Vec3 foot = vertex.now - now * face.normal;
 	const double touch = 2 * kInnerShare * q.length();
@@ -165,16 +179,16 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 	if (!counts && now > 0 && end <= q.rules.margin && end < now)
 	{
 		facet.reach = Facet::Reach::kPath;
-		const Vec3 move = kPathReach * (vertex.then - vertex.now);
-		const double slack = kPathSlack * length(move) + kInnerShare * q.length();
-		const double first = std::max(0.0, (now - q.rules.margin) / (now - end)), last = std::min(1.0, now / (now - end));
+		const Vec3 move = kPathReach * (along(face.normal, vertex.unforced, vertex.then) - vertex.now);
+		const double slack = m_sagitta * length(move) + kInnerShare * q.length();
+		const double enters = std::max(0.0, (now - q.rules.margin) / (now - end)),
+					 crosses = std::min(1.0, now / (now - end));
 		const auto meets = [&](double share)
 		{
 			const Vec3 p = vertex.now + share * move;
 			return faces.squaredBeside(polygon, p) <= slack * slack;
 		};
-		// A path that only the step's forces bend under the face slides on over it: who holds the body is not known here.
-		counts = meets(first) || meets(last) || (end >= -m_dip && meets(1));
+		counts = meets(enters) || meets(crosses);
 	}
 	if (!counts && now > 0 && now <= highest(now - then))
 	{
@@ -189,15 +203,14 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 	facet.featureB = vertexIsOfA ? polygon : vertex.index;
 	facet.distance = now;
 	facet.then = then;
+	facet.normal = normal;
 	if (vertexIsOfA)
 	{
-		facet.normal = q.aFromB.rotation * face.normal;
 		facet.onA = m_pair.a->vertices()[vertex.index];
 		facet.onB = facet.onA - now * facet.normal;
 	}
 	else
 	{
-		facet.normal = -face.normal;
 		facet.onB = vertex.now;
 		facet.onA = facet.onB + now * facet.normal;
 	}
@@ -238,8 +251,8 @@ void FacetFinder::edgeOverEdge(const MovedEdge& still, const MovedEdge& moved)
 	if (!counts && now > 0 && end <= q.rules.margin && end < now)
 	{
 		facet.reach = Facet::Reach::kPath;
-		const Vec3 move = kPathReach * (moved.thenStart - moved.start);
-		const double slack = kPathSlack * length(move) + kInnerShare * q.length();
+		const Vec3 move = kPathReach * (along(normal, moved.unforcedStart, moved.thenStart) - moved.start);
+		const double slack = m_sagitta * length(move) + kInnerShare * q.length();
 		const double first = std::max(0.0, (now - q.rules.margin) / (now - end)), last = std::min(1.0, now / (now - end));
 		for (const double share : {first, last})
 		{

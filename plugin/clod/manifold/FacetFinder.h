@@ -17,7 +17,7 @@ namespace clod
 class FacetFinder
 {
 public:
-	// Appends the facets of node pairs within reach. Each comes once.
+	// Appends the facets of node pairs within reach. Each comes once; those that are there stay.
 	void find(const FacetQuestion& question, const std::vector<Contact>& contacts, std::vector<Facet>& facets);
 
 private:
@@ -49,12 +49,13 @@ private:
 	void addRound(Facet& facet, const Approach& approach, const Vec3& now, const Vec3& then, const Vec3& normal);
 	std::size_t slotOf(const Facet& facet) const;
 	void add(Facet& facet);
+	void tabulate(std::size_t size);
 
 	const FacetQuestion* m_question = nullptr;
 	std::vector<Facet>* m_facets = nullptr;
 	Transform m_bFromA;
 	RelativeMotion m_motion;  // of A's material relative to B's
-	double m_dip = 0;   // how far forces alone carry the bodies
+	double m_sagitta = 0;     // of the arc that a chord of the path stands for, a share of the chord
 	double m_turn = 0;  // radians that contacts may turn B relative to A in the step, at most
 	Pair m_pair;
 	MovedNodes m_nodesA, m_nodesB;

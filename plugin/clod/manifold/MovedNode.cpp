@@ -9,6 +9,7 @@ void MovedNodes::start(const FacetQuestion& question, const std::vector<Contact>
 	m_isA = isA;
 	m_otherFromThis = isA ? inverse(question.aFromB) : question.aFromB;
 	m_otherFromThisThen = isA ? inverse(question.aFromBThen) : question.aFromBThen;
+	m_otherFromThisUnforced = isA ? inverse(question.aFromBUnforced) : question.aFromBUnforced;
 	m_nodes.clear();
 	for (const Contact& contact : contacts) m_nodes.push_back(isA ? contact.nodeA : contact.nodeB);
 	std::sort(m_nodes.begin(), m_nodes.end());
@@ -42,16 +43,17 @@ void MovedNodes::move(MovedNode& moved, std::uint32_t node)
 	for (const std::uint32_t v : vertices)
 	{
 		const Vec3& own = surface.vertices()[v];
-		const Vec3 now = m_otherFromThis * own, then = m_otherFromThisThen * own;
+		const Vec3 now = m_otherFromThis * own, then = m_otherFromThisThen * own, unforced = m_otherFromThisUnforced * own;
 		m_now.push_back(m_isA ? own : now);
 		m_then.push_back(m_isA ? own : then);
-		displaced = std::max(displaced, lengthSquared(then - now));
+		displaced = std::max(displaced, std::max(lengthSquared(then - now), lengthSquared(unforced - now)));
 		Box box{m_now.back(), m_now.back()};
 		box.add(m_now.back() + kPathReach * (m_then.back() - m_now.back()));
+		if (!m_isA) box.add(now + kPathReach * (unforced - now));
 		if (m_boxes.empty()) moved.box = box;
 		moved.box.add(box);
 		m_boxes.push_back(box);
-		if (surface.isCorner(v)) moved.corners.push_back({now, then, v, box});
+		if (surface.isCorner(v)) moved.corners.push_back({now, then, unforced, v, box});
 	}
 	moved.displaced = std::sqrt(displaced);
 	for (const ContactSurface::NodePolygon& polygon : surface.polygonsOf(node))
@@ -69,13 +71,16 @@ void MovedNodes::move(MovedNode& moved, std::uint32_t node)
 		at.index = index;
 		at.start = m_isA ? from : m_question->aFromB * from;
 		at.thenStart = m_isA ? from : m_question->aFromBThen * from;
+		at.unforcedStart = m_isA ? from : m_question->aFromBUnforced * from;
 		at.direction = m_isA ? edge.direction : m_question->aFromB.rotation * edge.direction;
 		at.thenDirection = m_isA ? edge.direction : m_question->aFromBThen.rotation * edge.direction;
 		at.box = {at.start, at.start};
 		at.box.add(at.start + kPathReach * (at.thenStart - at.start));
+		at.box.add(at.start + kPathReach * (at.unforcedStart - at.start));
 		const Vec3 end = m_isA ? to : at.start + edge.length * at.direction;
 		at.box.add(end);
 		if (!m_isA) at.box.add(end + kPathReach * (at.thenStart + edge.length * at.thenDirection - end));
+		if (!m_isA) at.box.add(end + kPathReach * (at.unforcedStart - at.start));
 		moved.edges.push_back(at);
 	}
 }

@@ -40,13 +40,13 @@ struct Box
 // Boxes are in frame A, over the step as far ahead as contacts are looked for (kPathReach).
 struct MovedCorner
 {
-	Vec3 now, then;  // in the other body's frame
+	Vec3 now, then, unforced;  // in the other body's frame; see FacetQuestion
 	std::uint32_t index;
 	Box box;
 };
 struct MovedEdge
 {
-	Vec3 start, direction, thenStart, thenDirection;  // frame A
+	Vec3 start, direction, thenStart, thenDirection, unforcedStart;  // frame A
 	std::uint32_t index;
 	Box box;
 };
@@ -79,7 +79,7 @@ private:
 
 	const FacetQuestion* m_question = nullptr;
 	bool m_isA = false;
-	Transform m_otherFromThis, m_otherFromThisThen;
+	Transform m_otherFromThis, m_otherFromThisThen, m_otherFromThisUnforced;
 	std::vector<std::uint32_t> m_nodes;  // sorted, each once
 	std::vector<MovedNode> m_moved;      // as many, or more; buffers are kept
 	std::vector<Vec3> m_now, m_then;     // of a node's vertices, frame A

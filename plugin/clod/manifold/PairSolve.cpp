@@ -10,6 +10,7 @@ namespace
 {
 constexpr int kPasses = 3;
 constexpr int kSweeps = 12;
+constexpr double kHolds = 0.25;  // sine of the least slope that may hold a body against a force: a steeper one is a wall
 
 Transform movedBy(const PairBody& body, const Transform& pose, double timeStep)
 {
@@ -160,6 +161,9 @@ void PairSolve::solve(const FacetQuestion& question, std::vector<Facet>& facets)
 	};
 	const PointRules& rules = question.rules;
 	const bool canMove = rules.timeStep > 0 && (rules.a.inverseMass > 0 || rules.b.inverseMass > 0);
+	m_a = rules.a;
+	m_b = rules.b;
+	m_timeStep = rules.timeStep;
 	if (!canMove) removePossible();
 	if (facets.empty() || !canMove) return;
 	m_rows.clear();
@@ -176,10 +180,14 @@ void PairSolve::solve(const FacetQuestion& question, std::vector<Facet>& facets)
 								 dot(row.pushB, row.turnB));
 		m_rows.push_back(row);
 	}
+	const Vec3 force = rules.a.force - rules.b.force;
 	for (int pass = 0; pass < kPasses; ++pass)
 	{
 		sweep(question, facets);
 		const Transform after = aFromBAfter(m_a, m_b, question.aFromB, question.rules.timeStep), back = inverse(after);
+		const Transform unforced = aFromBAfter(withoutForces(m_a), withoutForces(m_b), question.aFromB,
+											   question.rules.timeStep),
+						unforcedBack = inverse(unforced);
 		for (std::size_t i = 0; i < facets.size(); ++i)
 		{
 			Facet& facet = facets[i];
@@ -194,7 +202,8 @@ void PairSolve::solve(const FacetQuestion& question, std::vector<Facet>& facets)
 			if (!isOfRound(facet.kind))
 				facet.then = facet.distance + facet.linear + std::max(-most, std::min(most, facet.curvature()));
 			if (facet.reach == Facet::Reach::kPossible && facet.then < question.rules.margin &&
-				isMet(question, facet, after, back))
+				isMet(question, facet, after, back) &&
+				(dot(force, facet.normal) < -kHolds * length(force) || isMet(question, facet, unforced, unforcedBack)))
 				facet.reach = Facet::Reach::kPath;
 		}
 	}

@@ -22,6 +22,8 @@ public:
 	// Sets linear, then and multiplier of the facets; those that are possible only become paths where the solved motion
 	// meets them, or are removed.
 	void solve(const FacetQuestion& question, std::vector<Facet>& facets);
+	// Of A's material relative to B's, as solved last.
+	RelativeMotion motion() const { return motionBetween(m_a, m_b, m_timeStep); }
 
 private:
 	struct Row
@@ -37,6 +39,7 @@ private:
 	std::vector<Row> m_rows;
 	std::vector<double> m_multipliers;
 	PairBody m_a, m_b;  // as solved
+	double m_timeStep = 0;
 };
 
 // Distance of the same facet at another pose.

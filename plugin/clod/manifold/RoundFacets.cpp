@@ -72,7 +72,7 @@ void FacetFinder::vertexOverEdge(const MovedCorner& vertex, const MovedEdge& mov
 	const double alongThen = dot(moved.thenDirection, placeThen - moved.thenStart);
 	const double along = alongNow + met->share * (alongThen - alongNow);
 	const double slack = met->reach == Facet::Reach::kPossible ? m_pair.roam
-														  : kPathSlack * met->share * std::abs(alongThen - alongNow);
+														  : m_sagitta * met->share * std::abs(alongThen - alongNow);
 	if (along < -slack || along > edge.length + slack) return;
 	const Vec3 normal = normalized(met->between);
 	if (normal == Vec3{} || !isInCone(vertex, normal, vertexIsOfA)) return;

@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: Zlib
+#include "clod/bullet/btClodDynamicsWorld.h"
+
+#include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
+#include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+#include <LinearMath/btQuickprof.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "clod/bullet/PairState.h"
+#include "clod/bullet/btClodCollisionAlgorithm.h"
+
+namespace
+{
+// In skins: what a step in one part may leave of surprise, half a per cent of the smaller radius.
+constexpr double kMostSurprise = 10;
+
+constexpr btScalar kThrough = btScalar(4e-3);  // of the smaller radius: an impact is over when what was left is passed
+
+// The time it takes to pass what is left between bodies that are about to touch.
+btScalar shareOfImpact(const btCollisionObject& a, const btCollisionObject& b)
+{
+	btVector3 center;
+	btScalar radiusA, radiusB;
+	a.getCollisionShape()->getBoundingSphere(center, radiusA);
+	b.getCollisionShape()->getBoundingSphere(center, radiusB);
+	const btVector3 between = (a.getInterpolationWorldTransform().getOrigin() - a.getWorldTransform().getOrigin()) -
+							  (b.getInterpolationWorldTransform().getOrigin() - b.getWorldTransform().getOrigin());
+	return kThrough * btMin(radiusA, radiusB) / btMax(between.length(), SIMD_EPSILON);
+}
+
+bool isMoving(const btCollisionObject& object)
+{
+	return object.isActive() && !object.isStaticOrKinematicObject();
+}
+}  // namespace
+
+btClodDynamicsWorld::btClodDynamicsWorld(btDispatcher* dispatcher, btBroadphaseInterface* pairCache,
+										 btConstraintSolver* solver, btCollisionConfiguration* configuration,
+										 clod::Context* context)
+	: btDiscreteDynamicsWorld(dispatcher, pairCache, solver, configuration), m_context(*context)
+{
+}
+
+void btClodDynamicsWorld::solveConstraints(btContactSolverInfo& info)
+{
+	m_passes = 0;
+	m_parts = 1;
+	m_pairsAskedAgain = 0;
+	m_lastPart = 0;
+	if (m_stepping == Stepping::kImpacts && m_mostParts > 1)
+	{
+		solveToImpacts(info);
+		return;
+	}
+	const double surprise = solveInPasses(info);
+	if (surprise <= kMostSurprise) return;
+	// What a motion misses goes with the square of the time.
+	int parts = 2;
+	while (parts < m_mostParts && parts * parts * kMostSurprise < surprise) parts *= 2;
+	if (parts <= m_mostParts) solveInParts(info, parts);
+}
+
+double btClodDynamicsWorld::solveInPasses(btContactSolverInfo& info)
+{
+	const int last = m_passes + m_mostPasses;
+	remember();
+	btDiscreteDynamicsWorld::solveConstraints(info);
+	if (++m_passes >= last && m_mostParts <= 1) return 0;
+	for (;;)
+	{
+		BT_PROFILE("btClodDynamicsWorld::pass");
+		predict(info.m_timeStep);
+		const double surprise = findSurprised();
+		if (m_surprised.empty() || m_passes >= last) return surprise;
+		putBack();
+		askAgain();
+		calculateSimulationIslands();
+		btDiscreteDynamicsWorld::solveConstraints(info);
+		++m_passes;
+	}
+}
+
+void btClodDynamicsWorld::solveInParts(btContactSolverInfo& info, int parts)
+{
+	const btScalar whole = info.m_timeStep;
+	putBack();
+	info.m_timeStep = whole / btScalar(parts);
+	for (int part = 0; part < parts; ++part)
+	{
+		if (part > 0) btDiscreteDynamicsWorld::integrateTransforms(info.m_timeStep);
+		beginPart(info.m_timeStep, whole - btScalar(part + 1) * info.m_timeStep);
+		solveInPasses(info);
+	}
+	m_parts = parts;
+	m_lastPart = info.m_timeStep;
+	info.m_timeStep = getDispatchInfo().m_timeStep = whole;
+}
+
+void btClodDynamicsWorld::solveToImpacts(btContactSolverInfo& info)
+{
+	const btScalar whole = info.m_timeStep, threshold = info.m_restitutionVelocityThreshold;
+	btScalar left = whole, impact = 0;  // how long the one lasts that the last part ended at
+	for (;; ++m_parts)
+	{
+		if (impact > 0 && impact < left)
+		{
+			info.m_timeStep = impact;
+			impact = 0;
+		}
+		else
+		{
+			const Impact next = firstImpact(left);
+			info.m_timeStep = next.at * left;
+			impact = next.at < 1 ? next.lasts * left : 0;
+		}
+		if (m_parts >= m_mostParts && info.m_timeStep < left)
+		{
+			// What would rebound again and again comes to rest.
+			info.m_timeStep = left;
+			info.m_restitutionVelocityThreshold = BT_LARGE_FLOAT;
+		}
+		left = info.m_timeStep < left ? left - info.m_timeStep : 0;
+		if (m_parts > 1 || left > 0) beginPart(info.m_timeStep, left);
+		solveInPasses(info);
+		if (!(left > 0)) break;
+		btDiscreteDynamicsWorld::integrateTransforms(info.m_timeStep);
+	}
+	m_lastPart = info.m_timeStep;
+	info.m_timeStep = getDispatchInfo().m_timeStep = whole;
+	info.m_restitutionVelocityThreshold = threshold;
+}
+
+void btClodDynamicsWorld::integrateTransforms(btScalar timeStep)
+{
+	btDiscreteDynamicsWorld::integrateTransforms(m_lastPart > 0 ? m_lastPart : timeStep);
+}
+
+// Contacts for a part of the step, of which `left` will be left. Kinematic bodies are where the step ends; they come there
+// evenly.
+void btClodDynamicsWorld::beginPart(btScalar timeStep, btScalar left)
+{
+	btAlignedObjectArray<btCollisionObject*>& objects = getCollisionObjectArray();
+	std::vector<std::pair<btRigidBody*, btTransform>> ends;
+	for (int i = 0; i < objects.size(); ++i)
+	{
+		btRigidBody* body = btRigidBody::upcast(objects[i]);
+		if (!body || !body->isKinematicObject() || !(left > 0)) continue;
+		ends.push_back({body, body->getWorldTransform()});
+		btTransform now;
+		btTransformUtil::integrateTransform(body->getWorldTransform(), body->getLinearVelocity(),
+											body->getAngularVelocity(), -left, now);
+		body->setWorldTransform(now);
+	}
+	for (int i = 0; i < m_nonStaticRigidBodies.size(); ++i)
+	{
+		btRigidBody& body = *m_nonStaticRigidBodies[i];
+		if (isMoving(body)) body.predictIntegratedTransform(timeStep, body.getInterpolationWorldTransform());
+	}
+	getDispatchInfo().m_timeStep = timeStep;
+	performDiscreteCollisionDetection();
+	calculateSimulationIslands();
+	for (const auto& [body, end] : ends) body->setWorldTransform(end);
+}
+
+// Of the bodies as they move now.
+btClodDynamicsWorld::Impact btClodDynamicsWorld::firstImpact(btScalar timeStep)
+{
+	for (int i = 0; i < m_nonStaticRigidBodies.size(); ++i)
+	{
+		btRigidBody& body = *m_nonStaticRigidBodies[i];
+		if (isMoving(body)) body.predictIntegratedTransform(timeStep, body.getInterpolationWorldTransform());
+	}
+	Impact first;
+	btBroadphasePairArray& pairs = getPairCache()->getOverlappingPairArray();
+	for (int i = 0; i < pairs.size(); ++i)
+	{
+		auto* algorithm = dynamic_cast<btClodCollisionAlgorithm*>(pairs[i].m_algorithm);
+		if (!algorithm) continue;
+		auto* a = static_cast<btCollisionObject*>(pairs[i].m_pProxy0->m_clientObject);
+		auto* b = static_cast<btCollisionObject*>(pairs[i].m_pProxy1->m_clientObject);
+		if (!(isMoving(*a) || isMoving(*b)) || !getDispatcher()->needsResponse(a, b)) continue;
+		const btScalar share = algorithm->calculateTimeOfImpact(a, b, getDispatchInfo(), nullptr);
+		if (!(share < first.at)) continue;
+		first.at = share;
+		first.lasts = shareOfImpact(*a, *b);
+	}
+	return first;
+}
+
+void btClodDynamicsWorld::remember()
+{
+	m_starts.clear();
+	for (int i = 0; i < m_nonStaticRigidBodies.size(); ++i)
+	{
+		btRigidBody* body = m_nonStaticRigidBodies[i];
+		if (!body->isStaticOrKinematicObject())
+			m_starts.push_back({body, body->getWorldTransform(), body->getLinearVelocity(), body->getAngularVelocity()});
+	}
+}
+
+// Interpolation velocities and transforms carry the motion as solved; Bullet sets them anew at the end of the step.
+void btClodDynamicsWorld::predict(btScalar timeStep)
+{
+	for (const Start& start : m_starts)
+	{
+		btRigidBody& body = *start.body;
+		if (!isMoving(body)) continue;
+		btTransform then;
+		btTransformUtil::integrateTransform(start.pose, body.getLinearVelocity(), body.getAngularVelocity(), timeStep, then);
+		body.setInterpolationWorldTransform(then);
+		body.setInterpolationLinearVelocity(body.getLinearVelocity());
+		body.setInterpolationAngularVelocity(body.getAngularVelocity());
+	}
+}
+
+void btClodDynamicsWorld::putBack()
+{
+	for (const Start& start : m_starts)
+	{
+		start.body->setWorldTransform(start.pose);
+		start.body->setLinearVelocity(start.linear);
+		start.body->setAngularVelocity(start.angular);
+	}
+}
+
+// Returns the largest surprise, in skins of its pair.
+double btClodDynamicsWorld::findSurprised()
+{
+	double largest = 0;
+	m_surprised.clear();
+	for (std::size_t i = 0; const clod::PairState* pair = m_context.pairAt(i); ++i)
+	{
+		const btCollisionObject *a = pair->lastReport().objectA, *b = pair->lastReport().objectB;
+		if (!a || !b || !(isMoving(*a) || isMoving(*b))) continue;
+		const double surprise = pair->surprise();
+		if (!(surprise > 1)) continue;
+		btBroadphaseProxy* low = const_cast<btBroadphaseProxy*>(a->getBroadphaseHandle());
+		btBroadphaseProxy* high = const_cast<btBroadphaseProxy*>(b->getBroadphaseHandle());
+		if (!low || !high) continue;
+		largest = std::max(largest, surprise);
+		if (low->m_uniqueId > high->m_uniqueId) std::swap(low, high);
+		m_surprised.push_back({low, high});
+	}
+	// Pairs of a compound's children are one.
+	const auto key = [](const Surprised& s) { return std::make_pair(s.low->m_uniqueId, s.high->m_uniqueId); };
+	std::sort(m_surprised.begin(), m_surprised.end(),
+			  [&](const Surprised& l, const Surprised& r) { return key(l) < key(r); });
+	m_surprised.erase(std::unique(m_surprised.begin(), m_surprised.end(),
+								  [&](const Surprised& l, const Surprised& r) { return key(l) == key(r); }),
+					  m_surprised.end());
+	return largest;
+}
+
+void btClodDynamicsWorld::widenBox(const btCollisionObject& object)
+{
+	if (!isMoving(object)) return;
+	btBroadphaseProxy* proxy = const_cast<btBroadphaseProxy*>(object.getBroadphaseHandle());
+	btVector3 low, high, oldLow, oldHigh;
+	object.getCollisionShape()->getAabb(object.getInterpolationWorldTransform(), low, high);
+	const btVector3 beside(gContactBreakingThreshold, gContactBreakingThreshold, gContactBreakingThreshold);
+	low -= beside;
+	high += beside;
+	getBroadphase()->getAabb(proxy, oldLow, oldHigh);
+	low.setMin(oldLow);
+	high.setMax(oldHigh);
+	if (low != oldLow || high != oldHigh) getBroadphase()->setAabb(proxy, low, high, getDispatcher());
+}
+
+void btClodDynamicsWorld::askAgain()
+{
+	for (const Surprised& pair : m_surprised)
+		for (const btBroadphaseProxy* proxy : {pair.low, pair.high})
+			widenBox(*static_cast<const btCollisionObject*>(proxy->m_clientObject));
+	computeOverlappingPairs();
+	auto& dispatcher = static_cast<btCollisionDispatcher&>(*getDispatcher());
+	const btNearCallback process = dispatcher.getNearCallback();
+	btOverlappingPairCache& cache = *getBroadphase()->getOverlappingPairCache();
+	m_context.m_isSolved = true;
+	for (const Surprised& asked : m_surprised)
+	{
+		btBroadphasePair* pair = cache.findPair(asked.low, asked.high);
+		if (!pair) continue;
+		process(*pair, dispatcher, getDispatchInfo());
+		++m_pairsAskedAgain;
+	}
+	btBroadphasePair* pairs = cache.getOverlappingPairArrayPtr();
+	for (int i = 0; i < cache.getNumOverlappingPairs(); ++i)
+		if (!pairs[i].m_algorithm) process(pairs[i], dispatcher, getDispatchInfo());
+	m_context.m_isSolved = false;
+}

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Impacts within a step: passed on, divided at, never a reason for time to stand still. Each beside Bullet's own world,
+// where the fault that the test looks for is to be seen.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "clod/bullet/ConfigureWorld.h"
+#include "tests/bullet/BulletWorld.h"
+#include "tests/bullet/PatchHierarchy.h"
+
+namespace clod::test
+{
+namespace
+{
+struct ImpactWorld : BulletWorld
+{
+	ImpactWorld(bool meetsImpacts, double rate, double gravity) : BulletWorld(meetsImpacts)
+	{
+		timeStep = 1 / rate;
+		configureWorld(world);
+		world.setGravity(btVector3(0, btScalar(-gravity), 0));
+		context.worldMetric = ContactMetric::exactly();
+	}
+	btClodDynamicsWorld& ours() { return dynamic_cast<btClodDynamicsWorld&>(world); }
+	btRigidBody& put(const std::shared_ptr<const Hierarchy>& hierarchy, double mass, const Vec3& place)
+	{
+		btRigidBody& body = addBody(addShape(hierarchy), mass, place);
+		body.setDamping(0, 0);
+		body.setFriction(0);
+		return body;
+	}
+};
+
+const std::shared_ptr<const Hierarchy>& unitCube()
+{
+	static const std::shared_ptr<const Hierarchy> hierarchy = patchHierarchy(boxMesh({1, 1, 1}, {2, 2, 2}, 1));
+	return hierarchy;
+}
+
+// Six cubes in a row, 5 mm apart, hit by a seventh: how deep do neighbours get, and how often was a step solved at most?
+struct Row
+{
+	double deepest = 0;
+	int passes = 0;
+};
+Row hitRow(bool meetsImpacts, double speed)
+{
+	ImpactWorld world(meetsImpacts, 60, 0);
+	std::vector<btRigidBody*> row;
+	for (int i = 0; i < 7; ++i) row.push_back(&world.put(unitCube(), 1, {i == 0 ? -2.5 : 1.005 * i, 0, 0}));
+	row[0]->setLinearVelocity(btVector3(btScalar(speed), 0, 0));
+	Row seen;
+	for (int step = 0; step < 60; ++step)
+	{
+		world.step();
+		for (std::size_t i = 0; i + 1 < row.size(); ++i)
+		{
+			const btVector3 between = row[i + 1]->getWorldTransform().getOrigin() - row[i]->getWorldTransform().getOrigin();
+			seen.deepest = std::max(seen.deepest, 1 - double(between.x()));
+		}
+		if (meetsImpacts) seen.passes = std::max(seen.passes, world.ours().passes());
+	}
+	return seen;
+}
+}  // namespace
+
+TEST(DynamicsWorld, WithOnePassAndOnePartIsBulletsOwn)
+{
+	const auto run = [](bool ours)
+	{
+		ImpactWorld world(ours, 60, 9.81);
+		if (ours)
+		{
+			world.ours().setMostPasses(1);
+			world.ours().setMostParts(1);
+		}
+		world.put(patchHierarchy(boxMesh({20, 1, 20}, {2, 1, 2}, 1)), 0, {0, -0.5, 0});
+		std::vector<btRigidBody*> bodies;
+		for (int i = 0; i < 5; ++i) bodies.push_back(&world.put(unitCube(), 1, {0.3 * i, 0.6 + 1.2 * i, 0.1 * i}));
+		world.step(90);
+		std::vector<btScalar> numbers;
+		for (const btRigidBody* body : bodies)
+			for (int k = 0; k < 3; ++k)
+			{
+				numbers.push_back(body->getWorldTransform().getOrigin()[k]);
+				numbers.push_back(body->getAngularVelocity()[k]);
+			}
+		return numbers;
+	};
+	EXPECT_EQ(run(true), run(false));
+}
+
+TEST(DynamicsWorld, PassesAnImpactOnWithinTheStep)
+{
+	for (const double speed : {5.0, 10.0})
+	{
+		const Row plain = hitRow(false, speed), ours = hitRow(true, speed);
+		EXPECT_GT(plain.deepest, 0.005) << speed << " m/s: nothing to be seen in Bullet's own world";
+		EXPECT_LT(ours.deepest, 5e-4) << speed;
+		EXPECT_GT(ours.passes, 1) << speed;
+	}
+}
+
+TEST(DynamicsWorld, AsksNothingAgainWhereNothingIsHit)
+{
+	ImpactWorld world(true, 240, 9.81);
+	world.put(patchHierarchy(boxMesh({20, 1, 20}, {2, 1, 2}, 1)), 0, {0, -0.5, 0});
+	for (int i = 0; i < 3; ++i) world.put(unitCube(), 1, {0, 0.5002 + 1.0002 * i, 0});
+	world.step(240);
+	int again = 0;
+	for (int i = 0; i < 60; ++i)
+	{
+		world.step();
+		again += world.ours().pairsAskedAgain();
+	}
+	EXPECT_EQ(again, 0);
+	EXPECT_EQ(world.ours().parts(), 1);
+}
+
+// What takes no part in the impacts falls as ever, in however many parts the step is taken.
+TEST(DynamicsWorld, ForcesActOnceAStep)
+{
+	ImpactWorld world(true, 60, 9.81);
+	btRigidBody& alone = world.put(unitCube(), 1, {0, 0, 50});
+	alone.setDamping(btScalar(0.1), 0);
+	std::vector<btRigidBody*> row;
+	for (int i = 0; i < 7; ++i) row.push_back(&world.put(unitCube(), 1, {i == 0 ? -1.5 : 1.001 * i, 0, 0}));
+	row[0]->setLinearVelocity(btVector3(60, 0, 0));
+	row[0]->setAngularVelocity(btVector3(1, 20, 3));
+	ImpactWorld quiet(true, 60, 9.81);
+	btRigidBody& same = quiet.put(unitCube(), 1, {0, 0, 50});
+	same.setDamping(btScalar(0.1), 0);
+	int most = 1;
+	for (int i = 0; i < 30; ++i)
+	{
+		world.step();
+		quiet.step();
+		most = std::max(most, world.ours().parts());
+	}
+	EXPECT_GT(most, 1) << "no step was divided: the test shows nothing";
+	EXPECT_NEAR(double(alone.getLinearVelocity().y()), double(same.getLinearVelocity().y()), 1e-4);
+}
+
+// Impacts at 1/60 s that fixed steps meet ahead of time are met at theirs: the ball turns round at the floor.
+TEST(DynamicsWorld, StepsToImpacts)
+{
+	for (const bool atImpacts : {false, true})
+	{
+		for (int i = 0; i < 8; ++i)
+		{
+			ImpactWorld world(true, 60, 0);
+			if (atImpacts) world.ours().setStepping(btClodDynamicsWorld::Stepping::kImpacts);
+			world.put(patchHierarchy(boxMesh({20, 1, 20}, {2, 1, 2}, 1)), 0, {0, -0.5, 0}).setRestitution(1);
+			btRigidBody& ball = world.put(patchHierarchy(ballMesh(0.5, 2)), 1, {0, 2 + 0.013 * i, 0});
+			ball.setRestitution(1);
+			ball.setLinearVelocity(btVector3(0, -6, 0));
+			const double start = heightOf(ball);
+			int steps = 0, parts = 1;
+			for (; steps < 60 && !(ball.getLinearVelocity().y() > 0); ++steps)
+			{
+				world.step();
+				parts = std::max(parts, world.ours().parts());
+			}
+			EXPECT_EQ(parts > 1, atImpacts) << i;
+			// It has gone down and up again at 6 m/s: how low was the turn?
+			const double way = 6 * steps / 60.0, turn = 0.5 * (start + heightOf(ball) - way);
+			EXPECT_NEAR(double(ball.getLinearVelocity().y()), 6, 0.1) << i;
+			if (atImpacts)
+			{
+				EXPECT_NEAR(turn, 0.5, 0.01) << i;
+			}
+		}
+	}
+}
+
+// A level that changes at every question, so that what was just met is no longer there, or is overlapping already: time
+// goes on, and the bodies stay apart but for what the levels may be off.
+TEST(DynamicsWorld, ALevelThatChangesAtTheImpactHoldsNothingUp)
+{
+	ImpactWorld world(true, 60, 9.81);
+	world.ours().setStepping(btClodDynamicsWorld::Stepping::kImpacts);
+	int asked = 0;
+	world.context.pairMetric = [&](const btCollisionObject&, const btCollisionObject&, ContactMetric& metric)
+	{
+		metric = ++asked % 2 == 0 ? ContactMetric::exactly() : ContactMetric::errorShare(0.05);
+		return true;
+	};
+	world.put(patchHierarchy(boxMesh({20, 1, 20}, {2, 1, 2}, 1)), 0, {0, -0.5, 0});
+	btRigidBody& ball = world.put(patchHierarchy(ballMesh(0.5, 3)), 1, {0, 1.5, 0});
+	ball.setLinearVelocity(btVector3(0, -10, 0));
+	for (int i = 0; i < 120; ++i)
+	{
+		world.step();
+		ASSERT_LE(world.ours().parts(), 8);
+		ASSERT_GT(heightOf(ball), 0.5 - 0.05 * 0.5);
+	}
+	EXPECT_NEAR(heightOf(ball), 0.5, 0.05 * 0.5);
+	EXPECT_LT(double(ball.getLinearVelocity().length()), 0.2);
+}
+
+// More impacts in a step than parts: a ball that rattles between two plates.
+TEST(DynamicsWorld, CountlessImpactsEndTheStep)
+{
+	ImpactWorld world(true, 60, 0);
+	world.ours().setStepping(btClodDynamicsWorld::Stepping::kImpacts);
+	const auto plate = patchHierarchy(boxMesh({4, 1, 4}, {2, 1, 2}, 1));
+	world.put(plate, 0, {0, -0.5, 0}).setRestitution(1);
+	world.put(plate, 0, {0, 1.53, 0}).setRestitution(1);
+	btRigidBody& ball = world.put(patchHierarchy(ballMesh(0.5, 2)), 1, {0, 0.515, 0});
+	ball.setRestitution(1);
+	ball.setLinearVelocity(btVector3(0, 50, 0));
+	for (int i = 0; i < 60; ++i)
+	{
+		world.step();
+		ASSERT_LE(world.ours().parts(), 8);
+		ASSERT_NEAR(heightOf(ball), 0.515, 0.03);
+	}
+}
+}  // namespace clod::test
