@@ -11,7 +11,6 @@
 
 #include "clod/bullet/Manifolds.h"
 #include "clod/bullet/PairMetric.h"
-#include "clod/bullet/PairPlan.h"
 #include "clod/bullet/PairPose.h"
 #include "clod/distance/SignedGap.h"
 #include "clod/manifold/FacetContacts.h"
@@ -20,6 +19,13 @@
 
 namespace clod
 {
+// The first part of a pair's dispatch, see Query.h.
+struct PairPlan
+{
+	QueryPlan query;
+	double radius;  // of the smaller body
+};
+
 class PairState
 {
 public:

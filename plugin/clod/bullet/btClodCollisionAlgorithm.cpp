@@ -7,7 +7,6 @@
 
 #include <new>
 
-#include "clod/bullet/PairPlan.h"
 #include "clod/bullet/PairState.h"
 
 namespace

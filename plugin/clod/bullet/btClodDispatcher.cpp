@@ -9,7 +9,7 @@
 #include <tuple>
 #include <vector>
 
-#include "clod/bullet/PairPlan.h"
+#include "clod/bullet/PairState.h"
 #include "clod/bullet/WholeStep.h"
 #include "clod/bullet/btClodCollisionAlgorithm.h"
 #include "clod/query/AnswerCost.h"
