@@ -15,7 +15,7 @@ namespace
 constexpr double kRounding = 1.0 / (1 << 23);  // of the farthest coordinate: what rounding moves a vertex by, at most
 constexpr double kStorage = 8.0 / (1 << 24);   // of the radius: Asset::storageTolerance
 constexpr double kRoom = 1 + 1e-6;             // for the rounding of sums and unit vectors
-constexpr double kConeRoom = 1e-6;             // of coneCosine
+constexpr double kConeRoom = 1e-7;             // of coneCosine, as builders leave it
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 void store(float (&to)[3], const Vec3& v)
@@ -115,6 +115,7 @@ private:
 	void vertices();
 	void sphere();
 	void asset();
+	void bounds();
 	void masses();
 	void faces();
 	void node(std::uint32_t index);
@@ -165,6 +166,7 @@ Scaling::Scaling(const Hierarchy& from, const Vec3& scale)
 	masses();
 	faces();
 	for (std::uint32_t i = 0; i < m_to.nodes.size(); ++i) node(i);
+	bounds();
 	levels();
 }
 
@@ -210,13 +212,29 @@ void Scaling::asset()
 	a.storageTolerance = roundUp(kStorage * double(a.radius));
 	a.areaTolerance = boundAtLeast(m_largest * double(a.areaTolerance));
 	a.thinnestWall = boundAtMost(m_smallest * double(a.thinnestWall));
-	const Vec3 low = scaled(toVec3(a.boxMin)), high = scaled(toVec3(a.boxMax));
 	const Vec3 origin = scaled({a.meshFromBody[0], a.meshFromBody[1], a.meshFromBody[2]});
+	for (int i = 0; i < 3; ++i) a.meshFromBody[i] = origin[i];
+}
+
+// Of all thickened hulls.
+void Scaling::bounds()
+{
+	const Vec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+	Extent all;
+	for (const Node& n : m_to.nodes)
+	{
+		const HullView h = hull(n);
+		const Vec3 sweep = double(n.thickness) * toVec3(n.inward);
+		for (std::uint32_t v = 0; v < h.count; ++v)
+		{
+			all.add(axes, h.vertex(v));
+			if (n.thickness > 0) all.add(axes, h.vertex(v) + sweep);
+		}
+	}
 	for (int i = 0; i < 3; ++i)
 	{
-		a.boxMin[i] = roundDown(std::min(low[i], high[i]));
-		a.boxMax[i] = roundUp(std::max(low[i], high[i]));
-		a.meshFromBody[i] = origin[i];
+		m_to.asset.boxMin[i] = roundDown(all.low[i]);
+		m_to.asset.boxMax[i] = roundUp(all.high[i]);
 	}
 }
 
@@ -276,9 +294,11 @@ void Scaling::normals(Node& n) const
 	mean = normalized(mean);
 	if (mean == Vec3{}) mean = normalized(scaled(toVec3(n.meanNormal)));
 	store(n.meanNormal, mean);
-	const Vec3 stored = toVec3(n.meanNormal);
 	for (std::uint32_t f = n.firstFace; f < n.firstFace + n.faceCount; ++f)
-		narrowest = std::min(narrowest, dot(toVec3(m_to.faces[f].normal), stored));
+	{
+		const Vec3 area = areaOf(n, m_to.faces[f]);
+		narrowest = std::min(narrowest, dot(area != Vec3{} ? normalized(area) : toVec3(m_to.faces[f].normal), mean));
+	}
 	n.coneCosine = roundDown(std::max(-1.0, narrowest - kConeRoom));
 }
 
@@ -295,7 +315,7 @@ double Scaling::curvature(const Node& n) const
 		{
 			const std::uint32_t other = face.neighbour[e];
 			if (other < f || other >= n.firstFace + n.faceCount) continue;
-			const Vec3 normal = toVec3(face.normal), there = toVec3(m_to.faces[other].normal);
+			const Vec3 normal = normalized(areaOf(n, face)), there = normalized(areaOf(n, m_to.faces[other]));
 			const Vec3 edge = h.vertex(face.vertex[(e + 1) % 3]) - h.vertex(face.vertex[e]);
 			sum += 0.5 * std::atan2(dot(cross(normal, there), edge), length(edge) * dot(normal, there)) * length(edge);
 		}
@@ -323,11 +343,13 @@ void Scaling::node(std::uint32_t index)
 	}
 	const Vec3 inward = scaled(toVec3(n.inward));
 	n.thickness = boundAtMost(std::max(0.0, double(n.thickness) * length(inward) / kRoom - m_rounding));
+	const bool isAgainstMean = toVec3(n.inward) == -toVec3(n.meanNormal);
 	store(n.inward, normalized(inward));
 	if (n.faceCount > 0)
 	{
 		normals(n);
 		n.curvature = roundToFloat(curvature(n));
+		if (m_isUniform && isAgainstMean) store(n.inward, -toVec3(n.meanNormal));
 	}
 	box(index);
 }
