@@ -17,6 +17,7 @@
 #include "demos/peers/DispatchWorld.h"
 #include "demos/runner/Replay.h"
 #include "demos/scenes/BulletPose.h"
+#include "demos/scenes/BulletShapes.h"
 
 namespace clod::demo
 {
@@ -195,11 +196,7 @@ private:
 // Contacts appear at the tolerance: each body has half of it as margin.
 std::unique_ptr<btConvexHullShape> hullOf(const ModelMesh& piece, const Vec3& origin, const PairFrame& frame)
 {
-	auto hull = std::make_unique<btConvexHullShape>();
-	for (const Vec3& vertex : piece.vertices) hull->addPoint(toBullet(vertex - origin, frame.worldScale), false);
-	hull->recalcLocalAabb();
-	hull->setMargin(btScalar(frame.worldScale * frame.tolerance / 2));
-	return hull;
+	return convexHull(piece, origin, frame.worldScale, frame.tolerance / 2);
 }
 
 class HullPeer : public DispatchPeer

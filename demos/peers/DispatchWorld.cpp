@@ -6,20 +6,6 @@
 
 namespace clod::demo
 {
-BulletMesh::BulletMesh(const ModelMesh& mesh, const Vec3& origin, double scale)
-{
-	for (const auto& triangle : mesh.triangles)
-		for (const std::uint32_t index : triangle) m_indices.push_back(int(index));
-	for (const Vec3& vertex : mesh.vertices)
-	{
-		const Vec3 v = scale * (vertex - origin);
-		for (const double x : {v.x, v.y, v.z}) m_vertices.push_back(btScalar(x));
-	}
-	m_array.reset(new btTriangleIndexVertexArray(int(mesh.triangles.size()), m_indices.data(), 3 * int(sizeof(int)),
-												 int(mesh.vertices.size()), m_vertices.data(),
-												 3 * int(sizeof(btScalar))));
-}
-
 DispatchWorld::DispatchWorld(btCollisionShape& a, btCollisionShape& b,
 							 const std::function<void(btCollisionDispatcher&)>& addAlgorithms)
 	: m_dispatcher(&m_configuration), m_world(&m_dispatcher, &m_broadphase, &m_configuration)

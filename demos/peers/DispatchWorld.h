@@ -1,32 +1,13 @@
 // SPDX-License-Identifier: Zlib
-// Two collision objects in a world of their own, with persistent algorithms and manifolds, as a simulation has them;
-// and triangle meshes in Bullet's memory. Compiled once per Bullet precision. Lengths are Bullet's (scaled).
+// Two collision objects in a world of their own, with persistent algorithms and manifolds, as a simulation has them.
+// Compiled once per Bullet precision. Lengths are Bullet's (scaled).
 #pragma once
 #include <btBulletCollisionCommon.h>
 
 #include <functional>
-#include <memory>
-#include <vector>
-
-#include "demos/models/Models.h"
 
 namespace clod::demo
 {
-// Indexed triangles as Bullet's mesh shapes read them; outlives the shapes.
-class BulletMesh
-{
-public:
-	// Vertices are moved by -origin, then scaled.
-	BulletMesh(const ModelMesh& mesh, const Vec3& origin, double scale);
-	btStridingMeshInterface* interface() const { return m_array.get(); }
-	std::size_t bytes() const { return m_indices.size() * sizeof(int) + m_vertices.size() * sizeof(btScalar); }
-
-private:
-	std::vector<int> m_indices;
-	std::vector<btScalar> m_vertices;
-	std::unique_ptr<btTriangleIndexVertexArray> m_array;
-};
-
 // A body where, and as fast as, it was recorded.
 struct PlacedBody
 {

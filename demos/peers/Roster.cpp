@@ -17,7 +17,6 @@ namespace clod::demo
 {
 namespace
 {
-constexpr int kHullCounts[] = {16, 32, 64, 128, 256, 512, 1024};  // V-HACD, at most
 constexpr const char* kConcavities[] = {"0.1", "0.05", "0.02"};   // CoACD thresholds
 constexpr std::size_t kMeshBytesLimit = std::size_t(4) << 30;
 
@@ -148,7 +147,7 @@ private:
 			return leaveOut("vhacd, coacd",
 							"no tools in " + m_preparation.tools().directory + "; scripts/peers sets them up");
 		double done = 0;
-		for (const int hulls : kHullCounts)
+		for (const int hulls : m_options.hullCounts)
 		{
 			m_progress("convex decompositions", done++ / 10);
 			if (has("vhacd")) addCompound("vhacd", std::to_string(hulls), fmt::format("at most {} hulls", hulls));
@@ -238,7 +237,7 @@ BuiltHierarchy buildTimed(HierarchyCache& cache, const MeshSource& source)
 {
 	const int before = cache.built();
 	const auto start = std::chrono::steady_clock::now();
-	BuiltHierarchy result{cache.build(source, false), 0};
+	BuiltHierarchy result{cache.build(source, {}), 0};
 	const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 	result.seconds = cache.built() > before ? seconds : std::numeric_limits<double>::quiet_NaN();
 	return result;

@@ -19,6 +19,7 @@ inline constexpr const char* kFamilies[] = {"clod",  "clod-gap", "clod-dispatch"
 struct RosterOptions
 {
 	std::vector<std::string> families;  // empty: all
+	std::vector<int> hullCounts{16, 32, 64, 128, 256, 512, 1024};  // V-HACD, at most
 	int decimations = 12;               // versions of each mesh, the full one included
 	PairFrame frame;
 	std::optional<Threshold> own;  // one more setting of ours, without a label

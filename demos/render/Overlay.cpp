@@ -112,10 +112,10 @@ private:
 	std::unique_ptr<cairo_t, Free> m_cairo;
 };
 
-// Sizes grow with the picture, from a 960-pixel-wide one.
+// Sizes grow with the picture, from a 960-pixel-wide one; smaller text than that could not be read.
 double unit(const Image& image)
 {
-	return std::max(0.6, image.width / 960.0);
+	return std::max(1.0, image.width / 960.0);
 }
 
 struct TextRow

@@ -27,6 +27,7 @@ void addIdleCommand(CLI::App& program);
 void addBudgetCommand(CLI::App& program);
 void addScalingCommand(CLI::App& program);
 void addLevelsCommand(CLI::App& program);
+void addTryCommand(CLI::App& program);
 
 // --cache-dir and --no-cache.
 void addCache(CLI::App& command, CacheOptions& options);

@@ -17,7 +17,6 @@ namespace
 {
 constexpr std::size_t kSheetCells = 9;
 constexpr int kSheetColumns = 3, kSheetCellWidth = 1080;
-constexpr const char* kFilmRate = "30";
 
 void write(const std::string& path, const Image& image, const std::string& title)
 {
@@ -26,8 +25,11 @@ void write(const std::string& path, const Image& image, const std::string& title
 }
 }  // namespace
 
-FrameFolder::FrameFolder(std::string directory, std::string title, std::size_t expected)
-	: m_directory(std::move(directory)), m_title(std::move(title)), m_expected(expected)
+FrameFolder::FrameFolder(std::string directory, std::string title, std::size_t expected, double framesPerSecond)
+	: m_directory(std::move(directory)),
+	  m_title(std::move(title)),
+	  m_expected(expected),
+	  m_framesPerSecond(framesPerSecond)
 {
 	std::error_code error;
 	std::filesystem::create_directories(m_directory, error);
@@ -49,7 +51,7 @@ void FrameFolder::add(const Image& image, const std::string& caption)
 bool FrameFolder::makeFilm() const
 {
 	cli::PartialFile film(path("film.mp4"));
-	const int code = runProgram({"ffmpeg", "-loglevel", "error", "-nostdin", "-y", "-framerate", kFilmRate, "-i",
+	const int code = runProgram({"ffmpeg", "-loglevel", "error", "-nostdin", "-y", "-framerate", fmt::format("{:.6g}", m_framesPerSecond), "-i",
 								 path("frame-%04d.png"), "-frames:v", std::to_string(m_count), "-vf",
 								 "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p", film.temporaryPath()});
 	return code == 0 && film.commit().empty();

@@ -11,8 +11,9 @@ namespace clod::demo
 class FrameFolder
 {
 public:
-	// Creates the folder; throws cli::Failure (1) where that fails. `expected` frames will be added.
-	FrameFolder(std::string directory, std::string title, std::size_t expected);
+	// Creates the folder; throws cli::Failure (1) where that fails. `expected` frames will be added, of which the film
+	// shows so many a second.
+	FrameFolder(std::string directory, std::string title, std::size_t expected, double framesPerSecond);
 	void add(const Image& image, const std::string& caption);
 	// contact-sheet.png, and film.mp4 where ffmpeg exists. Value: the files written, frames not listed.
 	std::vector<std::string> finish();
@@ -24,6 +25,7 @@ private:
 
 	std::string m_directory, m_title;
 	std::size_t m_expected, m_count = 0;
+	double m_framesPerSecond;
 	std::vector<CaptionedImage> m_cells;
 };
 }  // namespace clod::demo

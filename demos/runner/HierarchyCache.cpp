@@ -78,7 +78,7 @@ HierarchyCache::HierarchyCache(CacheOptions options, bool quiet) : m_options(std
 		m_options.directory = defaultDirectory();
 }
 
-std::string HierarchyCache::entryPath(const MeshSource& mesh, bool paper) const
+std::string HierarchyCache::entryPath(const MeshSource& mesh, const BuildOptions& options) const
 {
 	const Result<std::vector<std::byte>> builder = cli::readFile(builderPath(), kBuilderSizeLimit);
 	if (!builder)
@@ -91,17 +91,21 @@ std::string HierarchyCache::entryPath(const MeshSource& mesh, bool paper) const
 	XXH3_128bits_reset(state);
 	hash(state, mesh.bytes.data(), mesh.bytes.size());
 	hash(state, mesh.extension.data(), mesh.extension.size());
-	hash(state, &paper, 1);
+	hash(state, &options.paper, 1);
+	hash(state, &options.repair, 1);
+	hash(state, &options.scale, sizeof options.scale);
 	hash(state, builder.value().data(), builder.value().size());
 	const XXH128_hash_t digest = XXH3_128bits_digest(state);
 	XXH3_freeState(state);
 	return fmt::format("{}/{:016x}{:016x}.clod", m_options.directory, digest.high64, digest.low64);
 }
 
-void HierarchyCache::runBuilder(const std::string& meshPath, const std::string& output, bool paper) const
+void HierarchyCache::runBuilder(const std::string& meshPath, const std::string& output, const BuildOptions& options) const
 {
 	std::vector<std::string> words = {builderPath(), "build", meshPath, "-o", output};
-	if (paper) words.push_back("--paper");
+	if (options.paper) words.push_back("--paper");
+	if (options.repair) words.push_back("--repair");
+	if (options.scale != 1) words.insert(words.end(), {"--scale", fmt::format("{}", options.scale)});
 	if (m_quiet) words.push_back("--quiet");
 	const int code = runProgram(words, m_quiet);
 	if (code == 0) return;
@@ -114,7 +118,7 @@ void HierarchyCache::runBuilder(const std::string& meshPath, const std::string& 
 		fmt::format("{} {} {}", words[0], code < 0 ? "was ended by signal" : "failed with exit code", std::abs(code)));
 }
 
-HierarchyPointer HierarchyCache::buildInto(const std::string& entry, const MeshSource& mesh, bool paper, bool keep)
+HierarchyPointer HierarchyCache::buildInto(const std::string& entry, const MeshSource& mesh, const BuildOptions& options, bool keep)
 {
 	std::error_code error;
 	fs::create_directories(fs::path(entry).parent_path(), error);
@@ -123,9 +127,9 @@ HierarchyPointer HierarchyCache::buildInto(const std::string& entry, const MeshS
 													 fs::path(entry).parent_path().string(), error.message()));
 	cli::PartialFile partial(entry);
 	if (mesh.path.empty())
-		runBuilder(TemporaryMesh(mesh).path(), partial.temporaryPath(), paper);
+		runBuilder(TemporaryMesh(mesh).path(), partial.temporaryPath(), options);
 	else
-		runBuilder(mesh.path, partial.temporaryPath(), paper);
+		runBuilder(mesh.path, partial.temporaryPath(), options);
 	Result<HierarchyPointer> hierarchy = Hierarchy::load(partial.temporaryPath());
 	if (!hierarchy)
 		throw Failure(ExitCode::failure, mesh.name + ": the builder wrote a bad file: " + hierarchy.error());
@@ -135,12 +139,12 @@ HierarchyPointer HierarchyCache::buildInto(const std::string& entry, const MeshS
 	return hierarchy.value();
 }
 
-HierarchyPointer HierarchyCache::build(const MeshSource& mesh, bool paper)
+HierarchyPointer HierarchyCache::build(const MeshSource& mesh, const BuildOptions& options)
 {
 	// A .gltf file refers to others, which the key would not see.
 	const bool keep = !m_options.directory.empty() && mesh.extension != ".gltf";
-	if (!keep) return buildInto(temporaryDirectory() + "/clod-bench.clod", mesh, paper, false);
-	const std::string entry = entryPath(mesh, paper);
+	if (!keep) return buildInto(temporaryDirectory() + "/clod-bench.clod", mesh, options, false);
+	const std::string entry = entryPath(mesh, options);
 	if (fs::exists(entry))
 	{
 		Result<HierarchyPointer> hierarchy = Hierarchy::load(entry);
@@ -155,22 +159,27 @@ HierarchyPointer HierarchyCache::build(const MeshSource& mesh, bool paper)
 	}
 	else if (!m_quiet)
 		fmt::print(stderr, "building the hierarchy of {} (kept as {})\n", mesh.name, entry);
-	return buildInto(entry, mesh, paper, true);
+	return buildInto(entry, mesh, options, true);
 }
 
-HierarchyPointer HierarchyCache::open(const std::string& path, bool paper)
+HierarchyPointer HierarchyCache::open(const std::string& path, const BuildOptions& options)
 {
 	const std::string extension = fs::path(path).extension().string();
 	if (extension == ".clod")
 	{
 		Result<HierarchyPointer> hierarchy = Hierarchy::load(path);
 		if (!hierarchy) throw Failure(ExitCode::badInput, path + ": " + hierarchy.error());
-		if (paper && !hierarchy.value()->isPaperBuild())
+		if (options.scale != 1)
+			throw Failure(ExitCode::usage,
+						  fmt::format("{}: a .clod file has its size; build the mesh again with `clod-build build MESH "
+									  "--scale {:.6g} -o {}`",
+									  path, options.scale, path));
+		if (options.paper && !hierarchy.value()->isPaperBuild())
 			throw Failure(ExitCode::usage, path + ": --paper needs a file built with `clod-build build --paper`");
 		return hierarchy.value();
 	}
 	Result<std::vector<std::byte>> bytes = cli::readFile(path, kMeshSizeLimit);
 	if (!bytes) throw Failure(ExitCode::badInput, bytes.error());
-	return build({path, extension, std::move(bytes.value()), path}, paper);
+	return build({path, extension, std::move(bytes.value()), path}, options);
 }
 }  // namespace clod::demo

@@ -22,6 +22,14 @@ struct CacheOptions
 	bool enabled = true;    // false: build into a temporary file and keep nothing
 };
 
+// How a mesh is built; part of an entry's name.
+struct BuildOptions
+{
+	bool paper = false;
+	bool repair = false;
+	double scale = 1;  // all lengths of the file times this
+};
+
 // A mesh as a file would hold it.
 struct MeshSource
 {
@@ -39,9 +47,10 @@ public:
 
 	// The hierarchy of a mesh in memory, built where the cache has none. Throws cli::Failure: bad input (3) with the
 	// builder's reason on stderr, or failure (1) where the builder is missing or broken.
-	HierarchyPointer build(const MeshSource& mesh, bool paper);
-	// A .clod file is loaded; any other file is a mesh. A .clod file that contradicts `paper` is a usage error (2).
-	HierarchyPointer open(const std::string& path, bool paper);
+	HierarchyPointer build(const MeshSource& mesh, const BuildOptions& options);
+	// A .clod file is loaded; any other file is a mesh. A .clod file that contradicts `paper`, or that had to be scaled,
+	// is a usage error (2).
+	HierarchyPointer open(const std::string& path, const BuildOptions& options);
 
 	// Entries built by this object, and those found whole in the cache.
 	int built() const { return m_built; }
@@ -50,9 +59,9 @@ public:
 	const std::string& directory() const { return m_options.directory; }
 
 private:
-	std::string entryPath(const MeshSource& mesh, bool paper) const;
-	HierarchyPointer buildInto(const std::string& entry, const MeshSource& mesh, bool paper, bool keep);
-	void runBuilder(const std::string& meshPath, const std::string& output, bool paper) const;
+	std::string entryPath(const MeshSource& mesh, const BuildOptions& options) const;
+	HierarchyPointer buildInto(const std::string& entry, const MeshSource& mesh, const BuildOptions& options, bool keep);
+	void runBuilder(const std::string& meshPath, const std::string& output, const BuildOptions& options) const;
 
 	CacheOptions m_options;
 	bool m_quiet;

@@ -56,7 +56,7 @@ void plotLevels(const Hierarchy& hierarchy, const std::string& name, const std::
 void runLevels(const LevelsOptions& options)
 {
 	HierarchyCache cache(options.cache, options.common.quiet);
-	const HierarchyPointer hierarchy = cache.open(options.file, options.paper);
+	const HierarchyPointer hierarchy = cache.open(options.file, {options.paper});
 	const std::string name = std::filesystem::path(options.file).stem().string();
 	if (!options.plot.empty()) plotLevels(*hierarchy, name, options.plot);
 	if (options.output.empty()) return;

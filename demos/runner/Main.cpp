@@ -21,5 +21,6 @@ int main(int argc, char** argv)
 	clod::demo::addBudgetCommand(app);
 	clod::demo::addScalingCommand(app);
 	clod::demo::addLevelsCommand(app);
+	clod::demo::addTryCommand(app);
 	return clod::cli::runProgram(app, argc, argv);
 }

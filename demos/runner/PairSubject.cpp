@@ -29,7 +29,7 @@ constexpr double kBulletRadius = 5;         // bodies are scaled by a power of t
 
 BuiltHierarchy buildModel(HierarchyCache& cache, const SceneModel& model, double resolution)
 {
-	if (!model.file.empty()) return {cache.open(model.file, false), std::nan("")};
+	if (!model.file.empty()) return {cache.open(model.file, {}), std::nan("")};
 	return buildTimed(cache, modelSource(model.name, trianglesOf(model.name, resolution)));
 }
 
@@ -96,7 +96,7 @@ PairSubject fromFiles(const PairInput& input, HierarchyCache& cache)
 {
 	Result<std::vector<PoseRow>> poses = readPoses(input.words[2]);
 	if (!poses) throw Failure(ExitCode::badInput, poses.error());
-	const HierarchyPointer a = cache.open(input.words[0], false), b = cache.open(input.words[1], false);
+	const HierarchyPointer a = cache.open(input.words[0], {}), b = cache.open(input.words[1], {});
 	const double radius = smallerRadius(*a, *b);
 	return {input.words[0] + " and " + input.words[1],
 			{a, b, std::nan("")},

@@ -118,7 +118,7 @@ nlohmann::ordered_json makeTable1(const PaperCommandOptions& options, HierarchyC
 		for (const std::string& model : table[i].models)
 		{
 			progress.update("Table 1: " + table[i].label, double(i) / double(table.size()));
-			const HierarchyPointer hierarchy = cache.build(modelSource(model, 0), true);
+			const HierarchyPointer hierarchy = cache.build(modelSource(model, 0), {true});
 			if (options.pictures) writeFigure5(options.directory, model, *hierarchy);
 			const Counts counts = countsOf(*hierarchy);
 			for (std::size_t c = 0; c < counts.size(); ++c) mean[c] += counts[c] / double(table[i].models.size());

@@ -59,7 +59,7 @@ Subject openSubject(const ReplayCommandOptions& options, HierarchyCache& cache)
 		if (options.resolution != 1) throw Failure(ExitCode::usage, "--resolution is for scenes, not for given models");
 		subject.names = {options.a, options.b};
 		for (const std::string& name : subject.names)
-			subject.models.push_back(cache.open(name, options.selection.paper));
+			subject.models.push_back(cache.open(name, {options.selection.paper}));
 		subject.bodies = {subject.models[0].get(), subject.models[1].get()};
 		subject.posesFile = options.poses;
 		return subject;

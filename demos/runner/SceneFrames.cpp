@@ -138,7 +138,7 @@ nlohmann::ordered_json paintScene(const SceneFrameOptions& options, const FrameS
 
 	const std::size_t every = std::size_t(options.every), count = (run.rows.size() + every - 1) / every;
 	FramePainter painter(subject);
-	FrameFolder folder(options.directory, subject.title, count);
+	FrameFolder folder(options.directory, subject.title, count, 1 / (options.every * subject.dt));
 	for (std::size_t row = every - 1; folder.frames() < count; row = std::min(row + every, run.rows.size() - 1))
 	{
 		row = std::min(row, run.rows.size() - 1);

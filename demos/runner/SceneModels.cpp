@@ -37,6 +37,7 @@ ModelMesh meshOf(const SceneModel& model, const HierarchyPointer& hierarchy, con
 	if (!model.file.empty()) return inputSurface(*hierarchy);
 	Result<ModelMesh> mesh = makeModel(model.name, trianglesOf(model.name, detail.resolution));
 	if (!mesh) throw cli::Failure(cli::ExitCode::failure, mesh.error());
+	for (Vec3& vertex : mesh.value().vertices) vertex = model.scale * vertex;
 	return std::move(mesh.value());
 }
 
@@ -44,10 +45,13 @@ std::vector<HierarchyPointer> buildModels(const SceneInfo& scene, const ModelDet
 {
 	std::vector<HierarchyPointer> models;
 	for (const SceneModel& model : scene.models)
+	{
+		const BuildOptions options{detail.paper, model.repair, model.scale};
 		models.push_back(
 			model.file.empty()
-				? cache.build(modelSource(model.name, trianglesOf(model.name, detail.resolution)), detail.paper)
-				: cache.open(model.file, detail.paper));
+				? cache.build(modelSource(model.name, trianglesOf(model.name, detail.resolution)), options)
+				: cache.open(model.file, options));
+	}
 	return models;
 }
 

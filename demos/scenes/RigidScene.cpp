@@ -2,6 +2,7 @@
 // Bodies, solver and clock of a scene in Bullet.
 #include "demos/scenes/RigidScene.h"
 
+#include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <btBulletDynamicsCommon.h>
 #include <clod/bullet/ConfigureWorld.h>
 #include <clod/bullet/btClodCollisionAlgorithm.h>
@@ -14,6 +15,7 @@
 #include <stdexcept>
 
 #include "demos/scenes/BulletPose.h"
+#include "demos/scenes/BulletShapes.h"
 
 namespace clod::demo
 {
@@ -64,8 +66,10 @@ struct RigidScene::Bullet
 	btDbvtBroadphase broadphase;
 	btSequentialImpulseConstraintSolver solver;
 	TimedWorld world{&dispatcher, &broadphase, &solver, &configuration, &context};
-	std::vector<std::unique_ptr<btClodShape>> shapes;  // one a model
+	std::vector<std::unique_ptr<btClodShape>> shapes;  // one a model; inertia is theirs, whatever collides
+	std::vector<PlainShape> others;                    // one a model, or none
 	std::vector<std::unique_ptr<btRigidBody>> bodies;
+	std::vector<std::unique_ptr<btTypedConstraint>> joints;
 };
 
 RigidScene::RigidScene(const SceneDefinition& definition, const SceneSettings& settings)
@@ -86,11 +90,16 @@ RigidScene::RigidScene(const SceneDefinition& definition, const SceneSettings& s
 		bullet.shapes.back()->setLocalScaling({scale, scale, scale});
 		bullet.shapes.back()->setMargin(btScalar(definition.world.margin));
 	}
+	const bool hasOthers = !settings.shapes.empty();
+	if (hasOthers) btGImpactCollisionAlgorithm::registerAlgorithm(&bullet.dispatcher);
+	for (std::size_t i = 0; hasOthers && i < settings.models.size(); ++i)
+		bullet.others.emplace_back(settings.shapes[i], centerOf(*settings.models[i]), definition.info.worldScale);
 	for (std::size_t i = 0; i < m_definition.bodies.size(); ++i) addBody(i);
 }
 
 RigidScene::~RigidScene()
 {
+	for (const auto& joint : m_bullet->joints) m_bullet->world.removeConstraint(joint.get());
 	for (const auto& body : m_bullet->bodies) m_bullet->world.removeRigidBody(body.get());
 }
 
@@ -120,16 +129,19 @@ void RigidScene::addBody(std::size_t index)
 	const BodyDefinition& definition = m_definition.bodies[index];
 	const WorldConstants& constants = m_definition.world;
 	const double scale = m_definition.info.worldScale;
-	btClodShape* shape = m_bullet->shapes[m_definition.info.bodies[index].model].get();
+	const Material& material = definition.material ? *definition.material : constants;
+	const std::size_t model = m_definition.info.bodies[index].model;
+	btCollisionShape* shape = m_bullet->shapes[model].get();
 	btVector3 inertia(0, 0, 0);
 	if (definition.mass > 0) shape->calculateLocalInertia(btScalar(definition.mass), inertia);
+	if (!m_bullet->others.empty()) shape = &m_bullet->others[model].shape();
 	btRigidBody::btRigidBodyConstructionInfo info(btScalar(definition.mass), nullptr, shape, inertia);
 	const Pose start = definition.course ? definition.course(0) : definition.start;
 	info.m_startWorldTransform = bodyTransform(start, centerOf(hierarchyOf(index)), scale);
-	info.m_friction = btScalar(constants.friction);
-	info.m_rollingFriction = btScalar(constants.rollingFriction * scale);
-	info.m_spinningFriction = btScalar(constants.spinningFriction * scale);
-	info.m_restitution = btScalar(constants.restitution);
+	info.m_friction = btScalar(material.friction);
+	info.m_rollingFriction = btScalar(material.rollingFriction * scale);
+	info.m_spinningFriction = btScalar(material.spinningFriction * scale);
+	info.m_restitution = btScalar(material.restitution);
 	info.m_linearDamping = btScalar(constants.linearDamping);
 	info.m_angularDamping = btScalar(constants.angularDamping);
 	m_bullet->bodies.push_back(std::make_unique<btRigidBody>(info));
@@ -144,6 +156,36 @@ void RigidScene::addBody(std::size_t index)
 	body.setUserIndex(int(index));
 	body.setActivationState(DISABLE_DEACTIVATION);
 	m_bullet->world.addRigidBody(&body);
+	for (const WorldJoint& joint : definition.joints) addJoint(body, joint);
+}
+
+void RigidScene::addJoint(btRigidBody& body, const WorldJoint& joint)
+{
+	// A frame at the point whose x axis (of sliders) or z axis (of hinges) is the joint's.
+	const bool isSlider = joint.kind == WorldJoint::Kind::slider;
+	const btVector3 axis = toBullet(joint.axis).normalized();
+	const btTransform worldFromJoint(shortestArcQuat(isSlider ? btVector3(1, 0, 0) : btVector3(0, 0, 1), axis),
+									 toBullet(joint.point, m_definition.info.worldScale));
+	const btTransform bodyFromJoint = body.getWorldTransform().inverse() * worldFromJoint;
+	std::unique_ptr<btTypedConstraint> constraint;
+	if (joint.kind == WorldJoint::Kind::ball)
+		constraint = std::make_unique<btPoint2PointConstraint>(body, bodyFromJoint.getOrigin());
+	else if (joint.kind == WorldJoint::Kind::hinge)
+		constraint = std::make_unique<btHingeConstraint>(body, bodyFromJoint);
+	else if (isSlider)
+		constraint = std::make_unique<btSliderConstraint>(body, bodyFromJoint, true);
+	else
+		constraint = std::make_unique<btGeneric6DofConstraint>(body, bodyFromJoint, true);
+	if (isSlider)
+	{
+		auto& slider = static_cast<btSliderConstraint&>(*constraint);
+		slider.setLowerLinLimit(1);  // lower above upper: free
+		slider.setUpperLinLimit(-1);
+		slider.setLowerAngLimit(0);
+		slider.setUpperAngLimit(0);
+	}
+	m_bullet->world.addConstraint(constraint.get());
+	m_bullet->joints.push_back(std::move(constraint));
 }
 
 void RigidScene::step()

@@ -5,6 +5,8 @@
 
 #include "demos/scenes/SceneDefinition.h"
 
+class btRigidBody;
+
 namespace clod::demo
 {
 class RigidScene : public Scene
@@ -25,6 +27,7 @@ private:
 	void placeCamera();
 	void setUpSolver();
 	void addBody(std::size_t index);
+	void addJoint(btRigidBody& body, const WorldJoint& joint);
 	std::vector<BodyPair> nearPairs() const;
 	void addPoints(SceneState& state) const;
 	void addEnergy(SceneState& state) const;

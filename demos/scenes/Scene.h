@@ -15,6 +15,7 @@
 
 #include "clod/query/ContactMetric.h"
 #include "clod/distance/SignedGap.h"
+#include "demos/models/Models.h"
 #include "demos/scenes/CameraPath.h"
 #include "demos/scenes/Poses.h"
 
@@ -24,6 +25,8 @@ struct SceneModel
 {
 	std::string name;  // of a benchmark model, or what reports call the file
 	std::string file;  // a mesh or .clod file; empty: the benchmark model
+	double scale = 1;  // all its lengths times this
+	bool repair = false;  // of a mesh file, before it is built
 };
 
 struct SceneBody
@@ -77,9 +80,24 @@ struct SceneConstant
 	std::string unit;
 };
 
+// What a model collides as: ours, or what users of Bullet have instead. Mass, inertia and frame are the same.
+struct SceneShape
+{
+	enum class Kind
+	{
+		clod,
+		hulls,   // of each mesh's vertices; several are a compound
+		gimpact  // the triangles of the first mesh
+	};
+	Kind kind = Kind::clod;
+	std::vector<ModelMesh> meshes;  // none for clod
+	double margin = 0;              // of those others; the meshes' unit
+};
+
 struct SceneSettings
 {
 	std::vector<std::shared_ptr<const Hierarchy>> models;  // one for each of SceneInfo::models
+	std::vector<SceneShape> shapes;                        // the same; empty: all are ours
 	ContactMetric metric;                                  // of every pair of bodies
 	std::optional<CameraPath> camera;                      // of view metrics; the meshes' unit
 	Budget budget;                                         // of the queries of a step

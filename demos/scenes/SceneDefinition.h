@@ -4,6 +4,7 @@
 // Lengths and speeds are in the meshes' unit (metres for our models), before worldScale is applied.
 #pragma once
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,15 +12,34 @@
 
 namespace clod::demo
 {
-// Of the world and of every body in it.
-struct WorldConstants
+// What surfaces are made of. Bullet multiplies those of the two that meet.
+struct Material
 {
-	double friction = 0.3;                                       // of each body; Bullet multiplies the two
+	double friction = 0.3;
 	double rollingFriction = 0.0003, spinningFriction = 0.0003;  // lever arms
 	double restitution = 0;
+};
+
+// Of the world, and of every body in it that has no material of its own.
+struct WorldConstants : Material
+{
 	double margin = 0;
 	double linearDamping = 0, angularDamping = 0.5;
 	int solverIterations = 30;
+};
+
+// Holds a body to the world, where both are at the start.
+struct WorldJoint
+{
+	enum class Kind
+	{
+		fixed,
+		ball,    // turns about the point
+		hinge,   // turns about the axis through the point
+		slider,  // moves along the axis
+	};
+	Kind kind = Kind::fixed;
+	Vec3 point, axis{0, 1, 0};  // of the world
 };
 
 struct BodyDefinition
@@ -31,6 +51,8 @@ struct BodyDefinition
 	Vec3 velocity = {}, turning = {};
 	// An ideal bearing: along and about which axes of the world it is free.
 	Vec3 moves{1, 1, 1}, turns{1, 1, 1};
+	std::optional<Material> material = {};
+	std::vector<WorldJoint> joints = {};
 };
 
 struct SceneDefinition
@@ -92,4 +114,7 @@ SceneDefinition ringOnPeg();
 SceneDefinition rockingTorus();
 // Of radii of about 25 mm.
 SceneDefinition drop(const std::vector<SceneModel>& models);
+// The scene of `clod-bench try`: of any unit, for bodies of these radii. Each falls, all slide as gravity tilts. The
+// solver's clock is that of bodies of 0.1 m.
+SceneDefinition trial(const std::vector<SceneModel>& models, double largest, double smallest);
 }  // namespace clod::demo

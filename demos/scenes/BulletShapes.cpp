@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Zlib
+#include "demos/scenes/BulletShapes.h"
+
+#include <BulletCollision/Gimpact/btGImpactShape.h>
+#include <LinearMath/btConvexHullComputer.h>
+
+#include "demos/scenes/BulletPose.h"
+
+namespace clod::demo
+{
+BulletMesh::BulletMesh(const ModelMesh& mesh, const Vec3& origin, double scale)
+{
+	for (const auto& triangle : mesh.triangles)
+		for (const std::uint32_t index : triangle) m_indices.push_back(int(index));
+	for (const Vec3& vertex : mesh.vertices)
+	{
+		const Vec3 v = scale * (vertex - origin);
+		for (const double x : {v.x, v.y, v.z}) m_vertices.push_back(btScalar(x));
+	}
+	m_array.reset(new btTriangleIndexVertexArray(int(mesh.triangles.size()), m_indices.data(), 3 * int(sizeof(int)),
+												 int(mesh.vertices.size()), m_vertices.data(),
+												 3 * int(sizeof(btScalar))));
+}
+
+ModelMesh convexHullOf(const ModelMesh& mesh)
+{
+	std::vector<double> coordinates;
+	for (const Vec3& vertex : mesh.vertices) coordinates.insert(coordinates.end(), {vertex.x, vertex.y, vertex.z});
+	btConvexHullComputer computer;
+	computer.compute(coordinates.data(), 3 * int(sizeof(double)), int(mesh.vertices.size()), 0, 0);
+	ModelMesh hull;
+	for (int i = 0; i < computer.vertices.size(); ++i) hull.vertices.push_back(fromBullet(computer.vertices[i]));
+	for (int i = 0; i < computer.faces.size(); ++i)
+	{
+		// A fan round the first corner; Bullet's faces go round clockwise.
+		const btConvexHullComputer::Edge* const first = &computer.edges[computer.faces[i]];
+		const std::uint32_t corner = std::uint32_t(first->getSourceVertex());
+		for (const auto* edge = first->getNextEdgeOfFace(); edge->getTargetVertex() != int(corner);
+			 edge = edge->getNextEdgeOfFace())
+			hull.triangles.push_back(
+				{corner, std::uint32_t(edge->getTargetVertex()), std::uint32_t(edge->getSourceVertex())});
+	}
+	return hull;
+}
+
+std::unique_ptr<btConvexHullShape> convexHull(const ModelMesh& mesh, const Vec3& origin, double scale, double margin)
+{
+	auto hull = std::make_unique<btConvexHullShape>();
+	for (const Vec3& vertex : mesh.vertices) hull->addPoint(toBullet(vertex - origin, scale), false);
+	hull->recalcLocalAabb();
+	hull->setMargin(btScalar(scale * margin));
+	return hull;
+}
+
+PlainShape::PlainShape(const SceneShape& shape, const Vec3& origin, double scale)
+{
+	if (shape.kind == SceneShape::Kind::gimpact)
+	{
+		m_mesh = std::make_unique<BulletMesh>(shape.meshes.front(), origin, scale);
+		auto gimpact = std::make_unique<btGImpactMeshShape>(m_mesh->interface());
+		gimpact->setMargin(btScalar(scale * shape.margin));
+		gimpact->updateBound();
+		m_shape = std::move(gimpact);
+		return;
+	}
+	for (const ModelMesh& mesh : shape.meshes) m_hulls.push_back(convexHull(mesh, origin, scale, shape.margin));
+	if (m_hulls.size() == 1)
+	{
+		m_shape = std::move(m_hulls.front());
+		m_hulls.clear();
+		return;
+	}
+	auto compound = std::make_unique<btCompoundShape>(true, int(m_hulls.size()));
+	for (const auto& hull : m_hulls) compound->addChildShape(btTransform::getIdentity(), hull.get());
+	m_shape = std::move(compound);
+}
+
+PlainShape::PlainShape(PlainShape&&) noexcept = default;
+PlainShape::~PlainShape()
+{
+	m_shape.reset();  // before what it points at
+}
+}  // namespace clod::demo

@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: Zlib
+// clod-bench try: a user's own meshes, from files to a report.
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <set>
+
+#include "cli/Files.h"
+#include "cli/Progress.h"
+#include "demos/peers/Roster.h"
+#include "demos/runner/Commands.h"
+#include "demos/runner/InputSurface.h"
+#include "demos/runner/SceneModels.h"
+#include "demos/scenes/BulletShapes.h"
+#include "demos/trial/Contenders.h"
+#include "demos/trial/TrialFilm.h"
+#include "demos/trial/TrialReport.h"
+#include "demos/trial/TrialRuns.h"
+
+namespace clod::demo
+{
+namespace
+{
+using cli::ExitCode;
+using cli::Failure;
+using Clock = std::chrono::steady_clock;
+
+struct TryOptions
+{
+	cli::CommonOptions common;
+	CacheOptions cache;
+	std::vector<std::string> files;
+	std::string directory, peerDirectory;
+	bool repair = false, quick = false;
+	std::optional<cli::Length> accuracy;
+	double cost = 100;
+};
+
+// How much is done: all of it, or what fits into three minutes.
+struct Effort
+{
+	std::size_t choosing, fresh;  // poses
+	int tradeoffRows, passes;
+	FilmRules film;
+	double mostSeconds;  // of a contender
+};
+constexpr Effort kFull = {2000, 10000, 100, 3, {640, 2, 30}, 600};
+constexpr Effort kQuick = {250, 1000, 24, 1, {480, 1, 30}, 25};
+
+constexpr double kUnlike = 30;  // radii that differ by more are of different units
+constexpr double kDefaultAccuracy = 0.005;
+constexpr std::uint64_t kChoosingSeed = 0x636c6f64, kFreshSeed = 1;
+
+double secondsSince(Clock::time_point start)
+{
+	return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// Everything that can be wrong before minutes are spent.
+void checkUsage(const TryOptions& options)
+{
+	for (const std::string& file : options.files)
+		if (!std::filesystem::is_regular_file(file))
+			throw Failure(ExitCode::badInput, fmt::format("{}: no such file", file));
+	makeDirectory(options.directory);
+	cli::PartialFile report(options.directory + "/report.html");  // never committed
+	if (const std::string problem = cli::writeFile(report.temporaryPath(), std::string()); !problem.empty())
+		throw Failure(ExitCode::failure, problem);
+}
+
+TrialMesh openMesh(const TryOptions& options, const std::string& file, double scale, HierarchyCache& cache)
+{
+	const bool isMesh = std::filesystem::path(file).extension() != ".clod";
+	const int before = cache.built();
+	const auto start = Clock::now();
+	TrialMesh mesh{file, std::filesystem::path(file).stem().string(), nullptr, scale, 0, options.repair && isMesh};
+	try
+	{
+		mesh.hierarchy = cache.open(file, {false, mesh.isRepaired, scale});
+	}
+	catch (const Failure& failure)
+	{
+		if (failure.code() != ExitCode::badInput || options.repair) throw;
+		throw Failure(failure.code(), fmt::format("{}\n  Try again with --repair.", failure.what()));
+	}
+	mesh.buildSeconds = cache.built() > before ? secondsSince(start) : std::nan("");
+	return mesh;
+}
+
+// Meshes of unlike sizes are taken to be in different units: those far from the first are brought to its radius.
+void openMeshes(Trial& trial, const TryOptions& options, HierarchyCache& cache)
+{
+	for (const std::string& file : options.files)
+	{
+		trial.meshes.push_back(openMesh(options, file, 1, cache));
+		const double first = double(trial.meshes.front().hierarchy->asset().radius);
+		const double scale = first / double(trial.meshes.back().hierarchy->asset().radius);
+		if (scale <= kUnlike && scale >= 1 / kUnlike) continue;
+		if (!options.common.quiet)
+			fmt::print(stderr, "{}: {:.4g} times the size of {}; it is taken to be in another unit and scaled by {:.6g}\n",
+					   file, 1 / scale, options.files.front(), scale);
+		trial.meshes.back() = openMesh(options, file, scale, cache);
+	}
+	for (const TrialMesh& mesh : trial.meshes)
+	{
+		const double radius = double(mesh.hierarchy->asset().radius);
+		trial.radius = std::max(trial.radius, radius);
+		trial.smallest = trial.smallest > 0 ? std::min(trial.smallest, radius) : radius;
+	}
+}
+
+void setUpScene(Trial& trial, const TryOptions& options, HierarchyCache& cache)
+{
+	std::vector<SceneModel> models;
+	for (const TrialMesh& mesh : trial.meshes) models.push_back({mesh.name, mesh.file, mesh.scale, mesh.isRepaired});
+	trial.scene = demo::trial(models, trial.radius, trial.smallest);
+	trial.tolerance = trial.scene.info.tolerance;
+	const SceneModel& floor = trial.scene.info.models.front();
+	trial.models.push_back(cache.build(modelSource(floor.name, trianglesOf(floor.name, 1)), {false, false, floor.scale}));
+	for (const TrialMesh& mesh : trial.meshes) trial.models.push_back(mesh.hierarchy);
+	for (const HierarchyPointer& model : trial.models) trial.surfaces.push_back(inputSurface(*model));
+	if (options.common.quiet) return;
+	fmt::print(stderr, "radius {:.4g} in the files' unit, played as 0.1 m\n", trial.radius);
+}
+
+void runContenders(Trial& trial, const Effort& effort, cli::Progress& progress)
+{
+	Solids solids;
+	for (const ModelMesh& surface : trial.surfaces) solids.push_back(std::make_shared<SignedDistance>(surface));
+	TrialRules rules;
+	rules.steps = trial.scene.info.steps;
+	rules.dt = trial.scene.info.dt;
+	rules.every = std::max(1, int(std::lround(1 / (rules.dt * effort.film.framesPerSecond))));
+	rules.mostSeconds = effort.mostSeconds;
+	for (const Contender& contender : trial.contenders)
+		trial.runs.push_back(runContender(trial, contender, solids, rules, [&](double fraction)
+										  { progress.update("falling: " + contender.name, fraction); }));
+}
+
+// Two bodies that touch for trade-off and recommendations: the first two meshes, or two copies of the only one. Their
+// models, and their rows as those of a pair of bodies 0 and 1.
+struct TouchingPair
+{
+	HierarchyPointer a, b;
+	std::vector<PoseRow> poses;
+};
+TouchingPair pairOf(Trial& trial)
+{
+	TouchingPair pair{trial.meshes.front().hierarchy, trial.meshes[trial.meshes.size() > 1 ? 1 : 0].hierarchy, {}};
+	trial.pair = trial.meshes.size() > 1 ? trial.meshes[0].name + " and " + trial.meshes[1].name
+										 : "two of " + trial.meshes[0].name;
+	for (PoseRow row : trial.runs.front().poses)
+		if (row.bodyA == 1 && row.bodyB == 2)
+		{
+			row.bodyA = 0;
+			row.bodyB = 1;
+			pair.poses.push_back(row);
+		}
+	return pair;
+}
+
+void compare(Trial& trial, const TouchingPair& pair, const TouchingPoses& made, const Preparation& preparation, HierarchyCache& cache, const Effort& effort, cli::Progress& progress)
+{
+	SampleRules rules{trial.tolerance, {trial.scene.info.dt, true}, 0, effort.tradeoffRows, true};
+	const auto sampleOf = [&](const std::vector<PoseRow>& poses)
+	{ return takeSample(pair.a, pair.b, poses, rules, [&](double f) { progress.update("exact answers", f); }); };
+	ExactSample sample = sampleOf(pair.poses);
+	if (sample.exact.empty()) sample = sampleOf(made.rows);  // they never met in the fall
+	if (sample.exact.empty()) return;
+	RosterOptions roster;
+	roster.families = {"clod", "clod-dispatch", "gimpact", "vhacd"};
+	roster.hullCounts = {kTrialHulls};
+	roster.decimations = 1;
+	roster.frame = pairFrame(*pair.a, *pair.b, trial.scene.info.worldScale, trial.tolerance);
+	Roster all = makeRoster({pair.a, pair.b, std::nan("")}, cache, preparation, roster,
+							[&](const std::string& phase, double fraction) { progress.update(phase, fraction); });
+	PeerInfo hull;
+	hull.family = "hull";
+	hull.setting = "one hull";
+	all.peers.push_back(convexHulls(hull, convexHullOf(inputSurface(*pair.a)), convexHullOf(inputSurface(*pair.b)),
+									roster.frame));
+	trial.tradeoff.radius = smallerRadius(*pair.a, *pair.b);
+	trial.tradeoff.tolerance = trial.tolerance;
+	trial.tradeoff.floor = kRoundingShare * trial.tradeoff.radius;
+	measure(trial.tradeoff, all.peers, sample, effort.passes, [&](double f) { progress.update("accuracy against time", f); });
+}
+
+void recommend(Trial& trial, const TouchingPair& pair, const TouchingPoses& choosing, const TryOptions& options,
+			   const Effort& effort, cli::Progress& progress)
+{
+	const double radius = smallerRadius(*pair.a, *pair.b);
+	const cli::Length accuracy = options.accuracy.value_or(cli::Length{kDefaultAccuracy, true, "0.5%"});
+	trial.accuracy.wanted = accuracy.inMeshUnit(radius) / radius;
+	trial.cost.wanted = options.cost;
+	trial.poses = choosing.rows.size();
+	const std::vector<double> shares = limitShares(trial.accuracy.wanted);
+	for (std::size_t i = 0; i < shares.size(); ++i)
+	{
+		progress.update("settings", double(i) / double(shares.size()));
+		trial.limits.push_back(measureLimit(*pair.a, *pair.b, shares[i], trial.tolerance, choosing));
+	}
+	const TouchingPoses fresh = touchingPoses(*pair.a, *pair.b, trial.tolerance, effort.fresh, options.common.seed,
+											  [&](double f) { progress.update("fresh poses", f); });
+	const auto check = [&](Recommendation& recommendation, const LimitRow* limit)
+	{
+		recommendation.isFound = limit && !fresh.rows.empty();
+		if (!recommendation.isFound) return;
+		recommendation.chosen = *limit;
+		recommendation.rows = fresh.rows.size();
+		recommendation.fresh = measureLimit(*pair.a, *pair.b, limit->share, trial.tolerance, fresh);
+	};
+	check(trial.accuracy, cheapestWithin(trial.limits, trial.accuracy.wanted));
+	progress.update("checking on fresh poses", 0.5);
+	check(trial.cost, mostAccurateWithin(trial.limits, trial.cost.wanted));
+	progress.update("checking on fresh poses", 1);
+}
+
+std::string commandOf(const TryOptions& options)
+{
+	std::string command = "clod-bench try";
+	for (const std::string& file : options.files) command += " " + std::filesystem::path(file).filename().string();
+	if (options.repair) command += " --repair";
+	if (options.quick) command += " --quick";
+	if (options.accuracy) command += " --accuracy " + options.accuracy->text;
+	return command + fmt::format(" --cost-us {:g} --seed {}", options.cost, options.common.seed);
+}
+
+void runTry(const TryOptions& options)
+{
+	const auto start = Clock::now();
+	checkUsage(options);
+	const Effort& effort = options.quick ? kQuick : kFull;
+	HierarchyCache cache(options.cache, options.common.quiet);
+	cli::Progress progress(options.common.quiet);
+	const PeerTools tools{options.peerDirectory.empty() ? defaultPeerDirectory() : options.peerDirectory};
+	const Preparation preparation(tools, cache.directory().empty() ? "" : cache.directory() + "/peers", effort.mostSeconds);
+	Trial trial;
+	trial.command = commandOf(options);
+	openMeshes(trial, options, cache);
+	setUpScene(trial, options, cache);
+	addContenders(trial, preparation, [&](const std::string& phase, double f) { progress.update(phase, f); });
+	runContenders(trial, effort, progress);
+	const TouchingPair pair = pairOf(trial);
+	const TouchingPoses choosing = touchingPoses(*pair.a, *pair.b, trial.tolerance, effort.choosing, kChoosingSeed,
+												 [&](double f) { progress.update("poses in touch", f); });
+	recommend(trial, pair, choosing, options, effort, progress);
+	compare(trial, pair, choosing, preparation, cache, effort, progress);
+	const TrialPictures pictures = paintTrial(trial, options.directory + "/film", effort.film, [&](double f) { progress.update("film", f); });
+	progress.finish();
+	trial.seconds = secondsSince(start);
+	const std::string path = options.directory + "/report.html";
+	writeText(path, reportPage(trial, pictures));
+	nlohmann::ordered_json report = startReport("try");
+	for (const TrialMesh& mesh : trial.meshes) report["models"].push_back(describeHierarchy(*mesh.hierarchy, mesh.name));
+	addToReport(report, trial);
+	report["seconds"] = trial.seconds;
+	writeReport(options.directory + "/report.json", report);
+	writeReport(options.common.json, report);
+	if (options.common.textOnStdout()) fmt::print("{}wrote {}\n", printable(trial), path);
+	if (!trial.accuracy.keepsAccuracy())
+		throw Failure(ExitCode::verificationFailed, "a certified limit was exceeded on fresh poses; please report this mesh");
+}
+}  // namespace
+
+void addTryCommand(CLI::App& program)
+{
+	auto options = std::make_shared<TryOptions>();
+	options->common.seed = kFreshSeed;
+	CLI::App* command = program.add_subcommand("try", "Your own meshes: from files to a report");
+	command->footer(
+		"Example: clod-bench try part.stl hook.obj --repair --quick -o trial\n"
+		"The meshes fall, settle and slide, beside what Bullet users have; report.html says what each method cost and how\n"
+		"wrong it was, and which setting to take. scripts/peers sets up V-HACD.");
+	command->add_option("MESH", options->files, "One or more mesh or .clod files, of any unit")->required();
+	command->add_option("-o", options->directory, "Directory for report.html, report.json and film/")->required();
+	command->add_flag("--repair", options->repair, "Mend the meshes before they are built");
+	command->add_flag("--quick", options->quick, "Three minutes instead of all poses and passes");
+	cli::addLength(*command, "--accuracy", options->accuracy, "What the recommended setting has to keep [0.5%]");
+	command->add_option("--cost-us", options->cost, "Microseconds that a touching pair may cost")
+		->type_name("US")
+		->check(between(0.1, 1e7))
+		->capture_default_str();
+	command
+		->add_option("--peers-dir", options->peerDirectory, "Where scripts/peers put its tools (default build/peers)")
+		->type_name("DIR");
+	cli::addSeed(*command, options->common);
+	addCache(*command, options->cache);
+	cli::addQuiet(*command, options->common);
+	cli::addJson(*command, options->common);
+	command->callback([options] { runTry(*options); });
+}
+}  // namespace clod::demo
