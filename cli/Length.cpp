@@ -40,12 +40,13 @@ Result<Length> parseLength(const std::string& text)
 	return Error{fmt::format("'{}' has the unknown unit '{}'; use um, mm, cm, m or %", text, suffix)};
 }
 
-std::string describe(const Length& length, double radius)
+std::string describe(const Length& length, double radius, double factor, const std::string& unit)
 {
+	const auto said = [&](double value) { return fmt::format("{:.4g}{}", factor * value, unit); };
 	if (length.shareOfRadius)
-		return fmt::format("{} of the radius {:.6g} = {:.6g}", length.text, radius, length.inMeshUnit(radius));
-	return fmt::format("{} = {:.6g} ({:.4g} % of the radius {:.6g})", length.text, length.value,
-					   radius > 0 ? 100 * length.value / radius : 0, radius);
+		return fmt::format("{} of the radius {} = {}", length.text, said(radius), said(length.inMeshUnit(radius)));
+	return fmt::format("{} = {} ({:.3g} % of the radius {})", length.text, said(length.value),
+					   radius > 0 ? 100 * length.value / radius : 0, said(radius));
 }
 
 CLI::Option* addLength(CLI::App& command, const std::string& name, std::optional<Length>& value,

@@ -27,7 +27,8 @@ struct Length
 Result<Length> parseLength(const std::string& text);
 
 // How the length was understood: "1% of the radius 0.04 = 0.0004".
-std::string describe(const Length& length, double radius);
+// In `unit`s, of which the mesh's own is `factor`.
+std::string describe(const Length& length, double radius, double factor = 1, const std::string& unit = "");
 
 // An option taking a length; left empty when absent.
 CLI::Option* addLength(CLI::App& command, const std::string& name, std::optional<Length>& value,

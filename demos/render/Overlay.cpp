@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <sstream>
 
 namespace clod::demo
 {
@@ -144,6 +145,30 @@ void drawRows(Canvas& canvas, const std::vector<TextRow>& rows, double x, double
 	}
 }
 
+// Rows that are too wide, broken at spaces.
+std::vector<TextRow> wrapped(Canvas& canvas, const std::vector<TextRow>& rows, double width)
+{
+	std::vector<TextRow> result;
+	for (const TextRow& row : rows)
+	{
+		std::string line;
+		std::istringstream words(row.text);
+		for (std::string word; words >> word;)
+		{
+			const std::string longer = line.empty() ? word : line + " " + word;
+			if (!line.empty() && canvas.textWidth(longer, row.font) > width)
+			{
+				result.push_back({line, row.font, row.color});
+				line = word;
+			}
+			else
+				line = longer;
+		}
+		result.push_back({line, row.font, row.color});
+	}
+	return result;
+}
+
 double rowsHeight(const std::vector<TextRow>& rows, double scale)
 {
 	double height = PAD * scale;
@@ -167,10 +192,8 @@ void drawLegend(Canvas& canvas, const Image& image, const OverlayText& text, dou
 	for (const LegendEntry& e : text.legend)
 	{
 		base += rowHeight;
-		Color color = e.color, ink = INK;
-		if (!e.isUsed) color.a = ink.a = 0.35f;
-		canvas.box(x + PAD * scale, base - 0.85 * swatch, swatch, swatch, color);
-		canvas.text(e.label, x + PAD * scale + swatch + 8 * scale, base, body, ink);
+		canvas.box(x + PAD * scale, base - 0.85 * swatch, swatch, swatch, e.color);
+		canvas.text(e.label, x + PAD * scale + swatch + 8 * scale, base, body, INK);
 	}
 }
 
@@ -210,10 +233,13 @@ void drawOverlay(Image& image, const OverlayText& text)
 	if (!text.title.empty()) head.push_back({text.title, {19 * scale, Weight::Bold}, INK});
 	if (!text.subtitle.empty()) head.push_back({text.subtitle, {13 * scale, Weight::Normal}, PALE_INK});
 	for (const std::string& line : text.lines) head.push_back({line, {14 * scale, Weight::Normal}, INK});
+	const double width = image.width - 4 * PAD * scale;
+	head = wrapped(canvas, head, width);
 	drawRows(canvas, head, PAD * scale, PAD * scale, scale);
 	std::vector<TextRow> foot;
 	if (!text.footnote.empty()) foot.push_back({text.footnote, {12 * scale, Weight::Normal}, PALE_INK});
 	if (!text.footer.empty()) foot.push_back({text.footer, {14 * scale, Weight::Bold}, INK});
+	foot = wrapped(canvas, foot, width);
 	drawRows(canvas, foot, PAD * scale, image.height - PAD * scale - rowsHeight(foot, scale), scale);
 	drawLegend(canvas, image, text, scale);
 	drawScaleBar(canvas, image, text.pixelsPerMetre, scale);

@@ -12,8 +12,7 @@ namespace clod::demo
 struct LegendEntry
 {
 	Color color;
-	std::string label;   // e.g. "level 2: error 0.31 mm"
-	bool isUsed = true;  // unused entries are dimmed
+	std::string label;  // e.g. "up to 0.3 mm"
 };
 
 struct OverlayText
@@ -21,7 +20,7 @@ struct OverlayText
 	std::string title;                // bold, top left
 	std::string subtitle;             // one line under it: what the picture shows
 	std::vector<std::string> lines;   // below: figures of this frame
-	std::string legendTitle;          // e.g. "Level of detail of touching patches"
+	std::string legendTitle;          // e.g. "Certified error of the patches"
 	std::vector<LegendEntry> legend;  // right side, first entry on top
 	std::string footer;               // bottom left, e.g. "step 480 of 1200, t = 2.000 s"
 	std::string footnote;             // bottom, small, over the footer: explains the symbols

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <system_error>
 
@@ -24,6 +26,13 @@ void write(const std::string& path, const Image& image, const std::string& title
 	if (!bytes) throw cli::Failure(cli::ExitCode::failure, bytes.error());
 }
 }  // namespace
+
+int frameEvery(int steps, double dt)
+{
+	constexpr double kFramesPerSecond = 30;
+	constexpr int kFewestFrames = 150;
+	return std::max(1, std::min(int(std::lround(1 / (kFramesPerSecond * dt))), steps / kFewestFrames));
+}
 
 FrameFolder::FrameFolder(std::string directory, std::string title, std::size_t expected, double framesPerSecond)
 	: m_directory(std::move(directory)),
@@ -51,9 +60,10 @@ void FrameFolder::add(const Image& image, const std::string& caption)
 bool FrameFolder::makeFilm() const
 {
 	cli::PartialFile film(path("film.mp4"));
-	const int code = runProgram({"ffmpeg", "-loglevel", "error", "-nostdin", "-y", "-framerate", fmt::format("{:.6g}", m_framesPerSecond), "-i",
-								 path("frame-%04d.png"), "-frames:v", std::to_string(m_count), "-vf",
-								 "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p", film.temporaryPath()});
+	const int code = runProgram({"ffmpeg", "-loglevel", "error", "-nostdin", "-y", "-framerate",
+								 fmt::format("{:.6g}", m_framesPerSecond), "-i", path("frame-%04d.png"), "-frames:v",
+								 std::to_string(m_count), "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p",
+								 film.temporaryPath()});
 	return code == 0 && film.commit().empty();
 }
 

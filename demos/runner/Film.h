@@ -8,6 +8,10 @@
 
 namespace clod::demo
 {
+// Steps between frames of a film that lasts as long as what it shows: 30 frames a second, more where those would be
+// fewer than 150.
+int frameEvery(int steps, double dt);
+
 class FrameFolder
 {
 public:

@@ -25,8 +25,9 @@ constexpr double kMarkerSpacing = 2.0 / 15;  // of the close-up's radius
 constexpr std::size_t kLargestMarkers = 40, kCrowd = 100;
 // Ground lines a decade under the picture's size; where they fade.
 constexpr double kGridShare = 0.1, kFadeShare = 4.2;
+constexpr double kExactShare = 1e-5;  // of the smallest radius: errors that small have one colour
 constexpr const char* kFootnote =
-	"Coloured: the surface patches that answered, by level of detail. Red: contact points, and which way the one body "
+	"Coloured: the surface patches that answered, by certified error. Red: contact points, and which way the one body "
 	"pushes the other.";
 
 Result<MeshId> upload(Renderer& renderer, const ModelMesh& mesh)
@@ -37,8 +38,8 @@ Result<MeshId> upload(Renderer& renderer, const ModelMesh& mesh)
 	return renderer.addMesh(render);
 }
 
-PatchLayer patchLayer(const Pose& pose, const Hierarchy& hierarchy, const std::set<std::uint32_t>& nodes, int levels,
-					  bool isSeenThrough)
+PatchLayer patchLayer(const Pose& pose, const Hierarchy& hierarchy, const std::set<std::uint32_t>& nodes,
+					  const ErrorScale& scale, bool isSeenThrough)
 {
 	PatchLayer layer;
 	layer.worldFromBody = worldFromBody(pose, meshFromBody(hierarchy));
@@ -47,7 +48,7 @@ PatchLayer patchLayer(const Pose& pose, const Hierarchy& hierarchy, const std::s
 	{
 		const Node& node = hierarchy.node(index);
 		const HullView hull = hierarchy.hull(node);
-		const Color color = variedByIndex(levelColor(int(node.level), levels), index);
+		const Color color = variedByIndex(scale.color(scale.stepOf(double(node.deviation))), index);
 		for (const Face& face : hierarchy.faces(node))
 			layer.triangles.push_back(
 				{{hull.vertex(face.vertex[0]), hull.vertex(face.vertex[1]), hull.vertex(face.vertex[2])}, color});
@@ -69,7 +70,7 @@ std::string millimetres(double metres)
 {
 	if (!std::isfinite(metres)) return "unknown";
 	const double mm = 1000 * metres;
-	return fmt::format(std::fabs(mm) < 0.01 ? "{:.5f} mm" : "{:.3f} mm", mm);
+	return fmt::format("{:.2g} mm", mm);
 }
 
 std::string gapInWords(const ReplayRow& row)
@@ -92,39 +93,74 @@ std::vector<std::string> figures(const FrameAnswer& answer)
 	return lines;
 }
 
-int levelCount(const FrameSubject& subject)
+// Nodes of each body that answered.
+std::vector<std::set<std::uint32_t>> answeringNodes(const FrameSubject& subject, const FrameAnswer& answer)
 {
-	std::uint32_t coarsest = 0;
-	for (const FrameBody& body : subject.bodies) coarsest = std::max(coarsest, body.hierarchy->coarsestClodLevel());
-	return int(coarsest) + 1;
-}
-}  // namespace
-
-std::vector<LegendEntry> legendOf(const FrameSubject& subject, const FrameAnswer& answer)
-{
-	std::set<std::uint32_t> used;
+	std::vector<std::set<std::uint32_t>> nodes(subject.bodies.size());
 	for (const PairAnswer& pair : answer.pairs)
 		for (const Contact& contact : pair.result.contacts)
 		{
-			used.insert(subject.bodies[pair.bodies.a].hierarchy->node(contact.nodeA).level);
-			used.insert(subject.bodies[pair.bodies.b].hierarchy->node(contact.nodeB).level);
+			nodes[pair.bodies.a].insert(contact.nodeA);
+			nodes[pair.bodies.b].insert(contact.nodeB);
 		}
-	std::vector<LegendEntry> entries;
-	const int levels = levelCount(subject);
-	for (int level = 0; level < levels; ++level)
+	return nodes;
+}
+
+// Of an error above 0 the first of ... 0.3, 1, 3, 10 ... that is no smaller, counted from 1.
+int halfDecades(double error)
+{
+	const int decade = int(std::floor(std::log10(error)));
+	const double mantissa = error * std::pow(10.0, -decade);
+	return 2 * decade + (mantissa <= 1 ? 0 : mantissa <= 3 ? 1 : 2);
+}
+}  // namespace
+
+ErrorScale::ErrorScale(const FrameSubject& subject)
+{
+	double smallest = kOff, most = 0;
+	for (const FrameBody& body : subject.bodies)
 	{
-		double deviation = 0;
-		for (const FrameBody& body : subject.bodies)
-			if (level <= int(body.hierarchy->coarsestClodLevel()))
-				deviation = std::max(deviation, double(body.hierarchy->levels()[std::size_t(level)].maxDeviation));
-		const std::string label =
-			level == 0 ? "0: full resolution" : fmt::format("{}: up to {}", level, millimetres(deviation));
-		entries.push_back({levelColor(level, levels), label, used.count(std::uint32_t(level)) > 0});
+		smallest = std::min(smallest, double(body.hierarchy->asset().radius));
+		for (std::uint32_t level = 0; level <= body.hierarchy->coarsestClodLevel(); ++level)
+		{
+			const Level& all = body.hierarchy->levels()[level];
+			for (std::uint32_t i = 0; i < all.nodeCount; ++i)
+			{
+				const double error = double(body.hierarchy->node(all.firstNode + i).deviation);
+				if (std::isfinite(error)) most = std::max(most, error);
+			}
+		}
 	}
+	m_first = halfDecades(kExactShare * smallest);
+	m_steps = 1 + std::max(0, halfDecades(std::max(most, kExactShare * smallest)) - m_first);
+}
+
+int ErrorScale::stepOf(double error) const
+{
+	return error > 0 ? std::clamp(halfDecades(error) - m_first, 0, m_steps - 1) : 0;
+}
+
+double ErrorScale::largestOf(int step) const
+{
+	const int half = m_first + step, decade = half >= 0 ? half / 2 : (half - 1) / 2;
+	return (half - 2 * decade == 1 ? 3 : 1) * std::pow(10.0, decade);
+}
+
+std::vector<LegendEntry> legendOf(const FrameSubject& subject, const FrameAnswer& answer)
+{
+	const ErrorScale scale(subject);
+	std::set<int> used;
+	const std::vector<std::set<std::uint32_t>> nodes = answeringNodes(subject, answer);
+	for (std::size_t body = 0; body < nodes.size(); ++body)
+		for (const std::uint32_t node : nodes[body])
+			used.insert(scale.stepOf(double(subject.bodies[body].hierarchy->node(node).deviation)));
+	std::vector<LegendEntry> entries;
+	for (const int step : used)
+		entries.push_back({scale.color(step), fmt::format("up to {:g} mm", 1000 * scale.largestOf(step))});
 	return entries;
 }
 
-FramePainter::FramePainter(const FrameSubject& subject) : m_subject(subject)
+FramePainter::FramePainter(const FrameSubject& subject) : m_subject(subject), m_scale(subject)
 {
 	auto renderer = Renderer::create(kPanel, kPanel);
 	if (!renderer) throw cli::Failure(cli::ExitCode::failure, renderer.error());
@@ -139,18 +175,12 @@ FramePainter::FramePainter(const FrameSubject& subject) : m_subject(subject)
 
 void FramePainter::addPatches(Frame& frame, const FrameMoment& moment, const FrameAnswer& answer) const
 {
-	std::vector<std::set<std::uint32_t>> nodes(m_subject.bodies.size());
-	for (const PairAnswer& pair : answer.pairs)
-		for (const Contact& contact : pair.result.contacts)
-		{
-			nodes[pair.bodies.a].insert(contact.nodeA);
-			nodes[pair.bodies.b].insert(contact.nodeB);
-		}
+	const std::vector<std::set<std::uint32_t>> nodes = answeringNodes(m_subject, answer);
 	const bool isPair = nodes.size() == 2;  // in a pile, what is behind only confuses
 	for (std::size_t i = 0; i < nodes.size(); ++i)
 		if (!nodes[i].empty())
 			frame.patches.push_back(
-				patchLayer(moment.poses[i], *m_subject.bodies[i].hierarchy, nodes[i], levelCount(m_subject), isPair));
+				patchLayer(moment.poses[i], *m_subject.bodies[i].hierarchy, nodes[i], m_scale, isPair));
 }
 
 void FramePainter::addContacts(Frame& frame, const std::vector<FrameContact>& contacts) const
@@ -193,7 +223,7 @@ Image FramePainter::overview(const FrameMoment& moment, const FrameAnswer& answe
 	Image image = m_renderer->render(frame);
 	OverlayText text;
 	text.title = m_subject.title;
-	text.subtitle = "the whole scene";
+	text.subtitle = m_subject.summary;
 	text.lines = lines;
 	text.footer =
 		fmt::format("step {} of {}, t = {:.3f} s", moment.step, m_subject.steps, double(moment.step) * m_subject.dt);
@@ -215,7 +245,7 @@ Image FramePainter::closeUp(const FrameMoment& moment, const FrameAnswer& answer
 	OverlayText text;
 	text.title = view.caption;
 	text.lines = lines;
-	text.legendTitle = "Level of detail and its error";
+	text.legendTitle = "Certified error of the patches";
 	text.legend = legendOf(m_subject, answer);
 	text.pixelsPerMetre = frame.camera.pixelsPerMetre(kPanel);
 	drawOverlay(image, text);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Pictures of bodies in contact: shaded bodies, the patches that answered coloured by level of detail, contacts
+// Pictures of bodies in contact: shaded bodies, the patches that answered coloured by their certified error, contacts
 // with normals, and a legend that explains them.
 #pragma once
 #include <memory>
@@ -26,7 +26,7 @@ struct FrameBody
 // What never changes from frame to frame.
 struct FrameSubject
 {
-	std::string title;
+	std::string title, summary;
 	std::vector<ModelMesh> meshes;
 	std::vector<FrameBody> bodies;
 	SceneView closeUp;
@@ -57,8 +57,23 @@ struct FrameAnswer
 	ReplayRow row;  // times and counts of all pairs, with warm caches
 };
 
-// One entry a level, finest first: those at which any body of the answer was met are in use. The error is the largest
-// of any body's hierarchy.
+// Colours of certified errors, the same for all bodies of a subject and all its pictures: two steps a decade (up to 1,
+// up to 3, up to 10, ...), from what is exact to the eye.
+class ErrorScale
+{
+public:
+	explicit ErrorScale(const FrameSubject& subject);
+	int steps() const { return m_steps; }
+	int stepOf(double error) const;
+	double largestOf(int step) const;
+	Color color(int step) const { return levelColor(step, m_steps); }
+
+private:
+	int m_first = 0;  // half decades of the first step
+	int m_steps = 1;
+};
+
+// Of the errors that are in the picture, smallest first.
 std::vector<LegendEntry> legendOf(const FrameSubject& subject, const FrameAnswer& answer);
 
 class FramePainter
@@ -82,6 +97,7 @@ private:
 				  const std::vector<std::string>& lines);
 
 	FrameSubject m_subject;
+	ErrorScale m_scale;
 	std::unique_ptr<Renderer> m_renderer;
 	std::vector<MeshId> m_meshes;
 };

@@ -100,7 +100,8 @@ std::string HierarchyCache::entryPath(const MeshSource& mesh, const BuildOptions
 	return fmt::format("{}/{:016x}{:016x}.clod", m_options.directory, digest.high64, digest.low64);
 }
 
-void HierarchyCache::runBuilder(const std::string& meshPath, const std::string& output, const BuildOptions& options) const
+void HierarchyCache::runBuilder(const std::string& meshPath, const std::string& output,
+								const BuildOptions& options) const
 {
 	std::vector<std::string> words = {builderPath(), "build", meshPath, "-o", output};
 	if (options.paper) words.push_back("--paper");
@@ -118,7 +119,8 @@ void HierarchyCache::runBuilder(const std::string& meshPath, const std::string& 
 		fmt::format("{} {} {}", words[0], code < 0 ? "was ended by signal" : "failed with exit code", std::abs(code)));
 }
 
-HierarchyPointer HierarchyCache::buildInto(const std::string& entry, const MeshSource& mesh, const BuildOptions& options, bool keep)
+HierarchyPointer HierarchyCache::buildInto(const std::string& entry, const MeshSource& mesh,
+										   const BuildOptions& options, bool keep)
 {
 	std::error_code error;
 	fs::create_directories(fs::path(entry).parent_path(), error);

@@ -18,6 +18,7 @@
 #include "demos/runner/Selection.h"
 #include "demos/runner/Statistics.h"
 #include "demos/scenes/SceneDefinition.h"
+#include "demos/scenes/SceneFile.h"
 
 namespace clod::demo
 {
@@ -43,8 +44,19 @@ struct RunOptions
 
 constexpr double kSmallestModel = 0.01, kLargestModel = 0.04;  // radii in metres that `drop` has room for
 
+bool isFile(const std::string& scene)
+{
+	return std::filesystem::path(scene).extension() == ".json";
+}
+
 SceneDefinition definitionOf(const RunOptions& options)
 {
+	if (isFile(options.scene))
+	{
+		Result<SceneDefinition> scene = readScene(options.scene);
+		if (!scene) throw Failure(ExitCode::badInput, scene.error());
+		if (options.models.empty()) return std::move(scene.value());
+	}
 	if (options.models.empty())
 		for (const SceneDefinition& scene : sceneDefinitions())
 			if (scene.info.name == options.scene) return scene;
@@ -69,12 +81,13 @@ void checkSizes(const RunOptions& options, const std::vector<HierarchyPointer>& 
 	}
 }
 
-SceneRunOptions setUp(const RunOptions& options, const SceneInfo& info, HierarchyCache& cache)
+SceneRunOptions setUp(const RunOptions& options, SceneDefinition& definition, HierarchyCache& cache)
 {
 	SceneRunOptions run;
-	run.info = info;
-	run.scene.models = buildModels(info, options.detail(), cache);
+	run.scene.models = buildModels(definition.info, options.detail(), cache);
 	checkSizes(options, run.scene.models);
+	fitToModels(definition, run.scene.models);
+	const SceneInfo& info = run.info = definition.info;
 	run.scene.metric = toMetric(options.selection);
 	run.scene.budget = options.selection.budget;
 	run.scene.dt = options.dt > 0 ? options.dt : info.dt;
@@ -107,7 +120,8 @@ nlohmann::ordered_json paintFrames(const RunOptions& options, const SceneRunOpti
 {
 	const SceneInfo& info = run.info;
 	FrameSubject subject;
-	subject.title = fmt::format("{}: {}", info.name, info.summary);
+	subject.title = info.name;
+	subject.summary = info.summary;
 	subject.meshes = meshesOf(options, run);
 	for (const SceneBody& body : info.bodies)
 		subject.bodies.push_back({body.model, run.scene.models[body.model], body.isSeenThrough});
@@ -117,7 +131,7 @@ nlohmann::ordered_json paintFrames(const RunOptions& options, const SceneRunOpti
 	subject.overviewAtEnd = options.selection.cameraTo.value_or(subject.overview);
 	subject.steps = run.steps;
 	subject.dt = run.scene.dt;
-	const std::string selection = describe(options.selection, smallestRadius(run.scene.models));
+	const std::string selection = describeInMillimetres(options.selection, smallestRadius(run.scene.models));
 	return paintScene(options.frames, subject, {rows, run, selection},
 					  [&](double fraction) { progress.update("frames", fraction); });
 }
@@ -192,7 +206,7 @@ void runRun(const RunOptions& options)
 	if (options.undamped) definition.world = undamped(definition.world);
 	const SceneInfo& info = definition.info;
 	HierarchyCache cache(options.cache, options.common.quiet);
-	const SceneRunOptions run = setUp(options, info, cache);
+	const SceneRunOptions run = setUp(options, definition, cache);
 	const std::unique_ptr<Scene> scene = makeScene(definition, run.scene);
 	cli::Progress progress(options.common.quiet);
 	const SceneState start = scene->state();
@@ -238,7 +252,11 @@ void addRunCommand(CLI::App& program)
 	auto options = std::make_shared<RunOptions>();
 	CLI::App* command = program.add_subcommand("run", "Simulate a scene");
 	command->footer("Example: clod-bench run spoon-cup --size 3.5 --frames frames --csv steps.csv --json -");
-	command->add_option("SCENE", options->scene, "Which scene, see `clod-bench list`")->required()->check(sceneError);
+	command
+		->add_option("SCENE", options->scene,
+					 "Which scene, see `clod-bench list`, or a scene's FILE.json (demos/scenes)")
+		->required()
+		->check([](const std::string& scene) { return isFile(scene) ? std::string() : sceneError(scene); });
 	command
 		->add_option("--model", options->models,
 					 "What falls in the scene drop, instead of its own models: mesh or .clod files, repeatable")

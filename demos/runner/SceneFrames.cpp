@@ -108,10 +108,9 @@ void addFrames(CLI::App& command, SceneFrameOptions& options)
 	CLI::Option* frames = command.add_option("--frames", options.directory,
 											 "Write PNG frames, a contact sheet and, with ffmpeg, a film into DIR");
 	frames->type_name("DIR");
-	command.add_option("--frame-every", options.every, "Steps between frames")
+	command.add_option("--frame-every", options.every, "Steps between frames (default: 30 a second, and 150 at least)")
 		->type_name("N")
 		->check(CLI::Range(1, 1'000'000))
-		->capture_default_str()
 		->needs(frames);
 	command
 		.add_flag("--compare", options.compare, "Frames show exact beside the selection (beside 3.5 % in an exact run)")
@@ -136,9 +135,11 @@ nlohmann::ordered_json paintScene(const SceneFrameOptions& options, const FrameS
 		other(run, coarse, coarseName);
 	if (options.compare) exact.measureAll(), other.measureAll();
 
-	const std::size_t every = std::size_t(options.every), count = (run.rows.size() + every - 1) / every;
+	const std::size_t every =
+		std::size_t(options.every > 0 ? options.every : frameEvery(int(run.rows.size()), subject.dt));
+	const std::size_t count = (run.rows.size() + every - 1) / every;
 	FramePainter painter(subject);
-	FrameFolder folder(options.directory, subject.title, count, 1 / (options.every * subject.dt));
+	FrameFolder folder(options.directory, subject.title, count, 1 / (double(every) * subject.dt));
 	for (std::size_t row = every - 1; folder.frames() < count; row = std::min(row + every, run.rows.size() - 1))
 	{
 		row = std::min(row, run.rows.size() - 1);
@@ -149,6 +150,6 @@ nlohmann::ordered_json paintScene(const SceneFrameOptions& options, const FrameS
 		progress(double(folder.frames()) / double(count));
 	}
 	const std::vector<std::string> files = folder.finish();
-	return {{"directory", options.directory}, {"frames", folder.frames()}, {"every", options.every}, {"files", files}};
+	return {{"directory", options.directory}, {"frames", folder.frames()}, {"every", every}, {"files", files}};
 }
 }  // namespace clod::demo

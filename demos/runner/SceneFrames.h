@@ -19,7 +19,7 @@ namespace clod::demo
 struct SceneFrameOptions
 {
 	std::string directory;  // empty: no frames
-	int every = 8;          // steps between frames: a film of 30 frames a second at 240 steps a second
+	int every = 0;          // steps between frames; 0: see frameEvery
 	bool compare = false;   // exact beside the selection, at the same poses
 };
 

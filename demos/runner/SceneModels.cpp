@@ -47,10 +47,9 @@ std::vector<HierarchyPointer> buildModels(const SceneInfo& scene, const ModelDet
 	for (const SceneModel& model : scene.models)
 	{
 		const BuildOptions options{detail.paper, model.repair, model.scale};
-		models.push_back(
-			model.file.empty()
-				? cache.build(modelSource(model.name, trianglesOf(model.name, detail.resolution)), options)
-				: cache.open(model.file, options));
+		models.push_back(model.file.empty()
+							 ? cache.build(modelSource(model.name, trianglesOf(model.name, detail.resolution)), options)
+							 : cache.open(model.file, options));
 	}
 	return models;
 }

@@ -7,6 +7,8 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include <functional>
+
 #include <cmath>
 #include <cstdio>
 #include <vector>
@@ -178,34 +180,43 @@ std::optional<CameraPath> toCameraPath(const Selection& selection, std::int64_t 
 }
 
 // The thresholds s0, and which of them counts.
-static std::vector<std::string> thresholdsInWords(const Selection& selection, double radius)
+using SayLength = std::function<std::string(const cli::Length&)>;
+static std::vector<std::string> thresholdsInWords(const Selection& selection, const SayLength& say)
 {
 	std::vector<std::string> words;
-	if (selection.s0) words.push_back("s0 " + cli::describe(*selection.s0, radius));
-	if (selection.size) words.push_back("s0 " + cli::describe(shareOf(*selection.size), radius));
+	if (selection.s0) words.push_back("s0 " + say(*selection.s0));
+	if (selection.size) words.push_back("s0 " + say(shareOf(*selection.size)));
 	const cli::Length floor =
 		selection.velocityFloor.value_or(cli::Length{ContactMetric{}.velocityFloorShare, true, "0.1%"});
 	if (selection.velocity)
-		words.push_back(
-			fmt::format("s0 {:g} of a step's motion, at least {}", *selection.velocity, cli::describe(floor, radius)));
+		words.push_back(fmt::format("s0 {:g} of a step's motion, at least {}", *selection.velocity, say(floor)));
 	if (selection.view) words.push_back(fmt::format("s0 {:g} pixels of {}", *selection.view, kViewImageHeight));
 	if (selection.combine == "relaxed" && words.size() > 1) words.push_back("the largest s0");
 	return words;
 }
 
-std::string describe(const Selection& selection, double radius)
+static std::string inWords(const Selection& selection, const SayLength& say)
 {
-	std::vector<std::string> words = thresholdsInWords(selection, radius);
+	std::vector<std::string> words = thresholdsInWords(selection, say);
 	const cli::Length error = selection.maxError.value_or(cli::Length{kDefaultMaxError, true, "0.5%"});
 	if (selection.exact) words.push_back("exact");
-	if (selection.maxError || !selection.hasMetric())
-		words.push_back("certified error at most " + cli::describe(error, radius));
+	if (selection.maxError || !selection.hasMetric()) words.push_back("certified error at most " + say(error));
 	if (selection.budget.tests < kOff) words.push_back(fmt::format("at most {:.0f} tests", selection.budget.tests));
 	if (selection.budget.microseconds < kOff)
 		words.push_back(fmt::format("about {:g} us", selection.budget.microseconds));
 	if (selection.paper) words.push_back("by the paper's rules");
 	if (selection.fresh) words.push_back("without caches");
 	return fmt::format("{}", fmt::join(words, ", "));
+}
+
+std::string describe(const Selection& selection, double radius)
+{
+	return inWords(selection, [&](const cli::Length& length) { return cli::describe(length, radius); });
+}
+
+std::string describeInMillimetres(const Selection& selection, double radius)
+{
+	return inWords(selection, [&](const cli::Length& length) { return cli::describe(length, radius, 1000, " mm"); });
 }
 
 // As on the command line.

@@ -20,12 +20,12 @@ constexpr double friction = 0.5;       // of each body
 constexpr double rollingArm = 0.0005;  // round bodies come to rest
 constexpr double reach = 0.1;          // farther from the middle a body is lost
 // Of the trial, whose lengths are shares of the largest radius.
-constexpr double played = 0.1;                           // metres that radius is taken for: how fast things look
-constexpr double floorHalf = 0.1;                        // metres, of the model `floor`
-constexpr double trialFloor = 10;                        // half its width
-constexpr double tilt = 0.35;                            // radians, of gravity: more than friction holds
+constexpr double played = 0.1;     // metres that radius is taken for: how fast things look
+constexpr double floorHalf = 0.1;  // metres, of the model `floor`
+constexpr double trialFloor = 10;  // half its width
+constexpr double tilt = 0.35;      // radians, of gravity: more than friction holds
 constexpr double tiltStart = 2.6, tiltEnd = 3.1, ease = 0.2, trialSeconds = 5;
-constexpr double bulletRadius = 5;                       // of the largest body in Bullet's lengths
+constexpr double bulletRadius = 5;  // of the largest body in Bullet's lengths
 }  // namespace constant
 
 Vec3 centerOf(const Hierarchy& hierarchy)
@@ -115,8 +115,7 @@ SceneDefinition trial(const std::vector<SceneModel>& models, double largest, dou
 	info.worldScale = constant::bulletRadius / largest;
 	info.hasGround = false;
 	scene.world.friction = constant::friction;
-	scene.world.rollingFriction = scene.world.spinningFriction =
-		constant::rollingArm / constant::typical * smallest;
+	scene.world.rollingFriction = scene.world.spinningFriction = constant::rollingArm / constant::typical * smallest;
 	scene.gravity = [largest](double time)
 	{
 		const double angle = constant::tilt * (smoothStep((time - constant::tiltStart) / constant::ease) -

@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "clod/query/ContactMetric.h"
 #include "clod/distance/SignedGap.h"
+#include "clod/query/ContactMetric.h"
 #include "demos/models/Models.h"
 #include "demos/scenes/CameraPath.h"
 #include "demos/scenes/Poses.h"

@@ -52,7 +52,8 @@ void addContenders(Trial& trial, const Preparation& preparation,
 	trial.contenders.push_back({"CLOD", "certified to 0.5 % of the radius, the default", kOurColor, {}, {}});
 	trial.contenders.push_back(gimpactOf(trial));
 	const auto leaveOut = [&](const std::string& reason) { trial.leftOut.push_back({"V-HACD", reason}); };
-	Contender pieces = peer(trial, "V-HACD", fmt::format("btCompoundShape of at most {} hulls a mesh", kTrialHulls), kPiecesColor);
+	Contender pieces =
+		peer(trial, "V-HACD", fmt::format("btCompoundShape of at most {} hulls a mesh", kTrialHulls), kPiecesColor);
 	bool isWhole = preparation.tools().canPrepare();
 	if (!isWhole) leaveOut("its tool is not set up; run scripts/peers, then this command again");
 	for (std::size_t model = 1; isWhole && model < trial.models.size(); ++model)

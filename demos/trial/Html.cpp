@@ -38,8 +38,9 @@ struct Axis
 	double from = 0, to = 1;  // pixels
 	double place(double value) const
 	{
-		const double share = isLogarithmic ? (std::log10(value) - std::log10(low)) / (std::log10(high) - std::log10(low))
-										   : (value - low) / (high - low);
+		const double share = isLogarithmic
+								 ? (std::log10(value) - std::log10(low)) / (std::log10(high) - std::log10(low))
+								 : (value - low) / (high - low);
 		return from + share * (to - from);
 	}
 	std::vector<double> ticks() const
@@ -93,13 +94,15 @@ std::string drawAxes(const Plot& plot, const Axis& x, const Axis& y)
 {
 	std::string text;
 	for (const double tick : x.ticks())
-		text += fmt::format("<line x1='{0:.1f}' x2='{0:.1f}' y1='{1}' y2='{2}' stroke='#e1e4ea'/>"
-							"<text x='{0:.1f}' y='{3}' text-anchor='middle'>{4:g}</text>\n",
-							x.place(tick), kTop, kHeight - kBottom, kHeight - kBottom + 18, tick);
+		text += fmt::format(
+			"<line x1='{0:.1f}' x2='{0:.1f}' y1='{1}' y2='{2}' stroke='#e1e4ea'/>"
+			"<text x='{0:.1f}' y='{3}' text-anchor='middle'>{4:g}</text>\n",
+			x.place(tick), kTop, kHeight - kBottom, kHeight - kBottom + 18, tick);
 	for (const double tick : y.ticks())
-		text += fmt::format("<line x1='{0}' x2='{1}' y1='{2:.1f}' y2='{2:.1f}' stroke='#e1e4ea'/>"
-							"<text x='{3}' y='{4:.1f}' text-anchor='end'>{5:g}</text>\n",
-							kLeft, kWidth - kRight, y.place(tick), kLeft - 6, y.place(tick) + 4, tick);
+		text += fmt::format(
+			"<line x1='{0}' x2='{1}' y1='{2:.1f}' y2='{2:.1f}' stroke='#e1e4ea'/>"
+			"<text x='{3}' y='{4:.1f}' text-anchor='end'>{5:g}</text>\n",
+			kLeft, kWidth - kRight, y.place(tick), kLeft - 6, y.place(tick) + 4, tick);
 	text += fmt::format("<text x='{}' y='{}' text-anchor='middle'>{}</text>\n", (kLeft + kWidth - kRight) / 2,
 						kHeight - 12, escaped(plot.xAxis));
 	text += fmt::format("<text transform='translate(16 {}) rotate(-90)' text-anchor='middle'>{}</text>\n",
@@ -115,9 +118,9 @@ std::string drawSeries(const Plot& plot, const PlotSeries& series, const Axis& x
 		if (!isDrawn(plot, point)) continue;
 		const double left = x.place(point.x), top = y.place(drawnY(plot, point.y));
 		line += fmt::format("{:.1f},{:.1f} ", left, top);
-		dots += fmt::format("<circle class='dot' cx='{:.1f}' cy='{:.1f}' r='{}' fill='{}'{}><title>{}</title></circle>\n",
-							left, top, series.isLine ? 6 : 5, series.color,
-							series.isLine ? " fill-opacity='0'" : "", escaped(point.label));
+		dots += fmt::format(
+			"<circle class='dot' cx='{:.1f}' cy='{:.1f}' r='{}' fill='{}'{}><title>{}</title></circle>\n", left, top,
+			series.isLine ? 6 : 5, series.color, series.isLine ? " fill-opacity='0'" : "", escaped(point.label));
 	}
 	if (series.isLine)
 		dots = fmt::format("<polyline points='{}' fill='none' stroke='{}' stroke-width='1.6'/>\n", line, series.color) +
@@ -131,8 +134,8 @@ std::string drawLegend(const Plot& plot)
 	double top = kHeight + 6;
 	for (const PlotSeries& series : plot.series)
 	{
-		text += fmt::format("<rect x='{}' y='{}' width='14' height='10' fill='{}'/><text x='{}' y='{}'>{}</text>\n", kLeft,
-							top, series.color, kLeft + 22, top + 10, escaped(series.name));
+		text += fmt::format("<rect x='{}' y='{}' width='14' height='10' fill='{}'/><text x='{}' y='{}'>{}</text>\n",
+							kLeft, top, series.color, kLeft + 22, top + 10, escaped(series.name));
 		top += kLegendRow;
 	}
 	return text;
@@ -148,8 +151,7 @@ std::string base64(const std::vector<std::byte>& bytes)
 		const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
 		std::uint32_t word = 0;
 		for (std::size_t k = 0; k < 3; ++k) word = word << 8 | (k < count ? std::uint32_t(bytes[i + k]) : 0);
-		for (std::size_t k = 0; k < 4; ++k)
-			text += k <= count ? kDigits[word >> (18 - 6 * k) & 63] : '=';
+		for (std::size_t k = 0; k < 4; ++k) text += k <= count ? kDigits[word >> (18 - 6 * k) & 63] : '=';
 	}
 	return text;
 }
@@ -158,15 +160,25 @@ std::string base64(const std::vector<std::byte>& bytes)
 std::string escaped(const std::string& text)
 {
 	std::string result;
-	for (const char c : text)
-		switch (c)
+	for (const char c : text) switch (c)
 		{
-			case '&': result += "&amp;"; break;
-			case '<': result += "&lt;"; break;
-			case '>': result += "&gt;"; break;
-			case '"': result += "&quot;"; break;
-			case '\'': result += "&#39;"; break;
-			default: result += c;
+			case '&':
+				result += "&amp;";
+				break;
+			case '<':
+				result += "&lt;";
+				break;
+			case '>':
+				result += "&gt;";
+				break;
+			case '"':
+				result += "&quot;";
+				break;
+			case '\'':
+				result += "&#39;";
+				break;
+			default:
+				result += c;
 		}
 	return result;
 }
@@ -200,13 +212,14 @@ std::string toSvg(const Plot& plot)
 			if (isDrawn(plot, point)) xs.push_back(point.x), ys.push_back(drawnY(plot, point.y));
 	const Axis x = axisOf(xs, plot.isXLogarithmic, kLeft, kWidth - kRight);
 	const Axis y = axisOf(ys, plot.isYLogarithmic, kHeight - kBottom, kTop);
-	std::string text = fmt::format(
-		"<figure><svg role='img' viewBox='0 0 {} {}'><title>{}</title><desc>{}</desc>\n", kWidth,
-		kHeight + kLegendRow * double(plot.series.size()) + 8, escaped(plot.title), escaped(plot.description));
+	std::string text = fmt::format("<figure><svg role='img' viewBox='0 0 {} {}'><title>{}</title><desc>{}</desc>\n",
+								   kWidth, kHeight + kLegendRow * double(plot.series.size()) + 8, escaped(plot.title),
+								   escaped(plot.description));
 	text += drawAxes(plot, x, y);
 	for (const PlotSeries& series : plot.series) text += drawSeries(plot, series, x, y);
 	text += drawLegend(plot);
-	return text + "</svg><figcaption>" + escaped(plot.title) + " Point at a mark for its values.</figcaption></figure>\n";
+	return text + "</svg><figcaption>" + escaped(plot.title) +
+		   " Point at a mark for its values.</figcaption></figure>\n";
 }
 
 std::string page(const std::string& title, const std::string& body)

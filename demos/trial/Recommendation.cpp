@@ -13,12 +13,12 @@ namespace clod::demo
 namespace
 {
 constexpr double kTwoPi = 6.28318530717958647692;
-constexpr double kDeepest = 0.2;       // of the tolerance: how far bodies overlap at most
-constexpr std::size_t kTumble = 40;    // rows before B starts anew
-constexpr double kTurn = 0.035;        // radians a row at most: what a rolling body does in a step
-constexpr double kRetreat = 0.08;      // of the radius: clears what turning by kTurn can bring into the other
+constexpr double kDeepest = 0.2;     // of the tolerance: how far bodies overlap at most
+constexpr std::size_t kTumble = 40;  // rows before B starts anew
+constexpr double kTurn = 0.035;      // radians a row at most: what a rolling body does in a step
+constexpr double kRetreat = 0.08;    // of the radius: clears what turning by kTurn can bring into the other
 constexpr int kMostAdvances = 60, kMostStarts = 1000;
-constexpr double kRounding = 1e-6;     // of the radius: hierarchies store floats
+constexpr double kRounding = 1e-6;  // of the radius: hierarchies store floats
 
 // Uniform numbers that are the same with every standard library.
 class Chance

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Which setting to take for two meshes: the cheapest that keeps a stated accuracy, and the most accurate within a stated
-// cost. Chosen on one set of poses, checked on fresh ones. Errors are shares of the smaller radius.
+// Which setting to take for two meshes: the cheapest that keeps a stated accuracy, and the most accurate within a
+// stated cost. Chosen on one set of poses, checked on fresh ones. Errors are shares of the smaller radius.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -11,8 +11,8 @@
 
 namespace clod::demo
 {
-// Poses at which two bodies touch or almost do: B tumbles over A, and now and then starts anew elsewhere, so that caches
-// are used as in a simulation. Gaps are spread evenly from a fifth of the tolerance deep to the tolerance.
+// Poses at which two bodies touch or almost do: B tumbles over A, and now and then starts anew elsewhere, so that
+// caches are used as in a simulation. Gaps are spread evenly from a fifth of the tolerance deep to the tolerance.
 struct TouchingPoses
 {
 	std::vector<PoseRow> rows;

@@ -47,9 +47,9 @@ struct TrialRun
 	std::string ending;          // why it did not run to the end; empty: it did
 	double stepMedian = 0, stepP95 = 0;
 	double deepest = 0, offSurfaceMedian = 0, offSurfaceP95 = 0;  // the latter over the frames with contacts
-	double endSpeed = 0;     // of the fastest body's centre over the last tenth of a second, radii a second
-	int gone = 0;            // bodies that are not where the scene means them to be, at the end
-	std::size_t worst = 0;   // the frame with the deepest interpenetration
+	double endSpeed = 0;    // of the fastest body's centre over the last tenth of a second, radii a second
+	int gone = 0;           // bodies that are not where the scene means them to be, at the end
+	std::size_t worst = 0;  // the frame with the deepest interpenetration
 };
 
 struct Trial
@@ -60,10 +60,10 @@ struct Trial
 	std::vector<ModelMesh> surfaces;       // the same, full
 	double radius = 0, smallest = 0;       // of the largest and the smallest mesh
 	double tolerance = 0;
-	std::vector<Contender> contenders;     // ours first
-	std::vector<TrialRun> runs;            // one a contender
-	std::vector<LeftOut> leftOut;          // who else would have taken part, and what to do about it
-	std::string pair;                      // whose contacts trade-off and recommendations are of
+	std::vector<Contender> contenders;  // ours first
+	std::vector<TrialRun> runs;         // one a contender
+	std::vector<LeftOut> leftOut;       // who else would have taken part, and what to do about it
+	std::string pair;                   // whose contacts trade-off and recommendations are of
 	Tradeoff tradeoff;
 	std::vector<LimitRow> limits;
 	Recommendation accuracy, cost;

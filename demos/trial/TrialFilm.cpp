@@ -19,8 +19,9 @@ namespace
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kWorstRadii = 2.0;  // what those pictures show, in the largest mesh's radii
 constexpr double kAzimuth = 20, kElevation = 18;
-constexpr double kFollow = 0.1;  // of the way to what it should see the camera goes a frame
-constexpr double kFadeRadii = 12;    // of the ground, from the middle of the picture
+constexpr double kFollow = 0.1;    // of the way to what it should see the camera goes a frame
+constexpr double kRoom = 1.15;     // round what a picture shows: its words
+constexpr double kFadeRadii = 12;  // of the ground, from the middle of the picture
 constexpr std::size_t kMostMarkers = 200;
 constexpr Color kBodyColors[] = {{0.80f, 0.68f, 0.45f, 1}, {0.50f, 0.66f, 0.78f, 1}, {0.62f, 0.73f, 0.53f, 1}};
 constexpr Color kHullColor = {0.35f, 0.35f, 0.75f, 0.16f};
@@ -87,11 +88,9 @@ private:
 	}
 	std::vector<std::string> lines(const TrialFrame& moment) const
 	{
-		const auto percent = [&](double length) { return fmt::format("{:.2f} % of the radius", 100 * length / m_trial.smallest); };
-		return {fmt::format("a step: {:.2f} ms", moment.stepMicroseconds / 1000),
-				"meshes overlap: " + percent(moment.deepest),
-				std::isnan(moment.offSurface) ? std::string("no contact points")
-											  : "points off the surface: " + percent(moment.offSurface)};
+		const auto percent = [&](double length) { return fmt::format("{:.2f} %", 100 * length / m_trial.smallest); };
+		return {fmt::format("step {:.2f} ms", moment.stepMicroseconds / 1000), "overlap " + percent(moment.deepest),
+				std::isnan(moment.offSurface) ? std::string("no contact") : "off by " + percent(moment.offSurface)};
 	}
 
 	const Trial& m_trial;
@@ -104,8 +103,7 @@ Vec3 middle(const Trial& trial, const SceneState& state)
 {
 	Vec3 sum;
 	for (std::size_t body = 1; body < state.bodies.size(); ++body)
-		sum += toTransform(state.bodies[body].pose) *
-			   meshFromBody(*trial.models[trial.scene.info.bodies[body].model]);
+		sum += toTransform(state.bodies[body].pose) * meshFromBody(*trial.models[trial.scene.info.bodies[body].model]);
 	return (1 / double(state.bodies.size() - 1)) * sum;
 }
 
@@ -150,7 +148,7 @@ TrialPictures paintTrial(const Trial& trial, const std::string& directory, const
 		const SceneState& ours = frameAt(trial.runs[0], i).state;
 		target += kFollow * (middle(trial, ours) - target);
 		view += kFollow * (extent(trial, ours, target) - view);
-		const Camera camera = orbitCamera(target, view, kAzimuth, kElevation);
+		const Camera camera = orbitCamera(target, kRoom * view, kAzimuth, kElevation);
 		std::vector<CaptionedImage> panels;
 		for (std::size_t k = 0; k < trial.runs.size(); ++k)
 		{
@@ -172,10 +170,10 @@ TrialPictures paintTrial(const Trial& trial, const std::string& directory, const
 		const TrialRun& run = trial.runs[k];
 		if (run.frames.empty()) continue;
 		const TrialFrame& frame = run.frames[run.worst];
-		const Camera camera =
-			orbitCamera(middle(trial, frame.state), kWorstRadii * trial.radius, kAzimuth, kElevation);
+		const Camera camera = orbitCamera(middle(trial, frame.state), kWorstRadii * trial.radius, kAzimuth, kElevation);
 		pictures.worst.back() = fmt::format("{}/worst-{}.png", directory, k);
-		write(pictures.worst.back(), painter.paint(k, frame, camera, trial.contenders[k].name), trial.contenders[k].name);
+		write(pictures.worst.back(), painter.paint(k, frame, camera, trial.contenders[k].name),
+			  trial.contenders[k].name);
 	}
 	return pictures;
 }

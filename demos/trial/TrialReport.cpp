@@ -67,18 +67,19 @@ std::string meshesOf(const Trial& trial)
 
 std::string contendersOf(const Trial& trial)
 {
-	HtmlTable table{"Lengths in % of the smallest radius; overlap and distance from the surface are measured on the full "
-					"meshes, by code that none of the methods uses.",
-					{"method", "a step, median", "95 %", "deepest overlap", "points off the surface, median", "95 %", "end"},
-					{}};
+	HtmlTable table{
+		"Lengths in % of the smallest radius; overlap and distance from the surface are measured on the full "
+		"meshes, by code that none of the methods uses.",
+		{"method", "a step, median", "95 %", "deepest overlap", "points off the surface, median", "95 %", "end"},
+		{}};
 	for (std::size_t i = 0; i < trial.runs.size(); ++i)
 	{
 		const TrialRun& run = trial.runs[i];
 		table.rows.push_back({fmt::format("{}<br><small>{}</small>", escaped(trial.contenders[i].name),
 										  escaped(trial.contenders[i].setting)),
-							  milliseconds(run.stepMedian), milliseconds(run.stepP95), percent(run.deepest / trial.smallest),
-							  percent(run.offSurfaceMedian / trial.smallest), percent(run.offSurfaceP95 / trial.smallest),
-							  escaped(verdict(run))});
+							  milliseconds(run.stepMedian), milliseconds(run.stepP95),
+							  percent(run.deepest / trial.smallest), percent(run.offSurfaceMedian / trial.smallest),
+							  percent(run.offSurfaceP95 / trial.smallest), escaped(verdict(run))});
 	}
 	std::string text = toHtml(table);
 	for (const LeftOut& out : trial.leftOut)
@@ -111,13 +112,18 @@ std::string seriesOf(const Trial& trial, const std::string& title, const std::st
 
 std::string filmOf(const Trial& trial, const TrialPictures& pictures)
 {
-	const std::string text = "The same fall side by side, in real time: " + [&]
+	const std::string text = "The same fall side by side, in real time: " +
+							 [&]
 	{
 		std::string names;
 		for (const Contender& c : trial.contenders) names += (names.empty() ? "" : ", ") + c.name;
 		return names;
-	}() + ". Numbers run: cost of a step, overlap of the meshes, distance of contact points from the surface.";
-	const std::string sheet = pictures.files.empty() ? "" : dataAddress(pictures.files.front(), "image/png");
+	}() +
+							 ". Running: cost of a step, overlap of the full meshes and how far the worst contact "
+							 "point is off their surfaces, in % of "
+							 "the radius. Blue: the hulls that collide.";
+	if (pictures.files.empty()) return "";
+	const std::string sheet = dataAddress(pictures.files.front(), "image/png");
 	std::string figure = "<figure>";
 	if (!pictures.film.empty())
 		figure += fmt::format("<video controls loop muted playsinline preload='auto' aria-label='{}' src='{}'></video>",
@@ -150,7 +156,8 @@ std::string tradeoffOf(const Trial& trial)
 	plot.yAxis = "error of the gap, 95 %, in % of the radius";
 	plot.isXLogarithmic = plot.isYLogarithmic = true;
 	plot.smallestY = kSmallestPercent;
-	HtmlTable table{"The same points.", {"method", "setting", "median, us", "95 %, us", "gap's error, median", "95 %"}, {}};
+	HtmlTable table{
+		"The same points.", {"method", "setting", "median, us", "95 %, us", "gap's error, median", "95 %"}, {}};
 	for (const FamilyLook& look : kLooks)
 	{
 		PlotSeries series{look.name, look.color, {}, false};
@@ -158,9 +165,9 @@ std::string tradeoffOf(const Trial& trial)
 		{
 			if (p.info.family != look.family) continue;
 			const double error = p.accuracy.gapP95 / tradeoff.radius;
-			series.points.push_back({p.median, 100 * error,
-									 fmt::format("{}, {}: {:.1f} us, error {}", look.name, p.info.setting, p.median,
-												 percent(error))});
+			series.points.push_back(
+				{p.median, 100 * error,
+				 fmt::format("{}, {}: {:.1f} us, error {}", look.name, p.info.setting, p.median, percent(error))});
 			table.rows.push_back({look.name, escaped(p.info.setting), fmt::format("{:.1f}", p.median),
 								  fmt::format("{:.1f}", p.p95), percent(p.accuracy.gapMedian / tradeoff.radius),
 								  percent(error)});
@@ -181,8 +188,10 @@ std::string recommendationsOf(const Trial& trial)
 	const Recommendation &a = trial.accuracy, &c = trial.cost;
 	if (a.isFound)
 		text += fmt::format(
-			"<h3>For an accuracy of {}</h3><pre><code>shape.setMetric({});</code></pre><p>Certified to {} of the smaller "
-			"radius; {:.0f} hulls and boxes compared and {:.0f} us for contacts in the median, {:.0f} us in 95 %. On {} "
+			"<h3>For an accuracy of {}</h3><pre><code>shape.setMetric({});</code></pre><p>Certified to {} of the "
+			"smaller "
+			"radius; {:.0f} hulls and boxes compared and {:.0f} us for contacts in the median, {:.0f} us in 95 %. On "
+			"{} "
 			"fresh poses: {}; {}.</p>\n",
 			percent(a.wanted), codeOf(a.chosen.share), limitName(a.chosen.share), a.chosen.tests, a.chosen.microseconds,
 			a.chosen.p95, a.rows,
@@ -190,25 +199,26 @@ std::string recommendationsOf(const Trial& trial)
 												   percent(a.fresh.certified))),
 			outcome(a.keepsCost(), fmt::format("{:.0f} compared in the median", a.fresh.tests)));
 	text += fmt::format("<h3>For a cost of {:g} us a pair</h3>", c.wanted);
-	if (!c.isFound)
-		return text + "<p>No setting is so cheap here: see the cheapest in the table below.</p>\n";
-	return text + fmt::format("<pre><code>shape.setMetric({});</code></pre><p>{:.0f} us in the median where it was chosen, "
-							  "{:.0f} us on {} fresh poses; {}; {}.</p>\n",
-							  codeOf(c.chosen.share), c.chosen.microseconds, c.fresh.microseconds, c.rows,
-							  outcome(c.keepsCost(), fmt::format("{:.0f} hulls and boxes compared against {:.0f}",
-																 c.fresh.tests, c.chosen.tests)),
-							  outcome(c.keepsAccuracy(), fmt::format("largest error {}, limit {}", percent(c.fresh.error),
-																	 limitName(c.chosen.share))));
+	if (!c.isFound) return text + "<p>No setting is so cheap here: see the cheapest in the table below.</p>\n";
+	return text + fmt::format(
+					  "<pre><code>shape.setMetric({});</code></pre><p>{:.0f} us in the median where it was chosen, "
+					  "{:.0f} us on {} fresh poses; {}; {}.</p>\n",
+					  codeOf(c.chosen.share), c.chosen.microseconds, c.fresh.microseconds, c.rows,
+					  outcome(c.keepsCost(), fmt::format("{:.0f} hulls and boxes compared against {:.0f}",
+														 c.fresh.tests, c.chosen.tests)),
+					  outcome(c.keepsAccuracy(), fmt::format("largest error {}, limit {}", percent(c.fresh.error),
+															 limitName(c.chosen.share))));
 }
 
 std::string limitsOf(const Trial& trial)
 {
-	HtmlTable table{fmt::format("Every certified limit on {} poses of {} about to touch. The gap costs more where hulls "
-								"overlap; a simulation does not ask for it.",
-								trial.poses, trial.pair),
-					{"limit", "largest true error", "largest certified", "hulls and boxes compared", "contacts, us", "95 %",
-					 "with the gap, us", "touching pairs of patches"},
-					{}};
+	HtmlTable table{
+		fmt::format("Every certified limit on {} poses of {} about to touch. The gap costs more where hulls "
+					"overlap; a simulation does not ask for it.",
+					trial.poses, trial.pair),
+		{"limit", "largest true error", "largest certified", "hulls and boxes compared", "contacts, us", "95 %",
+		 "with the gap, us", "touching pairs of patches"},
+		{}};
 	for (const LimitRow& limit : trial.limits)
 		table.rows.push_back({limitName(limit.share), percent(limit.error), percent(limit.certified),
 							  fmt::format("{:.0f}", limit.tests), fmt::format("{:.1f}", limit.microseconds),
@@ -219,14 +229,15 @@ std::string limitsOf(const Trial& trial)
 
 std::string worstOf(const Trial& trial, const TrialPictures& pictures)
 {
-	std::string text = "<div class='pictures'>\n";
+	if (pictures.worst.empty()) return "";
+	std::string text = "<h2>Each method's worst moment</h2>\n<div class='pictures'>\n";
 	for (std::size_t i = 0; i < trial.runs.size(); ++i)
 	{
 		if (pictures.worst[i].empty()) continue;
 		const TrialFrame& frame = trial.runs[i].frames[trial.runs[i].worst];
-		const std::string words = fmt::format("{} at {:.2f} s: the meshes overlap by {} of the radius",
-											  trial.contenders[i].name, frame.state.time,
-											  percent(frame.deepest / trial.smallest));
+		const std::string words =
+			fmt::format("{} at {:.2f} s: the meshes overlap by {} of the radius", trial.contenders[i].name,
+						frame.state.time, percent(frame.deepest / trial.smallest));
 		text += fmt::format("<figure><img alt='{0}' src='{1}'><figcaption>{0}</figcaption></figure>\n", escaped(words),
 							dataAddress(pictures.worst[i], "image/png"));
 	}
@@ -246,12 +257,8 @@ nlohmann::ordered_json toJson(const LimitRow& limit)
 
 nlohmann::ordered_json toJson(const Recommendation& r)
 {
-	return {{"wanted", r.wanted},
-			{"found", r.isFound},
-			{"chosen", toJson(r.chosen)},
-			{"fresh_poses", r.rows},
-			{"fresh", toJson(r.fresh)},
-			{"keeps_accuracy", r.keepsAccuracy()},
+	return {{"wanted", r.wanted},         {"found", r.isFound},       {"chosen", toJson(r.chosen)},
+			{"fresh_poses", r.rows},      {"fresh", toJson(r.fresh)}, {"keeps_accuracy", r.keepsAccuracy()},
 			{"keeps_cost", r.keepsCost()}};
 }
 }  // namespace
@@ -261,8 +268,9 @@ std::string reportPage(const Trial& trial, const TrialPictures& pictures)
 	std::string names;
 	for (const TrialMesh& mesh : trial.meshes) names += (names.empty() ? "" : ", ") + mesh.name;
 	std::string body = "<h1>" + escaped(names) + ": collision by contact levels of detail</h1>\n";
-	body += "<p>The meshes fall on each other, come to rest, and slide as the floor tilts. Everybody has the same masses, "
-			"inertia, friction, solver and time step; only what collides differs.</p>\n";
+	body +=
+		"<p>The meshes fall on each other, come to rest, and slide as the floor tilts. Everybody has the same masses, "
+		"inertia, friction, solver and time step; only what collides differs.</p>\n";
 	body += filmOf(trial, pictures) + "<h2>What happened</h2>\n" + contendersOf(trial);
 	body += seriesOf(trial, "Cost of a whole step as the bodies fall, rest and slide.", "milliseconds", "ms",
 					 [](const TrialFrame& f, const Trial&) { return f.stepMicroseconds / 1000; });
@@ -270,14 +278,15 @@ std::string reportPage(const Trial& trial, const TrialPictures& pictures)
 					 [](const TrialFrame& f, const Trial& t) { return 100 * f.deepest / t.smallest; });
 	body += "<h2>Which setting to take</h2>\n" + recommendationsOf(trial) + limitsOf(trial);
 	body += "<h2>Accuracy against time</h2>\n" + tradeoffOf(trial);
-	body += "<h2>Each method's worst moment</h2>\n" + worstOf(trial, pictures);
+	body += worstOf(trial, pictures);
 	body += "<h2>The meshes</h2>\n" + meshesOf(trial);
-	body += fmt::format("<h2>How this was measured</h2>\n<p>Made by <code>{}</code> in {:.0f} s. One thread. Steps of 1/{:.0f} "
-						"s, {} solver iterations, friction {:g} a body; the largest radius is played as 0.1 m. Peers have a "
-						"collision margin of 0.25 % of the radius, ours has none. Times are of this machine and vary; compare "
-						"them within this page.</p><pre>{}</pre>\n",
-						escaped(trial.command), trial.seconds, 1 / trial.scene.info.dt, trial.scene.world.solverIterations,
-						trial.scene.world.friction, escaped(machine().dump(1)));
+	body += fmt::format(
+		"<h2>How this was measured</h2>\n<p>Made by <code>{}</code> in {:.0f} s. One thread. Steps of 1/{:.0f} "
+		"s, {} solver iterations, friction {:g} a body; the largest radius is played as 0.1 m. Peers have a "
+		"collision margin of 0.25 % of the radius, ours has none. Times are of this machine and vary; compare "
+		"them within this page.</p><pre>{}</pre>\n",
+		escaped(trial.command), trial.seconds, 1 / trial.scene.info.dt, trial.scene.world.solverIterations,
+		trial.scene.world.friction, escaped(machine().dump(1)));
 	return page(names + ": contact levels of detail", body);
 }
 
@@ -286,15 +295,16 @@ void addToReport(nlohmann::ordered_json& report, const Trial& trial)
 	for (std::size_t i = 0; i < trial.runs.size(); ++i)
 	{
 		const TrialRun& run = trial.runs[i];
-		report["runs"].push_back({{"method", trial.contenders[i].name},
-								  {"setting", trial.contenders[i].setting},
-								  {"frames", run.frames.size()},
-								  {"step_us", {{"median", run.stepMedian}, {"p95", run.stepP95}}},
-								  {"deepest", run.deepest},
-								  {"points_off_surface", {{"median", run.offSurfaceMedian}, {"p95", run.offSurfaceP95}}},
-								  {"end_speed_radii_per_s", run.endSpeed},
-								  {"bodies_gone", run.gone},
-								  {"ending", run.ending}});
+		report["runs"].push_back(
+			{{"method", trial.contenders[i].name},
+			 {"setting", trial.contenders[i].setting},
+			 {"frames", run.frames.size()},
+			 {"step_us", {{"median", run.stepMedian}, {"p95", run.stepP95}}},
+			 {"deepest", run.deepest},
+			 {"points_off_surface", {{"median", run.offSurfaceMedian}, {"p95", run.offSurfaceP95}}},
+			 {"end_speed_radii_per_s", run.endSpeed},
+			 {"bodies_gone", run.gone},
+			 {"ending", run.ending}});
 	}
 	report["left_out"] = nlohmann::ordered_json::array();
 	for (const LeftOut& out : trial.leftOut) report["left_out"].push_back({{"what", out.what}, {"reason", out.reason}});
@@ -307,16 +317,17 @@ std::string printable(const Trial& trial)
 {
 	std::string text;
 	for (std::size_t i = 0; i < trial.runs.size(); ++i)
-		text += fmt::format("{:<12} a step {:>9}, deepest overlap {:>8} of the radius, points off the surface {:>8}; {}\n",
-							trial.contenders[i].name, milliseconds(trial.runs[i].stepMedian),
-							percent(trial.runs[i].deepest / trial.smallest),
-							percent(trial.runs[i].offSurfaceP95 / trial.smallest), verdict(trial.runs[i]));
+		text +=
+			fmt::format("{:<12} a step {:>9}, deepest overlap {:>8} of the radius, points off the surface {:>8}; {}\n",
+						trial.contenders[i].name, milliseconds(trial.runs[i].stepMedian),
+						percent(trial.runs[i].deepest / trial.smallest),
+						percent(trial.runs[i].offSurfaceP95 / trial.smallest), verdict(trial.runs[i]));
 	for (const LeftOut& out : trial.leftOut) text += fmt::format("left out: {}: {}\n", out.what, out.reason);
 	const auto line = [](const Recommendation& r, const std::string& wanted)
 	{
 		if (!r.isFound) return fmt::format("for {}: no setting is so cheap\n", wanted);
-		return fmt::format("for {}: {}; on {} fresh poses error {}, {:.0f} us a pair: {}\n", wanted, codeOf(r.chosen.share),
-						   r.rows, percent(r.fresh.error), r.fresh.microseconds,
+		return fmt::format("for {}: {}; on {} fresh poses error {}, {:.0f} us a pair: {}\n", wanted,
+						   codeOf(r.chosen.share), r.rows, percent(r.fresh.error), r.fresh.microseconds,
 						   r.keepsAccuracy() && r.keepsCost() ? "holds" : "DOES NOT HOLD");
 	};
 	return text + line(trial.accuracy, "an accuracy of " + percent(trial.accuracy.wanted)) +

@@ -21,7 +21,8 @@ constexpr double kEndSeconds = 0.1;
 bool isFinite(const SceneState& state)
 {
 	return std::all_of(state.bodies.begin(), state.bodies.end(),
-					   [](const BodyState& b) { return clod::isFinite(b.pose.position) && clod::isFinite(b.velocity); });
+					   [](const BodyState& b)
+					   { return clod::isFinite(b.pose.position) && clod::isFinite(b.velocity); });
 }
 
 // What no contender's own code says of it.

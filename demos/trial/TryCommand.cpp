@@ -37,7 +37,7 @@ struct TryOptions
 	CacheOptions cache;
 	std::vector<std::string> files;
 	std::string directory, peerDirectory;
-	bool repair = false, quick = false;
+	bool repair = false, quick = false, noFilm = false;
 	std::optional<cli::Length> accuracy;
 	double cost = 100;
 };
@@ -103,7 +103,8 @@ void openMeshes(Trial& trial, const TryOptions& options, HierarchyCache& cache)
 		const double scale = first / double(trial.meshes.back().hierarchy->asset().radius);
 		if (scale <= kUnlike && scale >= 1 / kUnlike) continue;
 		if (!options.common.quiet)
-			fmt::print(stderr, "{}: {:.4g} times the size of {}; it is taken to be in another unit and scaled by {:.6g}\n",
+			fmt::print(stderr,
+					   "{}: {:.4g} times the size of {}; it is taken to be in another unit and scaled by {:.6g}\n",
 					   file, 1 / scale, options.files.front(), scale);
 		trial.meshes.back() = openMesh(options, file, scale, cache);
 	}
@@ -122,7 +123,8 @@ void setUpScene(Trial& trial, const TryOptions& options, HierarchyCache& cache)
 	trial.scene = demo::trial(models, trial.radius, trial.smallest);
 	trial.tolerance = trial.scene.info.tolerance;
 	const SceneModel& floor = trial.scene.info.models.front();
-	trial.models.push_back(cache.build(modelSource(floor.name, trianglesOf(floor.name, 1)), {false, false, floor.scale}));
+	trial.models.push_back(
+		cache.build(modelSource(floor.name, trianglesOf(floor.name, 1)), {false, false, floor.scale}));
 	for (const TrialMesh& mesh : trial.meshes) trial.models.push_back(mesh.hierarchy);
 	for (const HierarchyPointer& model : trial.models) trial.surfaces.push_back(inputSurface(*model));
 	if (options.common.quiet) return;
@@ -139,7 +141,8 @@ void runContenders(Trial& trial, const Effort& effort, cli::Progress& progress)
 	rules.every = std::max(1, int(std::lround(1 / (rules.dt * effort.film.framesPerSecond))));
 	rules.mostSeconds = effort.mostSeconds;
 	for (const Contender& contender : trial.contenders)
-		trial.runs.push_back(runContender(trial, contender, solids, rules, [&](double fraction)
+		trial.runs.push_back(runContender(trial, contender, solids, rules,
+										  [&](double fraction)
 										  { progress.update("falling: " + contender.name, fraction); }));
 }
 
@@ -165,7 +168,8 @@ TouchingPair pairOf(Trial& trial)
 	return pair;
 }
 
-void compare(Trial& trial, const TouchingPair& pair, const TouchingPoses& made, const Preparation& preparation, HierarchyCache& cache, const Effort& effort, cli::Progress& progress)
+void compare(Trial& trial, const TouchingPair& pair, const TouchingPoses& made, const Preparation& preparation,
+			 HierarchyCache& cache, const Effort& effort, cli::Progress& progress)
 {
 	SampleRules rules{trial.tolerance, {trial.scene.info.dt, true}, 0, effort.tradeoffRows, true};
 	const auto sampleOf = [&](const std::vector<PoseRow>& poses)
@@ -183,12 +187,13 @@ void compare(Trial& trial, const TouchingPair& pair, const TouchingPoses& made, 
 	PeerInfo hull;
 	hull.family = "hull";
 	hull.setting = "one hull";
-	all.peers.push_back(convexHulls(hull, convexHullOf(inputSurface(*pair.a)), convexHullOf(inputSurface(*pair.b)),
-									roster.frame));
+	all.peers.push_back(
+		convexHulls(hull, convexHullOf(inputSurface(*pair.a)), convexHullOf(inputSurface(*pair.b)), roster.frame));
 	trial.tradeoff.radius = smallerRadius(*pair.a, *pair.b);
 	trial.tradeoff.tolerance = trial.tolerance;
 	trial.tradeoff.floor = kRoundingShare * trial.tradeoff.radius;
-	measure(trial.tradeoff, all.peers, sample, effort.passes, [&](double f) { progress.update("accuracy against time", f); });
+	measure(trial.tradeoff, all.peers, sample, effort.passes,
+			[&](double f) { progress.update("accuracy against time", f); });
 }
 
 void recommend(Trial& trial, const TouchingPair& pair, const TouchingPoses& choosing, const TryOptions& options,
@@ -239,7 +244,8 @@ void runTry(const TryOptions& options)
 	HierarchyCache cache(options.cache, options.common.quiet);
 	cli::Progress progress(options.common.quiet);
 	const PeerTools tools{options.peerDirectory.empty() ? defaultPeerDirectory() : options.peerDirectory};
-	const Preparation preparation(tools, cache.directory().empty() ? "" : cache.directory() + "/peers", effort.mostSeconds);
+	const Preparation preparation(tools, cache.directory().empty() ? "" : cache.directory() + "/peers",
+								  effort.mostSeconds);
 	Trial trial;
 	trial.command = commandOf(options);
 	openMeshes(trial, options, cache);
@@ -251,20 +257,25 @@ void runTry(const TryOptions& options)
 												 [&](double f) { progress.update("poses in touch", f); });
 	recommend(trial, pair, choosing, options, effort, progress);
 	compare(trial, pair, choosing, preparation, cache, effort, progress);
-	const TrialPictures pictures = paintTrial(trial, options.directory + "/film", effort.film, [&](double f) { progress.update("film", f); });
+	TrialPictures pictures;
+	if (!options.noFilm)
+		pictures =
+			paintTrial(trial, options.directory + "/film", effort.film, [&](double f) { progress.update("film", f); });
 	progress.finish();
 	trial.seconds = secondsSince(start);
 	const std::string path = options.directory + "/report.html";
 	writeText(path, reportPage(trial, pictures));
 	nlohmann::ordered_json report = startReport("try");
-	for (const TrialMesh& mesh : trial.meshes) report["models"].push_back(describeHierarchy(*mesh.hierarchy, mesh.name));
+	for (const TrialMesh& mesh : trial.meshes)
+		report["models"].push_back(describeHierarchy(*mesh.hierarchy, mesh.name));
 	addToReport(report, trial);
 	report["seconds"] = trial.seconds;
 	writeReport(options.directory + "/report.json", report);
 	writeReport(options.common.json, report);
 	if (options.common.textOnStdout()) fmt::print("{}wrote {}\n", printable(trial), path);
 	if (!trial.accuracy.keepsAccuracy())
-		throw Failure(ExitCode::verificationFailed, "a certified limit was exceeded on fresh poses; please report this mesh");
+		throw Failure(ExitCode::verificationFailed,
+					  "a certified limit was exceeded on fresh poses; please report this mesh");
 }
 }  // namespace
 
@@ -275,12 +286,14 @@ void addTryCommand(CLI::App& program)
 	CLI::App* command = program.add_subcommand("try", "Your own meshes: from files to a report");
 	command->footer(
 		"Example: clod-bench try part.stl hook.obj --repair --quick -o trial\n"
-		"The meshes fall, settle and slide, beside what Bullet users have; report.html says what each method cost and how\n"
+		"The meshes fall, settle and slide, beside what Bullet users have; report.html says what each method cost and "
+		"how\n"
 		"wrong it was, and which setting to take. scripts/peers sets up V-HACD.");
 	command->add_option("MESH", options->files, "One or more mesh or .clod files, of any unit")->required();
 	command->add_option("-o", options->directory, "Directory for report.html, report.json and film/")->required();
 	command->add_flag("--repair", options->repair, "Mend the meshes before they are built");
 	command->add_flag("--quick", options->quick, "Three minutes instead of all poses and passes");
+	command->add_flag("--no-film", options->noFilm, "No pictures, which take most of the time");
 	cli::addLength(*command, "--accuracy", options->accuracy, "What the recommended setting has to keep [0.5%]");
 	command->add_option("--cost-us", options->cost, "Microseconds that a touching pair may cost")
 		->type_name("US")

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// `clod-bench try`: its page, the poses and settings behind its recommendations, and the command from outside.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "clod/distance/SignedGap.h"
+#include "demos/models/Models.h"
+#include "demos/runner/HierarchyCache.h"
+#include "demos/runner/Penetration.h"
+#include "demos/runner/Replay.h"
+#include "demos/trial/Html.h"
+#include "demos/trial/Recommendation.h"
+#include "tests/demos/RunnerCommand.h"
+#include "tests/support/Files.h"
+
+namespace clod::test
+{
+namespace
+{
+using namespace demo;
+
+const auto kNoProgress = [](double) {};
+
+TEST(TrialPage, TextIsEscapedAndFilesBecomeData)
+{
+	EXPECT_EQ(escaped("<a href='x'>&\""), "&lt;a href=&#39;x&#39;&gt;&amp;&quot;");
+	const TemporaryFolder folder;
+	EXPECT_EQ(dataAddress(folder.file("one", "M"), "a/b"), "data:a/b;base64,TQ==");
+	EXPECT_EQ(dataAddress(folder.file("two", "Ma"), "a/b"), "data:a/b;base64,TWE=");
+	EXPECT_EQ(dataAddress(folder.file("three", "Man"), "a/b"), "data:a/b;base64,TWFu");
+	EXPECT_EQ(dataAddress(folder.file("four", "\xff\xfe\xfd"), "a/b"), "data:a/b;base64,//79");
+	EXPECT_EQ(dataAddress(folder.file("none"), "a/b"), "");
+}
+
+// x, y of every mark.
+std::vector<std::pair<double, double>> marks(const std::string& svg)
+{
+	std::vector<std::pair<double, double>> found;
+	std::size_t at = 0;
+	while ((at = svg.find("cx='", at)) != std::string::npos)
+	{
+		const double x = std::strtod(svg.c_str() + at + 4, nullptr);
+		at = svg.find("cy='", at);
+		found.emplace_back(x, std::strtod(svg.c_str() + at + 4, nullptr));
+	}
+	return found;
+}
+
+TEST(TrialPage, MarksLieWhereTheirValuesAre)
+{
+	Plot plot;
+	plot.title = "t";
+	plot.isXLogarithmic = true;
+	plot.series = {
+		{"s", "#000000", {{1, 0, "first"}, {10, 5, "<second>"}, {100, 10, "third"}, {std::nan(""), 1, "no"}}, false}};
+	const std::string svg = toSvg(plot);
+	const auto found = marks(svg);
+	ASSERT_EQ(found.size(), 3u);
+	EXPECT_NEAR(found[1].first - found[0].first, found[2].first - found[1].first, 0.2);
+	EXPECT_GT(found[1].first, found[0].first + 50);
+	EXPECT_NEAR(found[0].second - found[1].second, found[1].second - found[2].second, 0.2);
+	EXPECT_GT(found[0].second, found[2].second + 50);  // SVG's y points down
+	EXPECT_NE(svg.find("<title>&lt;second&gt;</title>"), std::string::npos);
+}
+
+TEST(TrialRecommendation, TheCheapestWithinAnAccuracyAndTheMostAccurateWithinACost)
+{
+	std::vector<LimitRow> limits(4);
+	const double shares[] = {0.05, 0.01, 0.005, 0}, tests[] = {10, 60, 40, 90}, times[] = {1, 6, 4, 9};
+	for (int i = 0; i < 4; ++i)
+		limits[i].share = shares[i], limits[i].tests = tests[i], limits[i].microseconds = times[i];
+	EXPECT_EQ(cheapestWithin(limits, 0.02), &limits[2]) << "finer, and cheaper all the same";
+	EXPECT_EQ(cheapestWithin(limits, 0.001), &limits[3]);
+	EXPECT_EQ(cheapestWithin(limits, 1), &limits[0]);
+	EXPECT_EQ(mostAccurateWithin(limits, 5), &limits[2]);
+	EXPECT_EQ(mostAccurateWithin(limits, 0.5), nullptr);
+}
+
+TEST(TrialRecommendation, SaysWhenItIsNotKept)
+{
+	Recommendation r;
+	r.chosen.share = 0.01;
+	r.chosen.tests = r.fresh.tests = 100;
+	r.fresh.certified = r.fresh.error = 0.01;
+	EXPECT_TRUE(r.keepsAccuracy() && r.keepsCost());
+	r.fresh.tests = 131;
+	EXPECT_FALSE(r.keepsCost());
+	r.fresh.tests = 69;
+	EXPECT_FALSE(r.keepsCost());
+	r.fresh.certified = 0.0101;
+	EXPECT_FALSE(r.keepsAccuracy());
+	r.fresh.certified = 0.005;
+	r.fresh.broken = 1;
+	EXPECT_FALSE(r.keepsAccuracy());
+	r.fresh.broken = 0;
+	r.fresh.certified = INFINITY;
+	EXPECT_FALSE(r.keepsAccuracy());
+}
+
+class TrialPoses : public testing::Test
+{
+protected:
+	static HierarchyPointer build(const char* name, std::size_t triangles)
+	{
+		const TemporaryFolder folder;
+		CacheOptions none;
+		none.enabled = false;
+		HierarchyCache cache(none, true);
+		const std::string path = folder.file("mesh.obj");
+		EXPECT_TRUE(writeObj(path, makeModel(name, triangles).value()));
+		return cache.open(path, {});
+	}
+};
+
+// The gap of the recorded pose, by code that shares nothing with the query: vertices against the other's triangles. Of
+// balls of many triangles it is the gap to what their facets differ by.
+TEST_F(TrialPoses, TouchAndTheirGapsAreTrue)
+{
+	const HierarchyPointer ball = build("sphere", 1200);
+	const ModelMesh mesh = makeModel("sphere", 1200).value();
+	const double radius = double(ball->asset().radius), tolerance = 0.05 * radius;
+	const TouchingPoses poses = touchingPoses(*ball, *ball, tolerance, 120, 3, kNoProgress);
+	ASSERT_EQ(poses.rows.size(), 120u);
+	const SignedDistance solid(mesh);
+	std::size_t deep = 0;
+	for (std::size_t i = 0; i < poses.rows.size(); ++i)
+	{
+		double least = INFINITY;
+		for (const Vec3& vertex : mesh.vertices)
+			least = std::min(least, solid(relativePose(poses.rows[i], {}, {}) * vertex));
+		EXPECT_NEAR(poses.gaps[i], least, 0.01 * radius) << i;
+		EXPECT_LE(poses.gaps[i], 1.2 * tolerance);
+		EXPECT_GE(poses.gaps[i], -0.25 * tolerance);
+		deep += poses.gaps[i] < 0;
+	}
+	EXPECT_GT(deep, 5u);
+	EXPECT_LT(deep, 60u);
+	const TouchingPoses again = touchingPoses(*ball, *ball, tolerance, 120, 3, kNoProgress),
+						other = touchingPoses(*ball, *ball, tolerance, 120, 4, kNoProgress);
+	EXPECT_EQ(trajectoryHash(again.rows), trajectoryHash(poses.rows));
+	EXPECT_NE(trajectoryHash(other.rows), trajectoryHash(poses.rows));
+}
+
+TEST_F(TrialPoses, ALimitIsMeasuredAgainstTheExactGaps)
+{
+	const HierarchyPointer torus = build("torus", 2000);
+	const double tolerance = 0.01 * double(torus->asset().radius);
+	TouchingPoses poses = touchingPoses(*torus, *torus, tolerance, 80, 5, kNoProgress);
+	const LimitRow exact = measureLimit(*torus, *torus, 0, tolerance, poses),
+				   coarse = measureLimit(*torus, *torus, 0.05, tolerance, poses);
+	EXPECT_EQ(exact.broken + coarse.broken, 0u);
+	EXPECT_LE(coarse.certified, 0.05 + 1e-6);
+	EXPECT_LT(exact.error, 1e-4);
+	EXPECT_LT(coarse.tests, exact.tests);
+	poses.gaps[7] += 0.2 * double(torus->asset().radius);  // a wrong truth has to be seen
+	EXPECT_EQ(measureLimit(*torus, *torus, 0.05, tolerance, poses).broken, 1u);
+}
+
+class TryCommand : public RunnerCommand
+{
+protected:
+	static std::string tryWords(const std::string& meshes, const std::string& folder)
+	{
+		return "try " + meshes + " --quick --no-film --quiet --peers-dir /none -o " + path(folder) + cache();
+	}
+	static json runOf(const json& report, const std::string& method)
+	{
+		for (const json& run : report["runs"])
+			if (run["method"] == method) return run;
+		return {};
+	}
+};
+
+TEST_F(TryCommand, ReportsOnMeshesOfAnyUnit)
+{
+	ASSERT_EQ(bench("model torus --triangles 800 --quiet -o " + path("torus.obj")).code, 0);
+	ASSERT_EQ(bench("model cup --triangles 1200 --quiet -o " + path("cup.obj")).code, 0);
+	const Outcome run = bench(tryWords(path("cup.obj") + " " + path("torus.obj"), "metres"));
+	ASSERT_EQ(run.code, 0) << run.err;
+	const json report = RunnerCommand::report("metres/report.json");
+	const json ours = runOf(report, "CLOD"), hull = runOf(report, "convex hull");
+	EXPECT_EQ(ours["bodies_gone"], 0);
+	// The torus falls into the cup, onto whose hull it otherwise falls: that hull's top is far off the surface.
+	EXPECT_LT(ours["points_off_surface"]["p95"].get<double>(), 0.02 * 0.0215);
+	EXPECT_GT(hull["points_off_surface"]["p95"].get<double>(), 0.2 * 0.0215);
+	EXPECT_LT(ours["deepest"].get<double>(), 0.02 * 0.0215);
+	for (const char* kind : {"for_accuracy", "for_cost"})
+	{
+		EXPECT_TRUE(report[kind]["keeps_accuracy"]) << report[kind];
+		EXPECT_TRUE(report[kind]["keeps_cost"]) << report[kind];
+	}
+	const std::string page = readText(path("metres/report.html"));
+	EXPECT_EQ(page.find("http"), std::string::npos) << "the page must need nothing else";
+	EXPECT_EQ(page.find("<script"), std::string::npos);
+	EXPECT_NE(page.find("errorShare"), std::string::npos);
+	EXPECT_NE(page.find("V-HACD"), std::string::npos) << "where it is missing, the page says what to do";
+
+	// The same in thousandths, the torus in inches: what differs is rounding, which chaos makes grow.
+	ModelMesh cup = makeModel("cup", 1200).value();
+	for (Vec3& vertex : cup.vertices) vertex = 1000 * vertex;
+	ASSERT_TRUE(writeObj(path("cup-mm.obj"), cup));
+	const Outcome mixed = bench(tryWords(path("cup-mm.obj") + " " + path("torus.obj"), "mixed"));
+	ASSERT_EQ(mixed.code, 0) << mixed.err;
+	EXPECT_EQ(runOf(RunnerCommand::report("mixed/report.json"), "CLOD")["bodies_gone"], 0);
+}
+
+TEST_F(TryCommand, NamesTheNextStep)
+{
+	EXPECT_EQ(bench(tryWords(path("none.obj"), "none")).code, 3);
+	const Outcome open = bench(tryWords(file("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), "open"));
+	EXPECT_EQ(open.code, 3);
+	EXPECT_NE(open.err.find("--repair"), std::string::npos) << open.err;
+	EXPECT_EQ(bench("try " + path("torus.obj") + " --quick --quiet -o /proc/none").code, 1);
+}
+}  // namespace
+}  // namespace clod::test
