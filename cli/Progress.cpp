@@ -71,7 +71,9 @@ void Progress::printLine(double fraction, Clock::time_point now)
 	const int tenth = int(10 * fraction + 1e-9);
 	if (tenth <= m_lastTenth) return;
 	m_lastTenth = tenth;
-	fmt::print(m_stream, "{}: {} %  {:.1f} s\n", m_phase, 10 * tenth, seconds(now - m_start));
+	const std::string left = fraction < 1 ? timeLeft(seconds(now - m_start), fraction) : "";
+	fmt::print(m_stream, "{}: {} %  {:.1f} s{}{}\n", m_phase, 10 * tenth, seconds(now - m_start),
+			   left.empty() ? "" : ", ", left);
 	std::fflush(m_stream);
 }
 

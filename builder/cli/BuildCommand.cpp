@@ -46,6 +46,52 @@ struct BuildOptions : cli::CommonOptions
 	std::optional<cli::Length> wrap, maxMove;
 };
 
+// What a user can try after a refusal; empty where nothing of ours helps.
+std::string nextStep(Reason reason, const BuildOptions& options)
+{
+	const auto command = [&](const std::string& words)
+	{ return fmt::format("\n  Try: clod-build build {} {} -o {}", options.mesh, words, options.output); };
+	switch (reason)
+	{
+		case Reason::degenerate:
+		case Reason::duplicate:
+		case Reason::nonManifoldEdge:
+		case Reason::nonManifoldVertex:
+		case Reason::openBoundary:
+		case Reason::orientation:
+		case Reason::inverted:
+		case Reason::zeroVolume:
+		case Reason::rounding:
+		case Reason::selfIntersection:
+		case Reason::notFinite:
+			return options.wrap ? command("--wrap 5%") : options.repair ? command("--wrap 2%") : command("--repair");
+		case Reason::limit:
+			return options.repair ? command("--wrap 2%") : "";
+		default:
+			return "";
+	}
+}
+
+// The largest radius that is taken for metres without a word: of a room. Larger things are mostly millimetres.
+constexpr double kRoomRadius = 5;
+
+void nameUnit(const BuildOptions& options, double radius)
+{
+	if (options.quiet || !options.frame.unit.empty() || radius <= kRoomRadius) return;
+	fmt::print(
+		stderr,
+		"{}: its radius is {:.4g} of its own unit, which looks like millimetres; `--unit mm` makes metres of it\n",
+		options.mesh, radius);
+}
+
+// Before minutes are spent on what could not be written.
+void checkOutput(const std::string& path)
+{
+	cli::PartialFile file(path);  // never committed
+	const std::string problem = cli::writeFile(file.temporaryPath(), std::string());
+	if (!problem.empty()) throw Failure(ExitCode::failure, problem);
+}
+
 Repaired readSolid(const BuildOptions& options)
 {
 	try
@@ -53,6 +99,7 @@ Repaired readSolid(const BuildOptions& options)
 		Soup soup = readMesh(options.mesh);
 		convert(options.frame, soup);
 		const double radius = radiusOf(soup);
+		nameUnit(options, radius);
 		Mending mending;
 		mending.repair = options.repair;
 		if (options.maxMove) mending.maxMove = options.maxMove->inMeshUnit(radius);
@@ -62,7 +109,7 @@ Repaired readSolid(const BuildOptions& options)
 	catch (const Refused& refused)
 	{
 		const ExitCode code = refused.reason() == Reason::limit ? ExitCode::limitReached : ExitCode::badInput;
-		throw Failure(code, options.mesh + ": " + refused.what());
+		throw Failure(code, options.mesh + ": " + refused.what() + nextStep(refused.reason(), options));
 	}
 }
 
@@ -109,6 +156,7 @@ HierarchyContent buildContent(const Intake& solid, const BuildOptions& options)
 void run(const BuildOptions& options)
 {
 	const auto start = std::chrono::steady_clock::now();
+	checkOutput(options.output);
 	const Repaired repaired = readSolid(options);
 	const Intake& solid = repaired.solid;
 	if (!options.quiet && solid.weldedCount + solid.unusedCount > 0 && !options.repair && !options.wrap)

@@ -54,9 +54,9 @@ void checkAreas(const Mesh& rounded, const WeldedMesh& mesh)
 			const auto collinear = [&t](const std::vector<Vec3>& v)
 			{ return CGAL::collinear(toPoint(v[t[0]]), toPoint(v[t[1]]), toPoint(v[t[2]])); };
 			if (!collinear(rounded.vertices) || collinear(mesh.vertices) != before || defect.count++ > 0) continue;
-			defect.first = fmt::format("face {} (vertices {}, {}, {}) has no area{}", mesh.polygonInFile[i],
+			defect.first = fmt::format("face {} (vertices {}, {}, {}) has no area{}, at {}", mesh.polygonInFile[i],
 									   mesh.vertexInFile[t[0]], mesh.vertexInFile[t[1]], mesh.vertexInFile[t[2]],
-									   before ? "" : " once rounded to float");
+									   before ? "" : " once rounded to float", placeOf(mesh.vertices[t[0]]));
 		}
 		if (defect.count > 0) defects.push_back(defect);
 	}
@@ -71,10 +71,12 @@ void checkSelfIntersections(const SurfaceMesh& surface, const WeldedMesh& mesh)
 	for (auto& [a, b] : pairs)
 		if (b < a) std::swap(a, b);
 	const auto first = *std::min_element(pairs.begin(), pairs.end());
-	throw Refused({{Reason::selfIntersection,
-					fmt::format("faces {} and {} cross or overlap", mesh.polygonInFile[std::size_t(first.first)],
-								mesh.polygonInFile[std::size_t(first.second)]),
-					pairs.size()}});
+	throw Refused(
+		{{Reason::selfIntersection,
+		  fmt::format("faces {} and {} cross or overlap, near {}", mesh.polygonInFile[std::size_t(first.first)],
+					  mesh.polygonInFile[std::size_t(first.second)],
+					  placeOf(mesh.vertices[mesh.triangles[std::size_t(first.first)][0]])),
+		  pairs.size()}});
 }
 
 // Six times the signed volume of a component.
@@ -118,9 +120,10 @@ std::size_t checkNesting(const Mesh& mesh, const WeldedMesh& welded, const std::
 		cavities += cavity ? 1 : 0;
 		if ((signedVolume(mesh, componentOf, component) < 0) == cavity) continue;
 		if (wrong++ == 0)
-			first =
-				fmt::format("the component of face {} is inside out{}", welded.polygonInFile[firstTriangle[component]],
-							cavity ? ": it bounds a cavity and must face into it" : "");
+			first = fmt::format("the component of face {}, at {}, is inside out{}",
+								welded.polygonInFile[firstTriangle[component]],
+								placeOf(welded.vertices[welded.triangles[firstTriangle[component]][0]]),
+								cavity ? ": it bounds a cavity and must face into it" : "");
 	}
 	if (wrong > 0) throw Refused({{Reason::inverted, first, wrong}});
 	return cavities;

@@ -37,7 +37,8 @@ void findDegenerate(const WeldedMesh& mesh, Defects& defects)
 	{
 		const Triangle& t = mesh.triangles[i];
 		if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) continue;
-		if (count++ == 0) first = describe(mesh, i) + " has two corners at the same place";
+		if (count++ == 0)
+			first = describe(mesh, i) + " has two corners at the same place, " + placeOf(mesh.vertices[t[0]]);
 	}
 	note(defects, Reason::degenerate, count, first);
 }
@@ -64,7 +65,8 @@ void findDuplicates(const WeldedMesh& mesh, Defects& defects)
 	}
 	if (count > 0)
 		note(defects, Reason::duplicate, count,
-			 fmt::format("{} has the same corners as face {}", describe(mesh, repeated), mesh.polygonInFile[original]));
+			 fmt::format("{} has the same corners as face {}, at {}", describe(mesh, repeated),
+						 mesh.polygonInFile[original], placeOf(mesh.vertices[mesh.triangles[repeated][0]])));
 }
 
 struct HalfEdge
@@ -135,6 +137,7 @@ void findEdgeFaults(const WeldedMesh& mesh, const std::vector<HalfEdge>& edges, 
 			text += " has no face on its other side";
 		else
 			text += fmt::format(" runs the same way in face {}", mesh.polygonInFile[edges[fault.edge + 1].triangle]);
+		text += ", at " + placeOf(0.5 * (mesh.vertices[edge.low] + mesh.vertices[edge.high]));
 		note(defects, wanted, fault.count, text);
 	}
 }
@@ -187,13 +190,18 @@ void findFans(const WeldedMesh& mesh, const std::vector<HalfEdge>& edges, Defect
 		if (fan[vertex] == corners.find(i) || faulty[vertex]) continue;
 		faulty[vertex] = true;
 		if (count++ == 0)
-			first =
-				fmt::format("vertex {} joins separate fans, one with face {}, one with face {}",
-							mesh.vertexInFile[vertex], mesh.polygonInFile[fan[vertex] / 3], mesh.polygonInFile[i / 3]);
+			first = fmt::format("vertex {} joins separate fans, one with face {}, one with face {}, at {}",
+								mesh.vertexInFile[vertex], mesh.polygonInFile[fan[vertex] / 3],
+								mesh.polygonInFile[i / 3], placeOf(mesh.vertices[vertex]));
 	}
 	note(defects, Reason::nonManifoldVertex, count, first);
 }
 }  // namespace
+
+std::string placeOf(const Vec3& point)
+{
+	return fmt::format("({:.6g}, {:.6g}, {:.6g})", point.x, point.y, point.z);
+}
 
 std::vector<Defect> topologyDefects(const WeldedMesh& mesh)
 {

@@ -26,6 +26,7 @@ figure { margin: 1rem 0; } figcaption { color: #4d5461; font-size: .9rem; }
 caption { text-align: left; color: #4d5461; padding-bottom: .3rem; }
 th, td { text-align: left; padding: .3rem .7rem .3rem 0; border-bottom: 1px solid #d8dce3; vertical-align: top; overflow-wrap: anywhere; min-width: 4.5rem; }
 pre { background: #f3f5f8; padding: .8rem; overflow-x: auto; } code { font-family: ui-monospace, monospace; font-size: .9em; }
+th[scope=row] { min-width: 8rem; } small { font-weight: 400; }
 .good { color: #1b6b3a; } .bad { color: #a32020; }
 .pictures { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 22rem), 1fr)); gap: 1rem; }
 svg text { font: 13px system-ui, sans-serif; fill: #1a1f29; } svg .dot { opacity: .9; } svg .dot:hover { stroke: #000; stroke-width: 2; }

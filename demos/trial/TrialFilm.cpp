@@ -16,7 +16,6 @@ namespace clod::demo
 {
 namespace
 {
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kWorstRadii = 2.0;  // what those pictures show, in the largest mesh's radii
 constexpr double kAzimuth = 20, kElevation = 18;
 constexpr double kFollow = 0.1;    // of the way to what it should see the camera goes a frame

@@ -292,6 +292,7 @@ std::string reportPage(const Trial& trial, const TrialPictures& pictures)
 
 void addToReport(nlohmann::ordered_json& report, const Trial& trial)
 {
+	report["smallest_radius"] = trial.smallest;
 	for (std::size_t i = 0; i < trial.runs.size(); ++i)
 	{
 		const TrialRun& run = trial.runs[i];

@@ -72,7 +72,7 @@ public:
 	}
 
 private:
-	// Of 498 pairs 450 were told apart by an axis, 262 with four (docs/MEASURED.md, what the cache saves).
+	// Of 498 pairs 450 were told apart by an axis, 262 with four (docs/tried.md, what the cache saves).
 	static constexpr std::size_t kSlotsAPair = 16;
 	std::vector<Entry> m_entries = std::vector<Entry>(1024);
 };

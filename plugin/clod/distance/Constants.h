@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The numbers that gaps and depths are searched and proved with. What the tuned ones buy: docs/MEASURED.md, "Constants".
+// The numbers that gaps and depths are searched and proved with. What the tuned ones buy: docs/tried.md, "Constants".
 #pragma once
 #include <cstddef>
 
@@ -9,7 +9,7 @@ namespace clod
 inline constexpr double kSumUp = 1 + 1e-12;
 
 // A gap is no worse known than to this share of the largest s0, contacts being near: at the paper's 3.5 % to 3 % of the
-// radius (docs/MEASURED.md, "How tight the bound is", has what 0.5 and 1 cost and give).
+// radius (docs/tried.md, "How tight the bound is", has what 0.5 and 1 cost and give).
 inline constexpr double kSharpness = 0.85;
 
 // How exactly a depth is searched: of the smaller radius at least, of the depth, and in how many cells at most.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // The numbers that a query is tuned and rounded with. But for the choice of base levels none changes an
-// answer: they decide what is kept, tried or left out. What the tuned ones buy is measured in docs/MEASURED.md,
+// answer: they decide what is kept, tried or left out. What the tuned ones buy is measured in docs/tried.md,
 // "Constants".
 #pragma once
 #include <cstdint>

@@ -1,0 +1,228 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Zlib
+"""Measured figures in documents: measured, kept and printed by machines.
+
+results.py measure   runs build/release/bin/clod-bench and writes demos/results/*.json (some minutes)
+results.py tables    prints demos/results into the documents, between <!-- results NAME --> and <!-- end -->
+results.py check     exit 1 where a document's table is not that of demos/results (a test runs this)
+
+Kept of each report: the figures, the commit, the machine, the trajectory hash. No figure of ours is typed by hand.
+"""
+import json
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+RESULTS = ROOT / "demos/results"
+DOCUMENTS = ["README.md", "demos/results/README.md"]
+BENCH = ROOT / "build/release/bin/clod-bench"
+
+RESOLUTION = "0.25"  # of the paper's triangle counts
+SETTINGS = {"exact": ["--exact"], "default": [], "size-3.5": ["--size", "3.5"]}
+NAMES = {"exact": "exact", "default": "certified 0.5 %, the default", "size-3.5": "the paper's s0 = 3.5 %"}
+FAMILIES = {"clod-dispatch": "CLOD", "gimpact": "GImpact", "vhacd": "V-HACD"}
+
+
+def bench(*words):
+    print("clod-bench", *words, file=sys.stderr, flush=True)
+    subprocess.run([BENCH, *map(str, words), "--quiet"], check=True, stdout=subprocess.DEVNULL)
+
+
+def keep(name, report):
+    RESULTS.mkdir(parents=True, exist_ok=True)
+    (RESULTS / f"{name}.json").write_text(json.dumps(report, indent=1) + "\n")
+
+
+def load(name):
+    return json.loads((RESULTS / f"{name}.json").read_text())
+
+
+def measure():
+    with tempfile.TemporaryDirectory() as folder:
+        folder = pathlib.Path(folder)
+        for setting, words in SETTINGS.items():
+            bench("run", "spoon-cup", "--resolution", RESOLUTION, "--verify-penetration", *words, "--json", folder / "run.json")
+            report = json.loads((folder / "run.json").read_text())
+            summary = report["summary"]
+            keep(f"run-{setting}", {
+                "machine": report["machine"], "trajectory_hash": report["trajectory_hash"],
+                "triangles": [model["triangles"] for model in report["models"]],
+                "interpenetration": report["interpenetration"], "end": summary["end"],
+                "stays_in_place": summary["stays_in_place"], "dispatch_us": summary["dispatch_us"], "step_us": summary["step_us"],
+                "energy": report["energy"]})
+        bench("tradeoff", "spoon-cup", "--resolution", RESOLUTION, "--methods", ",".join(FAMILIES), "--decimations", 1,
+              "--repeat", 2, "-o", folder / "tradeoff")
+        report = json.loads((folder / "tradeoff/tradeoff.json").read_text())
+        keep("tradeoff", {"machine": report["machine"], "poses": report["poses"], "rows": report["tradeoff"]["rows"],
+                          "radius": report["tradeoff"]["radius"],
+                          "points": [{key: point[key] for key in ("family", "setting", "us", "us_at_rest", "gap_error", "contacts")}
+                                     for point in report["tradeoff"]["points"]],
+                          "left_out": report["tradeoff"]["left_out"]})
+        for model in ("cup", "torus"):
+            bench("model", model, "--triangles", 10000, "-o", folder / f"{model}.obj")
+        bench("try", folder / "cup.obj", folder / "torus.obj", "--quick", "--no-film", "-o", folder / "try")
+        report = json.loads((folder / "try/report.json").read_text())
+        report.pop("models")
+        keep("try", report)
+
+
+def table(head, rows):
+    lines = ["| " + " | ".join(cells) + " |" for cells in [head, ["---"] * len(head)] + rows]
+    return "\n".join(lines)
+
+
+def machine(report):
+    m = report["machine"]
+    return f"{m['processor']}, {m['cores']} cores, {m['compiler']}, commit {m['commit']}"
+
+
+def percent(share):
+    return "0" if share == 0 else f"{100 * share:.2g}" if share < 0.1 else f"{100 * share:.0f}"
+
+
+def fall():
+    report = load("try")
+    smallest = report["smallest_radius"]
+    rows = [[run["method"], run["setting"], f"{run['step_us']['median'] / 1000:.2f}", percent(run["deepest"] / smallest),
+             percent(run["points_off_surface"]["p95"] / smallest),
+             run["ending"] or ("fell through" if run["bodies_gone"] else "rests" if run["end_speed_radii_per_s"] < 0.1 else "still moves")]
+            for run in report["runs"]]
+    return table(["method", "setting", "step, ms", "deepest overlap, % of R", "contact points off the surface, % of R", "end"], rows)
+
+
+def scene():
+    rows = []
+    for setting in SETTINGS:
+        report = load(f"run-{setting}")
+        deep = report["interpenetration"]
+        rows.append([NAMES[setting], f"{report['dispatch_us']['median']:.0f}", f"{report['step_us']['median']:.0f}",
+                     f"{1000 * deep['deepest']:.3f} ({1000 * deep['limit']:.3f})",
+                     f"{report['end']['largest_speed_radii_per_s']:.4f}", "yes" if report["stays_in_place"] else "no"])
+    return table(["setting", "dispatch, us", "whole step, us", "deepest overlap (limit), mm", "speed at the end, radii/s",
+                  "in the cup"], rows)
+
+
+def curve():
+    report = load("tradeoff")
+    rows = []
+    for family, name in FAMILIES.items():
+        for point in report["points"]:
+            if point["family"] != family:
+                continue
+            error = point["gap_error"]["p95"]
+            rows.append([name, point["setting"], f"{point['us']['median']:.0f}", f"{point['us_at_rest']['median']:.0f}",
+                         "-" if error is None else percent(error / report["radius"])])
+    return table(["method", "setting", "dispatch, moving, us", "at rest, us", "gap's error, 95 %, % of R"], rows)
+
+
+def point_of(report, family, setting):
+    return next(p for p in report["points"] if p["family"] == family and p["setting"] == setting)
+
+
+def five():
+    """The five numbers of the front page."""
+    fall_report, curve_report = load("try"), load("tradeoff")
+    runs = {run["method"]: run for run in fall_report["runs"]}
+    radius = curve_report["radius"]
+    ours, exact = point_of(curve_report, "clod-dispatch", "max-error 0.5 %"), point_of(curve_report, "clod-dispatch", "exact")
+    theirs = point_of(curve_report, "gimpact", "full")
+    checked = fall_report["for_accuracy"]
+    lines = [
+        f"**{theirs['us']['median'] / ours['us']['median']:.0f} times** faster than `btGImpactMeshShape` on moving bodies "
+        f"(spoon in cup, whole dispatches), {theirs['us']['median'] / exact['us']['median']:.1f} times when exact",
+        f"**{percent(ours['gap_error']['p95'] / radius)} %** of the radius: our error of the gap there (95 %), GImpact's is "
+        f"{percent(theirs['gap_error']['p95'] / radius)} %",
+        f"**{100 * runs['CLOD']['deepest'] / fall_report['smallest_radius']:.2g} %** of the radius: the deepest that meshes "
+        f"sank into each other in a fall, GImpact's {percent(runs['GImpact']['deepest'] / fall_report['smallest_radius'])} %, "
+        f"a convex hull's {percent(runs['convex hull']['deepest'] / fall_report['smallest_radius'])} %",
+        f"**{runs['GImpact']['step_us']['median'] / runs['CLOD']['step_us']['median']:.0f} times** less time for a whole step "
+        "of that fall, solver included, than with GImpact",
+        f"**{checked['fresh']['broken']} of {checked['fresh_poses']:,}** fresh poses broke a certified bound"]
+    return "\n".join("- " + line for line in lines)
+
+
+def about():
+    report = load("tradeoff")
+    scene_report = load("run-default")
+    return (f"{machine(report)}. Spoon in cup: {' and '.join(f'{n:,}' for n in scene_report['triangles'])} triangles, "
+            f"{report['rows']} moving rows; trajectory {scene_report['trajectory_hash']}, "
+            f"poses {report['poses']['trajectory_hash']}.")
+
+
+def plot():
+    """demos/results/curve.svg: error against time of the dispatches, both logarithmic."""
+    import math
+    report = load("tradeoff")
+    width, height, left, right, top, bottom = 760, 360, 70, 20, 20, 50
+    smallest = 0.001  # %, where smaller errors are drawn
+    points = [(name, color, p["us"]["median"], max(smallest, 100 * (p["gap_error"]["p95"] or 0) / report["radius"]), p["setting"])
+              for (family, name), color in zip(FAMILIES.items(), ("#000000", "#D55E00", "#009E73"))
+              for p in report["points"] if p["family"] == family and p["gap_error"]["p95"] is not None]
+    lows = [min(p[i] for p in points) / 1.4 for i in (2, 3)]
+    highs = [max(p[i] for p in points) * 1.4 for i in (2, 3)]
+
+    def place(value, axis):
+        share = math.log(value / lows[axis]) / math.log(highs[axis] / lows[axis])
+        return left + share * (width - left - right) if axis == 0 else height - bottom - share * (height - top - bottom)
+
+    parts = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" font-family="sans-serif" font-size="13">',
+             "<title>Error against time, spoon in cup</title>", f'<rect width="{width}" height="{height}" fill="white"/>']
+    for axis in (0, 1):
+        for tick in (10.0 ** k for k in range(-4, 7)):
+            if not lows[axis] <= tick <= highs[axis]:
+                continue
+            at = place(tick, axis)
+            parts.append(f'<line x1="{at:.1f}" x2="{at:.1f}" y1="{top}" y2="{height - bottom}" stroke="#ddd"/>'
+                         f'<text x="{at:.1f}" y="{height - bottom + 18}" text-anchor="middle">{tick:g}</text>' if axis == 0 else
+                         f'<line x1="{left}" x2="{width - right}" y1="{at:.1f}" y2="{at:.1f}" stroke="#ddd"/>'
+                         f'<text x="{left - 6}" y="{at + 4:.1f}" text-anchor="end">{tick:g}</text>')
+    parts.append(f'<text x="{width / 2}" y="{height - 8}" text-anchor="middle">a whole collision dispatch, microseconds</text>')
+    parts.append(f'<text transform="translate(16 {height / 2}) rotate(-90)" text-anchor="middle">error (95 %), % of the radius</text>')
+    for name, color, x, y, setting in points:
+        parts.append(f'<circle cx="{place(x, 0):.1f}" cy="{place(y, 1):.1f}" r="5" fill="{color}">'
+                     f"<title>{name}, {setting}: {x:.0f} us, {y:.2g} %</title></circle>")
+    for i, (name, color) in enumerate(dict((p[0], p[1]) for p in points).items()):
+        parts.append(f'<circle cx="{width - 120}" cy="{top + 14 + 20 * i}" r="5" fill="{color}"/>'
+                     f'<text x="{width - 108}" y="{top + 18 + 20 * i}">{name}</text>')
+    return "\n".join(parts + ["</svg>"]) + "\n"
+
+
+BLOCKS = {"five": five, "fall": fall, "scene": scene, "curve": curve, "about": about}
+BLOCK = re.compile(r"<!-- results (\w+) -->\n.*?<!-- end -->", re.S)
+
+
+def printed(text):
+    return BLOCK.sub(lambda m: f"<!-- results {m.group(1)} -->\n{BLOCKS[m.group(1)]()}\n<!-- end -->", text)
+
+
+def main():
+    command = sys.argv[1] if len(sys.argv) == 2 else ""
+    if command == "measure":
+        measure()
+        command = "tables"
+    if command not in ("tables", "check"):
+        sys.exit(__doc__)
+    stale = []
+    for name in DOCUMENTS:
+        path = ROOT / name
+        text = path.read_text()
+        if BLOCK.search(text) is None:
+            stale.append(f"{name}: no table of results is in it")
+        elif printed(text) != text:
+            stale.append(f"{name}: its tables are not those of demos/results; run scripts/results tables")
+            if command == "tables":
+                path.write_text(printed(text))
+    curve_path = RESULTS / "curve.svg"
+    if not curve_path.exists() or curve_path.read_text() != plot():
+        stale.append("demos/results/curve.svg is not of demos/results; run scripts/results tables")
+        if command == "tables":
+            curve_path.write_text(plot())
+    if command == "check" and stale:
+        sys.exit("\n".join(stale))
+
+
+if __name__ == "__main__":
+    main()
