@@ -44,7 +44,7 @@ foreach(suffix "" -float64)
 		get_target_property(target clod::clod${suffix} ALIASED_TARGET)
 		clod_install_library(${target} clod${suffix} clod${suffix} plugin)
 		list(APPEND CLOD_PUBLIC_HEADERS clod/bullet/btClodShape.h clod/bullet/btClodCollisionAlgorithm.h
-			clod/bullet/btClodDispatcher.h)
+			clod/bullet/btClodDispatcher.h clod/bullet/btClodDynamicsWorld.h clod/bullet/ConfigureWorld.h)
 	endif()
 endforeach()
 list(REMOVE_DUPLICATES CLOD_PUBLIC_HEADERS)
