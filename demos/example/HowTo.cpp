@@ -4,6 +4,7 @@
 #include <clod/bullet/ConfigureWorld.h>
 #include <clod/bullet/btClodCollisionAlgorithm.h>
 #include <clod/bullet/btClodDispatcher.h>
+#include <clod/bullet/btClodDynamicsWorld.h>
 #include <clod/bullet/btClodShape.h>
 
 #include <cstdio>
@@ -28,6 +29,13 @@ void setUp(btDiscreteDynamicsWorld& world)
 	auto made = clod::ClodBody::load("part.clod", settings);
 	if (!made) throw std::runtime_error(made.error());
 	world.addRigidBody(&made.value()->body());
+}
+
+void meetImpacts(btDefaultCollisionConfiguration& configuration, btCollisionDispatcher& dispatcher,
+				 btDbvtBroadphase& broadphase, btSequentialImpulseConstraintSolver& solver, clod::Context& context)
+{
+	btClodDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration, &context);
+	world.stepSimulation(btScalar(1.0 / 60), 0);
 }
 
 btClodShape* makeShape()

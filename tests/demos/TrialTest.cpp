@@ -211,6 +211,7 @@ TEST_F(TryCommand, NamesTheNextStep)
 	const Outcome open = bench(tryWords(file("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), "open"));
 	EXPECT_EQ(open.code, 3);
 	EXPECT_NE(open.err.find("--repair"), std::string::npos) << open.err;
+	ASSERT_TRUE(writeObj(path("torus.obj"), makeModel("torus", 400).value()));
 	EXPECT_EQ(bench("try " + path("torus.obj") + " --quick --quiet -o /proc/none").code, 1);
 }
 }  // namespace
