@@ -56,7 +56,7 @@ private:
 	bool accepts(std::uint32_t a, std::uint32_t b) const
 	{
 		const bool areLeaves = m_context.a.node(a).childCount == 0 && m_context.b.node(b).childCount == 0;
-		return areLeaves || (m_rule.mayAnswer(a, b) && m_rule.excess(a, b) <= 1);
+		return areLeaves || (m_rule.mayAnswer(a, b) && m_rule.excess(a, b, false) == 0);
 	}
 	void visit(std::uint32_t a, std::uint32_t b)
 	{

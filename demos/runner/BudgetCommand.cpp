@@ -28,6 +28,7 @@ struct BudgetCommandOptions
 	std::vector<double> budgets = {0, 50, 100, 200, 500, 1000, 2000, 5000, 10000};
 	std::string directory;
 	double resolution = 1;
+	bool areTests = false;
 	int steps = 0;
 };
 
@@ -53,7 +54,10 @@ void runBudget(const BudgetCommandOptions& options)
 		settings.metric = toMetric(options.selection);
 		settings.camera = toCameraPath(options.selection, steps);
 		settings.dt = info.dt;
-		measured.push_back(runUnderBudgets(info, settings, steps, options.budgets,
+		std::vector<BudgetRun> runs;
+		for (const double budget : options.budgets)
+			runs.push_back({options.areTests ? Budget{budget, kOff} : Budget{kOff, budget}, settings.metric, {}});
+		measured.push_back(runUnderBudgets(info, settings, steps, std::move(runs),
 										   [&](double fraction) { progress.update(name, fraction); }));
 		figures.push_back(toJson(measured.back()));
 		figures.back()["selection"] = toJson(options.selection, measured.back().radius);
@@ -82,11 +86,12 @@ void addBudgetCommand(CLI::App& program)
 		"Example: clod-bench budget -o out/budget\n"
 		"         clod-bench budget spoon-cup --budgets 0,200,1000 --exact -o out/budget");
 	command->add_option("SCENE", options->scenes, "Scenes (default: the paper's three)");
-	command->add_option("--budgets", options->budgets, "Microseconds a step")
+	command->add_option("--budgets", options->budgets, "Microseconds a step, see --in-tests")
 		->delimiter(',')
 		->type_name("T,...")
 		->check(between(0, 1e9))
 		->capture_default_str();
+	command->add_flag("--in-tests", options->areTests, "The budgets are hull and culling tests a step");
 	command->add_option("-o", options->directory, "Directory for budget.csv, .txt, .json and .png")->required();
 	command->add_option("--steps", options->steps, "Steps of each run (default: the scene's)")
 		->type_name("N")

@@ -28,24 +28,26 @@ std::vector<double> column(const BudgetRun& run, const std::function<double(cons
 
 nlohmann::ordered_json describe(const BudgetRun& run, double radius)
 {
-	nlohmann::ordered_json json = {{"budget_us", nullptr}, {"steps", run.rows.size()}};
+	const bool isCounted = run.budget.tests < kOff;
+	const double budget = isCounted ? run.budget.tests : run.budget.microseconds;
+	nlohmann::ordered_json json = {{"budget", nullptr}, {"steps", run.rows.size()}};
 	if (run.rows.empty()) return json;
 	json["dispatch_us"] = spread(column(run, [](const BudgetRow& r) { return r.dispatchMicroseconds; }));
 	json["error_percent"] = spread(column(run, [&](const BudgetRow& r) { return 100 * r.contactError / radius; }));
 	json["excess"] = spread(column(run, [](const BudgetRow& r) { return r.excess; }));
-	if (!std::isfinite(run.budget)) return json;
-	json["budget_us"] = run.budget;
-	const std::vector<double> over =
-		column(run, [&](const BudgetRow& r) { return r.dispatchMicroseconds - run.budget; });
-	json["over_us"] = spread(over);
-	const auto isOver = [&](const BudgetRow& r) { return r.dispatchMicroseconds > kOverShare * run.budget; };
+	json["tests"] = spread(column(run, [](const BudgetRow& r) { return double(r.tests); }));
+	if (!run.budget.isLimited()) return json;
+	json["budget"] = budget;
+	const auto used = [&](const BudgetRow& r) { return isCounted ? double(r.tests) : r.dispatchMicroseconds; };
+	json["over"] = spread(column(run, [&](const BudgetRow& r) { return used(r) - budget; }));
+	const auto isOver = [&](const BudgetRow& r) { return used(r) > kOverShare * budget; };
 	json["share_over"] = double(std::count_if(run.rows.begin(), run.rows.end(), isOver)) / double(run.rows.size());
 	return json;
 }
 
 std::string budgetName(const nlohmann::ordered_json& run)
 {
-	return run["budget_us"].is_null() ? "none" : fmt::format("{:g}", run["budget_us"].get<double>());
+	return run["budget"].is_null() ? "none" : fmt::format("{:g}", run["budget"].get<double>());
 }
 
 // Lines of `T median p95 error-median error-p95`, of runs with a budget above 0.
@@ -54,11 +56,11 @@ std::string plotData(const nlohmann::ordered_json& scene)
 	std::string text;
 	for (const auto& run : scene["runs"])
 	{
-		if (run["budget_us"].is_null() || run["budget_us"] == 0 || run["steps"] == 0) continue;
+		if (run["budget"].is_null() || run["budget"] == 0 || run["steps"] == 0) continue;
 		const auto& time = run["dispatch_us"];
 		const auto percent = [&](const char* figure)
 		{ return std::max(kSmallestPercent, run["error_percent"][figure].get<double>()); };
-		text += fmt::format("{} {} {} {} {}\n", run["budget_us"].get<double>(), time["median"].get<double>(),
+		text += fmt::format("{} {} {} {} {}\n", run["budget"].get<double>(), time["median"].get<double>(),
 							time["p95"].get<double>(), percent("median"), percent("p95"));
 	}
 	return text;
@@ -68,7 +70,7 @@ std::string plotData(const nlohmann::ordered_json& scene)
 double figureAt(const nlohmann::ordered_json& scene, bool unlimited, const char* group, const char* figure)
 {
 	for (const auto& run : scene["runs"])
-		if (run["steps"] != 0 && (unlimited ? run["budget_us"].is_null() : run["budget_us"] == 0))
+		if (run["steps"] != 0 && (unlimited ? run["budget"].is_null() : run["budget"] == 0))
 			return run[group][figure].get<double>();
 	return std::nan("");
 }
@@ -82,7 +84,7 @@ std::string panel(const nlohmann::ordered_json& scene, std::size_t index, bool i
 								   index > 0 ? ""
 								   : isTime  ? "dispatch of a step, microseconds"
 											 : "certified error of the coarsest contact, % of R",
-								   isTime ? "" : "budget T of a step, microseconds");
+								   isTime ? "" : "budget T of a step");
 	text += index == 0 && isTime ? "set key at screen 0.5,0.01 center bottom maxrows 2 Left reverse width 2\n"
 								 : "unset key\n";
 	const int first = isTime ? 2 : 4;
@@ -102,7 +104,7 @@ std::string panel(const nlohmann::ordered_json& scene, std::size_t index, bool i
 }  // namespace
 
 SceneUnderBudgets runUnderBudgets(const SceneInfo& info, const SceneSettings& settings, int steps,
-								  const std::vector<double>& budgets, const std::function<void(double)>& progress)
+								  std::vector<BudgetRun> runs, const std::function<void(double)>& progress)
 {
 	SceneUnderBudgets result;
 	result.scene = info.name;
@@ -111,36 +113,36 @@ SceneUnderBudgets runUnderBudgets(const SceneInfo& info, const SceneSettings& se
 	SceneSettings silent = settings;
 	silent.printsWarnings = false;
 	double done = 0;
-	const auto advance = [&] { progress(++done / (steps * (double(budgets.size()) + 1))); };
+	const auto advance = [&] { progress(++done / (steps * (double(runs.size()) + 1))); };
 	const auto add = [](BudgetRun& run, const SceneState& state)
 	{
-		if (!state.points.empty()) run.rows.push_back({state.dispatchMicroseconds, state.contactError, state.excess});
+		if (!state.points.empty())
+			run.rows.push_back({state.dispatchMicroseconds, state.contactError, state.excess, state.tests});
 	};
 	const std::unique_ptr<Scene> leader = makeScene(info.name, silent);
 	std::vector<SceneState> states = {leader->state()};
 	BudgetRun free;
-	free.budget = kOff;
+	free.metric = settings.metric;
 	for (int step = 0; step < steps; ++step, advance())
 	{
 		leader->step();
 		states.push_back(leader->state());
 		add(free, states.back());
 	}
-	for (const double budget : budgets)
+	for (BudgetRun& run : runs)
 	{
-		silent.budget.microseconds = budget;
+		silent.budget = run.budget;
+		silent.metric = run.metric;
 		const std::unique_ptr<Scene> follower = makeScene(info.name, silent);
-		BudgetRun run;
-		run.budget = budget;
 		for (int step = 0; step < steps; ++step, advance())
 		{
 			follower->place(states[std::size_t(step)]);
 			follower->step();
 			add(run, follower->state());
 		}
-		result.runs.push_back(std::move(run));
 	}
-	result.runs.push_back(std::move(free));
+	runs.push_back(std::move(free));
+	result.runs = std::move(runs);
 	return result;
 }
 
@@ -154,20 +156,21 @@ nlohmann::ordered_json toJson(const SceneUnderBudgets& scene)
 
 std::string formatCsv(const std::vector<SceneUnderBudgets>& scenes)
 {
-	std::string text = "scene,budget_us,dispatch_us,error_bound,excess\n";
+	std::string text = "scene,budget_us,budget_tests,dispatch_us,error_bound,excess,tests\n";
 	for (const SceneUnderBudgets& scene : scenes)
 		for (const BudgetRun& run : scene.runs)
 			for (const BudgetRow& row : run.rows)
-				text += fmt::format("{},{},{:.3f},{},{}\n", scene.scene, number(run.budget), row.dispatchMicroseconds,
-									number(row.contactError), number(row.excess));
+				text += fmt::format("{},{},{},{:.3f},{},{},{}\n", scene.scene, number(run.budget.microseconds),
+									number(run.budget.tests), row.dispatchMicroseconds, number(row.contactError),
+									number(row.excess), row.tests);
 	return text;
 }
 
 std::string formatTable(const std::vector<nlohmann::ordered_json>& scenes)
 {
 	std::string text =
-		fmt::format("{:<14}{:>10}{:>8}{:>12}{:>11}{:>12}{:>12}{:>10}{:>14}{:>11}{:>10}\n", "scene", "T us", "steps",
-					"dispatch us", "p95 us", "over T us", "p95 us", "over, %", "error, % R", "p95", "excess");
+		fmt::format("{:<14}{:>10}{:>8}{:>12}{:>11}{:>12}{:>12}{:>10}{:>14}{:>11}{:>10}\n", "scene", "T", "steps",
+					"dispatch us", "p95 us", "over T", "p95", "over, %", "error, % R", "p95", "excess");
 	for (const auto& scene : scenes)
 		for (const auto& run : scene["runs"])
 		{
@@ -177,8 +180,8 @@ std::string formatTable(const std::vector<nlohmann::ordered_json>& scenes)
 			{
 				const auto at = [&](const char* group, const char* figure) { return run[group][figure].get<double>(); };
 				text += fmt::format("{:>12.1f}{:>11.1f}", at("dispatch_us", "median"), at("dispatch_us", "p95"));
-				text += run.contains("over_us")
-							? fmt::format("{:>12.1f}{:>12.1f}{:>10.1f}", at("over_us", "median"), at("over_us", "p95"),
+				text += run.contains("over")
+							? fmt::format("{:>12.1f}{:>12.1f}{:>10.1f}", at("over", "median"), at("over", "p95"),
 										  100 * run["share_over"].get<double>())
 							: fmt::format("{:>12}{:>12}{:>10}", "-", "-", "-");
 				text += fmt::format("{:>14.3f}{:>11.3f}{:>10.2f}", at("error_percent", "median"),

@@ -16,12 +16,14 @@ struct BudgetRow
 {
 	double dispatchMicroseconds = 0;  // wall time of the whole dispatch, broadphase included
 	double contactError = 0, excess = 0;
+	std::uint64_t tests = 0;
 };
 
-// One run. Budget T: microseconds a step for all pairs; infinite: none.
+// One run, under one budget a step for all pairs, of one metric.
 struct BudgetRun
 {
-	double budget = 0;
+	Budget budget;
+	ContactMetric metric;
 	std::vector<BudgetRow> rows;
 };
 
@@ -32,14 +34,13 @@ struct SceneUnderBudgets
 	std::vector<BudgetRun> runs;
 };
 
-// Simulates the scene without a budget, then dispatches every step again, from the same poses and velocities, under
-// each budget; the last run is the one without.
+// Simulates the scene without a budget, then dispatches every step again, from the same poses and velocities, as each of
+// the runs says, and fills in its rows; a run without a budget, of the scene's metric, is added as the last.
 SceneUnderBudgets runUnderBudgets(const SceneInfo& info, const SceneSettings& settings, int steps,
-								  const std::vector<double>& budgets,
-								  const std::function<void(double fraction)>& progress);
+								  std::vector<BudgetRun> runs, const std::function<void(double fraction)>& progress);
 
-// One element a run: budget_us (null: none), steps, dispatch_us, over_us (dispatch less budget), share_over (more than
-// a tenth over the budget), error_bound and excess as spreads.
+// One element a run: budget (null: none) in microseconds or tests, steps, dispatch_us, tests, over (what was used less the budget), share_over (more
+// than a tenth over the budget), error_bound and excess as spreads.
 nlohmann::ordered_json toJson(const SceneUnderBudgets& scene);
 std::string formatCsv(const std::vector<SceneUnderBudgets>& scenes);         // a row a step that touches
 std::string formatTable(const std::vector<nlohmann::ordered_json>& scenes);  // of toJson's

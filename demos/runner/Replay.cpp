@@ -97,10 +97,15 @@ ReplayRow MeasuredQuery::at(const PoseRow& poses, const GapSettings& settings)
 	}
 	else
 	{
-		row.queryMicroseconds = timedContacts(aFromB, settings);
-		// The gap is searched at what the budget has bought for the contacts.
 		GapSettings withGap = settings;
-		if (settings.budget.isLimited()) withGap.budget = {double(m_contacts.stats.needed), kOff};
+		withGap.metric.coarsening = m_control.coarsening(settings.budget);
+		withGap.budget.tests = std::max(0.0, settings.budget.tests - m_contactCache.coarsestTests());
+		row.queryMicroseconds = timedContacts(aFromB, withGap);
+		m_control.observe({double(m_contacts.stats.boxTests) + m_contacts.stats.hullTests, row.queryMicroseconds, 0,
+						   m_contacts.stats.cutShort > 0});
+		// The gap is searched at what the budget has bought for the contacts.
+		withGap.budget = {};
+		if (m_contacts.stats.cutShort > 0) withGap.metric.coarsening = kOff;
 		if (!m_contactsOnly) row.gapMicroseconds = timedGap(aFromB, withGap);
 	}
 	if (m_contactsOnly) m_gap = m_contacts;
@@ -261,7 +266,7 @@ void add(QueryStats& sum, const QueryStats& stats)
 	sum.pointBoxes += stats.pointBoxes;
 	sum.pointQueries += stats.pointQueries;
 	sum.pending += stats.pending;
-	sum.needed += stats.needed;
+	sum.cutShort += stats.cutShort;
 	sum.gapSearches += stats.gapSearches;
 	sum.depthsCutShort += stats.depthsCutShort;
 }
@@ -366,7 +371,7 @@ std::string formatReplay(const std::vector<ReplayRow>& rows)
 		"step,query_us,front,hull_tests,contacts,min_distance,error_bound,finest_level,coarsest_level,"
 		"gap_us,box_tests,gjk_runs,skipped_by_slack,point_queries,gap_searches,deep,speed_radii_per_s,motion,front_"
 		"inner,"
-		"duplicates,body_a,body_b,churn,pending,excess,needed,touched_finest_level,still_apart,front_kept,front_came,"
+		"duplicates,body_a,body_b,churn,pending,excess,cut_short,touched_finest_level,still_apart,front_kept,front_came,"
 		"front_gone,depths_cut_short\n";
 	for (const ReplayRow& r : rows)
 	{
@@ -377,7 +382,7 @@ std::string formatReplay(const std::vector<ReplayRow>& rows)
 							q.hullTests, q.skippedBySlack, q.pointQueries, q.gapSearches, int(r.deep), r.speed,
 							name(r.motion()), q.frontInner, q.duplicates, r.bodyA, r.bodyB, r.churn, q.pending,
 							number(r.excess));
-		text += fmt::format(",{},{},{},{},{},{},{}\n", q.needed, q.touchedFinestLevel, q.stillApart, q.frontKept,
+		text += fmt::format(",{},{},{},{},{},{},{}\n", q.cutShort, q.touchedFinestLevel, q.stillApart, q.frontKept,
 							q.frontCame, q.frontGone, q.depthsCutShort);
 	}
 	return text;

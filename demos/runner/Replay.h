@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "clod/query/BudgetControl.h"
 #include "clod/query/ContactMetric.h"
 #include "clod/distance/SignedGap.h"
 #include "cli/Length.h"
@@ -23,7 +24,7 @@ struct ReplayOptions  // lengths: shares are of a pair's smaller radius
 {
 	ContactMetric metric;
 	std::optional<CameraPath> camera;  // of view metrics; the meshes' unit
-	Budget budget;                     // of every query
+	Budget budget;                     // of every query, kept as a world keeps it over its steps
 	cli::Length tolerance;
 	std::optional<cli::Length> gapError;  // GapSettings::gapError
 	bool distance = false, paper = false;
@@ -81,6 +82,7 @@ private:
 	bool m_fresh, m_paper, m_contactsOnly;
 	PairCache m_contactCache;
 	GapCache m_gapCache;
+	BudgetControl m_control;
 	GapResult m_contacts, m_gap;
 	std::vector<std::pair<std::uint32_t, std::uint32_t>> m_previous, m_current;  // node pairs of the contact list
 };

@@ -98,13 +98,13 @@ void addBudget(CLI::App& command, Selection& selection)
 {
 	command
 		.add_option("--budget-tests", selection.budget.tests,
-					"At most N hull and culling tests a query (a step of run), the worst contacts first; beyond the "
-					"coarsest answer")
+					"At most N hull and culling tests a query (a step of run) beyond the coarsest answer: all "
+					"thresholds are raised by one factor")
 		->type_name("N")
 		->check(isNotBudget);
 	command
 		.add_option("--budget-us", selection.budget.microseconds,
-					"The same in microseconds by the clock: can be overrun, and does not repeat")
+					"The same in microseconds by the clock (of run: the whole dispatch): does not repeat")
 		->type_name("T")
 		->check(isNotBudget);
 }

@@ -251,8 +251,13 @@ SceneState RigidScene::state() const
 	const StepReport statistics = bullet.context.lastStep();
 	state.warnings = statistics.warnings();
 	state.excess = statistics.excess;
-	bullet.context.forEachPair([&](const PairReport& pair)
-							   { state.contactError = std::max(state.contactError, pair.contactError); });
+	bullet.context.forEachPair(
+		[&](const PairReport& pair)
+		{
+			state.contactError = std::max(state.contactError, pair.contactError);
+			if (!pair.kept && pair.result)
+				state.tests += std::uint64_t(pair.result->stats.boxTests) + pair.result->stats.hullTests;
+		});
 	addPoints(state);
 	addEnergy(state);
 	if (m_definition.outcome) state.outcome = m_definition.outcome(state);

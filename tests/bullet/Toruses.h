@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A world of pairs of toruses with several levels, with or without the dispatcher that plans whole steps.
+// A world of pairs of toruses with several levels, with btClodDispatcher or Bullet's own.
 #pragma once
 #include <algorithm>
 #include <cstring>
@@ -18,10 +18,10 @@ class Toruses
 {
 public:
 	// inCompounds: of the upper bodies, so many are children of compounds.
-	explicit Toruses(bool planned, int pairs = 4, int inCompounds = 0, Context* shared = nullptr)
+	explicit Toruses(bool ours, int pairs = 4, int inCompounds = 0, Context* shared = nullptr)
 		: context(shared ? *shared : m_context)
 	{
-		if (planned)
+		if (ours)
 			m_dispatcher = std::make_unique<btClodDispatcher>(&m_configuration, &context);
 		else
 			m_dispatcher = std::make_unique<btCollisionDispatcher>(&m_configuration);
@@ -50,8 +50,7 @@ public:
 	struct Step
 	{
 		std::uint64_t tests = 0, contacts = 0;
-		std::uint64_t planned = 0;   // of the tests, those of pairs that the dispatcher plans,
-		std::uint32_t pending = 0, coarsest = 0;
+		std::uint32_t pending = 0, coarsest = 0, cutShort = 0;
 		double excess = 0, least = kOff;  // least: of the pairs that were cut short
 		int cut = 0;
 	};
@@ -86,10 +85,9 @@ public:
 		context.forEachPair(
 			[&step](const PairReport& pair)
 			{
-				const std::uint64_t tests =
-					std::uint64_t(pair.result->stats.boxTests) + pair.result->stats.hullTests;
-				step.tests += tests;
-				if (pair.isPlanned) step.planned += tests;
+				if (!pair.kept)
+					step.tests += std::uint64_t(pair.result->stats.boxTests) + pair.result->stats.hullTests;
+				step.cutShort += pair.result->stats.cutShort;
 				step.contacts += pair.result->contacts.size();
 				step.coarsest = std::max(step.coarsest, pair.coarsestLevel);
 				if (pair.result->excess > 0) step.least = std::min(step.least, pair.result->excess), ++step.cut;
@@ -99,7 +97,7 @@ public:
 		step.excess = sums.excess;
 		return step;
 	}
-	std::uint64_t answers() const { return dynamic_cast<const btClodDispatcher&>(*m_dispatcher).answers(); }
+	void setThreads(unsigned count) { dynamic_cast<btClodDispatcher&>(*m_dispatcher).setThreads(count); }
 	// The bodies above the fixed ones, at this height and a little more from one to the next; upright and turned.
 	void place(double height, double turn)
 	{

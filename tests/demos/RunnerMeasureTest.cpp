@@ -325,6 +325,14 @@ TEST_F(RunnerCommand, BudgetsAreRunAtTheSamePosesAndLargerOnesLeaveSmallerErrors
 	EXPECT_EQ(runs[1]["error_percent"], runs[2]["error_percent"]);
 	EXPECT_EQ(runs[0]["share_over"], 1);
 	EXPECT_EQ(runs[1]["share_over"], 0);
+	// Counted, too.
+	ASSERT_EQ(bench(words + " --in-tests --budgets 0,200,1000000 -o " + path("counted")).code, 0);
+	const json counted = report("counted/budget.json")["scenes"][0]["runs"];
+	ASSERT_EQ(counted.size(), 4u);
+	EXPECT_LE(counted[1]["tests"]["median"].get<double>(), 200);
+	EXPECT_LE(counted[1]["error_percent"]["median"].get<double>(), counted[0]["error_percent"]["median"].get<double>());
+	EXPECT_EQ(counted[2]["error_percent"], counted[3]["error_percent"]);
+	EXPECT_EQ(counted[2]["tests"], counted[3]["tests"]);
 	EXPECT_EQ(bench("budget spoon-cub -o " + path("x") + cache()).code, 2);
 	EXPECT_EQ(bench("budget spoon-cup --budgets 5,-1 -o " + path("x") + cache()).code, 2);
 	EXPECT_EQ(bench("budget spoon-cup --budget-us 5 -o " + path("x") + cache()).code, 2);

@@ -65,6 +65,7 @@ std::vector<Case> cases(double radius)
 	add("view", [=](Settings& s) { s.metric.view = {1, {0, 0, 3 * radius}, 0.005, 0.01 * radius}; });
 	add("gap within an error", [=](Settings& s) { size(s), s.gapError = 1e-3 * radius; });
 	add("budget of tests", [=](Settings& s) { size(s), s.budget.tests = 200; });
+	add("coarsened", [=](Settings& s) { size(s), s.metric.coarsening = 8; });
 	add("sweep", [=](Settings& s) { size(s), s.sweep.linear = {0, 0, 1e-3 * radius}; });
 	const std::size_t withGap = list.size();
 	for (std::size_t i = 0; i < withGap; ++i)

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Queries under a budget: any budget answers, none is exceeded, a full one changes nothing, more is never coarser.
+// Coarsening and hard stops: one factor on all limits is those limits so many times as large; what a budget cuts short is the
+// coarsest valid answer, and costs no more than that besides. Which factor a budget buys: BudgetControlTest.cpp.
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "clod/query/AnswerCost.h"
 #include "tests/query/Answers.h"
 #include "tests/query/TriangleGap.h"
 
@@ -55,6 +55,11 @@ Settings with(Settings settings, double tests)
 	settings.budget.tests = tests;
 	return settings;
 }
+Settings coarser(Settings settings, double factor)
+{
+	settings.metric.coarsening = factor;
+	return settings;
+}
 std::uint64_t testsOf(const GapResult& result)
 {
 	return std::uint64_t(result.stats.boxTests) + result.stats.hullTests;
@@ -72,78 +77,105 @@ void forEachPose(std::uint64_t seed, int poses, const Check& check)
 		}
 }
 
-TEST(Budget, AFullOneEqualsTheUnbudgetedQueryBitForBit)
+// The same metric with every limit so many times as large, by hand.
+Metric enlarged(Metric metric, double factor, double radius)
 {
-	int withContacts = 0, searched = 0;
-	const auto check = [&](Random&, const BodyPair& pair, const Transform& pose, const Settings& settings)
+	const double finest = 1e-4 * radius;
+	const auto enlarge = [&](double& limit) { limit = limit < kOff ? factor * std::max(limit, finest) : limit; };
+	if (metric.exact) metric.maxError = 0;
+	metric.exact = false;
+	enlarge(metric.weightedDeviation);
+	enlarge(metric.maxError);
+	metric.velocity.time *= factor;
+	metric.velocity.floor *= factor;
+	metric.view.pixels *= factor;
+	return metric;
+}
+
+TEST(Coarsening, IsEveryLimitSoManyTimesAsLarge)
+{
+	int coarserThanAsked = 0;
+	const auto check = [&](Random& random, const BodyPair& pair, const Transform& pose, Settings settings)
 	{
-		const GapResult expected = fresh(pair, pose, settings);
-		const GapResult result = fresh(pair, pose, with(settings, 1e9));
-		EXPECT_EQ(difference(result, expected), "") << "exact " << settings.metric.exact;
-		EXPECT_EQ(result.excess, 0);
-		EXPECT_EQ(result.stats.gapSearches, expected.stats.gapSearches);
-		withContacts += !result.contacts.empty();
-		searched += expected.stats.gapSearches > 0;
+		settings.contactsOnly = true;
+		const double factor = std::pow(10, uniform(random, 0, 3));
+		Settings byHand = settings;
+		byHand.metric = enlarged(settings.metric, factor, smallerRadius(pair.a, pair.b));
+		const GapResult result = fresh(pair, pose, coarser(settings, factor));
+		EXPECT_EQ(difference(result, fresh(pair, pose, byHand)), "") << factor;
+		EXPECT_EQ(difference(fresh(pair, pose, coarser(settings, 1)), fresh(pair, pose, settings)), "");
+		EXPECT_LE(result.excess, factor * (1 + 1e-9));
+		EXPECT_EQ(result.excess > 0, result.stats.pending > 0);
+		coarserThanAsked += result.excess > 1;
 	};
 	forEachPose(31, 40, check);
-	EXPECT_GT(withContacts, 40);
-	EXPECT_GT(searched, 0);
+	EXPECT_GT(coarserThanAsked, 20);
 }
 
-TEST(Budget, NoneGivesTheCoarsestValidAnswer)
+TEST(Coarsening, WithoutEndIsTheCoarsestValidAnswer)
 {
-	int coarser = 0;
+	int coarserThanAsked = 0;
 	const auto check = [&](Random&, const BodyPair& pair, const Transform& pose, Settings settings)
 	{
-		settings.contactsOnly = false;
-		settings.gapError = kOff;  // the certificate of the nodes
-		const GapResult withGap = fresh(pair, pose, with(settings, 0));
-		settings.contactsOnly = true;  // how exactly a depth is searched depends on maxError
-		const GapResult result = fresh(pair, pose, with(settings, 0));
-		const GapResult full = fresh(pair, pose, settings);
+		settings.contactsOnly = true;
+		const GapResult result = fresh(pair, pose, coarser(settings, kOff));
+		coarserThanAsked += result.excess > 1;
 		settings.metric = Metric{};
 		EXPECT_EQ(difference(result, fresh(pair, pose, settings)), "");
-		// A pair that touches has an answer, unless the finer levels are out of reach of the coarser ones' certificate.
-		if (result.contacts.empty() && !full.contacts.empty())
-		{
-			EXPECT_TRUE(withGap.contacts.empty());
-			EXPECT_LT(settings.tolerance - withGap.errorBound, full.contacts[0].lower);
-		}
-		coarser += result.excess > 1;
 	};
 	forEachPose(32, 20, check);
-	EXPECT_GT(coarser, 10);
+	EXPECT_GT(coarserThanAsked, 10);
 }
 
-TEST(Budget, IsNeverExceededAndMoreIsNeverCoarser)
+TEST(Budget, CutsShortToTheCoarsestAnswerOrChangesNothing)
 {
-	int bound = 0;
-	double used = 0, given = 0;
+	int cut = 0, whole = 0, early = 0;
 	const auto check = [&](Random&, const BodyPair& pair, const Transform& pose, Settings settings)
 	{
 		settings.contactsOnly = true;  // the search of a depth is not in the budget
-		const std::uint64_t least = testsOf(fresh(pair, pose, with(settings, 0)));
-		double excess = kOff;
-		std::uint32_t opened = 0;
-		for (double tests = 4; tests < 1e5; tests *= 1.7)
+		const GapResult expected = fresh(pair, pose, settings), coarsest = fresh(pair, pose, coarser(settings, kOff));
+		for (double tests = 1; tests < 1e5; tests *= 1.7)
 		{
 			const GapResult result = fresh(pair, pose, with(settings, std::floor(tests)));
-			ASSERT_LE(testsOf(result), std::max(std::uint64_t(tests), least)) << tests;
-			EXPECT_LE(result.excess, excess);
-			EXPECT_GE(result.stats.frontInner, opened);
-			excess = result.excess;
-			opened = result.stats.frontInner;
-			if (result.excess > 0 && tests > double(least))
-			{
-				++bound;
-				used += double(testsOf(result));
-				given += std::floor(tests);
-			}
+			const bool isCut = result.stats.cutShort > 0;
+			EXPECT_EQ(difference(result, isCut ? coarsest : expected), "") << tests;
+			// The search for what the bodies may move is part of the budget, and left out where it does not fit.
+			EXPECT_LE(testsOf(result), std::uint64_t(tests) + (isCut ? testsOf(coarsest) : 0)) << tests;
+			EXPECT_FALSE(isCut && tests > 1.3 * double(testsOf(expected)) + 64) << tests;
+			cut += isCut, whole += !isCut;
+			early += isCut && tests > double(testsOf(expected));
 		}
 	};
 	forEachPose(33, 8, check);
-	EXPECT_GT(bound, 20);
-	EXPECT_GT(used, 0.7 * given);  // and what is given is used
+	EXPECT_GT(cut, 50);
+	EXPECT_GT(whole, 50);
+	EXPECT_LT(early, cut / 4);
+}
+
+// What is known of the coarsest answer is known before it is needed.
+TEST(Budget, LeavesRoomForTheCoarsestAnswer)
+{
+	int cut = 0;
+	const auto check = [&](Random&, const BodyPair& pair, const Transform& pose, Settings settings)
+	{
+		settings.contactsOnly = true;
+		const GapResult nothing = fresh(pair, pose, with(settings, 0));
+		if (nothing.stats.cutShort == 0) return;
+		GapCache cache;
+		GapResult result;
+		query(*pair.a.hierarchy, *pair.b.hierarchy, pose, with(settings, 1e9), cache, result);
+		const double reserve = cache.pair.coarsestTests();
+		EXPECT_GE(reserve, double(testsOf(nothing)));
+		EXPECT_LE(reserve, 3 * double(testsOf(nothing)));
+		for (double tests = reserve; tests < 1e4; tests *= 1.5)
+		{
+			const GapResult found = fresh(pair, pose, with(settings, tests - reserve));
+			EXPECT_LE(double(testsOf(found)), tests);
+			cut += found.stats.cutShort;
+		}
+	};
+	forEachPose(38, 8, check);
+	EXPECT_GT(cut, 20);
 }
 
 TEST(Budget, ItsErrorIsStillCertified)
@@ -153,7 +185,8 @@ TEST(Budget, ItsErrorIsStillCertified)
 	{
 		settings.contactsOnly = false;
 		const double radius = smallerRadius(pair.a, pair.b);
-		const GapResult result = fresh(pair, pose, with(settings, std::pow(10, uniform(random, 0, 4))));
+		settings = with(coarser(settings, std::pow(10, uniform(random, 0, 3))), std::pow(10, uniform(random, 0, 4)));
+		const GapResult result = fresh(pair, pose, settings);
 		if (!std::isfinite(result.errorBound)) return;
 		const GapInterval truth = triangleGap(pair.a.triangles, pair.b.triangles, pose, 1e-3 * radius);
 		if (std::isfinite(result.minDistance))
@@ -169,7 +202,7 @@ TEST(Budget, ItsErrorIsStillCertified)
 	EXPECT_GT(proved, 5);
 }
 
-// Budgets, metrics and the use of a budget at all change from step to step: caches never show.
+// Budgets, factors and metrics change from step to step: caches show in nothing but in what is cut short.
 TEST(Budget, CachedEqualsFreshBitForBit)
 {
 	Random random(35);
@@ -192,13 +225,17 @@ TEST(Budget, CachedEqualsFreshBitForBit)
 			else
 				++again;
 			if (random() % 5 == 0) settings = anySettings(random, radius);
+			if (random() % 2) settings.metric.coarsening = random() % 3 ? std::pow(10, uniform(random, 0, 3)) : 1;
 			if (random() % 2)
 				settings.budget.tests = random() % 3 ? std::floor(std::pow(10, uniform(random, 0, 5))) : kOff;
 			query(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache, result);
-			const GapResult expected = fresh(pair, pose, settings);
+			Settings free = settings;
+			free.budget = {};
+			if (result.stats.cutShort > 0) free.metric.coarsening = kOff;
+			const GapResult expected = fresh(pair, pose, free);
 			ASSERT_EQ(difference(result, expected), "") << "step " << step;
 			ASSERT_EQ(result.excess, expected.excess) << "step " << step;
-			cut += result.excess > 0;
+			cut += result.stats.cutShort;
 		}
 		EXPECT_GT(cut, 20);
 		EXPECT_GT(again, 20);
@@ -209,104 +246,13 @@ TEST(Budget, ATimeOfZeroIsTheCoarsestAnswerAndALongOneChangesNothing)
 {
 	const auto check = [&](Random&, const BodyPair& pair, const Transform& pose, Settings settings)
 	{
-		const GapResult unbudgeted = fresh(pair, pose, settings), coarsest = fresh(pair, pose, with(settings, 0));
+		const GapResult unbudgeted = fresh(pair, pose, settings), coarsest = fresh(pair, pose, coarser(settings, kOff));
 		settings.budget.microseconds = 0;
 		EXPECT_EQ(difference(fresh(pair, pose, settings), coarsest), "");
 		settings.budget.microseconds = 1e9;
 		EXPECT_EQ(difference(fresh(pair, pose, settings), unbudgeted), "");
 	};
 	forEachPose(36, 5, check);
-}
-
-// A fixed cost, a peak in between, and what was seen too long ago to count.
-TEST(AnswerCost, IsAStraightLineBetweenWhatWasSeenLately)
-{
-	AnswerCost cost(10);
-	EXPECT_EQ(cost.estimate(5), 50);
-	cost.observe(10, 100);
-	cost.observe(100, 280);
-	cost.observe(0, 1e9);  // no answers tell nothing
-	EXPECT_DOUBLE_EQ(cost.estimate(10), 100);
-	EXPECT_DOUBLE_EQ(cost.estimate(55), 190);
-	EXPECT_DOUBLE_EQ(cost.estimate(200), 560);
-	EXPECT_DOUBLE_EQ(cost.estimate(5), 50);
-	cost.observe(40, 900);
-	EXPECT_DOUBLE_EQ(cost.estimate(40), 900);
-	EXPECT_DOUBLE_EQ(cost.estimate(25), 500);
-	for (int i = 0; i < 121; ++i) cost.observe(10, 120);
-	EXPECT_DOUBLE_EQ(cost.estimate(40), 480);
-}
-
-// A plan is a query in two parts, whatever is refined between; a query for anything else drops it.
-TEST(QueryPlan, IsFinishedByTheNextQuery)
-{
-	const OwnThreshold own = [](const Place&) { return 1e-4; };
-	int refined = 0;
-	const auto check = [&](Random& random, const BodyPair& pair, const Transform& pose, Settings settings)
-	{
-		if (random() % 3 == 0) settings.metric.own = &own;
-		settings.contactsOnly = true;
-		const GapResult expected = fresh(pair, pose, settings);
-		settings = with(settings, 0);
-		GapCache cache;
-		GapResult result;
-		const auto finish = [&](const Transform& at) -> const GapResult&
-		{
-			query(*pair.a.hierarchy, *pair.b.hierarchy, at, settings, cache, result);
-			return result;
-		};
-		QueryPlan plan(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache.pair);
-		const std::uint64_t least = plan.committed();
-		EXPECT_LE(testsOf(fresh(pair, pose, settings)), least);
-		while (plan.excess() > 0)
-		{
-			const std::uint64_t most = plan.committed() + plan.cost();
-			plan.refine();
-			ASSERT_LE(plan.committed(), most);
-			++refined;
-		}
-		const std::uint64_t committed = plan.committed();
-		if (expected.stats.gapSearches == 0)
-		{
-			EXPECT_EQ(difference(finish(pose), expected), "");
-			EXPECT_LE(testsOf(result), committed);
-			EXPECT_GE(2 * testsOf(result), committed);
-		}
-		QueryPlan dropped(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache.pair);
-		while (dropped.excess() > 0) dropped.refine();
-		Transform other = pose;
-		other.translation.x += 1e-3 * smallerRadius(pair.a, pair.b);
-		EXPECT_EQ(difference(finish(other), fresh(pair, other, settings)), "");
-	};
-	forEachPose(37, 6, check);
-	EXPECT_GT(refined, 100);
-}
-
-// A plan that no query finishes leaves the last result behind: it is that of another pose.
-TEST(QueryPlan, WhatIsDroppedAnswersNothing)
-{
-	const BodyPair& pair = pairs()[0];
-	const double radius = smallerRadius(pair.a, pair.b);
-	Settings settings;
-	settings.tolerance = 0.01 * radius;
-	settings.metric.weightedDeviation = 0.03 * radius;
-	settings.contactsOnly = true;
-	Transform near, far;
-	near.translation = {0.3 * radius, 0, 0};
-	far.translation = {20 * radius, 0, 0};
-	for (const double tests : {1e9, 1e4, kOff})
-	{
-		GapCache cache;
-		GapResult result;
-		query(*pair.a.hierarchy, *pair.b.hierarchy, far, with(settings, 0), cache, result);
-		ASSERT_TRUE(result.contacts.empty());
-		{
-			QueryPlan dropped(*pair.a.hierarchy, *pair.b.hierarchy, near, with(settings, 0), cache.pair);
-		}
-		query(*pair.a.hierarchy, *pair.b.hierarchy, near, with(settings, tests), cache, result);
-		EXPECT_FALSE(result.contacts.empty());
-		EXPECT_EQ(difference(result, fresh(pair, near, with(settings, tests))), "") << tests;
-	}
 }
 
 TEST(Budget, RefusesWhatCannotBeUsedByName)
@@ -317,6 +263,7 @@ TEST(Budget, RefusesWhatCannotBeUsedByName)
 		EXPECT_NE(settingsError(settings).find("budget.tests"), std::string::npos);
 		settings.budget = {kOff, bad};
 		EXPECT_NE(settingsError(settings).find("budget.microseconds"), std::string::npos);
+		EXPECT_NE(settingsError(coarser({}, bad)).find("metric.coarsening"), std::string::npos);
 	}
 	Settings settings = with({}, 100);
 	EXPECT_EQ(settingsError(settings), "");

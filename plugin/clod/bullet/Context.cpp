@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <cstdio>
 #include <limits>
 
 #include "clod/bullet/PairState.h"
+#include "clod/bullet/btClodDispatcher.h"
 
 namespace clod
 {
@@ -43,44 +43,30 @@ void Context::add(PairState* pair)
 
 void Context::remove(PairState* pair)
 {
-	const PairReport* report = &pair->lastReport();
 	const std::lock_guard<std::mutex> lock(m_mutex);
-	m_demand -= report->demand;
-	if (!report->isPlanned) m_unplannedDemand -= report->demand;
 	m_pairs.erase(std::find(m_pairs.begin(), m_pairs.end(), pair));
 }
 
-void Context::setDemand(PairReport& report, double tests)
+StepBudget& Context::budgetOf(btDispatcher& dispatcher)
 {
-	const std::lock_guard<std::mutex> lock(m_mutex);
-	m_demand += tests - report.demand;
-	if (!report.isPlanned) m_unplannedDemand += tests - report.demand;
-	report.demand = tests;
+	auto* ours = dynamic_cast<btClodDispatcher*>(&dispatcher);
+	return ours ? ours->stepBudget() : m_stepBudget;
 }
 
-void Context::setPlanned(PairReport& report)
+double Context::enterStep(StepBudget& stepBudget, std::uint64_t& lastStep)
 {
+	const Budget usable = usableBudget();
+	if (&stepBudget != &m_stepBudget || !(usable.isLimited() || m_stepBudget.isLimited())) return stepBudget.coarsening();
 	const std::lock_guard<std::mutex> lock(m_mutex);
-	if (!report.isPlanned) m_unplannedDemand -= report.demand;
-	report.isPlanned = true;
-}
-
-// A pair that is new counts as the average of the others.
-Budget Context::shareOf(const PairReport& report) const
-{
-	const std::lock_guard<std::mutex> lock(m_mutex);
-	const double pairs = double(m_pairs.size());
-	const double own = report.demand > 0 ? report.demand : m_demand / std::max(1.0, pairs - 1);
-	const double all = report.demand > 0 ? m_demand : m_demand + own;
-	const double share = all > 0 ? own / all : 1 / pairs;
-	const auto part = [share](double whole) { return whole < kOff ? share * whole : kOff; };
-	return {std::floor(part(budget.tests)), part(budget.microseconds)};
-}
-
-double Context::unplannedShare() const
-{
-	const std::lock_guard<std::mutex> lock(m_mutex);
-	return budget.tests < kOff && m_demand > 0 ? budget.tests * m_unplannedDemand / m_demand : 0;
+	if (lastStep == m_stepBudget.step() || !m_stepBudget.isOf(usable))
+	{
+		std::uint64_t reserve = 0;
+		for (const PairState* pair : m_pairs) reserve += pair->lastReport().coarsestTests;
+		m_stepBudget.end();
+		m_stepBudget.begin(usable, reserve);
+	}
+	lastStep = m_stepBudget.step();
+	return m_stepBudget.coarsening();
 }
 
 void Context::say(unsigned cause, const std::string& message)

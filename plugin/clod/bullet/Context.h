@@ -16,11 +16,14 @@
 #include "clod/Export.h"
 #include "clod/bullet/Abi.h"
 #include "clod/bullet/ConvexPartner.h"
+#include "clod/bullet/StepBudget.h"
 #include "clod/bullet/StepReport.h"
 #include "clod/query/Budget.h"
 
 class btCollisionObject;
+class btDispatcher;
 class btClodCollisionAlgorithm;
+class btClodDispatcher;
 class btClodDynamicsWorld;
 struct btCollisionAlgorithmCreateFunc;
 
@@ -44,14 +47,15 @@ public:
 	// may change between steps. A metric that cannot be used (contactMetricError) makes its pairs exact and is warned
 	// of.
 	ContactMetric worldMetric = ContactMetric::errorShare(0.005);
-	// Returns true and fills the metric to decide a pair. Called once a pair and dispatch, twice under a budget, maybe
-	// from several threads.
+	// Returns true and fills the metric to decide a pair. Called once a pair and dispatch, maybe from several
+	// threads.
 	std::function<bool(const btCollisionObject& a, const btCollisionObject& b, ContactMetric& metric)> pairMetric;
 	// The eye of view metrics; none: a pair with a view metric is exact and warned of.
 	std::optional<ViewCamera> camera;
-	// What the queries of a step may cost together, tests or time; pairs of two shapes of ours only. btClodDispatcher
-	// holds it over the whole step. Any other dispatcher lets each pair have a share by what it needed last, so that
-	// the sum is near the budget, not under it. A budget that cannot be used is warned of and not used.
+	// What the queries of a step may cost together, or its dispatch, tests or time; pairs of two shapes of ours only. It is
+	// kept by one coarsening of all their metrics, chosen from what the last steps cost. btClodDispatcher keeps one budget a
+	// world; with any other, a step begins where a pair comes again, and worlds share it. A budget that cannot be used is
+	// warned of and not used.
 	Budget budget;
 	// Search the signed gap of touching bodies too (PairReport::result then has it, certified). Costs a millisecond or
 	// more.
@@ -67,8 +71,6 @@ public:
 
 	static constexpr int kMostMessages = 10;
 
-	// Of the budget of tests, what pairs that btClodDispatcher cannot plan will take.
-	double unplannedShare() const;
 	StepReport lastStep() const;
 	// Visits the live pairs, oldest first. A visitor may call this context again, and may test for contacts; a pair
 	// that it removes can keep a later one from being visited. Between dispatches, or on the only thread of one.
@@ -78,22 +80,26 @@ private:
 	friend class PairState;
 	friend class ::btClodCollisionAlgorithm;
 	friend class ::btClodDynamicsWorld;
-	// A pair's part of the budget; 0 <= demand: tests that it needed last.
-	Budget shareOf(const PairReport& report) const;
-	void setDemand(PairReport& report, double tests);
-	void setPlanned(PairReport& report);  // by btClodDispatcher from now on
+	friend class ::btClodDispatcher;
+	// None where it cannot be used.
+	Budget usableBudget() const { return budgetError(budget).empty() ? budget : Budget{}; }
+	// That of btClodDispatcher, or this context's.
+	StepBudget& budgetOf(btDispatcher& dispatcher);
+	// The coarsening of this step. lastStep: the one a pair was last in; where that is this one a new step begins, unless
+	// its dispatcher says so.
+	double enterStep(StepBudget& budget, std::uint64_t& lastStep);
 	void add(PairState* pair);
 	void remove(PairState* pair);
 	void say(unsigned cause, const std::string& message);
 	static void noteRegistration();
 	PairState* pairAt(std::size_t index) const;
-	mutable std::mutex m_mutex;             // of pairs and demand; no function of the user's is called under it
+	mutable std::mutex m_mutex;             // of pairs and m_stepBudget; no function of the user's is called under it
 	mutable std::recursive_mutex m_saying;  // one message at a time, but for those that a message's handler causes
 	std::vector<PairState*> m_pairs;
 	bool m_isSolved = false;  // contacts are asked for what the step's solver has made of the motion
-	double m_demand = 0, m_unplannedDemand = 0;  // sums over the pairs; whole numbers
 	std::map<unsigned, int> m_said;  // how often, of each cause
 	ConvexPartners m_convexPartners;
+	StepBudget m_stepBudget;  // of dispatchers that have none
 	std::vector<std::unique_ptr<btCollisionAlgorithmCreateFunc>> m_createFunctions;  // one set a registration
 };
 }  // namespace clod

@@ -14,8 +14,6 @@ namespace clod
 {
 namespace
 {
-constexpr double kTestsPerPending = 8;  // what a pair that was not refined would have taken
-
 // An engine mesh's triangles, in its own frame and the hierarchy's unit.
 struct TriangleSink : btTriangleCallback
 {
@@ -42,7 +40,7 @@ struct TriangleSink : btTriangleCallback
 void PairState::ask(const PairPose& pose, const Question& question)
 {
 	GapSettings settings = question.settings;
-	settings.budget = chooseBudget();
+	if (m_budget) settings.budget = m_budget->next(coarsestTests());
 	if (question.withGap)
 		signedGap(pose.hierarchyA(), pose.hierarchyB(), pose.aFromB, settings, m_cache, m_result);
 	else
@@ -50,10 +48,9 @@ void PairState::ask(const PairPose& pose, const Question& question)
 		contacts(pose.hierarchyA(), pose.hierarchyB(), pose.aFromB, settings, m_cache.pair, m_result);
 		m_result.minDistance = m_result.errorBound = std::numeric_limits<double>::infinity();
 	}
-	if (!settings.budget.isLimited()) return;
 	const QueryStats& stats = m_result.stats;
-	const double tests = double(stats.boxTests) + stats.hullTests;
-	m_context.setDemand(m_report, tests + kTestsPerPending * stats.pending);
+	m_report.coarsestTests = coarsestTests();
+	if (m_budget) m_budget->spend(std::uint64_t(stats.boxTests) + stats.hullTests, stats.cutShort > 0);
 }
 
 // Planes and meshes have no hierarchy: what of them is near is gathered anew.
@@ -121,7 +118,7 @@ void PairState::answer(const PairPose& pose, const Question& question)
 	m_report.contactMicroseconds = staysEmpty ? 0 : microsecondsSince(asked);
 	// What a budget cut short answers only under that budget: the next dispatch asks anew, with what it may cost then.
 	m_answered.reset();
-	if (!(m_result.excess > 0)) m_answered = question;
+	if (m_result.stats.cutShort == 0) m_answered = question;
 }
 
 void PairState::findPoints(const PairPose& pose, bool goesOn)

@@ -29,7 +29,7 @@ void PairState::sayOnce(unsigned cause, const std::string& message)
 {
 	if ((m_warned & cause) != 0) return;
 	m_warned |= cause;
-	m_context.say(cause, bodies() + ": " + message);
+	m_toSay.emplace_back(cause, bodies() + ": " + message);
 }
 
 void PairState::warnOnce(bool now, unsigned cause, const char* what)

@@ -3,6 +3,7 @@
 #include "clod/bullet/PairState.h"
 
 #include <tuple>
+#include <utility>
 
 #include "clod/bullet/BodyState.h"
 #include "clod/bullet/TimeOfImpact.h"
@@ -11,8 +12,6 @@ namespace clod
 {
 namespace
 {
-constexpr Budget kSpent = {0, kOff};  // of a query whose budget somebody else has spent
-
 // Every field: one more does not compile before it is named here.
 auto fieldsOf(const PairBody& body)
 {
@@ -46,7 +45,10 @@ WorldFrame worldFrame(const PairPose& pose, double pushSpeed, bool aIsFirst, dou
 }  // namespace
 
 PairState::PairState(Context& context, btDispatcher& dispatcher, btPersistentManifold* shared, bool isClosestPoints)
-	: m_context(context), m_manifolds(dispatcher, shared), m_isClosestPoints(isClosestPoints)
+	: m_context(context),
+	  m_manifolds(dispatcher, shared),
+	  m_isClosestPoints(isClosestPoints),
+	  m_budget(isClosestPoints ? nullptr : &context.budgetOf(dispatcher))
 {
 	m_report.result = &m_result;
 	m_report.clusters = &m_clusters;
@@ -114,6 +116,8 @@ PairPose PairState::begin(const btCollisionObjectWrapper& body0, const btCollisi
 	m_report.tolerance = pose.tolerance;
 	m_report.metric = m_metric.resolve(m_context, pose);
 	m_report.metricError = m_metric.error();
+	const std::string badBudget = m_budget ? budgetError(m_context.budget) : std::string();
+	if (!badBudget.empty()) sayOnce(16, "the budget cannot be used: " + badBudget);
 	if (!m_metric.error().empty())
 		sayOnce(8, "a pair's metric cannot be used, its contacts are exact: " + m_metric.error());
 	m_report.hierarchyA = &pose.hierarchyA();
@@ -121,7 +125,7 @@ PairPose PairState::begin(const btCollisionObjectWrapper& body0, const btCollisi
 	return pose;
 }
 
-PairState::Question PairState::questionOf(const PairPose& pose) const
+PairState::Question PairState::questionOf(const PairPose& pose)
 {
 	Question question;
 	question.aFromB = pose.aFromB;
@@ -130,6 +134,7 @@ PairState::Question PairState::questionOf(const PairPose& pose) const
 	question.settings.sweep = pose.sweep();
 	question.rules = pose.rules;
 	question.withGap = m_context.searchGap && !pose.isRound();
+	if (m_budget && pose.isOfTwo()) question.settings.metric.coarsening = m_context.enterStep(*m_budget, m_step);
 	return question;
 }
 
@@ -142,37 +147,6 @@ void PairState::forget()
 	static_cast<DispatchReport&>(m_report) = {};
 }
 
-std::optional<PairPlan> PairState::plan(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-										const btDispatcherInfo& info)
-{
-	if (m_isClosestPoints) return {};
-	const PairPose pose = begin(body0, body1, info, 0);
-	if (!pose.isAsked() || !pose.isOfTwo()) return {};
-	m_context.setPlanned(m_report);
-	m_hasPlan = true;
-	checkBudget();
-	ContactSettings settings = questionOf(pose).settings;
-	settings.budget = kSpent;
-	return PairPlan{QueryPlan(pose.hierarchyA(), pose.hierarchyB(), pose.aFromB, settings, m_cache.pair),
-					pose.rules.length};
-}
-
-// Has this dispatch one? What is asked by contactTest and the like is answered in full.
-bool PairState::checkBudget()
-{
-	const std::string error = m_isClosestPoints ? std::string() : budgetError(m_context.budget);
-	if (!error.empty()) sayOnce(16, "the budget cannot be used: " + error);
-	return m_hasBudget = !m_isClosestPoints && error.empty() && m_context.budget.isLimited();
-}
-
-// A planned query has spent its part already.
-Budget PairState::chooseBudget()
-{
-	const bool hasPlan = std::exchange(m_hasPlan, false);
-	if (!checkBudget()) return {};
-	return hasPlan ? kSpent : m_context.shareOf(m_report);
-}
-
 double PairState::timeOfImpact(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 							   const btDispatcherInfo& info)
 {
@@ -181,35 +155,52 @@ double PairState::timeOfImpact(const btCollisionObjectWrapper& body0, const btCo
 	return pose.isAsked() ? clod::timeOfImpact(pose, m_cache, m_onTheWay) : 1;
 }
 
-void PairState::process(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-						const btDispatcherInfo& info, btManifoldResult& out)
+PairState::Prepared PairState::prepared(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+										const btDispatcherInfo& info, double closestPoints)
 {
-	const double closestPoints = double(out.m_closestPointDistanceThreshold);
-	const PairPose pose = begin(body0, body1, info, closestPoints);
-	m_report.kept = false;
-	if (!pose.isAsked())
+	Prepared next;
+	next.pose = begin(body0, body1, info, closestPoints);
+	next.aIsFirst = next.pose.a == &body0;
+	if (!next.pose.isAsked())
 	{
 		m_foreseen = {};
 		m_manifolds.readImpulses(m_clusters);
 		forget();
+		return next;
+	}
+	next.question = questionOf(next.pose);
+	next.isAnswered = next.pose.isOfTwo() && m_answered && same(*m_answered, next.question);
+	if (next.isAnswered) return next;
+	m_manifolds.readImpulses(m_clusters);
+	answer(next.pose, next.question);
+	return next;
+}
+
+void PairState::process(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+						const btDispatcherInfo& info, btManifoldResult& out)
+{
+	const double closestPoints = double(out.m_closestPointDistanceThreshold);
+	if (!m_prepared) m_prepared = prepared(body0, body1, info, closestPoints);
+	const Prepared now = *std::exchange(m_prepared, std::nullopt);
+	PairPose pose = now.pose;
+	(now.aIsFirst ? pose.a : pose.b) = &body0;
+	(now.aIsFirst ? pose.b : pose.a) = &body1;
+	for (const auto& [cause, message] : std::exchange(m_toSay, {})) m_context.say(cause, message);
+	m_report.kept = false;
+	if (!pose.isAsked())
+	{
 		m_manifolds.write(m_clusters, {}, [](const ContactPoint&, std::uint32_t&, std::uint32_t&) {}, out);
 		return;
 	}
-	const WorldFrame frame = worldFrame(pose, m_context.pushSpeed, pose.a == &body0, closestPoints);
-	const Question question = questionOf(pose);
-	const bool isAnswered =
-		pose.isOfTwo() && m_answered && !m_context.budget.isLimited() && same(*m_answered, question);
-	if (isAnswered)
+	const WorldFrame frame = worldFrame(pose, m_context.pushSpeed, now.aIsFirst, closestPoints);
+	if (now.isAnswered)
 	{
-		m_report.queryMicroseconds = m_report.contactMicroseconds = 0;
+		keepAnswer();
 		m_report.kept = m_manifolds.keep(m_clusters, frame, out);
 		if (m_report.kept) return;
-	}
-	m_manifolds.readImpulses(m_clusters);
-	if (isAnswered)
+		m_manifolds.readImpulses(m_clusters);
 		linkToThemselves();
-	else
-		answer(pose, question);
+	}
 	write(pose, frame, out);
 }
 
@@ -234,6 +225,13 @@ double PairState::surprise() const
 	const RelativeMotion change = {now.linear - m_foreseen.motion.linear, now.angular - m_foreseen.motion.angular, dt};
 	const double speed = length(change.velocity(m_foreseen.center)) + length(change.angular) * m_foreseen.radius;
 	return speed * dt / m_foreseen.skin;
+}
+
+void PairState::keepAnswer()
+{
+	m_report.queryMicroseconds = m_report.contactMicroseconds = 0;
+	const QueryStats& stats = m_result.stats;
+	if (m_budget) m_budget->keep(std::uint64_t(stats.boxTests) + stats.hullTests, coarsestTests());
 }
 
 void PairState::write(const PairPose& pose, const WorldFrame& frame, btManifoldResult& out)

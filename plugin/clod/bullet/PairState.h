@@ -7,25 +7,19 @@
 
 #include <array>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "clod/bullet/Manifolds.h"
 #include "clod/bullet/PairMetric.h"
 #include "clod/bullet/PairPose.h"
+#include "clod/bullet/StepBudget.h"
 #include "clod/distance/SignedGap.h"
 #include "clod/manifold/FacetContacts.h"
 #include "clod/manifold/PartnerContacts.h"
-#include "clod/query/Clock.h"
 
 namespace clod
 {
-// The first part of a pair's dispatch, see Query.h.
-struct PairPlan
-{
-	QueryPlan query;
-	double radius;  // of the smaller body
-};
-
 class PairState
 {
 public:
@@ -37,11 +31,17 @@ public:
 
 	void process(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 				 const btDispatcherInfo& info, btManifoldResult& out);
-	// The first part of the coming process() under a budget over many pairs; empty where there is nothing to plan.
-	std::optional<PairPlan> plan(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-								 const btDispatcherInfo& info);
 	// How far the bodies move in the step, as solved, otherwise than the points were found for; in skins.
 	double surprise() const;
+	// The part of the coming process() that concerns nothing but this pair: up to its points, before they are written.
+	// Other pairs may be prepared at the same time.
+	void prepare(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+				 const btDispatcherInfo& info)
+	{
+		m_prepared = prepared(body0, body1, info, 0);
+	}
+	// See PairCache::coarsestTests.
+	std::uint32_t coarsestTests() const { return m_cache.pair.coarsestTests(); }
 	// See TimeOfImpact.h.
 	double timeOfImpact(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 						const btDispatcherInfo& info);
@@ -77,27 +77,33 @@ private:
 		PointRules rules;
 		bool withGap = false;
 	};
+	struct Prepared
+	{
+		PairPose pose;
+		Question question;
+		bool aIsFirst = true, isAnswered = false;
+	};
 	static Seen seenA(const PairPose& pose);
 	static Seen seenB(const PairPose& pose);
 	static bool same(const Question& l, const Question& r);
 
+	Prepared prepared(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+					  const btDispatcherInfo& info, double closestPoints);
 	// Pose.
 	PairPose begin(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 				   const btDispatcherInfo& info, double closestPoints);
 	void noticeShapes(const PairPose& pose);
-	Question questionOf(const PairPose& pose) const;
+	Question questionOf(const PairPose& pose);
 	// Query.
 	void ask(const PairPose& pose, const Question& question);
 	void askPartner(const PairPose& pose);
-	bool checkBudget();
-	Budget chooseBudget();
 	// Points.
 	void answer(const PairPose& pose, const Question& question);
 	void foresee(const PairPose& pose);
 	void findPoints(const PairPose& pose, bool goesOn);
-
 	void namePartnerFace(const PairPose& pose, ContactPoint& point);
 	void linkToThemselves();
+	void keepAnswer();
 	void write(const PairPose& pose, const WorldFrame& frame, btManifoldResult& out);
 	// Report.
 	void report(const PairPose& pose);
@@ -123,8 +129,10 @@ private:
 	ClusterSet m_clusters, m_previous;
 	PairReport m_report;
 	unsigned m_warned = 0;
-	bool m_hasPlan = false;         // made by plan(), for the coming process()
-	bool m_hasBudget = false;  // see checkBudget
+	std::vector<std::pair<unsigned, std::string>> m_toSay;  // by cause
+	StepBudget* const m_budget;         // null: answers in full, whatever the budget
+	std::uint64_t m_step = 0;           // of the budget, that this pair was last in
+	std::optional<Prepared> m_prepared;  // for the coming process()
 	FacetContacts m_facets;    // with the way out of a depth, besides buffers
 	// Buffers.
 	GapResult m_result, m_onTheWay;

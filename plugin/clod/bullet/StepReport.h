@@ -50,8 +50,7 @@ struct PairReport : DispatchReport
 	const GapResult* result = nullptr;   // accepted node pairs; empty against a plane or an engine's own mesh
 	const ClusterSet* clusters = nullptr;  // frame A, hierarchy unit
 	std::string notFinite;                 // empty, or what is not finite: the pair then has no contacts
-	double demand = 0;                     // tests that it took, or would have with a larger budget, as a guess
-	bool isPlanned = false;                // by btClodDispatcher
+	std::uint32_t coarsestTests = 0;       // of its last query under a budget, see PairCache
 };
 
 // Sums over all live pairs, each as of its last dispatch.
@@ -60,7 +59,7 @@ struct CLOD_API StepReport
 	std::uint32_t pairs = 0, pairsInContact = 0;
 	std::uint32_t nodePairs = 0, candidates = 0, points = 0, clusters = 0;
 	std::uint32_t front = 0, hullTests = 0, boxTests = 0;
-	std::uint32_t pending = 0;      // node pairs that answered coarser than asked, for want of budget
+	std::uint32_t pending = 0;      // contacts coarser than asked, for want of budget
 	double excess = 0;              // by which factor the worst of them exceeds its metric
 	std::uint32_t keptPairs = 0, deepPairs = 0, fastPairs = 0, loosePairs = 0;
 	double queryMicroseconds = 0, contactMicroseconds = 0;

@@ -79,11 +79,15 @@ btScalar btClodCollisionAlgorithm::calculateTimeOfImpact(btCollisionObject* body
 	return btScalar(m_state->timeOfImpact(first, second, info));
 }
 
-std::optional<clod::PairPlan> btClodCollisionAlgorithm::plan(const btCollisionObjectWrapper& body0,
-															 const btCollisionObjectWrapper& body1,
-															 const btDispatcherInfo& info)
+void btClodCollisionAlgorithm::prepare(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+									   const btDispatcherInfo& info)
 {
-	return m_state->plan(body0, body1, info);
+	m_state->prepare(body0, body1, info);
+}
+
+std::uint32_t btClodCollisionAlgorithm::coarsestTests() const
+{
+	return m_state->coarsestTests();
 }
 
 void btClodCollisionAlgorithm::getAllContactManifolds(btManifoldArray& manifolds)

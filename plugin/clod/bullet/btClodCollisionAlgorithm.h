@@ -7,7 +7,6 @@
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 
 #include <memory>
-#include <optional>
 
 #include "clod/Export.h"
 #include "clod/bullet/Context.h"
@@ -17,7 +16,6 @@
 namespace clod
 {
 class PairState;
-struct PairPlan;
 }  // namespace clod
 
 class CLOD_API btClodCollisionAlgorithm : public btActivatingCollisionAlgorithm
@@ -40,10 +38,10 @@ public:
 	// over a step by themselves.
 	btScalar calculateTimeOfImpact(btCollisionObject* body0, btCollisionObject* body1, const btDispatcherInfo& info,
 								   btManifoldResult* out) override;
-	// For budgets over a whole step: the first part of the coming processCollision, at the poses of the two objects.
-	// Empty where there is nothing to plan.
-	std::optional<clod::PairPlan> plan(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-									   const btDispatcherInfo& info);
+	// See PairState.h.
+	void prepare(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+				 const btDispatcherInfo& info);
+	std::uint32_t coarsestTests() const;
 	void getAllContactManifolds(btManifoldArray& manifolds) override;
 
 private:

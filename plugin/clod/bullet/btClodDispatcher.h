@@ -1,23 +1,29 @@
 // SPDX-License-Identifier: Zlib
-// A collision dispatcher that spends Context::budget over a whole step: every pair of btClodShapes is first brought to
-// its coarsest valid answer, then one queue over all pairs refines where the metric is exceeded by the largest factor,
-// then Bullet's dispatch makes the contacts. A budget of tests is never exceeded, unless the coarsest answers
-// alone cost more, and gives the same contacts every time; a
-// budget of time is compared with a clock, see Query.h, and steps that fit in without being refined are not
-// (WholeStep.h). Without a budget it is a btCollisionDispatcher.
+// A collision dispatcher for many bodies: it keeps Context::budget over whole steps, and makes the contacts of all pairs on
+// several threads. Without either it is a btCollisionDispatcher.
 //
-// Pairs are planned for the poses before dispatch. Not planned are shapes inside compounds and against Bullet's convex ones
-// (which get shares by what they needed last, see Context), and what has no hierarchy. Continuous dispatch is not budgeted.
+// Threads. Queries and contact points of pairs with a btClodShape concern nothing but the pair: they are made on
+// a pool of our own, whatever Bullet was built with, and then written by Bullet's dispatch in Bullet's order. The
+// same bits for any number of threads, clock budgets excepted. One pair after the other as before are met: shapes
+// inside compounds; shapes that are not known to be read by several threads (a program's own, GImpact); pairs whose budget is
+// counted in tests, as what is left to one is what those before it took; and all, where the program has set a near
+// callback of its own, or continuous dispatch.
 //
-// Based on: Otaduy & Lin 2003, sec. 3.3 and 5.2.
+// Budgets. Of tests: exceeded only by what the coarsest answers have grown by since the step before; repeats bit for bit.
+// Of time: compared with a clock (StepBudget.h), of the whole dispatch. Continuous dispatch is not budgeted.
 #pragma once
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 
-#include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "clod/Export.h"
-#include "clod/bullet/Context.h"
+
+namespace clod
+{
+class Context;
+class StepBudget;
+}  // namespace clod
 
 class CLOD_API btClodDispatcher : public btCollisionDispatcher
 {
@@ -26,20 +32,23 @@ public:
 	btClodDispatcher(btCollisionConfiguration* configuration, clod::Context* context);
 	~btClodDispatcher() override;
 
+	// 1 at first, as the functions that a program gives a context (pairMetric, own thresholds) are then called by no
+	// other thread; with more they are called by several at once. 0: as many as the machine has cores.
+	void setThreads(unsigned count);
+	unsigned threads() const;
+
 	void dispatchAllCollisionPairs(btOverlappingPairCache* pairCache, const btDispatcherInfo& info,
 								   btDispatcher* dispatcher) override;
+	// The same for some pairs, in this order, once more within a step: of that step's budget.
+	void dispatchPairs(const std::vector<btBroadphasePair*>& pairs, const btDispatcherInfo& info);
 
-	// Pairs of nodes that answered in the last step under a budget: what its time is reckoned by.
-	std::uint64_t answers() const { return m_answers; }
+	clod::StepBudget& stepBudget();
 
 private:
 	struct Step;
-	void dispatchWhole(btOverlappingPairCache* pairCache, const btDispatcherInfo& info, btDispatcher* dispatcher);
-	void plan(btOverlappingPairCache& pairCache, const btDispatcherInfo& info);
-	// Returns how many pairs of nodes will answer.
-	std::uint64_t refine(const clod::Budget& budget, double already);
+	void prepare(const std::vector<btBroadphasePair*>& pairs, const btDispatcherInfo& info);
+	void beginBudget(const std::vector<btBroadphasePair*>& pairs, const btDispatcherInfo& info);
 
 	clod::Context& m_context;
-	std::uint64_t m_answers = 0;
 	std::unique_ptr<Step> m_step;
 };

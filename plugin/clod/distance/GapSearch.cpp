@@ -51,7 +51,7 @@ private:
 	{
 		const double bound = m_result.errorBound;
 		if (m_result.deep || m_isOfSurfaces || m_found.isOfInput) return false;
-		if (m_settings.gapError == kInfinity && m_found.isCutShort) return false;
+		if (m_settings.gapError == kInfinity && m_found.isCoarsened) return false;
 		if (bound > limit()) return true;
 		return !m_result.contacts.empty() && bound > kSharpness * m_found.thresholdAtMost;
 	}

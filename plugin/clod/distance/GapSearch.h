@@ -27,7 +27,7 @@ struct FoundPairs
 {
 	double largestCover = 0;      // cover_a + cover_b of the accepted pairs that are no contacts, at most
 	bool isOfInput = false;       // every accepted pair is of level 0: nothing finer exists
-	bool isCutShort = false;      // by its budget
+	bool isCoarsened = false;     // for a budget
 	double thresholdAtMost = kOff;  // the largest s0 that anything was judged by
 };
 

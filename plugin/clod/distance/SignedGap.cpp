@@ -22,7 +22,7 @@ public:
 	}
 	FoundPairs found() const override
 	{
-		return {m_walk.largestCover(), m_walk.isOfInput(), m_walk.isCutShort(), m_walk.rule().thresholds().most};
+		return {m_walk.largestCover(), m_walk.isOfInput(), m_walk.isCoarsened(), m_walk.rule().thresholds().most};
 	}
 	double depthInside() override { return m_walk.depthInside(); }
 	bool widenToNearest(double& distance) override
@@ -84,7 +84,7 @@ void signedGap(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, 
 {
 	PairCache::State& state = cache.pair.state();
 	GapCache::Search& search = cache.search();
-	if (isSamePose(a, b, aFromB, settings, state) && !state.hasLast && answersAgain(settings, search, state))
+	if (isSamePose(a, b, aFromB, state) && !state.hasLast && answersAgain(settings, search, state))
 	{
 		state.settings = static_cast<const ContactSettings&>(settings);
 		result = search.last;

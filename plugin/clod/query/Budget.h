@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Zlib
 // What a query, or all queries of a step, may cost.
 #pragma once
+#include <cstdint>
 #include <string>
 
 #include "clod/Export.h"
+#include "clod/query/Clock.h"
 #include "clod/query/Metric.h"
 
 namespace clod
 {
-// Tests are box tests and hull distances up to the contact list, the search of an overlap's depth besides; the same budget
-// gives the same answer. Time is a guess of what is left to do: it may be overrun, and what it buys does not repeat. A
-// budget is never exceeded by refining; the coarsest valid answer is given at any budget.
+// Tests are box tests and hull distances up to the contact list: the search of an overlap's depth is not in it. Time is
+// wall time from the start.
 struct Budget
 {
 	double tests = kOff;
@@ -19,4 +20,25 @@ struct Budget
 };
 // Empty, or one sentence naming the first field that cannot be used, and its value.
 CLOD_API std::string budgetError(const Budget& budget);
+
+// A budget while it is spent.
+class WorkLimit
+{
+public:
+	explicit WorkLimit(const Budget& budget) : m_budget(budget)
+	{
+		if (budget.microseconds < kOff) m_start = Clock::now();
+	}
+	bool isSet() const { return m_budget.isLimited(); }
+	// May so many tests have been done, and is there time left?
+	bool allows(std::uint64_t tests) const
+	{
+		return double(tests) <= m_budget.tests &&
+			   (!(m_budget.microseconds < kOff) || microsecondsSince(m_start) < m_budget.microseconds);
+	}
+
+private:
+	const Budget m_budget;
+	Clock::time_point m_start;
+};
 }  // namespace clod

@@ -34,7 +34,8 @@ inline constexpr std::uint32_t kWorthwhile = 4;      // queries that a search sh
 inline constexpr double kFarthestSearch = 64;        // moves of a query: what is farther is not looked for
 inline constexpr double kThresholdSpan = 2;          // thresholds of later queries: so many times these
 inline constexpr double kShareOfNearest = 0.5;       // of the motion to the nearest pair is the answer
+inline constexpr std::uint32_t kTestsOfSearch = 32;  // one step of a search takes no more
 
-// Budgets of time (AnswerCost.h): observations until what was seen is forgotten, two seconds of steps at 60 a second.
-inline constexpr std::uint64_t kRemembered = 120;
+// Metric::coarsening. Below what simplification leaves in any model: the coarsest level that keeps it is the surface itself.
+inline constexpr double kFinestShare = 1e-4;
 }  // namespace clod

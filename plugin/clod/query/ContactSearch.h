@@ -4,23 +4,20 @@
 #include <optional>
 #include <vector>
 
-#include "clod/query/Clock.h"
 #include "clod/query/ContactSink.h"
 #include "clod/query/PairCacheState.h"
 
 namespace clod
 {
-// Was the last query of this cache about the same two bodies in the same place? One with a plan of the same settings
-// waiting is left to finish it; any other plan is dropped.
-bool isSamePose(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const ContactSettings& settings,
-				PairCache::State& state);
+// Was the last query of this cache about the same two bodies in the same place?
+bool isSamePose(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const PairCache::State& state);
 
 // At the same pose: is the last result that of these settings? One that its budget did not cut short is that of every
-// budget large enough.
+// budget.
 bool answersAgain(const ContactSettings& settings, const ContactResult& last, const PairCache::State& state);
 
-// Drops what was cached for other hierarchies or another kind of traversal, then adds the motion since the last query.
-void followMotion(const QueryContext& context, const ContactSettings& settings, PairCache::State& state);
+// Drops what was cached for other hierarchies, then adds the motion since the last query.
+void followMotion(const QueryContext& context, PairCache::State& state);
 
 struct TraversalSettings;
 
@@ -37,23 +34,24 @@ public:
 	// Fills the contact list, sorted. Precondition: not still apart.
 	void run() { run(m_settings.tolerance); }
 	void run(double tolerance);
-	// Level statistics and what a budget bought; then, if nothing is near, how far the bodies may move. Always last.
+	// Level statistics and what coarsening leaves; then, if nothing is near, how far the bodies may move. Always last.
 	void finish(bool isNothingNear);
 
-	const QueryContext& context() const { return *m_context; }
+	const QueryContext& context() const { return m_context; }
 	const StopRule& rule() const { return *m_rule; }
 	// Of the last run. The largest cover_a + cover_b of the accepted pairs that are no contacts.
 	double largestCover() const { return m_largestCover; }
 	bool overlaps() const;
 	bool isOfInput() const { return m_isOfInput; }  // every accepted pair is of level 0: nothing finer exists
-	bool isCutShort() const;                        // by its budget
+	bool isCoarsened() const { return m_settings.metric.coarsening > 1 || m_result.stats.cutShort > 0; }
 	// > 0: a component of one body is inside the other by so much at one of its points. Precondition: nothing overlaps.
 	double depthInside();
 
 private:
 	double traverseFront(double tolerance);
+	std::optional<double> traverseBy(const StopRule& rule, double tolerance, const WorkLimit& limit);
+	void tellExcess();
 	std::optional<double> answerFrom(bool validates, const TraversalSettings& settings);
-	double refine(double tolerance);
 	void sort();
 	bool rootIsApart() const;
 	ContactSink::Covers coversOfMixedLevels() const;
@@ -62,11 +60,9 @@ private:
 	const AskedGap m_gap;
 	PairCache::State& m_state;
 	ContactResult& m_result;
-	std::optional<QueryContext> m_own;  // where no plan has made one
-	const QueryContext* m_context;
+	const WorkLimit m_limit;
+	const QueryContext m_context;
 	std::optional<StopRule> m_rule;
-	const Clock::time_point m_start = Clock::now();
-	Clock::time_point m_refined;  // the budget is spent, the answer begins
 	double m_largestCover = 0;
 	bool m_isStillApart = false, m_isOfInput = true;
 };

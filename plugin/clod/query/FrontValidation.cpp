@@ -36,7 +36,8 @@ private:
 	{
 		const std::uint32_t testsBefore = m_stats->boxTests + m_stats->hullTests;
 		for (std::uint32_t i = 0; i < m_front.slack.ofEntry.size(); ++i)
-			if (!(m_moved < m_front.slack.ofEntry[i]) && !isAsItWas(i)) return false;
+			if (!(m_moved < m_front.slack.ofEntry[i]) && (!isAffordable(m_front.entries[i]) || !isAsItWas(i)))
+				return false;
 		m_front.slack.spent += m_stats->boxTests + m_stats->hullTests - testsBefore;
 		return true;
 	}
@@ -47,6 +48,7 @@ private:
 		for (const std::uint32_t i : m_front.slack.answers)
 		{
 			const FrontEntry& entry = m_front.entries[i];
+			if (!isAffordable(entry)) return false;
 			CachedSeparation cached = cachedOf(entry, m_front.hulls);
 			const std::uint32_t before = m_stats->hullTests;
 			if (answers(entry, cached) != (entry.state == NodePairState::kAnswer)) return false;

@@ -38,8 +38,8 @@ bool same(const Metric& l, const Metric& r)
 {
 	const auto fields = [](const Metric& metric)
 	{
-		const auto& [exact, weightedDeviation, velocity, view, own, combine, maxError] = metric;
-		return std::tuple_cat(std::tie(exact, weightedDeviation, own, combine, maxError), fieldsOf(velocity),
+		const auto& [exact, weightedDeviation, velocity, view, own, combine, maxError, coarsening] = metric;
+		return std::tuple_cat(std::tie(exact, weightedDeviation, own, combine, maxError, coarsening), fieldsOf(velocity),
 							  fieldsOf(view));
 	};
 	return !l.own && !r.own && fields(l) == fields(r);
@@ -49,6 +49,8 @@ std::string metricError(const Metric& metric)
 {
 	if (!(metric.weightedDeviation >= 0)) return below("weightedDeviation", metric.weightedDeviation);
 	if (!(metric.maxError >= 0)) return below("maxError", metric.maxError);
+	if (!(metric.coarsening >= 1))
+		return "metric.coarsening is " + std::to_string(metric.coarsening) + ", but must be >= 1";
 	const VelocityThreshold& velocity = metric.velocity;
 	if (!(velocity.time >= 0)) return below("velocity.time", velocity.time);
 	if (velocity.time < kOff)

@@ -75,7 +75,15 @@ struct Metric
 	const OwnThreshold* own = nullptr;  // not owned; null: not used
 	Combine combine = Combine::kStrict;
 	double maxError = kOff;  // certified: errorBound <= maxError, a hard limit under every combination
+	// >= 1: every limit above, combined or certified, is so many times as large: what a budget asks for (BudgetControl.h). What asks for no error at all, or for less than kFinestShare of the smaller radius, counts as that
+	// share once this exceeds 1. Infinite: the coarsest valid answer.
+	double coarsening = 1;
 };
+// s0 or a certified limit under it; kOff stays kOff.
+inline double coarsened(double limit, const Metric& metric, double finest)
+{
+	return metric.coarsening > 1 && limit < kOff ? metric.coarsening * std::max(limit, finest) : limit;
+}
 // Field by field; two metrics with an own function are never the same, for what it returns may have changed.
 CLOD_API bool same(const Metric& l, const Metric& r);
 // Empty, or one sentence naming the first field that cannot be used, and its value.
@@ -91,9 +99,9 @@ class Threshold
 {
 public:
 	// fastest: no point of either body moves faster relative to the other. Where even that stays below the floor, the
-	// velocity metric is the constant floor.
-	Threshold(const Metric& metric, double fastest)
-		: m_metric(metric), m_constant(metric.combine == Combine::kStrict ? kOff : kUnset)
+	// velocity metric is the constant floor. finest: the least that is coarsened.
+	explicit Threshold(const Metric& metric, double fastest, double finest = 0)
+		: m_metric(metric), m_constant(metric.combine == Combine::kStrict ? kOff : kUnset), m_finest(finest)
 	{
 		if (metric.weightedDeviation < kOff) add(m_constant, metric.weightedDeviation);
 		m_moves = metric.velocity.time < kOff && metric.velocity.time * fastest > metric.velocity.floor;
@@ -106,7 +114,7 @@ public:
 
 	bool isConstant() const { return !m_moves && !m_isSeen && !m_metric.own; }
 	// Only where isConstant().
-	double constant() const { return m_constant; }
+	double constant() const { return coarsened(m_constant, m_metric, m_finest); }
 
 	double at(const Place& place) const
 	{
@@ -122,7 +130,7 @@ public:
 			const double own = (*m_metric.own)(place);
 			add(s0, own >= 0 ? own : 0);
 		}
-		return s0;
+		return coarsened(s0, m_metric, m_finest);
 	}
 
 	// All of at() for places within the ball, whatever an own threshold is.
@@ -148,7 +156,7 @@ public:
 					share * std::max(view.nearest, distance + ball.radius));
 		}
 		if (m_metric.own) addBoth(0, kOff);
-		return range;
+		return {coarsened(range.least, m_metric, m_finest), coarsened(range.most, m_metric, m_finest)};
 	}
 
 private:
@@ -167,6 +175,7 @@ private:
 
 	Metric m_metric;
 	double m_constant;  // of the metrics that do not depend on the place
+	double m_finest = 0;
 	bool m_moves = false, m_isSeen = false;
 };
 }  // namespace clod

@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: Zlib
 // What a pair's cache holds between queries.
 #pragma once
-#include <optional>
 #include <vector>
 
-#include "clod/query/AnswerCost.h"
 #include "clod/query/InsideTest.h"
 #include "clod/query/PairFront.h"
 #include "clod/query/PairSorter.h"
 #include "clod/query/Query.h"
-#include "clod/query/Refinement.h"
 #include "clod/query/SeparationCache.h"
 
 namespace clod
@@ -22,7 +19,7 @@ struct PairCache::State
 	bool filled = false;
 	Transform aFromB;
 	ContactSettings settings;
-	double threshold = 0, maxError = 0;  // of the rule that the front was made with; StopRule::constantThreshold
+	double threshold = 0, maxError = 0;  // of the rule that the front was made with: constantThreshold, maxError
 	BaseLevels base;                     // StopRule::base
 	RelativePose pose;
 	PairFront front;
@@ -30,9 +27,6 @@ struct PairCache::State
 	SeparationCache separation;
 	InsideProbes probesA, probesB;
 	NearestPairScratch nearest;
-	Refinement refinement;                // of a query under a budget
-	std::optional<QueryContext> planned;  // of a plan that no query has finished yet: aFromB and settings are its own
-	AnswerCost answerCost{1};             // from the end of refinement to the end of the query
 	PairSorter sorter;
 	ContactResult last;     // of contacts(), at aFromB and settings,
 	bool hasLast = false;   // if it asked last

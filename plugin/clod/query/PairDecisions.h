@@ -26,6 +26,7 @@ struct TraversalSettings
 	const StopRule& rule;
 	double tolerance = 0;
 	bool sameRule = false;  // the stop rule is that of the cached front: its states hold
+	WorkLimit limit{Budget{}};
 };
 
 // Since the last traversal, rounded up.
@@ -142,6 +143,17 @@ protected:
 		const double nearer = m_partMotion.along(toVec3(cached.onA), centerOf(box), double(box.radius)) + m_change;
 		cached.lower = lowerAfter(cached.lower, float(nearer + kBoundRounding * std::abs(nearer)));
 		return cached;
+	}
+
+	// An answer takes so many tests at most, whether its hulls are apart included.
+	std::uint32_t mostTestsOfAnswer() const { return m_context.longestMove > 0 ? 2 : 1; }
+	// The decisions on an entry, and its children's answers, are within the limit.
+	bool isAffordable(const FrontEntry& entry) const
+	{
+		if (!m_settings.limit.isSet()) return true;
+		const std::uint64_t children = isOpen(entry.state) ? childrenOf(entry).size : 0;
+		return m_settings.limit.allows(m_stats->boxTests + m_stats->hullTests + 1 + mostTestsOfAnswer() +
+									   children * (1 + mostTestsOfAnswer()));
 	}
 
 	bool cullsByHulls(const FrontEntry& entry) const

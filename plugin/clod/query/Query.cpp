@@ -17,6 +17,10 @@ void PairCache::clear()
 {
 	m_state = std::make_unique<State>();
 }
+std::uint32_t PairCache::coarsestTests() const
+{
+	return m_state->front.coarsestTests;
+}
 
 void ContactResult::clear()
 {
@@ -49,7 +53,7 @@ void contacts(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, c
 			  PairCache& cache, ContactResult& result)
 {
 	PairCache::State& state = cache.state();
-	if (isSamePose(a, b, aFromB, settings, state) && state.hasLast && answersAgain(settings, state.last, state))
+	if (isSamePose(a, b, aFromB, state) && state.hasLast && answersAgain(settings, state.last, state))
 	{
 		state.settings = settings;
 		result = state.last;
@@ -65,42 +69,6 @@ void contacts(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, c
 	}
 	state.last = result;
 	state.hasLast = true;
-}
-
-QueryPlan::QueryPlan(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const ContactSettings& settings,
-					 PairCache& cache)
-	: m_state(&cache.state())
-{
-	m_state->planned.emplace(a, b, aFromB, settings.sweep);
-	followMotion(*m_state->planned, settings, *m_state);
-	m_state->refinement.start(*m_state->planned, StopRule(*m_state->planned, settings.metric), settings.tolerance);
-	m_state->aFromB = aFromB;
-	m_state->settings = settings;
-	m_state->filled = true;
-}
-double QueryPlan::excess() const
-{
-	return m_state->planned ? m_state->refinement.excess() : 0;
-}
-double QueryPlan::deviation() const
-{
-	return m_state->planned ? m_state->refinement.deviation() : 0;
-}
-std::uint64_t QueryPlan::committed() const
-{
-	return m_state->planned ? m_state->refinement.committed() : 0;
-}
-std::uint64_t QueryPlan::answers() const
-{
-	return m_state->planned ? m_state->refinement.answers() : 0;
-}
-std::uint64_t QueryPlan::cost() const
-{
-	return m_state->refinement.cost();
-}
-void QueryPlan::refine()
-{
-	m_state->refinement.refine();
 }
 
 std::string budgetError(const Budget& budget)

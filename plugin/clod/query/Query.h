@@ -28,7 +28,9 @@ struct ContactSettings
 	// Report, besides, pairs that come within the tolerance while B moves on like this (A held): a caller that steps on
 	// looks ahead along the motion instead of in all directions. Zero: the pose alone.
 	Sweep sweep;
-	// With a budget the pairs that exceed the metric most are refined first, and excess tells what was not.
+	// Where it is spent before all is answered, the coarsest valid answer is given instead, whatever that costs: a hard
+	// stop for the rare query, beside a metric coarsened to what the budget buys (BudgetControl.h). What is cut off
+	// depends on the cache.
 	Budget budget;
 };
 // Field by field; with an own function never, see same(Metric).
@@ -54,15 +56,15 @@ struct QueryStats
 	std::uint32_t stillApart = 0;  // 1: the bodies were apart by more than they have moved since; nothing was looked at
 	std::uint32_t frontKept = 0;   // 1: no decision of the last traversal has changed; only its answers were evaluated
 	// Moves of the front: pairs of nodes kept in its tree that the query before did not keep, and the other way round.
-	// None under a budget, nor where the last front still holds.
+	// None where the last front still holds.
 	std::uint32_t frontCame = 0, frontGone = 0;
 	std::uint32_t duplicates = 0;    // pairs reached twice through shared children
 	std::uint32_t pointBoxes = 0;    // boxes that nearest-surface queries met; boxTests are between the bodies only
 	std::uint32_t pointQueries = 0;  // nearest-surface queries of the penetration solver
 	std::uint32_t finestLevel = 0, coarsestLevel = 0;  // over both bodies' accepted nodes within the tolerance
 	std::uint32_t touchedFinestLevel = 0;              // finest level whose node data was read at all
-	std::uint32_t pending = 0;  // pairs that answered coarser than the metric asks, for want of budget
-	std::uint64_t needed = 0;   // under a budget: of so many tests, it would have bought as much
+	std::uint32_t pending = 0;   // contacts coarser than the metric asks without its coarsening
+	std::uint32_t cutShort = 0;  // 1: the budget was spent, this is the coarsest valid answer
 	// 1: the gap is of the input surfaces, as the nodes overlapped or proved less than asked for
 	std::uint32_t gapSearches = 0;
 	std::uint32_t depthsCutShort = 0;  // searches of a depth that met their limit of cells: the bound may be wider
@@ -72,7 +74,7 @@ struct CLOD_API ContactResult
 {
 	std::vector<Contact> contacts;  // sorted by (nodeA, nodeB)
 	bool deep = false;              // penetration beyond what the contact list can prove
-	double excess = 0;  // under a budget: by which factor the answer's worst pair exceeds the metric; 0: none does
+	double excess = 0;  // by which factor the worst contact exceeds the metric without its coarsening; 0: none does
 	QueryStats stats;
 	void clear();
 };
@@ -89,6 +91,8 @@ public:
 	void clear();
 	struct State;  // PairCacheState.h
 	State& state() { return *m_state; }
+	// Tests that the coarsest answer would have taken where the last query with a budget stood, from nothing; about.
+	std::uint32_t coarsestTests() const;
 
 private:
 	std::unique_ptr<State> m_state;
@@ -99,26 +103,6 @@ private:
 // pose is finite and rigid. No allocation once the buffers of cache and result have grown.
 CLOD_API void contacts(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const ContactSettings& settings,
 					   PairCache& cache, ContactResult& result);
-
-// The first part of a query under a budget, for budgets over several pairs: finds the coarsest valid answer, then
-// refines it one pair of nodes at a time. The next query with this cache, for the same bodies, pose and settings,
-// finishes it; whether refining pays is the caller's business then, not that of settings.budget (which must be
-// limited). The hierarchies must live till then.
-class CLOD_API QueryPlan
-{
-public:
-	QueryPlan(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const ContactSettings& settings,
-			  PairCache& cache);
-	double excess() const;            // of the pair that is refined next; 0: none is left
-	double deviation() const;         // its s*, a length
-	std::uint64_t committed() const;  // tests done and, for the answer, still to be done
-	std::uint64_t answers() const;    // pairs of nodes that would answer now
-	std::uint64_t cost() const;       // the most that committed() grows by the next refinement
-	void refine();                    // precondition: excess() > 0
-
-private:
-	PairCache::State* m_state;
-};
 
 // Empty when the settings can be used, otherwise one sentence naming the field and its value.
 std::string settingsError(const ContactSettings& settings);

@@ -26,6 +26,7 @@ struct MotionJudge
 	const Searched& what;
 	double best;
 	NearestPairScratch& scratch;
+	const WorkLimit& limitOfWork;
 	static constexpr bool nearestFirst = false;
 
 	// Once: its own separation is a bound whichever the way.
@@ -35,7 +36,11 @@ struct MotionJudge
 		return scratch.visited.insert(pair.a, pair.b);
 	}
 	static bool takes(const NearestPairScratch::Candidate&) { return true; }
-	bool isSettled() const { return best <= 0; }
+	bool isSettled() const { return best <= 0 || !isAffordable(); }
+	bool isAffordable() const
+	{
+		return !limitOfWork.isSet() || limitOfWork.allows(stats.boxTests + stats.hullTests + kTestsOfSearch);
+	}
 	// Hulls that overlap now may answer as soon as they part.
 	bool mayAnswer(const NearestPairScratch::Candidate& pair) const
 	{
@@ -57,12 +62,14 @@ struct MotionJudge
 };
 
 // By how much the pair may move, sweep included (MotionBound.h), before a traversal can find something by the two rules
-// or any between them; at most `cap`. <= 0: it may already.
-double safeMotion(const QueryContext& context, const Searched& what, double cap, NearestPairScratch& scratch,
-				   QueryStats& stats)
+// or any between them; at most `cap`. <= 0: it may already, or the limit was met.
+double safeMotion(const QueryContext& context, const Searched& what, double cap, const SeparationCache::Tools& tools)
 {
+	NearestPairScratch& scratch = tools.scratch;
+	QueryStats& stats = tools.stats;
 	scratch.visited.clear();
-	MotionJudge judge{context, stats, what, cap, scratch};
+	MotionJudge judge{context, stats, what, cap, scratch, tools.limit};
+	if (!judge.isAffordable()) return 0;
 	const auto [a, b] = scratch.nearest;
 	if (isAnswer(context, what.relaxed, scratch.nearest))
 	{
@@ -71,12 +78,14 @@ double safeMotion(const QueryContext& context, const Searched& what, double cap,
 			cap, judge.ofPair({boxSeparation(context.boxes, context.a.cullBox(a), context.b.cullBox(b)), a, b}));
 	}
 	NearestPairSearch<MotionJudge>(context, what.strict, judge, scratch, stats).run();
+	if (!judge.isAffordable()) return 0;
 	return judge.best > 0 ? kShareOfNearest * judge.best : judge.best;
 }
 
-bool dependsOnPose(const Metric& metric)
+// Thresholds that may be others in the next query: that depend on the pose, or on what a budget buys.
+bool changes(const Metric& metric)
 {
-	return metric.velocity.time < kOff || metric.view.pixels < kOff || metric.own;
+	return metric.velocity.time < kOff || metric.view.pixels < kOff || metric.own || metric.coarsening > 1;
 }
 
 // Coarse hulls may be apart where surfaces meet: how far neither body, nor a component of it, comes to lie in the other.
@@ -111,7 +120,7 @@ bool SeparationCache::holds(const QueryContext& context, const ContactSettings& 
 void SeparationCache::seek(const QueryContext& context, const StopRule& rule, const ContactSettings& settings,
 						   const AskedGap& gap, double lastMove, const Tools& tools)
 {
-	if (settings.budget.isLimited() || gap.isAskedApart) return;
+	if (gap.isAskedApart) return;
 	if (m_isKnown) m_uses < kWorthwhile ? m_backOff.fail() : m_backOff.succeed();
 	m_isKnown = false;
 	m_uses = 0;
@@ -131,26 +140,26 @@ double SeparationCache::motionToGo(const QueryContext& context, const StopRule& 
 								   const AskedGap& gap, double cap, const Tools& tools)
 {
 	m_thresholds = StopRule::thresholds(context, settings.metric);
-	if (dependsOnPose(settings.metric) && m_thresholds.most < kOff)
+	if (changes(settings.metric) && m_thresholds.most < kOff)
 	{
 		m_thresholds.least /= kThresholdSpan;
 		m_thresholds.most = std::min(kThresholdSpan * m_thresholds.most, std::numeric_limits<double>::max());
 	}
 	const Searched contacts{rule.with(m_thresholds.least), rule.with(m_thresholds.most), settings.tolerance,
 						   gap.isAsked && !rule.base().isUsed()};
-	const double motion = safeMotion(context, contacts, cap, tools.scratch, tools.stats);
+	const double motion = safeMotion(context, contacts, cap, tools);
 	m_largestCover = rule.baseCover();
 	if (!gap.isAsked || m_largestCover <= gap.error) return motion;
 	// The surfaces are asked (distance/SignedGap.cpp).
 	m_largestCover = 0;
 	if (!(motion > 0)) return motion;
 	const StopRule exact = StopRule::ofLeaves(context);
-	return safeMotion(context, {exact, exact, settings.tolerance, false}, motion, tools.scratch, tools.stats);
+	return safeMotion(context, {exact, exact, settings.tolerance, false}, motion, tools);
 }
 
 bool SeparationCache::isWithinThresholds(const QueryContext& context, const Metric& metric) const
 {
-	if (metric.exact || (!dependsOnPose(metric) && same(metric, m_settings.metric))) return true;
+	if ((metric.exact && metric.coarsening == 1) || (!changes(metric) && same(metric, m_settings.metric))) return true;
 	const ThresholdRange now = StopRule::thresholds(context, metric);
 	return (now.most < kOff) == (m_thresholds.most < kOff) && now.least >= m_thresholds.least &&
 		   now.most <= m_thresholds.most;
@@ -158,8 +167,10 @@ bool SeparationCache::isWithinThresholds(const QueryContext& context, const Metr
 
 bool SeparationCache::isMeantFor(const ContactSettings& settings, const AskedGap& gap) const
 {
-	return settings.metric.exact == m_settings.metric.exact &&
-		   settings.metric.maxError == m_settings.metric.maxError && settings.tolerance <= m_settings.tolerance &&
-		   gap == m_gap && !gap.isAskedApart && !settings.budget.isLimited();
+	const Metric &asked = settings.metric, &known = m_settings.metric;
+	const bool hasLimit = asked.exact || asked.maxError < kOff;
+	return asked.exact == known.exact && asked.maxError == known.maxError &&
+		   (!hasLimit || asked.coarsening == known.coarsening) && settings.tolerance <= m_settings.tolerance &&
+		   gap == m_gap && !gap.isAskedApart;
 }
 }  // namespace clod

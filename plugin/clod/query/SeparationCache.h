@@ -42,6 +42,7 @@ public:
 		NearestPairScratch& scratch;
 		InsideProbes &probesA, &probesB;
 		QueryStats& stats;
+		const WorkLimit& limit;
 	};
 	void seek(const QueryContext& context, const StopRule& rule, const ContactSettings& settings, const AskedGap& gap,
 			  double lastMove, const Tools& tools);

@@ -12,6 +12,7 @@
 #include <limits>
 
 #include "clod/query/BaseLevels.h"
+#include "clod/query/Constants.h"
 #include "clod/query/QueryContext.h"
 
 namespace clod
@@ -48,9 +49,10 @@ class StopRule
 public:
 	StopRule(const QueryContext& context, const Metric& metric)
 		: m_context(&context),
-		  m_threshold(metric, fastest(context, metric)),
-		  m_isExact(metric.exact),
-		  m_maxError(metric.maxError),
+		  m_finest(finest(context)),
+		  m_threshold(thresholdOf(context, metric)),
+		  m_isExact(metric.exact && !(metric.coarsening > 1)),
+		  m_maxError(coarsened(metric.exact ? 0 : metric.maxError, metric, m_finest)),
 		  m_leavesOfA(context.a.levels()[0].nodeCount),
 		  m_leavesOfB(context.b.levels()[0].nodeCount),
 		  m_base(baseLevels())
@@ -92,24 +94,23 @@ public:
 		return Acceptance::kWhileApart;
 	}
 	bool dependsOnHulls() const { return std::isfinite(m_maxError); }
+	double maxError() const { return m_maxError; }
 
-	// Under a budget any pair of contact levels may answer, whatever the metric.
+	// At some coarsening: any pair of contact levels.
 	bool mayAnswer(std::uint32_t i, std::uint32_t j) const
 	{
 		return (m_context->a.node(i).flags & m_context->b.node(j).flags & kClodNode) != 0;
 	}
-	// By which factor a pair that is not accepted exceeds what the metric asks: s* / s0 (the paper's priority), or the
-	// certified error over its limit. Infinite where the metric asks for no error at all.
-	double excess(std::uint32_t i, std::uint32_t j) const
+	// By which factor a pair exceeds what the metric asks for: s* / s0 (the paper's priority), or the certified error over
+	// its limit, which is kFinestShare where it is less. 0: by none, else at least 1.
+	double excess(std::uint32_t i, std::uint32_t j, bool isApart) const
 	{
-		if (m_isExact) return kOff;
+		if (i < m_leavesOfA && j < m_leavesOfB) return 0;
 		const Node &a = m_context->a.node(i), &b = m_context->b.node(j);
-		const auto factor = [](double error, double limit) {
-			return limit == kOff ? 0 : error > 0 ? error / limit : 0;
-		};
-		const double byMetric =
-			std::max(factor(weightedDeviation(a, b), thresholdOf(i, j)), factor(certifiedError(a, b), m_maxError));
-		return isWithinBase(i, j) ? byMetric : std::max(1.0, byMetric);
+		const auto factor = [this](double error, double limit)
+		{ return error > limit ? std::max(1.0, error / std::max(limit, m_finest)) : 0; };
+		return std::max(factor(weightedDeviation(a, b), thresholdOf(i, j)),
+						factor(isApart ? certifiedErrorApart(a, b) : certifiedError(a, b), m_isExact ? 0 : m_maxError));
 	}
 
 	// What a front was made with: equal constants and maxError make equal rules. Not a number where the place counts.
@@ -137,7 +138,7 @@ public:
 	ThresholdRange thresholds() const { return rangeOf(*m_context, m_threshold); }
 	static ThresholdRange thresholds(const QueryContext& context, const Metric& metric)
 	{
-		return rangeOf(context, Threshold(metric, fastest(context, metric)));
+		return rangeOf(context, thresholdOf(context, metric));
 	}
 
 	// s*_ab = max(f_a, f_b) / D_ab with 1 / D_ab = 1 / D_a + 1 / D_b (eq. 3).
@@ -216,6 +217,14 @@ private:
 		return {std::min(ofA.least, ofB.least),
 				std::min(std::max(ofA.most, ofB.most), std::numeric_limits<double>::max())};
 	}
+	static double finest(const QueryContext& context)
+	{
+		return kFinestShare * double(std::min(context.a.asset().radius, context.b.asset().radius));
+	}
+	static Threshold thresholdOf(const QueryContext& context, const Metric& metric)
+	{
+		return Threshold(metric, fastest(context, metric), finest(context));
+	}
 	static double fastest(const QueryContext& context, const Metric& metric)
 	{
 		const Vec3 &linear = metric.velocity.linear, &angular = metric.velocity.angular;
@@ -225,6 +234,7 @@ private:
 	}
 
 	const QueryContext* m_context;
+	double m_finest;
 	Threshold m_threshold;
 	bool m_isExact;
 	double m_maxError;

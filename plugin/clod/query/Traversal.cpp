@@ -11,8 +11,9 @@ class Traversal : private PairDecisions
 public:
 	using PairDecisions::PairDecisions;
 
-	void run()
+	bool run()
 	{
+		if (!isAffordable(FrontEntry{})) return false;
 		std::swap(m_front.entries, m_front.previous);
 		std::swap(m_front.hulls, m_front.previousHulls);
 		m_front.entries.clear();
@@ -24,16 +25,37 @@ public:
 		m_front.pose = m_context.pose;
 		startAtRoots();
 		for (std::uint32_t i = 0; i < m_front.entries.size(); ++i)
-			if (isOpen(m_front.entries[i].state)) open(i);
+		{
+			if (!isOpen(m_front.entries[i].state)) continue;
+			if (!isAffordable(m_front.entries[i])) return false;
+			open(i);
+		}
 		reserveForNext();
+		if (m_settings.limit.isSet()) m_front.coarsestTests = coarsestTests();
 		m_front.counts.touchedFinestLevel = std::min(levelOf(m_context.a, m_finestA), levelOf(m_context.b, m_finestB));
 		m_front.tolerance = m_settings.tolerance;
 		addTo(*m_stats, m_front.counts);
 		m_stats->frontCame = std::uint32_t(m_front.entries.size()) - m_carried;
 		m_stats->frontGone = std::uint32_t(m_front.previous.size()) - m_carried;
+		return true;
 	}
 
 private:
+	// Of a front at any coarsening: its pairs that can never answer, and the first below them that may.
+	std::uint32_t coarsestTests() const
+	{
+		const auto mayAnswer = [this](const FrontEntry& entry) { return m_settings.rule.mayAnswer(entry.a, entry.b); };
+		const FrontEntry& root = m_front.entries[0];
+		std::uint32_t tests = 1 + (mayAnswer(root) ? mostTestsOfAnswer() : 0);
+		for (const FrontEntry& entry : m_front.entries)
+		{
+			if (!isOpen(entry.state) || mayAnswer(entry)) continue;
+			tests += std::uint32_t(childrenOf(entry).size);
+			for (std::uint32_t i = entry.link; i < entry.link + entry.childCount; ++i)
+				if (mayAnswer(m_front.entries[i])) tests += mostTestsOfAnswer();
+		}
+		return tests;
+	}
 	// For FrontValidation.cpp; where that was in vain, now and then only.
 	void startSlack()
 	{
@@ -249,9 +271,9 @@ private:
 };
 }  // namespace
 
-void traverse(const QueryContext& context, const TraversalSettings& settings, PairFront& front, ContactSink& sink,
+bool traverse(const QueryContext& context, const TraversalSettings& settings, PairFront& front, ContactSink& sink,
 			  QueryStats& stats)
 {
-	Traversal(context, settings, front, sink, stats).run();
+	return Traversal(context, settings, front, sink, stats).run();
 }
 }  // namespace clod

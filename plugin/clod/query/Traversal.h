@@ -18,8 +18,9 @@
 
 namespace clod
 {
-// Makes the front, and hands what answers to the sink.
-void traverse(const QueryContext& context, const TraversalSettings& settings, PairFront& front, ContactSink& sink,
+// Makes the front, and hands what answers to the sink. False, perhaps with some given: the limit was met, and the front
+// is none.
+bool traverse(const QueryContext& context, const TraversalSettings& settings, PairFront& front, ContactSink& sink,
 			  QueryStats& stats);
 
 // Is the last front still the front (FrontValidation.cpp)? Whether it has what it takes to tell, and few enough decisions

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// btClodDispatcher on several threads: the same bits as on one, whatever meets whatever; nothing is shared that should not
+// be (ThreadSanitizer: nightly_threads_sanitized).
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <set>
+#include <stdexcept>
+#include <thread>
+
+#include "clod/bullet/ThreadPool.h"
+#include "tests/bullet/PatchHierarchy.h"
+#include "tests/bullet/Toruses.h"
+
+namespace clod::test
+{
+namespace
+{
+// Bodies of all kinds of partners: ours, a plane, an engine's mesh, one whose triangles only one thread may read, a
+// compound's child, and one of another scale.
+class Mixed
+{
+public:
+	explicit Mixed(unsigned threads)
+	{
+		m_dispatcher.setThreads(threads);
+		EXPECT_TRUE(btClodCollisionAlgorithm::registerAlgorithm(&m_dispatcher, &context));
+		context.warn = [this](const std::string& message) { said.push_back(message); };
+		m_world.setGravity(btVector3(0, btScalar(-9.81), 0));
+		m_larger.setLocalScaling(btVector3(btScalar(1.3), btScalar(1.3), btScalar(1.3)));
+		m_compound.addChildShape(btTransform(btQuaternion::getIdentity(), btVector3(0, btScalar(0.1), 0)), &m_box);
+		m_mesh.addTriangle(btVector3(-9, 0, -9), btVector3(9, 0, -9), btVector3(0, 0, 9));
+		m_bvh = std::make_unique<btBvhTriangleMeshShape>(&m_mesh, true);
+		add(m_plane, 0, btVector3(0, -2, 0));
+		add(*m_bvh, 0, btVector3(btScalar(0.5), 0, 0));
+		btCollisionShape* const shapes[] = {&m_box, &m_box, &m_larger, &m_compound};
+		for (int i = 0; i < 24; ++i)
+			add(*shapes[i % 4], 1, btVector3(btScalar(i % 3) - 1, btScalar(0.8 + 0.7 * (i / 3)), btScalar(0.2 * (i % 5))));
+	}
+	~Mixed()
+	{
+		for (const auto& body : m_bodies) m_world.removeRigidBody(body.get());
+	}
+	std::uint64_t run(int steps)
+	{
+		std::uint64_t hash = 0;
+		for (int i = 0; i < steps; ++i)
+		{
+			m_world.stepSimulation(btScalar(1.0 / 120), 0);
+			for (const auto& body : m_bodies)
+				for (int k = 0; k < 3; ++k)
+				{
+					const double at = double(body->getWorldTransform().getOrigin()[k]);
+					std::uint64_t bits;
+					std::memcpy(&bits, &at, sizeof bits);
+					hash = (hash ^ bits) * 0x100000001B3u;
+				}
+		}
+		return hash;
+	}
+	btDiscreteDynamicsWorld& world() { return m_world; }
+	btClodDispatcher& dispatcher() { return m_dispatcher; }
+	const btRigidBody& last() const { return *m_bodies.back(); }
+	btRigidBody& first() { return *m_bodies[2]; }
+
+	Context context;
+	std::vector<std::string> said;
+
+private:
+	void add(btCollisionShape& shape, btScalar mass, const btVector3& at)
+	{
+		btVector3 inertia(0, 0, 0);
+		if (mass > 0) m_box.calculateLocalInertia(mass, inertia);
+		btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, &shape, inertia);
+		info.m_startWorldTransform.setOrigin(at);
+		m_bodies.push_back(std::make_unique<btRigidBody>(info));
+		m_bodies.back()->setActivationState(DISABLE_DEACTIVATION);
+		m_world.addRigidBody(m_bodies.back().get());
+	}
+
+	std::shared_ptr<const Hierarchy> m_hierarchy = patchHierarchy(boxMesh({1, 0.5, 0.7}, {4, 2, 3}, 2));
+	btClodShape m_box{m_hierarchy}, m_larger{m_hierarchy};
+	btCompoundShape m_compound;
+	btTriangleMesh m_mesh;
+	std::unique_ptr<btBvhTriangleMeshShape> m_bvh;
+	btStaticPlaneShape m_plane{btVector3(0, 1, 0), 0};
+	btDefaultCollisionConfiguration m_configuration;
+	btClodDispatcher m_dispatcher{&m_configuration, &context};
+	btDbvtBroadphase m_broadphase;
+	btSequentialImpulseConstraintSolver m_solver;
+	btDiscreteDynamicsWorld m_world{&m_dispatcher, &m_broadphase, &m_solver, &m_configuration};
+	std::vector<std::unique_ptr<btRigidBody>> m_bodies;
+};
+}  // namespace
+
+TEST(ThreadPool, DoesEveryPartOnceAndIsUsedAgain)
+{
+	for (const unsigned threads : {1U, 2U, 5U})
+	{
+		ThreadPool pool(threads);
+		EXPECT_EQ(pool.threads(), threads);
+		for (const std::uint32_t count : {0U, 1U, 3U, 1000U})
+			for (int round = 0; round < 20; ++round)
+			{
+				std::vector<std::atomic<int>> done(count);
+				pool.run(count, [&](std::uint32_t i) { ++done[i]; });
+				for (const auto& each : done) ASSERT_EQ(each, 1);
+			}
+	}
+}
+
+TEST(ThreadPool, UsesItsThreadsAndThrowsOn)
+{
+	ThreadPool pool(3);
+	std::mutex mutex;
+	std::set<std::thread::id> ids;
+	std::atomic<int> arrived{0};
+	pool.run(3,
+			 [&](std::uint32_t)
+			 {
+				 ++arrived;
+				 while (arrived < 3) std::this_thread::yield();
+				 const std::lock_guard<std::mutex> lock(mutex);
+				 ids.insert(std::this_thread::get_id());
+			 });
+	EXPECT_EQ(ids.size(), 3u);
+	EXPECT_THROW(pool.run(9, [](std::uint32_t i) { if (i == 5) throw std::runtime_error("five"); }), std::runtime_error);
+	std::atomic<int> done{0};
+	pool.run(9, [&](std::uint32_t) { ++done; });
+	EXPECT_EQ(done, 9);
+}
+
+TEST(Threads, GiveTheSameTrajectoryHoweverMany)
+{
+	Mixed one(1);
+	const std::uint64_t expected = one.run(200);
+	EXPECT_GT(one.context.lastStep().points, 40u);
+	for (const unsigned threads : {2U, 4U})
+	{
+		Mixed several(threads);
+		EXPECT_EQ(several.dispatcher().threads(), threads);
+		EXPECT_EQ(several.run(200), expected) << threads;
+		EXPECT_EQ(several.said, one.said);
+	}
+	Toruses alone(true);
+	const std::uint64_t whole = alone.run(120, kOff), later = alone.run(30, kOff), counted = Toruses(true).run(120, 500);
+	for (const unsigned threads : {2U, 4U})
+	{
+		Toruses shared(true), budgeted(true);
+		shared.setThreads(threads);
+		budgeted.setThreads(threads);
+		EXPECT_EQ(shared.run(120, kOff), whole) << threads;
+		EXPECT_EQ(shared.run(30, kOff, 1e12), later) << threads;
+		EXPECT_EQ(budgeted.run(120, 500), counted) << threads;
+	}
+}
+
+// From step to step.
+TEST(Threads, MayChangeInNumber)
+{
+	Mixed one(1), changing(1);
+	for (int i = 0; i < 12; ++i)
+	{
+		changing.dispatcher().setThreads(unsigned(i % 4));  // 0: all cores
+		EXPECT_GE(changing.dispatcher().threads(), 1u);
+		ASSERT_EQ(changing.run(10), one.run(10)) << i;
+	}
+}
+
+// A program's own near callback decides which pairs meet, one after the other.
+TEST(Threads, LeaveTheNearCallbackItsSay)
+{
+	const auto run = [](unsigned threads)
+	{
+		Mixed scene(threads);
+		std::uint64_t hash = 0;
+		for (int i = 0; i < 60; ++i)
+		{
+			scene.dispatcher().setNearCallback(
+				i % 3 == 1 ? [](btBroadphasePair&, btCollisionDispatcher&, const btDispatcherInfo&) {}
+						   : &btCollisionDispatcher::defaultNearCallback);
+			hash = 31 * hash + scene.run(1);
+		}
+		return hash;
+	};
+	EXPECT_EQ(run(3), run(1));
+}
+
+// Some pairs once more within a step, in any order: the others keep what they have.
+TEST(Threads, PairsCanBeDispatchedAgain)
+{
+	const auto run = [](unsigned threads)
+	{
+		Mixed scene(threads);
+		std::uint64_t hash = 0;
+		for (int i = 0; i < 60; ++i)
+		{
+			hash = 31 * hash + scene.run(1);
+			btBroadphasePairArray& all = scene.world().getPairCache()->getOverlappingPairArray();
+			std::vector<btBroadphasePair*> some;
+			for (int k = all.size() - 1; k >= 0; k -= 2) some.push_back(&all[k]);
+			scene.first().translate(btVector3(0, btScalar(1e-3), 0));
+			scene.dispatcher().dispatchPairs(some, scene.world().getDispatchInfo());
+		}
+		return hash;
+	};
+	EXPECT_EQ(run(4), run(1));
+}
+
+TEST(Threads, CallTheProgramsFunctionsFromWhereverTheyAre)
+{
+	std::atomic<int> calls{0};
+	const auto run = [&calls](unsigned threads)
+	{
+		Mixed scene(threads);
+		scene.context.pairMetric = [&calls](const btCollisionObject&, const btCollisionObject&, ContactMetric& metric)
+		{
+			++calls;
+			metric = ContactMetric::deviationShare(0.05);
+			return true;
+		};
+		return scene.run(60);
+	};
+	const std::uint64_t one = run(1);
+	const int callsOfOne = calls.exchange(0);
+	EXPECT_EQ(run(4), one);
+	EXPECT_EQ(calls, callsOfOne);
+}
+}  // namespace clod::test

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Which coarsening a budget buys, against bodies whose cost is known: a power of the factor, with noise and steps.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "clod/query/BudgetControl.h"
+#include "tests/query/Bodies.h"
+
+namespace
+{
+using namespace clod;
+using namespace clod::test;
+
+// What a step costs at a factor.
+struct Plant
+{
+	double fixed, least, exponent;  // least + fixed factor^-exponent
+	double at(double factor) const { return least + (factor < kOff ? fixed * std::pow(factor, -exponent) : 0); }
+};
+
+struct Outcome
+{
+	double over = 0, median = 0;  // share of the steps over the budget; of the factors
+	double most = 0;
+};
+Outcome run(BudgetControl& control, const Plant& plant, const Budget& budget, int steps, double noise = 0)
+{
+	Random random(5);
+	std::vector<double> factors;
+	Outcome outcome;
+	for (int i = 0; i < steps; ++i)
+	{
+		const double factor = control.coarsening(budget);
+		const double wanted = plant.at(factor) * (1 + noise * uniform(random, -1, 1));
+		const double most = std::min(budget.tests, budget.microseconds);
+		const bool isCut = wanted > most;  // then so much is spent, and the coarsest answer given
+		const double spent = isCut ? std::max(most, plant.least) : wanted;
+		control.observe({budget.tests < kOff ? spent : 0, budget.microseconds < kOff ? spent : 1, 0, isCut});
+		factors.push_back(factor);
+		outcome.over += isCut ? 1.0 / steps : 0;
+	}
+	outcome.most = *std::max_element(factors.begin(), factors.end());
+	std::nth_element(factors.begin(), factors.begin() + steps / 2, factors.end());
+	outcome.median = factors[std::size_t(steps) / 2];
+	return outcome;
+}
+
+TEST(BudgetControl, FindsTheFactorThatFits)
+{
+	for (const double exponent : {0.4, 0.5, 1.0})
+		for (const double noise : {0.0, 0.2})
+			for (const double budget : {60.0, 200.0, 900.0, 4000.0})
+			{
+				const Plant plant{5000, 20, exponent};
+				const double ideal = std::pow(5000 / (budget - 20), 1 / exponent);
+				for (const Budget& given : {Budget{budget, kOff}, Budget{kOff, budget}})
+				{
+					BudgetControl control;
+					run(control, plant, given, 300, noise);
+					const Outcome outcome = run(control, plant, given, 2000, noise);
+					EXPECT_LT(outcome.over, 0.07) << budget << " " << exponent << " " << noise;
+					EXPECT_LE(outcome.median, ideal * std::pow(2, 0.5 + (0.25 + noise) / exponent)) << budget << " " << exponent << " " << noise;
+				}
+			}
+}
+
+TEST(BudgetControl, EnoughIsNoCoarseningAtAll)
+{
+	BudgetControl control;
+	EXPECT_EQ(run(control, {5000, 20, 0.5}, {6100, kOff}, 500, 0.2).most, 1);
+	// Nor is a rare step that is cut short.
+	for (int i = 0; i < 500; ++i)
+	{
+		EXPECT_EQ(control.coarsening({1000, kOff}), 1);
+		control.observe({i % 25 == 0 ? 1000.0 : 600, 1, 0, i % 25 == 0});
+	}
+}
+
+TEST(BudgetControl, NoneIsNoneAndNothingIsTheCoarsest)
+{
+	BudgetControl control;
+	const Plant plant{5000, 20, 0.5};
+	EXPECT_EQ(run(control, plant, {}, 10).most, 1);
+	for (const Budget& nothing : {Budget{0, kOff}, Budget{kOff, 0}})
+	{
+		EXPECT_EQ(control.coarsening(nothing), kOff);
+		control.observe({20, 20, 0, true});
+		run(control, plant, nothing, 20);
+		EXPECT_EQ(control.coarsening(nothing), kOff);
+		control.observe({20, 20, 0, true});
+		EXPECT_EQ(control.coarsening({1e9, 1e9}), 1);  // what is plenty is so at once
+		control.observe({5020, 20, 0, false});
+		EXPECT_EQ(control.coarsening({}), 1);
+		control.observe({5020, 20, 0, false});
+	}
+}
+
+// Where each finer level costs far more than the one before, it is tried again later and later.
+TEST(BudgetControl, WhatDoesNotFitIsTriedSeldom)
+{
+	BudgetControl control;
+	int tries = 0;
+	for (int i = 0; i < 2000; ++i)
+	{
+		const bool isCut = control.coarsening({1000, kOff}) < 8;
+		control.observe({isCut ? 1000.0 : 50.0, 1, 0, isCut});
+		tries += i > 300 && isCut;
+	}
+	EXPECT_LT(tries, 30);
+	EXPECT_GT(tries, 0);
+}
+
+// Bodies that lie still cost nothing, but would as soon as they moved.
+TEST(BudgetControl, WhatIsKeptCountsAsWhatItCost)
+{
+	BudgetControl control;
+	const Plant plant{5000, 20, 0.5};
+	run(control, plant, {1000, kOff}, 500);
+	const double before = control.coarsening({1000, kOff});
+	control.observe({plant.at(before), 1, 0, false});
+	for (int i = 0; i < 200; ++i)
+	{
+		control.coarsening({1000, kOff});
+		control.observe({0, 1, plant.at(before), false});
+	}
+	EXPECT_GE(control.coarsening({1000, kOff}), before / 2);
+}
+}  // namespace
