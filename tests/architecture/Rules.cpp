@@ -13,7 +13,7 @@ namespace clod::test
 {
 namespace
 {
-const char* const kFoldersUpward[] = {"collide", "hierarchy", "query", "distance", "manifold", "bullet"};
+const char* const kFoldersUpward[] = {"collide", "hierarchy", "query", "distance", "manifold", "schedule", "bullet"};
 constexpr int kUnknownFolder = -1;
 constexpr int kPackage = -2;
 

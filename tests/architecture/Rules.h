@@ -21,7 +21,7 @@ inline constexpr std::size_t kMostLinesOfSource = 500;
 // All .h and .cpp of plugin, cli, builder and demos, ordered by path.
 Sources readProduct(const std::string& root);
 
-// Folders of plugin/clod: collide < hierarchy < query < distance < manifold < bullet. None includes one above it, and
+// Folders of plugin/clod: collide < hierarchy < query < distance < manifold < schedule < bullet. None includes one above it, and
 // each include of ours is a file that exists, named from plugin/.
 Faults upwardIncludes(const Sources& sources);
 // Of the plugin: Bullet's headers in clod/bullet only, the builder's libraries nowhere.

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "clod/bullet/ThreadPool.h"
+#include "clod/schedule/ThreadPool.h"
 #include "tests/bullet/PatchHierarchy.h"
 #include "tests/bullet/Toruses.h"
 

@@ -16,7 +16,7 @@
 #include "clod/Export.h"
 #include "clod/bullet/Abi.h"
 #include "clod/bullet/ConvexPartner.h"
-#include "clod/bullet/StepBudget.h"
+#include "clod/schedule/StepBudget.h"
 #include "clod/bullet/StepReport.h"
 #include "clod/query/Budget.h"
 

@@ -13,7 +13,7 @@
 #include "clod/bullet/Manifolds.h"
 #include "clod/bullet/PairMetric.h"
 #include "clod/bullet/PairPose.h"
-#include "clod/bullet/StepBudget.h"
+#include "clod/schedule/StepBudget.h"
 #include "clod/distance/SignedGap.h"
 #include "clod/manifold/FacetContacts.h"
 #include "clod/manifold/PartnerContacts.h"

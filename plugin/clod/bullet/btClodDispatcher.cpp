@@ -10,8 +10,8 @@
 
 #include "clod/bullet/Context.h"
 #include "clod/bullet/PairState.h"
-#include "clod/bullet/StepBudget.h"
-#include "clod/bullet/ThreadPool.h"
+#include "clod/schedule/StepBudget.h"
+#include "clod/schedule/ThreadPool.h"
 #include "clod/bullet/btClodCollisionAlgorithm.h"
 
 namespace

@@ -9,7 +9,7 @@
 // counted in tests, as what is left to one is what those before it took; and all, where the program has set a near
 // callback of its own, or continuous dispatch.
 //
-// Budgets. Of tests: exceeded only by what the coarsest answers have grown by since the step before; repeats bit for bit.
+// Budgets. Of tests: exceeded by what the coarsest answers differ from those of the step before; repeats bit for bit.
 // Of time: compared with a clock (StepBudget.h), of the whole dispatch. Continuous dispatch is not budgeted.
 #pragma once
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>

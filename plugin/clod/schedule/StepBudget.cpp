@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "clod/bullet/StepBudget.h"
+#include "clod/schedule/StepBudget.h"
 
 #include <algorithm>
 

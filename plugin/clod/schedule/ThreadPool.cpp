@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "clod/bullet/ThreadPool.h"
+#include "clod/schedule/ThreadPool.h"
 
 #include <utility>
 
