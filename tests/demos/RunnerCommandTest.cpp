@@ -192,7 +192,7 @@ TEST_F(RunnerCommand, ReplayWritesAllThatAQueryTells)
 	EXPECT_GT(touching, 0);
 	EXPECT_GE(searched, touching);  // the exact gap is searched wherever nodes are near
 	EXPECT_GT(left, 0);
-	for (const char* name : {"needed", "touched_finest_level", "front_kept", "depths_cut_short"})
+	for (const char* name : {"cut_short", "touched_finest_level", "front_kept", "depths_cut_short"})
 		EXPECT_EQ(column(csv, name).size(), 40u) << name;
 }
 

@@ -332,7 +332,8 @@ TEST_F(RunnerCommand, BudgetsAreRunAtTheSamePosesAndLargerOnesLeaveSmallerErrors
 	EXPECT_LE(counted[1]["tests"]["median"].get<double>(), 200);
 	EXPECT_LE(counted[1]["error_percent"]["median"].get<double>(), counted[0]["error_percent"]["median"].get<double>());
 	EXPECT_EQ(counted[2]["error_percent"], counted[3]["error_percent"]);
-	EXPECT_EQ(counted[2]["tests"], counted[3]["tests"]);
+	// The same answers; what caches hold, and so a test more or less in one of the steps, may differ.
+	EXPECT_EQ(counted[2]["tests"]["median"], counted[3]["tests"]["median"]);
 	EXPECT_EQ(bench("budget spoon-cub -o " + path("x") + cache()).code, 2);
 	EXPECT_EQ(bench("budget spoon-cup --budgets 5,-1 -o " + path("x") + cache()).code, 2);
 	EXPECT_EQ(bench("budget spoon-cup --budget-us 5 -o " + path("x") + cache()).code, 2);
