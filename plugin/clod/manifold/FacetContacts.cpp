@@ -23,7 +23,8 @@ void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Trans
 						 const std::vector<Contact>& contacts, bool isDeep, const ClusterSet& previous, bool goesOn)
 {
 	m_expected = rules.motion();
-	if (!goesOn) m_facets.clear();
+	m_facets.clear();
+	if (goesOn) m_facets = m_reduced;
 	m_facets.erase(std::remove_if(m_facets.begin(), m_facets.end(),
 								  [](const Facet& f) { return f.kind == Facet::Kind::kDeep; }),
 				   m_facets.end());
@@ -67,12 +68,17 @@ void FacetContacts::answerDepth(const std::vector<Contact>& contacts, bool isDee
 void FacetContacts::reduce(const ClusterSet& previous, ClusterSet& next)
 {
 	m_points.clear();
+	m_reduced.clear();
 	for (const Facet& facet : m_facets) m_points.push_back(pointOf(facet));
 	m_reducer.reduce(m_facets, m_points, previous, m_question.length(), next);
 	const Transform bFromA = inverse(m_question.aFromB);
 	for (std::size_t slot = 0; slot < next.slots.size(); ++slot)
 		for (std::size_t i = 0; i < std::size_t(next.slots[slot].count); ++i)
-			nameFaces(m_facets[m_reducer.facetOf(slot, i)], bFromA, next.slots[slot].points[i].point);
+		{
+			const Facet& facet = m_facets[m_reducer.facetOf(slot, i)];
+			nameFaces(facet, bFromA, next.slots[slot].points[i].point);
+			m_reduced.push_back(facet);
+		}
 }
 
 // The triangles that a point lies on: a feature may have many.

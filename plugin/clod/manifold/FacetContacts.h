@@ -19,7 +19,7 @@ class CLOD_API FacetContacts
 {
 public:
 	// All facets of the accepted pairs that are contacts. isDeep: one body is known to be inside the other. goesOn: those
-	// found last stay, as nothing but the motion of the rules has changed.
+	// that the solver got last stay, as nothing but the motion of the rules has changed.
 	void find(const ContactBody& a, const ContactBody& b, const Transform& aFromB, const PointRules& rules,
 			  const std::vector<Contact>& contacts, bool isDeep, const ClusterSet& previous, bool goesOn = false);
 	// Of A's material relative to B's, frame A: the coming step's, as these contacts alone would have it.
@@ -34,6 +34,7 @@ public:
 	{
 		m_wayOut = {};
 		m_facets.clear();
+		m_reduced.clear();
 	}
 
 private:
@@ -43,6 +44,7 @@ private:
 
 	FacetQuestion m_question;
 	std::vector<Facet> m_facets, m_deepFacets;
+	std::vector<Facet> m_reduced;  // those that the solver got
 	std::vector<ContactPoint> m_points;
 	FacetFinder m_finder;
 	FacetChoice m_choice;
