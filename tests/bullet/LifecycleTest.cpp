@@ -3,13 +3,13 @@
 #include <BulletCollision/CollisionDispatch/btGhostObject.h>
 #include <gtest/gtest.h>
 
-#include <cstring>
 #include <functional>
 #include <limits>
 #include <optional>
 
 #include "tests/bullet/CubeOnSlab.h"
 #include "tests/bullet/ManifoldState.h"
+#include "tests/bullet/NumberHash.h"
 
 namespace clod::test
 {
@@ -20,12 +20,7 @@ std::uint64_t poseHash(const btRigidBody& body, std::uint64_t hash)
 	const btTransform& pose = body.getWorldTransform();
 	for (int i = 0; i < 3; ++i)
 		for (const btScalar value : {pose.getOrigin()[i], pose.getBasis()[i][0], pose.getBasis()[i][1]})
-		{
-			const double exact = double(value);
-			std::uint64_t bits = 0;
-			std::memcpy(&bits, &exact, sizeof bits);
-			hash = (hash ^ bits) * 0x100000001B3u;
-		}
+			hash = mixed(hash, double(value));
 	return hash;
 }
 

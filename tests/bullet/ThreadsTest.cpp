@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "clod/schedule/ThreadPool.h"
+#include "tests/bullet/NumberHash.h"
 #include "tests/bullet/PatchHierarchy.h"
 #include "tests/bullet/Toruses.h"
 
@@ -48,13 +49,7 @@ public:
 		{
 			m_world.stepSimulation(btScalar(1.0 / 120), 0);
 			for (const auto& body : m_bodies)
-				for (int k = 0; k < 3; ++k)
-				{
-					const double at = double(body->getWorldTransform().getOrigin()[k]);
-					std::uint64_t bits;
-					std::memcpy(&bits, &at, sizeof bits);
-					hash = (hash ^ bits) * 0x100000001B3u;
-				}
+				for (int k = 0; k < 3; ++k) hash = mixed(hash, double(body->getWorldTransform().getOrigin()[k]));
 		}
 		return hash;
 	}

@@ -2,11 +2,11 @@
 // A world of pairs of toruses with several levels, with btClodDispatcher or Bullet's own.
 #pragma once
 #include <algorithm>
-#include <cstring>
 #include <memory>
 
 #include "clod/bullet/btClodCollisionAlgorithm.h"
 #include "clod/bullet/btClodDispatcher.h"
+#include "tests/bullet/NumberHash.h"
 #include "tests/query/Bodies.h"
 
 #include <btBulletDynamicsCommon.h>
@@ -69,13 +69,7 @@ public:
 		{
 			m_world->stepSimulation(btScalar(1.0 / 240), 0);
 			for (const auto& body : m_bodies)
-				for (int k = 0; k < 3; ++k)
-				{
-					const double at = double(body->getWorldTransform().getOrigin()[k]);
-					std::uint64_t bits;
-					std::memcpy(&bits, &at, sizeof bits);
-					hash = (hash ^ bits) * 0x100000001B3u;
-				}
+				for (int k = 0; k < 3; ++k) hash = mixed(hash, double(body->getWorldTransform().getOrigin()[k]));
 		}
 		return hash;
 	}

@@ -16,9 +16,9 @@
 #include "clod/Export.h"
 #include "clod/bullet/Abi.h"
 #include "clod/bullet/ConvexPartner.h"
-#include "clod/schedule/StepBudget.h"
 #include "clod/bullet/StepReport.h"
 #include "clod/query/Budget.h"
+#include "clod/schedule/StepBudget.h"
 
 class btCollisionObject;
 class btDispatcher;

@@ -10,9 +10,9 @@
 
 #include "clod/bullet/Context.h"
 #include "clod/bullet/PairState.h"
+#include "clod/bullet/btClodCollisionAlgorithm.h"
 #include "clod/schedule/StepBudget.h"
 #include "clod/schedule/ThreadPool.h"
-#include "clod/bullet/btClodCollisionAlgorithm.h"
 
 namespace
 {

@@ -11,6 +11,7 @@
 
 #include "clod/bullet/PairState.h"
 #include "clod/bullet/btClodCollisionAlgorithm.h"
+#include "clod/bullet/btClodDispatcher.h"
 
 namespace
 {
@@ -72,7 +73,7 @@ double btClodDynamicsWorld::solveInPasses(btContactSolverInfo& info)
 	for (;;)
 	{
 		BT_PROFILE("btClodDynamicsWorld::pass");
-		predict(info.m_timeStep);
+		predictSolved(info.m_timeStep);
 		const double surprise = findSurprised();
 		if (m_surprised.empty() || m_passes >= last) return surprise;
 		putBack();
@@ -154,11 +155,7 @@ void btClodDynamicsWorld::beginPart(btScalar timeStep, btScalar left)
 											body->getAngularVelocity(), -left, now);
 		body->setWorldTransform(now);
 	}
-	for (int i = 0; i < m_nonStaticRigidBodies.size(); ++i)
-	{
-		btRigidBody& body = *m_nonStaticRigidBodies[i];
-		if (isMoving(body)) body.predictIntegratedTransform(timeStep, body.getInterpolationWorldTransform());
-	}
+	predictFree(timeStep);
 	getDispatchInfo().m_timeStep = timeStep;
 	performDiscreteCollisionDetection();
 	calculateSimulationIslands();
@@ -168,11 +165,7 @@ void btClodDynamicsWorld::beginPart(btScalar timeStep, btScalar left)
 // Of the bodies as they move now.
 btClodDynamicsWorld::Impact btClodDynamicsWorld::firstImpact(btScalar timeStep)
 {
-	for (int i = 0; i < m_nonStaticRigidBodies.size(); ++i)
-	{
-		btRigidBody& body = *m_nonStaticRigidBodies[i];
-		if (isMoving(body)) body.predictIntegratedTransform(timeStep, body.getInterpolationWorldTransform());
-	}
+	predictFree(timeStep);
 	Impact first;
 	btBroadphasePairArray& pairs = getPairCache()->getOverlappingPairArray();
 	for (int i = 0; i < pairs.size(); ++i)
@@ -201,8 +194,18 @@ void btClodDynamicsWorld::remember()
 	}
 }
 
+// Interpolation transforms are where bodies come without contacts.
+void btClodDynamicsWorld::predictFree(btScalar timeStep)
+{
+	for (int i = 0; i < m_nonStaticRigidBodies.size(); ++i)
+	{
+		btRigidBody& body = *m_nonStaticRigidBodies[i];
+		if (isMoving(body)) body.predictIntegratedTransform(timeStep, body.getInterpolationWorldTransform());
+	}
+}
+
 // Interpolation velocities and transforms carry the motion as solved; Bullet sets them anew at the end of the step.
-void btClodDynamicsWorld::predict(btScalar timeStep)
+void btClodDynamicsWorld::predictSolved(btScalar timeStep)
 {
 	for (const Start& start : m_starts)
 	{
@@ -275,19 +278,21 @@ void btClodDynamicsWorld::askAgain()
 		for (const btBroadphaseProxy* proxy : {pair.low, pair.high})
 			widenBox(*static_cast<const btCollisionObject*>(proxy->m_clientObject));
 	computeOverlappingPairs();
-	auto& dispatcher = static_cast<btCollisionDispatcher&>(*getDispatcher());
-	const btNearCallback process = dispatcher.getNearCallback();
 	btOverlappingPairCache& cache = *getBroadphase()->getOverlappingPairCache();
-	m_context.m_isSolved = true;
+	m_asked.clear();
 	for (const Surprised& asked : m_surprised)
-	{
-		btBroadphasePair* pair = cache.findPair(asked.low, asked.high);
-		if (!pair) continue;
-		process(*pair, dispatcher, getDispatchInfo());
-		++m_pairsAskedAgain;
-	}
+		if (btBroadphasePair* pair = cache.findPair(asked.low, asked.high)) m_asked.push_back(pair);
+	m_pairsAskedAgain += int(m_asked.size());
 	btBroadphasePair* pairs = cache.getOverlappingPairArrayPtr();
 	for (int i = 0; i < cache.getNumOverlappingPairs(); ++i)
-		if (!pairs[i].m_algorithm) process(pairs[i], dispatcher, getDispatchInfo());
+		if (!pairs[i].m_algorithm) m_asked.push_back(&pairs[i]);
+	m_context.m_isSolved = true;
+	if (auto* ours = dynamic_cast<btClodDispatcher*>(getDispatcher()))
+		ours->dispatchPairs(m_asked, getDispatchInfo());
+	else
+	{
+		auto& dispatcher = static_cast<btCollisionDispatcher&>(*getDispatcher());
+		for (btBroadphasePair* pair : m_asked) dispatcher.getNearCallback()(*pair, dispatcher, getDispatchInfo());
+	}
 	m_context.m_isSolved = false;
 }

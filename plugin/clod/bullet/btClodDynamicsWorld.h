@@ -76,7 +76,8 @@ private:
 	Impact firstImpact(btScalar timeStep);
 
 	void remember();
-	void predict(btScalar timeStep);
+	void predictFree(btScalar timeStep);
+	void predictSolved(btScalar timeStep);
 	void putBack();
 	double findSurprised();
 	// A body's box over its way as solved, besides what it was.
@@ -90,4 +91,5 @@ private:
 	btScalar m_lastPart = 0;  // 0: the whole step
 	std::vector<Start> m_starts;
 	std::vector<Surprised> m_surprised;
+	std::vector<btBroadphasePair*> m_asked;
 };
