@@ -19,11 +19,6 @@ constexpr double kLoose = 1 + 1e-5;
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
 
-void store(float (&to)[3], const Vec3& v)
-{
-	for (int i = 0; i < 3; ++i) to[i] = float(v[i]);
-}
-
 // Patches in the order of their centres along a space-filling curve, so that neighbours share parents.
 std::vector<std::uint32_t> spatialOrder(const std::vector<Vec3>& centers)
 {

@@ -18,6 +18,14 @@ inline constexpr int kBoundBits = 13;
 inline constexpr std::uint32_t kBeyondBound = (1u << (24 - kBoundBits)) - 1;  // bits of a float that no bound sets
 inline constexpr float kLargestBound = 0x1.FFFp127f;
 
+// Share of the radius that rounding moves a stored vertex by, at most: Asset::storageTolerance.
+inline constexpr double kStorageShare = 8.0 / (1 << 24);
+
+inline void store(float (&to)[3], const Vec3& v)
+{
+	for (int i = 0; i < 3; ++i) to[i] = roundToFloat(v[i]);
+}
+
 // Whether v lies on the grid; zero and infinity do.
 inline bool isBound(float v)
 {

@@ -13,14 +13,8 @@ namespace clod
 {
 namespace
 {
-constexpr double kStorage = 8.0 / (1 << 24);  // of the radius: Asset::storageTolerance
 constexpr double kArea = 0.01;                // of the radius: Asset::areaTolerance
 constexpr double kRoom = 1 + 1e-6;            // for the rounding of sums
-
-void store(float (&to)[3], const Vec3& v)
-{
-	for (int i = 0; i < 3; ++i) to[i] = roundToFloat(v[i]);
-}
 
 class Piece
 {
@@ -78,7 +72,7 @@ void Piece::asset(double radius)
 	a.radius = roundUp(std::max(double(a.radius), kRoom * (m_extent + radius)));
 	store(a.boxMin, m_low);
 	store(a.boxMax, m_high);
-	a.storageTolerance = roundUp(kStorage * double(a.radius));
+	a.storageTolerance = roundUp(kStorageShare * double(a.radius));
 	a.areaTolerance = boundAtLeast(kArea * double(a.radius));
 	a.triangleCount = std::uint32_t(m_triangles.size());
 	a.componentCount = 1;

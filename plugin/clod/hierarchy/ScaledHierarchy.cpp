@@ -13,15 +13,9 @@ namespace clod
 namespace
 {
 constexpr double kRounding = 1.0 / (1 << 23);  // of the farthest coordinate: what rounding moves a vertex by, at most
-constexpr double kStorage = 8.0 / (1 << 24);   // of the radius: Asset::storageTolerance
 constexpr double kRoom = 1 + 1e-6;             // for the rounding of sums and unit vectors
 constexpr double kConeRoom = 1e-7;             // of coneCosine, as builders leave it
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-void store(float (&to)[3], const Vec3& v)
-{
-	for (int i = 0; i < 3; ++i) to[i] = roundToFloat(v[i]);
-}
 
 // Eigenvectors of a symmetric matrix as the rows of a rotation (Jacobi's sweeps).
 Mat3 principalRows(double (&m)[3][3])
@@ -209,7 +203,7 @@ void Scaling::sphere()
 void Scaling::asset()
 {
 	Asset& a = m_to.asset;
-	a.storageTolerance = roundUp(kStorage * double(a.radius));
+	a.storageTolerance = roundUp(kStorageShare * double(a.radius));
 	a.areaTolerance = boundAtLeast(m_largest * double(a.areaTolerance));
 	a.thinnestWall = boundAtMost(m_smallest * double(a.thinnestWall));
 	const Vec3 origin = scaled({a.meshFromBody[0], a.meshFromBody[1], a.meshFromBody[2]});
