@@ -11,8 +11,6 @@ namespace clod
 {
 namespace
 {
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 void levelStatistics(const QueryContext& context, ContactResult& result)
 {
 	if (result.contacts.empty()) return;
