@@ -70,6 +70,14 @@ void ManifoldSet::append(btManifoldArray& manifolds) const
 		if (slot.manifold) manifolds.push_back(slot.manifold);
 }
 
+bool ManifoldSet::carry() const
+{
+	for (const Slot& slot : m_slots)
+		for (int k = 0; k < slot.count && k < slot.manifold->getNumContacts(); ++k)
+			if (slot.manifold->getContactPoint(k).m_appliedImpulse > 0) return true;
+	return false;
+}
+
 void ManifoldSet::readImpulses(ClusterSet& written)
 {
 	m_found = {};

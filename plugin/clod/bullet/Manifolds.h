@@ -56,6 +56,8 @@ public:
 	// poses, materials, a threshold, a point missing, moved or edited; and wherever gContactAddedCallback, stiffness,
 	// damping, friction anchors or a result of the caller's own want points to be added.
 	bool keep(ClusterSet& written, const WorldFrame& frame, btManifoldResult& out);
+	// Has the solver given one of their points an impulse?
+	bool carry() const;
 	// Copies last step's impulses from the solver into the set that was written last.
 	void readImpulses(ClusterSet& written);
 	// Levels of a point's nodes come from `levelOf`, called with the point.

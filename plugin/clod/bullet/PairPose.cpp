@@ -137,6 +137,15 @@ Sweep PairPose::sweep() const
 	return {ahead * relative.linear, ahead * relative.angular};
 }
 
+// The two ways differ from the motion predicted by what the other body does.
+void PairPose::expectHolding()
+{
+	const auto wayOf = [&](const PairBody& body)
+	{ return (length(body.linear) + length(body.angular) * rules.length) * rules.timeStep; };
+	rules.heldReach = std::min({wayOf(rules.a), wayOf(rules.b), kHeldShare * rules.length});
+	tolerance += rules.heldReach;
+}
+
 double PairPose::userLength() const
 {
 	const double ofA = shapeA->leastScale();

@@ -72,6 +72,8 @@ struct PairPose
 	// B's motion relative to A in the step, as far ahead as contacts may lie.
 	Sweep sweep() const;
 	double thinnestWall() const;
+	// Looks farther for where a third body may hold one of the two, too (PointRules::heldReach).
+	void expectHolding();
 };
 
 // closestPoints: contacts are wanted so far apart, world length.

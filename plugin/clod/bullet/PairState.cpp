@@ -23,8 +23,8 @@ bool sameRules(const PointRules& l, const PointRules& r)
 {
 	const auto fields = [](const PointRules& rules)
 	{
-		const auto& [length, resting, margin, radiusA, radiusB, nearest, a, b, timeStep] = rules;
-		return std::tuple_cat(std::tie(length, resting, margin, radiusA, radiusB, nearest, timeStep), fieldsOf(a), fieldsOf(b));
+		const auto& [length, resting, margin, radiusA, radiusB, nearest, a, b, timeStep, heldReach] = rules;
+		return std::tuple_cat(std::tie(length, resting, margin, radiusA, radiusB, nearest, timeStep, heldReach), fieldsOf(a), fieldsOf(b));
 	};
 	return fields(l) == fields(r);
 }
@@ -112,6 +112,8 @@ PairPose PairState::begin(const btCollisionObjectWrapper& body0, const btCollisi
 		sayOnce(32, "a pair has no contacts: " + pose.notFinite);
 		return pose;
 	}
+	// Bodies that carry each other are held together; and further passes know who holds whom.
+	if (prediction == Prediction::kFree && pose.isOfTwo() && !m_manifolds.carry()) pose.expectHolding();
 	m_report.motion = pose.motion;
 	m_report.tolerance = pose.tolerance;
 	m_report.metric = m_metric.resolve(m_context, pose);

@@ -56,6 +56,9 @@ struct PointRules
 	bool nearest = false;  // the nearest points are wanted though bodies are apart, be they corners'
 	PairBody a, b;
 	double timeStep = 0;  // seconds; 0: nothing is looked ahead for
+	// How far one of the two is looked for on its own way, in case that a third body holds the other: stacks that fall
+	// as one are apart by no motion of theirs until the lowest meets the floor.
+	double heldReach = 0;
 	RelativeMotion motion() const { return motionBetween(a, b, timeStep); }
 };
 
@@ -65,6 +68,8 @@ inline constexpr double kRestingShare = 0.001;  // default resting height, share
 inline constexpr double kSkinShare = 0.0005;
 // Times the displacement of the step: contacts are looked for so far ahead, as they may turn the motion.
 inline constexpr double kPathReach = 1.35;
+
+inline constexpr double kHeldShare = 0.1;  // of the length: the most that PointRules::heldReach is
 
 // Points go to a solver in groups of a manifold's size.
 inline constexpr int kMaxClusters = 8;

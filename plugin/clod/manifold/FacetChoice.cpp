@@ -170,10 +170,41 @@ Vec3 FacetChoice::centerOf(const Facet& facet) const
 	}
 }
 
-// Two facets at one place with different normals, each below the plane of the other, meet in a ridge.
+void FacetChoice::Places::sort(const std::vector<Facet>& facets, const std::vector<std::uint32_t>& order,
+							   Vec3 Facet::*point)
+{
+	sorted.clear();
+	if (order.empty()) return;
+	Box box{facets[order[0]].*point, facets[order[0]].*point};
+	for (const std::uint32_t i : order) box.add(facets[i].*point);
+	const Vec3 extent = box.high - box.low;
+	axis = extent.x >= std::max(extent.y, extent.z) ? Vec3{1, 0, 0} : extent.y >= extent.z ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
+	for (std::uint32_t k = 0; k < order.size(); ++k) sorted.emplace_back(dot(axis, facets[order[k]].*point), k);
+	std::sort(sorted.begin(), sorted.end());
+}
+
+// Two facets at one place with different normals, each below the plane of the other, meet in a ridge. `center` is that
+// of `best`.
+bool FacetChoice::isBeyondRidge(const Facet& best, const Vec3& center, const Facet& other) const
+{
+	const double size = m_question->length(), near = kSamePlace * size, tie = kTie * size, slack = 1e-6 * size;
+	if (dot(best.normal, other.normal) > kSameNormal) return false;
+	// One of them may be met farther on the way.
+	const double betweenA = lengthSquared(best.onA - other.onA), betweenB = lengthSquared(best.onB - other.onB);
+	const double reach = near + std::max(std::abs(best.linear), std::abs(other.linear));
+	if (std::min(betweenA, betweenB) > near * near || std::max(betweenA, betweenB) > reach * reach) return false;
+	// Over the ridge itself both hold: an edge stands on a parallel edge.
+	if (std::abs(best.distance - other.distance) < tie &&
+		std::abs(best.distance + best.linear - other.distance - other.linear) < tie)
+		return false;
+	const Vec3 between = centerOf(other) - center;
+	// Normals point into the difference.
+	return dot(best.normal, between) > slack && dot(other.normal, between) < -slack;
+}
+
 void FacetChoice::dropRidges(std::vector<Facet>& facets)
 {
-	const double near = kSamePlace * m_question->length(), tie = kTie * m_question->length();
+	const double near = kSamePlace * m_question->length();
 	m_isKept.assign(facets.size(), 1);
 	m_order.clear();
 	for (std::uint32_t i = 0; i < facets.size(); ++i)
@@ -185,29 +216,26 @@ void FacetChoice::dropRidges(std::vector<Facet>& facets)
 				  const double a = facets[i].distance + facets[i].linear, b = facets[j].distance + facets[j].linear;
 				  return a != b ? a > b : i < j;
 			  });
-	for (std::size_t k = 0; k < m_order.size(); ++k)
+	m_placesA.sort(facets, m_order, &Facet::onA);
+	m_placesB.sort(facets, m_order, &Facet::onB);
+	for (std::uint32_t k = 0; k < m_order.size(); ++k)
 	{
 		const Facet& best = facets[m_order[k]];
 		if (!m_isKept[m_order[k]]) continue;
 		const Vec3 center = centerOf(best);
-		for (std::size_t l = k + 1; l < m_order.size(); ++l)
+		const auto drop = [&](const Places& places, const Vec3& point)
 		{
-			const Facet& other = facets[m_order[l]];
-			// Over the ridge itself both hold: an edge stands on a parallel edge.
-			if (std::abs(best.distance - other.distance) < tie &&
-				std::abs(best.distance + best.linear - other.distance - other.linear) < tie)
-				continue;
-			if (!m_isKept[m_order[l]] || dot(best.normal, other.normal) > kSameNormal) continue;
-			// One of them may be met farther on the way.
-			const double betweenA = lengthSquared(best.onA - other.onA), betweenB = lengthSquared(best.onB - other.onB);
-			const double reach = near + std::max(std::abs(best.linear), std::abs(other.linear));
-			if (std::min(betweenA, betweenB) > near * near || std::max(betweenA, betweenB) > reach * reach) continue;
-			const double slack = 1e-6 * m_question->length();
-			const Vec3 between = centerOf(other) - center;
-			// Normals point into the difference.
-			const bool otherIsBelow = dot(best.normal, between) > slack, bestIsBelow = dot(other.normal, between) < -slack;
-			if (otherIsBelow && bestIsBelow) m_isKept[m_order[l]] = 0;
-		}
+			const double coordinate = dot(places.axis, point);
+			for (auto place = std::lower_bound(places.sorted.begin(), places.sorted.end(),
+											   std::make_pair(coordinate - near, std::uint32_t(0)));
+				 place != places.sorted.end() && place->first <= coordinate + near; ++place)
+			{
+				if (place->second <= k || !m_isKept[m_order[place->second]]) continue;
+				if (isBeyondRidge(best, center, facets[m_order[place->second]])) m_isKept[m_order[place->second]] = 0;
+			}
+		};
+		drop(m_placesA, best.onA);
+		drop(m_placesB, best.onB);
 	}
 	removeDropped(facets);
 }

@@ -6,6 +6,7 @@
 // - At a convex ridge of the difference the free motions are a union: one facet is kept, the one that the motion
 //   crosses last.
 #pragma once
+#include <utility>
 #include <vector>
 
 #include "clod/manifold/FacetFinder.h"
@@ -23,6 +24,7 @@ private:
 	Vec3 centerOf(const Facet& facet) const;
 	void dropInner(std::vector<Facet>& facets);
 	void dropRidges(std::vector<Facet>& facets);
+	bool isBeyondRidge(const Facet& best, const Vec3& center, const Facet& other) const;
 	void removeDropped(std::vector<Facet>& facets) const;
 	Vec3 leastShift();
 
@@ -32,7 +34,16 @@ private:
 		Vec3 normal;
 		double distance, multiplier;
 	};
+	// Facets of m_order by their points' coordinate on the axis where these are spread farthest.
+	struct Places
+	{
+		Vec3 axis;
+		std::vector<std::pair<double, std::uint32_t>> sorted;  // coordinate, position in m_order
+		void sort(const std::vector<Facet>& facets, const std::vector<std::uint32_t>& order, Vec3 Facet::*point);
+	};
+
 	std::vector<Plane> m_planes;
+	Places m_placesA, m_placesB;
 	std::vector<std::uint32_t> m_order;
 	std::vector<char> m_isKept;
 };

@@ -101,7 +101,7 @@ void FacetFinder::findPair(const Contact& contact)
 	m_pair = {&q.a.surface(nodeA.level), &q.b.surface(nodeB.level), contact.nodeA, contact.nodeB, nodeA.level, nodeB.level};
 	m_pair.roam = 0.5 * nodeB.displaced;
 	m_pair.deepest = mayOverlap ? kFar : 2 * kInnerShare * q.length();
-	m_pair.reach = q.touching() + kFootShare * q.length() + m_pair.roam;
+	m_pair.reach = q.touching() + q.rules.heldReach + kFootShare * q.length() + m_pair.roam;
 	if (mayOverlap) m_pair.reach += q.a.thicknessOf(contact.nodeA) + q.b.thicknessOf(contact.nodeB);
 	gather(contact, nodeA, nodeB);
 	for (const MovedCorner* corner : m_cornersA)
@@ -149,6 +149,21 @@ double FacetFinder::highest(double closing) const
 	return m_question->touching() + m_pair.roam + 0.5 * closing;
 }
 
+// The ways, in frame A and relative to A, that a place of B goes if A is held by a third body, or that one of A leaves
+// behind if B is.
+void FacetFinder::waysIfHeld(const Vec3& place, Vec3 (&ways)[2]) const
+{
+	const PointRules& rules = m_question->rules;
+	const auto way = [&](const PairBody& body)
+	{
+		const Vec3 move = rules.timeStep * (body.linear + cross(body.angular, place - body.center));
+		const double far = length(move);
+		return far > rules.heldReach ? (rules.heldReach / far) * move : move;
+	};
+	ways[0] = rules.a.inverseMass > 0 ? way(rules.b) : Vec3{};
+	ways[1] = rules.b.inverseMass > 0 ? -way(rules.a) : Vec3{};
+}
+
 // In the face's frame.
 void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygon, bool vertexIsOfA)
 {
@@ -160,7 +175,7 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 	const Vec3 normal = vertexIsOfA ? q.aFromB.rotation * face.normal : -face.normal;
 	const double then = dot(face.normal, vertex.then) - face.offset;
 	const double end = now + kPathReach * (then - now);
-	if (now > highest(now - then) && end > q.rules.margin) return;
+	if (now > highest(now - then) && end > q.rules.margin && now > q.rules.margin + q.rules.heldReach) return;
 	if (now < -m_pair.deepest) return;
 
 	const Vec3 up = vertexIsOfA ? normal : m_bFromA.rotation * face.normal;
@@ -189,6 +204,22 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 			return faces.squaredBeside(polygon, p) <= slack * slack;
 		};
 		counts = meets(enters) || meets(crosses);
+	}
+	if (!counts && now > 0 && end > q.rules.margin && q.rules.heldReach > 0)
+	{
+		facet.reach = Facet::Reach::kPath;
+		Vec3 ways[2];
+		waysIfHeld(vertexIsOfA ? vertices.vertices()[vertex.index] : vertex.now, ways);
+		for (const Vec3& way : ways)
+		{
+			const Vec3 move = vertexIsOfA ? -(m_bFromA.rotation * way) : way;
+			const double closing = -dot(face.normal, move);
+			if (closing <= 0 || now - closing > q.rules.margin) continue;
+			const double slack = kInnerShare * q.length();
+			const double enters = std::max(0.0, (now - q.rules.margin) / closing), crosses = std::min(1.0, now / closing);
+			counts = counts || faces.squaredBeside(polygon, vertex.now + enters * move) <= slack * slack ||
+					 faces.squaredBeside(polygon, vertex.now + crosses * move) <= slack * slack;
+		}
 	}
 	if (!counts && now > 0 && now <= highest(now - then))
 	{
@@ -237,7 +268,7 @@ void FacetFinder::edgeOverEdge(const MovedEdge& still, const MovedEdge& moved)
 	if (now < -m_pair.deepest) return;
 	const double then = distanceOfLines(start, edge.direction, moved.thenStart, moved.thenDirection, normal);
 	const double end = now + kPathReach * (then - now);
-	if (now > highest(now - then) && end > q.rules.margin) return;
+	if (now > highest(now - then) && end > q.rules.margin && now > q.rules.margin + q.rules.heldReach) return;
 
 	LinesCrossing at = crossingOf(start, edge.direction, moved.start, moved.direction);
 	Facet facet;
@@ -264,6 +295,24 @@ void FacetFinder::edgeOverEdge(const MovedEdge& still, const MovedEdge& moved)
 			counts = true;
 			at = there;
 			break;
+		}
+	}
+	if (!counts && now > 0 && end > q.rules.margin && q.rules.heldReach > 0)
+	{
+		facet.reach = Facet::Reach::kPath;
+		Vec3 ways[2];
+		waysIfHeld(start + std::max(0.0, std::min(edge.length, at.alongA)) * edge.direction, ways);
+		for (const Vec3& way : ways)
+		{
+			const double closing = dot(normal, way);
+			if (counts || closing <= 0 || now - closing > q.rules.margin) continue;
+			const double slack = kInnerShare * q.length();
+			const double share = std::min(1.0, now / closing);
+			const LinesCrossing there =
+				crossingOf(start, edge.direction, moved.start + share * way, moved.direction);
+			if (!isWithin(there.alongA, edge.length, slack) || !isWithin(there.alongB, other.length, slack)) continue;
+			counts = true;
+			at = there;
 		}
 	}
 	if (!counts && now > 0 && now <= highest(now - then))

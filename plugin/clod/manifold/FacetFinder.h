@@ -32,6 +32,7 @@ private:
 	void findPair(const Contact& contact);
 	void gather(const Contact& contact, const MovedNode& nodeA, const MovedNode& nodeB);
 	double highest(double closing) const;
+	void waysIfHeld(const Vec3& place, Vec3 (&ways)[2]) const;
 	void vertexOverFace(const MovedCorner& vertex, std::uint32_t polygon, bool vertexIsOfA);
 	void edgeOverEdge(const MovedEdge& still, const MovedEdge& moved);
 	// RoundFacets.cpp, frame A.

@@ -10,6 +10,7 @@ namespace
 {
 constexpr int kPasses = 3;
 constexpr int kSweeps = 12;
+constexpr double kMostTurn = 0.2;  // radians a step: beyond, the second order says little of an arc  // radians a step: beyond, an arc's second order says little of it
 constexpr double kHolds = 0.25;  // sine of the least slope that may hold a body against a force: a steeper one is a wall
 
 Transform movedBy(const PairBody& body, const Transform& pose, double timeStep)
@@ -37,6 +38,17 @@ Vec3 betweenAt(const Facet& facet, const ContactSurface& a, const ContactSurface
 	}
 	const SurfaceEdge& e = a.edges()[facet.featureA];
 	return -fromLine(a.vertices()[e.vertex[0]], e.direction, aFromB * b.vertices()[facet.featureB]);
+}
+
+// The most that turning bodies add to a facet's distance beyond the first order, by the motion they come with: rows that
+// ask for the arc of a turning that other rows made would drive each other.
+double bendBound(const PointRules& rules, const Facet& facet)
+{
+	const double moved = rules.timeStep * length(rules.motion().velocity(facet.onA));
+	const double turnA = std::min(kMostTurn, rules.timeStep * length(rules.a.angular)),
+				 turnB = std::min(kMostTurn, rules.timeStep * length(rules.b.angular));
+	return (turnA + turnB) * moved + 0.5 * (turnA * turnA * length(facet.onA - rules.a.center) +
+											turnB * turnB * length(facet.onB - rules.b.center));
 }
 }  // namespace
 
@@ -66,15 +78,6 @@ double distanceAt(const FacetQuestion& question, const Facet& facet, const Trans
 	const SurfaceEdge &e = a.edges()[facet.featureA], &k = b.edges()[facet.featureB];
 	return distanceOfLines(a.vertices()[e.vertex[0]], e.direction, aFromB * b.vertices()[k.vertex[0]],
 						   aFromB.rotation * k.direction, facet.normal);
-}
-
-// The most that turning bodies add to a facet's distance beyond the first order.
-double PairSolve::bendBound(const Facet& facet, double timeStep) const
-{
-	const Vec3 leverA = facet.onA - m_a.center, leverB = facet.onB - m_b.center;
-	const double turnA = length(m_a.angular) * timeStep, turnB = length(m_b.angular) * timeStep;
-	const Vec3 velocity = m_a.linear + cross(m_a.angular, leverA) - m_b.linear - cross(m_b.angular, leverB);
-	return (turnA + turnB) * length(velocity) * timeStep + 0.5 * (turnA * turnA * length(leverA) + turnB * turnB * length(leverB));
 }
 
 // At the end of the step: is what it is made of over each other?
@@ -198,7 +201,7 @@ void PairSolve::solve(const FacetQuestion& question, std::vector<Facet>& facets)
 			if (facet.kind == Facet::Kind::kDeep) continue;
 			facet.then = distanceAt(question, facet, after, back);
 			// A normal turns no faster than the bodies, but that of two edges all but parallel, and of a round corner.
-			const double most = bendBound(facet, question.rules.timeStep);
+			const double most = bendBound(question.rules, facet);
 			if (!isOfRound(facet.kind))
 				facet.then = facet.distance + facet.linear + std::max(-most, std::min(most, facet.curvature()));
 			if (facet.reach == Facet::Reach::kPossible && facet.then < question.rules.margin &&

@@ -33,7 +33,6 @@ private:
 		double effectiveMass;
 	};
 	bool isMet(const FacetQuestion& question, const Facet& facet, const Transform& after, const Transform& back) const;
-	double bendBound(const Facet& facet, double timeStep) const;
 	void push(const Row& row, double impulse);
 	void sweep(const FacetQuestion& question, const std::vector<Facet>& facets);
 	std::vector<Row> m_rows;
