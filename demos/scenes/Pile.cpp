@@ -21,7 +21,7 @@ constexpr double floorHalf = 0.010;  // half its thickness
 constexpr double layer = 0.0255, spacing = 0.0255, lowestLayer = 0.020;
 constexpr double reach = 0.100;  // a digit farther from the middle has left the floor
 constexpr std::uint64_t seed = 1;
-constexpr int steps = 1440;
+constexpr int steps = 1440, iterations = 50;  // of the solver: stacks of ten
 }  // namespace constant
 
 SceneDefinition digitsOnFloor(const std::string& name, const std::string& summary)
@@ -36,6 +36,7 @@ SceneDefinition digitsOnFloor(const std::string& name, const std::string& summar
 	info.tolerance = 0.01 * constant::digitRadius;
 	info.thinnerWall = constant::stroke;
 	info.steps = constant::steps;
+	scene.world.solverIterations = constant::iterations;
 	info.overview = {{0, 0.03, 0}, 0.11, 20, 30, -1, ""};
 	info.closeUp = {{0, 0.02, 0}, 0.045, 20, 30, -1, "close-up"};
 	scene.inPlace = [](std::size_t, const Vec3& center)
