@@ -118,7 +118,7 @@ static_assert(sizeof(Asset) == 192);
 inline constexpr std::uint32_t kPaperBuild = 1;  // Asset::flags: built with --paper (label-inherited tree, no shared children)
 // A point or a segment, the core of a round body; in memory only (ConvexPiece.h): it has no area and no inside.
 inline constexpr std::uint32_t kThinCore = 2;
-// A built body scaled (ScaledHierarchy.h). What a builder takes by a recipe is a bound here: a contact area is at most that
-// of the recipe, a thickness at most half a wall, `inward` some direction from the node's faces into the solid.
+// A built body scaled (ScaledHierarchy.h). What a builder takes by a recipe is a bound here: a thickness is at most half a
+// wall, `inward` some direction from the node's faces into the solid; contact areas are those of the built body, scaled.
 inline constexpr std::uint32_t kScaled = 4;
 }  // namespace clod
