@@ -4,7 +4,7 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 packages=(g++ cmake ninja-build pkg-config git
-	libbullet-dev libcgal-dev libeigen3-dev libosmesa6-dev libgtest-dev
+	libbullet-dev libbullet-extras-dev libcgal-dev libeigen3-dev libosmesa6-dev libgtest-dev
 	libcli11-dev nlohmann-json3-dev libfmt-dev libpng-dev libcairo2-dev libxxhash-dev libtinygltf-dev
 	fonts-dejavu-core ffmpeg gnuplot-nox)
 plugin_packages=(g++ cmake ninja-build pkg-config libbullet-dev libgtest-dev libxxhash-dev)  # of scripts/test --plugin

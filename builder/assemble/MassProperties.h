@@ -22,14 +22,6 @@ struct MassProperties
 // Integrates over the tetrahedra between each triangle and the mesh's box centre (Eberly, Polyhedral Mass Properties).
 MassProperties massProperties(const Mesh& mesh);
 
-// Eigenvalues ascending, eigenvectors as rows of a right-handed frame (cyclic Jacobi).
-struct EigenFrame
-{
-	std::array<double, 3> values{};
-	Mat3 axes;
-};
-EigenFrame eigenFrame(const std::array<double, 6>& symmetric);  // xx, yy, zz, xy, xz, yz
-
 // Principal directions of the points, the thinnest first.
 Mat3 principalAxes(const std::vector<Vec3>& points);
 }  // namespace clod::builder

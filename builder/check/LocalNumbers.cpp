@@ -14,9 +14,11 @@ namespace clod::check
 namespace
 {
 constexpr double kDouble = 4e-16;    // of a unit vector, for a few roundings in double
+constexpr double kRoundedUnit = 2e-7;  // of a unit vector's length, stored in floats
 constexpr double kConeRoom = 1e-7;   // what a cone is wider than its faces need
 constexpr double kStored = 2.5e-4;   // bounds are stored to 13 bits
 constexpr double kAreaShare = 1e-6;  // of a contact area, for rounding at the ends of its bracket
+constexpr double kScaledArea = 2;
 constexpr double kRadius = 1e-5;     // the stored radius may exceed the one that caps were cut at
 constexpr double kFacing = 0.2;      // faces turned farther from the contact normal end a contact area
 constexpr double kCapShare = 0.25;   // of the radius
@@ -37,6 +39,17 @@ double noiseOf(const Triangle& t)
 	return kDouble * (1 + (area > 0 ? longest * longest / area : 0));
 }
 
+// Along `inward` from every face, where the hull is thickened.
+bool leadsInside(const Subject& s, std::uint32_t i)
+{
+	const Node& n = s.h.node(i);
+	const Vec3 inward = toVec3(n.inward);
+	bool leads = std::abs(length(inward) - 1) < kRoundedUnit;
+	for (std::uint32_t f = n.firstFace; n.thickness > 0 && f < n.firstFace + n.faceCount; ++f)
+		leads = leads && dot(areaVector(s.triangle(f)), inward) < 0;
+	return leads;
+}
+
 void directions(const Subject& s, std::uint32_t i, Tally& tally)
 {
 	const Node& n = s.h.node(i);
@@ -51,8 +64,8 @@ void directions(const Subject& s, std::uint32_t i, Tally& tally)
 	const Vec3 mean = normalized(sum);
 	const double meanNoise = 10 * kDouble * (1 + total / std::max(length(sum), 1e-300));
 	bool sound = length(sum) > 1e-6 * total;
-	for (int k = 0; k < 3; ++k)
-		sound = sound && isNearestOf(n.meanNormal[k], mean[k], meanNoise) && n.inward[k] == -n.meanNormal[k];
+	for (int k = 0; k < 3; ++k) sound = sound && isNearestOf(n.meanNormal[k], mean[k], meanNoise);
+	sound = sound && (s.h.isScaled() ? leadsInside(s, i) : -toVec3(n.inward) == toVec3(n.meanNormal));
 	if (length(sum) <= 1e-6 * total) return tally.undecided();
 	double narrowest = 1;
 	for (std::uint32_t f = n.firstFace; f < n.firstFace + n.faceCount; ++f)
@@ -180,7 +193,7 @@ Range leafArea(const Subject& s, std::uint32_t i)
 	return range;
 }
 
-// Above the leaves: 1 / D is the root mean square of theirs, weighted by surface (with paper: the least of the
+// Of a scaled body, whose areas only choose and were not measured anew, none exceeds the recipe's by much. Above the leaves: 1 / D is the root mean square of theirs, weighted by surface (with paper: the least of the
 // children's), and nothing is below a parent's.
 Invariant contactAreas(const Subject& s)
 {
@@ -213,8 +226,8 @@ Invariant contactAreas(const Subject& s)
 			ofChildren = std::min(ofChildren, double(s.h.node(c).contactArea));
 		if (s.h.isPaperBuild() && n.level > 0) own[i] = {ofChildren, ofChildren};
 		const double stored = double(n.contactArea);
-		const double low = std::max(ofParents, (1 - kStored - kAreaShare) * own[i].low);
-		const double high = std::max(ofParents, (1 + kAreaShare) * own[i].high);
+		const double low = s.h.isScaled() ? ofParents : std::max(ofParents, (1 - kStored - kAreaShare) * own[i].low);
+		const double high = std::max(ofParents, (s.h.isScaled() ? kScaledArea : 1 + kAreaShare) * own[i].high);
 		tally.add(i, std::max(low - stored, stored - high),
 				  fmt::format("node {}: contact area {:.6g} is not within [{:.6g}, {:.6g}]", i, stored, low, high));
 	}

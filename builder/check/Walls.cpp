@@ -63,7 +63,7 @@ Wall wallBehind(const Subject& s, const TriangleTree& surface, const Vec3& origi
 }
 
 // Of a face: half the wall behind the point of the input surface nearest to its centroid, at most 3 % of the radius. Of
-// several points as near, to rounding, any will do.
+// several points as near, to rounding, any will do. Of a scaled body no more than that.
 void faceThickness(const Subject& s, const TriangleTree& surface, std::uint32_t f, Wall& wall, Tally& tally)
 {
 	const Triangle t = s.triangle(f);
@@ -85,11 +85,22 @@ void faceThickness(const Subject& s, const TriangleTree& surface, std::uint32_t 
 		const double room = wall.low == wall.high ? 1e-12 * s.radius : s.slack;
 		const double low = std::min(most, 0.5 * wall.low), high = std::min(most, 0.5 * wall.high);
 		const double between = 0.5 * (low * (1 - kRadius) + high * (1 + kRadius));
-		sound = isGridBelow(stored, between, 0.5 * (high - low) + kRadius * between + room);
+		const double noise = 0.5 * (high - low) + kRadius * between + room;
+		sound = s.h.isScaled() ? double(stored) <= between + noise : isGridBelow(stored, between, noise);
 	}
 	tally.add(f, sound ? 0 : 1,
 			  fmt::format("face {}: thickness {:.9g} is not half the wall [{:.9g}, {:.9g}] behind it", f,
 						  double(stored), wall.low, wall.high));
+}
+
+// Nothing is met so far behind a face's middle, but where rounding decides.
+void clearWay(const Subject& s, const TriangleTree& surface, std::uint32_t f, double far, Tally& tally)
+{
+	const Triangle t = s.triangle(f);
+	const Vec3 inward = -toVec3(s.h.faces()[f].normal);
+	const Wall wall = wallBehind(s, surface, (1.0 / 3) * (t[0] + t[1] + t[2]), inward, far);
+	const bool isShort = wall.low == wall.high && wall.low > double(s.h.asset().storageTolerance);
+	tally.add(f, isShort ? far - wall.low : 0, fmt::format("face {}: the wall behind it is {:.6g}", f, wall.low));
 }
 
 // Of a level 0 node: at most half the largest wall met along `inward` from its faces; at most half the smallest where
@@ -188,7 +199,7 @@ Invariants checkWalls(const Subject& s)
 			  [&](std::size_t f) { faceThickness(s, surface, std::uint32_t(f), walls[f], faces); });
 	s.forEach("node-thickness", first.nodeCount,
 			  [&](std::size_t i) { nodeThickness(s, surface, std::uint32_t(i), nodes); });
-	// Walls were followed as far as faces may be thick; a model all thicker has nothing to compare.
+	// Walls were followed as far as faces may be thick; a model all thicker is looked through once more, as far as it says.
 	Wall least{2.1 * kMost * s.radius, 2.1 * kMost * s.radius};
 	walls.resize(first.faceCount);
 	const double rounding = double(s.h.asset().storageTolerance) * (1 - kRadius);  // nothing thinner is a wall
@@ -197,13 +208,18 @@ Invariants checkWalls(const Subject& s)
 				 std::min(least.high, wall.high > rounding ? wall.high : least.high)};
 	const double stored = double(s.h.asset().thinnestWall);
 	const bool isThick = least.low >= 2.1 * kMost * s.radius;
+	if (isThick)
+	{
+		const double far = stored * (1 - kStored) - s.slack;
+		s.forEach("thinnest-wall", first.faceCount, [&](std::size_t f) { clearWay(s, surface, std::uint32_t(f), far, thinnest); });
+	}
 	const double room = 1e-12 * s.radius;
 	const bool isSharp = !isThick && least.low == least.high;
 	const double between = 0.5 * (least.low + least.high);
 	const double noise = isSharp ? room : 0.5 * (least.high - least.low) + s.slack;
 	const bool sound =
 		isThick ? stored >= least.low * (1 - kStored) - s.slack : isGridBelow(s.h.asset().thinnestWall, between, noise);
-	thinnest.add(0, sound ? 0 : 1,
+	thinnest.add(first.faceCount, sound ? 0 : 1,
 				 fmt::format("thinnest wall {:.6g} is not within [{:.6g}, {:.6g}]", stored, least.low, least.high));
 	for (const Level& level : s.h.levels())
 	{

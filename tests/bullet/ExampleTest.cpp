@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The README's example runs, and refuses what is not there.
+// The README's example runs, and refuses what is not there; a saved world comes back.
+#include <btBulletDynamicsCommon.h>
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <string>
 
+#include "clod/bullet/btClodShape.h"
 #include "tests/bullet/PatchHierarchy.h"
 #include "tests/support/Files.h"
 
@@ -40,6 +43,47 @@ TEST(Example, TwoModelsComeToRestOnEachOther)
 	// The radius is 1, so half the height is 0.01 / 0.02693 = 0.371 of it; contacts rest 0.0005 apart.
 	EXPECT_NE(output.text.find("step 480: heights  0.372  1.115"), std::string::npos) << output.text;
 }
+
+#ifdef CLOD_IMPORT
+// Saved while it falls, read back by another program: it lands as a body of that shape and scale does.
+TEST(Example, ASavedWorldIsReadBack)
+{
+	const TemporaryFolder folder;
+	const auto model = patchHierarchy(boxMesh({1, 1, 1}, {2, 2, 2}, 1));
+	btClodShape shape(model);
+	const std::string file = folder.fileOf("model.clod", model->bytes());
+	shape.setName(file);
+	shape.setLocalScaling(btVector3(1, 2, 1));
+	btBoxShape floor(btVector3(5, 1, 5));
+	btDefaultCollisionConfiguration configuration;
+	btCollisionDispatcher dispatcher(&configuration);
+	btDbvtBroadphase broadphase;
+	btSequentialImpulseConstraintSolver solver;
+	btDiscreteDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
+	world.setGravity(btVector3(0, btScalar(-9.81), 0));
+	btRigidBody body(btRigidBody::btRigidBodyConstructionInfo(1, nullptr, &shape, btVector3(1, 1, 1)));
+	btRigidBody ground(btRigidBody::btRigidBodyConstructionInfo(0, nullptr, &floor));
+	body.setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, btScalar(1.2), 0)));
+	ground.setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, -1, 0)));
+	world.addRigidBody(&body);
+	world.addRigidBody(&ground);
+	btDefaultSerializer serializer;
+	world.serialize(&serializer);
+	world.removeRigidBody(&body);
+	world.removeRigidBody(&ground);
+	std::vector<std::byte> bytes(std::size_t(serializer.getCurrentBufferSize()));
+	std::memcpy(bytes.data(), serializer.getBufferPointer(), bytes.size());
+	const std::string saved = folder.fileOf("saved.bullet", bytes);
+	const Output output = run(CLOD_IMPORT " " + saved);
+	EXPECT_EQ(output.status, 0) << output.text;
+	EXPECT_NE(output.text.find("at height 1.000"), std::string::npos) << output.text;
+	// Another file under the name is told of.
+	folder.fileOf("model.clod", patchHierarchy(boxMesh({1, 1, 1}, {3, 2, 2}, 1))->bytes());
+	const Output other = run(CLOD_IMPORT " " + saved);
+	EXPECT_NE(other.status, 0);
+	EXPECT_NE(other.text.find("model.clod is not the file that was saved"), std::string::npos) << other.text;
+}
+#endif
 
 TEST(Example, AMissingFileIsAnError)
 {

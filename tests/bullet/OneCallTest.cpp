@@ -122,7 +122,10 @@ TEST(Serialized, AsABoxWhoseNameLeadsBack)
 	EXPECT_EQ(read->name, shape.name());
 	EXPECT_LT(double((read->scaling - shape.getLocalScaling()).length()), 1e-6);
 	btConvexInternalShapeData data;
-	EXPECT_STREQ(shape.serialize(&data, &serializer), "btConvexInternalShapeData");
+	btDefaultSerializer alone;
+	alone.startSerialization();
+	EXPECT_STREQ(shape.serialize(&data, &alone), "btConvexInternalShapeData");
+	alone.finishSerialization();
 	EXPECT_EQ(int(sizeof data), shape.calculateSerializeBufferSize());
 	EXPECT_EQ(data.m_collisionShapeData.m_shapeType, int(BOX_SHAPE_PROXYTYPE));
 	EXPECT_NEAR(double(data.m_implicitShapeDimensions.m_floats[1]), 1, 1e-3);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 
 #include "tests/bullet/BulletWorld.h"
 #include "tests/bullet/PatchHierarchy.h"
@@ -84,6 +85,43 @@ TEST(TimeOfImpact, OfABodyAndAPlane)
 	flight.second = &flight.scene.addBody(plane, 0, {0, 0, 0});
 	EXPECT_NEAR(flight.timeOfImpact(at(3, -4.5, 0), at(0, 0, 0)), 0.5, 2e-3);
 	EXPECT_EQ(flight.timeOfImpact(at(3, 1, 0), at(0, 0, 0)), 1);
+}
+
+// Ten are between the faces; a ball, a capsule and a hull are met with their radii.
+TEST(TimeOfImpact, OfABoxAndConvexShapes)
+{
+	for (int kind = 0; kind < 4; ++kind)
+		for (const bool oursFirst : {true, false})
+		{
+			Flight flight;
+			btClodShape& box = flight.scene.addShape(patchHierarchy(boxMesh({1, 1, 1}, {2, 2, 2}, 1)));
+			std::unique_ptr<btConvexShape> convex;
+			const btVector3 half(btScalar(0.3), btScalar(0.3), btScalar(0.3));
+			if (kind == 0) convex = std::make_unique<btSphereShape>(btScalar(0.5));
+			if (kind == 1) convex = std::make_unique<btCapsuleShapeX>(btScalar(0.2), btScalar(0.6));
+			if (kind == 2) convex = std::make_unique<btBoxShape>(btVector3(btScalar(0.5), btScalar(0.3), btScalar(0.3)));
+			if (kind == 3)
+			{
+				auto hull = std::make_unique<btConvexHullShape>();
+				for (int i = 0; i < 8; ++i)
+					hull->addPoint(half * btVector3(btScalar((i & 1) != 0 ? 1 : -1), btScalar((i & 2) != 0 ? 1 : -1),
+													btScalar((i & 4) != 0 ? 1 : -1)));
+				hull->setMargin(btScalar(0.2));
+				convex = std::move(hull);
+			}
+			btConvexShape& shape = flight.scene.add(std::move(convex));
+			const auto fly = [&](const btTransform& boxTo, const btTransform& convexTo)
+			{ return oursFirst ? flight.timeOfImpact(boxTo, convexTo) : flight.timeOfImpact(convexTo, boxTo); };
+			btRigidBody& ours = flight.scene.addBody(box, 1, {0, 0, 0});
+			btRigidBody& theirs = flight.scene.addBody(shape, 1, {11, 0.2, 0.1});
+			flight.first = oursFirst ? &ours : &theirs;
+			flight.second = oursFirst ? &theirs : &ours;
+			EXPECT_NEAR(fly(at(15, 0, 0), at(-14, 0.2, 0.1)), 0.25, 2e-3) << kind;
+			EXPECT_LE(fly(at(15, 0, 0), at(-14, 0.2, 0.1)), 0.25) << kind;
+			EXPECT_EQ(fly(at(-15, 0, 0), at(14, 0.2, 0.1)), 1) << kind;
+			EXPECT_EQ(fly(at(0, 20, 0), at(11, 20.2, 0.1)), 1) << kind;
+			EXPECT_EQ(fly(at(22, 0, 0), at(0, 3.2, 0.1)), 1) << kind;
+		}
 }
 
 TEST(TimeOfImpact, WhatTouchesAlreadyIsLeftToItsContacts)

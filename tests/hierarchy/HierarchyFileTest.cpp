@@ -197,7 +197,7 @@ const Fault kFaults[] = {
 	{"quaternion", [](auto& c) { c.asset.principal[0] += 0.5; }},
 	{"buildSeconds", [](auto& c) { c.asset.buildSeconds = 1; }},
 	{"radius", [](auto& c) { c.asset.radius = kNan; }},
-	{"unknown flags", [](auto& c) { c.asset.flags = 4; }},
+	{"unknown flags", [](auto& c) { c.asset.flags = 8; }},
 	{"componentCount", [](auto& c) { c.asset.componentCount = 0; }},
 	{"triangleCount", [](auto& c) { ++c.asset.triangleCount; }},
 	{"asset: padding", [](auto& c) { c.asset.padding[1] = 1; }},

@@ -133,4 +133,34 @@ TEST(ContactSurface, AHalfSpaceIsOneFaceWithoutEnd)
 	EXPECT_LT(space.squaredBeside(0, Vec3{100, -200, 30}), 1e-12);
 	EXPECT_EQ(corners(space), 0u);
 }
+
+// Of a polygon of few triangles or many, one by one or through the tree: what looking at all of them says.
+TEST(ContactSurface, TheNearestTriangleOfAPolygonIsFoundAmongMany)
+{
+	Random random(9);
+	for (const int cells : {2, 30})
+	{
+		const auto box = patchHierarchy(boxMesh({20, 1, 20}, {cells, 1, cells}, 2));
+		const ContactSurface& surface = box->derived<ContactSurfaces>().level(0);
+		for (int i = 0; i < 300; ++i)
+		{
+			const std::uint32_t polygon = surface.faces()[random() % surface.faces().size()].polygon;
+			const Vec3 point{uniform(random, -11, 11), uniform(random, -1, 1), uniform(random, -11, 11)};
+			double best = std::numeric_limits<double>::infinity();
+			std::uint32_t expected = kNone;
+			for (std::uint32_t f = 0; f < surface.faces().size(); ++f)
+			{
+				const SurfaceFace& face = surface.faces()[f];
+				if (face.polygon != polygon) continue;
+				const Triangle t{surface.vertices()[face.vertex[0]], surface.vertices()[face.vertex[1]],
+								 surface.vertices()[face.vertex[2]]};
+				const double squared = nearestOnTriangle(t, point).squared;
+				if (squared >= best) continue;
+				best = squared;
+				expected = f;
+			}
+			EXPECT_EQ(surface.nearestFaceOf(polygon, point), expected) << cells;
+		}
+	}
+}
 }  // namespace clod::test

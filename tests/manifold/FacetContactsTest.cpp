@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "clod/hierarchy/ConvexPiece.h"
 #include "clod/manifold/FacetContacts.h"
 #include "clod/query/Query.h"
 #include "tests/bullet/PatchHierarchy.h"
@@ -180,6 +181,41 @@ TEST(FacetContacts, ApartNothingClaimsADepthAndPointsLieOnBothSurfaces)
 		}
 	}
 	EXPECT_GT(met, 100);
+}
+
+// A ball over a box, near its edges and corners: its contact is the nearest point, once, whatever other features of the box are
+// hardly farther. (An edge whose arc is not looked at, or a corner whose cone is not, gives a second one, tilted.)
+TEST(FacetContacts, ABallTouchesABoxAtItsNearestPointOnly)
+{
+	const HierarchyPointer box = cubeOf(), center = convexPiece({{{0, 0, 0}}, {}, 0}, 0.3).value();
+	Random random(5);
+	int regions[4] = {};
+	for (int i = 0; i < 600; ++i)
+	{
+		// About an edge or a corner, within what a resting contact reaches beyond it.
+		Vec3 nearest{0.5, 0.5, i % 3 == 0 ? 0.5 : uniform(random, -0.4, 0.4)}, out;
+		for (int k = 0; k < 3; ++k)
+		{
+			if (std::abs(nearest[k]) < 0.5) continue;
+			if (uniform(random, 0, 1) < 0.5)
+				out[k] = uniform(random, 0.1, 1);
+			else
+				nearest[k] -= uniform(random, 0.0005, 0.006);
+		}
+		if (out == Vec3{}) continue;
+		const Vec3 normal = normalized(out);
+		Pair pair(box, center, at(nearest + 0.3001 * normal));
+		pair.rules.length = 0.3;
+		pair.rules.resting = kRestingShare * 0.3;
+		pair.rules.radiusB = pair.rules.margin = 0.3;
+		const std::vector<ContactPoint> points = pair.points();
+		ASSERT_EQ(points.size(), 1u) << i;
+		EXPECT_NEAR(points[0].height, 0.0001, 1e-7) << i;
+		EXPECT_LT(length(points[0].normal + normal), 1e-6) << i;
+		EXPECT_LT(length(points[0].pointOnA - nearest), 1e-6) << i;
+		++regions[(out.x > 0 ? 1 : 0) + (out.y > 0 ? 1 : 0) + (out.z > 0 ? 1 : 0)];
+	}
+	for (int region = 1; region < 4; ++region) EXPECT_GT(regions[region], 10) << region;
 }
 
 TEST(FacetContacts, AHalfSpaceHoldsCornersAtAnyDepth)

@@ -54,15 +54,15 @@ std::vector<AwayCase> awayCases()
 	return {{"certified 0.5 %", certified(0.005), true, 1, 1},
 			{"certified 5 %", certified(0.05), true, 1, 1},
 			{"s0 3.5 %", size(0.035), true, 1, 1.45},
-			{"s0 0.35 %", size(0.0035), true, 1.85, 2.1},
-			{"velocity", velocity, true, 1.95, 4.3},
-			{"view", view, true, 2, 2.8},
+			{"s0 0.35 %", size(0.0035), true, 1.95, 2.2},
+			{"velocity", velocity, true, 2.05, 4.6},
+			{"view", view, true, 2.1, 2.95},
 			{"certified 0.5 %, gap", certified(0.005), false, 1, 1},
 			{"certified 5 %, gap", certified(0.05), false, 1, 1},
 			{"s0 3.5 %, gap", size(0.035), false, 1, 1.15},
-			{"s0 0.35 %, gap", size(0.0035), false, 1.75, 3.2},
-			{"velocity, gap", velocity, false, 1.65, 2.1},
-			{"view, gap", view, false, 1.7, 2.1}};
+			{"s0 0.35 %, gap", size(0.0035), false, 1.85, 3.4},
+			{"velocity, gap", velocity, false, 1.8, 2.35},
+			{"view, gap", view, false, 1.85, 2.35}};
 }
 
 Settings settingsOf(const AwayCase& c, double radius, bool isExact)

@@ -40,25 +40,38 @@ bool isFinite(const RelativeMotion& motion)
 
 namespace
 {
-// As the links move now: forces of the coming step act on joints, and are not known here.
-RelativeMotion motionOfLink(const btMultiBodyLinkCollider& link)
+// Forces and torques act on each link as if it were free, as they do on bodies that constraints hold.
+RelativeMotion motionOfLink(const btMultiBodyLinkCollider& link, double timeStep)
 {
 	const btMultiBody& body = *link.m_multiBody;
-	const std::size_t index = std::size_t(link.m_link + 1), count = std::size_t(body.getNumLinks() + 1);
-	btAlignedObjectArray<btVector3> angular, linear;  // the base's first
-	angular.resize(int(count));
-	linear.resize(int(count));
-	body.compTreeLinkVelocities(&angular[0], &linear[0]);
-	const Vec3 turning = toVec3(body.localDirToWorld(link.m_link, angular[int(index)]));
-	const Vec3 moving = toVec3(body.localDirToWorld(link.m_link, linear[int(index)]));
-	return {moving - cross(turning, toVec3(link.getWorldTransform().getOrigin())), turning, 0};
+	const int index = link.m_link;
+	btAlignedObjectArray<btVector3> turning, moving;  // of all, the base's first
+	turning.resize(body.getNumLinks() + 1);
+	moving.resize(body.getNumLinks() + 1);
+	body.compTreeLinkVelocities(&turning[0], &moving[0]);
+	Vec3 angular = toVec3(body.localDirToWorld(index, turning[index + 1]));
+	Vec3 linear = toVec3(body.localDirToWorld(index, moving[index + 1]));
+	const bool isBase = index < 0;
+	const double mass = double(isBase ? body.getBaseMass() : body.getLinkMass(index));
+	if (timeStep > 0 && mass > 0 && !(isBase && body.hasFixedBase()))
+	{
+		linear += (timeStep / mass) * toVec3(isBase ? body.getBaseForce() : body.getLinkForce(index));
+		const btMatrix3x3& basis = link.getWorldTransform().getBasis();
+		const btVector3 torque = (isBase ? body.getBaseTorque() : body.getLinkTorque(index)) * basis;
+		const btVector3 inertia = isBase ? body.getBaseInertia() : body.getLinkInertia(index);
+		btVector3 spin(0, 0, 0);
+		for (int i = 0; i < 3; ++i)
+			if (inertia[i] > 0) spin[i] = torque[i] / inertia[i];
+		angular += timeStep * toVec3(basis * spin);
+	}
+	return {linear - cross(angular, toVec3(link.getWorldTransform().getOrigin())), angular, 0};
 }
 }  // namespace
 
 RelativeMotion worldMotion(const btCollisionObject& object, double timeStep)
 {
 	if (object.isStaticObject()) return {};
-	if (const btMultiBodyLinkCollider* link = btMultiBodyLinkCollider::upcast(&object)) return motionOfLink(*link);
+	if (const btMultiBodyLinkCollider* link = btMultiBodyLinkCollider::upcast(&object)) return motionOfLink(*link, timeStep);
 	Vec3 linear = toVec3(object.getInterpolationLinearVelocity());
 	Vec3 angular = toVec3(object.getInterpolationAngularVelocity());
 	if (const btRigidBody* body = btRigidBody::upcast(&object))

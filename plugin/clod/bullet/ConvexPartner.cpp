@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "clod/bullet/ConvexPartner.h"
 
+#include <BulletCollision/CollisionShapes/btCapsuleShape.h>
 #include <BulletCollision/CollisionShapes/btConeShape.h>
 #include <BulletCollision/CollisionShapes/btConvexShape.h>
 #include <BulletCollision/CollisionShapes/btCylinderShape.h>
@@ -75,6 +76,13 @@ void describeCone(const btConeShape& shape, Description& description)
 	addRim(double(shape.getRadius()), -apex[up], up, description);
 }
 
+void describeCapsule(const btCapsuleShape& shape, Description& description)
+{
+	Vec3 end;
+	end[shape.getUpAxis()] = double(shape.getHalfHeight());
+	description.points = {end, -end};
+}
+
 // Where all have one radius: their centres.
 bool describeSpheres(const btMultiSphereShape& shape, Description& description)
 {
@@ -113,6 +121,10 @@ Description describe(const btConvexShape& shape)
 	description.radius = double(shape.getMargin());
 	if (shape.isPolyhedral())
 		describePolyhedron(static_cast<const btPolyhedralConvexShape&>(shape), description);
+	else if (shape.getShapeType() == SPHERE_SHAPE_PROXYTYPE)
+		description.points.push_back({});
+	else if (shape.getShapeType() == CAPSULE_SHAPE_PROXYTYPE)
+		describeCapsule(static_cast<const btCapsuleShape&>(shape), description);
 	else if (shape.getShapeType() == CYLINDER_SHAPE_PROXYTYPE)
 		describeCylinder(static_cast<const btCylinderShape&>(shape), description);
 	else if (shape.getShapeType() == CONE_SHAPE_PROXYTYPE)

@@ -33,13 +33,13 @@ struct WorldFrame
 // What is set of a point besides what its place and the materials make of it.
 struct SolverTerms
 {
-	btScalar distance, erp, restitution;
-	int flags;
+	btScalar distance = 0, erp = 0, restitution = 0;
+	int flags = 0;
+	SolverTerms() = default;
 	explicit SolverTerms(const btManifoldPoint& p)
 		: distance(p.m_distance1), erp(p.m_contactERP), restitution(p.m_combinedRestitution), flags(p.m_contactPointFlags)
 	{
 	}
-	SolverTerms() : SolverTerms(btManifoldPoint()) {}
 };
 
 class ManifoldSet

@@ -78,7 +78,7 @@ double timeOfImpact(const PairPose& pose, GapCache& cache, GapResult& result)
 		if (pose.isOfTwo())
 		{
 			signedGap(pose.hierarchyA(), pose.hierarchyB(), aFromB, settings, cache, result);
-			gap = (result.minDistance - result.errorBound) * scale;
+			gap = (result.minDistance - result.errorBound - pose.rules.radiusA - pose.rules.radiusB) * scale;
 		}
 		else
 		{

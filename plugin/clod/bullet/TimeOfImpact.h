@@ -10,7 +10,7 @@
 
 namespace clod
 {
-// Share of the way, 1 where they do not meet; of bodies that touch at the start 1, too: their contacts hold them. Two
-// shapes of ours, or one and a plane. To within a thousandth of the smaller radius, at full resolution.
+// Share of the way, 1 where they do not meet; of bodies that touch at the start 1, too: their contacts hold them. A
+// shape of ours, and another or a convex one or a plane. To within a thousandth of the smaller radius, at full resolution.
 double timeOfImpact(const PairPose& pose, GapCache& cache, GapResult& result);
 }  // namespace clod

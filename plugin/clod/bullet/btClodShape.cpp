@@ -63,38 +63,13 @@ Query boxQuery(const btVector3& low, const btVector3& high, double scale)
 	return query;
 }
 
-// Segment from `from` to `to` (hierarchy unit) against a box grown by an axis-aligned one of half size `grown`, slab by slab
-// in the box's own axes.
-bool misses(const OrientedBox& box, const Vec3& grown, const Vec3& from, const Vec3& to)
-{
-	double enter = 0, leave = 1;
-	const Vec3 start = from - toVec3(box.center), path = to - from;
-	for (int i = 0; i < 3; ++i)
-	{
-		const Vec3 axis = toVec3(box.axis[i]);
-		const double at = dot(axis, start), along = dot(axis, path);
-		const double reach = std::abs(axis.x) * grown.x + std::abs(axis.y) * grown.y + std::abs(axis.z) * grown.z;
-		const double half = (double(box.half[i]) + reach) * (1 + 1e-6) + 1e-6 * (std::abs(at) + std::abs(along));
-		if (along == 0)
-		{
-			if (std::abs(at) > half) return true;
-			continue;
-		}
-		const double first = (-half - at) / along, second = (half - at) / along;
-		enter = std::max(enter, std::min(first, second));
-		leave = std::min(leave, std::max(first, second));
-		if (enter > leave) return true;
-	}
-	return false;
-}
-
 // What a ray or a sweep of Bullet's passes through, in the shape's frame and the hierarchy's unit; it ends where it has
 // been stopped.
 struct Path
 {
 	Vec3 from, to, grown;
 	const btScalar* share = nullptr;
-	bool misses(const OrientedBox& box) const { return ::misses(box, grown, from, from + double(*share) * (to - from)); }
+	bool misses(const OrientedBox& box) const { return clod::misses(box, grown, from, from + double(*share) * (to - from)); }
 };
 
 // Empty where triangles are asked for by their box alone.

@@ -65,6 +65,7 @@ public:
 	std::uint32_t root() const { return std::uint32_t(m_nodes.size - 1); }
 	std::uint32_t coarsestClodLevel() const { return m_coarsestClodLevel; }
 	bool isPaperBuild() const { return (asset().flags & kPaperBuild) != 0; }
+	bool isScaled() const { return (asset().flags & kScaled) != 0; }
 	bool isThinCore() const { return (asset().flags & kThinCore) != 0; }
 	// A bound of the distance from the body's origin to everything in the hierarchy, corners of culling boxes included.
 	double originRadius() const;

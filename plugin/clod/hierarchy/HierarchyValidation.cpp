@@ -58,7 +58,7 @@ std::string asset(const Hierarchy& h)
 	if (!std::isfinite(a.storageTolerance) || a.storageTolerance <= 0) return "asset: storageTolerance is not positive";
 	if (!std::isfinite(a.areaTolerance) || a.areaTolerance <= 0) return "asset: areaTolerance is not positive";
 	if (!std::isfinite(a.thinnestWall) || a.thinnestWall < 0) return "asset: thinnestWall is negative";
-	if ((a.flags & ~kPaperBuild) != 0) return "asset: unknown flags";
+	if ((a.flags & ~(kPaperBuild | kScaled)) != 0) return "asset: unknown flags";
 	if (a.componentCount == 0) return "asset: componentCount is zero";
 	if (a.padding[0] != 0 || a.padding[1] != 0) return "asset: padding is not zero";
 	if (a.triangleCount != h.levels()[0].faceCount) return "asset: triangleCount is not the number of level 0 faces";

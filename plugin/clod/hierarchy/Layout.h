@@ -80,7 +80,7 @@ struct Face
 	float normal[3];             // unit, outward
 	float offset;                // max over the three vertices of dot(normal, v), rounded up
 	float thickness;             // t_f = min(half the local wall along -normal, 0.03 radius): how deep a contact point of
-								 // this face may lie under it and still be this face's
+								 // this face may lie under it and still be this face's; 0 in a scaled body
 	std::uint32_t source;        // level 0: index of the triangle in the input mesh; otherwise kNone
 };
 static_assert(sizeof(Face) == 44);
@@ -110,7 +110,7 @@ struct Asset
 	float storageTolerance;   // eps_0 = 8 * 2^-24 * radius
 	float areaTolerance;      // the contact tolerance delta that contactArea was computed with
 	float thinnestWall;       // smallest positive local wall thickness met
-	std::uint32_t flags;      // kPaperBuild
+	std::uint32_t flags;      // kPaperBuild, kScaled
 	std::uint32_t triangleCount, componentCount;
 	std::uint32_t padding[2];
 };
@@ -118,4 +118,7 @@ static_assert(sizeof(Asset) == 192);
 inline constexpr std::uint32_t kPaperBuild = 1;  // Asset::flags: built with --paper (label-inherited tree, no shared children)
 // A point or a segment, the core of a round body; in memory only (ConvexPiece.h): it has no area and no inside.
 inline constexpr std::uint32_t kThinCore = 2;
+// A built body scaled (ScaledHierarchy.h). What a builder takes by a recipe is a bound here: a thickness is at most half a
+// wall, `inward` some direction from the node's faces into the solid; contact areas are those of the built body, scaled.
+inline constexpr std::uint32_t kScaled = 4;
 }  // namespace clod

@@ -7,6 +7,8 @@
 
 #include "clod/hierarchy/BoundGrid.h"
 #include "clod/hierarchy/HierarchyRules.h"
+#include "clod/hierarchy/PrincipalAxes.h"
+#include "clod/hierarchy/ThinnestWall.h"
 
 namespace clod
 {
@@ -16,59 +18,6 @@ constexpr double kRounding = 1.0 / (1 << 23);  // of the farthest coordinate: wh
 constexpr double kRoom = 1 + 1e-6;             // for the rounding of sums and unit vectors
 constexpr double kConeRoom = 1e-7;             // of coneCosine, as builders leave it
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-// Eigenvectors of a symmetric matrix as the rows of a rotation (Jacobi's sweeps).
-Mat3 principalRows(double (&m)[3][3])
-{
-	Mat3 rows;
-	for (int round = 0; round < 16; ++round)
-		for (int p = 0; p < 2; ++p)
-			for (int q = p + 1; q < 3; ++q)
-			{
-				if (std::abs(m[p][q]) <= 1e-15 * (std::abs(m[p][p]) + std::abs(m[q][q]))) continue;
-				const double angle = 0.5 * std::atan2(2 * m[p][q], m[q][q] - m[p][p]);
-				const double c = std::cos(angle), s = std::sin(angle);
-				for (int k = 0; k < 3; ++k)
-				{
-					const double mp = m[k][p], mq = m[k][q];
-					m[k][p] = c * mp - s * mq;
-					m[k][q] = s * mp + c * mq;
-				}
-				for (int k = 0; k < 3; ++k)
-				{
-					const double mp = m[p][k], mq = m[q][k];
-					m[p][k] = c * mp - s * mq;
-					m[q][k] = s * mp + c * mq;
-				}
-				const Vec3 rp = rows.row[p], rq = rows.row[q];
-				rows.row[p] = c * rp - s * rq;
-				rows.row[q] = s * rp + c * rq;
-			}
-	return rows;
-}
-
-void storeQuaternion(double (&q)[4], const Mat3& rows)
-{
-	const Mat3 m = transposed(rows);  // of columns that are the axes
-	const double w = std::sqrt(std::max(0.0, 1 + m.row[0].x + m.row[1].y + m.row[2].z)) / 2;
-	const double x = std::sqrt(std::max(0.0, 1 + m.row[0].x - m.row[1].y - m.row[2].z)) / 2;
-	const double y = std::sqrt(std::max(0.0, 1 - m.row[0].x + m.row[1].y - m.row[2].z)) / 2;
-	const double z = std::sqrt(std::max(0.0, 1 - m.row[0].x - m.row[1].y + m.row[2].z)) / 2;
-	q[0] = std::copysign(x, m.row[2].y - m.row[1].z);
-	q[1] = std::copysign(y, m.row[0].z - m.row[2].x);
-	q[2] = std::copysign(z, m.row[1].x - m.row[0].y);
-	q[3] = w;
-	// Half a turn: the signs of two are those of their product.
-	if (w < 1e-8)
-	{
-		const int largest = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
-		const double size[3] = {x, y, z};
-		for (int i = 0; i < 3; ++i)
-			q[i] = i == largest ? size[i] : std::copysign(size[i], m.row[i][largest] + m.row[largest][i]);
-	}
-	const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-	for (double& part : q) part /= norm;
-}
 
 // Of a vector along unit axes, from lowest to highest.
 struct Extent
@@ -132,7 +81,7 @@ private:
 	const Hierarchy& m_from;
 	const Vec3 m_scale;
 	const bool m_isUniform, m_isMirrored;
-	double m_largest, m_smallest, m_volume;
+	double m_largest, m_volume;
 	double m_rounding = 0;  // what rounding adds to a distance of two stored things
 	HierarchyContent m_to;
 };
@@ -145,7 +94,6 @@ Scaling::Scaling(const Hierarchy& from, const Vec3& scale)
 {
 	const double s[3] = {std::abs(scale.x), std::abs(scale.y), std::abs(scale.z)};
 	m_largest = *std::max_element(s, s + 3);
-	m_smallest = *std::min_element(s, s + 3);
 	m_volume = s[0] * s[1] * s[2];
 	m_to.asset = from.asset();
 	m_to.levels.assign(from.levels().begin(), from.levels().end());
@@ -162,6 +110,7 @@ Scaling::Scaling(const Hierarchy& from, const Vec3& scale)
 	for (std::uint32_t i = 0; i < m_to.nodes.size(); ++i) node(i);
 	bounds();
 	levels();
+	m_to.asset.thinnestWall = boundAtMost(thinnestWall(m_to));
 }
 
 void Scaling::vertices()
@@ -205,7 +154,7 @@ void Scaling::asset()
 	Asset& a = m_to.asset;
 	a.storageTolerance = roundUp(kStorageShare * double(a.radius));
 	a.areaTolerance = boundAtLeast(m_largest * double(a.areaTolerance));
-	a.thinnestWall = boundAtMost(m_smallest * double(a.thinnestWall));
+	a.flags |= kScaled;
 	const Vec3 origin = scaled({a.meshFromBody[0], a.meshFromBody[1], a.meshFromBody[2]});
 	for (int i = 0; i < 3; ++i) a.meshFromBody[i] = origin[i];
 }
@@ -251,7 +200,10 @@ void Scaling::masses()
 	a.inertia[3] = tensor[0][1];
 	a.inertia[4] = tensor[0][2];
 	a.inertia[5] = tensor[1][2];
-	if (!m_isUniform || m_isMirrored) storeQuaternion(a.principal, principalRows(tensor));
+	if (m_isUniform && !m_isMirrored) return;
+	const std::array<double, 4> principal = quaternionOf(
+		eigenFrame({a.inertia[0], a.inertia[1], a.inertia[2], a.inertia[3], a.inertia[4], a.inertia[5]}).axes);
+	std::copy(principal.begin(), principal.end(), a.principal);
 }
 
 void Scaling::faces()
@@ -276,7 +228,8 @@ void Scaling::faces()
 			const HullView h = hull(n);
 			f.offset = roundUp(std::max({dot(stored, h.vertex(f.vertex[0])), dot(stored, h.vertex(f.vertex[1])),
 										 dot(stored, h.vertex(f.vertex[2]))}));
-			f.thickness = boundAtMost(m_smallest * double(f.thickness));
+			// The wall is another, along another normal.
+			f.thickness = 0;
 		}
 }
 

@@ -11,9 +11,8 @@
 namespace clod
 {
 // Factors along the body frame's axes; an odd number of negative ones mirrors the body, whose faces are then wound the other
-// way. Refused: a factor of zero or not finite, and a body that floats or the rules of a file cannot hold. Where all factors
-// are alike, whatever their signs, `clod-build check` proves the result as it proves a built file. Where they differ it
-// proves all bounds; what the builder chooses by a recipe is kept, scaled, on the cautious side: contact areas, thicknesses
-// and their directions, walls. O(bytes), about a microsecond a triangle.
+// way. Refused: a factor of zero or not finite, and a body that floats or the rules of a file cannot hold. `clod-build check`
+// proves the result as it proves a built file, what a builder takes by a recipe as a bound (kScaled). O(bytes), about a
+// microsecond a triangle.
 CLOD_API Result<std::shared_ptr<const Hierarchy>> scaledHierarchy(const Hierarchy& hierarchy, const Vec3& scale);
 }  // namespace clod

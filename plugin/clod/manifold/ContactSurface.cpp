@@ -13,6 +13,7 @@ namespace clod
 namespace
 {
 constexpr std::uint32_t kLeafFaces = 4;
+constexpr std::size_t kWorthTheTree = 32;  // faces of a polygon: searching fewer one by one is as fast
 }  // namespace
 
 ContactSurface::ContactSurface(const Hierarchy& hierarchy, std::uint32_t levelIndex)
@@ -279,16 +280,12 @@ Vec3 ContactSurface::pseudonormalAt(std::uint32_t face, int feature) const
 
 std::uint32_t ContactSurface::nearestFaceOf(std::uint32_t polygon, const Vec3& point) const
 {
-	std::uint32_t nearest = kNone;
-	double best = std::numeric_limits<double>::infinity();
-	for (const std::uint32_t face : facesOf(polygon))
-	{
-		const double squared = nearestOnTriangle(triangleOf(face), point).squared;
-		if (squared >= best) continue;
-		best = squared;
-		nearest = face;
-	}
-	return nearest;
+	const Span<std::uint32_t> faces = facesOf(polygon);
+	constexpr double kFar = std::numeric_limits<double>::infinity();
+	if (faces.size > kWorthTheTree) return searchTree(point, kFar, polygon).face;
+	Found found{kFar};
+	for (const std::uint32_t face : faces) found.add(face, nearestOnTriangle(triangleOf(face), point));
+	return found.face;
 }
 
 double ContactSurface::squaredBeside(std::uint32_t polygon, const Vec3& point) const
@@ -322,7 +319,18 @@ double ContactSurface::squaredBeside(std::uint32_t polygon, const Vec3& point) c
 	return isInside ? 0 : best;
 }
 
-ContactSurface::Nearest ContactSurface::nearest(const Vec3& point, double within) const
+// Of faces as near the first.
+void ContactSurface::Found::add(std::uint32_t other, const NearestOnTriangle& there)
+{
+	if (there.squared > squared || (there.squared == squared && other >= face)) return;
+	squared = there.squared;
+	face = other;
+	point = there.point;
+	feature = there.feature;
+}
+
+// The nearest face, of a polygon or (kNone) of all.
+ContactSurface::Found ContactSurface::searchTree(const Vec3& point, double within, std::uint32_t polygon) const
 {
 	std::call_once(m_treeMade, [this] { buildTree(); });
 	const auto squaredTo = [&](std::uint32_t box)
@@ -338,13 +346,11 @@ ContactSurface::Nearest ContactSurface::nearest(const Vec3& point, double within
 	std::array<std::uint32_t, 64> stack;
 	std::size_t size = 0;
 	stack[size++] = 0;
-	double best = within * within;
-	Nearest found;
-	int feature = 6;
+	Found found{within * within};
 	while (size > 0)
 	{
 		const std::uint32_t at = stack[--size];
-		if (squaredTo(at) >= best) continue;
+		if (squaredTo(at) > found.squared) continue;
 		const TreeBox& box = m_boxes[at];
 		if (box.count == 0)
 		{
@@ -354,20 +360,20 @@ ContactSurface::Nearest ContactSurface::nearest(const Vec3& point, double within
 			continue;
 		}
 		for (std::uint32_t i = box.first; i < box.first + box.count; ++i)
-		{
-			const NearestOnTriangle here = nearestOnTriangle(triangleOf(m_order[i]), point);
-			if (here.squared >= best) continue;
-			best = here.squared;
-			found.face = m_order[i];
-			found.point = here.point;
-			feature = here.feature;
-		}
+			if (polygon == kNone || m_faces[m_order[i]].polygon == polygon)
+				found.add(m_order[i], nearestOnTriangle(triangleOf(m_order[i]), point));
 	}
-	found.distance = std::sqrt(best);
-	if (found.face == kNone) return found;
-	found.normal = pseudonormalAt(found.face, feature);
-	if (dot(point - found.point, found.normal) < 0) found.distance = -found.distance;
 	return found;
+}
+
+ContactSurface::Nearest ContactSurface::nearest(const Vec3& point, double within) const
+{
+	const Found found = searchTree(point, within, kNone);
+	Nearest nearest{std::sqrt(found.squared), found.face, found.point, {}};
+	if (found.face == kNone) return nearest;
+	nearest.normal = pseudonormalAt(found.face, found.feature);
+	if (dot(point - nearest.point, nearest.normal) < 0) nearest.distance = -nearest.distance;
+	return nearest;
 }
 
 bool ContactSurface::isInside(const Vec3& point) const

@@ -124,6 +124,15 @@ private:
 		Vec3 low, high;
 		std::uint32_t first, count;  // faces in m_order; count 0: the two boxes from `first`
 	};
+	struct Found
+	{
+		double squared;  // of the distance
+		std::uint32_t face = kNone;
+		Vec3 point = {};
+		int feature = 6;
+		void add(std::uint32_t other, const NearestOnTriangle& there);
+	};
+	Found searchTree(const Vec3& point, double within, std::uint32_t polygon) const;
 	using Border = std::array<std::uint32_t, 2>;  // a straight side, from vertex to vertex
 	template <class T>
 	static Span<T> slice(const std::vector<T>& list, const std::vector<std::uint32_t>& first, std::uint32_t i)
@@ -174,7 +183,7 @@ private:
 	std::vector<std::uint32_t> m_nodeVertices, m_nodeEdges, m_firstVertexOf, m_firstEdgeOf, m_firstPolygonOf, m_firstFaceOf;
 	std::vector<NodePolygon> m_nodePolygons;
 	std::vector<std::uint16_t> m_polygonCorners;
-	// Only overlaps ask for them.
+	// Only overlaps and large polygons ask for them.
 	mutable std::once_flag m_treeMade;
 	mutable std::vector<TreeBox> m_boxes;
 	mutable std::vector<std::uint32_t> m_order;

@@ -191,8 +191,7 @@ double ContactSearch::depthInside()
 	m_state.probesB.prepare(m_context.b);
 	const RelativePose& pose = m_context.pose;
 	const Transform aFromB{pose.rotation, pose.translation};
-	const double motion = m_state.front.motion;
-	const double ofA = m_state.probesA.depthInside(m_context.b, inverse(aFromB), motion, m_result.stats);
-	return std::max(ofA, m_state.probesB.depthInside(m_context.a, aFromB, motion, m_result.stats));
+	const double ofA = m_state.probesA.depthInside(m_context.b, inverse(aFromB), m_result.stats);
+	return std::max(ofA, m_state.probesB.depthInside(m_context.a, aFromB, m_result.stats));
 }
 }  // namespace clod

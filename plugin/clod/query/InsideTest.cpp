@@ -65,7 +65,23 @@ void InsideProbes::prepare(const Hierarchy& hierarchy)
 	}
 }
 
-double InsideProbes::depthInside(const Hierarchy& other, const Transform& intoOther, double motion, QueryStats& stats)
+// The face that was nearest is not far.
+void InsideProbes::test(Probe& probe, const Hierarchy& other, const Vec3& place, QueryStats& stats)
+{
+	double within = std::numeric_limits<double>::infinity();
+	if (probe.face != kNone)
+	{
+		const Node& owner = other.node(ownerOf(other, probe.face));
+		within = std::sqrt(nearestOnTriangle(triangleOf(other, owner, other.faces()[probe.face]), place).squared);
+	}
+	++stats.pointQueries;
+	const SignedDistance found = distanceToInput(other, place, stats.boxTests, within);
+	probe.place = place;
+	probe.distance = found.distance;
+	probe.face = found.face;
+}
+
+double InsideProbes::depthInside(const Hierarchy& other, const Transform& intoOther, QueryStats& stats)
 {
 	const OrientedBox& around = other.cullBox(other.root());
 	// A single body with a point outside everything the other one occupies is not inside it.
@@ -74,32 +90,30 @@ double InsideProbes::depthInside(const Hierarchy& other, const Transform& intoOt
 	double depth = 0;
 	for (Probe& probe : m_probes)
 	{
-		const Vec3 point = intoOther * probe.point;
-		if (boxDistance(around, point) > 0) continue;
-		// The sign holds until the body has moved by the distance; how deep inside is measured anew.
-		if (probe.distance > 0 && motion - probe.stamp < kKeptOfSign * probe.distance)
+		const Vec3 place = intoOther * probe.point;
+		if (boxDistance(around, place) > 0) continue;
+		// The sign holds until the point has moved by the distance; how deep inside is measured anew.
+		if (probe.distance > 0 && length(place - probe.place) < kKeptOfSign * probe.distance)
 		{
 			++stats.skippedBySlack;
 			continue;
 		}
-		++stats.pointQueries;
-		probe.distance = distanceToInput(other, point, stats.boxTests).distance;
-		probe.stamp = motion;
+		test(probe, other, place, stats);
 		depth = std::max(depth, -probe.distance);
 	}
 	return depth;
 }
 
-double InsideProbes::distanceOutside(const Hierarchy& other, const Transform& intoOther, QueryStats& stats) const
+double InsideProbes::distanceOutside(const Hierarchy& other, const Transform& intoOther, double wanted, QueryStats& stats)
 {
-	double least = std::numeric_limits<double>::infinity();
-	for (const Probe& probe : m_probes)
+	double least = wanted / kKeptOfSign;
+	for (Probe& probe : m_probes)
 	{
-		const Vec3 point = intoOther * probe.point;
-		const double toBox = boxDistance(other.cullBox(other.root()), point);
-		if (toBox >= least) continue;
-		++stats.pointQueries;
-		least = std::min(least, std::max(toBox, distanceToInput(other, point, stats.boxTests).distance));
+		const Vec3 place = intoOther * probe.point;
+		const double toBox = boxDistance(other.cullBox(other.root()), place);
+		if (toBox >= least || probe.distance - length(place - probe.place) >= least) continue;
+		test(probe, other, place, stats);
+		least = std::min(least, std::max(toBox, probe.distance));
 	}
 	return kKeptOfSign * std::max(0.0, least);
 }

@@ -17,18 +17,22 @@ public:
 	void clear() { m_probes.clear(); }
 
 	// The deepest of the probes inside `other`, as a depth > 0; 0 when all of them are outside. intoOther maps the own
-	// body frame into that of `other`; motion as in PairFront.
-	double depthInside(const Hierarchy& other, const Transform& intoOther, double motion, QueryStats& stats);
+	// body frame into that of `other`.
+	double depthInside(const Hierarchy& other, const Transform& intoOther, QueryStats& stats);
 
-	// No probe comes to lie inside before it has moved so far; 0 where one is already.
-	double distanceOutside(const Hierarchy& other, const Transform& intoOther, QueryStats& stats) const;
+	// No probe comes to lie inside before it has moved so far, looked at up to `wanted`; 0 where one is already.
+	double distanceOutside(const Hierarchy& other, const Transform& intoOther, double wanted, QueryStats& stats);
 
 private:
 	struct Probe
 	{
-		Vec3 point;                      // a vertex of one component
-		double distance = 0, stamp = 0;  // of the last test
+		Vec3 point;  // a vertex of one component
+		// Of the last test: where it was in the other body, how far from its surface, and the nearest face of that.
+		Vec3 place = {};
+		double distance = 0;
+		std::uint32_t face = kNone;
 	};
+	static void test(Probe& probe, const Hierarchy& other, const Vec3& place, QueryStats& stats);
 	std::vector<Probe> m_probes;   // one a component
 	std::vector<Vec3> m_extremes;  // of the coarsest level that may answer, single components only
 	double m_slack = 0;            // how far an extreme may lie outside the solid

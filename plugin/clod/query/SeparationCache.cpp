@@ -88,14 +88,15 @@ bool changes(const Metric& metric)
 	return metric.velocity.time < kOff || metric.view.pixels < kOff || metric.own || metric.coarsening > 1;
 }
 
-// Coarse hulls may be apart where surfaces meet: how far neither body, nor a component of it, comes to lie in the other.
-double outside(const QueryContext& context, const SeparationCache::Tools& tools)
+// Coarse hulls may be apart where surfaces meet: how far neither body, nor a component of it, comes to lie in the other, at
+// most `wanted`.
+double outside(const QueryContext& context, double wanted, const SeparationCache::Tools& tools)
 {
 	const Transform aFromB{context.pose.rotation, context.pose.translation};
 	tools.probesA.prepare(context.a);
 	tools.probesB.prepare(context.b);
-	return std::min(tools.probesA.distanceOutside(context.b, inverse(aFromB), tools.stats),
-					tools.probesB.distanceOutside(context.a, aFromB, tools.stats));
+	const double ofA = tools.probesA.distanceOutside(context.b, inverse(aFromB), wanted, tools.stats);
+	return tools.probesB.distanceOutside(context.a, aFromB, ofA, tools.stats);
 }
 
 // For the rounding of the search and of what a traversal would compute now.
@@ -127,7 +128,7 @@ void SeparationCache::seek(const QueryContext& context, const StopRule& rule, co
 	if (!m_backOff.isOver()) return;
 	const double cap = lastMove > 0 ? kFarthestSearch * lastMove : settings.tolerance;
 	m_motion = motionToGo(context, rule, settings, gap, cap, tools);
-	if (m_motion > 0) m_motion = std::min(m_motion, outside(context, tools));
+	if (m_motion > 0) m_motion = outside(context, m_motion, tools);
 	m_pose = context.pose;
 	m_settings = settings;
 	m_gap = gap;
