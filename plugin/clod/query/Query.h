@@ -105,5 +105,5 @@ CLOD_API void contacts(const Hierarchy& a, const Hierarchy& b, const Transform& 
 					   PairCache& cache, ContactResult& result);
 
 // Empty when the settings can be used, otherwise one sentence naming the field and its value.
-std::string settingsError(const ContactSettings& settings);
+CLOD_API std::string settingsError(const ContactSettings& settings);
 }  // namespace clod

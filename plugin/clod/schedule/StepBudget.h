@@ -5,11 +5,12 @@
 #pragma once
 #include <atomic>
 
+#include "clod/Export.h"
 #include "clod/query/BudgetControl.h"
 
 namespace clod
 {
-class StepBudget
+class CLOD_API StepBudget
 {
 public:
 	// reserve: tests of the coarsest answers of all pairs.
