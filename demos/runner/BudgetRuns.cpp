@@ -117,7 +117,8 @@ SceneUnderBudgets runUnderBudgets(const SceneInfo& info, const SceneSettings& se
 	const auto add = [](BudgetRun& run, const SceneState& state)
 	{
 		if (!state.points.empty())
-			run.rows.push_back({state.dispatchMicroseconds, state.contactError, state.excess, state.tests});
+			run.rows.push_back({int(state.step), state.dispatchMicroseconds, state.contactError, state.excess, state.tests,
+								state.coarsestTests});
 	};
 	const std::unique_ptr<Scene> leader = makeScene(info.name, silent);
 	std::vector<SceneState> states = {leader->state()};

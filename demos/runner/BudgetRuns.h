@@ -14,9 +14,10 @@ namespace clod::demo
 // A step in which bodies touch.
 struct BudgetRow
 {
+	int step = 0;
 	double dispatchMicroseconds = 0;  // wall time of the whole dispatch, broadphase included
 	double contactError = 0, excess = 0;
-	std::uint64_t tests = 0;
+	std::uint64_t tests = 0, coarsestTests = 0;
 };
 
 // One run, under one budget a step for all pairs, of one metric.

@@ -99,7 +99,6 @@ ReplayRow MeasuredQuery::at(const PoseRow& poses, const GapSettings& settings)
 	{
 		GapSettings withGap = settings;
 		withGap.metric.coarsening = m_control.coarsening(settings.budget);
-		withGap.budget.tests = std::max(0.0, settings.budget.tests - m_contactCache.coarsestTests());
 		row.queryMicroseconds = timedContacts(aFromB, withGap);
 		m_control.observe({double(m_contacts.stats.boxTests) + m_contacts.stats.hullTests, row.queryMicroseconds, 0,
 						   m_contacts.stats.cutShort > 0});

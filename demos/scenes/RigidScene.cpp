@@ -255,8 +255,9 @@ SceneState RigidScene::state() const
 		[&](const PairReport& pair)
 		{
 			state.contactError = std::max(state.contactError, pair.contactError);
-			if (!pair.kept && pair.result)
-				state.tests += std::uint64_t(pair.result->stats.boxTests) + pair.result->stats.hullTests;
+			if (pair.kept || !pair.result) return;
+			state.tests += std::uint64_t(pair.result->stats.boxTests) + pair.result->stats.hullTests;
+			state.coarsestTests += pair.coarsestTests;
 		});
 	addPoints(state);
 	addEnergy(state);

@@ -146,7 +146,8 @@ struct SceneState
 	double dispatchMicroseconds = 0;  // its collision dispatch
 	double contactError = 0;          // certified, of the coarsest contact of any pair; the meshes' unit
 	double excess = 0;                // under a budget: by which factor the worst contact misses its metric
-	std::uint64_t tests = 0;          // hull distances and culling boxes of its queries
+	std::uint64_t tests = 0;          // hull distances and culling boxes of its queries,
+	std::uint64_t coarsestTests = 0;  // and under a budget those that their coarsest answers take
 	int manifolds = 0;
 	double kinetic = 0, potential = 0;  // J, of all bodies that move freely; the latter is 0 at the world's origin
 	std::vector<double> outcome;        // see SceneInfo::outcome

@@ -332,8 +332,10 @@ TEST_F(RunnerCommand, BudgetsAreRunAtTheSamePosesAndLargerOnesLeaveSmallerErrors
 	EXPECT_LE(counted[1]["tests"]["median"].get<double>(), 200);
 	EXPECT_LE(counted[1]["error_percent"]["median"].get<double>(), counted[0]["error_percent"]["median"].get<double>());
 	EXPECT_EQ(counted[2]["error_percent"], counted[3]["error_percent"]);
-	// The same answers; what caches hold, and so a test more or less in one of the steps, may differ.
-	EXPECT_EQ(counted[2]["tests"]["median"], counted[3]["tests"]["median"]);
+	// The same answers, and besides what the coarsest ones take found first.
+	const auto tests = [&](std::size_t run) { return counted[run]["tests"]["median"].get<double>(); };
+	EXPECT_GE(tests(2), tests(3));
+	EXPECT_LE(tests(2), tests(3) + tests(0));
 	EXPECT_EQ(bench("budget spoon-cub -o " + path("x") + cache()).code, 2);
 	EXPECT_EQ(bench("budget spoon-cup --budgets 5,-1 -o " + path("x") + cache()).code, 2);
 	EXPECT_EQ(bench("budget spoon-cup --budget-us 5 -o " + path("x") + cache()).code, 2);

@@ -16,7 +16,7 @@ using namespace clod::test;
 
 std::uint64_t testsOf(const QueryStats& stats)
 {
-	return std::uint64_t(stats.boxTests) + stats.hullTests + stats.pointQueries;
+	return std::uint64_t(stats.boxTests) + stats.hullTests + stats.pointBoxes + stats.pointQueries;
 }
 
 // Two bodies whose surfaces are apart by more than the tolerance.

@@ -31,7 +31,7 @@ struct WorldSettings
 // Sets the solver of `world`; call it before the first step. Besides the settings: two friction directions, as one
 // along the slip lets a leaning body creep sideways for ever, and split impulse. Gravity, bodies and dispatch stay as
 // they are.
-void configureWorld(btDynamicsWorld& world, const WorldSettings& settings = {});
+CLOD_API void configureWorld(btDynamicsWorld& world, const WorldSettings& settings = {});
 // That, and the registration of our shapes with the world's dispatcher: all that a world needs. Before the first pair; the
 // context must outlive the world. Value: how many pairs of types were registered.
 CLOD_API Result<int> setUpWorld(btDynamicsWorld& world, Context& context, const WorldSettings& settings = {});

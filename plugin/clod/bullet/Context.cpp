@@ -53,17 +53,27 @@ StepBudget& Context::budgetOf(btDispatcher& dispatcher)
 	return ours ? ours->stepBudget() : m_stepBudget;
 }
 
+void Context::expect(StepBudget& stepBudget)
+{
+	if (!stepBudget.isLimited()) return;
+	const std::lock_guard<std::mutex> lock(m_mutex);
+	for (PairState* pair : m_pairs) pair->expect(stepBudget);
+}
+
 double Context::enterStep(StepBudget& stepBudget, std::uint64_t& lastStep)
 {
 	const Budget usable = usableBudget();
-	if (&stepBudget != &m_stepBudget || !(usable.isLimited() || m_stepBudget.isLimited())) return stepBudget.coarsening();
+	if (&stepBudget != &m_stepBudget || !(usable.isLimited() || m_stepBudget.isLimited()))
+	{
+		lastStep = stepBudget.step();
+		return stepBudget.coarsening();
+	}
 	const std::lock_guard<std::mutex> lock(m_mutex);
 	if (lastStep == m_stepBudget.step() || !m_stepBudget.isOf(usable))
 	{
-		std::uint64_t reserve = 0;
-		for (const PairState* pair : m_pairs) reserve += pair->lastReport().coarsestTests;
 		m_stepBudget.end();
-		m_stepBudget.begin(usable, reserve);
+		m_stepBudget.begin(usable);
+		for (PairState* pair : m_pairs) pair->expect(m_stepBudget);
 	}
 	lastStep = m_stepBudget.step();
 	return m_stepBudget.coarsening();

@@ -88,6 +88,8 @@ private:
 	// The coarsening of this step. lastStep: the one a pair was last in; where that is this one a new step begins, unless
 	// its dispatcher says so.
 	double enterStep(StepBudget& budget, std::uint64_t& lastStep);
+	// Of pairs whose coarsest answers are not known yet.
+	void expect(StepBudget& budget);
 	void add(PairState* pair);
 	void remove(PairState* pair);
 	void say(unsigned cause, const std::string& message);

@@ -40,7 +40,7 @@ struct TriangleSink : btTriangleCallback
 void PairState::ask(const PairPose& pose, const Question& question)
 {
 	GapSettings settings = question.settings;
-	if (m_budget) settings.budget = m_budget->next(coarsestTests());
+	if (m_budget) settings.budget = m_budget->next(std::exchange(m_held, 0));
 	if (question.withGap)
 		signedGap(pose.hierarchyA(), pose.hierarchyB(), pose.aFromB, settings, m_cache, m_result);
 	else
@@ -48,9 +48,10 @@ void PairState::ask(const PairPose& pose, const Question& question)
 		contacts(pose.hierarchyA(), pose.hierarchyB(), pose.aFromB, settings, m_cache.pair, m_result);
 		m_result.minDistance = m_result.errorBound = std::numeric_limits<double>::infinity();
 	}
-	const QueryStats& stats = m_result.stats;
-	m_report.coarsestTests = coarsestTests();
+	QueryStats& stats = m_result.stats;
 	if (m_budget) m_budget->spend(std::uint64_t(stats.boxTests) + stats.hullTests, stats.cutShort > 0);
+	stats.boxTests += m_outline.listing;
+	m_report.coarsestTests = m_outline.listing + m_outline.answering;
 }
 
 // Planes and meshes have no hierarchy: what of them is near is gathered anew.

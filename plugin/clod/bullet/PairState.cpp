@@ -157,32 +157,78 @@ double PairState::timeOfImpact(const btCollisionObjectWrapper& body0, const btCo
 	return pose.isAsked() ? clod::timeOfImpact(pose, m_cache, m_onTheWay) : 1;
 }
 
-PairState::Prepared PairState::prepared(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-										const btDispatcherInfo& info, double closestPoints)
+void PairState::open(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+					 const btDispatcherInfo& info, double closestPoints)
 {
 	Prepared next;
 	next.pose = begin(body0, body1, info, closestPoints);
 	next.aIsFirst = next.pose.a == &body0;
-	if (!next.pose.isAsked())
+	if (next.pose.isAsked())
+	{
+		next.question = questionOf(next.pose);
+		next.isKept = next.pose.isOfTwo() && m_answered && same(*m_answered, next.question);
+	}
+	m_prepared = next;
+}
+
+void PairState::outline(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+						const btDispatcherInfo& info)
+{
+	open(body0, body1, info, 0);
+	outline(*m_prepared);
+	m_held = m_outline.answering;
+	if (m_budget) m_budget->hold(m_held);
+}
+
+void PairState::outline(Prepared& prepared)
+{
+	if (std::exchange(prepared.isOutlined, true)) return;
+	m_outline = {};
+	const PairPose& pose = prepared.pose;
+	if (!m_budget || !m_budget->isLimited() || !pose.isAsked() || !pose.isOfTwo() || prepared.isKept) return;
+	m_outline =
+		outlineCoarsest(pose.hierarchyA(), pose.hierarchyB(), pose.aFromB, prepared.question.settings, m_cache.pair);
+	m_budget->spend(m_outline.listing, false);
+}
+
+void PairState::expect(StepBudget& budget)
+{
+	if (&budget != m_budget || m_step + 1 != budget.step() || m_prepared) return;
+	m_held = m_report.coarsestTests;
+	budget.hold(m_held);
+}
+
+void PairState::prepare(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+						const btDispatcherInfo& info)
+{
+	if (!m_prepared) open(body0, body1, info, 0);
+	complete(*m_prepared);
+}
+
+void PairState::complete(Prepared& prepared)
+{
+	if (std::exchange(prepared.isAnswered, true)) return;
+	outline(prepared);
+	if (!prepared.pose.isAsked())
 	{
 		m_foreseen = {};
 		m_manifolds.readImpulses(m_clusters);
 		forget();
-		return next;
 	}
-	next.question = questionOf(next.pose);
-	next.isAnswered = next.pose.isOfTwo() && m_answered && same(*m_answered, next.question);
-	if (next.isAnswered) return next;
-	m_manifolds.readImpulses(m_clusters);
-	answer(next.pose, next.question);
-	return next;
+	else if (!prepared.isKept)
+	{
+		m_manifolds.readImpulses(m_clusters);
+		answer(prepared.pose, prepared.question);
+	}
+	if (m_budget && m_held > 0) m_budget->release(std::exchange(m_held, 0));
 }
 
 void PairState::process(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 						const btDispatcherInfo& info, btManifoldResult& out)
 {
 	const double closestPoints = double(out.m_closestPointDistanceThreshold);
-	if (!m_prepared) m_prepared = prepared(body0, body1, info, closestPoints);
+	if (!m_prepared) open(body0, body1, info, closestPoints);
+	complete(*m_prepared);
 	const Prepared now = *std::exchange(m_prepared, std::nullopt);
 	PairPose pose = now.pose;
 	(now.aIsFirst ? pose.a : pose.b) = &body0;
@@ -195,7 +241,7 @@ void PairState::process(const btCollisionObjectWrapper& body0, const btCollision
 		return;
 	}
 	const WorldFrame frame = worldFrame(pose, m_context.pushSpeed, now.aIsFirst, closestPoints);
-	if (now.isAnswered)
+	if (now.isKept)
 	{
 		keepAnswer();
 		m_report.kept = m_manifolds.keep(m_clusters, frame, out);
@@ -233,7 +279,7 @@ void PairState::keepAnswer()
 {
 	m_report.queryMicroseconds = m_report.contactMicroseconds = 0;
 	const QueryStats& stats = m_result.stats;
-	if (m_budget) m_budget->keep(std::uint64_t(stats.boxTests) + stats.hullTests, coarsestTests());
+	if (m_budget) m_budget->keep(std::uint64_t(stats.boxTests) + stats.hullTests);
 }
 
 void PairState::write(const PairPose& pose, const WorldFrame& frame, btManifoldResult& out)

@@ -33,15 +33,15 @@ public:
 				 const btDispatcherInfo& info, btManifoldResult& out);
 	// How far the bodies move in the step, as solved, otherwise than the points were found for; in skins.
 	double surprise() const;
-	// The part of the coming process() that concerns nothing but this pair: up to its points, before they are written.
-	// Other pairs may be prepared at the same time.
+	// The parts of the coming process() that concern nothing but this pair: its question and, under a budget, what the
+	// coarsest answer takes, which is held back then; and the answer, up to its points, before they are written. Other pairs
+	// may be at it at the same time.
+	void outline(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+				 const btDispatcherInfo& info);
 	void prepare(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-				 const btDispatcherInfo& info)
-	{
-		m_prepared = prepared(body0, body1, info, 0);
-	}
-	// See PairCache::coarsestTests.
-	std::uint32_t coarsestTests() const { return m_cache.pair.coarsestTests(); }
+				 const btDispatcherInfo& info);
+	// What a coarsest answer will take in a step that begins, as far as it is not known: what it took last.
+	void expect(StepBudget& budget);
 	// See TimeOfImpact.h.
 	double timeOfImpact(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 						const btDispatcherInfo& info);
@@ -82,20 +82,24 @@ private:
 		PairPose pose;
 		Question question;
 		bool aIsFirst = true, isAnswered = false;
+		bool isKept = false;  // the answer of the dispatch before is this one's
+		bool isOutlined = false;
 	};
 	static Seen seenA(const PairPose& pose);
 	static Seen seenB(const PairPose& pose);
 	static bool same(const Question& l, const Question& r);
 
-	Prepared prepared(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-					  const btDispatcherInfo& info, double closestPoints);
+	void open(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, const btDispatcherInfo& info,
+			  double closestPoints);
+	void complete(Prepared& prepared);
+	void outline(Prepared& prepared);
 	// Pose.
 	PairPose begin(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 				   const btDispatcherInfo& info, double closestPoints);
 	void noticeShapes(const PairPose& pose);
 	Question questionOf(const PairPose& pose);
 	// Query.
-	void ask(const PairPose& pose, const Question& question);
+	void ask(const PairPose& pose, const Question& question);  // outlined, if there is a budget
 	void askPartner(const PairPose& pose);
 	// Points.
 	void answer(const PairPose& pose, const Question& question);
@@ -131,7 +135,9 @@ private:
 	unsigned m_warned = 0;
 	std::vector<std::pair<unsigned, std::string>> m_toSay;  // by cause
 	StepBudget* const m_budget;         // null: answers in full, whatever the budget
-	std::uint64_t m_step = 0;           // of the budget, that this pair was last in
+	std::uint64_t m_step = 0;           // of the budget, that this pair was last in,
+	std::uint32_t m_held = 0;           // what is held back of it for this pair
+	Outline m_outline;                  // of the coming process(), or the last
 	std::optional<Prepared> m_prepared;  // for the coming process()
 	FacetContacts m_facets;    // with the way out of a depth, besides buffers
 	// Buffers.

@@ -50,7 +50,7 @@ struct PairReport : DispatchReport
 	const GapResult* result = nullptr;   // accepted node pairs; empty against a plane or an engine's own mesh
 	const ClusterSet* clusters = nullptr;  // frame A, hierarchy unit
 	std::string notFinite;                 // empty, or what is not finite: the pair then has no contacts
-	std::uint32_t coarsestTests = 0;       // of its last query under a budget, see PairCache
+	std::uint32_t coarsestTests = 0;       // of its last query under a budget, see Outline
 };
 
 // Sums over all live pairs, each as of its last dispatch.

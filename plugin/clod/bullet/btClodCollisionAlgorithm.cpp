@@ -79,15 +79,16 @@ btScalar btClodCollisionAlgorithm::calculateTimeOfImpact(btCollisionObject* body
 	return btScalar(m_state->timeOfImpact(first, second, info));
 }
 
+void btClodCollisionAlgorithm::outline(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+									   const btDispatcherInfo& info)
+{
+	m_state->outline(body0, body1, info);
+}
+
 void btClodCollisionAlgorithm::prepare(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 									   const btDispatcherInfo& info)
 {
 	m_state->prepare(body0, body1, info);
-}
-
-std::uint32_t btClodCollisionAlgorithm::coarsestTests() const
-{
-	return m_state->coarsestTests();
 }
 
 void btClodCollisionAlgorithm::getAllContactManifolds(btManifoldArray& manifolds)

@@ -39,9 +39,10 @@ public:
 	btScalar calculateTimeOfImpact(btCollisionObject* body0, btCollisionObject* body1, const btDispatcherInfo& info,
 								   btManifoldResult* out) override;
 	// See PairState.h.
+	void outline(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+				 const btDispatcherInfo& info);
 	void prepare(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 				 const btDispatcherInfo& info);
-	std::uint32_t coarsestTests() const;
 	void getAllContactManifolds(btManifoldArray& manifolds) override;
 
 private:

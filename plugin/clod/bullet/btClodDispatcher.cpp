@@ -82,37 +82,61 @@ void btClodDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache* pairCac
 	btBroadphasePair* all = pairCache->getOverlappingPairArrayPtr();
 	m_step->pairs.clear();
 	for (int i = 0; i < pairCache->getNumOverlappingPairs(); ++i) m_step->pairs.push_back(&all[i]);
-	beginBudget(m_step->pairs, info);
-	prepare(m_step->pairs, info);
+	beginBudget(info);
+	listJobs(m_step->pairs, info);
+	outline(info);
+	m_context.expect(m_step->budget);
+	prepare(info);
 	btCollisionDispatcher::dispatchAllCollisionPairs(pairCache, info, dispatcher);
 	m_step->budget.end();
 }
 
 void btClodDispatcher::dispatchPairs(const std::vector<btBroadphasePair*>& pairs, const btDispatcherInfo& info)
 {
-	prepare(pairs, info);
+	listJobs(pairs, info);
+	outline(info);
+	prepare(info);
 	for (btBroadphasePair* pair : pairs) getNearCallback()(*pair, *this, info);
 }
 
-void btClodDispatcher::beginBudget(const std::vector<btBroadphasePair*>& pairs, const btDispatcherInfo& info)
+void btClodDispatcher::beginBudget(const btDispatcherInfo& info)
 {
 	const bool isDiscrete = info.m_dispatchFunc == btDispatcherInfo::DISPATCH_DISCRETE;
-	const clod::Budget budget = isDiscrete ? m_context.usableBudget() : clod::Budget{};
-	std::uint64_t reserve = 0;
-	if (budget.isLimited())
-		for (const btBroadphasePair* pair : pairs)
-			if (const btClodCollisionAlgorithm* algorithm = oursOf(*pair)) reserve += algorithm->coarsestTests();
-	m_step->budget.begin(budget, reserve);
+	m_step->budget.begin(isDiscrete ? m_context.usableBudget() : clod::Budget{});
+}
+
+// What the coarsest answers of all pairs take, before any is answered.
+void btClodDispatcher::outline(const btDispatcherInfo& info)
+{
+	BT_PROFILE("btClodDispatcher::outline");
+	const auto outlineOne = [&](std::uint32_t i)
+	{
+		const Step::Job& job = m_step->jobs[i];
+		job.algorithm->outline(wrapped(job.object0), wrapped(job.object1), info);
+	};
+	if (m_step->budget.isLimited()) m_step->pool->run(std::uint32_t(m_step->jobs.size()), outlineOne);
 }
 
 // What Bullet's dispatch will find done already.
-void btClodDispatcher::prepare(const std::vector<btBroadphasePair*>& pairs, const btDispatcherInfo& info)
+void btClodDispatcher::prepare(const btDispatcherInfo& info)
 {
-	if (threads() == 1 || getNearCallback() != &btCollisionDispatcher::defaultNearCallback ||
-		info.m_dispatchFunc != btDispatcherInfo::DISPATCH_DISCRETE || m_step->budget.isCounted())
-		return;
+	if (threads() == 1 || m_step->budget.isCounted()) return;
 	BT_PROFILE("btClodDispatcher::prepare");
+	const auto prepareOne = [&](std::uint32_t i)
+	{
+		const Step::Job& job = m_step->jobs[i];
+		job.algorithm->prepare(wrapped(job.object0), wrapped(job.object1), info);
+	};
+	m_step->pool->run(std::uint32_t(m_step->jobs.size()), prepareOne);
+}
+
+// Pairs that Bullet's dispatch is sure to ask, and that several threads may.
+void btClodDispatcher::listJobs(const std::vector<btBroadphasePair*>& pairs, const btDispatcherInfo& info)
+{
 	m_step->jobs.clear();
+	if ((threads() == 1 && !m_step->budget.isLimited()) || info.m_dispatchFunc != btDispatcherInfo::DISPATCH_DISCRETE ||
+		getNearCallback() != &btCollisionDispatcher::defaultNearCallback)
+		return;
 	for (btBroadphasePair* pair : pairs)
 	{
 		btCollisionObject *object0 = objectOf(pair->m_pProxy0), *object1 = objectOf(pair->m_pProxy1);
@@ -123,10 +147,4 @@ void btClodDispatcher::prepare(const std::vector<btBroadphasePair*>& pairs, cons
 		if (!pair->m_algorithm) pair->m_algorithm = findAlgorithm(&body0, &body1, nullptr, BT_CONTACT_POINT_ALGORITHMS);
 		if (btClodCollisionAlgorithm* algorithm = oursOf(*pair)) m_step->jobs.push_back({algorithm, object0, object1});
 	}
-	const auto prepareOne = [&](std::uint32_t i)
-	{
-		const Step::Job& job = m_step->jobs[i];
-		job.algorithm->prepare(wrapped(job.object0), wrapped(job.object1), info);
-	};
-	m_step->pool->run(std::uint32_t(m_step->jobs.size()), prepareOne);
 }

@@ -9,8 +9,9 @@
 // counted in tests, as what is left to one is what those before it took; and all, where the program has set a near
 // callback of its own, or continuous dispatch.
 //
-// Budgets. Of tests: exceeded by what the coarsest answers differ from those of the step before; repeats bit for bit.
-// Of time: compared with a clock (StepBudget.h), of the whole dispatch. Continuous dispatch is not budgeted.
+// Budgets. Of tests: what the coarsest answers take is found first and held back, so a step exceeds its budget only where
+// they alone do (those of children of compounds, and of all pairs with a near callback of a program's own, are held back
+// as they were in the step before); repeats bit for bit. Of time: compared with a clock (StepBudget.h), of the whole dispatch. Continuous dispatch is not budgeted.
 #pragma once
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 
@@ -46,8 +47,10 @@ public:
 
 private:
 	struct Step;
-	void prepare(const std::vector<btBroadphasePair*>& pairs, const btDispatcherInfo& info);
-	void beginBudget(const std::vector<btBroadphasePair*>& pairs, const btDispatcherInfo& info);
+	void beginBudget(const btDispatcherInfo& info);
+	void listJobs(const std::vector<btBroadphasePair*>& pairs, const btDispatcherInfo& info);
+	void outline(const btDispatcherInfo& info);
+	void prepare(const btDispatcherInfo& info);
 
 	clod::Context& m_context;
 	std::unique_ptr<Step> m_step;

@@ -88,6 +88,7 @@ void signedGap(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, 
 	{
 		state.settings = static_cast<const ContactSettings&>(settings);
 		result = search.last;
+		result.stats.boxTests = result.stats.hullTests = 0;
 		return;
 	}
 	result.clear();

@@ -28,6 +28,7 @@ struct DistanceJudge
 		return visited.insert(pair.a, pair.b);
 	}
 	bool isSettled() const { return best <= 0; }
+	static bool affords(std::size_t) { return true; }
 	static bool mayAnswer(const NearestPairScratch::Candidate&) { return false; }
 	double limit() const { return best; }
 	double ofPair(const NearestPairScratch::Candidate& pair) const
@@ -49,6 +50,7 @@ struct LeafJudge
 
 	static bool counts(const NearestPairScratch::Candidate&, double) { return true; }
 	static bool takes(const NearestPairScratch::Candidate&) { return true; }
+	static bool affords(std::size_t) { return true; }
 	static bool mayAnswer(const NearestPairScratch::Candidate&) { return false; }
 	double limit() const { return best; }
 

@@ -30,6 +30,8 @@ public:
 		if (budget.microseconds < kOff) m_start = Clock::now();
 	}
 	bool isSet() const { return m_budget.isLimited(); }
+	// For what comes when it is spent.
+	void holdBack(std::uint64_t tests) { m_budget.tests -= double(tests); }
 	// May so many tests have been done, and is there time left?
 	bool allows(std::uint64_t tests) const
 	{
@@ -38,7 +40,7 @@ public:
 	}
 
 private:
-	const Budget m_budget;
+	Budget m_budget;
 	Clock::time_point m_start;
 };
 }  // namespace clod

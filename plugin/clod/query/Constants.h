@@ -34,7 +34,7 @@ inline constexpr std::uint32_t kWorthwhile = 4;      // queries that a search sh
 inline constexpr double kFarthestSearch = 64;        // moves of a query: what is farther is not looked for
 inline constexpr double kThresholdSpan = 2;          // thresholds of later queries: so many times these
 inline constexpr double kShareOfNearest = 0.5;       // of the motion to the nearest pair is the answer
-inline constexpr std::uint32_t kTestsOfSearch = 32;  // one step of a search takes no more
+inline constexpr std::uint32_t kTestsOfCandidate = 3;  // its box, whether its hulls are apart, how far it may move
 
 // Metric::coarsening. Below what simplification leaves in any model: the coarsest level that keeps it is the surface itself.
 inline constexpr double kFinestShare = 1e-4;

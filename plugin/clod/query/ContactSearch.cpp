@@ -24,6 +24,21 @@ void levelStatistics(const QueryContext& context, ContactResult& result)
 	result.stats.finestLevel = finest;
 	result.stats.coarsestLevel = coarsest;
 }
+bool isSame(const RelativePose& l, const RelativePose& r)
+{
+	return same(Transform{l.rotation, l.translation}, Transform{r.rotation, r.translation});
+}
+// It depends on the two hierarchies only: all coarsest answers are of one rule.
+StopRule coarsestRule(const QueryContext& context, Metric metric)
+{
+	metric.coarsening = kOff;
+	return StopRule(context, metric);
+}
+// Of an accepted pair of which nothing is remembered, at most.
+std::uint32_t testsOfFreshAnswer(const QueryContext& context)
+{
+	return context.longestMove > 0 ? 2 : 1;
+}
 }  // namespace
 
 bool isSamePose(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const PairCache::State& state)
@@ -46,22 +61,45 @@ void followMotion(const QueryContext& context, PairCache::State& state)
 	if (!sameBodies)
 	{
 		state.clearFronts();
+		state.outline.clear();
+		state.lastMove = 0;
 		state.a = &context.a;
 		state.b = &context.b;
 		state.hashA = context.a.contentHash();
 		state.hashB = context.b.contentHash();
 		state.filled = false;
 	}
-	else if (state.filled)
+	else if (!isSame(state.pose, context.pose) || !(state.sweep == context.sweep))
 	{
 		const double motion = motionBound(state.pose, context.pose, context.radiusA, context.radiusB);
-		const double change =
-			sweepChange(state.pose, state.settings.sweep, context.pose, context.sweep, motion, context.radiusB);
+		const double change = sweepChange(state.pose, state.sweep, context.pose, context.sweep, motion, context.radiusB);
+		const double farthest = kFarthestMotion * context.size;
 		state.front.move(motion, change);
-		state.lastMove = motion + change;
-		if (!(state.front.motion < kFarthestMotion * context.size)) state.clearFronts();
+		state.outline.move(motion, change);
+		state.lastMove += motion + change;
+		if (!(state.front.motion < farthest)) state.clearFronts();
+		if (!(state.outline.motion < farthest)) state.outline.clear();
 	}
 	state.pose = context.pose;
+	state.sweep = context.sweep;
+}
+
+Outline outline(const QueryContext& context, const ContactSettings& settings, double tolerance, PairCache::State& state)
+{
+	PairFront& front = state.outline;
+	Outline result;
+	if (front.entries.empty() || front.motionSince > 0 || front.tolerance != tolerance)
+	{
+		QueryStats stats;
+		std::vector<Contact> none;
+		ContactSink sink = ContactSink::ofLists(context, tolerance, none, stats);
+		traverse(context, {coarsestRule(context, settings.metric), tolerance, true}, front, sink, stats);
+		result.listing = stats.boxTests + stats.hullTests;
+	}
+	const auto answers = std::count_if(front.entries.begin(), front.entries.end(), [](const FrontEntry& entry)
+									   { return entry.state == NodePairState::kAnswer; });
+	result.answering = std::uint32_t(answers) * testsOfFreshAnswer(context);
+	return result;
 }
 
 ContactSearch::ContactSearch(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB,
@@ -72,7 +110,8 @@ ContactSearch::ContactSearch(const Hierarchy& a, const Hierarchy& b, const Trans
 	  m_state(state),
 	  m_result(result),
 	  m_limit(settings.budget),
-	  m_context(a, b, aFromB, settings.sweep)
+	  m_context(a, b, aFromB, settings.sweep),
+	  m_answered(&state.front)
 {
 	followMotion(m_context, state);
 	state.aFromB = aFromB;
@@ -83,6 +122,7 @@ ContactSearch::ContactSearch(const Hierarchy& a, const Hierarchy& b, const Trans
 		return;
 	}
 	state.settings = settings;
+	state.lastMove = 0;
 	result.stats.front = state.front.counts.leaves;
 	result.stats.frontInner = state.front.counts.inner;
 	result.stats.stillApart = 1;
@@ -101,6 +141,7 @@ void ContactSearch::finish(bool isNothingNear)
 	if (isNothingNear && m_result.stats.cutShort == 0)
 		m_state.separation.seek(m_context, *m_rule, m_settings, m_gap, m_state.lastMove,
 								{m_state.nearest, m_state.probesA, m_state.probesB, m_result.stats, m_limit});
+	m_state.lastMove = 0;
 }
 
 void ContactSearch::tellExcess()
@@ -125,13 +166,44 @@ bool ContactSearch::overlaps() const
 // Returns the largest cover_a + cover_b of the accepted pairs that are no contacts.
 double ContactSearch::traverseFront(double tolerance)
 {
+	if (m_limit.isSet())
+	{
+		const Outline coarsest = outline(m_context, m_settings, tolerance, m_state);
+		m_result.stats.boxTests += coarsest.listing;
+		m_limit.holdBack(coarsest.answering);
+	}
+	m_answered = &m_state.front;
 	if (const std::optional<double> cover = traverseBy(*m_rule, tolerance, m_limit)) return *cover;
+	return answerCoarsest(tolerance);
+}
+
+// Of the outline: nothing is remembered of its pairs, they take what was held back.
+double ContactSearch::answerCoarsest(double tolerance)
+{
 	m_state.clearFronts();
+	m_rule.emplace(coarsestRule(m_context, m_settings.metric));
+	m_answered = &m_state.outline;
 	m_result.stats.cutShort = 1;
-	Metric coarsest = m_settings.metric;
-	coarsest.coarsening = kOff;
-	m_rule.emplace(m_context, coarsest);
-	return *traverseBy(*m_rule, tolerance, WorkLimit({std::numeric_limits<double>::max(), kOff}));  // counted, never met
+	m_result.stats.front = m_result.stats.frontInner = 0;
+	addTo(m_result.stats, m_answered->counts);
+	m_result.contacts.clear();
+	ContactSink sink(m_context, tolerance, coversOfMixedLevels(), m_result.contacts, m_result.stats);
+	for (const FrontEntry& entry : m_answered->entries)
+	{
+		CachedSeparation nothing;
+		if (entry.state == NodePairState::kAnswer) sink.answer(entry.a, entry.b, nothing);
+	}
+	remember(*m_rule);
+	return sink.largestCover();
+}
+
+void ContactSearch::remember(const StopRule& rule)
+{
+	m_state.threshold = rule.constantThreshold();
+	m_state.maxError = rule.maxError();
+	m_state.base = rule.base();
+	m_state.settings = m_settings;
+	m_state.filled = true;
 }
 
 // None where the limit was met.
@@ -144,11 +216,7 @@ std::optional<double> ContactSearch::traverseBy(const StopRule& rule, double tol
 	std::optional<double> cover;
 	if (isWorthValidating(settings, m_state.front)) cover = answerFrom(true, settings);
 	if (!cover) cover = answerFrom(false, settings);
-	m_state.threshold = rule.constantThreshold();
-	m_state.maxError = rule.maxError();
-	m_state.base = rule.base();
-	m_state.settings = m_settings;
-	m_state.filled = true;
+	remember(rule);
 	return cover;
 }
 
@@ -171,7 +239,7 @@ ContactSink::Covers ContactSearch::coversOfMixedLevels() const
 
 bool ContactSearch::rootIsApart() const
 {
-	return m_state.front.entries[0].state == NodePairState::kSeparated;
+	return m_answered->entries[0].state == NodePairState::kSeparated;
 }
 
 void ContactSearch::sort()

@@ -16,8 +16,11 @@ bool isSamePose(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB,
 // budget.
 bool answersAgain(const ContactSettings& settings, const ContactResult& last, const PairCache::State& state);
 
-// Drops what was cached for other hierarchies, then adds the motion since the last query.
+// Drops what was cached for other hierarchies, then adds the motion since the fronts were asked last.
 void followMotion(const QueryContext& context, PairCache::State& state);
+
+// Lists the pairs of the coarsest valid answer, unless that was done at this very pose. Precondition: motion was followed.
+Outline outline(const QueryContext& context, const ContactSettings& settings, double tolerance, PairCache::State& state);
 
 struct TraversalSettings;
 
@@ -49,6 +52,8 @@ public:
 
 private:
 	double traverseFront(double tolerance);
+	double answerCoarsest(double tolerance);
+	void remember(const StopRule& rule);
 	std::optional<double> traverseBy(const StopRule& rule, double tolerance, const WorkLimit& limit);
 	void tellExcess();
 	std::optional<double> answerFrom(bool validates, const TraversalSettings& settings);
@@ -60,28 +65,11 @@ private:
 	const AskedGap m_gap;
 	PairCache::State& m_state;
 	ContactResult& m_result;
-	const WorkLimit m_limit;
+	WorkLimit m_limit;
 	const QueryContext m_context;
 	std::optional<StopRule> m_rule;
 	double m_largestCover = 0;
+	const PairFront* m_answered;  // the front that gave the answers
 	bool m_isStillApart = false, m_isOfInput = true;
-};
-
-// Counts boxes that point queries meet in its lifetime as such.
-class PointBoxes
-{
-public:
-	explicit PointBoxes(QueryStats& stats) : m_stats(stats), m_before(stats.boxTests) {}
-	~PointBoxes()
-	{
-		m_stats.pointBoxes += m_stats.boxTests - m_before;
-		m_stats.boxTests = m_before;
-	}
-	PointBoxes(const PointBoxes&) = delete;
-	PointBoxes& operator=(const PointBoxes&) = delete;
-
-private:
-	QueryStats& m_stats;
-	const std::uint32_t m_before;
 };
 }  // namespace clod

@@ -22,6 +22,7 @@ HullDistance ContactSink::distanceAtRest(std::uint32_t a, std::uint32_t b, doubl
 
 void ContactSink::answer(std::uint32_t a, std::uint32_t b, CachedSeparation& cached, const HullEvaluations& known)
 {
+	if (m_onlyLists) return;
 	const bool areWanted = m_covers == Covers::kWanted;
 	const double limit = areWanted ? cullLimit(m_context.a.node(a), m_context.b.node(b), m_tolerance) : m_tolerance;
 	if (m_hulls.isStillApart(a, b, limit, cached)) return;

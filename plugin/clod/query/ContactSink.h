@@ -31,6 +31,14 @@ public:
 	{
 	}
 
+	// One that leaves the pairs to those who list them: it evaluates nothing.
+	static ContactSink ofLists(const QueryContext& context, double tolerance, std::vector<Contact>& none, QueryStats& stats)
+	{
+		ContactSink sink(context, tolerance, Covers::kUnwanted, none, stats);
+		sink.m_onlyLists = true;
+		return sink;
+	}
+
 	// An accepted pair needs nothing, its boxes are not even compared: one that is no contact leaves no trace then,
 	// near or far.
 	bool skips(std::uint32_t a, std::uint32_t b, const CachedSeparation& cached) const
@@ -59,6 +67,7 @@ private:
 	QueryStats& m_stats;
 	HullCull m_hulls;
 	double m_largestCover = 0;
+	bool m_onlyLists = false;
 };
 
 }  // namespace clod

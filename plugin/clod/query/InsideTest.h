@@ -37,4 +37,22 @@ private:
 	std::vector<Vec3> m_extremes;  // of the coarsest level that may answer, single components only
 	double m_slack = 0;            // how far an extreme may lie outside the solid
 };
+
+// Counts boxes that point queries meet in its lifetime as such.
+class PointBoxes
+{
+public:
+	explicit PointBoxes(QueryStats& stats) : m_stats(stats), m_before(stats.boxTests) {}
+	~PointBoxes()
+	{
+		m_stats.pointBoxes += m_stats.boxTests - m_before;
+		m_stats.boxTests = m_before;
+	}
+	PointBoxes(const PointBoxes&) = delete;
+	PointBoxes& operator=(const PointBoxes&) = delete;
+
+private:
+	QueryStats& m_stats;
+	const std::uint32_t m_before;
+};
 }  // namespace clod

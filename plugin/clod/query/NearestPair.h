@@ -37,6 +37,7 @@ struct NearestPairScratch
 //        bool takes(Candidate)                  - its turn has come: still to be looked at?
 //        bool isSettled()                       - whatever else there is makes no difference;
 //        double limit()                         - pairs whose boxes are farther apart have nothing up to `best`;
+//        bool affords(std::size_t)              - so many more boxes may be compared; if not, the search is over;
 //        bool mayAnswer(const Candidate&)       - counts as an accepted one even where it is not, but opened;
 //        double ofPair(const Candidate&)        - of an accepted pair.
 template <class Judge>
@@ -62,7 +63,7 @@ public:
 			if (top.separation > m_judge.limit() || !m_judge.takes(top)) continue;
 			const bool answers = accepts(top);
 			if (answers || m_judge.mayAnswer(top)) m_judge.best = std::min(m_judge.best, m_judge.ofPair(top));
-			if (!answers) open(top);
+			if (!answers && !open(top)) return;
 		}
 	}
 
@@ -82,15 +83,18 @@ private:
 		++m_stats.hullTests;
 		return canonicallyApart(m_context, pair.a, pair.b);
 	}
-	void open(const Candidate& pair)
+	// False where the judge cannot afford it.
+	bool open(const Candidate& pair)
 	{
 		const bool opensA = m_rule.opensA(pair.a, pair.b);
 		const Span<std::uint32_t> children = m_rule.childrenOf(opensA, opensA ? pair.a : pair.b);
+		if (!m_judge.affords(children.size)) return false;
 		const std::size_t first = m_stack.size();
 		for (std::uint32_t i = 0; i < children.size; i += kBoxLanes)
 			push(opensA, opensA ? pair.b : pair.a, children.data + i,
 				 std::min(kBoxLanes, std::uint32_t(children.size) - i), pair.separation);
 		if (!Judge::nearestFirst) std::sort(m_stack.begin() + std::ptrdiff_t(first), m_stack.end(), isFarther);
+		return true;
 	}
 
 	// Pairs of `other` and nodes of the other body, of A or not.

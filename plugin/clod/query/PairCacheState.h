@@ -21,9 +21,11 @@ struct PairCache::State
 	ContactSettings settings;
 	double threshold = 0, maxError = 0;  // of the rule that the front was made with: constantThreshold, maxError
 	BaseLevels base;                     // StopRule::base
-	RelativePose pose;
+	RelativePose pose;  // that the fronts have followed to,
+	Sweep sweep;        // with this motion from there
 	PairFront front;
-	double lastMove = 0;  // of front.motion, what came by the last query
+	PairFront outline;     // of the coarsest valid answer, its pairs listed only; where there are budgets
+	double lastMove = 0;  // of front.motion, what came since the last query
 	SeparationCache separation;
 	InsideProbes probesA, probesB;
 	NearestPairScratch nearest;

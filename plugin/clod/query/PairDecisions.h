@@ -145,8 +145,12 @@ protected:
 		return cached;
 	}
 
-	// An answer takes so many tests at most, whether its hulls are apart included.
-	std::uint32_t mostTestsOfAnswer() const { return m_context.longestMove > 0 ? 2 : 1; }
+	// An answer takes so many tests at most: along the remembered axis, on the way and at rest, and both once more where
+	// it is an answer only while its hulls are apart.
+	std::uint32_t mostTestsOfAnswer() const
+	{
+		return (m_context.longestMove > 0 ? 3 : 2) + (m_settings.rule.dependsOnHulls() ? 2 : 0);
+	}
 	// The decisions on an entry, and its children's answers, are within the limit.
 	bool isAffordable(const FrontEntry& entry) const
 	{

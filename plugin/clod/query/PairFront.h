@@ -139,7 +139,6 @@ struct PairFront
 	RelativePose pose;         // of the last finished traversal
 
 	double tolerance = 0;  // of the last finished traversal
-	std::uint32_t coarsestTests = 0;  // PairCache::coarsestTests
 	FrontCounts counts;
 	FrontSlack slack;
 	BackOff backOff{kFrontBackOff};  // traversals that keep no slack, until the next attempt to validate a front

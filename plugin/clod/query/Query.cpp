@@ -17,10 +17,6 @@ void PairCache::clear()
 {
 	m_state = std::make_unique<State>();
 }
-std::uint32_t PairCache::coarsestTests() const
-{
-	return m_state->front.coarsestTests;
-}
 
 void ContactResult::clear()
 {
@@ -57,6 +53,7 @@ void contacts(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, c
 	{
 		state.settings = settings;
 		result = state.last;
+		result.stats.boxTests = result.stats.hullTests = 0;
 		return;
 	}
 	result.clear();
@@ -69,6 +66,16 @@ void contacts(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, c
 	}
 	state.last = result;
 	state.hasLast = true;
+}
+
+Outline outlineCoarsest(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const ContactSettings& settings,
+						PairCache& cache)
+{
+	PairCache::State& state = cache.state();
+	const QueryContext context(a, b, aFromB, settings.sweep);
+	followMotion(context, state);
+	if (state.separation.holds(context, settings, {})) return {};
+	return outline(context, settings, settings.tolerance, state);
 }
 
 std::string budgetError(const Budget& budget)

@@ -28,9 +28,9 @@ struct ContactSettings
 	// Report, besides, pairs that come within the tolerance while B moves on like this (A held): a caller that steps on
 	// looks ahead along the motion instead of in all directions. Zero: the pose alone.
 	Sweep sweep;
-	// Where it is spent before all is answered, the coarsest valid answer is given instead, whatever that costs: a hard
-	// stop for the rare query, beside a metric coarsened to what the budget buys (BudgetControl.h). What is cut off
-	// depends on the cache.
+	// Where it is spent before all is answered, the coarsest valid answer is given instead: a hard stop for the rare
+	// query, beside a metric coarsened to what the budget buys (BudgetControl.h). What that answer takes is held back: the
+	// tests of a query never exceed its budget where they need not. What is cut off depends on the cache.
 	Budget budget;
 };
 // Field by field; with an own function never, see same(Metric).
@@ -91,8 +91,6 @@ public:
 	void clear();
 	struct State;  // PairCacheState.h
 	State& state() { return *m_state; }
-	// Tests that the coarsest answer would have taken where the last query with a budget stood, from nothing; about.
-	std::uint32_t coarsestTests() const;
 
 private:
 	std::unique_ptr<State> m_state;
@@ -104,6 +102,15 @@ private:
 CLOD_API void contacts(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const ContactSettings& settings,
 					   PairCache& cache, ContactResult& result);
 
+// What the coarsest valid answer takes: `listing` the pairs that give it was done now, `answering` them takes so many tests
+// at most. A query with a budget at the same pose need not list them again.
+struct Outline
+{
+	std::uint32_t listing = 0, answering = 0;
+};
+CLOD_API Outline outlineCoarsest(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB,
+								 const ContactSettings& settings, PairCache& cache);
+
 // Empty when the settings can be used, otherwise one sentence naming the field and its value.
-std::string settingsError(const ContactSettings& settings);
+CLOD_API std::string settingsError(const ContactSettings& settings);
 }  // namespace clod

@@ -27,6 +27,7 @@ struct MotionJudge
 	double best;
 	NearestPairScratch& scratch;
 	const WorkLimit& limitOfWork;
+	bool isSpent = false;
 	static constexpr bool nearestFirst = false;
 
 	// Once: its own separation is a bound whichever the way.
@@ -36,10 +37,12 @@ struct MotionJudge
 		return scratch.visited.insert(pair.a, pair.b);
 	}
 	static bool takes(const NearestPairScratch::Candidate&) { return true; }
-	bool isSettled() const { return best <= 0 || !isAffordable(); }
-	bool isAffordable() const
+	bool isSettled() { return best <= 0 || !affords(kTestsOfCandidate); }
+	// Once it does not, the search is over.
+	bool affords(std::size_t tests)
 	{
-		return !limitOfWork.isSet() || limitOfWork.allows(stats.boxTests + stats.hullTests + kTestsOfSearch);
+		isSpent = isSpent || (limitOfWork.isSet() && !limitOfWork.allows(stats.boxTests + stats.hullTests + tests));
+		return !isSpent;
 	}
 	// Hulls that overlap now may answer as soon as they part.
 	bool mayAnswer(const NearestPairScratch::Candidate& pair) const
@@ -69,7 +72,7 @@ double safeMotion(const QueryContext& context, const Searched& what, double cap,
 	QueryStats& stats = tools.stats;
 	scratch.visited.clear();
 	MotionJudge judge{context, stats, what, cap, scratch, tools.limit};
-	if (!judge.isAffordable()) return 0;
+	if (!judge.affords(kTestsOfCandidate)) return 0;
 	const auto [a, b] = scratch.nearest;
 	if (isAnswer(context, what.relaxed, scratch.nearest))
 	{
@@ -78,7 +81,7 @@ double safeMotion(const QueryContext& context, const Searched& what, double cap,
 			cap, judge.ofPair({boxSeparation(context.boxes, context.a.cullBox(a), context.b.cullBox(b)), a, b}));
 	}
 	NearestPairSearch<MotionJudge>(context, what.strict, judge, scratch, stats).run();
-	if (!judge.isAffordable()) return 0;
+	if (judge.isSpent) return 0;
 	return judge.best > 0 ? kShareOfNearest * judge.best : judge.best;
 }
 
@@ -92,6 +95,7 @@ bool changes(const Metric& metric)
 // most `wanted`.
 double outside(const QueryContext& context, double wanted, const SeparationCache::Tools& tools)
 {
+	const PointBoxes counting(tools.stats);
 	const Transform aFromB{context.pose.rotation, context.pose.translation};
 	tools.probesA.prepare(context.a);
 	tools.probesB.prepare(context.b);

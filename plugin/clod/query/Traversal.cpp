@@ -31,7 +31,6 @@ public:
 			open(i);
 		}
 		reserveForNext();
-		if (m_settings.limit.isSet()) m_front.coarsestTests = coarsestTests();
 		m_front.counts.touchedFinestLevel = std::min(levelOf(m_context.a, m_finestA), levelOf(m_context.b, m_finestB));
 		m_front.tolerance = m_settings.tolerance;
 		addTo(*m_stats, m_front.counts);
@@ -41,21 +40,6 @@ public:
 	}
 
 private:
-	// Of a front at any coarsening: its pairs that can never answer, and the first below them that may.
-	std::uint32_t coarsestTests() const
-	{
-		const auto mayAnswer = [this](const FrontEntry& entry) { return m_settings.rule.mayAnswer(entry.a, entry.b); };
-		const FrontEntry& root = m_front.entries[0];
-		std::uint32_t tests = 1 + (mayAnswer(root) ? mostTestsOfAnswer() : 0);
-		for (const FrontEntry& entry : m_front.entries)
-		{
-			if (!isOpen(entry.state) || mayAnswer(entry)) continue;
-			tests += std::uint32_t(childrenOf(entry).size);
-			for (std::uint32_t i = entry.link; i < entry.link + entry.childCount; ++i)
-				if (mayAnswer(m_front.entries[i])) tests += mostTestsOfAnswer();
-		}
-		return tests;
-	}
 	// For FrontValidation.cpp; where that was in vain, now and then only.
 	void startSlack()
 	{

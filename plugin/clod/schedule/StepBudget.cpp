@@ -5,13 +5,12 @@
 
 namespace clod
 {
-void StepBudget::begin(const Budget& budget, std::uint64_t reserve)
+void StepBudget::begin(const Budget& budget)
 {
 	m_budget = budget;
 	m_coarsening = m_control.coarsening(budget);
 	m_start = Clock::now();
-	m_tests = m_keptTests = 0;
-	m_reserve = std::int64_t(reserve);
+	m_tests = m_keptTests = m_held = 0;
 	m_isCut = false;
 	++m_step;
 }
@@ -23,15 +22,15 @@ void StepBudget::end()
 	if (tests > 0) m_microsecondsATest = microseconds / tests;
 }
 
-Budget StepBudget::next(std::uint32_t coarsest)
+// A query holds back its own tests itself, but no time.
+Budget StepBudget::next(std::uint32_t held)
 {
-	const double later = double(std::max<std::int64_t>(0, m_reserve.fetch_sub(coarsest)));
-	const double most = std::max(later, double(coarsest));  // with its own
+	const double withItsOwn = double(m_held.fetch_sub(held)), later = withItsOwn - held;
 	Budget left;
-	if (m_budget.tests < kOff) left.tests = std::max(0.0, m_budget.tests - double(m_tests.load()) - most);
+	if (m_budget.tests < kOff) left.tests = std::max(0.0, m_budget.tests - double(m_tests.load()) - later);
 	if (m_budget.microseconds < kOff)
 		left.microseconds =
-			std::max(0.0, m_budget.microseconds - microsecondsSince(m_start) - most * m_microsecondsATest);
+			std::max(0.0, m_budget.microseconds - microsecondsSince(m_start) - withItsOwn * m_microsecondsATest);
 	return left;
 }
 
@@ -39,11 +38,5 @@ void StepBudget::spend(std::uint64_t tests, bool isCut)
 {
 	m_tests += tests;
 	if (isCut) m_isCut = true;
-}
-
-void StepBudget::keep(std::uint64_t tests, std::uint32_t coarsest)
-{
-	m_keptTests += tests;
-	m_reserve -= coarsest;
 }
 }  // namespace clod

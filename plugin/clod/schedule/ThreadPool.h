@@ -10,9 +10,11 @@
 #include <thread>
 #include <vector>
 
+#include "clod/Export.h"
+
 namespace clod
 {
-class ThreadPool
+class CLOD_API ThreadPool
 {
 public:
 	// The calling thread included; at least 1.
