@@ -149,19 +149,17 @@ double FacetFinder::highest(double closing) const
 	return m_question->touching() + m_pair.roam + 0.5 * closing;
 }
 
-// The ways, in frame A and relative to A, that a place of B goes if A is held by a third body, or that one of A leaves
-// behind if B is.
-void FacetFinder::waysIfHeld(const Vec3& place, Vec3 (&ways)[2]) const
+// The ways in the step, in frame A and relative to A, that a place of B goes if a third body holds A, and if one holds B.
+std::array<Vec3, 2> FacetFinder::waysIfHeld(const Vec3& place) const
 {
 	const PointRules& rules = m_question->rules;
-	const auto way = [&](const PairBody& body)
+	const auto wayOf = [&](const PairBody& body)
 	{
-		const Vec3 move = rules.timeStep * (body.linear + cross(body.angular, place - body.center));
-		const double far = length(move);
-		return far > rules.heldReach ? (rules.heldReach / far) * move : move;
+		const Vec3 way = rules.timeStep * (body.linear + cross(body.angular, place - body.center));
+		const double far = length(way);
+		return far > rules.heldReach ? (rules.heldReach / far) * way : way;
 	};
-	ways[0] = rules.a.inverseMass > 0 ? way(rules.b) : Vec3{};
-	ways[1] = rules.b.inverseMass > 0 ? -way(rules.a) : Vec3{};
+	return {wayOf(rules.b), -wayOf(rules.a)};
 }
 
 // In the face's frame.
@@ -184,6 +182,12 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 	const double touch = 2 * kInnerShare * q.length();
 	Facet facet;
 	facet.reach = now >= -touch ? Facet::Reach::kNear : Facet::Reach::kOverlap;
+	const auto meetsOn = [&](const Vec3& move, double closing, double slack)
+	{
+		const double enters = std::max(0.0, (now - q.rules.margin) / closing), crosses = std::min(1.0, now / closing);
+		return faces.squaredBeside(polygon, vertex.now + enters * move) <= slack * slack ||
+			   faces.squaredBeside(polygon, vertex.now + crosses * move) <= slack * slack;
+	};
 	bool counts = false;
 	if (now <= q.touching())
 	{
@@ -195,30 +199,17 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 	{
 		facet.reach = Facet::Reach::kPath;
 		const Vec3 move = kPathReach * (along(face.normal, vertex.unforced, vertex.then) - vertex.now);
-		const double slack = m_sagitta * length(move) + kInnerShare * q.length();
-		const double enters = std::max(0.0, (now - q.rules.margin) / (now - end)),
-					 crosses = std::min(1.0, now / (now - end));
-		const auto meets = [&](double share)
-		{
-			const Vec3 p = vertex.now + share * move;
-			return faces.squaredBeside(polygon, p) <= slack * slack;
-		};
-		counts = meets(enters) || meets(crosses);
+		counts = meetsOn(move, now - end, m_sagitta * length(move) + kInnerShare * q.length());
 	}
 	if (!counts && now > 0 && end > q.rules.margin && q.rules.heldReach > 0)
 	{
 		facet.reach = Facet::Reach::kPath;
-		Vec3 ways[2];
-		waysIfHeld(vertexIsOfA ? vertices.vertices()[vertex.index] : vertex.now, ways);
-		for (const Vec3& way : ways)
+		for (const Vec3& way : waysIfHeld(vertexIsOfA ? vertices.vertices()[vertex.index] : vertex.now))
 		{
 			const Vec3 move = vertexIsOfA ? -(m_bFromA.rotation * way) : way;
 			const double closing = -dot(face.normal, move);
-			if (closing <= 0 || now - closing > q.rules.margin) continue;
-			const double slack = kInnerShare * q.length();
-			const double enters = std::max(0.0, (now - q.rules.margin) / closing), crosses = std::min(1.0, now / closing);
-			counts = counts || faces.squaredBeside(polygon, vertex.now + enters * move) <= slack * slack ||
-					 faces.squaredBeside(polygon, vertex.now + crosses * move) <= slack * slack;
+			counts = counts || (closing > 0 && now - closing <= q.rules.margin &&
+								meetsOn(move, closing, kInnerShare * q.length()));
 		}
 	}
 	if (!counts && now > 0 && now <= highest(now - then))
@@ -273,6 +264,19 @@ void FacetFinder::edgeOverEdge(const MovedEdge& still, const MovedEdge& moved)
 	LinesCrossing at = crossingOf(start, edge.direction, moved.start, moved.direction);
 	Facet facet;
 	facet.reach = now >= -2 * kInnerShare * q.length() ? Facet::Reach::kNear : Facet::Reach::kOverlap;
+	const auto meetsOn = [&](const Vec3& move, const Vec3& turn, double closing, double slack)
+	{
+		for (const double share : {std::max(0.0, (now - q.rules.margin) / closing), std::min(1.0, now / closing)})
+		{
+			const Vec3 direction = normalized(moved.direction + share * turn);
+			if (length(cross(edge.direction, direction)) < kParallelSine) continue;
+			const LinesCrossing there = crossingOf(start, edge.direction, moved.start + share * move, direction);
+			if (!isWithin(there.alongA, edge.length, slack) || !isWithin(there.alongB, other.length, slack)) continue;
+			at = there;
+			return true;
+		}
+		return false;
+	};
 	bool counts = false;
 	if (now <= q.touching() && arc >= -kArcSlack)
 	{
@@ -283,36 +287,18 @@ void FacetFinder::edgeOverEdge(const MovedEdge& still, const MovedEdge& moved)
 	{
 		facet.reach = Facet::Reach::kPath;
 		const Vec3 move = kPathReach * (along(normal, moved.unforcedStart, moved.thenStart) - moved.start);
-		const double slack = m_sagitta * length(move) + kInnerShare * q.length();
-		const double first = std::max(0.0, (now - q.rules.margin) / (now - end)), last = std::min(1.0, now / (now - end));
-		for (const double share : {first, last})
-		{
-			const Vec3 direction =
-				normalized(moved.direction + share * kPathReach * (moved.thenDirection - moved.direction));
-			if (length(cross(edge.direction, direction)) < kParallelSine) continue;
-			const LinesCrossing there = crossingOf(start, edge.direction, moved.start + share * move, direction);
-			if (!isWithin(there.alongA, edge.length, slack) || !isWithin(there.alongB, other.length, slack)) continue;
-			counts = true;
-			at = there;
-			break;
-		}
+		counts = meetsOn(move, kPathReach * (moved.thenDirection - moved.direction), now - end,
+						 m_sagitta * length(move) + kInnerShare * q.length());
 	}
 	if (!counts && now > 0 && end > q.rules.margin && q.rules.heldReach > 0)
 	{
 		facet.reach = Facet::Reach::kPath;
-		Vec3 ways[2];
-		waysIfHeld(start + std::max(0.0, std::min(edge.length, at.alongA)) * edge.direction, ways);
-		for (const Vec3& way : ways)
+		const double along = std::max(0.0, std::min(edge.length, at.alongA));
+		for (const Vec3& way : waysIfHeld(start + along * edge.direction))
 		{
 			const double closing = dot(normal, way);
-			if (counts || closing <= 0 || now - closing > q.rules.margin) continue;
-			const double slack = kInnerShare * q.length();
-			const double share = std::min(1.0, now / closing);
-			const LinesCrossing there =
-				crossingOf(start, edge.direction, moved.start + share * way, moved.direction);
-			if (!isWithin(there.alongA, edge.length, slack) || !isWithin(there.alongB, other.length, slack)) continue;
-			counts = true;
-			at = there;
+			counts = counts || (closing > 0 && now - closing <= q.rules.margin &&
+								meetsOn(way, Vec3{}, closing, kInnerShare * q.length()));
 		}
 	}
 	if (!counts && now > 0 && now <= highest(now - then))

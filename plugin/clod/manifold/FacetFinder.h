@@ -5,6 +5,7 @@
 // facet), on the way when the chord of the coming step meets it, and overlapping when its distance is negative. Facets of
 // vertices over edges and vertices are looked for where a body is round; they never overlap.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -32,7 +33,7 @@ private:
 	void findPair(const Contact& contact);
 	void gather(const Contact& contact, const MovedNode& nodeA, const MovedNode& nodeB);
 	double highest(double closing) const;
-	void waysIfHeld(const Vec3& place, Vec3 (&ways)[2]) const;
+	std::array<Vec3, 2> waysIfHeld(const Vec3& place) const;
 	void vertexOverFace(const MovedCorner& vertex, std::uint32_t polygon, bool vertexIsOfA);
 	void edgeOverEdge(const MovedEdge& still, const MovedEdge& moved);
 	// RoundFacets.cpp, frame A.
