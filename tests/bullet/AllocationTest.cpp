@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A steady dispatch allocates nothing: operator new is counted, and so are Bullet's own allocations.
+// A steady dispatch allocates nothing: operator new is counted, and so are Bullet's own allocations. And what a pair keeps: bytes
+// that are not given back.
 #include <gtest/gtest.h>
+#include <malloc.h>
 
 #include <atomic>
 #include <cmath>
@@ -16,12 +18,19 @@
 
 namespace
 {
-std::atomic<long> allocations{0};
+std::atomic<long> allocations{0}, bytes{0};
 
 void* counted(std::size_t size)
 {
 	++allocations;
-	return std::malloc(size ? size : 1);
+	void* p = std::malloc(size ? size : 1);
+	bytes += long(malloc_usable_size(p));
+	return p;
+}
+void given(void* p)
+{
+	bytes -= long(malloc_usable_size(p));
+	std::free(p);
 }
 }  // namespace
 
@@ -33,11 +42,11 @@ void* counted(std::size_t size)
 }
 [[gnu::noinline]] void operator delete(void* p) noexcept
 {
-	std::free(p);
+	given(p);
 }
 [[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept
 {
-	std::free(p);
+	given(p);
 }
 
 namespace clod::test
@@ -121,7 +130,7 @@ void* countedForBullet(std::size_t size)
 TEST(Dispatch, SteadyStepsAllocateNothing)
 {
 	// Without alignment of our own: Bullet puts an aligned block into one of these.
-	btAlignedAllocSetCustom(countedForBullet, std::free);
+	btAlignedAllocSetCustom(countedForBullet, given);
 	const long before = allocations;
 	btAlignedFree(btAlignedAlloc(8, 16));
 	ASSERT_EQ(allocations - before, 1);
@@ -141,6 +150,106 @@ TEST(Dispatch, SteadyStepsAllocateNothing)
 		const StepReport sums = scene.context.lastStep();
 		EXPECT_GE(sums.points, 2u) << each.name;
 		EXPECT_EQ(sums.keptPairs, 0u) << each.name;
+	}
+}
+
+namespace
+{
+// Pairs of digits, one flat or tilted on the other and slipping about, that part later.
+class Digits
+{
+public:
+	Digits(const ContactMetric& metric, double tilt) : m_tilt(tilt), m_dispatcher(&m_configuration, &context)
+	{
+		if (!btClodCollisionAlgorithm::registerAlgorithm(&m_dispatcher, &context)) std::abort();
+		context.warn = {};
+		context.worldMetric = metric;
+		m_world.getDispatchInfo().m_timeStep = btScalar(1.0 / 240);
+		const btScalar scale = btScalar(1 / double(m_shape.hierarchy().asset().radius));
+		m_shape.setLocalScaling({scale, scale, scale});
+		for (int i = 0; i < 2 * kPairs; ++i)
+		{
+			m_bodies.push_back(std::make_unique<btRigidBody>(
+				btRigidBody::btRigidBodyConstructionInfo(btScalar(i % 2), nullptr, &m_shape, btVector3(1, 1, 1))));
+			place(*m_bodies.back(), 6 * (i / 2), 0, i % 2, 0);
+			m_world.addRigidBody(m_bodies.back().get());
+		}
+	}
+	~Digits() { end(); }
+	// No pair is left: only what all share, and threads.
+	void end()
+	{
+		for (const auto& body : m_bodies)
+			if (body->isInWorld()) m_world.removeRigidBody(body.get());
+	}
+	// Some steps with the upper digits so high above the lower ones, or aside of them, where only boxes along the axes meet:
+	// bytes then.
+	long steps(double height, double aside = 0)
+	{
+		for (int step = 0; step < (aside > 0 ? 160 : 40); ++step)
+		{
+			for (int i = 0; i < kPairs; ++i)
+			{
+				const double phase = 0.3 * i + 0.05 * step;
+				btRigidBody &lower = *m_bodies[std::size_t(2 * i)], &upper = *m_bodies[std::size_t(2 * i + 1)];
+				place(lower, 6 * i, 0, 0, aside);
+				place(upper, 6 * i + 0.1 * std::sin(phase) + aside, 0.1 * std::cos(phase) + aside, height, aside);
+				upper.setLinearVelocity(btVector3(btScalar(0.1 * std::cos(phase)), btScalar(-0.1 * std::sin(phase)), 0));
+			}
+			m_world.performDiscreteCollisionDetection();
+		}
+		return bytes;
+	}
+	Context context;
+	static constexpr int kPairs = 24;
+
+private:
+	void place(btRigidBody& body, double x, double y, double z, double aside)
+	{
+		btQuaternion turn(btVector3(1, 2, 0).normalized(), btScalar(body.isStaticObject() ? 0 : m_tilt));
+		if (aside > 0) turn = btQuaternion(btVector3(0, 0, 1), btScalar(0.25 * 3.14159265358979));
+		const btTransform pose(turn, btVector3(btScalar(x), btScalar(y), btScalar(z)));
+		body.setCenterOfMassTransform(pose);
+	}
+	const double m_tilt;
+	btClodShape m_shape{test::body("number8", 600).hierarchy};
+	btDefaultCollisionConfiguration m_configuration;
+	btClodDispatcher m_dispatcher;
+	btDbvtBroadphase m_broadphase;
+	btSequentialImpulseConstraintSolver m_solver;
+	btDiscreteDynamicsWorld m_world{&m_dispatcher, &m_broadphase, &m_solver, &m_configuration};
+	std::vector<std::unique_ptr<btRigidBody>> m_bodies;
+};
+}  // namespace
+
+// Where nothing is near any longer what was remembered is given back.
+TEST(Memory, OfAPairIsWhatItsContactsTake)
+{
+	const std::pair<const char*, ContactMetric> metrics[] = {{"exact", ContactMetric::exactly()},
+															 {"certified", ContactMetric::errorShare(0.005)},
+															 {"size", ContactMetric::deviationShare(0.035)}};
+	for (int i = 0; i < 6; ++i)
+	{
+		const auto& [name, metric] = metrics[i % 3];
+		const bool isFlat = i < 3;
+		double height = isFlat ? 0.6 : 0.8;
+		Digits scene(metric, isFlat ? 0 : 0.4);
+		long touching = scene.steps(height);
+		while (scene.context.lastStep().pairsInContact < unsigned(Digits::kPairs) && height > 0)
+			touching = scene.steps(height -= 0.02);
+		const StepReport report = scene.context.lastStep();
+		long apart = scene.steps(0.3, 1.1);
+		EXPECT_EQ(scene.context.lastStep().points, 0u) << name;
+		scene.end();
+		ASSERT_EQ(scene.context.lastStep().pairs, 0u);
+		for (long* each : {&touching, &apart}) *each = (*each - bytes) / Digits::kPairs;
+		std::printf("%s, %s: %ld bytes a pair touching (%.1f points, %.1f node pairs), %ld apart again\n", name, isFlat ? "flat" : "tilted", touching,
+					double(report.points) / report.pairs, double(report.nodePairs) / report.pairs, apart);
+		EXPECT_EQ(report.pairsInContact, unsigned(Digits::kPairs)) << name;
+		EXPECT_EQ(report.pairs, unsigned(Digits::kPairs)) << name;
+		EXPECT_GT(apart, 0) << name;
+		EXPECT_LE(apart, 8 << 10) << name;
+		EXPECT_LE(touching, (isFlat ? 88 : 40) << 10) << name;
 	}
 }
 }  // namespace clod::test

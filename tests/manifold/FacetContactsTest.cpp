@@ -49,8 +49,9 @@ struct Pair
 		ContactResult result;
 		contacts(*a, *b, aFromB, settings, cache, result);
 		FacetContacts facets;
+		FacetMemory memory;
 		ClusterSet none, set;
-		facets.find(contactBody(*a), contactBody(*b), aFromB, rules, result.contacts, result.deep, none);
+		facets.find(contactBody(*a), contactBody(*b), aFromB, rules, result.contacts, result.deep, none, memory);
 		facets.reduce(none, set);
 		std::vector<ContactPoint> points;
 		for (const ContactCluster& cluster : set.slots)
@@ -223,12 +224,13 @@ TEST(FacetContacts, AHalfSpaceHoldsCornersAtAnyDepth)
 	const HierarchyPointer box = cubeOf();
 	const ContactSurface ground({0, 1, 0}, 0, {}, 1);
 	FacetContacts facets;
+	FacetMemory memory;
 	ClusterSet none, set;
 	PointRules rules;
 	rules.resting = 1e-3;
 	const Transform aFromB = at({0, 0.1, 0});  // the ground is 0.6 over the box's lower side
 	facets.find(contactBody(*box), contactBody(ground), aFromB, rules,
-				{{0, 0, 0, 0, {}, {}, {}}}, false, none);
+				{{0, 0, 0, 0, {}, {}, {}}}, false, none, memory);
 	facets.reduce(none, set);
 	int deep = 0;
 	for (const ContactCluster& cluster : set.slots)

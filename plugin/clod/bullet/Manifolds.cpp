@@ -51,6 +51,19 @@ bool isAsWritten(const btManifoldPoint& point, const Material& material, const S
 		   point.m_contactMotion1 == 0 && point.m_contactMotion2 == 0 && point.m_contactCFM == 0 &&
 		   point.m_frictionCFM == 0;
 }
+
+// What a thread needs while it writes a pair.
+struct Scratch
+{
+	std::array<btManifoldPoint, std::size_t(kMaxClusters) * kClusterPoints> old;  // points of the last write,
+	std::array<bool, std::size_t(kMaxClusters) * kClusterPoints> found{};         // where they are still there
+	std::array<btManifoldPoint, kClusterPoints> fresh;                            // of the slot being written
+};
+Scratch& scratch()
+{
+	thread_local Scratch buffer;
+	return buffer;
+}
 }  // namespace
 
 ManifoldSet::ManifoldSet(btDispatcher& dispatcher, btPersistentManifold* shared)
@@ -60,43 +73,39 @@ ManifoldSet::ManifoldSet(btDispatcher& dispatcher, btPersistentManifold* shared)
 
 ManifoldSet::~ManifoldSet()
 {
-	for (Slot& slot : m_slots)
-		if (slot.manifold) m_dispatcher.releaseManifold(slot.manifold);
+	for (btPersistentManifold* manifold : m_manifolds)
+		if (manifold) m_dispatcher.releaseManifold(manifold);
 }
 
 void ManifoldSet::append(btManifoldArray& manifolds) const
 {
-	for (const Slot& slot : m_slots)
-		if (slot.manifold) manifolds.push_back(slot.manifold);
+	for (btPersistentManifold* manifold : m_manifolds)
+		if (manifold) manifolds.push_back(manifold);
 }
 
 bool ManifoldSet::carry() const
 {
-	for (const Slot& slot : m_slots)
-		for (int k = 0; k < slot.count && k < slot.manifold->getNumContacts(); ++k)
-			if (slot.manifold->getContactPoint(k).m_appliedImpulse > 0) return true;
+	for (std::size_t i = 0; m_slots && i < m_slots->size(); ++i)
+		for (int k = 0; k < (*m_slots)[i].count && k < m_manifolds[i]->getNumContacts(); ++k)
+			if (m_manifolds[i]->getContactPoint(k).m_appliedImpulse > 0) return true;
 	return false;
 }
 
-void ManifoldSet::readImpulses(ClusterSet& written)
+const btManifoldPoint* ManifoldSet::find(const btPersistentManifold& manifold, const btVector3& localPointA)
 {
-	m_found = {};
-	for (std::size_t i = 0; i < m_slots.size(); ++i)
-	{
-		const Slot& slot = m_slots[i];
-		for (std::size_t j = 0; j < std::size_t(slot.count); ++j)
+	for (int k = 0; k < manifold.getNumContacts(); ++k)
+		if (manifold.getContactPoint(k).m_localPointA == localPointA) return &manifold.getContactPoint(k);
+	return nullptr;
+}
+
+void ManifoldSet::readImpulses(HeldClusters& written) const
+{
+	for (std::size_t i = 0; m_slots && i < m_slots->size(); ++i)
+		for (std::size_t j = 0; j < std::size_t((*m_slots)[i].count); ++j)
 		{
-			const std::size_t index = i * kClusterPoints + j;
-			for (int k = 0; k < slot.manifold->getNumContacts() && !m_found[index]; ++k)
-			{
-				const btManifoldPoint& point = slot.manifold->getContactPoint(k);
-				if (!(point.m_localPointA == slot.localPointA[j])) continue;
-				m_old[index] = point;
-				m_found[index] = true;
-			}
-			written.slots[i].points[j].impulse = m_found[index] ? double(m_old[index].m_appliedImpulse) : 0;
+			const btManifoldPoint* point = find(*m_manifolds[i], (*m_slots)[i].localPointA[j]);
+			written.edit().slots[i].points[j].impulse = point ? double(point->m_appliedImpulse) : 0;
 		}
-	}
 }
 
 bool ManifoldSet::isOn(const Ground& ground, const WorldFrame& frame)
@@ -120,33 +129,36 @@ bool ManifoldSet::mayKeep(const WorldFrame& frame, const btManifoldResult& out) 
 	return !calls && (flags & kPerPoint) == 0;
 }
 
-bool ManifoldSet::keep(ClusterSet& written, const WorldFrame& frame, btManifoldResult& out)
+bool ManifoldSet::keep(HeldClusters& written, const WorldFrame& frame, btManifoldResult& out)
 {
 	if (!m_ground || !mayKeep(frame, out) || !isOn(*m_ground, frame)) return false;
 	const Material material(out);
-	for (const Slot& slot : m_slots)
+	for (std::size_t i = 0; i < m_manifolds.size(); ++i)
 	{
-		if (!slot.manifold) continue;
-		if (slot.manifold->getNumContacts() != slot.count) return false;
-		if (slot.count == 0) continue;
-		if (slot.manifold->getContactBreakingThreshold() != slot.breakingThreshold) return false;
+		if (!m_manifolds[i]) continue;
+		const int count = m_slots ? (*m_slots)[i].count : 0;
+		if (m_manifolds[i]->getNumContacts() != count) return false;
+		if (count == 0) continue;
+		const Slot& slot = (*m_slots)[i];
+		if (m_manifolds[i]->getContactBreakingThreshold() != slot.breakingThreshold) return false;
 		if (slot.restitution != material.restitution) return false;
-		for (std::size_t j = 0; j < std::size_t(slot.count); ++j)
+		for (std::size_t j = 0; j < std::size_t(count); ++j)
 		{
-			const btManifoldPoint& point = slot.manifold->getContactPoint(int(j));
+			const btManifoldPoint& point = m_manifolds[i]->getContactPoint(int(j));
 			if (!(point.m_localPointA == slot.localPointA[j] && point.m_localPointB == slot.localPointB[j] &&
 				  point.m_normalWorldOnB == slot.normal[j] && isAsWritten(point, material, slot.terms[j])))
 				return false;
 		}
 	}
-	for (std::size_t i = 0; i < m_slots.size(); ++i)
+	for (std::size_t i = 0; m_slots && i < m_slots->size(); ++i)
 	{
-		if (m_slots[i].count == 0) continue;
-		for (std::size_t j = 0; j < std::size_t(m_slots[i].count); ++j)
-			written.slots[i].points[j].impulse = double(m_slots[i].manifold->getContactPoint(int(j)).m_appliedImpulse);
-		out.setPersistentManifold(m_slots[i].manifold);
+		const Slot& slot = (*m_slots)[i];
+		if (slot.count == 0) continue;
+		for (std::size_t j = 0; j < std::size_t(slot.count); ++j)
+			written.edit().slots[i].points[j].impulse = double(m_manifolds[i]->getContactPoint(int(j)).m_appliedImpulse);
+		out.setPersistentManifold(m_manifolds[i]);
 		out.refreshContactPoints();
-		setDistances(m_slots[i]);
+		setDistances(*m_manifolds[i], slot);
 	}
 	return true;
 }
@@ -154,40 +166,51 @@ bool ManifoldSet::keep(ClusterSet& written, const WorldFrame& frame, btManifoldR
 // Points that live on elsewhere keep their user data: it moves with the copy.
 void ManifoldSet::beginWrite(const ClusterSet& clusters)
 {
+	Scratch& buffer = scratch();
+	buffer.found = {};
+	for (std::size_t i = 0; m_slots && i < m_slots->size(); ++i)
+		for (std::size_t j = 0; j < std::size_t((*m_slots)[i].count); ++j)
+			if (const btManifoldPoint* point = find(*m_manifolds[i], (*m_slots)[i].localPointA[j]))
+			{
+				buffer.old[i * kClusterPoints + j] = *point;
+				buffer.found[i * kClusterPoints + j] = true;
+			}
+	if (!m_slots && clusters.pointCount() > 0) m_slots = std::make_unique<Slots>();
 	for (const ContactCluster& cluster : clusters.slots)
 		for (int i = 0; i < cluster.count; ++i)
 		{
 			const std::uint32_t from = cluster.points[std::size_t(i)].previous;
-			if (from == kNone || !m_found[from]) continue;
-			btPersistentManifold& manifold = *m_slots[from / kClusterPoints].manifold;
+			if (from == kNone || !buffer.found[from]) continue;
+			btPersistentManifold& manifold = *m_manifolds[from / kClusterPoints];
 			for (int k = 0; k < manifold.getNumContacts(); ++k)
-				if (manifold.getContactPoint(k).m_localPointA == m_old[from].m_localPointA)
+				if (manifold.getContactPoint(k).m_localPointA == buffer.old[from].m_localPointA)
 					manifold.getContactPoint(k).m_userPersistentData = nullptr;
 		}
 }
 
 bool ManifoldSet::openSlot(int index, const ContactCluster& cluster, const WorldFrame& frame, btManifoldResult& out)
 {
-	Slot& slot = m_slots[std::size_t(index)];
+	btPersistentManifold*& manifold = m_manifolds[std::size_t(index)];
 	if (cluster.count == 0)
 	{
 		// Kept for later and emptied: releasing during a dispatch breaks Bullet's threaded dispatcher.
-		if (slot.manifold && slot.manifold->getNumContacts() > 0) slot.manifold->clearManifold();
-		slot.count = 0;
+		if (manifold && manifold->getNumContacts() > 0) manifold->clearManifold();
+		if (m_slots) (*m_slots)[std::size_t(index)].count = 0;
 		return false;
 	}
-	if (!slot.manifold && !m_shared)
+	if (!manifold && !m_shared)
 	{
 		const btCollisionObject* first = (frame.aIsFirst ? frame.a : frame.b)->getCollisionObject();
 		const btCollisionObject* second = (frame.aIsFirst ? frame.b : frame.a)->getCollisionObject();
-		slot.manifold = m_dispatcher.getNewManifold(first, second);
+		manifold = m_dispatcher.getNewManifold(first, second);
 	}
-	m_target = m_shared ? m_shared : slot.manifold;
+	m_target = m_shared ? m_shared : manifold;
 	out.setPersistentManifold(m_target);
 	m_freshCount = 0;
 	if (m_shared) return true;
 	double highest = 0;
 	for (int i = 0; i < cluster.count; ++i) highest = std::max(highest, cluster.points[std::size_t(i)].point.height);
+	Slot& slot = (*m_slots)[std::size_t(index)];
 	slot.breakingThreshold = btScalar(frame.breakingThreshold + 1.01 * highest * frame.scale);
 	slot.restitution = Material(out).restitution;
 	m_target->setContactBreakingThreshold(slot.breakingThreshold);
@@ -222,13 +245,14 @@ void ManifoldSet::writePoint(const ClusterPoint& clusterPoint, const WorldFrame&
 	}
 	out.addContactPoint(toBullet(aIsManifoldBody0 ? normal : -normal), toBullet(onManifoldBody1), btScalar(depth));
 	if (place < 0 || m_target->getNumContacts() <= place) return;
-	btManifoldPoint& fresh = m_fresh[std::size_t(m_freshCount++)];
+	Scratch& buffer = scratch();
+	btManifoldPoint& fresh = buffer.fresh[std::size_t(m_freshCount++)];
 	fresh = m_target->getContactPoint(place);
 	setSolverTerms(point, frame, fresh);
 	m_target->getContactPoint(place).m_userPersistentData = nullptr;
 	const std::uint32_t from = clusterPoint.previous;
-	if (from == kNone || !m_found[from]) return;
-	const btManifoldPoint& old = m_old[from];
+	if (from == kNone || !buffer.found[from]) return;
+	const btManifoldPoint& old = buffer.old[from];
 	if (!fresh.m_userPersistentData) fresh.m_userPersistentData = old.m_userPersistentData;
 	fresh.m_appliedImpulse = old.m_appliedImpulse;
 	fresh.m_prevRHS = old.m_prevRHS;
@@ -240,36 +264,39 @@ void ManifoldSet::writePoint(const ClusterPoint& clusterPoint, const WorldFrame&
 void ManifoldSet::closeSlot(int index, btManifoldResult& out)
 {
 	if (m_shared) return;
-	Slot& slot = m_slots[std::size_t(index)];
+	Slot& slot = (*m_slots)[std::size_t(index)];
 	m_target->setNumContacts(m_freshCount);
 	slot.count = m_freshCount;
 	for (int i = 0; i < m_freshCount; ++i)
 	{
-		m_target->getContactPoint(i) = m_fresh[std::size_t(i)];
-		slot.localPointA[std::size_t(i)] = m_fresh[std::size_t(i)].m_localPointA;
-		slot.localPointB[std::size_t(i)] = m_fresh[std::size_t(i)].m_localPointB;
-		slot.normal[std::size_t(i)] = m_fresh[std::size_t(i)].m_normalWorldOnB;
-		slot.terms[std::size_t(i)] = SolverTerms(m_fresh[std::size_t(i)]);
+		const btManifoldPoint& fresh = scratch().fresh[std::size_t(i)];
+		m_target->getContactPoint(i) = fresh;
+		slot.localPointA[std::size_t(i)] = fresh.m_localPointA;
+		slot.localPointB[std::size_t(i)] = fresh.m_localPointB;
+		slot.normal[std::size_t(i)] = fresh.m_normalWorldOnB;
+		slot.terms[std::size_t(i)] = SolverTerms(fresh);
 	}
 	out.refreshContactPoints();
-	setDistances(slot);
+	setDistances(*m_target, slot);
 }
 
 // A refresh works distances out of the points' places. Points may be dropped on the way.
-void ManifoldSet::setDistances(Slot& slot)
+void ManifoldSet::setDistances(btPersistentManifold& manifold, const Slot& slot)
 {
-	for (int k = 0; k < slot.manifold->getNumContacts(); ++k)
+	for (int k = 0; k < manifold.getNumContacts(); ++k)
 		for (std::size_t i = 0; i < std::size_t(slot.count); ++i)
-			if (slot.manifold->getContactPoint(k).m_localPointA == slot.localPointA[i])
-				slot.manifold->getContactPoint(k).m_distance1 = slot.terms[i].distance;
+			if (manifold.getContactPoint(k).m_localPointA == slot.localPointA[i])
+				manifold.getContactPoint(k).m_distance1 = slot.terms[i].distance;
 }
 
 void ManifoldSet::endWrite(const ClusterSet& clusters, const WorldFrame& frame, const btManifoldResult& out)
 {
 	m_ground.reset();
+	const bool isEmpty = clusters.pointCount() == 0;
+	if (isEmpty) m_slots.reset();
 	if (!mayKeep(frame, out)) return;
-	for (std::size_t i = 0; i < m_slots.size(); ++i)
-		if (m_slots[i].count != clusters.slots[i].count) return;
+	for (std::size_t i = 0; !isEmpty && i < m_slots->size(); ++i)
+		if ((*m_slots)[i].count != clusters.slots[i].count) return;
 	const btCollisionObject *a = frame.a->getCollisionObject(), *b = frame.b->getCollisionObject();
 	m_ground = Ground{a,
 					  b,

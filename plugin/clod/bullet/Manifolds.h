@@ -10,6 +10,7 @@
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 
 #include <array>
+#include <memory>
 #include <optional>
 
 #include "clod/manifold/ContactPoints.h"
@@ -55,11 +56,11 @@ public:
 	// impulses are copied into the set, and that is all. False, and nothing done, where anything differs: bodies,
 	// poses, materials, a threshold, a point missing, moved or edited; and wherever gContactAddedCallback, stiffness,
 	// damping, friction anchors or a result of the caller's own want points to be added.
-	bool keep(ClusterSet& written, const WorldFrame& frame, btManifoldResult& out);
+	bool keep(HeldClusters& written, const WorldFrame& frame, btManifoldResult& out);
 	// Has the solver given one of their points an impulse?
 	bool carry() const;
 	// Copies last step's impulses from the solver into the set that was written last.
-	void readImpulses(ClusterSet& written);
+	void readImpulses(HeldClusters& written) const;
 	// Levels of a point's nodes come from `levelOf`, called with the point.
 	template <class LevelOf>
 	void write(const ClusterSet& clusters, const WorldFrame& frame, const LevelOf& levelOf, btManifoldResult& out)
@@ -82,9 +83,9 @@ public:
 	void append(btManifoldArray& manifolds) const;
 
 private:
+	// As a manifold was left.
 	struct Slot
 	{
-		btPersistentManifold* manifold = nullptr;
 		int count = 0;
 		btScalar breakingThreshold = 0;
 		btScalar restitution = 0;  // of the two materials
@@ -92,7 +93,9 @@ private:
 		std::array<btVector3, kClusterPoints> localPointA, localPointB, normal;
 		std::array<SolverTerms, kClusterPoints> terms;
 	};
-	static void setDistances(Slot& slot);
+	static void setDistances(btPersistentManifold& manifold, const Slot& slot);
+	// The point of the last write, if it is still there.
+	static const btManifoldPoint* find(const btPersistentManifold& manifold, const btVector3& localPointA);
 	// What points are made from besides clusters and materials.
 	struct Ground
 	{
@@ -113,13 +116,11 @@ private:
 
 	btDispatcher& m_dispatcher;
 	btPersistentManifold* m_shared;
-	std::array<Slot, kMaxClusters> m_slots;
-	static constexpr std::size_t kMaxPoints = std::size_t(kMaxClusters) * kClusterPoints;
-	std::array<btManifoldPoint, kMaxPoints> m_old;  // what readImpulses found
-	std::array<bool, kMaxPoints> m_found{};
+	std::array<btPersistentManifold*, kMaxClusters> m_manifolds{};
+	using Slots = std::array<Slot, kMaxClusters>;
+	std::unique_ptr<Slots> m_slots;  // none where nothing is written
 	std::optional<Ground> m_ground;  // of the last write, where its points may stay
 	// The slot being written.
-	std::array<btManifoldPoint, kClusterPoints> m_fresh;
 	int m_freshCount = 0;
 	bool m_wasEmpty = true;
 	btPersistentManifold* m_target = nullptr;

@@ -34,20 +34,42 @@ struct TriangleSink : btTriangleCallback
 		names.push_back({part, index});
 	}
 };
+
+// What a thread needs while it answers a pair.
+struct Scratch
+{
+	FacetContacts facets;
+	ClusterSet previous, next;
+	PartnerContacts partner;
+	std::vector<Triangle> triangles;  // of a mesh, within the tolerance, frame B
+};
+Scratch& scratch()
+{
+	thread_local Scratch buffers;
+	return buffers;
+}
 }  // namespace
 
 // The gap besides the contacts only where it is asked for: it costs a search of the input surfaces.
 void PairState::ask(const PairPose& pose, const Question& question)
+{
+	const bool isAnswered = m_answered && m_answered->withGap == question.withGap &&
+							clod::same(m_answered->aFromB, question.aFromB) && clod::same(m_answered->settings, question.settings);
+	if (isAnswered)
+		m_result.stats.boxTests = m_result.stats.hullTests = 0;
+	else
+		query(pose, question);
+	if (!question.withGap) m_result.minDistance = m_result.errorBound = std::numeric_limits<double>::infinity();
+}
+
+void PairState::query(const PairPose& pose, const Question& question)
 {
 	GapSettings settings = question.settings;
 	if (m_budget) settings.budget = m_budget->next(std::exchange(m_held, 0));
 	if (question.withGap)
 		signedGap(pose.hierarchyA(), pose.hierarchyB(), pose.aFromB, settings, m_cache, m_result);
 	else
-	{
 		contacts(pose.hierarchyA(), pose.hierarchyB(), pose.aFromB, settings, m_cache.pair, m_result);
-		m_result.minDistance = m_result.errorBound = std::numeric_limits<double>::infinity();
-	}
 	QueryStats& stats = m_result.stats;
 	if (m_budget) m_budget->spend(std::uint64_t(stats.boxTests) + stats.hullTests, stats.cutShort > 0);
 	stats.boxTests += m_outline.listing;
@@ -67,29 +89,31 @@ void PairState::askPartner(const PairPose& pose)
 		const auto& plane = static_cast<const btStaticPlaneShape&>(shape);
 		const Vec3 normal = normalized(toVec3(plane.getPlaneNormal()));
 		const double offset = double(plane.getPlaneConstant()) / pose.scale();
-		m_partnerSurface.emplace(normal, offset, inverse(pose.aFromB) * toVec3(hierarchy.asset().sphereCenter),
-								 double(hierarchy.asset().radius));
+		m_partnerSurface = std::make_unique<ContactSurface>(
+			normal, offset, inverse(pose.aFromB) * toVec3(hierarchy.asset().sphereCenter), double(hierarchy.asset().radius));
 		const Vec3 inA = pose.aFromB.rotation * normal;
-		m_partner.withHalfSpace(hierarchy, inA, offset + dot(inA, pose.aFromB.translation), m_report.metric,
-								pose.tolerance, m_result.contacts, m_partnerStats);
+		scratch().partner.withHalfSpace(hierarchy, inA, offset + dot(inA, pose.aFromB.translation), m_report.metric,
+										pose.tolerance, m_result.contacts, m_partnerStats);
 	}
 	else
 	{
-		TriangleSink sink(pose.scale(), m_triangles, m_names);
+		std::vector<Triangle>& triangles = scratch().triangles;
+		TriangleSink sink(pose.scale(), triangles, m_names);
 		const btTransform bFromA = pose.b->getWorldTransform().inverse() * pose.a->getWorldTransform();
 		btVector3 low, high;
 		pose.shapeA->getAabb(bFromA, low, high);
 		const btScalar grow = btScalar(pose.tolerance * pose.scale());
 		static_cast<const btConcaveShape&>(shape).processAllTriangles(&sink, low - btVector3(grow, grow, grow),
 																	  high + btVector3(grow, grow, grow));
-		for (std::uint32_t i = 0; i < m_triangles.size(); ++i)
+		for (std::uint32_t i = 0; i < triangles.size(); ++i)
 		{
-			Triangle inA = m_triangles[i];
+			Triangle inA = triangles[i];
 			for (Vec3& corner : inA) corner = pose.aFromB * corner;
-			m_partner.withTriangle(hierarchy, inA, i, m_report.metric, pose.tolerance, m_result.contacts,
-								   m_partnerStats);
+			scratch().partner.withTriangle(hierarchy, inA, i, m_report.metric, pose.tolerance, m_result.contacts,
+										   m_partnerStats);
 		}
-		if (!m_result.contacts.empty()) m_partnerSurface.emplace(m_triangles, pose.rules.length);
+		if (!m_result.contacts.empty()) 
+			m_partnerSurface = std::make_unique<ContactSurface>(triangles, pose.rules.length);
 	}
 	m_result.errorBound = m_partnerStats.errorBound;
 	m_result.stats.boxTests = m_partnerStats.boxTests;
@@ -111,9 +135,13 @@ void PairState::answer(const PairPose& pose, const Question& question)
 	}
 	const Clock::time_point asked = Clock::now();
 	m_report.queryMicroseconds = microsecondsBetween(start, asked);
-	const bool staysEmpty = m_result.contacts.empty() && !m_result.deep && m_clusters.pointCount() == 0;
+	const bool staysEmpty = m_result.contacts.empty() && !m_result.deep && m_clusters.isEmpty();
 	foresee(pose);
-	if (!staysEmpty) findPoints(pose, goesOn);
+	m_report.candidates = 0;
+	if (!staysEmpty)
+		findPoints(pose, goesOn);
+	else
+		m_result.contacts.shrink_to_fit();
 	m_oldAFromB = pose.aFromB;
 	report(pose);
 	m_report.contactMicroseconds = staysEmpty ? 0 : microsecondsSince(asked);
@@ -124,18 +152,32 @@ void PairState::answer(const PairPose& pose, const Question& question)
 
 void PairState::findPoints(const PairPose& pose, bool goesOn)
 {
-	m_previous = m_clusters;
-	carryWithB(m_previous, pose.aFromB * inverse(m_oldAFromB));
+	FacetContacts& facets = scratch().facets;
+	ClusterSet &previous = scratch().previous, &next = scratch().next;
+	previous = m_clusters.get();
+	carryWithB(previous, pose.aFromB * inverse(m_oldAFromB));
 	const ContactBody a = contactBody(pose.hierarchyA());
 	const ContactBody b = pose.isOfTwo()      ? contactBody(pose.hierarchyB())
 						  : m_partnerSurface ? contactBody(*m_partnerSurface)
 											 : ContactBody{};
-	m_facets.find(a, b, pose.aFromB, pose.rules, m_result.contacts, m_result.deep, m_previous, goesOn);
-	m_foreseen.motion = m_facets.expectedMotion();
-	m_facets.reduce(m_previous, m_clusters);
-	if (pose.partner == Partner::kClod) return;
-	for (ContactCluster& cluster : m_clusters.slots)
-		for (int i = 0; i < cluster.count; ++i) namePartnerFace(pose, cluster.points[std::size_t(i)].point);
+	facets.find(a, b, pose.aFromB, pose.rules, m_result.contacts, m_result.deep, previous, m_facets, goesOn);
+	m_report.candidates = std::uint32_t(facets.size());
+	m_foreseen.motion = facets.expectedMotion();
+	next.clear();
+	facets.reduce(previous, next);
+	for (ContactCluster& cluster : next.slots)
+		for (int i = 0; pose.partner != Partner::kClod && i < cluster.count; ++i)
+			namePartnerFace(pose, cluster.points[std::size_t(i)].point);
+	hold(next);
+}
+
+void PairState::hold(const ClusterSet& clusters)
+{
+	if (clusters.pointCount() > 0)
+		m_clusters.edit() = clusters;
+	else
+		m_clusters.clear();
+	m_report.clusters = &m_clusters.get();
 }
 
 // Of what is no body of ours: as its owner names it.
@@ -153,8 +195,9 @@ void PairState::namePartnerFace(const PairPose& pose, ContactPoint& point)
 // Every point continues the one in its place.
 void PairState::linkToThemselves()
 {
+	if (m_clusters.isEmpty()) return;
 	for (std::uint32_t slot = 0; slot < kMaxClusters; ++slot)
 		for (std::uint32_t i = 0; i < kClusterPoints; ++i)
-			m_clusters.slots[slot].points[i].previous = slot * kClusterPoints + i;
+			m_clusters.edit().slots[slot].points[i].previous = slot * kClusterPoints + i;
 }
 }  // namespace clod

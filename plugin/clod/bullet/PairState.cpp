@@ -51,7 +51,7 @@ PairState::PairState(Context& context, btDispatcher& dispatcher, btPersistentMan
 	  m_budget(isClosestPoints ? nullptr : &context.budgetOf(dispatcher))
 {
 	m_report.result = &m_result;
-	m_report.clusters = &m_clusters;
+	m_report.clusters = &m_clusters.get();
 	m_context.add(this);
 }
 
@@ -84,7 +84,7 @@ void PairState::noticeShapes(const PairPose& pose)
 	const Seen a = seenA(pose), b = seenB(pose);
 	if (m_seenA == a && m_seenB == b) return;
 	m_cache.clear();
-	m_clusters.clear();
+	hold({});
 	m_answered.reset();
 	m_facets.forget();
 	m_seenA = a;
@@ -143,7 +143,7 @@ PairState::Question PairState::questionOf(const PairPose& pose)
 // Nothing was asked: of the dispatch before, neither points nor report hold any longer.
 void PairState::forget()
 {
-	m_clusters.clear();
+	hold({});
 	m_result.clear();
 	m_answered.reset();
 	static_cast<DispatchReport&>(m_report) = {};
@@ -154,7 +154,8 @@ double PairState::timeOfImpact(const btCollisionObjectWrapper& body0, const btCo
 {
 	const PairPose pose =
 		poseOf(body0, body1, info, Prediction::kFree, 0, m_context.m_convexPartners, m_convex);
-	return pose.isAsked() ? clod::timeOfImpact(pose, m_cache, m_onTheWay) : 1;
+	thread_local GapResult result;
+	return pose.isAsked() ? clod::timeOfImpact(pose, m_cache, result) : 1;
 }
 
 void PairState::open(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
@@ -237,7 +238,7 @@ void PairState::process(const btCollisionObjectWrapper& body0, const btCollision
 	m_report.kept = false;
 	if (!pose.isAsked())
 	{
-		m_manifolds.write(m_clusters, {}, [](const ContactPoint&, std::uint32_t&, std::uint32_t&) {}, out);
+		m_manifolds.write(m_clusters.get(), {}, [](const ContactPoint&, std::uint32_t&, std::uint32_t&) {}, out);
 		return;
 	}
 	const WorldFrame frame = worldFrame(pose, m_context.pushSpeed, now.aIsFirst, closestPoints);
@@ -289,6 +290,6 @@ void PairState::write(const PairPose& pose, const WorldFrame& frame, btManifoldR
 		levelA = pose.hierarchyA().node(point.nodeA).level;
 		levelB = pose.partner == Partner::kClod ? pose.hierarchyB().node(point.nodeB).level : point.nodeB;
 	};
-	m_manifolds.write(m_clusters, frame, levelOf, out);
+	m_manifolds.write(m_clusters.get(), frame, levelOf, out);
 }
 }  // namespace clod

@@ -99,7 +99,8 @@ private:
 	void noticeShapes(const PairPose& pose);
 	Question questionOf(const PairPose& pose);
 	// Query.
-	void ask(const PairPose& pose, const Question& question);  // outlined, if there is a budget
+	void ask(const PairPose& pose, const Question& question);
+	void query(const PairPose& pose, const Question& question);  // outlined, if there is a budget
 	void askPartner(const PairPose& pose);
 	// Points.
 	void answer(const PairPose& pose, const Question& question);
@@ -107,6 +108,7 @@ private:
 	void findPoints(const PairPose& pose, bool goesOn);
 	void namePartnerFace(const PairPose& pose, ContactPoint& point);
 	void linkToThemselves();
+	void hold(const ClusterSet& clusters);
 	void keepAnswer();
 	void write(const PairPose& pose, const WorldFrame& frame, btManifoldResult& out);
 	// Report.
@@ -127,10 +129,10 @@ private:
 	Transform m_oldAFromB;
 	std::shared_ptr<const ConvexPartner> m_convex;
 	HierarchyPair m_asked;
-	GapCache m_cache;
+	GapCache m_cache{false};  // m_result is the answer
 	std::optional<Question> m_answered;  // what the clusters answer
 	Foreseen m_foreseen;
-	ClusterSet m_clusters, m_previous;
+	HeldClusters m_clusters;
 	PairReport m_report;
 	unsigned m_warned = 0;
 	std::vector<std::pair<unsigned, std::string>> m_toSay;  // by cause
@@ -139,13 +141,10 @@ private:
 	std::uint32_t m_held = 0;           // what is held back of it for this pair
 	Outline m_outline;                  // of the coming process(), or the last
 	std::optional<Prepared> m_prepared;  // for the coming process()
-	FacetContacts m_facets;    // with the way out of a depth, besides buffers
-	// Buffers.
-	GapResult m_result, m_onTheWay;
+	FacetMemory m_facets;
+	GapResult m_result;
 	PartnerStats m_partnerStats;
-	PartnerContacts m_partner;
-	std::vector<Triangle> m_triangles;           // of a mesh within the tolerance, frame B,
-	std::vector<std::array<int, 2>> m_names;     // part and index of each,
-	std::optional<ContactSurface> m_partnerSurface;  // and the surface they make
+	std::vector<std::array<int, 2>> m_names;  // part and index of each triangle of a mesh within the tolerance,
+	std::unique_ptr<ContactSurface> m_partnerSurface;  // and the surface they make
 };
 }  // namespace clod

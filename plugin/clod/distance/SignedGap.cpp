@@ -47,14 +47,19 @@ bool answersAgain(const GapSettings& settings, GapCache::Search& search, const P
 }
 }  // namespace
 
-GapCache::GapCache() : m_search(std::make_unique<Search>()) {}
+GapCache::GapCache(bool remembers) : pair(remembers) {}
+GapCache::Search& GapCache::search()
+{
+	if (!m_search) m_search = std::make_unique<Search>();
+	return *m_search;
+}
 GapCache::~GapCache() = default;
 GapCache::GapCache(GapCache&&) noexcept = default;
 GapCache& GapCache::operator=(GapCache&&) noexcept = default;
 void GapCache::clear()
 {
 	pair.clear();
-	m_search = std::make_unique<Search>();
+	m_search.reset();
 }
 
 void GapResult::clear()

@@ -36,14 +36,14 @@ struct CLOD_API GapResult : ContactResult
 class CLOD_API GapCache
 {
 public:
-	GapCache();
+	explicit GapCache(bool remembers = true);  // see PairCache
 	~GapCache();
 	GapCache(GapCache&&) noexcept;
 	GapCache& operator=(GapCache&&) noexcept;
 	void clear();
 	PairCache pair;
 	struct Search;  // GapSearch.h
-	Search& search() { return *m_search; }
+	Search& search();  // made when a gap is asked for first
 
 private:
 	std::unique_ptr<Search> m_search;

@@ -92,7 +92,7 @@ protected:
 
 struct SurfaceJudge : LeafJudge
 {
-	NearestPairScratch::Nearest& nearest;
+	NearestPair& nearest;
 	double value = std::numeric_limits<double>::infinity();
 
 	bool isSettled() const { return best <= 0; }

@@ -9,6 +9,7 @@ namespace clod
 {
 struct SurfaceSearchScratch : NearestPairScratch
 {
+	NearestPair nearest;
 	SeparatingAxes axes;  // of pairs of leaves, and of leaves: most pairs that are near by their boxes are met again
 };
 

@@ -7,6 +7,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <memory>
 
 #include "clod/Export.h"
 #include "clod/collide/RelativeMotion.h"
@@ -96,6 +97,28 @@ struct CLOD_API ClusterSet
 	std::array<ContactCluster, kMaxClusters> slots{};
 	void clear() { slots = {}; }
 	int pointCount() const;
+};
+
+// A set that takes no room while it is empty.
+class HeldClusters
+{
+public:
+	const ClusterSet& get() const { return m_set ? *m_set : none(); }
+	ClusterSet& edit()
+	{
+		if (!m_set) m_set = std::make_unique<ClusterSet>();
+		return *m_set;
+	}
+	bool isEmpty() const { return !m_set; }
+	void clear() { m_set.reset(); }
+
+private:
+	static const ClusterSet& none()
+	{
+		static const ClusterSet empty;
+		return empty;
+	}
+	std::unique_ptr<ClusterSet> m_set;
 };
 
 // Fills placeWithB and normalWithB: a corner of B that slides over A is the same point although it moves in A's frame.

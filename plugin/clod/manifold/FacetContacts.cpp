@@ -20,15 +20,17 @@ Vec3 impulseOf(const ClusterSet& set)
 }  // namespace
 
 void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Transform& aFromB, const PointRules& rules,
-						 const std::vector<Contact>& contacts, bool isDeep, const ClusterSet& previous, bool goesOn)
+						 const std::vector<Contact>& contacts, bool isDeep, const ClusterSet& previous, FacetMemory& memory,
+						 bool goesOn)
 {
+	m_memory = &memory;
 	m_expected = rules.motion();
 	m_facets.clear();
-	if (goesOn) m_facets = m_reduced;
+	if (goesOn) m_facets = memory.reduced;
 	m_facets.erase(std::remove_if(m_facets.begin(), m_facets.end(),
 								  [](const Facet& f) { return f.kind == Facet::Kind::kDeep; }),
 				   m_facets.end());
-	if (contacts.empty() && !isDeep && m_facets.empty()) return forget();
+	if (contacts.empty() && !isDeep && m_facets.empty()) return memory.forget();
 	m_question = {a,
 				  b,
 				  aFromB,
@@ -45,22 +47,23 @@ void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Trans
 // Bodies overlap, and no facet says how deep: one point with a way out. While it is needed the way stays.
 void FacetContacts::answerDepth(const std::vector<Contact>& contacts, bool isDeep, const ClusterSet& previous)
 {
+	Vec3& wayOut = m_memory->wayOut;
 	const bool overlap =
 		isDeep || std::any_of(contacts.begin(), contacts.end(), [](const Contact& c) { return c.upper <= 0; });
 	const bool isAnswered =
 		std::any_of(m_facets.begin(), m_facets.end(), [](const Facet& f) { return f.distance < 0; });
-	if (!overlap || (isAnswered && m_wayOut == Vec3{}))
+	if (!overlap || (isAnswered && wayOut == Vec3{}))
 	{
-		m_wayOut = {};
+		wayOut = {};
 		return;
 	}
-	const Vec3 kept = m_wayOut != Vec3{} ? m_wayOut : normalized(impulseOf(previous));
+	const Vec3 kept = wayOut != Vec3{} ? wayOut : normalized(impulseOf(previous));
 	m_deepFacets.clear();
-	m_wayOut = m_deep.find(m_question, contacts, isDeep, kept, m_deepFacets);
-	if (m_wayOut == Vec3{}) return;
+	wayOut = m_deep.find(m_question, contacts, isDeep, kept, m_deepFacets);
+	if (wayOut == Vec3{}) return;
 	// What opposes the way would hold the bodies where they are.
 	m_facets.erase(std::remove_if(m_facets.begin(), m_facets.end(),
-								  [&](const Facet& f) { return dot(f.normal, m_wayOut) < kAgainst; }),
+								  [&](const Facet& f) { return dot(f.normal, wayOut) < kAgainst; }),
 				   m_facets.end());
 	m_facets.insert(m_facets.end(), m_deepFacets.begin(), m_deepFacets.end());
 }
@@ -68,7 +71,7 @@ void FacetContacts::answerDepth(const std::vector<Contact>& contacts, bool isDee
 void FacetContacts::reduce(const ClusterSet& previous, ClusterSet& next)
 {
 	m_points.clear();
-	m_reduced.clear();
+	m_memory->reduced.clear();
 	for (const Facet& facet : m_facets) m_points.push_back(pointOf(facet));
 	m_reducer.reduce(m_facets, m_points, previous, m_question.length(), next);
 	const Transform bFromA = inverse(m_question.aFromB);
@@ -77,7 +80,7 @@ void FacetContacts::reduce(const ClusterSet& previous, ClusterSet& next)
 		{
 			const Facet& facet = m_facets[m_reducer.facetOf(slot, i)];
 			nameFaces(facet, bFromA, next.slots[slot].points[i].point);
-			m_reduced.push_back(facet);
+			m_memory->reduced.push_back(facet);
 		}
 }
 

@@ -15,27 +15,31 @@
 namespace clod
 {
 // Holds buffers, and the way out of a depth while it is needed.
+// What of a pair lasts from step to step besides its points; all else is scratch.
+struct FacetMemory
+{
+	std::vector<Facet> reduced;  // those that the solver got
+	Vec3 wayOut;                 // while there is a depth that no facet answers: the points say nothing of it but this
+	bool isDeep() const { return wayOut != Vec3{}; }
+	// The bodies were put elsewhere, or are others.
+	void forget() { *this = {}; }
+};
+
+// For any number of pairs, one after the other.
 class CLOD_API FacetContacts
 {
 public:
 	// All facets of the accepted pairs that are contacts. isDeep: one body is known to be inside the other. goesOn: those
-	// that the solver got last stay, as nothing but the motion of the rules has changed.
+	// that the solver got last stay, as nothing but the motion of the rules has changed. The memory is the pair's, and needed
+	// until reduce().
 	void find(const ContactBody& a, const ContactBody& b, const Transform& aFromB, const PointRules& rules,
-			  const std::vector<Contact>& contacts, bool isDeep, const ClusterSet& previous, bool goesOn = false);
+			  const std::vector<Contact>& contacts, bool isDeep, const ClusterSet& previous, FacetMemory& memory,
+			  bool goesOn = false);
 	// Of A's material relative to B's, frame A: the coming step's, as these contacts alone would have it.
 	const RelativeMotion& expectedMotion() const { return m_expected; }
 	std::size_t size() const { return m_facets.size(); }
 	// Of those found last, the ones a solver gets. previous: with placeWithB (carryWithB), and impulses.
 	void reduce(const ClusterSet& previous, ClusterSet& next);
-	// The points say nothing of the depth but a way out.
-	bool isDeep() const { return m_wayOut != Vec3{}; }
-	// The bodies were put elsewhere, or are others.
-	void forget()
-	{
-		m_wayOut = {};
-		m_facets.clear();
-		m_reduced.clear();
-	}
 
 private:
 	ContactPoint pointOf(const Facet& facet) const;
@@ -44,13 +48,12 @@ private:
 
 	FacetQuestion m_question;
 	std::vector<Facet> m_facets, m_deepFacets;
-	std::vector<Facet> m_reduced;  // those that the solver got
+	FacetMemory* m_memory = nullptr;
 	std::vector<ContactPoint> m_points;
 	FacetFinder m_finder;
 	FacetChoice m_choice;
 	DeepOverlap m_deep;
 	RelativeMotion m_expected;
-	Vec3 m_wayOut;  // while there is a depth that no facet answers
 	PairSolve m_solve;
 	ContactReducer m_reducer;
 };

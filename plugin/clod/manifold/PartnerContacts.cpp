@@ -76,12 +76,12 @@ template <class Separated>
 void PartnerContacts::visit(const Hierarchy& hierarchy, const Metric& metric, const Separated& apart,
 							std::uint32_t partner, std::vector<Contact>& contacts, PartnerStats& stats)
 {
-	if (m_visited.size() != hierarchy.nodes().size)
+	if (m_visited.size() < hierarchy.nodes().size) m_visited.resize(hierarchy.nodes().size, 0);
+	if (++m_visit == 0)
 	{
-		m_visited.assign(hierarchy.nodes().size, 0);
-		m_visit = 0;
+		std::fill(m_visited.begin(), m_visited.end(), 0);
+		m_visit = 1;
 	}
-	++m_visit;
 	const PartnerRule rule(hierarchy, metric);
 	m_stack.assign(1, hierarchy.root());
 	while (!m_stack.empty())

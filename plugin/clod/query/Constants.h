@@ -30,6 +30,7 @@ inline constexpr std::uint32_t kEntriesADecision = 4;  // of a traversal cost as
 
 // Searches for the motion that bodies apart can take (SeparationCache.cpp).
 inline constexpr std::uint32_t kSearchBackOff = 63;  // queries without a search, at most
+inline constexpr std::uint32_t kParted = 64;         // queries that find nothing, until no front is kept any longer
 inline constexpr std::uint32_t kWorthwhile = 4;      // queries that a search should save
 inline constexpr double kFarthestSearch = 64;        // moves of a query: what is farther is not looked for
 inline constexpr double kThresholdSpan = 2;          // thresholds of later queries: so many times these

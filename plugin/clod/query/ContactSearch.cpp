@@ -5,6 +5,7 @@
 
 #include "clod/collide/MotionBound.h"
 #include "clod/query/Constants.h"
+#include "clod/query/PairSorter.h"
 #include "clod/query/Traversal.h"
 
 namespace clod
@@ -123,6 +124,7 @@ ContactSearch::ContactSearch(const Hierarchy& a, const Hierarchy& b, const Trans
 	}
 	state.settings = settings;
 	state.lastMove = 0;
+	countQuiet(true);
 	result.stats.front = state.front.counts.leaves;
 	result.stats.frontInner = state.front.counts.inner;
 	result.stats.stillApart = 1;
@@ -142,6 +144,22 @@ void ContactSearch::finish(bool isNothingNear)
 		m_state.separation.seek(m_context, *m_rule, m_settings, m_gap, m_state.lastMove,
 								{m_state.nearest, m_state.probesA, m_state.probesB, m_result.stats, m_limit});
 	m_state.lastMove = 0;
+	countQuiet(isNothingNear);
+}
+
+// Memory follows contact: a pair that has long found nothing keeps no front.
+void ContactSearch::countQuiet(bool isNothingNear)
+{
+	PairFront& front = m_state.front;
+	const bool wasMade = front.isLent && front.entries.capacity() > 0;  // by this query
+	if (wasMade) isNothingNear ? handBack(front) : keep(front);
+	m_state.quietFor = isNothingNear ? std::min(m_state.quietFor + 1, kParted) : 0;
+	if (m_state.quietFor == kParted && !front.isLent)
+	{
+		front.giveBack();
+		m_state.outline.giveBack();
+	}
+	front.isLent = m_state.quietFor == kParted;
 }
 
 void ContactSearch::tellExcess()
@@ -244,7 +262,8 @@ bool ContactSearch::rootIsApart() const
 
 void ContactSearch::sort()
 {
-	m_state.sorter.sort(m_result.contacts);
+	thread_local PairSorter sorter;
+	sorter.sort(m_result.contacts);
 	m_isOfInput = m_largestCover == 0;
 	for (const Contact& contact : m_result.contacts)
 		m_isOfInput = m_isOfInput && m_context.a.node(contact.nodeA).childCount == 0 &&

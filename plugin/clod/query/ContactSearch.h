@@ -54,6 +54,7 @@ private:
 	double traverseFront(double tolerance);
 	double answerCoarsest(double tolerance);
 	void remember(const StopRule& rule);
+	void countQuiet(bool isNothingNear);
 	std::optional<double> traverseBy(const StopRule& rule, double tolerance, const WorkLimit& limit);
 	void tellExcess();
 	std::optional<double> answerFrom(bool validates, const TraversalSettings& settings);

@@ -13,6 +13,11 @@
 
 namespace clod
 {
+// Found last: tried first next time, prunes at once, and decides nothing else.
+struct NearestPair
+{
+	std::uint32_t a = kNone, b = kNone;
+};
 struct NearestPairScratch
 {
 	struct Candidate
@@ -22,12 +27,6 @@ struct NearestPairScratch
 	};
 	std::vector<Candidate> stack;  // or a heap, the nearest at its front
 	VisitedPairs visited;
-	// Tried first next time: prunes at once, and decides nothing else.
-	struct Nearest
-	{
-		std::uint32_t a = kNone, b = kNone;
-	};
-	Nearest nearest;  // that was found last
 };
 
 // Judge: bool nearestFirst                      - of all pairs met, not only of the children met last;
@@ -125,7 +124,7 @@ private:
 };
 
 // Of these hierarchies, and at these settings: what a cache holds may be of others.
-inline bool isAnswer(const QueryContext& context, const StopRule& rule, const NearestPairScratch::Nearest& pair)
+inline bool isAnswer(const QueryContext& context, const StopRule& rule, const NearestPair& pair)
 {
 	return pair.a < context.a.nodes().size && pair.b < context.b.nodes().size &&
 		   rule.acceptance(pair.a, pair.b) == Acceptance::kYes;

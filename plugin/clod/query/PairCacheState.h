@@ -5,7 +5,6 @@
 
 #include "clod/query/InsideTest.h"
 #include "clod/query/PairFront.h"
-#include "clod/query/PairSorter.h"
 #include "clod/query/Query.h"
 #include "clod/query/SeparationCache.h"
 
@@ -25,12 +24,13 @@ struct PairCache::State
 	Sweep sweep;        // with this motion from there
 	PairFront front;
 	PairFront outline;     // of the coarsest valid answer, its pairs listed only; where there are budgets
+	std::uint32_t quietFor = 0;  // queries that found nothing, one after the other
 	double lastMove = 0;  // of front.motion, what came since the last query
 	SeparationCache separation;
 	InsideProbes probesA, probesB;
-	NearestPairScratch nearest;
-	PairSorter sorter;
-	ContactResult last;     // of contacts(), at aFromB and settings,
+	NearestPair nearest;
+	bool remembers = true;
+	ContactResult last;     // of contacts(), at aFromB and settings, where it is remembered
 	bool hasLast = false;   // if it asked last
 
 	void clearFronts()

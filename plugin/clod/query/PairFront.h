@@ -130,19 +130,33 @@ struct FrontSlack
 struct PairFront
 {
 	std::vector<FrontEntry> entries;  // of the last finished traversal; [0] is the pair of roots, children lie together
-	std::vector<FrontEntry> previous;  // the one before, read while entries is written
-	std::vector<CachedSeparation> hulls, previousHulls;
-	VisitedPairs visited;
+	std::vector<CachedSeparation> hulls;
 	double motion = 0;         // accumulated bound of the relative motion and of the sweep's change (MotionBound.h)
 	double motionSince = 0;    // the part of it since the last finished traversal
 	double sweepChangeSince = 0;  // and of that the sweep's
 	RelativePose pose;         // of the last finished traversal
 
 	double tolerance = 0;  // of the last finished traversal
+	bool isLent = false;   // its memory is the thread's: see keep() and handBack() in Traversal.h
 	FrontCounts counts;
 	FrontSlack slack;
 	BackOff backOff{kFrontBackOff};  // traversals that keep no slack, until the next attempt to validate a front
 
+	// For slack as much as for entries: a steady query allocates nothing.
+	void makeRoom()
+	{
+		slack.ofEntry.reserve(entries.capacity());
+		slack.answers.reserve(entries.capacity());
+	}
+	// The bodies have parted: what they took is given back.
+	void giveBack()
+	{
+		clear();
+		entries.shrink_to_fit();
+		hulls.shrink_to_fit();
+		slack.ofEntry.shrink_to_fit();
+		slack.answers.shrink_to_fit();
+	}
 	void move(double by, double sweepChange)
 	{
 		motion += by + sweepChange;
@@ -152,7 +166,6 @@ struct PairFront
 	void clear()
 	{
 		entries.clear();
-		previous.clear();
 		hulls.clear();
 		slack.clear();
 		motion = motionSince = sweepChangeSince = 0;

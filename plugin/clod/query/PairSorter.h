@@ -14,17 +14,13 @@ class PairSorter
 public:
 	void sort(std::vector<Contact>& contacts)
 	{
-		// Buffers that are swapped now and then grow together, so that a steady query allocates nothing.
-		m_order.reserve(contacts.capacity());
-		m_unsorted.reserve(contacts.capacity());
 		if (std::is_sorted(contacts.begin(), contacts.end(), before)) return;
 		m_order.clear();
 		for (std::uint32_t i = 0; i < contacts.size(); ++i)
 			m_order.push_back({std::uint64_t(contacts[i].nodeA) << 32 | contacts[i].nodeB, i});
 		std::sort(m_order.begin(), m_order.end());
-		m_unsorted.swap(contacts);
-		contacts.clear();
-		for (const Ordered& next : m_order) contacts.push_back(m_unsorted[next.contact]);
+		m_unsorted.assign(contacts.begin(), contacts.end());
+		for (std::size_t i = 0; i < contacts.size(); ++i) contacts[i] = m_unsorted[m_order[i].contact];
 	}
 
 private:

@@ -9,13 +9,16 @@
 
 namespace clod
 {
-PairCache::PairCache() : m_state(std::make_unique<State>()) {}
+PairCache::PairCache(bool remembers) : m_state(std::make_unique<State>())
+{
+	m_state->remembers = remembers;
+}
 PairCache::~PairCache() = default;
 PairCache::PairCache(PairCache&&) noexcept = default;
 PairCache& PairCache::operator=(PairCache&&) noexcept = default;
 void PairCache::clear()
 {
-	m_state = std::make_unique<State>();
+	*this = PairCache(m_state->remembers);
 }
 
 void ContactResult::clear()
@@ -64,8 +67,8 @@ void contacts(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, c
 		result.deep = !search.overlaps() && search.depthInside() > 0;
 		search.finish(result.contacts.empty() && !result.deep);
 	}
-	state.last = result;
-	state.hasLast = true;
+	if (state.remembers) state.last = result;
+	state.hasLast = state.remembers;
 }
 
 Outline outlineCoarsest(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const ContactSettings& settings,

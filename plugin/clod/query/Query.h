@@ -84,7 +84,8 @@ struct CLOD_API ContactResult
 class CLOD_API PairCache
 {
 public:
-	PairCache();
+	// remembers: the last answer is kept, to be given again at the same pose. Owners of the answer need no second one.
+	explicit PairCache(bool remembers = true);
 	~PairCache();
 	PairCache(PairCache&&) noexcept;
 	PairCache& operator=(PairCache&&) noexcept;

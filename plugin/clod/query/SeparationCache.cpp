@@ -25,6 +25,7 @@ struct MotionJudge
 	QueryStats& stats;
 	const Searched& what;
 	double best;
+	NearestPair& nearest;
 	NearestPairScratch& scratch;
 	const WorkLimit& limitOfWork;
 	bool isSpent = false;
@@ -59,7 +60,7 @@ struct MotionJudge
 			what.surfaces ? cullLimit(context.a.node(pair.a), context.b.node(pair.b), what.tolerance) : what.tolerance;
 		const SweptBound bound = canonicalSweptBound(context, pair.a, pair.b, reached + best);
 		const double motion = std::max(pair.separation - what.tolerance, bound.lower - reached);
-		if (motion < best) scratch.nearest = {pair.a, pair.b};
+		if (motion < best) nearest = {pair.a, pair.b};
 		return motion;
 	}
 };
@@ -68,13 +69,13 @@ struct MotionJudge
 // or any between them; at most `cap`. <= 0: it may already, or the limit was met.
 double safeMotion(const QueryContext& context, const Searched& what, double cap, const SeparationCache::Tools& tools)
 {
-	NearestPairScratch& scratch = tools.scratch;
+	thread_local NearestPairScratch scratch;
 	QueryStats& stats = tools.stats;
 	scratch.visited.clear();
-	MotionJudge judge{context, stats, what, cap, scratch, tools.limit};
+	MotionJudge judge{context, stats, what, cap, tools.nearest, scratch, tools.limit};
 	if (!judge.affords(kTestsOfCandidate)) return 0;
-	const auto [a, b] = scratch.nearest;
-	if (isAnswer(context, what.relaxed, scratch.nearest))
+	const auto [a, b] = tools.nearest;
+	if (isAnswer(context, what.relaxed, tools.nearest))
 	{
 		++stats.boxTests;
 		judge.best = std::min(

@@ -39,7 +39,7 @@ public:
 	// After a traversal that found nothing. lastMove: motion and change of the sweep since the query before.
 	struct Tools
 	{
-		NearestPairScratch& scratch;
+		NearestPair& nearest;
 		InsideProbes &probesA, &probesB;
 		QueryStats& stats;
 		const WorkLimit& limit;

@@ -6,6 +6,31 @@ namespace clod
 {
 namespace
 {
+// What a thread needs while it makes a front: the one before, and room that is not the pair's.
+struct Previous
+{
+	std::vector<FrontEntry> entries;
+	std::vector<CachedSeparation> hulls;
+	VisitedPairs visited;
+	void swap(PairFront& front)
+	{
+		entries.swap(front.entries);
+		hulls.swap(front.hulls);
+	}
+	// The new front goes to where the old one was, which is the pair's and no larger than it need be.
+	void keepIn(PairFront& front)
+	{
+		entries.assign(front.entries.begin(), front.entries.end());
+		hulls.assign(front.hulls.begin(), front.hulls.end());
+		swap(front);
+	}
+};
+Previous& previousOfThread()
+{
+	thread_local Previous previous;
+	return previous;
+}
+
 class Traversal : private PairDecisions
 {
 public:
@@ -14,11 +39,25 @@ public:
 	bool run()
 	{
 		if (!isAffordable(FrontEntry{})) return false;
-		std::swap(m_front.entries, m_front.previous);
-		std::swap(m_front.hulls, m_front.previousHulls);
+		m_previous.swap(m_front);
+		const bool isWhole = walk();
+		if (isWhole)
+		{
+			m_stats->frontCame = std::uint32_t(m_front.entries.size()) - m_carried;
+			m_stats->frontGone = std::uint32_t(m_previous.entries.size()) - m_carried;
+		}
+		if (m_front.isLent) return isWhole;
+		m_previous.keepIn(m_front);
+		if (isWhole) m_front.makeRoom();
+		return isWhole;
+	}
+
+private:
+	bool walk()
+	{
 		m_front.entries.clear();
 		m_front.hulls.clear();
-		m_front.visited.clear();
+		m_previous.visited.clear();
 		startSlack();
 		m_front.counts = FrontCounts{};
 		m_front.motionSince = m_front.sweepChangeSince = 0;
@@ -30,43 +69,30 @@ public:
 			if (!isAffordable(m_front.entries[i])) return false;
 			open(i);
 		}
-		reserveForNext();
 		m_front.counts.touchedFinestLevel = std::min(levelOf(m_context.a, m_finestA), levelOf(m_context.b, m_finestB));
 		m_front.tolerance = m_settings.tolerance;
 		addTo(*m_stats, m_front.counts);
-		m_stats->frontCame = std::uint32_t(m_front.entries.size()) - m_carried;
-		m_stats->frontGone = std::uint32_t(m_front.previous.size()) - m_carried;
 		return true;
 	}
-
-private:
 	// For FrontValidation.cpp; where that was in vain, now and then only.
 	void startSlack()
 	{
 		m_front.slack.clear();
-		m_keepsSlack = m_front.backOff.isOver();
-	}
-	// As much as this one took: a steady query allocates nothing.
-	void reserveForNext()
-	{
-		m_front.previous.reserve(m_front.entries.capacity());
-		m_front.previousHulls.reserve(m_front.hulls.capacity());
-		m_front.slack.ofEntry.reserve(m_front.entries.capacity());
-		m_front.slack.answers.reserve(m_front.entries.capacity());
+		m_keepsSlack = !m_front.isLent && m_front.backOff.isOver();
 	}
 
 	void startAtRoots()
 	{
 		const std::uint32_t rootA = m_context.a.root(), rootB = m_context.b.root();
 		touch(rootA, rootB);
-		m_front.visited.reserve(1);
+		m_previous.visited.reserve(1);
 		Row row = rowOfRoots();
-		const bool wasApart = !m_front.previous.empty() && m_front.previous[0].state == NodePairState::kSeparated;
-		if (!m_front.previous.empty() && !wasApart) row.met = 1, row.old[0] = 0;
-		const float apart = wasApart ? lowerAfter(m_front.previous[0].apart, m_moved) : 0.0F;
+		const bool wasApart = !m_previous.entries.empty() && m_previous.entries[0].state == NodePairState::kSeparated;
+		if (!m_previous.entries.empty() && !wasApart) row.met = 1, row.old[0] = 0;
+		const float apart = wasApart ? lowerAfter(m_previous.entries[0].apart, m_moved) : 0.0F;
 		const bool isStillApart = wasApart && isBeyond(apart);
 		examine(row, isStillApart);
-		if (wasApart || (row.near == 0 && !m_front.previous.empty())) ++m_carried;  // without a link to its old entry
+		if (wasApart || (row.near == 0 && !m_previous.entries.empty())) ++m_carried;  // without a link to its old entry
 		if (row.near == 0)
 		{
 			FrontEntry root{rootA, rootB};
@@ -89,9 +115,9 @@ private:
 
 		std::uint32_t old = 0, oldEnd = 0;
 		bool stillApart = false;
-		if (pair.old != kNone && m_front.previous[pair.old].state == pair.state)
+		if (pair.old != kNone && m_previous.entries[pair.old].state == pair.state)
 		{
-			const FrontEntry& before = m_front.previous[pair.old];
+			const FrontEntry& before = m_previous.entries[pair.old];
 			old = before.link;
 			oldEnd = old + before.childCount;
 			const float low = lowerAfter(before.apart, m_moved);
@@ -103,13 +129,13 @@ private:
 		const std::uint32_t first = std::uint32_t(m_front.entries.size());
 		std::uint32_t& finest = row.ofChildrenOfA ? m_finestA : m_finestB;
 		for (const std::uint32_t child : children) finest = std::min(finest, child);
-		if (!m_settings.rule.isOfLeaves()) m_front.visited.reserve(children.size);
+		if (!m_settings.rule.isOfLeaves()) m_previous.visited.reserve(children.size);
 		for (std::uint32_t slot = 0; slot < children.size; slot += kBoxLanes)
 		{
 			setRow(row, children, slot);
-			for (; old < oldEnd && m_front.previous[old].slot < slot + row.count; ++old)
+			for (; old < oldEnd && m_previous.entries[old].slot < slot + row.count; ++old)
 			{
-				const std::uint32_t k = m_front.previous[old].slot - slot;
+				const std::uint32_t k = m_previous.entries[old].slot - slot;
 				row.met |= 1U << k;
 				row.old[k] = old;
 			}
@@ -149,7 +175,7 @@ private:
 	// From the bound kept, or because the sink needs nothing of the pair, however near its boxes are.
 	bool isKnownNear(Row& row, std::uint32_t k)
 	{
-		const FrontEntry& old = m_front.previous[row.old[k]];
+		const FrontEntry& old = m_previous.entries[row.old[k]];
 		row.high[k] = upperAfter(old.high, m_moved);
 		if (double(row.high[k]) < m_settings.tolerance - m_room)
 		{
@@ -157,7 +183,7 @@ private:
 			return true;
 		}
 		if (!m_settings.sameRule || old.state != NodePairState::kAnswer || old.hull == kNone) return false;
-		return m_sink.skips(row.a(k), row.b(k), cachedOf(old, m_front.previousHulls));
+		return m_sink.skips(row.a(k), row.b(k), cachedOf(old, m_previous.hulls));
 	}
 
 	// A pair within the tolerance by its culling volumes.
@@ -172,7 +198,7 @@ private:
 			++m_carried;
 		}
 		double slack = kInfinity;
-		if (!m_settings.rule.isInTree(entry.a, entry.b) && !m_front.visited.insert(entry.a, entry.b))
+		if (!m_settings.rule.isInTree(entry.a, entry.b) && !m_previous.visited.insert(entry.a, entry.b))
 		{
 			entry.state = NodePairState::kElsewhere;
 			++m_front.counts.duplicates;
@@ -192,8 +218,8 @@ private:
 		CachedSeparation cached;
 		if (entry.old != kNone)
 		{
-			before = m_front.previous[entry.old].state;
-			cached = cachedOf(m_front.previous[entry.old], m_front.previousHulls);
+			before = m_previous.entries[entry.old].state;
+			cached = cachedOf(m_previous.entries[entry.old], m_previous.hulls);
 		}
 		double slack = kInfinity;
 		const Acceptance acceptance = acceptanceOf(entry, before);
@@ -248,6 +274,7 @@ private:
 		return level;
 	}
 
+	Previous& m_previous = previousOfThread();
 	bool m_keepsSlack = false;
 	std::uint32_t m_carried = 0;  // entries that the traversal before had
 	// Finer levels come first.
@@ -259,5 +286,17 @@ bool traverse(const QueryContext& context, const TraversalSettings& settings, Pa
 			  QueryStats& stats)
 {
 	return Traversal(context, settings, front, sink, stats).run();
+}
+
+void handBack(PairFront& front)
+{
+	previousOfThread().swap(front);
+	front.giveBack();
+}
+
+void keep(PairFront& front)
+{
+	previousOfThread().keepIn(front);
+	front.makeRoom();
 }
 }  // namespace clod

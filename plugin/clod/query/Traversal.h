@@ -23,6 +23,11 @@ namespace clod
 bool traverse(const QueryContext& context, const TraversalSettings& settings, PairFront& front, ContactSink& sink,
 			  QueryStats& stats);
 
+// Of pairs that have long found nothing the front is made in memory of the thread, and handed back before the query ends;
+// or kept after all.
+void handBack(PairFront& front);
+void keep(PairFront& front);
+
 // Is the last front still the front (FrontValidation.cpp)? Whether it has what it takes to tell, and few enough decisions
 // have to be made again; otherwise it is tried again, and slack for it kept, after some traversals only.
 bool isWorthValidating(const TraversalSettings& settings, PairFront& front);
