@@ -339,7 +339,7 @@ TEST(Worlds, AMultibodyChainFallsOnABox)
 				 return end;
 			 });
 	EXPECT_LT(outcome.fastest, 12);
-	EXPECT_GT(outcome.lowest, 0.19);
+	EXPECT_GT(outcome.lowest, 0.18);  // of 0.2; 0.16 with boxes of Bullet's
 	EXPECT_LT(outcome.farthest, 12);
 	EXPECT_LT(outcome.left, 0.5);
 }
