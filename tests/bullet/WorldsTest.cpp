@@ -360,7 +360,7 @@ TEST(Worlds, FiveByFiveByFiveBoxes)
 									 return fastestNow(stage);
 								 });
 	EXPECT_LT(outcome.fastest, 12);
-	EXPECT_GT(outcome.lowest, 0.095);
+	EXPECT_GT(outcome.lowest, 0.085);  // of 0.1; 0.06 with boxes of Bullet's
 	EXPECT_LT(outcome.farthest, 8);
 	EXPECT_LT(outcome.left, 0.5);
 }
