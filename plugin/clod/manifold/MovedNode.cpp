@@ -36,24 +36,28 @@ void MovedNodes::move(MovedNode& moved, std::uint32_t node)
 	moved.corners.clear();
 	moved.edges.clear();
 	moved.polygons.clear();
-	m_now.clear();
-	m_then.clear();
 	m_boxes.clear();
 	double displaced = 0;
 	for (const std::uint32_t v : vertices)
 	{
 		const Vec3& own = surface.vertices()[v];
-		const Vec3 now = m_otherFromThis * own, then = m_otherFromThisThen * own, unforced = m_otherFromThisUnforced * own;
-		m_now.push_back(m_isA ? own : now);
-		m_then.push_back(m_isA ? own : then);
-		displaced = std::max(displaced, std::max(lengthSquared(then - now), lengthSquared(unforced - now)));
-		Box box{m_now.back(), m_now.back()};
-		box.add(m_now.back() + kPathReach * (m_then.back() - m_now.back()));
-		if (!m_isA) box.add(now + kPathReach * (unforced - now));
+		Box box{own, own};  // A stands still in its own frame
+		const bool isCorner = surface.isCorner(v);
+		if (!m_isA || isCorner)
+		{
+			const Vec3 now = m_otherFromThis * own, then = m_otherFromThisThen * own, unforced = m_otherFromThisUnforced * own;
+			if (!m_isA)
+			{
+				displaced = std::max(displaced, std::max(lengthSquared(then - now), lengthSquared(unforced - now)));
+				box = {now, now};
+				box.add(now + kPathReach * (then - now));
+				box.add(now + kPathReach * (unforced - now));
+			}
+			if (isCorner) moved.corners.push_back({now, then, unforced, v, box});
+		}
 		if (m_boxes.empty()) moved.box = box;
 		moved.box.add(box);
 		m_boxes.push_back(box);
-		if (surface.isCorner(v)) moved.corners.push_back({now, then, unforced, v, box});
 	}
 	moved.displaced = std::sqrt(displaced);
 	for (const ContactSurface::NodePolygon& polygon : surface.polygonsOf(node))
@@ -69,18 +73,27 @@ void MovedNodes::move(MovedNode& moved, std::uint32_t node)
 		const Vec3 &from = surface.vertices()[edge.vertex[0]], &to = surface.vertices()[edge.vertex[1]];
 		MovedEdge at;
 		at.index = index;
-		at.start = m_isA ? from : m_question->aFromB * from;
-		at.thenStart = m_isA ? from : m_question->aFromBThen * from;
-		at.unforcedStart = m_isA ? from : m_question->aFromBUnforced * from;
-		at.direction = m_isA ? edge.direction : m_question->aFromB.rotation * edge.direction;
-		at.thenDirection = m_isA ? edge.direction : m_question->aFromBThen.rotation * edge.direction;
+		if (m_isA)
+		{
+			at.start = at.thenStart = at.unforcedStart = from;
+			at.direction = at.thenDirection = edge.direction;
+			at.box = {from, from};
+			at.box.add(to);
+			moved.edges.push_back(at);
+			continue;
+		}
+		at.start = m_question->aFromB * from;
+		at.thenStart = m_question->aFromBThen * from;
+		at.unforcedStart = m_question->aFromBUnforced * from;
+		at.direction = m_question->aFromB.rotation * edge.direction;
+		at.thenDirection = m_question->aFromBThen.rotation * edge.direction;
 		at.box = {at.start, at.start};
 		at.box.add(at.start + kPathReach * (at.thenStart - at.start));
 		at.box.add(at.start + kPathReach * (at.unforcedStart - at.start));
-		const Vec3 end = m_isA ? to : at.start + edge.length * at.direction;
+		const Vec3 end = at.start + edge.length * at.direction;
 		at.box.add(end);
-		if (!m_isA) at.box.add(end + kPathReach * (at.thenStart + edge.length * at.thenDirection - end));
-		if (!m_isA) at.box.add(end + kPathReach * (at.unforcedStart - at.start));
+		at.box.add(end + kPathReach * (at.thenStart + edge.length * at.thenDirection - end));
+		at.box.add(end + kPathReach * (at.unforcedStart - at.start));
 		moved.edges.push_back(at);
 	}
 }

@@ -58,7 +58,7 @@ struct MovedPolygon
 struct MovedNode
 {
 	std::uint32_t node = kNone, level = 0;
-	double displaced = 0;  // the farthest that one of its points goes in the step, as predicted
+	double displaced = 0;  // the farthest that one of its points goes in the step, as predicted; of B's
 	Box box;
 	std::vector<MovedCorner> corners;
 	std::vector<MovedEdge> edges;
@@ -82,7 +82,6 @@ private:
 	Transform m_otherFromThis, m_otherFromThisThen, m_otherFromThisUnforced;
 	std::vector<std::uint32_t> m_nodes;  // sorted, each once
 	std::vector<MovedNode> m_moved;      // as many, or more; buffers are kept
-	std::vector<Vec3> m_now, m_then;     // of a node's vertices, frame A
-	std::vector<Box> m_boxes;
+	std::vector<Box> m_boxes;            // of a node's vertices
 };
 }  // namespace clod
