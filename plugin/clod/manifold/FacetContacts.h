@@ -14,7 +14,6 @@
 
 namespace clod
 {
-// Holds buffers, and the way out of a depth while it is needed.
 // What of a pair lasts from step to step besides its points; all else is scratch.
 struct FacetMemory
 {
