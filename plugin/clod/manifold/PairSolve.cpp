@@ -10,7 +10,7 @@ namespace
 {
 constexpr int kPasses = 3;
 constexpr int kSweeps = 12;
-constexpr double kMostTurn = 0.2;  // radians a step: beyond, the second order says little of an arc  // radians a step: beyond, an arc's second order says little of it
+constexpr double kMostTurn = 0.2;  // radians a step: the farther beyond, the less the second order says of an arc  // radians a step: beyond, an arc's second order says little of it
 constexpr double kHolds = 0.25;  // sine of the least slope that may hold a body against a force: a steeper one is a wall
 
 Transform movedBy(const PairBody& body, const Transform& pose, double timeStep)
@@ -45,8 +45,12 @@ Vec3 betweenAt(const Facet& facet, const ContactSurface& a, const ContactSurface
 double bendBound(const PointRules& rules, const Facet& facet)
 {
 	const double moved = rules.timeStep * length(rules.motion().velocity(facet.onA));
-	const double turnA = std::min(kMostTurn, rules.timeStep * length(rules.a.angular)),
-				 turnB = std::min(kMostTurn, rules.timeStep * length(rules.b.angular));
+	const auto turnOf = [&](const PairBody& body)
+	{
+		const double turn = rules.timeStep * length(body.angular);
+		return turn <= kMostTurn ? turn : kMostTurn * kMostTurn / turn;
+	};
+	const double turnA = turnOf(rules.a), turnB = turnOf(rules.b);
 	return (turnA + turnB) * moved + 0.5 * (turnA * turnA * length(facet.onA - rules.a.center) +
 											turnB * turnB * length(facet.onB - rules.b.center));
 }
