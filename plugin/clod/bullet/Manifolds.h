@@ -28,7 +28,8 @@ struct WorldFrame
 	std::uint32_t levelA = 0, levelB = 0;
 	double breakingThreshold = 0;  // world length
 	double timeStep = 0;           // 0: points are for the poses as they are
-	double pushSpeed = 0;           // at which an overlap is left at most, world lengths a second
+	double pushSpeed = 0;           // at which an overlap is left at most, world lengths a second,
+	double switchSpeed = 0;         // and one that came with a change of level
 };
 
 // What is set of a point besides what its place and the materials make of it.

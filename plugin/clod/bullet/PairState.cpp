@@ -39,6 +39,7 @@ WorldFrame worldFrame(const PairPose& pose, double pushSpeed, bool aIsFirst, dou
 	frame.scale = pose.scale();
 	frame.timeStep = pose.rules.timeStep;
 	frame.pushSpeed = pushSpeed * pose.rules.length * frame.scale;
+	frame.switchSpeed = switchSpeed(pose.rules) * frame.scale;
 	frame.breakingThreshold = kBreakingShare * pose.rules.length * frame.scale + closestPoints;
 	return frame;
 }
