@@ -6,15 +6,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "demos/extremes/Stage.h"
+#include "demos/extremes/RowParts.h"
 #include "demos/models/Mechanisms.h"
 
 namespace clod::demo
 {
 namespace
 {
-using Readings = std::vector<Reading>;
-
 const std::vector<double> kRates = {240, 60};
 constexpr double kResolution = 0.25;
 

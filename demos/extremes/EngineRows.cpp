@@ -6,17 +6,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "demos/extremes/Stage.h"
+#include "demos/extremes/RowParts.h"
 
 namespace clod::demo
 {
 namespace
 {
-using Readings = std::vector<Reading>;
-
 const std::vector<double> kRates = {240, 60};
 const Vec3 kFloorSize = {10, 1, 10};
-constexpr double kHalfFloor = 0.5;
 
 std::vector<Case> casesOf(const std::vector<double>& parameters, const char* unit)
 {
@@ -408,7 +405,8 @@ std::vector<Row> engineRows()
 					  [](const Setting& s) { return s.rate <= 30; }, ""}}});
 	rows.push_back({"E8", "a tower of five cubes far from the origin",
 					"places differ from those at the origin by 1 mm + 4 ulp of the distance (float)", "distance",
-					casesOf({100, 1e3, 1e4, 1e5, 1e6}, " m"), kRates, {{"difference", "of what rounding allows", {1}}},
+					{{100, "100 m"}, {1e3, "1 km"}, {1e4, "10 km"}, {1e5, "100 km"}, {1e6, "1000 km"}}, kRates,
+					{{"difference", "of what rounding allows", {1}}},
 					farAway});
 	rows.push_back({"E9", "cubes that overlap from the start", "apart within a second, at 3 m/s at most, without momentum",
 					"overlap", percent({0.02, 0.1, 0.3, 0.5, 0.8, 1}), kRates,

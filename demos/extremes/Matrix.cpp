@@ -162,7 +162,11 @@ std::vector<std::string> Matrix::needlessLimits() const
 std::vector<Row> allRows()
 {
 	std::vector<Row> rows = engineRows();
-	for (const auto& more : {analyticRows(), contactRows()}) rows.insert(rows.end(), more.begin(), more.end());
+	for (const auto& more : {analyticRows(), roundRows(), contactRows()}) rows.insert(rows.end(), more.begin(), more.end());
+	// E, A, C, J as they come; numbers within.
+	const std::string letters = "EACJ";
+	const auto place = [&](const Row& row) { return std::make_pair(letters.find(row.id[0]), std::stoi(row.id.substr(1))); };
+	std::stable_sort(rows.begin(), rows.end(), [&](const Row& a, const Row& b) { return place(a) < place(b); });
 	return rows;
 }
 

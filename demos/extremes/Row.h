@@ -111,9 +111,10 @@ struct TestedElsewhere
 	const char* test;  // program: case
 };
 
-std::vector<Row> engineRows();     // E: extremes of the engine
-std::vector<Row> analyticRows();   // A: closed forms
-std::vector<Row> contactRows();    // C: faults that contact points had; J: bodies joined by Bullet's constraints
-std::vector<Row> allRows();
+std::vector<Row> engineRows();    // E: extremes of the engine
+std::vector<Row> analyticRows();  // A: closed forms
+std::vector<Row> roundRows();     // A: those of what rolls
+std::vector<Row> contactRows();   // C: faults that contact points had; J: bodies joined by Bullet's constraints
+std::vector<Row> allRows();       // by letter and number
 const std::vector<TestedElsewhere>& testedElsewhere();
 }  // namespace clod::demo

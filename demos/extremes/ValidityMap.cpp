@@ -14,7 +14,7 @@ namespace clod::demo
 namespace
 {
 constexpr Collider kAll[] = {Collider::primitive, Collider::mesh, Collider::exact, Collider::standard, Collider::coarse};
-constexpr double kLine = 17, kCell = 52, kName = 150, kMargin = 16, kWords = 340;
+constexpr double kLine = 17, kCell = 52, kName = 150, kMargin = 16, kWords = 350;
 
 // Okabe & Ito.
 std::string colorOf(Verdict verdict)
@@ -28,9 +28,11 @@ struct Summary
 {
 	Verdict verdict = Verdict::notApplicable;
 	double share = 0;
+	bool isBeaten = false;  // by Bullet
 	void add(const Cell& cell)
 	{
 		if (cell.verdict == Verdict::notApplicable) return;
+		isBeaten = isBeaten || !cell.better.empty();
 		if (cell.verdict < verdict) return;
 		share = cell.verdict > verdict ? cell.shareOfBound() : std::max(share, cell.shareOfBound());
 		verdict = cell.verdict;
@@ -38,6 +40,10 @@ struct Summary
 	std::string text() const
 	{
 		if (verdict == Verdict::notApplicable) return "";
+		return number() + (isBeaten ? " *" : "");
+	}
+	std::string number() const
+	{
 		if (!std::isfinite(share) || share >= 1e4) return "\u226b 1";
 		return share < 0.005 ? "0" : share < 10 ? fmt::format("{:.2f}", share) : fmt::format("{:.0f}", share);
 	}
@@ -53,11 +59,15 @@ public:
 	}
 	void cell(double x, double y, const Summary& summary, const std::string& tip)
 	{
+		cell(x, y, summary.verdict, summary.text(), tip);
+	}
+	void cell(double x, double y, Verdict verdict, const std::string& words, const std::string& tip)
+	{
 		m_body += fmt::format(
 			"<g><title>{}</title><rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{}\" height=\"{}\" fill=\"{}\"/>"
 			"<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{}</text></g>\n",
-			escaped(tip), x, y, kCell - 2, kLine - 2, colorOf(summary.verdict), x + kCell / 2 - 1, y + kLine - 5,
-			summary.text());
+			escaped(tip), x, y, kCell - 2, kLine - 2, colorOf(verdict), x + kCell / 2 - 1, y + kLine - 5,
+			words);
 		grow(x + kCell, y + kLine);
 	}
 	void grow(double x, double y)
@@ -162,7 +172,7 @@ double drawLegend(Picture& picture, double x, double y)
 {
 	picture.text(x, y + 14, "Where contacts hold", "font-weight=\"bold\" font-size=\"16\"");
 	picture.text(x + 190, y + 14, "In a cell: its worst error as a share of its bound. primitive, mesh: Bullet's own solid, Bullet's best "
-								  "shape of the same mesh; exact, 0.5 %, 3.5 %: ours.");
+								  "shape of the same mesh; exact, 0.5 %, 3.5 %: ours; *: somewhere one of Bullet's does better.");
 	y += 24;
 	const std::vector<std::pair<Verdict, std::string>> entries = {
 		{Verdict::holds, "within its bound"},
@@ -172,11 +182,7 @@ double drawLegend(Picture& picture, double x, double y)
 		{Verdict::notApplicable, "not applicable"}};
 	for (const auto& [verdict, words] : entries)
 	{
-		Summary none;
-		picture.cell(x, y, none, words);
-		none.verdict = verdict;
-		none.share = std::nan("");
-		picture.cell(x, y, none, words);
+		picture.cell(x, y, verdict, "", words);
 		picture.text(x + kCell + 4, y + 12, words);
 		x += kCell + 24 + 6.3 * double(words.size());
 	}
