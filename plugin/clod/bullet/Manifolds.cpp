@@ -196,6 +196,7 @@ bool ManifoldSet::follow(HeldClusters& written, const WorldFrame& frame, btManif
 				now.height = double(point.m_distance1) / frame.scale;
 				point.m_combinedRestitution = slot.restitution;
 				setSolverTerms(now, frame, point);
+				point.m_contactPointFlags |= BT_CONTACT_FLAG_FRICTION_ANCHOR;  // the places that touched stay together
 				slot.terms[j] = SolverTerms(point);
 			}
 	}
