@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cli/Program.h"
+#include "demos/models/Models.h"
 #include "demos/runner/HierarchyCache.h"
 
 namespace CLI
@@ -28,6 +29,7 @@ void addBudgetCommand(CLI::App& program);
 void addScalingCommand(CLI::App& program);
 void addLevelsCommand(CLI::App& program);
 void addTryCommand(CLI::App& program);
+void addExtremesCommand(CLI::App& program);
 
 // --cache-dir and --no-cache.
 void addCache(CLI::App& command, CacheOptions& options);
@@ -38,7 +40,8 @@ void addResolution(CLI::App& command, double& share);
 // A finite number in [low, high]; unlike CLI::Range, it refuses "nan".
 CLI::Validator between(double low, double high);
 
-// A benchmark model as its OBJ file would hold it; 0 triangles: the paper's count.
+// A mesh as its OBJ file would hold it; of a benchmark model, 0 triangles are the paper's count.
+MeshSource meshSource(const std::string& name, const ModelMesh& mesh);
 MeshSource modelSource(const std::string& name, std::size_t triangles);
 
 // The first fields of every report: schema, program, command, machine.

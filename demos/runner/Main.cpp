@@ -22,5 +22,6 @@ int main(int argc, char** argv)
 	clod::demo::addScalingCommand(app);
 	clod::demo::addLevelsCommand(app);
 	clod::demo::addTryCommand(app);
+	clod::demo::addExtremesCommand(app);
 	return clod::cli::runProgram(app, argc, argv);
 }

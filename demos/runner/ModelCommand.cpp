@@ -147,15 +147,19 @@ CLI::Validator between(double low, double high)
 	return CLI::Validator(check, fmt::format("in [{} - {}]", low, high), "between");
 }
 
-MeshSource modelSource(const std::string& name, std::size_t triangles)
+MeshSource meshSource(const std::string& name, const ModelMesh& mesh)
 {
-	const ModelMesh mesh = makeOrFail(name, triangles);
 	const cli::PartialFile file(temporaryDirectory() + "/clod-bench-model.obj");  // never committed
 	const Result<std::size_t> written = writeObj(file.temporaryPath(), mesh);
 	if (!written) throw Failure(ExitCode::failure, written.error());
 	Result<std::vector<std::byte>> bytes = cli::readFile(file.temporaryPath(), kModelSizeLimit);
 	if (!bytes) throw Failure(ExitCode::failure, bytes.error());
 	return {fmt::format("{} ({} triangles)", name, mesh.triangles.size()), ".obj", std::move(bytes.value()), ""};
+}
+
+MeshSource modelSource(const std::string& name, std::size_t triangles)
+{
+	return meshSource(name, makeOrFail(name, triangles));
 }
 
 nlohmann::ordered_json startReport(const std::string& command)

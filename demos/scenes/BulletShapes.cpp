@@ -52,9 +52,34 @@ std::unique_ptr<btConvexHullShape> convexHull(const ModelMesh& mesh, const Vec3&
 	return hull;
 }
 
+namespace
+{
+std::unique_ptr<btCollisionShape> solidOf(const SceneShape& shape, double scale)
+{
+	const btVector3 half = toBullet(shape.halfExtents, scale);
+	if (shape.kind == SceneShape::Kind::box) return std::make_unique<btBoxShape>(half);
+	if (shape.kind == SceneShape::Kind::sphere) return std::make_unique<btSphereShape>(half.x());
+	return std::make_unique<btCylinderShape>(half);
+}
+}  // namespace
+
 PlainShape::PlainShape(const SceneShape& shape, const Vec3& origin, double scale)
 {
-	if (shape.kind == SceneShape::Kind::gimpact)
+	using Kind = SceneShape::Kind;
+	if (shape.kind == Kind::clod) return;
+	if (shape.kind != Kind::hulls && shape.kind != Kind::gimpact && shape.kind != Kind::bvh)
+	{
+		m_shape = solidOf(shape, scale);
+		return;
+	}
+	if (shape.kind == Kind::bvh)
+	{
+		m_mesh = std::make_unique<BulletMesh>(shape.meshes.front(), origin, scale);
+		m_shape = std::make_unique<btBvhTriangleMeshShape>(m_mesh->interface(), true);
+		m_shape->setMargin(btScalar(scale * shape.margin));
+		return;
+	}
+	if (shape.kind == Kind::gimpact)
 	{
 		m_mesh = std::make_unique<BulletMesh>(shape.meshes.front(), origin, scale);
 		auto gimpact = std::make_unique<btGImpactMeshShape>(m_mesh->interface());

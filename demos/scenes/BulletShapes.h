@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Collision shapes that users of Bullet make of a mesh: triangles for GImpact, a convex hull, a compound of hulls.
+// Collision shapes that users of Bullet make of a mesh: triangles for GImpact or a static tree, a convex hull, a compound
+// of hulls; and Bullet's own solids in its place.
 // Compiled once per Bullet precision. Lengths are the meshes' unit; vertices are moved by -origin, then scaled.
 #pragma once
 #include <btBulletCollisionCommon.h>
@@ -31,7 +32,7 @@ ModelMesh convexHullOf(const ModelMesh& mesh);
 // The vertices are one btConvexHullShape.
 std::unique_ptr<btConvexHullShape> convexHull(const ModelMesh& mesh, const Vec3& origin, double scale, double margin);
 
-// A shape of the kinds hulls and gimpact, with all that it points at.
+// A shape of any kind but clod, with all that it points at; of clod none.
 class PlainShape
 {
 public:

@@ -77,6 +77,8 @@ RigidScene::RigidScene(const SceneDefinition& definition, const SceneSettings& s
 {
 	if (m_definition.prepare) m_definition.prepare(m_definition, settings.models);
 	Bullet& bullet = *m_bullet;
+	// Before ours, which GImpact's would overwrite.
+	if (!settings.shapes.empty()) btGImpactCollisionAlgorithm::registerAlgorithm(&bullet.dispatcher);
 	const Result<int> registered = btClodCollisionAlgorithm::registerAlgorithm(&bullet.dispatcher, &bullet.context);
 	if (!registered) throw std::runtime_error(registered.error());
 	bullet.context.worldMetric = settings.metric;
@@ -90,9 +92,7 @@ RigidScene::RigidScene(const SceneDefinition& definition, const SceneSettings& s
 		bullet.shapes.back()->setLocalScaling({scale, scale, scale});
 		bullet.shapes.back()->setMargin(btScalar(definition.world.margin));
 	}
-	const bool hasOthers = !settings.shapes.empty();
-	if (hasOthers) btGImpactCollisionAlgorithm::registerAlgorithm(&bullet.dispatcher);
-	for (std::size_t i = 0; hasOthers && i < settings.models.size(); ++i)
+	for (std::size_t i = 0; i < settings.shapes.size(); ++i)
 		bullet.others.emplace_back(settings.shapes[i], centerOf(*settings.models[i]), definition.info.worldScale);
 	for (std::size_t i = 0; i < m_definition.bodies.size(); ++i) addBody(i);
 }
@@ -134,7 +134,8 @@ void RigidScene::addBody(std::size_t index)
 	btCollisionShape* shape = m_bullet->shapes[model].get();
 	btVector3 inertia(0, 0, 0);
 	if (definition.mass > 0) shape->calculateLocalInertia(btScalar(definition.mass), inertia);
-	if (!m_bullet->others.empty()) shape = &m_bullet->others[model].shape();
+	if (!m_bullet->others.empty() && m_settings.shapes[model].kind != SceneShape::Kind::clod)
+		shape = &m_bullet->others[model].shape();
 	btRigidBody::btRigidBodyConstructionInfo info(btScalar(definition.mass), nullptr, shape, inertia);
 	const Pose start = definition.course ? definition.course(0) : definition.start;
 	info.m_startWorldTransform = bodyTransform(start, centerOf(hierarchyOf(index)), scale);
@@ -156,26 +157,29 @@ void RigidScene::addBody(std::size_t index)
 	body.setUserIndex(int(index));
 	body.setActivationState(DISABLE_DEACTIVATION);
 	m_bullet->world.addRigidBody(&body);
-	for (const WorldJoint& joint : definition.joints) addJoint(body, joint);
+	for (const BodyJoint& joint : definition.joints) addJoint(body, joint);
 }
 
-void RigidScene::addJoint(btRigidBody& body, const WorldJoint& joint)
+void RigidScene::addJoint(btRigidBody& body, const BodyJoint& joint)
 {
 	// A frame at the point whose x axis (of sliders) or z axis (of hinges) is the joint's.
-	const bool isSlider = joint.kind == WorldJoint::Kind::slider;
+	const bool isSlider = joint.kind == BodyJoint::Kind::slider;
 	const btVector3 axis = toBullet(joint.axis).normalized();
 	const btTransform worldFromJoint(shortestArcQuat(isSlider ? btVector3(1, 0, 0) : btVector3(0, 0, 1), axis),
 									 toBullet(joint.point, m_definition.info.worldScale));
+	// To the world is to a body that never moves, whose frame is the world's.
+	btRigidBody& other = joint.partner ? *m_bullet->bodies[*joint.partner] : btTypedConstraint::getFixedBody();
+	const btTransform otherFromJoint = (joint.partner ? other.getWorldTransform().inverse() : btTransform::getIdentity()) * worldFromJoint;
 	const btTransform bodyFromJoint = body.getWorldTransform().inverse() * worldFromJoint;
 	std::unique_ptr<btTypedConstraint> constraint;
-	if (joint.kind == WorldJoint::Kind::ball)
-		constraint = std::make_unique<btPoint2PointConstraint>(body, bodyFromJoint.getOrigin());
-	else if (joint.kind == WorldJoint::Kind::hinge)
-		constraint = std::make_unique<btHingeConstraint>(body, bodyFromJoint);
+	if (joint.kind == BodyJoint::Kind::ball)
+		constraint = std::make_unique<btPoint2PointConstraint>(body, other, bodyFromJoint.getOrigin(), otherFromJoint.getOrigin());
+	else if (joint.kind == BodyJoint::Kind::hinge)
+		constraint = std::make_unique<btHingeConstraint>(body, other, bodyFromJoint, otherFromJoint);
 	else if (isSlider)
-		constraint = std::make_unique<btSliderConstraint>(body, bodyFromJoint, true);
+		constraint = std::make_unique<btSliderConstraint>(body, other, bodyFromJoint, otherFromJoint, true);
 	else
-		constraint = std::make_unique<btGeneric6DofConstraint>(body, bodyFromJoint, true);
+		constraint = std::make_unique<btFixedConstraint>(body, other, bodyFromJoint, otherFromJoint);
 	if (isSlider)
 	{
 		auto& slider = static_cast<btSliderConstraint&>(*constraint);
@@ -215,6 +219,11 @@ void RigidScene::place(const SceneState& state)
 		body.setLinearVelocity(toBullet(state.bodies[i].velocity, scale));
 		body.setAngularVelocity(toBullet(state.bodies[i].turning));
 	}
+}
+
+void RigidScene::setMetric(const ContactMetric& metric)
+{
+	m_settings.metric = m_bullet->context.worldMetric = metric;
 }
 
 Pose RigidScene::poseOf(std::size_t body) const

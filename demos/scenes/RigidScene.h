@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Runs any scene definition in a Bullet world of btClodShapes.
+// Runs any scene definition in a Bullet world, of btClodShapes or of what SceneSettings::shapes says.
 #pragma once
 #include <memory>
 
@@ -17,6 +17,7 @@ public:
 	~RigidScene() override;
 	void step() override;
 	void place(const SceneState& state) override;
+	void setMetric(const ContactMetric& metric) override;
 	SceneState state() const override;
 	std::vector<SceneConstant> constants() const override;
 
@@ -27,7 +28,7 @@ private:
 	void placeCamera();
 	void setUpSolver();
 	void addBody(std::size_t index);
-	void addJoint(btRigidBody& body, const WorldJoint& joint);
+	void addJoint(btRigidBody& body, const BodyJoint& joint);
 	std::vector<BodyPair> nearPairs() const;
 	void addPoints(SceneState& state) const;
 	void addEnergy(SceneState& state) const;

@@ -86,12 +86,18 @@ struct SceneShape
 	enum class Kind
 	{
 		clod,
-		hulls,   // of each mesh's vertices; several are a compound
-		gimpact  // the triangles of the first mesh
+		hulls,    // of each mesh's vertices; several are a compound
+		gimpact,  // the triangles of the first mesh
+		bvh,      // the same, of a body that never moves
+		// Bullet's own solids, centred at the mesh's centre of mass.
+		box,
+		sphere,
+		cylinder  // about y
 	};
 	Kind kind = Kind::clod;
-	std::vector<ModelMesh> meshes;  // none for clod
-	double margin = 0;              // of those others; the meshes' unit
+	std::vector<ModelMesh> meshes;  // of hulls, gimpact and bvh
+	double margin = 0;              // of those three; the meshes' unit
+	Vec3 halfExtents = {};          // of Bullet's solids; a sphere's radius is x
 };
 
 struct SceneSettings
@@ -169,6 +175,8 @@ public:
 	// Bodies to where, and as fast as, another run of the same scene had them after its step: the next step's contacts
 	// are then judged there. Those on a course keep to it.
 	virtual void place(const SceneState& state) = 0;
+	// Of every pair, from the next step on.
+	virtual void setMetric(const ContactMetric& metric) = 0;
 	virtual SceneState state() const = 0;
 	virtual std::vector<SceneConstant> constants() const = 0;
 };

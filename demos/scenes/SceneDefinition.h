@@ -28,8 +28,8 @@ struct WorldConstants : Material
 	int solverIterations = 30;
 };
 
-// Holds a body to the world, where both are at the start.
-struct WorldJoint
+// Holds a body to the world, or to an earlier body, where both are at the start. What it joins may touch.
+struct BodyJoint
 {
 	enum class Kind
 	{
@@ -40,6 +40,7 @@ struct WorldJoint
 	};
 	Kind kind = Kind::fixed;
 	Vec3 point, axis{0, 1, 0};  // of the world
+	std::optional<std::size_t> partner = {};  // the other body; none: the world
 };
 
 struct BodyDefinition
@@ -52,7 +53,7 @@ struct BodyDefinition
 	// An ideal bearing: along and about which axes of the world it is free.
 	Vec3 moves{1, 1, 1}, turns{1, 1, 1};
 	std::optional<Material> material = {};
-	std::vector<WorldJoint> joints = {};
+	std::vector<BodyJoint> joints = {};
 };
 
 struct SceneDefinition

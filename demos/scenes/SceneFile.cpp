@@ -115,7 +115,7 @@ Material materialOf(const Element& element, Material material)
 	return material;
 }
 
-WorldJoint jointOf(const Element& element)
+BodyJoint jointOf(const Element& element)
 {
 	element.allow({"kind", "point", "axis"});
 	constexpr const char* kKinds[] = {"fixed", "ball", "hinge", "slider"};
@@ -124,8 +124,8 @@ WorldJoint jointOf(const Element& element)
 	const auto found = std::find(kinds.begin(), kinds.end(), kind);
 	if (found == kinds.end())
 		element.member("kind").refuse(fmt::format("'{}' is no joint{}", kind, cli::didYouMean(kind, kinds)));
-	WorldJoint joint;
-	joint.kind = WorldJoint::Kind(found - kinds.begin());
+	BodyJoint joint;
+	joint.kind = BodyJoint::Kind(found - kinds.begin());
 	joint.point = element.member("point").vector();
 	element.read("axis", joint.axis);
 	if (!(length(joint.axis) > 0)) element.member("axis").refuse("has no length");

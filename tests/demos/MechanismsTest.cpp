@@ -231,4 +231,34 @@ TEST(MechanismEnergy, IsTheSameAllAlongAFreeSwing)
 	}
 	EXPECT_GT(kinetic, 0.5 * kMass * kGravity * reach);
 }
+
+// Two blocks in free flight, the second thrown and turning: joined to the world or to the first, at a point beside both.
+TEST(Joints, LeaveFreeOnlyWhatTheirKindSays)
+{
+	const Vec3 point{0.02, 0, 0}, axis{0, 0, 1};
+	for (const bool isToBody : {false, true})
+		for (const auto kind : {BodyJoint::Kind::fixed, BodyJoint::Kind::ball, BodyJoint::Kind::hinge, BodyJoint::Kind::slider})
+		{
+			SceneDefinition definition = loneBlock();
+			definition.gravity = [](double) { return Vec3{}; };
+			definition.info.bodies.push_back({"other", 0, false});
+			definition.bodies.push_back({0.25, {{0.05, 0, 0}}, {}, {0.1, 0.2, 0.3}, {1, 2, 3}});
+			definition.bodies[1].joints = {{kind, point, axis, {}}};
+			if (isToBody) definition.bodies[1].joints[0].partner = 0;
+			const auto scene = makeScene(definition, settingsOf(definition.info));
+			const std::vector<BodyState> before = scene->state().bodies;
+			for (int step = 0; step < 240; ++step) scene->step();
+			const std::vector<BodyState> after = scene->state().bodies;
+			const auto moved = [&](std::size_t body)
+			{ return toTransform(after[body].pose) * inverse(toTransform(before[body].pose)); };
+			const Transform frame = isToBody ? moved(0) : Transform{}, motion = inverse(frame) * moved(1);
+			const Vec3 shift = motion * point - point, turnedAxis = motion.rotation * axis;
+			const bool turns = length(motion.rotation * Vec3{1, 0, 0} - Vec3{1, 0, 0}) > 0.05;
+			const bool leans = length(turnedAxis - axis) > 0.05, slides = length(shift) > 0.001;
+			const std::string what = std::to_string(int(kind)) + (isToBody ? " to a body" : " to the world");
+			EXPECT_EQ(turns, kind == BodyJoint::Kind::ball || kind == BodyJoint::Kind::hinge) << what;
+			EXPECT_EQ(leans, kind == BodyJoint::Kind::ball) << what;
+			EXPECT_EQ(slides, kind == BodyJoint::Kind::slider) << what << " " << length(shift);
+		}
+}
 }  // namespace

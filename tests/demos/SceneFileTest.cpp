@@ -75,7 +75,7 @@ TEST(SceneFile, ReadsWhatIsThere)
 	EXPECT_EQ(body.material->spinningFriction, 0.4);
 	EXPECT_EQ(body.material->restitution, 0.5);
 	ASSERT_EQ(body.joints.size(), 1u);
-	EXPECT_EQ(body.joints[0].kind, WorldJoint::Kind::slider);
+	EXPECT_EQ(body.joints[0].kind, BodyJoint::Kind::slider);
 	EXPECT_EQ(body.joints[0].point, (Vec3{1, 1, 1}));
 	EXPECT_EQ(body.joints[0].axis, (Vec3{1, 0, 0}));
 }

@@ -28,7 +28,8 @@ struct WorldFrame
 	std::uint32_t levelA = 0, levelB = 0;
 	double breakingThreshold = 0;  // world length
 	double timeStep = 0;           // 0: points are for the poses as they are
-	double pushSpeed = 0;           // at which an overlap is left at most, world lengths a second
+	double pushSpeed = 0;           // at which an overlap is left at most, world lengths a second,
+	double switchSpeed = 0;         // and one that came with a change of level
 };
 
 // What is set of a point besides what its place and the materials make of it.
@@ -57,6 +58,9 @@ public:
 	// poses, materials, a threshold, a point missing, moved or edited; and wherever gContactAddedCallback, stiffness,
 	// damping, friction anchors or a result of the caller's own want points to be added.
 	bool keep(HeldClusters& written, const WorldFrame& frame, btManifoldResult& out);
+	// The same where bodies have moved by less than the points' places can tell: these stay on both bodies, their
+	// distances are those between them, and friction holds them where they are (anchors).
+	bool follow(HeldClusters& written, const WorldFrame& frame, btManifoldResult& out);
 	// Has the solver given one of their points an impulse?
 	bool carry() const;
 	// Copies last step's impulses from the solver into the set that was written last.
@@ -106,7 +110,10 @@ private:
 		Transform worldFromA;
 		double scale = 1, breakingThreshold = 0;
 	};
+	static bool isOf(const Ground& ground, const WorldFrame& frame);
 	static bool isOn(const Ground& ground, const WorldFrame& frame);
+	bool isAsLeft(const WorldFrame& frame, const btManifoldResult& out) const;
+	void refresh(std::size_t slot, HeldClusters& written, btManifoldResult& out);
 	bool mayKeep(const WorldFrame& frame, const btManifoldResult& out) const;
 	void beginWrite(const ClusterSet& clusters);
 	bool openSlot(int index, const ContactCluster& cluster, const WorldFrame& frame, btManifoldResult& out);

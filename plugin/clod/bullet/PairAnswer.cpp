@@ -125,7 +125,8 @@ void PairState::askPartner(const PairPose& pose)
 void PairState::answer(const PairPose& pose, const Question& question)
 {
 	const Clock::time_point start = Clock::now();
-	bool goesOn = pose.prediction == Prediction::kSolved;
+	bool goesOn = pose.prediction == Prediction::kSolved && !m_isFollowing;
+	m_isFollowing = false;
 	if (pose.isOfTwo())
 		ask(pose, question);
 	else if (!goesOn || pose.tolerance > m_foreseen.tolerance)
@@ -165,9 +166,9 @@ void PairState::findPoints(const PairPose& pose, bool goesOn)
 	m_foreseen.motion = facets.expectedMotion();
 	next.clear();
 	facets.reduce(previous, next);
-	for (ContactCluster& cluster : next.slots)
-		for (int i = 0; pose.partner != Partner::kClod && i < cluster.count; ++i)
-			namePartnerFace(pose, cluster.points[std::size_t(i)].point);
+	for (std::size_t slot = 0; pose.partner != Partner::kClod && slot < next.slots.size(); ++slot)
+		for (std::size_t i = 0; i < std::size_t(next.slots[slot].count); ++i)
+			if (!facets.isHeld(slot, i)) namePartnerFace(pose, next.slots[slot].points[i].point);
 	hold(next);
 }
 

@@ -55,7 +55,8 @@ void setSolverTerms(const ContactPoint& point, const WorldFrame& frame, btManifo
 {
 	const double dt = frame.timeStep, height = point.height * frame.scale, bend = point.bend * frame.scale;
 	if (!(dt > 0)) return;
-	const double row = velocityRow(height, bend);
+	const double slow = point.slowOverlap * frame.scale;
+	const double row = velocityRow(height + slow, bend);
 	// Positions leave an overlap by more than the path bends into it, or velocities have to answer for both: at most twice
 	// what the bend itself asks for.
 	const bool isDepth = height < 0 && -bend < kDepthShare * -height;
@@ -64,7 +65,8 @@ void setSolverTerms(const ContactPoint& point, const WorldFrame& frame, btManifo
 		// As much a second whatever the step.
 		const double share = std::min(kMostDepthShare, 1 - std::pow(1 - kDepthShare, dt / kDepthStep));
 		written.m_distance1 = btScalar(height);
-		setErp(std::min(std::max(kDepthShare, share), frame.pushSpeed * dt / -height), written);
+		const double left = std::min(std::max(kDepthShare, share) * (-height - slow), frame.pushSpeed * dt);
+		setErp((left + std::min(slow, frame.switchSpeed * dt)) / -height, written);
 	}
 	else if (row >= 0)
 		written.m_distance1 = btScalar(row);

@@ -23,6 +23,8 @@ struct ContactPoint
 	Vec3 normal;              // unit, from B to A
 	double height = 0;        // signed distance of the surfaces grown by the margin; negative is penetration
 	double bend = 0;  // height at the end of the step, less what the first order of the motion makes of this one
+	double slowOverlap = 0;  // of a penetration, what came with a change of level: it is left at switchSpeed()
+	double idle = 0;         // seconds since a point whose level is no longer asked for carried last
 	std::uint64_t feature = 0;  // the two features that make it, hashed
 	std::uint32_t nodeA = 0, nodeB = 0;
 	std::uint32_t faceA = kNone, faceB = kNone;  // global face indices; kNone where there is none (a plane)

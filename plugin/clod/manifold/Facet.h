@@ -30,7 +30,8 @@ struct Facet
 		kVertexEdge,
 		kEdgeVertex,
 		kVertexVertex,
-		kDeep  // no facet, but a way out (DeepOverlap.h)
+		kDeep,  // no facet, but a way out (DeepOverlap.h)
+		kHeld   // of levels no longer asked for: a point of the last step that goes on (LevelSwitch.h)
 	};
 	enum class Reach : std::uint8_t  // what says more comes first
 	{
@@ -48,6 +49,13 @@ struct Facet
 	double then;            // at the end of the step if nothing intervened, of the same facet
 	double linear;          // what the motion closes by, to first order: negative closes
 	double multiplier = 0;  // of the pair's own solve, an impulse
+	double slowOverlap = 0;  // of what lies below the margin: came with a change of level, and is left slowly
+	// What makes it, hashed.
+	std::uint64_t feature() const
+	{
+		return (std::uint64_t(featureA) * 0x9E3779B97F4A7C15u ^ featureB) * 0xD6E8FEB86659FD93u +
+			   (std::uint64_t(kind) << 8 | levelA << 4 | levelB);
+	}
 	double curvature() const { return then - distance - linear; }  // what the first order misses
 };
 

@@ -28,9 +28,8 @@ void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Trans
 	m_facets.clear();
 	if (goesOn) m_facets = memory.reduced;
 	m_facets.erase(std::remove_if(m_facets.begin(), m_facets.end(),
-								  [](const Facet& f) { return f.kind == Facet::Kind::kDeep; }),
+								  [](const Facet& f) { return f.kind == Facet::Kind::kDeep || f.kind == Facet::Kind::kHeld; }),
 				   m_facets.end());
-	if (contacts.empty() && !isDeep && m_facets.empty()) return memory.forget();
 	m_question = {a,
 				  b,
 				  aFromB,
@@ -40,6 +39,8 @@ void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Trans
 	m_finder.find(m_question, contacts, m_facets);
 	m_choice.choose(m_question, m_facets);
 	answerDepth(contacts, isDeep, previous);
+	m_switch.apply(m_question, contacts, memory.reduced, previous, goesOn, memory.levels, m_facets);
+	if (m_facets.empty() && !memory.isDeep()) return memory.forget();
 	m_solve.solve(m_question, m_facets);
 	m_expected = m_solve.motion();
 }
@@ -120,6 +121,7 @@ void FacetContacts::nameFaces(const Facet& facet, const Transform& bFromA, Conta
 			faceA = a.faceOfVertex(facet.featureA);
 			faceB = b.faceOfVertex(facet.featureB);
 			break;
+		case Facet::Kind::kHeld: return;
 		case Facet::Kind::kDeep:
 			if (b.isCore()) faceB = kNone;
 			break;
@@ -130,14 +132,15 @@ void FacetContacts::nameFaces(const Facet& facet, const Transform& bFromA, Conta
 
 ContactPoint FacetContacts::pointOf(const Facet& facet) const
 {
-	ContactPoint point;
+	ContactPoint point = facet.kind == Facet::Kind::kHeld ? m_switch.pointOf(facet) : ContactPoint{};
 	point.pointOnA = facet.onA - m_question.rules.radiusA * facet.normal;
 	point.pointOnB = facet.onB + m_question.rules.radiusB * facet.normal;
 	point.normal = facet.normal;
 	point.height = facet.distance - m_question.rules.margin;
 	point.bend = facet.curvature();
-	point.feature = (std::uint64_t(facet.featureA) * 0x9E3779B97F4A7C15u ^ facet.featureB) * 0xD6E8FEB86659FD93u +
-					(std::uint64_t(facet.kind) << 8 | facet.levelA << 4 | facet.levelB);
+	point.slowOverlap = facet.slowOverlap;
+	if (facet.kind == Facet::Kind::kHeld) return point;
+	point.feature = facet.feature();
 	point.nodeA = facet.nodeA;
 	point.nodeB = facet.nodeB;
 	return point;

@@ -10,6 +10,7 @@
 #include "clod/manifold/DeepOverlap.h"
 #include "clod/manifold/FacetChoice.h"
 #include "clod/manifold/FacetFinder.h"
+#include "clod/manifold/LevelSwitch.h"
 #include "clod/manifold/PairSolve.h"
 
 namespace clod
@@ -18,6 +19,7 @@ namespace clod
 struct FacetMemory
 {
 	std::vector<Facet> reduced;  // those that the solver got
+	SwitchMemory levels;
 	Vec3 wayOut;                 // while there is a depth that no facet answers: the points say nothing of it but this
 	bool isDeep() const { return wayOut != Vec3{}; }
 	// The bodies were put elsewhere, or are others.
@@ -39,6 +41,11 @@ public:
 	std::size_t size() const { return m_facets.size(); }
 	// Of those found last, the ones a solver gets. previous: with placeWithB (carryWithB), and impulses.
 	void reduce(const ClusterSet& previous, ClusterSet& next);
+	// Does a point of the reduced set go on as it was named?
+	bool isHeld(std::size_t slot, std::size_t point) const
+	{
+		return m_facets[m_reducer.facetOf(slot, point)].kind == Facet::Kind::kHeld;
+	}
 
 private:
 	ContactPoint pointOf(const Facet& facet) const;
@@ -51,6 +58,7 @@ private:
 	std::vector<ContactPoint> m_points;
 	FacetFinder m_finder;
 	FacetChoice m_choice;
+	LevelSwitch m_switch;
 	DeepOverlap m_deep;
 	RelativeMotion m_expected;
 	PairSolve m_solve;

@@ -10,7 +10,7 @@ namespace
 {
 constexpr int kPasses = 3;
 constexpr int kSweeps = 12;
-constexpr double kMostTurn = 0.2;  // radians a step: the farther beyond, the less the second order says of an arc  // radians a step: beyond, an arc's second order says little of it
+constexpr double kMostTurn = 0.2;  // radians a step: the farther beyond, the less the second order says of an arc
 constexpr double kHolds = 0.25;  // sine of the least slope that may hold a body against a force: a steeper one is a wall
 
 Transform movedBy(const PairBody& body, const Transform& pose, double timeStep)
@@ -144,7 +144,7 @@ void PairSolve::sweep(const FacetQuestion& question, const std::vector<Facet>& f
 			if (facets[i].reach == Facet::Reach::kPossible) continue;
 			const Row& row = m_rows[i];
 			const double wanted =
-				-velocityRow(facets[i].distance - question.rules.margin, facets[i].curvature()) / question.rules.timeStep;
+				-velocityRow(facets[i].distance - question.rules.margin + facets[i].slowOverlap, facets[i].curvature()) / question.rules.timeStep;
 			const double speed = dot(row.normal, m_a.linear - m_b.linear) + dot(row.turnA, m_a.angular) -
 								 dot(row.turnB, m_b.angular);
 			const double old = m_multipliers[i];
@@ -202,7 +202,7 @@ void PairSolve::solve(const FacetQuestion& question, std::vector<Facet>& facets)
 			facet.linear = question.rules.timeStep * (dot(row.normal, m_a.linear - m_b.linear) + dot(row.turnA, m_a.angular) -
 											  dot(row.turnB, m_b.angular));
 			facet.then = facet.distance + facet.linear;
-			if (facet.kind == Facet::Kind::kDeep) continue;
+			if (facet.kind == Facet::Kind::kDeep || facet.kind == Facet::Kind::kHeld) continue;
 			facet.then = distanceAt(question, facet, after, back);
 			// A normal turns no faster than the bodies, but that of two edges all but parallel, and of a round corner.
 			const double most = bendBound(question.rules, facet);

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Zlib
+#include "clod/manifold/LevelSwitch.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace clod
+{
+namespace
+{
+constexpr double kSwitchShare = 1e-4;  // of the speed of a fall by the length: at most ten times of it is added to a motion
+constexpr double kBesideShare = 0.01;  // of the length: so far a point that goes on may have slid
+constexpr double kStillShare = 1e-5;   // of the length a step: bodies hardly move, and nothing is lost by their motion
+constexpr double kIdle = 0.1;          // seconds that a point goes on without a load: loads wander between points
+}  // namespace
+
+double switchSpeed(const PointRules& rules)
+{
+	const double pull = rules.timeStep > 0 ? std::max(length(rules.a.force), length(rules.b.force)) / rules.timeStep : 0;
+	return kSwitchShare * std::sqrt(std::max(pull, rules.length) * rules.length);
+}
+
+// Between the places of last step's point, as they are now; margins taken off.
+bool LevelSwitch::goOn(const FacetQuestion& question, const ClusterPoint& old, Facet& facet)
+{
+	const PointRules& rules = question.rules;
+	const ContactPoint& point = old.point;
+	const Vec3 onB = old.placeWithB - dot(point.normal, point.pointOnA - point.pointOnB) * old.normalWithB;
+	const double gap = dot(point.normal, point.pointOnA - onB);
+	const double most = kBesideShare * question.length();
+	if (lengthSquared(point.pointOnA - onB - gap * point.normal) > most * most) return false;
+	const double height = gap + rules.radiusA + rules.radiusB - rules.margin;
+	facet.kind = Facet::Kind::kHeld;
+	facet.reach = Facet::Reach::kNear;
+	facet.featureA = facet.featureB = std::uint32_t(m_points.size());
+	facet.normal = point.normal;
+	facet.onA = point.pointOnA + rules.radiusA * point.normal;
+	facet.onB = onB - rules.radiusB * point.normal;
+	facet.distance = facet.then = rules.margin + std::max(height, switchSpeed(rules) * rules.timeStep);
+	facet.linear = facet.multiplier = facet.slowOverlap = 0;
+	m_points.push_back(point);
+	m_points.back().pointOnB = onB;
+	return true;
+}
+
+void LevelSwitch::apply(const FacetQuestion& question, const std::vector<Contact>& contacts,
+						const std::vector<Facet>& reduced, const ClusterSet& previous, bool stays, SwitchMemory& memory,
+						std::vector<Facet>& facets)
+{
+	m_points.clear();
+	m_asked.clear();
+	for (const Contact& contact : contacts)
+	{
+		const SwitchMemory::Levels levels = {question.a.levelOf(contact.nodeA), question.b.levelOf(contact.nodeB)};
+		if (std::find(m_asked.begin(), m_asked.end(), levels) == m_asked.end()) m_asked.push_back(levels);
+	}
+	const auto isAmong = [](const std::vector<SwitchMemory::Levels>& asked, const Facet& facet)
+	{ return std::find(asked.begin(), asked.end(), SwitchMemory::Levels{facet.levelA, facet.levelB}) != asked.end(); };
+
+	double deepest = 0, fresh = 0;  // overlaps; fresh: of levels that were not asked for
+	for (const Facet& facet : facets)
+	{
+		if (facet.kind == Facet::Kind::kDeep) continue;
+		const double overlap = question.rules.margin - facet.distance;
+		deepest = std::max(deepest, overlap);
+		if (!memory.asked.empty() && !isAmong(memory.asked, facet)) fresh = std::max(fresh, overlap);
+	}
+	const std::size_t found = facets.size();
+	const double still = kStillShare * question.length();
+	double before = 0;
+	std::size_t next = 0;
+	for (const ContactCluster& cluster : previous.slots)
+		for (int i = 0; i < cluster.count && next < reduced.size(); ++i)
+		{
+			const ClusterPoint& old = cluster.points[std::size_t(i)];
+			Facet facet = reduced[next++];
+			if (facet.kind != Facet::Kind::kHeld) before = std::max(before, -old.point.height);
+			const bool wasHeld = facet.kind == Facet::Kind::kHeld;
+			const bool mayGoOn = wasHeld ? old.impulse > 0 || old.point.idle < kIdle : old.impulse > 0;
+			const auto isLost = [&]
+			{
+				if (!isAmong(m_asked, facet)) return true;
+				if (lengthSquared(old.placeWithB - old.point.pointOnA) > still * still) return false;
+				return std::none_of(facets.begin(), facets.begin() + std::ptrdiff_t(found),
+									[&](const Facet& f) { return f.feature() == old.point.feature; });
+			};
+			const bool goesOn = stays ? wasHeld : mayGoOn && facet.kind != Facet::Kind::kDeep && isLost();
+			if (!goesOn || !goOn(question, old, facet)) continue;
+			facets.push_back(facet);
+			m_points.back().idle = old.impulse > 0 ? 0 : old.point.idle + (stays ? 0 : question.rules.timeStep);
+		}
+	memory.goesOn = !m_points.empty();
+	if (!stays) memory.overlap = std::min(deepest, std::max(memory.overlap, fresh - before));
+	memory.asked = m_asked;
+	for (Facet& facet : facets)
+		if (facet.kind != Facet::Kind::kDeep)
+			facet.slowOverlap = std::max(0.0, std::min(question.rules.margin - facet.distance, memory.overlap));
+}
+}  // namespace clod

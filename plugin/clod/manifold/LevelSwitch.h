@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Zlib
+// What a change of level leaves behind. Another level's surface lies elsewhere, by no motion of the bodies: where it lies
+// back they would fall, where it lies forward they would be thrust apart. So points that carried go on where their level is
+// no longer asked for, and let the bodies down slowly until the new surface carries; and the overlap that came with the
+// new one is left as slowly.
+#pragma once
+#include <vector>
+
+#include "clod/manifold/Facet.h"
+#include "clod/query/Query.h"
+
+namespace clod
+{
+// Of a pair, from step to step.
+struct SwitchMemory
+{
+	struct Levels
+	{
+		std::uint32_t a, b;
+		bool operator==(const Levels& other) const { return a == other.a && b == other.b; }
+	};
+	std::vector<Levels> asked;  // of the last dispatch
+	double overlap = 0;         // came with a change of level, and is left slowly,
+	bool goesOn = false;        // or points go on
+	bool isChanging() const { return goesOn || overlap > 0; }
+};
+
+// For any number of pairs, one after the other.
+class LevelSwitch
+{
+public:
+	// Appends to the facets those of `reduced`, which the solver got last, that go on; their points are `previous` (with
+	// carryWithB, and impulses). stays: nothing but the motion of the rules has changed.
+	void apply(const FacetQuestion& question, const std::vector<Contact>& contacts, const std::vector<Facet>& reduced,
+			   const ClusterSet& previous, bool stays, SwitchMemory& memory, std::vector<Facet>& facets);
+	// Of a facet of kind kHeld, as last written.
+	const ContactPoint& pointOf(const Facet& held) const { return m_points[held.featureA]; }
+
+private:
+	bool goOn(const FacetQuestion& question, const ClusterPoint& old, Facet& facet);
+
+	std::vector<SwitchMemory::Levels> m_asked;
+	std::vector<ContactPoint> m_points;
+};
+
+// Length a second at which bodies are let down, or leave an overlap that came with a level.
+double switchSpeed(const PointRules& rules);
+}  // namespace clod

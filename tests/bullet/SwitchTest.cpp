@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Bodies at rest whose level of detail is changed again and again: they neither jump nor fall.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "clod/bullet/ConfigureWorld.h"
+#include "tests/bullet/BulletWorld.h"
+#include "tests/query/Bodies.h"
+
+namespace clod::test
+{
+namespace
+{
+// A body on another, or on the ground, let come to rest; in units of the speed of a fall by its radius.
+class Resting
+{
+public:
+	enum class Ground
+	{
+		kPlane,
+		kMesh,
+		kBody
+	};
+	Resting(const std::string& upper, Ground ground, const std::string& lower = {}, double size = 1)
+	{
+		configureWorld(m_scene.world);
+		if (ground == Ground::kBody)
+			m_scene.addBody(shapeOf(lower, 1), 0, {});
+		else if (ground == Ground::kPlane)
+			m_scene.addBody(m_scene.add(std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), btScalar(0))), 0, {});
+		else
+		{
+			for (int i = 0; i < 8; ++i)
+				for (int j = 0; j < 8; ++j)
+				{
+					const auto corner = [&](int x, int z) { return btVector3(btScalar(i + x - 4), 0, btScalar(j + z - 4)); };
+					m_triangles.addTriangle(corner(0, 0), corner(0, 1), corner(1, 0));
+					m_triangles.addTriangle(corner(1, 1), corner(1, 0), corner(0, 1));
+				}
+			m_scene.addBody(m_scene.add(std::make_unique<btBvhTriangleMeshShape>(&m_triangles, true)), 0, {});
+		}
+		m_radius = size;
+		m_body = &m_scene.addBody(shapeOf(upper, size), 1, {0, 1, 0}, btQuaternion(btVector3(1, 0, 0), btScalar(0.2)));
+		choose(true);
+		m_scene.step(480);
+		m_body->setDamping(btScalar(0.99), btScalar(0.99));
+		m_scene.step(1440);
+		m_body->setDamping(0, 0);
+		m_scene.step(480);
+	}
+	void choose(bool isFine)
+	{
+		m_scene.context.worldMetric = isFine ? ContactMetric::exactly() : ContactMetric::deviationShare(0.035);
+	}
+	double speed() const
+	{
+		return (double(m_body->getLinearVelocity().length()) + m_radius * double(m_body->getAngularVelocity().length())) /
+			   std::sqrt(9.81 * m_radius);
+	}
+	double height() const { return heightOf(*m_body) / m_radius; }
+	std::uint32_t coarsestLevel() const
+	{
+		std::uint32_t level = 0;
+		m_scene.context.forEachPair([&](const PairReport& pair) { level = pair.result->stats.coarsestLevel; });
+		return level;
+	}
+	void step() { m_scene.step(); }
+
+private:
+	btClodShape& shapeOf(const std::string& name, double size)
+	{
+		btClodShape& shape = m_scene.addShape(body(name).hierarchy);
+		const btScalar scale = btScalar(size / double(shape.hierarchy().asset().radius));
+		shape.setLocalScaling({scale, scale, scale});
+		return shape;
+	}
+	BulletWorld m_scene;
+	btTriangleMesh m_triangles;
+	btRigidBody* m_body = nullptr;
+	double m_radius = 1;
+};
+}  // namespace
+
+TEST(LevelSwitch, BodiesAtRestNeitherJumpNorFall)
+{
+	for (const int which : {0, 1, 2, 3, 4})
+	{
+		Resting scene = which == 0	 ? Resting("torus-900", Resting::Ground::kPlane)
+						: which == 1 ? Resting("cup-3000", Resting::Ground::kPlane)
+						: which == 2 ? Resting("torus-900", Resting::Ground::kBody, "cup-3000", 0.5)
+						: which == 3 ? Resting("torus-900", Resting::Ground::kMesh)
+									 : Resting("cup-3000", Resting::Ground::kMesh);
+		ASSERT_LT(scene.speed(), 2e-4) << which;
+		for (const int every : {1, 2, 7, 60})
+		{
+			int switches = 0;
+			std::uint32_t level = 0;
+			double fastest = 0;
+			for (int i = 0; i < 240; ++i)
+			{
+				scene.choose(i / every % 2 != 0);
+				scene.step();
+				fastest = std::max(fastest, scene.speed());
+				switches += scene.coarsestLevel() != level ? 1 : 0;
+				level = scene.coarsestLevel();
+			}
+			EXPECT_GE(switches, 240 / every / 2) << which << ", every " << every;
+			EXPECT_LT(fastest, 1e-3) << which << ", every " << every;
+		}
+	}
+}
+
+// The surface that is asked for is reached in the end.
+TEST(LevelSwitch, ABodyIsLetDownOntoTheSurfaceThatIsAskedFor)
+{
+	Resting scene("cup-3000", Resting::Ground::kPlane);
+	const double fine = scene.height();
+	scene.choose(false);
+	for (int i = 0; i < 2400; ++i) scene.step();
+	const double coarse = scene.height();
+	EXPECT_GT(coarse - fine, 1e-4);
+	scene.choose(true);
+	for (int i = 0; i < 2400; ++i) scene.step();
+	EXPECT_NEAR(scene.height(), fine, 1e-5);
+}
+}  // namespace clod::test
