@@ -177,7 +177,7 @@ std::vector<Row> chosenRows(std::vector<Row> rows, const MatrixOptions& options)
 	for (Row& row : rows)
 	{
 		ids.push_back(row.id);
-		if (options.only.empty() ? options.isQuick && !row.isQuick : options.only != row.id) continue;
+		if (options.only.empty() ? options.isQuick && row.isSlow : options.only != row.id) continue;
 		if (options.isQuick)
 		{
 			if (!row.cases.empty()) row.cases.resize(1);

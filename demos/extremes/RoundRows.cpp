@@ -188,11 +188,11 @@ std::vector<Row> roundRows()
 					{{"period", "share", {0.02, 1}}, {"amplitude lost", "share", {0.05, 2}}, {"amplitude gained", "share", {0.01, 1}}},
 					ballInBowl,
 					{{"facets brake it, as in A5", anyRun, "amplitude lost"},
-					 {"facets change its period by some per cent; at 1/60 s and on coarse levels it may stop on one", anyRun, "period"}}});
+					 {"facets change its period by some per cent; at 1/60 s and on coarse levels it may stop on one", anyRun, "period"}}, true});
 	rows.push_back({"A14", "a torus swings on a round peg", "2 pi sqrt((a - rho) (1 + I / m a^2) / g), for 20 degrees", "",
 					triangles({960, 1920}), kGimpactRates,
 					{{"period", "share", {0.02, 1}}, {"amplitude gained", "share", {0.01, 1}}}, torusOnPeg,
-					{{"coarse levels have coarse facets", coarseLevels, ""}}});
+					{{"coarse levels have coarse facets", coarseLevels, ""}}, true});
 	rows.push_back({"A17", "a puck slides half round a tube", "v exp(-mu angle); of a polygon v (cos - mu sin)^sides", "",
 					sides({48, 192}), kAnalyticRates, {{"speed", "share", {0.05, 1}}, {"beside a polygon's", "share", {0.05, 1}}}, puckInTube});
 	rows.push_back({"A20", "a coin rolls on its rim", "its energy never rises", "", {}, kAnalyticRates,
