@@ -63,6 +63,10 @@ struct BuildConfig
 // Called with a phase name and a fraction in [0,1]; returns false to cancel (the build then throws Cancelled).
 using Progress = std::function<bool(const char* phase, double fraction)>;
 struct Cancelled {};
+inline void report(const Progress& progress, const char* phase, double fraction)
+{
+	if (progress && !progress(phase, fraction)) throw Cancelled{};
+}
 
 // Convex surface decomposition, filtered edge collapses, merging, LOD cuts (paper sec. 4.2; method 1 to 3.2).
 LodSequence buildLods(const Mesh& input, const BuildConfig& config, const Progress& progress);

@@ -24,7 +24,7 @@ if(CMAKE_CROSSCOMPILING)
 endif()
 set(pages "")
 foreach(tool IN LISTS CLOD_TOOLS)
-	set(page ${PROJECT_BINARY_DIR}/man/${tool}.1)
+	set(page ${PROJECT_BINARY_DIR}/man/${tool}.1.gz)
 	add_custom_command(OUTPUT ${page} DEPENDS ${tool} ${PROJECT_SOURCE_DIR}/scripts/man-page
 		COMMAND ${PROJECT_SOURCE_DIR}/scripts/man-page $<TARGET_FILE:${tool}> ${page} VERBATIM)
 	list(APPEND pages ${page})

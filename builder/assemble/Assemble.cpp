@@ -39,7 +39,7 @@ Assembler::Assembler(const Mesh& input, const BuildConfig& config, const Progres
 
 void Assembler::report(const char* phase, double fraction) const
 {
-	if (m_progress && !m_progress(phase, fraction)) throw Cancelled{};
+	builder::report(m_progress, phase, fraction);
 }
 
 void Assembler::add(Lod&& lod)
@@ -293,7 +293,7 @@ HierarchyContent assembleHierarchy(LodSequence lods, const BuildConfig& config, 
 	Assembler assembler(lods.lods.front().mesh, config, progress, threads);
 	for (std::size_t level = 0; level < count; ++level)
 	{
-		if (progress && !progress("certify", double(level) / double(count))) throw Cancelled{};
+		report(progress, "certify", double(level) / double(count));
 		assembler.add(std::move(lods.lods[level]));
 	}
 	return assembler.finish();

@@ -92,8 +92,18 @@ void checkOutput(const std::string& path)
 	if (!problem.empty()) throw Failure(ExitCode::failure, problem);
 }
 
+Progress progressOn(cli::Progress& bar)
+{
+	return [&bar](const char* phase, double fraction)
+	{
+		bar.update(phase, fraction);
+		return true;
+	};
+}
+
 Repaired readSolid(const BuildOptions& options)
 {
+	cli::Progress bar(options.quiet);
 	try
 	{
 		Soup soup = readMesh(options.mesh);
@@ -104,7 +114,7 @@ Repaired readSolid(const BuildOptions& options)
 		mending.repair = options.repair;
 		if (options.maxMove) mending.maxMove = options.maxMove->inMeshUnit(radius);
 		if (options.wrap) mending.wrap = options.wrap->inMeshUnit(radius);
-		return solidOf(soup, mending);
+		return solidOf(soup, mending, progressOn(bar));
 	}
 	catch (const Refused& refused)
 	{
@@ -145,12 +155,7 @@ HierarchyContent buildContent(const Intake& solid, const BuildOptions& options)
 	config.threads = options.threads;
 	config.seed = options.seed;
 	cli::Progress bar(options.quiet);
-	const Progress progress = [&bar](const char* phase, double fraction)
-	{
-		bar.update(phase, fraction);
-		return true;
-	};
-	return buildAsset(solid, config, progress);
+	return buildAsset(solid, config, progressOn(bar));
 }
 
 void run(const BuildOptions& options)

@@ -13,10 +13,10 @@ double radiusOf(const Soup& soup)
 	return used.empty() ? 0 : boundingSphere(used).radius;
 }
 
-Repaired solidOf(const Soup& soup, const Mending& mending)
+Repaired solidOf(const Soup& soup, const Mending& mending, const Progress& progress)
 {
-	if (mending.wrap) return wrapAround(soup, *mending.wrap);
-	if (mending.repair) return repair(soup, mending.maxMove ? *mending.maxMove : kMaxMove * radiusOf(soup));
+	if (mending.wrap) return wrapAround(soup, *mending.wrap, progress);
+	if (mending.repair) return repair(soup, mending.maxMove ? *mending.maxMove : kMaxMove * radiusOf(soup), progress);
 	Repaired asItIs;
 	asItIs.solid = intake(soup);
 	return asItIs;

@@ -19,8 +19,8 @@ inline constexpr double kMaxMove = 0.25;  // of the radius: more is another shap
 // Of the bounding sphere of what faces use, coordinates that are no numbers left out.
 double radiusOf(const Soup& soup);
 
-// The solid to build. Throws Refused.
-Repaired solidOf(const Soup& soup, const Mending& mending);
+// The solid to build. Throws Refused, Cancelled.
+Repaired solidOf(const Soup& soup, const Mending& mending, const Progress& progress);
 
 // The hierarchy with mass properties, the body's place in the file's frame, and the number of components. Throws
 // Cancelled.

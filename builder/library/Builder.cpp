@@ -2,6 +2,7 @@
 #include "clod/builder/Builder.h"
 
 #include <algorithm>
+#include <cmath>
 #include <new>
 
 #include "builder/intake/FileFrame.h"
@@ -24,15 +25,39 @@ Soup soupOf(const TriangleMesh& mesh)
 	return soup;
 }
 
+constexpr unsigned kMostThreads = 1024;
+
+std::string problemOf(const Options& options)
+{
+	const auto isLength = [](double length) { return length >= 0 && std::isfinite(length); };
+	if (options.threads > kMostThreads)
+		return std::to_string(options.threads) + " threads, at most " + std::to_string(kMostThreads);
+	if (!isLength(options.maxMove)) return "maxMove is not a length";
+	if (!isLength(options.wrap)) return "wrap is not a length";
+	if (options.wrap > 0 && options.repair) return "a wrap stands for a repair: one of the two";
+	if (options.maxMove > 0 && !options.repair) return "maxMove is of a repair";
+	return "";
+}
+
 // Names that convert() takes for granted.
 std::string problemOf(const FileOptions& options)
 {
+	std::string problem = problemOf(static_cast<const Options&>(options));
+	if (!problem.empty()) return problem;
 	const auto isOneOf = [](const std::vector<std::string>& names, const std::string& name)
 	{ return std::find(names.begin(), names.end(), name) != names.end(); };
 	if (!options.unit.empty() && !isOneOf(unitNames(), options.unit)) return "unknown unit " + options.unit;
 	if (!isOneOf(upNames(), options.up)) return "no axis " + options.up;
 	if (!(options.scale > 0) || !std::isfinite(options.scale)) return "the scale is not a positive number";
 	return "";
+}
+
+Outcome refusal(const std::string& message)
+{
+	Outcome outcome;
+	outcome.status = Status::refused;
+	outcome.message = message;
+	return outcome;
 }
 
 Outcome buildSoup(const Soup& soup, const Options& options, const Callback& callback)
@@ -42,12 +67,13 @@ Outcome buildSoup(const Soup& soup, const Options& options, const Callback& call
 	mending.repair = options.repair;
 	if (options.maxMove != 0) mending.maxMove = options.maxMove;
 	if (options.wrap != 0) mending.wrap = options.wrap;
-	Repaired repaired = solidOf(soup, mending);
+	report(callback, "solid", 0);
+	Repaired repaired = solidOf(soup, mending, callback);
 	BuildConfig config;
 	config.paper = options.paper;
 	config.threads = options.threads;
 	config.seed = options.seed;
-	if (callback && !callback("solid", 1)) throw Cancelled{};
+	report(callback, "solid", 1);
 	const HierarchyContent content = buildAsset(repaired.solid, config, callback);
 	Result<std::shared_ptr<const Hierarchy>> hierarchy = Hierarchy::fromBytes(encode(content));
 	if (!hierarchy)
@@ -108,7 +134,12 @@ Outcome guarded(const Work& work) noexcept
 
 Outcome build(const TriangleMesh& mesh, const Options& options, const Callback& callback) noexcept
 {
-	return guarded([&] { return buildSoup(soupOf(mesh), options, callback); });
+	return guarded(
+		[&]
+		{
+			const std::string problem = problemOf(options);
+			return problem.empty() ? buildSoup(soupOf(mesh), options, callback) : refusal(problem);
+		});
 }
 
 Outcome buildFile(const std::string& path, const FileOptions& options, const Callback& callback) noexcept
@@ -116,10 +147,9 @@ Outcome buildFile(const std::string& path, const FileOptions& options, const Cal
 	return guarded(
 		[&]
 		{
-			Outcome outcome;
-			outcome.status = Status::refused;
-			outcome.message = problemOf(options);
-			if (!outcome.message.empty()) return outcome;
+			const std::string problem = problemOf(options);
+			if (!problem.empty()) return refusal(problem);
+			report(callback, "read", 0);
 			Soup soup = readMesh(path);
 			convert({options.unit, options.up, options.scale}, soup);
 			return buildSoup(soup, options, callback);

@@ -125,8 +125,7 @@ void decompose(PatchMesh& mesh, Validity& validity, const Progress& progress)
 	std::vector<std::uint32_t> triedFor(mesh.faces.size(), kNone);
 	for (std::uint32_t seed = 0; seed < mesh.faces.size(); ++seed)
 	{
-		if (seed % 1024 == 0 && progress && !progress("decompose", double(seed) / double(mesh.faces.size())))
-			throw Cancelled{};
+		if (seed % 1024 == 0) report(progress, "decompose", double(seed) / double(mesh.faces.size()));
 		if (taken[seed] || !mesh.isAlive(seed)) continue;
 		const auto faces = growFrom(mesh, validity, seed, triedFor, taken);
 		for (const std::uint32_t f : faces) taken[f] = 1;

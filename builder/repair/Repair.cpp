@@ -81,12 +81,15 @@ Repaired guarded(const Step& step)
 	}
 }
 
-void measure(const Mesh& file, Repaired& repaired)
+void measure(const Mesh& file, Repaired& repaired, const Progress& progress)
 {
 	const Mesh built = builtSurface(repaired.solid);
 	const double rounding = 1e-5 * extentOf(file.vertices);
+	report(progress, "measure", 0);
 	repaired.added = directedDistance(built, file, rounding);
+	report(progress, "measure", 0.5);
 	repaired.lost = directedDistance(file, built, rounding);
+	report(progress, "measure", 1);
 }
 
 bool isSound(const Soup& soup, Intake& solid)
@@ -103,10 +106,11 @@ bool isSound(const Soup& soup, Intake& solid)
 }
 
 // The intake's checks are the judge; what rounding to float breaks is mended again.
-Intake accept(Mesh mesh, Changes& changes)
+Intake accept(Mesh mesh, Changes& changes, const Progress& progress)
 {
 	for (int round = 0;; ++round)
 	{
+		report(progress, "check", double(round) / (kRoundings + 1));
 		if (mesh.triangles.empty()) throw Refused(Reason::empty, "nothing encloses a volume after the repair");
 		try
 		{
@@ -135,21 +139,25 @@ double Repaired::moved() const
 	return std::max(added.upper, lost.upper);
 }
 
-Repaired repair(const Soup& soup, double maxMove)
+Repaired repair(const Soup& soup, double maxMove, const Progress& progress)
 {
 	return guarded(
 		[&]
 		{
 			Repaired repaired;
 			if (isSound(soup, repaired.solid)) return repaired;
+			report(progress, "repair", 0);
 			WeldedMesh mesh = usableFaces(soup, repaired.changes);
 			const Mesh file = toMesh(mesh);
 			const double tolerance = kSewing * extentOf(mesh.vertices);
 			sewCracks(mesh, tolerance, repaired.changes);
 			splitAtTJunctions(mesh, tolerance, repaired.changes);
 			dropRepeatedFaces(mesh, repaired.changes);
-			repaired.solid = accept(mend(mesh, repaired.changes), repaired.changes);
-			measure(file, repaired);
+			report(progress, "repair", 0.5);
+			Mesh mended = mend(mesh, repaired.changes);
+			report(progress, "repair", 1);
+			repaired.solid = accept(std::move(mended), repaired.changes, progress);
+			measure(file, repaired, progress);
 			if (repaired.moved() > maxMove)
 				throw Refused(Reason::limit,
 							  fmt::format("the repair would move the surface by {:.4g}, allowed are {:.4g}",
@@ -158,7 +166,7 @@ Repaired repair(const Soup& soup, double maxMove)
 		});
 }
 
-Repaired wrapAround(const Soup& soup, double length)
+Repaired wrapAround(const Soup& soup, double length, const Progress& progress)
 {
 	return guarded(
 		[&]
@@ -171,12 +179,13 @@ Repaired wrapAround(const Soup& soup, double length)
 				throw Refused(Reason::limit,
 							  fmt::format("a wrap of {:.4g} would need about {:.2g} triangles; the limit is {:.2g}",
 										  length, triangles, kWrapTriangleLimit));
-			const Mesh wrap = alphaWrap(file, length, kOffsetOfAlpha * length);
+			report(progress, "wrap", 0);
+			const Mesh wrap = alphaWrap(file, length, kOffsetOfAlpha * length, triangles / 2, progress);
 			repaired.changes.push_back(fmt::format("{} faces wrapped by {} triangles {:.4g} outside of them",
 												   file.triangles.size(), wrap.triangles.size(),
 												   kOffsetOfAlpha * length));
-			repaired.solid = accept(wrap, repaired.changes);
-			measure(file, repaired);
+			repaired.solid = accept(wrap, repaired.changes, progress);
+			measure(file, repaired, progress);
 			return repaired;
 		});
 }

@@ -28,11 +28,11 @@ struct Repaired
 // inward where they bound a cavity.
 //
 // Elements in `changes` are numbered as in the file. Throws Refused where the result is still no solid, saying what is
-// left, and where the surface would move by more than maxMove.
-Repaired repair(const Soup& soup, double maxMove);
+// left, and where the surface would move by more than maxMove. Tells its progress between its steps.
+Repaired repair(const Soup& soup, double maxMove, const Progress& progress = {});
 
 // A watertight surface round the faces of the file, about length / 30 outside of them, that closes gaps and holes
 // narrower than `length` (Portaneri et al., Alpha Wrapping with an Offset, 2022; CGAL). Throws Refused: a limit where
 // the wrap would need millions of triangles.
-Repaired wrapAround(const Soup& soup, double length);
+Repaired wrapAround(const Soup& soup, double length, const Progress& progress = {});
 }  // namespace clod::builder

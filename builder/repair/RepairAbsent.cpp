@@ -23,12 +23,12 @@ double Repaired::moved() const
 	refuse();
 }
 
-Repaired repair(const Soup&, double)
+Repaired repair(const Soup&, double, const Progress&)
 {
 	refuse();
 }
 
-Repaired wrapAround(const Soup&, double)
+Repaired wrapAround(const Soup&, double, const Progress&)
 {
 	refuse();
 }

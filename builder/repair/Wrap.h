@@ -6,5 +6,6 @@
 namespace clod::builder
 {
 // Its vertices are `offset` from the triangles, but where it bridges gaps narrower than about `alpha`.
-Mesh alphaWrap(const Mesh& mesh, double alpha, double offset);
+// Tells its progress as a share of the vertices expected.
+Mesh alphaWrap(const Mesh& mesh, double alpha, double offset, double expectedVertices, const Progress& progress);
 }  // namespace clod::builder

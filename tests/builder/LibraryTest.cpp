@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -103,6 +104,56 @@ TEST(BuilderLibrary, TellsItsProgressAndCanBeCancelledAtEveryCall)
 			EXPECT_EQ(cancelled.hierarchy, nullptr);
 		}
 	}
+}
+
+// Mending and wrapping, too, are told of and end when the callback says so.
+TEST(BuilderLibrary, CanBeCancelledWhileItMends)
+{
+	TriangleMesh open = movedBox();
+	open.triangles.pop_back();
+	for (const bool wraps : {false, true})
+	{
+		Options options;
+		options.threads = 1;
+		options.repair = !wraps;
+		options.wrap = wraps ? 0.5 : 0;
+		std::vector<std::string> phases;
+		const Outcome built = build(open, options,
+									[&](const char* phase, double fraction)
+									{
+										EXPECT_TRUE(fraction >= 0 && fraction <= 1) << phase << ' ' << fraction;
+										phases.push_back(phase);
+										return true;
+									});
+		ASSERT_EQ(built.status, Status::built) << built.message;
+		const std::string mending = wraps ? "wrap" : "repair";
+		ASSERT_GT(std::count(phases.begin(), phases.end(), mending), 1);
+		for (std::size_t call = 0; call < phases.size() && phases[call] != "decompose"; ++call)
+		{
+			std::size_t calls = 0;
+			EXPECT_EQ(build(open, options, [&](const char*, double) { return calls++ != call; }).status,
+					  Status::cancelled);
+			EXPECT_EQ(calls, call + 1);
+		}
+	}
+}
+
+TEST(BuilderLibrary, RefusesOptionsThatMakeNoSense)
+{
+	const auto messageOf = [](const auto& change)
+	{
+		Options options;
+		change(options);
+		const Outcome refused = build(movedBox(), options);
+		EXPECT_EQ(refused.status, Status::refused);
+		return refused.message;
+	};
+	EXPECT_EQ(messageOf([](Options& o) { o.threads = 1u << 27; }), "134217728 threads, at most 1024");
+	EXPECT_EQ(messageOf([](Options& o) { o.wrap = -1; }), "wrap is not a length");
+	EXPECT_EQ(messageOf([](Options& o) { o.wrap = std::nan(""); }), "wrap is not a length");
+	EXPECT_EQ(messageOf([](Options& o) { o.repair = true, o.maxMove = -1; }), "maxMove is not a length");
+	EXPECT_EQ(messageOf([](Options& o) { o.repair = true, o.wrap = 1; }), "a wrap stands for a repair: one of the two");
+	EXPECT_EQ(messageOf([](Options& o) { o.maxMove = 1; }), "maxMove is of a repair");
 }
 
 TEST(BuilderLibrary, ThrowsNothing)

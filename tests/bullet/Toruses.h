@@ -29,6 +29,7 @@ public:
 			std::make_unique<btDiscreteDynamicsWorld>(m_dispatcher.get(), &m_broadphase, &m_solver, &m_configuration);
 		if (!btClodCollisionAlgorithm::registerAlgorithm(m_dispatcher.get(), &context)) std::abort();
 		context.warn = {};
+		context.keepPoints = false;  // every step asks
 		context.worldMetric = ContactMetric::deviationShare(0.001);
 		m_world->setGravity(btVector3(0, btScalar(-9.81), 0));
 		m_world->getDispatchInfo().m_deterministicOverlappingPairs = true;

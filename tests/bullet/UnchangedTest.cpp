@@ -28,6 +28,7 @@ struct Tower : CubeOnSlab
 
 	Tower()
 	{
+		context.keepPoints = false;
 		body.getWorldTransform().setOrigin(btVector3(btScalar(0.013), btScalar(0.4995), btScalar(0.027)));
 		for (const auto& each : bodies)
 			each->setCollisionFlags(each->getCollisionFlags() | btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK);

@@ -356,7 +356,7 @@ TEST(Worlds, FiveByFiveByFiveBoxes)
 										 stage.put(box, 1,
 												   vector(0.2 * (i % 5) + 0.02 * stage.jitter(), 2 + 0.2 * (i / 25),
 														  0.2 * (i / 5 % 5) + 0.02 * stage.jitter()));
-									 stage.step(180);
+									 stage.step(360);
 									 return fastestNow(stage);
 								 });
 	EXPECT_LT(outcome.fastest, 12);

@@ -137,6 +137,7 @@ TEST(WrittenPoints, OutsideSeesAPlantedFault)
 TEST(WrittenPoints, KeepWhatTheSolverRemembersWhenTheyAreWrittenAgain)
 {
 	CubeOnSlab scene;
+	scene.context.keepPoints = false;
 	hold(scene.body, true);
 	scene.body.getWorldTransform().setOrigin(btVector3(0, btScalar(0.4995), 0));
 	scene.step(10);

@@ -60,6 +60,9 @@ public:
 	// Search the signed gap of touching bodies too (PairReport::result then has it, certified). Costs a millisecond or
 	// more.
 	bool searchGap = false;
+	// Two bodies that hardly move keep the points found before, with the distances that these have now. False: every
+	// dispatch of what moves at all finds them anew.
+	bool keepPoints = true;
 	// Bodies that overlap are moved apart no faster than this, in radii of the smaller body a second: a depth is taken
 	// back at once where it is small, and never thrown out where it is large.
 	double pushSpeed = 3;

@@ -108,13 +108,18 @@ void ManifoldSet::readImpulses(HeldClusters& written) const
 		}
 }
 
-bool ManifoldSet::isOn(const Ground& ground, const WorldFrame& frame)
+bool ManifoldSet::isOf(const Ground& ground, const WorldFrame& frame)
 {
 	return ground.a == frame.a->getCollisionObject() && ground.b == frame.b->getCollisionObject() &&
-		   ground.poseA == ground.a->getWorldTransform() && ground.poseB == ground.b->getWorldTransform() &&
 		   ground.childA == childOf(*frame.a) && ground.childB == childOf(*frame.b) &&
-		   ground.aIsFirst == frame.aIsFirst && same(ground.worldFromA, frame.worldFromA) &&
-		   ground.scale == frame.scale && ground.breakingThreshold == frame.breakingThreshold;
+		   ground.aIsFirst == frame.aIsFirst && ground.scale == frame.scale &&
+		   ground.breakingThreshold == frame.breakingThreshold;
+}
+
+bool ManifoldSet::isOn(const Ground& ground, const WorldFrame& frame)
+{
+	return isOf(ground, frame) && ground.poseA == ground.a->getWorldTransform() &&
+		   ground.poseB == ground.b->getWorldTransform() && same(ground.worldFromA, frame.worldFromA);
 }
 
 // Bodies that say something of each single point as it is added have theirs added in every dispatch.
@@ -129,9 +134,10 @@ bool ManifoldSet::mayKeep(const WorldFrame& frame, const btManifoldResult& out) 
 	return !calls && (flags & kPerPoint) == 0;
 }
 
-bool ManifoldSet::keep(HeldClusters& written, const WorldFrame& frame, btManifoldResult& out)
+// Is every point there still, and would the same materials be written?
+bool ManifoldSet::isAsLeft(const WorldFrame& frame, const btManifoldResult& out) const
 {
-	if (!m_ground || !mayKeep(frame, out) || !isOn(*m_ground, frame)) return false;
+	if (!m_ground || !mayKeep(frame, out) || !isOf(*m_ground, frame)) return false;
 	const Material material(out);
 	for (std::size_t i = 0; i < m_manifolds.size(); ++i)
 	{
@@ -150,16 +156,53 @@ bool ManifoldSet::keep(HeldClusters& written, const WorldFrame& frame, btManifol
 				return false;
 		}
 	}
+	return true;
+}
+
+void ManifoldSet::refresh(std::size_t slot, HeldClusters& written, btManifoldResult& out)
+{
+	for (std::size_t j = 0; j < std::size_t((*m_slots)[slot].count); ++j)
+		written.edit().slots[slot].points[j].impulse = double(m_manifolds[slot]->getContactPoint(int(j)).m_appliedImpulse);
+	out.setPersistentManifold(m_manifolds[slot]);
+	out.refreshContactPoints();
+}
+
+bool ManifoldSet::keep(HeldClusters& written, const WorldFrame& frame, btManifoldResult& out)
+{
+	if (!isAsLeft(frame, out) || !isOn(*m_ground, frame)) return false;
 	for (std::size_t i = 0; m_slots && i < m_slots->size(); ++i)
 	{
-		const Slot& slot = (*m_slots)[i];
-		if (slot.count == 0) continue;
-		for (std::size_t j = 0; j < std::size_t(slot.count); ++j)
-			written.edit().slots[i].points[j].impulse = double(m_manifolds[i]->getContactPoint(int(j)).m_appliedImpulse);
-		out.setPersistentManifold(m_manifolds[i]);
-		out.refreshContactPoints();
-		setDistances(*m_manifolds[i], slot);
+		if ((*m_slots)[i].count == 0) continue;
+		refresh(i, written, out);
+		setDistances(*m_manifolds[i], (*m_slots)[i]);
 	}
+	return true;
+}
+
+bool ManifoldSet::follow(HeldClusters& written, const WorldFrame& frame, btManifoldResult& out)
+{
+	if (!isAsLeft(frame, out)) return false;
+	for (std::size_t i = 0; m_slots && i < m_slots->size(); ++i)
+	{
+		Slot& slot = (*m_slots)[i];
+		if (slot.count == 0) continue;
+		refresh(i, written, out);
+		for (int k = 0; k < m_manifolds[i]->getNumContacts(); ++k)
+			for (std::size_t j = 0; j < std::size_t(slot.count); ++j)
+			{
+				btManifoldPoint& point = m_manifolds[i]->getContactPoint(k);
+				if (!(point.m_localPointA == slot.localPointA[j])) continue;
+				ContactPoint now = written.get().slots[i].points[j].point;
+				now.height = double(point.m_distance1) / frame.scale;
+				point.m_combinedRestitution = slot.restitution;
+				setSolverTerms(now, frame, point);
+				point.m_contactPointFlags |= BT_CONTACT_FLAG_FRICTION_ANCHOR;  // the places that touched stay together
+				slot.terms[j] = SolverTerms(point);
+			}
+	}
+	m_ground->poseA = m_ground->a->getWorldTransform();
+	m_ground->poseB = m_ground->b->getWorldTransform();
+	m_ground->worldFromA = frame.worldFromA;
 	return true;
 }
 

@@ -58,6 +58,9 @@ public:
 	// poses, materials, a threshold, a point missing, moved or edited; and wherever gContactAddedCallback, stiffness,
 	// damping, friction anchors or a result of the caller's own want points to be added.
 	bool keep(HeldClusters& written, const WorldFrame& frame, btManifoldResult& out);
+	// The same where bodies have moved by less than the points' places can tell: these stay on both bodies, their
+	// distances are those between them, and friction holds them where they are (anchors).
+	bool follow(HeldClusters& written, const WorldFrame& frame, btManifoldResult& out);
 	// Has the solver given one of their points an impulse?
 	bool carry() const;
 	// Copies last step's impulses from the solver into the set that was written last.
@@ -107,7 +110,10 @@ private:
 		Transform worldFromA;
 		double scale = 1, breakingThreshold = 0;
 	};
+	static bool isOf(const Ground& ground, const WorldFrame& frame);
 	static bool isOn(const Ground& ground, const WorldFrame& frame);
+	bool isAsLeft(const WorldFrame& frame, const btManifoldResult& out) const;
+	void refresh(std::size_t slot, HeldClusters& written, btManifoldResult& out);
 	bool mayKeep(const WorldFrame& frame, const btManifoldResult& out) const;
 	void beginWrite(const ClusterSet& clusters);
 	bool openSlot(int index, const ContactCluster& cluster, const WorldFrame& frame, btManifoldResult& out);

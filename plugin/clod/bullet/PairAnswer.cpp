@@ -125,7 +125,8 @@ void PairState::askPartner(const PairPose& pose)
 void PairState::answer(const PairPose& pose, const Question& question)
 {
 	const Clock::time_point start = Clock::now();
-	bool goesOn = pose.prediction == Prediction::kSolved;
+	bool goesOn = pose.prediction == Prediction::kSolved && !m_isFollowing;
+	m_isFollowing = false;
 	if (pose.isOfTwo())
 		ask(pose, question);
 	else if (!goesOn || pose.tolerance > m_foreseen.tolerance)

@@ -2,6 +2,9 @@
 // The way of a dispatch, and its first step: who meets, what is asked.
 #include "clod/bullet/PairState.h"
 
+#include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
+
+#include <cmath>
 #include <tuple>
 #include <utility>
 
@@ -12,6 +15,8 @@ namespace clod
 {
 namespace
 {
+constexpr double kStillShare = 3e-4;  // of the length, more than half of the skin: points found so much motion ago still serve
+
 // Every field: one more does not compile before it is named here.
 auto fieldsOf(const PairBody& body)
 {
@@ -79,6 +84,37 @@ bool PairState::same(const Question& l, const Question& r)
 		   clod::same(l.settings, r.settings) && l.withGap == r.withGap;
 }
 
+// Have bodies moved so little since they were asked about, and do they move so slowly, that the points found then serve?
+bool PairState::isStill(const PairPose& pose, const Question& question) const
+{
+	if (!m_context.keepPoints || !m_answered || pose.prediction != Prediction::kFree || pose.partner == Partner::kConcave || question.withGap ||
+		m_answered->withGap || m_clusters.isEmpty() || m_facets.levels.isChanging())
+		return false;
+	const PointRules &now = question.rules, &then = m_answered->rules;
+	const double most = kStillShare * now.length;
+	const double dt = now.timeStep;
+	const auto isForcedAlike = [&](const PairBody& l, const PairBody& r)
+	{ return l.inverseMass == r.inverseMass && length(l.force - r.force) * dt < most; };
+	if (std::max(question.way, m_answered->way) > most || now.heldReach > then.heldReach || now.length != then.length || now.resting != then.resting ||
+		now.margin != then.margin || now.radiusA != then.radiusA || now.radiusB != then.radiusB ||
+		now.timeStep != then.timeStep || question.plane != m_answered->plane || !isForcedAlike(now.a, then.a) ||
+		!isForcedAlike(now.b, then.b))
+		return false;
+	const Transform since = question.aFromB * inverse(m_answered->aFromB);
+	double turn = 0;
+	for (int i = 0; i < 3; ++i)
+	{
+		Vec3 row = since.rotation.row[i];
+		(i == 0 ? row.x : i == 1 ? row.y : row.z) -= 1;
+		turn += lengthSquared(row);
+	}
+	if (length(since * pose.center - pose.center) + std::sqrt(0.5 * turn) * pose.radius > most) return false;
+	GapSettings settings = question.settings;
+	settings.tolerance = m_answered->settings.tolerance;
+	settings.sweep = m_answered->settings.sweep;
+	return clod::same(settings, m_answered->settings);
+}
+
 // Where a shape is another than in the last dispatch, nothing kept holds.
 void PairState::noticeShapes(const PairPose& pose)
 {
@@ -136,7 +172,15 @@ PairState::Question PairState::questionOf(const PairPose& pose)
 	question.settings.tolerance = pose.tolerance;
 	question.settings.sweep = pose.sweep();
 	question.rules = pose.rules;
+	const RelativeMotion& seen = pose.seenMotion;
+	question.way = (length(seen.velocity(pose.center)) + length(seen.angular) * pose.radius) * pose.rules.timeStep;
 	question.withGap = m_context.searchGap && !pose.isRound();
+	if (pose.partner == Partner::kPlane)
+	{
+		const auto& plane = static_cast<const btStaticPlaneShape&>(*pose.b->getCollisionShape());
+		const Vec3 normal = toVec3(plane.getPlaneNormal());
+		question.plane = {normal.x, normal.y, normal.z, double(plane.getPlaneConstant())};
+	}
 	if (m_budget && pose.isOfTwo()) question.settings.metric.coarsening = m_context.enterStep(*m_budget, m_step);
 	return question;
 }
@@ -169,6 +213,7 @@ void PairState::open(const btCollisionObjectWrapper& body0, const btCollisionObj
 	{
 		next.question = questionOf(next.pose);
 		next.isKept = next.pose.isOfTwo() && m_answered && same(*m_answered, next.question);
+		next.isStill = !next.isKept && isStill(next.pose, next.question);
 	}
 	m_prepared = next;
 }
@@ -187,7 +232,8 @@ void PairState::outline(Prepared& prepared)
 	if (std::exchange(prepared.isOutlined, true)) return;
 	m_outline = {};
 	const PairPose& pose = prepared.pose;
-	if (!m_budget || !m_budget->isLimited() || !pose.isAsked() || !pose.isOfTwo() || prepared.isKept) return;
+	if (!m_budget || !m_budget->isLimited() || !pose.isAsked() || !pose.isOfTwo() || prepared.isKept || prepared.isStill)
+		return;
 	m_outline =
 		outlineCoarsest(pose.hierarchyA(), pose.hierarchyB(), pose.aFromB, prepared.question.settings, m_cache.pair);
 	m_budget->spend(m_outline.listing, false);
@@ -217,7 +263,7 @@ void PairState::complete(Prepared& prepared)
 		m_manifolds.readImpulses(m_clusters);
 		forget();
 	}
-	else if (!prepared.isKept)
+	else if (!prepared.isKept && !prepared.isStill)
 	{
 		m_manifolds.readImpulses(m_clusters);
 		answer(prepared.pose, prepared.question);
@@ -251,7 +297,24 @@ void PairState::process(const btCollisionObjectWrapper& body0, const btCollision
 		m_manifolds.readImpulses(m_clusters);
 		linkToThemselves();
 	}
+	else if (now.isStill)
+	{
+		if (follow(pose, frame, out)) return;
+		m_manifolds.readImpulses(m_clusters);
+		answer(pose, now.question);
+	}
 	write(pose, frame, out);
+}
+
+bool PairState::follow(const PairPose& pose, const WorldFrame& frame, btManifoldResult& out)
+{
+	m_report.kept = m_manifolds.follow(m_clusters, frame, out);
+	if (!m_report.kept) return false;
+	keepAnswer();
+	foresee(pose);
+	m_foreseen.motion = {{}, {}, pose.rules.timeStep};
+	m_isFollowing = true;
+	return true;
 }
 
 void PairState::foresee(const PairPose& pose)
@@ -281,7 +344,7 @@ void PairState::keepAnswer()
 {
 	m_report.queryMicroseconds = m_report.contactMicroseconds = 0;
 	const QueryStats& stats = m_result.stats;
-	if (m_budget) m_budget->keep(std::uint64_t(stats.boxTests) + stats.hullTests);
+	if (m_budget && m_report.hierarchyB) m_budget->keep(std::uint64_t(stats.boxTests) + stats.hullTests);
 }
 
 void PairState::write(const PairPose& pose, const WorldFrame& frame, btManifoldResult& out)

@@ -76,18 +76,22 @@ private:
 		GapSettings settings;
 		PointRules rules;
 		bool withGap = false;
+		std::array<double, 4> plane{};  // what B is, where it is one
+		double way = 0;                 // of the step, as the bodies move, forces apart
 	};
 	struct Prepared
 	{
 		PairPose pose;
 		Question question;
 		bool aIsFirst = true, isAnswered = false;
-		bool isKept = false;  // the answer of the dispatch before is this one's
+		bool isKept = false;  // the answer of the dispatch before is this one's,
+		bool isStill = false;  // or its points are, as bodies hardly move
 		bool isOutlined = false;
 	};
 	static Seen seenA(const PairPose& pose);
 	static Seen seenB(const PairPose& pose);
 	static bool same(const Question& l, const Question& r);
+	bool isStill(const PairPose& pose, const Question& question) const;
 
 	void open(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, const btDispatcherInfo& info,
 			  double closestPoints);
@@ -110,6 +114,7 @@ private:
 	void linkToThemselves();
 	void hold(const ClusterSet& clusters);
 	void keepAnswer();
+	bool follow(const PairPose& pose, const WorldFrame& frame, btManifoldResult& out);
 	void write(const PairPose& pose, const WorldFrame& frame, btManifoldResult& out);
 	// Report.
 	void report(const PairPose& pose);
@@ -131,6 +136,7 @@ private:
 	HierarchyPair m_asked;
 	GapCache m_cache{false};  // m_result is the answer
 	std::optional<Question> m_answered;  // what the clusters answer
+	bool m_isFollowing = false;          // the points are those of an earlier pose, nearly the same
 	Foreseen m_foreseen;
 	HeldClusters m_clusters;
 	PairReport m_report;

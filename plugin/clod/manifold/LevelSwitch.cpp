@@ -89,6 +89,7 @@ void LevelSwitch::apply(const FacetQuestion& question, const std::vector<Contact
 			facets.push_back(facet);
 			m_points.back().idle = old.impulse > 0 ? 0 : old.point.idle + (stays ? 0 : question.rules.timeStep);
 		}
+	memory.goesOn = !m_points.empty();
 	if (!stays) memory.overlap = std::min(deepest, std::max(memory.overlap, fresh - before));
 	memory.asked = m_asked;
 	for (Facet& facet : facets)

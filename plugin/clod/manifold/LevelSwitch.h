@@ -20,7 +20,9 @@ struct SwitchMemory
 		bool operator==(const Levels& other) const { return a == other.a && b == other.b; }
 	};
 	std::vector<Levels> asked;  // of the last dispatch
-	double overlap = 0;         // came with a change of level, and is left slowly
+	double overlap = 0;         // came with a change of level, and is left slowly,
+	bool goesOn = false;        // or points go on
+	bool isChanging() const { return goesOn || overlap > 0; }
 };
 
 // For any number of pairs, one after the other.

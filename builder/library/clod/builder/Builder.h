@@ -21,7 +21,7 @@ namespace clod::builder
 enum class Status
 {
 	built,
-	refused,    // the mesh is no sound solid, or the file cannot be read: the message names the first offending element
+	refused,    // the mesh is no sound solid, the file cannot be read, or an option is wrong: the message says which
 	limit,      // too large, or out of memory
 	cancelled,  // the callback said so
 	failed      // an error of the builder's, or an exception that the callback threw
@@ -41,7 +41,7 @@ struct Options
 	bool paper = false;      // exactly the paper's choices (Otaduy & Lin 2003)
 	bool repair = false;     // mend what is wrong with the mesh
 	double maxMove = 0;      // with repair: refuse if the surface moves farther; 0 = a quarter of the radius
-	double wrap = 0;         // build a watertight wrap round the mesh, closing gaps narrower than this; 0 = none
+	double wrap = 0;         // instead: a watertight wrap round the mesh, closing gaps narrower than this; 0 = none
 };
 
 // The file's unit (um, mm, cm, m, in, ft: the hierarchy is then in metres; empty: lengths stay as they are), its axis
@@ -62,7 +62,7 @@ struct Outcome
 };
 
 // Called with the phase and how much of it is done, 0 to 1; returns false to cancel. By one thread at a time, but not
-// always the same.
+// always the same. Reading, checking and the steps of a repair are told of between, not within.
 using Callback = std::function<bool(const char* phase, double fraction)>;
 
 CLOD_API Outcome build(const TriangleMesh& mesh, const Options& options = {}, const Callback& callback = {}) noexcept;

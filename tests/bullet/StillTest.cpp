@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Bodies that hardly move keep their points: as found anew they would be the same to within a tenth of the skin, and what
+// moves, or stands on what was moved, is asked about at once.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "clod/bullet/ConfigureWorld.h"
+#include "tests/bullet/BulletWorld.h"
+#include "tests/query/Bodies.h"
+
+namespace clod::test
+{
+namespace
+{
+constexpr double kSize = 0.5;  // radius of what falls
+
+struct Heap : BulletWorld
+{
+	explicit Heap(bool isOnMesh = false)
+	{
+		configureWorld(world);
+		world.getSolverInfo().m_numIterations = 100;
+		if (isOnMesh)
+		{
+			for (const auto& t : {std::array<btVector3, 3>{at(-9, -9), at(-9, 9), at(9, -9)}, {at(9, 9), at(9, -9), at(-9, 9)}})
+				triangles.addTriangle(t[0], t[1], t[2]);
+			ground = &add(std::make_unique<btBvhTriangleMeshShape>(&triangles, true));
+			addBody(*ground, 0, {});
+		}
+		else
+			addBody(add(std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), btScalar(0))), 0, {});
+	}
+	static btVector3 at(double x, double z) { return {btScalar(x), 0, btScalar(z)}; }
+	btRigidBody& drop(const std::string& name, const Vec3& place)
+	{
+		btClodShape& shape = addShape(body(name).hierarchy);
+		const btScalar scale = btScalar(kSize / double(shape.hierarchy().asset().radius));
+		shape.setLocalScaling({scale, scale, scale});
+		return addBody(shape, 1, place, btQuaternion(btVector3(1, 0, 0), btScalar(0.1)));
+	}
+	void dropAll()
+	{
+		for (int i = 0; i < 4; ++i)
+		{
+			drop("torus-900", {0.3 * i, 0.6 + 0.6 * i, 0.05 * i});
+			drop("cube", {2.5, 0.6 + 0.8 * i, 0});
+			drop("number8-600", {-2.5 + 0.1 * i, 0.6 + 0.7 * i, 0.1});
+		}
+		step(1200);
+	}
+	// The least distance of each pair's points, in radii of what falls.
+	std::map<std::pair<int, int>, double> distances()
+	{
+		std::map<std::pair<int, int>, double> least;
+		for (int i = 0; i < dispatcher.getNumManifolds(); ++i)
+		{
+			const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(i);
+			const std::pair<int, int> pair = {manifold.getBody0()->getWorldArrayIndex(), manifold.getBody1()->getWorldArrayIndex()};
+			for (int k = 0; k < manifold.getNumContacts(); ++k)
+			{
+				const auto known = least.emplace(pair, 1e9).first;
+				known->second = std::min(known->second, double(manifold.getContactPoint(k).getDistance()) / kSize);
+			}
+		}
+		return least;
+	}
+	btTriangleMesh triangles;
+	btBvhTriangleMeshShape* ground = nullptr;
+};
+}  // namespace
+
+TEST(Still, PointsKeptAreWhereTheyWouldBeFound)
+{
+	Heap heap;
+	heap.dropAll();
+	std::uint32_t kept = 0, asked = 0;
+	for (int i = 0; i < 10; ++i)
+	{
+		std::vector<btTransform> starts;
+		for (int j = 0; j < 24; ++j)
+		{
+			starts.clear();
+			for (const auto& each : heap.bodies) starts.push_back(each->getWorldTransform());
+			heap.step();
+			kept += heap.context.lastStep().keptPairs;
+			asked += heap.context.lastStep().pairsInContact;
+		}
+		const auto followed = heap.distances();
+		for (std::size_t b = 0; b < starts.size(); ++b) std::swap(starts[b], heap.bodies[b]->getWorldTransform());
+		heap.context.keepPoints = false;
+		heap.world.performDiscreteCollisionDetection();
+		heap.context.keepPoints = true;
+		for (const auto& [pair, distance] : heap.distances())
+		{
+			const auto known = followed.find(pair);
+			ASSERT_TRUE(known != followed.end()) << i << ": " << pair.first << " and " << pair.second;
+			EXPECT_NEAR(known->second, distance, 5e-5) << i << ": " << pair.first << " and " << pair.second;
+		}
+		for (std::size_t b = 0; b < starts.size(); ++b) std::swap(starts[b], heap.bodies[b]->getWorldTransform());
+	}
+	EXPECT_GT(asked, 2000u);
+	EXPECT_GT(kept, asked / 2);
+}
+
+TEST(Still, WhatIsPushedMovesAsIfNothingHadBeenKept)
+{
+	for (const double force : {0.5, 3.0, 30.0})
+	{
+		double way[2];
+		for (const bool keeps : {true, false})
+		{
+			Heap heap;
+			heap.context.keepPoints = keeps;
+			btRigidBody& cube = heap.drop("cube", {0, 0.6, 0});
+			heap.step(600);
+			const btVector3 before = cube.getWorldTransform().getOrigin();
+			for (int i = 0; i < 240; ++i)
+			{
+				cube.applyCentralForce(btVector3(btScalar(force), 0, 0));
+				heap.step();
+			}
+			way[keeps ? 1 : 0] = double((cube.getWorldTransform().getOrigin() - before).length());
+		}
+		EXPECT_NEAR(way[1], way[0], 2e-3 * kSize + 0.01 * way[0]) << force;
+	}
+}
+
+TEST(Still, GroundThatIsMovedAwayHoldsNothing)
+{
+	Heap heap(true);
+	btRigidBody& cube = heap.drop("cube", {0, 0.6, 0});
+	heap.step(600);
+	const double before = heightOf(cube);
+	unsigned char* vertices;
+	int count, stride, faceStride, faces;
+	PHY_ScalarType type, indexType;
+	unsigned char* indices;
+	heap.triangles.getLockedVertexIndexBase(&vertices, count, type, stride, &indices, faceStride, faces, indexType);
+	for (int i = 0; i < count; ++i)
+	{
+		auto* vertex = reinterpret_cast<btScalar*>(vertices + i * stride);
+		vertex[1] -= btScalar(0.2);
+	}
+	heap.triangles.unLockVertexBase(0);
+	heap.ground->refitTree(btVector3(-10, -1, -10), btVector3(10, 1, 10));
+	heap.step(240);
+	EXPECT_NEAR(heightOf(cube), before - 0.2, 1e-3);
+}
+}  // namespace clod::test
