@@ -30,7 +30,7 @@ const char* name(Collider collider);
 struct Setting
 {
 	Collider collider = Collider::exact;
-	double rate = 240;  // steps a second
+	double rate = 240;     // steps a second
 	double parameter = 0;  // of the case
 	bool isQuick = false;  // long ones may be cut short
 	double dt() const { return 1 / rate; }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The stability matrix: its verdicts on planted numbers, rows with closed forms computed here once more, and the command
-// from outside with what it writes.
+// The stability matrix: its verdicts on planted numbers, rows with closed forms computed here once more, and the
+// command from outside with what it writes.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -128,7 +128,14 @@ TEST(ExtremesRows, HaveUniqueIdsBoundsAndAnAxisOnlyWithItsPlaces)
 	// The lists are whole: what is no run is a test.
 	for (const TestedElsewhere& row : testedElsewhere()) ids.insert(row.id);
 	const auto has = [&](const std::string& id)
-	{ return std::any_of(ids.begin(), ids.end(), [&](const std::string& one) { return one == id || (one.size() == id.size() + 1 && one.compare(0, id.size(), id) == 0 && std::isalpha(static_cast<unsigned char>(one.back())) != 0); }); };
+	{
+		return std::any_of(ids.begin(), ids.end(),
+						   [&](const std::string& one)
+						   {
+							   return one == id || (one.size() == id.size() + 1 && one.compare(0, id.size(), id) == 0 &&
+													std::isalpha(static_cast<unsigned char>(one.back())) != 0);
+						   });
+	};
 	for (int i = 1; i <= 32; ++i) EXPECT_TRUE(has("E" + std::to_string(i))) << "E" << i;
 	for (int i = 1; i <= 21; ++i) EXPECT_TRUE(has("A" + std::to_string(i))) << "A" << i;
 	for (int i = 1; i <= 13; ++i) EXPECT_TRUE(has("C" + std::to_string(i))) << "C" << i;
@@ -182,8 +189,7 @@ TEST_F(Extremes, ClosedFormsAreMet)
 	const double period = 2 * pi * std::sqrt((1.04 / 12 + 0.16) / (g * 0.4)) * (1 + swing * swing / 16);
 	for (const Expected& expected : {Expected{"A1", g * 2 * (2 + dt) / 2, 1e-5},
 									 Expected{"A3", 2 * g * (std::sin(slope) - 0.2 * std::cos(slope)), 0.03},
-									 Expected{"A4", 9 / (2 * 0.3 * g), 0.03},
-									 Expected{"A19", period, 0.01}})
+									 Expected{"A4", 9 / (2 * 0.3 * g), 0.03}, Expected{"A19", period, 0.01}})
 	{
 		const Matrix matrix = run(expected.id);
 		EXPECT_EQ(matrix.count(Verdict::outside), 0) << expected.id;
@@ -235,7 +241,8 @@ TEST_F(Extremes, TheCommandWritesEverything)
 	const Outcome first = bench("extremes --quick --quiet -o " + path("first") + cache());
 	ASSERT_EQ(first.code, 0) << first.out << first.err;
 	const std::string csv = readText(path("first/extremes.csv"));
-	EXPECT_EQ(csv.substr(0, csv.find('\n')), "row,quantity,unit,case,rate,collider,value,expected,error,bound,verdict,better,note");
+	EXPECT_EQ(csv.substr(0, csv.find('\n')),
+			  "row,quantity,unit,case,rate,collider,value,expected,error,bound,verdict,better,note");
 
 	const json report = RunnerCommand::report("first/extremes.json");
 	EXPECT_EQ(report["command"], "extremes");
@@ -249,14 +256,16 @@ TEST_F(Extremes, TheCommandWritesEverything)
 		cells += row["cells"].size();
 		for (const json& cell : row["cells"])
 		{
-			for (const char* member : {"quantity", "case", "rate", "collider", "value", "expected", "error", "bound", "verdict", "better", "note"})
+			for (const char* member : {"quantity", "case", "rate", "collider", "value", "expected", "error", "bound",
+									   "verdict", "better", "note"})
 				ASSERT_TRUE(cell.contains(member)) << member;
 			const std::string collider = cell["collider"];
 			if (collider == "exact" || collider == "0.5 %" || collider == "3.5 %") ++counts[cell["verdict"]];
 		}
 	}
 	EXPECT_EQ(lines(csv), cells + 1);
-	for (const char* verdict : {"holds", "as Bullet", "limit", "outside"}) EXPECT_EQ(report["counts"][verdict], counts[verdict]) << verdict;
+	for (const char* verdict : {"holds", "as Bullet", "limit", "outside"})
+		EXPECT_EQ(report["counts"][verdict], counts[verdict]) << verdict;
 	EXPECT_EQ(report["outside"].size(), 0u);
 	EXPECT_GT(report["tested_elsewhere"].size(), 10u);
 
