@@ -51,14 +51,17 @@ void addExtremesCommand(CLI::App& program)
 {
 	auto options = std::make_shared<ExtremesOptions>();
 	CLI::App* command = program.add_subcommand(
-		"extremes", "The stability matrix: extremes and closed forms beside Bullet's own shapes; exit 4 outside a bound");
+		"extremes",
+		"The stability matrix: extremes and closed forms beside Bullet's own shapes; exit 4 outside a bound");
 	command->footer(
 		"Example: clod-bench extremes -o out/extremes\n"
 		"         clod-bench extremes --only A13 -o out/bowl");
 	command->add_option("-o", options->directory, "Directory for extremes.csv, .txt, .json and .svg")->required();
 	command->add_flag("--quick", options->matrix.isQuick, "A minute: some rows, their first case and step");
 	command->add_option("--only", options->matrix.only, "One row, by its id")->type_name("ROW");
-	command->add_option("--bounds", options->matrix.shareOfBounds, "Times every bound; below 1 it shows what has little room")
+	command
+		->add_option("--bounds", options->matrix.shareOfBounds,
+					 "Times every bound; below 1 it shows what has little room")
 		->type_name("SHARE")
 		->check(between(0, 1000))
 		->capture_default_str();

@@ -18,7 +18,8 @@ namespace
 {
 constexpr double kClearlyBetter = 0.9;  // Bullet's error over ours
 constexpr double kNoticeable = 0.01;    // of the bound: differences below tell nothing
-constexpr Collider kAll[] = {Collider::primitive, Collider::mesh, Collider::exact, Collider::standard, Collider::coarse};
+constexpr Collider kAll[] = {Collider::primitive, Collider::mesh, Collider::exact, Collider::standard,
+							 Collider::coarse};
 
 // Readings of one run into its cells, one a quantity.
 void runCell(const Row& row, Workshop& workshop, std::vector<Cell>& cells)
@@ -51,7 +52,8 @@ void runCell(const Row& row, Workshop& workshop, std::vector<Cell>& cells)
 const Limit* limitOf(const Row& row, const Cell& cell)
 {
 	for (const Limit& limit : row.limits)
-		if (limit.covers(cell.setting) && (limit.quantity.empty() || limit.quantity == row.quantities[cell.quantity].name))
+		if (limit.covers(cell.setting) &&
+			(limit.quantity.empty() || limit.quantity == row.quantities[cell.quantity].name))
 			return &limit;
 	return nullptr;
 }
@@ -92,12 +94,6 @@ void judgeGroup(const Row& row, Cell* group)
 }
 }  // namespace
 
-const char* name(Collider collider)
-{
-	constexpr const char* kNames[kColliders] = {"primitive", "mesh", "exact", "0.5 %", "3.5 %"};
-	return kNames[std::size_t(collider)];
-}
-
 const char* name(Verdict verdict)
 {
 	constexpr const char* kNames[] = {"not applicable", "holds", "as Bullet", "limit", "outside"};
@@ -109,21 +105,6 @@ Verdict worse(Verdict a, Verdict b)
 	return std::max(a, b);
 }
 
-Reading relativeTo(double expected, double value)
-{
-	return {value, expected, std::fabs(value / expected - 1)};
-}
-
-Reading differenceFrom(double expected, double value)
-{
-	return {value, expected, std::fabs(value - expected)};
-}
-
-Reading amount(double value)
-{
-	return {value, 0, value};
-}
-
 double Cell::shareOfBound() const
 {
 	if (bound > 0) return std::isfinite(bound) ? reading.error / bound : 0;
@@ -132,7 +113,8 @@ double Cell::shareOfBound() const
 
 int Matrix::count(Verdict verdict) const
 {
-	return int(std::count_if(cells.begin(), cells.end(), [&](const Cell& cell)
+	return int(std::count_if(cells.begin(), cells.end(),
+							 [&](const Cell& cell)
 							 { return isOurs(cell.setting.collider) && cell.verdict == verdict; }));
 }
 
@@ -153,21 +135,9 @@ std::vector<std::string> Matrix::needlessLimits() const
 		{
 			const auto isMet = [&](const Cell& cell)
 			{ return cell.row == row && cell.verdict == Verdict::limit && cell.note == limit.beyond; };
-			if (std::none_of(cells.begin(), cells.end(), isMet))
-				needless.push_back(rows[row].id + ": " + limit.beyond);
+			if (std::none_of(cells.begin(), cells.end(), isMet)) needless.push_back(rows[row].id + ": " + limit.beyond);
 		}
 	return needless;
-}
-
-std::vector<Row> allRows()
-{
-	std::vector<Row> rows = engineRows();
-	for (const auto& more : {analyticRows(), roundRows(), contactRows()}) rows.insert(rows.end(), more.begin(), more.end());
-	// E, A, C, J as they come; numbers within.
-	const std::string letters = "EACJ";
-	const auto place = [&](const Row& row) { return std::make_pair(letters.find(row.id[0]), std::stoi(row.id.substr(1))); };
-	std::stable_sort(rows.begin(), rows.end(), [&](const Row& a, const Row& b) { return place(a) < place(b); });
-	return rows;
 }
 
 std::vector<Row> chosenRows(std::vector<Row> rows, const MatrixOptions& options)
@@ -177,7 +147,7 @@ std::vector<Row> chosenRows(std::vector<Row> rows, const MatrixOptions& options)
 	for (Row& row : rows)
 	{
 		ids.push_back(row.id);
-		if (options.only.empty() ? options.isQuick && !row.isQuick : options.only != row.id) continue;
+		if (options.only.empty() ? options.isQuick && row.isSlow : options.only != row.id) continue;
 		if (options.isQuick)
 		{
 			if (!row.cases.empty()) row.cases.resize(1);
@@ -237,8 +207,9 @@ void demandBounds(const Matrix& matrix)
 {
 	const int outside = matrix.count(Verdict::outside);
 	if (outside == 0) return;
-	throw cli::Failure(cli::ExitCode::verificationFailed,
-					   fmt::format("{} number{} outside of the bound, and no known limit", outside, outside == 1 ? " is" : "s are"));
+	throw cli::Failure(
+		cli::ExitCode::verificationFailed,
+		fmt::format("{} number{} outside of the bound, and no known limit", outside, outside == 1 ? " is" : "s are"));
 }
 
 void judge(Matrix& matrix)

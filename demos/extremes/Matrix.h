@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Runs the rows and judges every number: ours by the row's bound, Bullet's by the part of it that does not speak of Bullet.
+// Runs the rows and judges every number: ours by the row's bound, Bullet's by the part of it that does not speak of
+// Bullet.
 #pragma once
 #include <functional>
 #include <string>
@@ -39,9 +40,9 @@ struct Cell
 struct Matrix
 {
 	std::vector<Row> rows;
-	std::vector<Cell> cells;      // by row, case, rate, quantity, collider
-	std::vector<double> seconds;  // that each row took
-	bool isQuick = false;         // only part of each row was run
+	std::vector<Cell> cells;           // by row, case, rate, quantity, collider
+	std::vector<double> seconds;       // that each row took
+	bool isQuick = false;              // only part of each row was run
 	int count(Verdict verdict) const;  // of our cells
 	std::vector<const Cell*> cellsOf(std::size_t row, Collider collider) const;
 	// Limits whose cells all hold, as "E5: ...": they should go. Of whole runs only.
@@ -51,13 +52,14 @@ struct Matrix
 struct MatrixOptions
 {
 	bool isQuick = false;
-	std::string only;         // the id of a row; empty: all
+	std::string only;          // the id of a row; empty: all
 	double shareOfBounds = 1;  // below 1: shows what has little room
 };
 
 // Those that the options leave; throws cli::Failure (2) where that is none, with the nearest id.
 std::vector<Row> chosenRows(std::vector<Row> rows, const MatrixOptions& options);
-Matrix runMatrix(std::vector<Row> rows, Workshop& workshop, bool isQuick, const std::function<void(const std::string& id, double fraction)>& progress);
+Matrix runMatrix(std::vector<Row> rows, Workshop& workshop, bool isQuick,
+				 const std::function<void(const std::string& id, double fraction)>& progress);
 // Bounds and verdicts of cells that have their readings.
 void judge(Matrix& matrix);
 // Throws cli::Failure (4) where a number of ours is outside.

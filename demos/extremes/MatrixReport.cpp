@@ -12,7 +12,8 @@ namespace clod::demo
 {
 namespace
 {
-constexpr Collider kAll[] = {Collider::primitive, Collider::mesh, Collider::exact, Collider::standard, Collider::coarse};
+constexpr Collider kAll[] = {Collider::primitive, Collider::mesh, Collider::exact, Collider::standard,
+							 Collider::coarse};
 
 std::string quoted(const std::string& text)
 {
@@ -105,8 +106,11 @@ void addToReport(nlohmann::ordered_json& report, const Matrix& matrix)
 	for (std::size_t r = 0; r < matrix.rows.size(); ++r)
 	{
 		const Row& row = matrix.rows[r];
-		nlohmann::ordered_json described = {{"id", row.id}, {"shows", row.shows}, {"source", row.source},
-											{"axis", row.axis}, {"seconds", matrix.seconds[r]}};
+		nlohmann::ordered_json described = {{"id", row.id},
+											{"shows", row.shows},
+											{"source", row.source},
+											{"axis", row.axis},
+											{"seconds", matrix.seconds[r]}};
 		for (const Quantity& quantity : row.quantities)
 			described["quantities"].push_back({{"name", quantity.name},
 											   {"unit", quantity.unit},
@@ -123,7 +127,8 @@ void addToReport(nlohmann::ordered_json& report, const Matrix& matrix)
 	report["needless_limits"] = matrix.needlessLimits();
 	auto& outside = report["outside"] = nlohmann::ordered_json::array();
 	for (const Cell& cell : matrix.cells)
-		if (isOurs(cell.setting.collider) && cell.verdict == Verdict::outside) outside.push_back(sentence(matrix, cell));
+		if (isOurs(cell.setting.collider) && cell.verdict == Verdict::outside)
+			outside.push_back(sentence(matrix, cell));
 	auto& tested = report["tested_elsewhere"] = nlohmann::ordered_json::array();
 	for (const TestedElsewhere& row : testedElsewhere())
 		tested.push_back({{"id", row.id}, {"shows", row.shows}, {"test", row.test}});
@@ -146,7 +151,8 @@ std::string printable(const Matrix& matrix)
 			for (const Collider collider : kAll)
 			{
 				const Cell* cell = worstOf(matrix, row, q, collider);
-				text += fmt::format("{:>12}", cell ? fmt::format("{:.3g}{}", cell->reading.error, markOf(cell->verdict)) : "-");
+				text += fmt::format("{:>12}",
+									cell ? fmt::format("{:.3g}{}", cell->reading.error, markOf(cell->verdict)) : "-");
 				for (const Cell* one : matrix.cellsOf(row, collider))
 					if (one->quantity == q && !one->better.empty()) better.insert(name(collider));
 			}
@@ -159,7 +165,8 @@ std::string printable(const Matrix& matrix)
 		for (const Limit& limit : row.limits) text += fmt::format("limit {}: {}\n", row.id, limit.beyond);
 	for (const std::string& limit : matrix.needlessLimits()) text += "no longer met: " + limit + "\n";
 	for (const Cell& cell : matrix.cells)
-		if (isOurs(cell.setting.collider) && cell.verdict == Verdict::outside) text += "OUTSIDE " + sentence(matrix, cell) + "\n";
+		if (isOurs(cell.setting.collider) && cell.verdict == Verdict::outside)
+			text += "OUTSIDE " + sentence(matrix, cell) + "\n";
 	text += fmt::format("{} numbers of ours hold, {} are as Bullet's, {} are limits, {} are outside\n",
 						matrix.count(Verdict::holds), matrix.count(Verdict::asBullet), matrix.count(Verdict::limit),
 						matrix.count(Verdict::outside));

@@ -30,7 +30,7 @@ const char* name(Collider collider);
 struct Setting
 {
 	Collider collider = Collider::exact;
-	double rate = 240;  // steps a second
+	double rate = 240;     // steps a second
 	double parameter = 0;  // of the case
 	bool isQuick = false;  // long ones may be cut short
 	double dt() const { return 1 / rate; }
@@ -100,7 +100,7 @@ struct Row
 	std::vector<Quantity> quantities;
 	std::function<std::vector<Reading>(Workshop&, const Setting&)> run;  // one reading a quantity; none: not for it
 	std::vector<Limit> limits = {};
-	bool isQuick = false;  // of --quick too, with its first case and rate alone
+	bool isSlow = false;  // left out by --quick, which runs the first case and rate of the others
 };
 
 // What is no number of a run, and the test that holds it.

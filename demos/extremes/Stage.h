@@ -71,7 +71,7 @@ private:
 	Workshop& m_workshop;
 	Setting m_setting;
 	SceneDefinition m_scene;
-	std::vector<Solid> m_solids;  // one a model
+	std::vector<Solid> m_solids;   // one a model
 	std::vector<bool> m_isStatic;  // the same; of bodies added
 	std::vector<std::shared_ptr<const SignedDistance>> m_surfaces;
 	std::map<std::pair<std::size_t, std::size_t>, PenetrationMeter> m_meters;

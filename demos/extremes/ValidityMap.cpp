@@ -13,7 +13,8 @@ namespace clod::demo
 {
 namespace
 {
-constexpr Collider kAll[] = {Collider::primitive, Collider::mesh, Collider::exact, Collider::standard, Collider::coarse};
+constexpr Collider kAll[] = {Collider::primitive, Collider::mesh, Collider::exact, Collider::standard,
+							 Collider::coarse};
 constexpr double kLine = 17, kCell = 52, kName = 150, kMargin = 16, kWords = 350;
 
 // Okabe & Ito.
@@ -66,8 +67,7 @@ public:
 		m_body += fmt::format(
 			"<g><title>{}</title><rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{}\" height=\"{}\" fill=\"{}\"/>"
 			"<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{}</text></g>\n",
-			escaped(tip), x, y, kCell - 2, kLine - 2, colorOf(verdict), x + kCell / 2 - 1, y + kLine - 5,
-			words);
+			escaped(tip), x, y, kCell - 2, kLine - 2, colorOf(verdict), x + kCell / 2 - 1, y + kLine - 5, words);
 		grow(x + kCell, y + kLine);
 	}
 	void grow(double x, double y)
@@ -77,10 +77,11 @@ public:
 	}
 	std::string whole() const
 	{
-		return fmt::format("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" viewBox=\"0 0 {0:.0f} "
-						   "{1:.0f}\" font-family=\"DejaVu Sans, sans-serif\" font-size=\"11\">\n<rect width=\"100%\" "
-						   "height=\"100%\" fill=\"white\"/>\n{2}</svg>\n",
-						   m_width + kMargin, m_height + kMargin, m_body);
+		return fmt::format(
+			"<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" viewBox=\"0 0 {0:.0f} "
+			"{1:.0f}\" font-family=\"DejaVu Sans, sans-serif\" font-size=\"11\">\n<rect width=\"100%\" "
+			"height=\"100%\" fill=\"white\"/>\n{2}</svg>\n",
+			m_width + kMargin, m_height + kMargin, m_body);
 	}
 
 private:
@@ -105,7 +106,8 @@ std::vector<Column> columnsOf(const Row& row)
 		std::vector<double> rates = row.rates;
 		std::sort(rates.begin(), rates.end());
 		for (const double rate : rates)
-			columns.push_back({fmt::format("1/{:g} s", rate), [rate](const Cell& cell) { return cell.setting.rate == rate; }});
+			columns.push_back(
+				{fmt::format("1/{:g} s", rate), [rate](const Cell& cell) { return cell.setting.rate == rate; }});
 		return columns;
 	}
 	for (const Case& one : row.cases)
@@ -137,7 +139,8 @@ double drawAxis(Picture& picture, const Matrix& matrix, std::size_t index, doubl
 				Summary summary;
 				for (const Cell* cell : matrix.cellsOf(index, collider))
 					if (columns[c].isOf(*cell) && (isOfSteps || cell->setting.rate == rate)) summary.add(*cell);
-				picture.cell(x + kName + double(c) * kCell, y, summary, fmt::format("{} {}, {}: {}", row.id, label, columns[c].label, name(summary.verdict)));
+				picture.cell(x + kName + double(c) * kCell, y, summary,
+							 fmt::format("{} {}, {}: {}", row.id, label, columns[c].label, name(summary.verdict)));
 			}
 			y += kLine;
 		}
@@ -171,8 +174,13 @@ void drawRows(Picture& picture, const Matrix& matrix, double x, double y)
 double drawLegend(Picture& picture, double x, double y)
 {
 	picture.text(x, y + 14, "Where contacts hold", "font-weight=\"bold\" font-size=\"16\"");
-	picture.text(x + 190, y + 14, "In a cell: its worst error as a share of its bound. primitive, mesh: Bullet's own solid, Bullet's best "
-								  "shape of the same mesh; exact, 0.5 %, 3.5 %: ours; *: somewhere one of Bullet's does better.");
+	picture.text(
+		x + 190, y + 14,
+		"In a cell: its worst error as a share of its bound; *: somewhere one of Bullet's shapes does better.");
+	y += kLine + 3;
+	picture.text(
+		x, y + 14,
+		"primitive, mesh: Bullet's own solid, Bullet's best shape of the same mesh; exact, 0.5 %, 3.5 %: ours.");
 	y += 24;
 	const std::vector<std::pair<Verdict, std::string>> entries = {
 		{Verdict::holds, "within its bound"},

@@ -169,11 +169,13 @@ void RigidScene::addJoint(btRigidBody& body, const BodyJoint& joint)
 									 toBullet(joint.point, m_definition.info.worldScale));
 	// To the world is to a body that never moves, whose frame is the world's.
 	btRigidBody& other = joint.partner ? *m_bullet->bodies[*joint.partner] : btTypedConstraint::getFixedBody();
-	const btTransform otherFromJoint = (joint.partner ? other.getWorldTransform().inverse() : btTransform::getIdentity()) * worldFromJoint;
+	const btTransform otherFromJoint =
+		(joint.partner ? other.getWorldTransform().inverse() : btTransform::getIdentity()) * worldFromJoint;
 	const btTransform bodyFromJoint = body.getWorldTransform().inverse() * worldFromJoint;
 	std::unique_ptr<btTypedConstraint> constraint;
 	if (joint.kind == BodyJoint::Kind::ball)
-		constraint = std::make_unique<btPoint2PointConstraint>(body, other, bodyFromJoint.getOrigin(), otherFromJoint.getOrigin());
+		constraint = std::make_unique<btPoint2PointConstraint>(body, other, bodyFromJoint.getOrigin(),
+															   otherFromJoint.getOrigin());
 	else if (joint.kind == BodyJoint::Kind::hinge)
 		constraint = std::make_unique<btHingeConstraint>(body, other, bodyFromJoint, otherFromJoint);
 	else if (isSlider)

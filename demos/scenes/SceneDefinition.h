@@ -39,7 +39,7 @@ struct BodyJoint
 		slider,  // moves along the axis
 	};
 	Kind kind = Kind::fixed;
-	Vec3 point, axis{0, 1, 0};  // of the world
+	Vec3 point, axis{0, 1, 0};                // of the world
 	std::optional<std::size_t> partner = {};  // the other body; none: the world
 };
 

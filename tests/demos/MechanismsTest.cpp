@@ -232,12 +232,13 @@ TEST(MechanismEnergy, IsTheSameAllAlongAFreeSwing)
 	EXPECT_GT(kinetic, 0.5 * kMass * kGravity * reach);
 }
 
-// Two blocks in free flight, the second thrown and turning: joined to the world or to the first, at a point beside both.
+// Two blocks in free flight, the second thrown and turning: joined to the world or to the first, beside both.
 TEST(Joints, LeaveFreeOnlyWhatTheirKindSays)
 {
 	const Vec3 point{0.02, 0, 0}, axis{0, 0, 1};
 	for (const bool isToBody : {false, true})
-		for (const auto kind : {BodyJoint::Kind::fixed, BodyJoint::Kind::ball, BodyJoint::Kind::hinge, BodyJoint::Kind::slider})
+		for (const auto kind :
+			 {BodyJoint::Kind::fixed, BodyJoint::Kind::ball, BodyJoint::Kind::hinge, BodyJoint::Kind::slider})
 		{
 			SceneDefinition definition = loneBlock();
 			definition.gravity = [](double) { return Vec3{}; };
