@@ -128,6 +128,28 @@ TEST(Still, WhatIsPushedMovesAsIfNothingHadBeenKept)
 	}
 }
 
+// Friction holds no more than mu N, however small the steps: on slopes just beyond, in any direction.
+TEST(Still, WhatIsTooSteepSlides)
+{
+	for (const double rate : {240.0, 1000.0, 4000.0})
+		for (const double heading : {0.0, 0.8})
+		{
+			Heap heap;
+			heap.timeStep = 1 / rate;
+			btRigidBody& cube = heap.drop("cube", {0, 0.6, 0});
+			cube.setFriction(1);
+			heap.bodies[0]->setFriction(btScalar(0.5));
+			heap.step(int(2 * rate));
+			const double angle = std::atan(0.5 * 1.03), sine = 9.81 * std::sin(angle);
+			heap.world.setGravity(btVector3(btScalar(sine * std::cos(heading)), btScalar(-9.81 * std::cos(angle)),
+											btScalar(sine * std::sin(heading))));
+			const btVector3 before = cube.getWorldTransform().getOrigin();
+			heap.step(int(rate));
+			// g (sin - mu cos) / 2 is 0.066.
+			EXPECT_GT(double((cube.getWorldTransform().getOrigin() - before).length()), 0.02) << rate << ", " << heading;
+		}
+}
+
 TEST(Still, GroundThatIsMovedAwayHoldsNothing)
 {
 	Heap heap(true);

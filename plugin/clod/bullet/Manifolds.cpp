@@ -2,6 +2,7 @@
 #include "clod/bullet/Manifolds.h"
 
 #include <algorithm>
+#include <cmath>
 #include <typeinfo>
 
 #include "clod/bullet/SolverTerms.h"
@@ -50,6 +51,19 @@ bool isAsWritten(const btManifoldPoint& point, const Material& material, const S
 		   point.m_combinedSpinningFriction == material.spinning && now.flags == terms.flags && now.erp == terms.erp &&
 		   point.m_contactMotion1 == 0 && point.m_contactMotion2 == 0 && point.m_contactCFM == 0 &&
 		   point.m_frictionCFM == 0;
+}
+
+constexpr double kSlips = 0.9999;  // of what friction could give in the last step: a point that took so much slips
+
+// The places that touched stay together, unless they slip: each of Bullet's two friction directions has the limit of the
+// whole, and an anchor would have both reach it.
+void setAnchor(btManifoldPoint& point)
+{
+	const double lateral = std::hypot(double(point.m_appliedImpulseLateral1), double(point.m_appliedImpulseLateral2));
+	if (lateral < kSlips * double(point.m_combinedFriction) * double(point.m_appliedImpulse))
+		point.m_contactPointFlags |= BT_CONTACT_FLAG_FRICTION_ANCHOR;
+	else
+		point.m_contactPointFlags &= ~BT_CONTACT_FLAG_FRICTION_ANCHOR;
 }
 
 // What a thread needs while it writes a pair.
@@ -196,7 +210,7 @@ bool ManifoldSet::follow(HeldClusters& written, const WorldFrame& frame, btManif
 				now.height = double(point.m_distance1) / frame.scale;
 				point.m_combinedRestitution = slot.restitution;
 				setSolverTerms(now, frame, point);
-				point.m_contactPointFlags |= BT_CONTACT_FLAG_FRICTION_ANCHOR;  // the places that touched stay together
+				setAnchor(point);
 				slot.terms[j] = SolverTerms(point);
 			}
 	}

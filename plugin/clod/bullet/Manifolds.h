@@ -59,7 +59,7 @@ public:
 	// damping, friction anchors or a result of the caller's own want points to be added.
 	bool keep(HeldClusters& written, const WorldFrame& frame, btManifoldResult& out);
 	// The same where bodies have moved by less than the points' places can tell: these stay on both bodies, their
-	// distances are those between them, and friction holds them where they are (anchors).
+	// distances are those between them, and what does not slip is held where it is (friction anchors).
 	bool follow(HeldClusters& written, const WorldFrame& frame, btManifoldResult& out);
 	// Has the solver given one of their points an impulse?
 	bool carry() const;
