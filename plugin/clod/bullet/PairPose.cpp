@@ -105,8 +105,7 @@ void setRules(PairPose& pose, double timeStep, Prediction prediction, double clo
 	const Hierarchy& smaller = bIsSmaller ? pose.hierarchyB() : pose.hierarchyA();
 	pose.center = bIsSmaller ? pose.aFromB * sphereCenter(smaller) : sphereCenter(smaller);
 	pose.radius = double(smaller.asset().radius);
-	const RelativeMotion relative = rules.motion();
-	pose.motion = (length(relative.velocity(pose.center)) + length(relative.angular) * pose.radius) * timeStep;
+	pose.motion = rules.motion().speedWithin(pose.center, pose.radius) * timeStep;
 	// A query of two hierarchies looks ahead along the motion (sweep); other shapes are met in all directions.
 	pose.tolerance = rules.margin + rules.resting;
 	if (!pose.isOfTwo()) pose.tolerance += kPathReach * pose.motion;

@@ -4,18 +4,18 @@
 
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
 
-#include <cmath>
 #include <tuple>
 #include <utility>
 
 #include "clod/bullet/BodyState.h"
 #include "clod/bullet/TimeOfImpact.h"
+#include "clod/collide/MotionBound.h"
 
 namespace clod
 {
 namespace
 {
-constexpr double kStillShare = 3e-4;  // of the length, more than half of the skin: points found so much motion ago still serve
+constexpr double kStillShare = 3e-4;  // of the length, more than half of the skin: points found so little motion ago serve
 
 // Every field: one more does not compile before it is named here.
 auto fieldsOf(const PairBody& body)
@@ -29,7 +29,8 @@ bool sameRules(const PointRules& l, const PointRules& r)
 	const auto fields = [](const PointRules& rules)
 	{
 		const auto& [length, resting, margin, radiusA, radiusB, nearest, a, b, timeStep, heldReach] = rules;
-		return std::tuple_cat(std::tie(length, resting, margin, radiusA, radiusB, nearest, timeStep, heldReach), fieldsOf(a), fieldsOf(b));
+		return std::tuple_cat(std::tie(length, resting, margin, radiusA, radiusB, nearest, timeStep, heldReach), fieldsOf(a),
+							  fieldsOf(b));
 	};
 	return fields(l) == fields(r);
 }
@@ -87,32 +88,29 @@ bool PairState::same(const Question& l, const Question& r)
 // Have bodies moved so little since they were asked about, and do they move so slowly, that the points found then serve?
 bool PairState::isStill(const PairPose& pose, const Question& question) const
 {
-	if (!m_context.keepPoints || !m_answered || pose.prediction != Prediction::kFree || pose.partner == Partner::kConcave || question.withGap ||
-		m_answered->withGap || m_clusters.isEmpty() || m_facets.levels.isChanging())
-		return false;
-	const PointRules &now = question.rules, &then = m_answered->rules;
-	const double most = kStillShare * now.length;
-	const double dt = now.timeStep;
+	if (!m_context.keepPoints || pose.prediction != Prediction::kFree || pose.partner == Partner::kConcave) return false;
+	if (!m_answered || m_clusters.isEmpty() || m_facets.levels.isChanging()) return false;
+	const Question& then = *m_answered;
+	const double most = kStillShare * question.rules.length;
+	if (question.withGap || then.withGap || std::max(question.way, then.way) > most) return false;
+	const Transform since = question.aFromB * inverse(then.aFromB);
+	const double moved = length(since * pose.center - pose.center) +
+						 turnBetween(then.aFromB.rotation, question.aFromB.rotation) * pose.radius;
+	if (moved > most) return false;
+	// Forces all but alike, and otherwise the same question but for the motion.
 	const auto isForcedAlike = [&](const PairBody& l, const PairBody& r)
-	{ return l.inverseMass == r.inverseMass && length(l.force - r.force) * dt < most; };
-	if (std::max(question.way, m_answered->way) > most || now.heldReach > then.heldReach || now.length != then.length || now.resting != then.resting ||
-		now.margin != then.margin || now.radiusA != then.radiusA || now.radiusB != then.radiusB ||
-		now.timeStep != then.timeStep || question.plane != m_answered->plane || !isForcedAlike(now.a, then.a) ||
-		!isForcedAlike(now.b, then.b))
+	{ return l.inverseMass == r.inverseMass && length(l.force - r.force) * question.rules.timeStep < most; };
+	PointRules rules = question.rules;
+	if (rules.heldReach > then.rules.heldReach || !isForcedAlike(rules.a, then.rules.a) ||
+		!isForcedAlike(rules.b, then.rules.b))
 		return false;
-	const Transform since = question.aFromB * inverse(m_answered->aFromB);
-	double turn = 0;
-	for (int i = 0; i < 3; ++i)
-	{
-		Vec3 row = since.rotation.row[i];
-		(i == 0 ? row.x : i == 1 ? row.y : row.z) -= 1;
-		turn += lengthSquared(row);
-	}
-	if (length(since * pose.center - pose.center) + std::sqrt(0.5 * turn) * pose.radius > most) return false;
+	rules.a = then.rules.a;
+	rules.b = then.rules.b;
+	rules.heldReach = then.rules.heldReach;
 	GapSettings settings = question.settings;
-	settings.tolerance = m_answered->settings.tolerance;
-	settings.sweep = m_answered->settings.sweep;
-	return clod::same(settings, m_answered->settings);
+	settings.tolerance = then.settings.tolerance;
+	settings.sweep = then.settings.sweep;
+	return sameRules(rules, then.rules) && question.plane == then.plane && clod::same(settings, then.settings);
 }
 
 // Where a shape is another than in the last dispatch, nothing kept holds.
@@ -172,8 +170,7 @@ PairState::Question PairState::questionOf(const PairPose& pose)
 	question.settings.tolerance = pose.tolerance;
 	question.settings.sweep = pose.sweep();
 	question.rules = pose.rules;
-	const RelativeMotion& seen = pose.seenMotion;
-	question.way = (length(seen.velocity(pose.center)) + length(seen.angular) * pose.radius) * pose.rules.timeStep;
+	question.way = pose.seenMotion.speedWithin(pose.center, pose.radius) * pose.rules.timeStep;
 	question.withGap = m_context.searchGap && !pose.isRound();
 	if (pose.partner == Partner::kPlane)
 	{
@@ -336,8 +333,7 @@ double PairState::surprise() const
 	const RelativeMotion now = relativeMotion(solvedMotion(*m_report.objectA), solvedMotion(*m_report.objectB),
 											  m_foreseen.worldFromA, m_foreseen.scale, dt);
 	const RelativeMotion change = {now.linear - m_foreseen.motion.linear, now.angular - m_foreseen.motion.angular, dt};
-	const double speed = length(change.velocity(m_foreseen.center)) + length(change.angular) * m_foreseen.radius;
-	return speed * dt / m_foreseen.skin;
+	return change.speedWithin(m_foreseen.center, m_foreseen.radius) * dt / m_foreseen.skin;
 }
 
 void PairState::keepAnswer()

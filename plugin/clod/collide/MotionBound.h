@@ -26,11 +26,17 @@ inline float upperAfter(float bound, float moved)
 	return bound + moved + kFloatStep * (bound < 0 ? -bound : bound);
 }
 
+// Norm of the difference of two rotations.
+inline double turnBetween(const Mat3& from, const Mat3& to)
+{
+	double squared = 0;
+	for (int i = 0; i < 3; ++i) squared += lengthSquared(to.row[i] - from.row[i]);
+	return std::sqrt(0.5 * squared);
+}
+
 inline double motionBound(const RelativePose& from, const RelativePose& to, double radiusA, double radiusB)
 {
-	double turn = 0;
-	for (int i = 0; i < 3; ++i) turn += lengthSquared(to.rotation.row[i] - from.rotation.row[i]);
-	turn = std::sqrt(0.5 * turn);
+	const double turn = turnBetween(from.rotation, to.rotation);
 	const double ofB = length(to.translation - from.translation) + turn * radiusB;
 	const Vec3 originFrom = from.inverseRotation * from.translation, originTo = to.inverseRotation * to.translation;
 	const double ofA = length(originTo - originFrom) + turn * radiusA;
@@ -77,10 +83,9 @@ inline double sweepChange(const RelativePose& from, const Sweep& before, const R
 	if (before.isZero() && now.isZero()) return 0;
 	const double turn = length(now.angular - before.angular);
 	const double longest = length(now.of(to.translation)) + length(now.angular) * radiusB;
-	double axes = 0;  // how far axes fixed to B turned
-	for (int i = 0; i < 3; ++i) axes += lengthSquared(to.rotation.row[i] - from.rotation.row[i]);
+	const double axes = turnBetween(from.rotation, to.rotation);  // how far those fixed to B turned
 	// The spread of a box changes with the angular part as well, hence twice.
 	return (1 + kMotionRounding) * (length(now.of(to.translation) - before.of(to.translation)) + 2 * turn * radiusB +
-						 length(before.angular) * motion + std::sqrt(0.5 * axes) * longest);
+						 length(before.angular) * motion + axes * longest);
 }
 }  // namespace clod

@@ -50,6 +50,8 @@ struct Facet
 	double linear;          // what the motion closes by, to first order: negative closes
 	double multiplier = 0;  // of the pair's own solve, an impulse
 	double slowOverlap = 0;  // of what lies below the margin: came with a change of level, and is left slowly
+	// Is it made of two features, which tell of it at any pose?
+	bool hasFeatures() const { return kind != Kind::kDeep && kind != Kind::kHeld; }
 	// What makes it, hashed.
 	std::uint64_t feature() const
 	{

@@ -28,7 +28,7 @@ void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Trans
 	m_facets.clear();
 	if (goesOn) m_facets = memory.reduced;
 	m_facets.erase(std::remove_if(m_facets.begin(), m_facets.end(),
-								  [](const Facet& f) { return f.kind == Facet::Kind::kDeep || f.kind == Facet::Kind::kHeld; }),
+								  [](const Facet& f) { return !f.hasFeatures(); }),
 				   m_facets.end());
 	m_question = {a,
 				  b,

@@ -10,7 +10,7 @@ namespace
 {
 constexpr double kSwitchShare = 8e-5;  // of the speed of a fall by the length: some ten times of it is added to a motion
 constexpr double kBesideShare = 0.01;  // of the length: so far a point that goes on may have slid
-constexpr double kStillShare = 1e-5;   // of the length a step: bodies hardly move, and nothing is lost by their motion
+constexpr double kUnmovedShare = 1e-5;   // of the length a step: bodies hardly move, and nothing is lost by their motion
 constexpr double kIdle = 0.1;          // seconds that a point goes on without a load: loads wander between points
 }  // namespace
 
@@ -43,6 +43,20 @@ bool LevelSwitch::goOn(const FacetQuestion& question, const ClusterPoint& old, F
 	return true;
 }
 
+bool LevelSwitch::isAmong(const std::vector<SwitchMemory::Levels>& asked, const Facet& facet)
+{
+	return std::find(asked.begin(), asked.end(), SwitchMemory::Levels{facet.levelA, facet.levelB}) != asked.end();
+}
+
+// Has a point that carried no facet any more, by no motion of the bodies?
+bool LevelSwitch::isLost(const FacetQuestion& question, const ClusterPoint& old, const Facet& facet, Span<Facet> found) const
+{
+	if (!isAmong(m_asked, facet)) return true;
+	const double unmoved = kUnmovedShare * question.length();
+	if (lengthSquared(old.placeWithB - old.point.pointOnA) > unmoved * unmoved) return false;
+	return std::none_of(found.begin(), found.end(), [&](const Facet& f) { return f.feature() == old.point.feature; });
+}
+
 void LevelSwitch::apply(const FacetQuestion& question, const std::vector<Contact>& contacts,
 						const std::vector<Facet>& reduced, const ClusterSet& previous, bool stays, SwitchMemory& memory,
 						std::vector<Facet>& facets)
@@ -54,8 +68,6 @@ void LevelSwitch::apply(const FacetQuestion& question, const std::vector<Contact
 		const SwitchMemory::Levels levels = {question.a.levelOf(contact.nodeA), question.b.levelOf(contact.nodeB)};
 		if (std::find(m_asked.begin(), m_asked.end(), levels) == m_asked.end()) m_asked.push_back(levels);
 	}
-	const auto isAmong = [](const std::vector<SwitchMemory::Levels>& asked, const Facet& facet)
-	{ return std::find(asked.begin(), asked.end(), SwitchMemory::Levels{facet.levelA, facet.levelB}) != asked.end(); };
 
 	double deepest = 0, fresh = 0;  // overlaps; fresh: of levels that were not asked for
 	for (const Facet& facet : facets)
@@ -66,7 +78,6 @@ void LevelSwitch::apply(const FacetQuestion& question, const std::vector<Contact
 		if (!memory.asked.empty() && !isAmong(memory.asked, facet)) fresh = std::max(fresh, overlap);
 	}
 	const std::size_t found = facets.size();
-	const double still = kStillShare * question.length();
 	double before = 0;
 	std::size_t next = 0;
 	for (const ContactCluster& cluster : previous.slots)
@@ -74,20 +85,13 @@ void LevelSwitch::apply(const FacetQuestion& question, const std::vector<Contact
 		{
 			const ClusterPoint& old = cluster.points[std::size_t(i)];
 			Facet facet = reduced[next++];
-			if (facet.kind != Facet::Kind::kHeld) before = std::max(before, -old.point.height);
-			const bool wasHeld = facet.kind == Facet::Kind::kHeld;
-			const bool mayGoOn = wasHeld ? old.impulse > 0 || old.point.idle < kIdle : old.impulse > 0;
-			const auto isLost = [&]
-			{
-				if (!isAmong(m_asked, facet)) return true;
-				if (lengthSquared(old.placeWithB - old.point.pointOnA) > still * still) return false;
-				return std::none_of(facets.begin(), facets.begin() + std::ptrdiff_t(found),
-									[&](const Facet& f) { return f.feature() == old.point.feature; });
-			};
-			const bool goesOn = stays ? wasHeld : mayGoOn && facet.kind != Facet::Kind::kDeep && isLost();
+			const bool wasHeld = facet.kind == Facet::Kind::kHeld, carried = old.impulse > 0;
+			if (!wasHeld) before = std::max(before, -old.point.height);
+			const bool mayGoOn = facet.kind != Facet::Kind::kDeep && (carried || (wasHeld && old.point.idle < kIdle));
+			const bool goesOn = stays ? wasHeld : mayGoOn && isLost(question, old, facet, {facets.data(), found});
 			if (!goesOn || !goOn(question, old, facet)) continue;
 			facets.push_back(facet);
-			m_points.back().idle = old.impulse > 0 ? 0 : old.point.idle + (stays ? 0 : question.rules.timeStep);
+			m_points.back().idle = carried ? 0 : old.point.idle + (stays ? 0 : question.rules.timeStep);
 		}
 	memory.goesOn = !m_points.empty();
 	if (!stays) memory.overlap = std::min(deepest, std::max(memory.overlap, fresh - before));

@@ -37,6 +37,8 @@ public:
 	const ContactPoint& pointOf(const Facet& held) const { return m_points[held.featureA]; }
 
 private:
+	static bool isAmong(const std::vector<SwitchMemory::Levels>& asked, const Facet& facet);
+	bool isLost(const FacetQuestion& question, const ClusterPoint& old, const Facet& facet, Span<Facet> found) const;
 	bool goOn(const FacetQuestion& question, const ClusterPoint& old, Facet& facet);
 
 	std::vector<SwitchMemory::Levels> m_asked;

@@ -143,8 +143,8 @@ void PairSolve::sweep(const FacetQuestion& question, const std::vector<Facet>& f
 		{
 			if (facets[i].reach == Facet::Reach::kPossible) continue;
 			const Row& row = m_rows[i];
-			const double wanted =
-				-velocityRow(facets[i].distance - question.rules.margin + facets[i].slowOverlap, facets[i].curvature()) / question.rules.timeStep;
+			const double height = facets[i].distance - question.rules.margin + facets[i].slowOverlap;
+			const double wanted = -velocityRow(height, facets[i].curvature()) / question.rules.timeStep;
 			const double speed = dot(row.normal, m_a.linear - m_b.linear) + dot(row.turnA, m_a.angular) -
 								 dot(row.turnB, m_b.angular);
 			const double old = m_multipliers[i];
@@ -202,7 +202,7 @@ void PairSolve::solve(const FacetQuestion& question, std::vector<Facet>& facets)
 			facet.linear = question.rules.timeStep * (dot(row.normal, m_a.linear - m_b.linear) + dot(row.turnA, m_a.angular) -
 											  dot(row.turnB, m_b.angular));
 			facet.then = facet.distance + facet.linear;
-			if (facet.kind == Facet::Kind::kDeep || facet.kind == Facet::Kind::kHeld) continue;
+			if (!facet.hasFeatures()) continue;
 			facet.then = distanceAt(question, facet, after, back);
 			// A normal turns no faster than the bodies, but that of two edges all but parallel, and of a round corner.
 			const double most = bendBound(question.rules, facet);
