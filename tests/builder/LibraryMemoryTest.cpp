@@ -5,7 +5,6 @@
 
 #include <atomic>
 #include <cstdlib>
-#include <new>
 
 #include "clod/builder/Builder.h"
 #include "tests/support/Meshes.h"
@@ -21,23 +20,17 @@ bool fails()
 	const long allocation = allocations++, first = firstFailing;
 	return first != kNever && (keepsFailing ? allocation >= first : allocation == first);
 }
+void* allocate(std::size_t size)
+{
+	return fails() ? nullptr : std::malloc(size ? size : 1);
+}
+void release(void* p)
+{
+	std::free(p);
+}
 }  // namespace
 
-// Inlined in part, GCC takes malloc or free for a mismatch.
-[[gnu::noinline]] void* operator new(std::size_t size)
-{
-	if (fails()) throw std::bad_alloc();
-	if (void* p = std::malloc(size ? size : 1)) return p;
-	throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* p) noexcept
-{
-	std::free(p);
-}
-[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept
-{
-	std::free(p);
-}
+#include "tests/support/ReplacedNew.h"
 
 namespace clod::builder
 {

@@ -7,7 +7,6 @@
 #include <atomic>
 #include <cmath>
 #include <cstdlib>
-#include <new>
 #include <optional>
 
 #include "clod/bullet/btClodCollisionAlgorithm.h"
@@ -20,34 +19,21 @@ namespace
 {
 std::atomic<long> allocations{0}, bytes{0};
 
-void* counted(std::size_t size)
+void* allocate(std::size_t size)
 {
 	++allocations;
 	void* p = std::malloc(size ? size : 1);
 	bytes += long(malloc_usable_size(p));
 	return p;
 }
-void given(void* p)
+void release(void* p)
 {
 	bytes -= long(malloc_usable_size(p));
 	std::free(p);
 }
 }  // namespace
 
-// Inlined in part, GCC takes malloc or free for a mismatch.
-[[gnu::noinline]] void* operator new(std::size_t size)
-{
-	if (void* p = counted(size)) return p;
-	throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* p) noexcept
-{
-	given(p);
-}
-[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept
-{
-	given(p);
-}
+#include "tests/support/ReplacedNew.h"
 
 namespace clod::test
 {
@@ -123,14 +109,14 @@ struct Case
 
 void* countedForBullet(std::size_t size)
 {
-	return counted(size);
+	return allocate(size);
 }
 }  // namespace
 
 TEST(Dispatch, SteadyStepsAllocateNothing)
 {
 	// Without alignment of our own: Bullet puts an aligned block into one of these.
-	btAlignedAllocSetCustom(countedForBullet, given);
+	btAlignedAllocSetCustom(countedForBullet, release);
 	const long before = allocations;
 	btAlignedFree(btAlignedAlloc(8, 16));
 	ASSERT_EQ(allocations - before, 1);

@@ -4,7 +4,6 @@
 
 #include <atomic>
 #include <cstdlib>
-#include <new>
 #include <vector>
 
 #include "clod/query/StopRule.h"
@@ -13,23 +12,19 @@
 namespace
 {
 std::atomic<long> allocations{0};
-}
 
-// Inlined in part, GCC takes malloc or free for a mismatch.
-[[gnu::noinline]] void* operator new(std::size_t size)
+void* allocate(std::size_t size)
 {
 	++allocations;
-	if (void* p = std::malloc(size ? size : 1)) return p;
-	throw std::bad_alloc();
+	return std::malloc(size ? size : 1);
 }
-[[gnu::noinline]] void operator delete(void* p) noexcept
+void release(void* p)
 {
 	std::free(p);
 }
-[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept
-{
-	std::free(p);
-}
+}  // namespace
+
+#include "tests/support/ReplacedNew.h"
 
 namespace
 {
