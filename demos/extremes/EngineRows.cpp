@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // E: extremes of the engine. Sizes, speeds, masses, steps, distances and overlaps at which a body still rests, stands
-// or parts, and levels of detail that switch under load.
+// or parts.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,15 +12,8 @@ namespace clod::demo
 {
 namespace
 {
-const std::vector<double> kRates = {240, 60};
 const Vec3 kFloorSize = {10, 1, 10};
 
-std::vector<Case> casesOf(const std::vector<double>& parameters, const char* unit)
-{
-	std::vector<Case> cases;
-	for (const double p : parameters) cases.push_back({p, fmt::format("{:g}{}", p, unit)});
-	return cases;
-}
 std::vector<Case> percent(const std::vector<double>& shares)
 {
 	std::vector<Case> cases;
@@ -301,83 +294,6 @@ Readings spinning(Workshop& workshop, const Setting& setting)
 				});
 	return {amount(std::max(0.0, most - 1)), amount(fastest / rim)};
 }
-
-// A torus at rest on a floor whose metric changes every so many steps between exact and its own.
-Readings switchedLevels(Workshop& workshop, const Setting& setting)
-{
-	if (!isOurs(setting.collider)) throw NotApplicable("has no levels");
-	Stage stage(workshop, setting);
-	stage.setFriction(0.36);
-	stage.add(boxSolid({4, 1, 4}), fixedAt({{0, -kHalfFloor, 0}}));
-	const std::size_t torus = stage.add(torusSolid(0.5, 0.2, 3840), movingAt(1, {{0, 0.21, 0}}));
-	stage.seconds(2);
-	double fastest = 0;  // upward: it may fall where a surface is lower
-	int count = 0, every = int(setting.parameter);
-	stage.watch(setting.isQuick ? 1 : 3,
-				[&]
-				{
-					fastest = std::max(fastest, stage.velocity(torus).y);
-					++count;
-					stage.setMetric(metricOf((count / every) % 2 != 0 ? Collider::exact : setting.collider));
-					return true;
-				});
-	return {amount(fastest)};
-}
-
-// The paper's threshold dithered by a hundredth about values from 0.1 to 10 % of the radius.
-Readings ditheredThreshold(Workshop& workshop, const Setting& setting)
-{
-	if (setting.collider != Collider::coarse) throw NotApplicable("has no threshold to dither");
-	Stage stage(workshop, setting);
-	stage.setFriction(0.36);
-	stage.add(boxSolid({4, 1, 4}), fixedAt({{0, -kHalfFloor, 0}}));
-	const std::size_t torus = stage.add(torusSolid(0.5, 0.2, 3840), movingAt(1, {{0, 0.21, 0}}));
-	stage.seconds(2);
-	double fastest = 0;
-	for (int k = 0; k <= 20; ++k)
-	{
-		const double middle = 0.001 * std::pow(10, k / 10.0);
-		stage.setMetric(ContactMetric::deviationShare(middle));
-		stage.seconds(0.5);
-		int count = 0;
-		stage.watch(0.25,
-					[&]
-					{
-						fastest = std::max(fastest, length(stage.velocity(torus)));
-						stage.setMetric(ContactMetric::deviationShare(middle * (++count % 2 != 0 ? 0.99 : 1.01)));
-						return true;
-					});
-	}
-	return {amount(fastest / std::sqrt(kGravity * 0.7))};
-}
-
-// A spoon dropped into a cup twice, by two metrics that should say the same.
-Readings zeroThreshold(Workshop& workshop, const Setting& setting)
-{
-	if (setting.collider != Collider::exact) throw NotApplicable("is not exact");
-	const auto run = [&](const ContactMetric& metric)
-	{
-		Stage stage(workshop, setting, "spoon-cup", 0.03, {});
-		stage.setMetric(metric);
-		stage.seconds(1);
-		return stage.pose(1);
-	};
-	const Transform one = run(ContactMetric::exactly()), other = run(ContactMetric::deviationShare(0));
-	return {amount(length(one.translation - other.translation))};
-}
-
-// The coarsest valid levels still carry.
-Readings endlessThreshold(Workshop& workshop, const Setting& setting)
-{
-	if (setting.collider != Collider::coarse) throw NotApplicable("has no threshold");
-	Stage stage(workshop, setting);
-	stage.setFriction(0.36);
-	stage.add(boxSolid({4, 1, 4}), fixedAt({{0, -kHalfFloor, 0}}));
-	const std::size_t torus = stage.add(torusSolid(0.5, 0.2, 3840), movingAt(1, {{0, 0.25, 0}}));
-	stage.setMetric(ContactMetric::deviationShare(setting.parameter));
-	stage.seconds(3);
-	return {amount(std::fabs(stage.place(torus).y - 0.2) / 0.7), amount(length(stage.velocity(torus)))};
-}
 }  // namespace
 
 std::vector<Row> engineRows()
@@ -524,38 +440,6 @@ std::vector<Row> engineRows()
 					kRates,
 					{{"energy gained", "share", {0.01}}, {"speed", "of the rim's", {2}}},
 					spinning});
-	rows.push_back({"E16",
-					"a torus at rest, its level switched every N steps",
-					"no upward speed is added",
-					"",
-					{{1, "every step"}, {2, "every 2"}, {7, "every 7"}},
-					kRates,
-					{{"upward speed", "m/s", {1e-3}}},
-					switchedLevels});
-	rows.push_back({"E17",
-					"a torus at rest, 21 thresholds dithered by 1 %",
-					"no speed is added",
-					"",
-					{},
-					kRates,
-					{{"speed", "sqrt(g R)", {1e-3}}},
-					ditheredThreshold});
-	rows.push_back({"E18",
-					"a spoon in a cup, s0 = 0 beside exact",
-					"the same bits",
-					"",
-					{},
-					kRates,
-					{{"difference", "m", {0}}},
-					zeroThreshold});
-	rows.push_back({"E20",
-					"a torus on a floor, s0 far beyond its size",
-					"carried by the coarsest valid level",
-					"",
-					casesOf({0.1, 1e6}, " R"),
-					kRates,
-					{{"height", "R", {0.1}}, {"speed", "m/s", {0.01}}},
-					endlessThreshold});
 	return rows;
 }
 }  // namespace clod::demo

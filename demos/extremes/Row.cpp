@@ -30,7 +30,7 @@ Reading amount(double value)
 std::vector<Row> allRows()
 {
 	std::vector<Row> rows = engineRows();
-	for (const auto& more : {analyticRows(), roundRows(), contactRows()})
+	for (const auto& more : {levelRows(), analyticRows(), roundRows(), contactRows(), jointRows()})
 		rows.insert(rows.end(), more.begin(), more.end());
 	// E, A, C, J as they come; numbers within.
 	const std::string letters = "EACJ";

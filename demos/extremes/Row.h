@@ -112,9 +112,11 @@ struct TestedElsewhere
 };
 
 std::vector<Row> engineRows();    // E: extremes of the engine
+std::vector<Row> levelRows();     // E: levels that switch, thresholds at their ends
 std::vector<Row> analyticRows();  // A: closed forms
 std::vector<Row> roundRows();     // A: those of what rolls
-std::vector<Row> contactRows();   // C: faults that contact points had; J: bodies joined by Bullet's constraints
+std::vector<Row> contactRows();   // C: faults that contact points had
+std::vector<Row> jointRows();     // J: bodies joined by Bullet's constraints
 std::vector<Row> allRows();       // by letter and number
 const std::vector<TestedElsewhere>& testedElsewhere();
 }  // namespace clod::demo

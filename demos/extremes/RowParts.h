@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What rows with closed forms share: rates, names of cases, a floor.
+// What rows share: rates, names of cases, a floor.
 #pragma once
 #include <fmt/format.h>
 
@@ -11,11 +11,18 @@ namespace clod::demo
 {
 using Readings = std::vector<Reading>;
 
+inline const std::vector<double> kRates = {240, 60};
 inline const std::vector<double> kAnalyticRates = {240, 60, 1000};
 inline const std::vector<double> kGimpactRates = {240, 60, 480};  // where a step takes milliseconds
 inline constexpr double kHalfFloor = 0.5;
 inline constexpr double kDegree = kPi / 180;
 
+inline std::vector<Case> casesOf(const std::vector<double>& parameters, const char* unit)
+{
+	std::vector<Case> cases;
+	for (const double p : parameters) cases.push_back({p, fmt::format("{:g}{}", p, unit)});
+	return cases;
+}
 inline std::vector<Case> countsOf(const std::vector<int>& counts, const char* what)
 {
 	std::vector<Case> cases;
