@@ -2,7 +2,6 @@
 #include "clod/bullet/Manifolds.h"
 
 #include <algorithm>
-#include <cmath>
 #include <typeinfo>
 
 #include "clod/bullet/SolverTerms.h"
@@ -53,18 +52,7 @@ bool isAsWritten(const btManifoldPoint& point, const Material& material, const S
 		   point.m_frictionCFM == 0;
 }
 
-constexpr double kSlips = 0.9999;  // of what friction could give in the last step: a point that took so much slips
-
-// The places that touched stay together, unless they slip: each of Bullet's two friction directions has the limit of the
-// whole, and an anchor would have both reach it.
-void setAnchor(btManifoldPoint& point)
-{
-	const double lateral = std::hypot(double(point.m_appliedImpulseLateral1), double(point.m_appliedImpulseLateral2));
-	if (lateral < kSlips * double(point.m_combinedFriction) * double(point.m_appliedImpulse))
-		point.m_contactPointFlags |= BT_CONTACT_FLAG_FRICTION_ANCHOR;
-	else
-		point.m_contactPointFlags &= ~BT_CONTACT_FLAG_FRICTION_ANCHOR;
-}
+constexpr btScalar kSlips = btScalar(0.9999);  // of what friction could give in the last step: bodies that took so much slip
 
 // What a thread needs while it writes a pair.
 struct Scratch
@@ -193,9 +181,28 @@ bool ManifoldSet::keep(HeldClusters& written, const WorldFrame& frame, btManifol
 	return true;
 }
 
+// As a whole: some points anchored and others not turn the bodies. Each of Bullet's two friction directions has the limit
+// of the whole, and an anchor of what slips would have both reach it.
+bool ManifoldSet::slip() const
+{
+	btVector3 friction(0, 0, 0);
+	btScalar most = 0;
+	for (std::size_t i = 0; m_slots && i < m_slots->size(); ++i)
+		for (int k = 0; k < (*m_slots)[i].count; ++k)
+		{
+			const btManifoldPoint& point = m_manifolds[i]->getContactPoint(k);
+			const btScalar sign = m_manifolds[i]->getBody0() == m_ground->a ? btScalar(1) : btScalar(-1);
+			friction += sign * (point.m_appliedImpulseLateral1 * point.m_lateralFrictionDir1 +
+								point.m_appliedImpulseLateral2 * point.m_lateralFrictionDir2);
+			most += point.m_combinedFriction * point.m_appliedImpulse;
+		}
+	return friction.length() >= kSlips * most;
+}
+
 bool ManifoldSet::follow(HeldClusters& written, const WorldFrame& frame, btManifoldResult& out)
 {
 	if (!isAsLeft(frame, out)) return false;
+	const bool slips = slip();
 	for (std::size_t i = 0; m_slots && i < m_slots->size(); ++i)
 	{
 		Slot& slot = (*m_slots)[i];
@@ -210,7 +217,11 @@ bool ManifoldSet::follow(HeldClusters& written, const WorldFrame& frame, btManif
 				now.height = double(point.m_distance1) / frame.scale;
 				point.m_combinedRestitution = slot.restitution;
 				setSolverTerms(now, frame, point);
-				setAnchor(point);
+				// The places that touched stay together.
+				if (slips)
+					point.m_contactPointFlags &= ~BT_CONTACT_FLAG_FRICTION_ANCHOR;
+				else
+					point.m_contactPointFlags |= BT_CONTACT_FLAG_FRICTION_ANCHOR;
 				slot.terms[j] = SolverTerms(point);
 			}
 	}

@@ -112,6 +112,7 @@ private:
 	};
 	static bool isOf(const Ground& ground, const WorldFrame& frame);
 	static bool isOn(const Ground& ground, const WorldFrame& frame);
+	bool slip() const;  // did friction give all it could in the last step?
 	bool isAsLeft(const WorldFrame& frame, const btManifoldResult& out) const;
 	void refresh(std::size_t slot, HeldClusters& written, btManifoldResult& out);
 	bool mayKeep(const WorldFrame& frame, const btManifoldResult& out) const;

@@ -8,7 +8,7 @@ namespace clod
 {
 namespace
 {
-constexpr double kSwitchShare = 8e-5;  // of the speed of a fall by the length: some ten times of it is added to a motion
+constexpr double kSwitchShare = 5e-5;  // of the speed of a fall by the length: some ten times of it is added to a motion
 constexpr double kBesideShare = 0.01;  // of the length: so far a point that goes on may have slid
 constexpr double kUnmovedShare = 1e-5;   // of the length a step: bodies hardly move, and nothing is lost by their motion
 constexpr double kIdle = 0.1;          // seconds that a point goes on without a load: loads wander between points
