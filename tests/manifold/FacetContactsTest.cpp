@@ -191,7 +191,8 @@ TEST(FacetContacts, ApartNothingClaimsADepthAndPointsLieOnBothSurfaces)
 		const HierarchyPointer& a = solids[i % 4];
 		const HierarchyPointer& b = solids[(i / 4) % 4];
 		const ContactSurface &onA = a->derived<ContactSurfaces>().level(0), &onB = b->derived<ContactSurfaces>().level(0);
-		Transform pose = at(randomRotation(random).row[0], randomRotation(random));
+		const Mat3 turn = randomRotation(random);
+		Transform pose = at(randomRotation(random).row[0], turn);
 		// Brought together until the vertices are just outside.
 		const double reach = double(a->asset().radius) + double(b->asset().radius);
 		double apart = reach, near = 0;
