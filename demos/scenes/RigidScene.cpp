@@ -84,6 +84,7 @@ RigidScene::RigidScene(const SceneDefinition& definition, const SceneSettings& s
 	bullet.context.worldMetric = settings.metric;
 	bullet.context.budget = settings.budget;
 	if (!settings.printsWarnings) bullet.context.warn = nullptr;
+	bullet.dispatcher.setThreads(settings.threads);
 	setUpSolver();
 	const btScalar scale = btScalar(definition.info.worldScale);
 	for (const auto& model : settings.models)

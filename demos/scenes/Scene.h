@@ -109,6 +109,7 @@ struct SceneSettings
 	Budget budget;                                         // of the queries of a step
 	double dt = 0;
 	int passes = 1, parts = 1;   // of btClodDynamicsWorld at most; with 1 the world is Bullet's own
+	unsigned threads = 1;        // of btClodDispatcher: the same bits for any number
 	bool printsWarnings = true;  // of the plugin, as they come; SceneState has them anyway
 };
 
