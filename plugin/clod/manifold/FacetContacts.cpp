@@ -81,12 +81,12 @@ void FacetContacts::reduce(const ClusterSet& previous, ClusterSet& next)
 		for (std::size_t i = 0; i < std::size_t(next.slots[slot].count); ++i)
 		{
 			const Facet& facet = m_facets[m_reducer.facetOf(slot, i)];
-			nameFaces(facet, bFromA, next.slots[slot].points[i].point);
+			if (facet.kind != Facet::Kind::kHeld) nameFaces(facet, bFromA, next.slots[slot].points[i].point);
 			m_memory->reduced.push_back(facet);
 		}
 }
 
-// The triangles that a point lies on: a feature may have many.
+// The triangles that a point lies on: a feature may have many. Not of one that is held: there may be no surface any longer.
 void FacetContacts::nameFaces(const Facet& facet, const Transform& bFromA, ContactPoint& point) const
 {
 	const ContactSurface &a = m_question.a.surface(facet.levelA), &b = m_question.b.surface(facet.levelB);
@@ -122,7 +122,7 @@ void FacetContacts::nameFaces(const Facet& facet, const Transform& bFromA, Conta
 			faceA = a.faceOfVertex(facet.featureA);
 			faceB = b.faceOfVertex(facet.featureB);
 			break;
-		case Facet::Kind::kHeld: return;
+		case Facet::Kind::kHeld: break;
 		case Facet::Kind::kDeep:
 			if (b.isCore()) faceB = kNone;
 			break;
