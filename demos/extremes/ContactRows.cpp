@@ -283,8 +283,7 @@ std::vector<Row> contactRows()
 					kRates,
 					{{"amplitude gained", "share", {0.01, 1}}},
 					torusInDishGrows,
-					{{"at 1/60 s coarse facets keep it going",
-					  [](const Setting& s) { return largeSteps(s) && coarseLevels(s); }, ""}},
+					{},
 					true});
 	rows.push_back({"C12",
 					"a spoon at rest in a cup, never asleep",

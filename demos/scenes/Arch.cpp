@@ -52,6 +52,7 @@ SceneDefinition archOf(int stones, const std::string& name)
 	info.hasGround = true;
 	info.outcome = {{"largest_sliding", "m"}, {"widest_joint", "m"}, {"narrowest_joint", "m"}, {"crown_drop", "m"}};
 	scene.world.solverIterations = constant::iterations;
+	scene.world.warmstartingFactor = 1;
 	scene.inPlace = [](std::size_t, const Vec3& center) { return center.y > 0 && length(center) > 0.95 * ARCH_INSIDE; };
 	scene.outcome = [stones](const SceneState& state) -> std::vector<double>
 	{

@@ -115,6 +115,7 @@ void RigidScene::setUpSolver()
 {
 	WorldSettings settings;
 	settings.solverIterations = m_definition.world.solverIterations;
+	settings.warmstartingFactor = m_definition.world.warmstartingFactor;
 	configureWorld(m_bullet->world, settings);
 	m_bullet->world.setMostPasses(m_settings.passes);
 	m_bullet->world.setMostParts(m_settings.parts);
@@ -385,6 +386,7 @@ std::vector<SceneConstant> RigidScene::constants() const
 		{"linear_damping", world.linearDamping, ""},
 		{"angular_damping", world.angularDamping, ""},
 		{"solver_iterations", double(solver.m_numIterations), ""},
+		{"warmstarting_factor", double(solver.m_warmstartingFactor), ""},
 		{"friction_directions", solver.m_solverMode & SOLVER_USE_2_FRICTION_DIRECTIONS ? 2.0 : 1.0, ""},
 		{"split_impulse", double(solver.m_splitImpulse), ""},
 		{"split_impulse_penetration_threshold", double(solver.m_splitImpulsePenetrationThreshold), "Bullet's length"},

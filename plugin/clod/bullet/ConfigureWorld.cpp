@@ -18,6 +18,7 @@ void configureWorld(btDynamicsWorld& world, const WorldSettings& settings)
 	solver.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
 	solver.m_splitImpulse = true;
 	solver.m_splitImpulsePenetrationThreshold = btScalar(settings.splitImpulsePenetrationThreshold);
+	solver.m_warmstartingFactor = btScalar(settings.warmstartingFactor);
 	solver.m_erp = btScalar(settings.erp);
 	solver.m_erp2 = btScalar(settings.erp2);
 }

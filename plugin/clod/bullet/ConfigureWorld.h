@@ -26,6 +26,9 @@ struct WorldSettings
 	// Overlaps deeper than the negative of it, in Bullet's lengths, are pushed out by split impulse; the others by
 	// velocity, which stays as energy. Below -kTokenOverlap (SolverTerms.h): contacts of turning bodies need velocities.
 	double splitImpulsePenetrationThreshold = -1e-6;
+	// Share of the last step's impulses that a step begins with. 1 keeps up what stands by its thrust (arches of many
+	// stones), and lets towers tremble.
+	double warmstartingFactor = 0.85;
 };
 
 // Sets the solver of `world`; call it before the first step. Besides the settings: two friction directions, as one

@@ -79,7 +79,10 @@ double btClodDynamicsWorld::solveInPasses(btContactSolverInfo& info)
 		putBack();
 		askAgain();
 		calculateSimulationIslands();
+		// Impulses of the same step are taken whole.
+		const btScalar factor = std::exchange(info.m_warmstartingFactor, btScalar(1));
 		btDiscreteDynamicsWorld::solveConstraints(info);
+		info.m_warmstartingFactor = factor;
 		++m_passes;
 	}
 }
