@@ -37,6 +37,7 @@ struct RunOptions
 	std::string scene, csv, poses, shapes = "clod", peerDirectory;
 	std::vector<std::string> models;  // of `drop`
 	int steps = 0, passes = 1, parts = 1;
+	unsigned threads = 1;
 	double dt = 0;
 	double resolution = 1;
 	bool verifyPenetration = false, undamped = false;
@@ -95,6 +96,7 @@ SceneRunOptions setUp(const RunOptions& options, SceneDefinition& definition, Hi
 	run.scene.dt = options.dt > 0 ? options.dt : info.dt;
 	run.scene.passes = options.passes;
 	run.scene.parts = options.parts;
+	run.scene.threads = options.threads;
 	run.paper = options.selection.paper;
 	run.steps = options.steps > 0 ? options.steps : info.steps;
 	run.scene.camera = toCameraPath(options.selection, run.steps);
@@ -308,6 +310,10 @@ void addRunCommand(CLI::App& program)
 	command->add_option("--parts", options->parts, "Into how many parts a step may be divided where passes do not settle it")
 		->type_name("N")
 		->check(CLI::Range(1, 64))
+		->capture_default_str();
+	command->add_option("--threads", options->threads, "That make a step's contacts: the same bits for any number")
+		->type_name("N")
+		->check(CLI::Range(1, 256))
 		->capture_default_str();
 	addResolution(*command, options->resolution);
 	command->add_option("--csv", options->csv, "A row a step, under a budget of its own dispatch; - is stdout")

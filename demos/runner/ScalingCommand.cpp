@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// clod-bench scaling: query time, front and memory as the models of a scene grow.
+// clod-bench scaling: queries as the models of a scene grow, and whole worlds as bodies, threads and triangles do.
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -8,13 +8,18 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <optional>
+#include <set>
+#include <thread>
 
 #include "cli/Progress.h"
+#include "demos/peers/Preparation.h"
 #include "demos/runner/Commands.h"
 #include "demos/runner/Replay.h"
 #include "demos/runner/ScalingRuns.h"
 #include "demos/runner/SceneModels.h"
 #include "demos/runner/SceneRun.h"
+#include "demos/runner/WorldRuns.h"
 
 namespace clod::demo
 {
@@ -27,10 +32,22 @@ struct ScalingCommandOptions
 {
 	cli::CommonOptions common;
 	CacheOptions cache;
-	std::string scene = "spoon-cup", directory;
+	std::string scene = "spoon-cup", directory, peerDirectory;
 	std::vector<double> resolutions = {0.0625, 0.25, 1};
+	std::vector<int> bodies = {10, 30, 100, 300, 1000, 2000};
+	std::vector<std::string> only;
 	int steps = 0, repeat = 2;
+	double mostSeconds = 60;
+	bool has(const std::string& part) const
+	{
+		return only.empty() || std::find(only.begin(), only.end(), part) != only.end();
+	}
 };
+
+constexpr double kPeerMarginShare = 0.0025;     // of the smallest radius, on each body: about the default's accuracy
+constexpr double kMostPeerTriangles = 64'000;   // of a mesh that is decomposed
+constexpr const char* kHulls = "16";            // of a V-HACD compound at most,
+constexpr const char* kConcavity = "0.05";      // and what a CoACD compound may leave
 
 const SceneInfo& pairScene(const std::string& name)
 {
@@ -51,18 +68,14 @@ std::vector<ScalingSelection> selectionsOf(double radius)
 	return selections;
 }
 
-void runScaling(const ScalingCommandOptions& options)
+nlohmann::ordered_json measureQueries(const ScalingCommandOptions& options, HierarchyCache& cache, cli::Progress& progress,
+									  nlohmann::ordered_json& report)
 {
 	const SceneInfo& info = pairScene(options.scene);
-	makeDirectory(options.directory);
-	HierarchyCache cache(options.cache, options.common.quiet);
-	cli::Progress progress(options.common.quiet);
-	std::vector<double> resolutions = options.resolutions;
-	std::sort(resolutions.begin(), resolutions.end());
 	std::vector<ScaledPair> pairs;
 	SceneRunOptions finest;
 	finest.info = info;
-	for (const double resolution : resolutions)
+	for (const double resolution : options.resolutions)
 	{
 		const int before = cache.built();
 		const auto start = std::chrono::steady_clock::now();
@@ -77,26 +90,203 @@ void runScaling(const ScalingCommandOptions& options)
 	const std::vector<PoseRow> poses =
 		simulatePoses(finest, [&](double fraction) { progress.update("exact simulation, finest", fraction); });
 	const double radius = smallestRadius(finest.scene.models);
-	const nlohmann::ordered_json selections =
+	nlohmann::ordered_json selections =
 		measureScaling(pairs, poses, selectionsOf(radius), {info.tolerance, info.dt, options.repeat},
 					   [&](double fraction) { progress.update("replays", fraction); });
-	progress.finish();
 	if (selections.empty())
 		throw Failure(ExitCode::badInput, "no row of " + info.name + " moves and touches at every resolution");
-	nlohmann::ordered_json report = startReport("scaling");
-	report["scene"] = info.name;
 	report["radius"] = radius;
 	report["tolerance"] = info.tolerance;
-	report["selections"] = selections;
-	const std::string base = options.directory + "/scaling", table = formatScalingTable(selections);
-	writeText(base + ".csv", formatScalingCsv(selections));
+	return selections;
+}
+
+// Ours, and of the peers those that are to be had. What rests and does not move is Bullet's box for them, if it is one.
+class Contenders
+{
+public:
+	Contenders(const Preparation& preparation, nlohmann::ordered_json& leftOut)
+		: m_preparation(preparation), m_leftOut(leftOut)
+	{
+	}
+	std::vector<WorldContender> of(const SceneDefinition& scene, const std::vector<HierarchyPointer>& models,
+								   const ModelDetail& detail)
+	{
+		std::vector<WorldContender> contenders = {{"exact", ContactMetric::exactly(), {}},
+												  {"0.5 % (default)", ContactMetric::errorShare(0.005), {}},
+												  {"size 3.5 %", ContactMetric::deviationShare(0.035), {}}};
+		std::vector<ModelMesh> meshes;
+		bool isSmall = true;
+		for (std::size_t i = 0; i < models.size(); ++i)
+		{
+			meshes.push_back(meshOf(scene.info.models[i], models[i], detail));
+			isSmall = isSmall && double(meshes.back().triangles.size()) <= kMostPeerTriangles;
+		}
+		const double margin = kPeerMarginShare * smallestRadius(models);
+		const auto shapesOf = [&](const std::function<std::optional<std::vector<ModelMesh>>(const ModelMesh&)>& make)
+		{
+			std::vector<SceneShape> shapes;
+			for (std::size_t i = 0; i < meshes.size(); ++i)
+			{
+				SceneShape shape{SceneShape::Kind::hulls, {meshes[i]}, margin};
+				if (scene.info.models[i].name != "floor")
+				{
+					std::optional<std::vector<ModelMesh>> pieces = make(meshes[i]);
+					if (!pieces) return std::vector<SceneShape>{};
+					shape.meshes = std::move(*pieces);
+				}
+				shapes.push_back(std::move(shape));
+			}
+			return shapes;
+		};
+		const auto add = [&](const char* name, const char* tool, const char* amount)
+		{
+			if (!isSmall) return leaveOut(name, scene.info.name, "meshes of more than 64,000 triangles");
+			std::string reason;
+			std::vector<SceneShape> shapes = shapesOf(
+				[&](const ModelMesh& mesh) -> std::optional<std::vector<ModelMesh>>
+				{
+					Result<Prepared> made = m_preparation.make(tool, amount, mesh);
+					if (made) return std::move(made.value().pieces);
+					reason = made.error();
+					return std::nullopt;
+				});
+			if (shapes.empty()) return leaveOut(name, scene.info.name, reason);
+			contenders.push_back({name, {}, std::move(shapes)});
+		};
+		add("V-HACD, 16 hulls", "vhacd", kHulls);
+		add("CoACD, 0.05", "coacd", kConcavity);
+		std::vector<SceneShape> shapes = shapesOf([](const ModelMesh& mesh) { return std::vector<ModelMesh>{mesh}; });
+		for (std::size_t i = 0; i < shapes.size(); ++i)
+			if (scene.info.models[i].name != "floor") shapes[i].kind = SceneShape::Kind::gimpact;
+		contenders.push_back({"GImpact", {}, std::move(shapes)});
+		return contenders;
+	}
+
+private:
+	void leaveOut(const char* contender, const std::string& scene, const std::string& reason)
+	{
+		m_leftOut.push_back({{"contender", contender}, {"scene", scene}, {"reason", reason}});
+	}
+	const Preparation& m_preparation;
+	nlohmann::ordered_json& m_leftOut;
+};
+
+WorldRunOptions runOf(const ScalingCommandOptions& options, int from, int to)
+{
+	WorldRunOptions run;
+	run.to = options.steps > 0 ? options.steps : to;
+	run.from = options.steps > 0 ? options.steps / 2 : from;
+	run.mostSeconds = options.mostSeconds;
+	return run;
+}
+
+// Whoever took all the time there was for a run is not asked for more bodies.
+std::vector<WorldSweep> measureBodies(const ScalingCommandOptions& options, HierarchyCache& cache, Contenders& contenders,
+									  cli::Progress& progress)
+{
+	struct Kind
+	{
+		Arrangement arrangement;
+		const char* title;
+		int from, to;
+	};
+	const Kind kinds[] = {{Arrangement::stacks, "flat stacks", 24, 72},
+						  {Arrangement::heap, "heap", 120, 216},
+						  {Arrangement::field, "sparse field", 24, 72}};
+	const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
+	std::vector<WorldSweep> sweeps;
+	for (const Kind& kind : kinds)
+	{
+		WorldSweep sweep{kind.title, "bodies", {}};
+		std::set<std::string> ended;
+		for (const int count : options.bodies)
+		{
+			const SceneDefinition scene = digits(kind.arrangement, count);
+			const std::vector<HierarchyPointer> models = buildModels(scene.info, {}, cache);
+			const auto measure = [&](const WorldContender& contender, unsigned threads)
+			{
+				const std::string name = contender.name + std::to_string(threads);
+				if (ended.count(name) > 0) return;
+				progress.update(fmt::format("{}: {} bodies, {}", kind.title, count, contender.name), 0);
+				WorldRunOptions run = runOf(options, kind.from, kind.to);
+				run.threads = threads;
+				sweep.rows.push_back(measureWorld(scene, models, contender, run));
+				if (sweep.rows.back()["steps"].get<int>() < run.to - run.from) ended.insert(name);
+			};
+			for (const WorldContender& contender : contenders.of(scene, models, {})) measure(contender, 1);
+			for (unsigned threads = 2; threads <= cores; ++threads)
+				measure({"0.5 % (default)", ContactMetric::errorShare(0.005), {}}, threads);
+		}
+		sweeps.push_back(std::move(sweep));
+	}
+	return sweeps;
+}
+
+WorldSweep measureTriangles(const ScalingCommandOptions& options, HierarchyCache& cache, Contenders& contenders,
+							cli::Progress& progress)
+{
+	WorldSweep sweep{options.scene, "triangles", {}};
+	const SceneDefinition* scene = nullptr;
+	for (const SceneDefinition& each : sceneDefinitions())
+		if (each.info.name == options.scene) scene = &each;
+	for (const double resolution : options.resolutions)
+	{
+		const std::vector<HierarchyPointer> models = buildModels(scene->info, {resolution, false}, cache);
+		for (const WorldContender& contender : contenders.of(*scene, models, {resolution, false}))
+		{
+			progress.update(fmt::format("{}: resolution {}, {}", options.scene, resolution, contender.name), 0);
+			sweep.rows.push_back(measureWorld(*scene, models, contender, runOf(options, 100, 400)));
+		}
+	}
+	return sweep;
+}
+
+void runScaling(ScalingCommandOptions options)
+{
+	pairScene(options.scene);
+	makeDirectory(options.directory);
+	std::sort(options.resolutions.begin(), options.resolutions.end());
+	std::sort(options.bodies.begin(), options.bodies.end());
+	HierarchyCache cache(options.cache, options.common.quiet);
+	cli::Progress progress(options.common.quiet);
+	nlohmann::ordered_json report = startReport("scaling");
+	report["scene"] = options.scene;
+	const std::string base = options.directory + "/scaling";
+	std::string table;
+	bool plotted = true;
+	if (options.has("queries"))
+	{
+		const nlohmann::ordered_json selections = measureQueries(options, cache, progress, report);
+		report["selections"] = selections;
+		table = formatScalingTable(selections);
+		writeText(base + ".csv", formatScalingCsv(selections));
+		plotted = plotScaling(selections, options.scene + ": the same poses, finer and finer meshes", base + ".png");
+	}
+	nlohmann::ordered_json leftOut = nlohmann::ordered_json::array();
+	const Preparation preparation({options.peerDirectory.empty() ? defaultPeerDirectory() : options.peerDirectory},
+								  cache.directory().empty() ? "" : cache.directory() + "/peers", 10 * options.mostSeconds);
+	Contenders contenders(preparation, leftOut);
+	std::vector<WorldSweep> sweeps;
+	if (options.has("bodies")) sweeps = measureBodies(options, cache, contenders, progress);
+	if (options.has("worlds")) sweeps.push_back(measureTriangles(options, cache, contenders, progress));
+	progress.finish();
+	if (!sweeps.empty())
+	{
+		report["worlds"] = nlohmann::ordered_json::array();
+		for (const WorldSweep& sweep : sweeps) report["worlds"].push_back(toJson(sweep));
+		report["left_out"] = leftOut;
+		table += formatWorldTable(sweeps);
+		writeText(base + "-worlds.csv", formatWorldCsv(sweeps));
+		plotted = plotWorlds(sweeps, base + "-worlds.png") && plotted;
+	}
+	for (const auto& each : leftOut)
+		table += fmt::format("left out: {} in {}: {}\n", each["contender"].get<std::string>(), each["scene"].get<std::string>(),
+							 each["reason"].get<std::string>());
 	writeText(base + ".txt", table);
 	writeReport(base + ".json", report);
 	writeReport(options.common.json, report);
-	const bool plotted = plotScaling(selections, info.name + ": the same poses, finer and finer meshes", base + ".png");
 	if (!options.common.textOnStdout()) return;
-	fmt::print("{}wrote {}.csv, .txt, .json{}\n", table, base,
-			   plotted ? ", .png" : " (no plot: gnuplot is not installed)");
+	fmt::print("{}wrote {}*.csv, .txt, .json{}\n", table, base, plotted ? ", .png" : " (no plot: gnuplot is not installed)");
 }
 }  // namespace
 
@@ -104,18 +294,35 @@ void addScalingCommand(CLI::App& program)
 {
 	auto options = std::make_shared<ScalingCommandOptions>();
 	CLI::App* command = program.add_subcommand(
-		"scaling", "Query time, front, levels, memory and build time as the models of a scene grow");
+		"scaling", "Queries as the models of a scene grow; whole steps and memory as bodies, threads and triangles do");
 	command->footer(
 		"Example: clod-bench scaling -o out/scaling\n"
-		"         clod-bench scaling bolt-nut --resolutions 0.25,1,4 -o out/scaling-bolt");
+		"         clod-bench scaling bolt-nut --resolutions 0.25,1,4 --only queries -o out/scaling-bolt");
 	command->add_option("SCENE", options->scene, "A scene of two bodies")->capture_default_str();
-	command->add_option("-o", options->directory, "Directory for scaling.csv, .txt, .json and .png")->required();
+	command->add_option("-o", options->directory, "Directory for scaling.csv, .txt, .json and .png, and scaling-worlds.csv and .png")->required();
 	command->add_option("--resolutions", options->resolutions, "Triangles, as shares of the scene's own counts")
 		->delimiter(',')
 		->type_name("SHARE,...")
 		->check(between(1e-4, 1e3))
 		->capture_default_str();
-	command->add_option("--steps", options->steps, "Steps of the recorded run (default: the scene's)")
+	command->add_option("--bodies", options->bodies, "So many digits in flat stacks, on a heap, and each by itself")
+		->delimiter(',')
+		->type_name("N,...")
+		->check(CLI::Range(1, 100'000))
+		->capture_default_str();
+	command
+		->add_option("--only", options->only,
+					 "queries: replays of SCENE at each resolution; bodies: worlds of digits; worlds: SCENE at each resolution")
+		->delimiter(',')
+		->type_name("PART,...")
+		->check(CLI::IsMember({"queries", "bodies", "worlds"}));
+	command->add_option("--most-seconds", options->mostSeconds, "A run of a world ends then; more bodies are not tried")
+		->type_name("S")
+		->check(between(0.01, 1e6))
+		->capture_default_str();
+	command->add_option("--peers-dir", options->peerDirectory, "Where scripts/peers put its tools (default build/peers)")
+		->type_name("DIR");
+	command->add_option("--steps", options->steps, "Steps of a run (default: the scene's; of worlds some hundred)")
 		->type_name("N")
 		->check(CLI::Range(1, 10'000'000));
 	command->add_option("--repeat", options->repeat, "Whole passes; a row keeps its least time")

@@ -84,6 +84,7 @@ RigidScene::RigidScene(const SceneDefinition& definition, const SceneSettings& s
 	bullet.context.worldMetric = settings.metric;
 	bullet.context.budget = settings.budget;
 	if (!settings.printsWarnings) bullet.context.warn = nullptr;
+	bullet.dispatcher.setThreads(settings.threads);
 	setUpSolver();
 	const btScalar scale = btScalar(definition.info.worldScale);
 	for (const auto& model : settings.models)
@@ -236,6 +237,11 @@ Pose RigidScene::poseOf(std::size_t body) const
 					m_definition.info.worldScale);
 }
 
+StepTimes RigidScene::lastTimes() const
+{
+	return {m_stepMicroseconds, m_bullet->world.dispatchMicroseconds()};
+}
+
 SceneState RigidScene::state() const
 {
 	const double scale = m_definition.info.worldScale;
@@ -254,18 +260,25 @@ SceneState RigidScene::state() const
 			state.inPlace = false;
 	}
 	state.pairs = nearPairs();
-	state.stepMicroseconds = m_stepMicroseconds;
+	state.stepMicroseconds = lastTimes().step;
 	state.passes = bullet.world.passes();
 	state.parts = bullet.world.parts();
 	state.pairsAskedAgain = bullet.world.pairsAskedAgain();
-	state.dispatchMicroseconds = bullet.world.dispatchMicroseconds();
+	state.dispatchMicroseconds = lastTimes().dispatch;
 	const StepReport statistics = bullet.context.lastStep();
 	state.warnings = statistics.warnings();
 	state.excess = statistics.excess;
+	bool isFirst = true;
 	bullet.context.forEachPair(
 		[&](const PairReport& pair)
 		{
 			state.contactError = std::max(state.contactError, pair.contactError);
+			if (pair.points > 0)
+			{
+				state.finestLevel = isFirst ? pair.finestLevel : std::min(state.finestLevel, pair.finestLevel);
+				state.coarsestLevel = std::max(state.coarsestLevel, pair.coarsestLevel);
+				isFirst = false;
+			}
 			if (pair.kept || !pair.result) return;
 			state.tests += std::uint64_t(pair.result->stats.boxTests) + pair.result->stats.hullTests;
 			state.coarsestTests += pair.coarsestTests;

@@ -19,6 +19,7 @@ public:
 	void place(const SceneState& state) override;
 	void setMetric(const ContactMetric& metric) override;
 	SceneState state() const override;
+	StepTimes lastTimes() const override;
 	std::vector<SceneConstant> constants() const override;
 
 private:

@@ -109,6 +109,7 @@ struct SceneSettings
 	Budget budget;                                         // of the queries of a step
 	double dt = 0;
 	int passes = 1, parts = 1;   // of btClodDynamicsWorld at most; with 1 the world is Bullet's own
+	unsigned threads = 1;        // of btClodDispatcher: the same bits for any number
 	bool printsWarnings = true;  // of the plugin, as they come; SceneState has them anyway
 };
 
@@ -154,6 +155,7 @@ struct SceneState
 	double excess = 0;                // under a budget: by which factor the worst contact misses its metric
 	std::uint64_t tests = 0;          // hull distances and culling boxes of its queries,
 	std::uint64_t coarsestTests = 0;  // and under a budget those that their coarsest answers take
+	std::uint32_t finestLevel = 0, coarsestLevel = 0;  // of the pairs that touch
 	int manifolds = 0;
 	double kinetic = 0, potential = 0;  // J, of all bodies that move freely; the latter is 0 at the world's origin
 	std::vector<double> outcome;        // see SceneInfo::outcome
@@ -167,6 +169,11 @@ struct SceneState
 	std::vector<std::string> warnings;  // of the plugin in this step
 };
 
+struct StepTimes
+{
+	double step = 0, dispatch = 0;  // microseconds
+};
+
 class Scene
 {
 public:
@@ -178,6 +185,7 @@ public:
 	// Of every pair, from the next step on.
 	virtual void setMetric(const ContactMetric& metric) = 0;
 	virtual SceneState state() const = 0;
+	virtual StepTimes lastTimes() const = 0;  // as in state()
 	virtual std::vector<SceneConstant> constants() const = 0;
 };
 

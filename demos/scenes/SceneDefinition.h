@@ -109,6 +109,14 @@ SceneDefinition boltGravity();
 SceneDefinition nestedCups();
 SceneDefinition pileStacks();
 SceneDefinition pileHeap();
+// So many digits: as in pile-stacks, as in pile-heap, or each by itself on the floor.
+enum class Arrangement
+{
+	stacks,
+	heap,
+	field
+};
+SceneDefinition digits(Arrangement arrangement, int count);
 SceneDefinition press();
 SceneDefinition spinningPlate();
 SceneDefinition ringOnPeg();

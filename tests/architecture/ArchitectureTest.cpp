@@ -91,6 +91,18 @@ TEST(Architecture, NoHeaderServesOneForeignSource)
 	EXPECT_EQ(lines(headersOfOneSource(product())), "");
 }
 
+TEST(Architecture, NoConstantIsDefinedTwice)
+{
+	EXPECT_EQ(lines(constantsDefinedTwice(product())), "");
+}
+
+TEST(ArchitectureRules, FindAConstantDefinedTwice)
+{
+	const std::string constant = "inline constexpr double kShare = 0.2;\n";
+	expectFault(constantsDefinedTwice, {{"plugin/clod/collide/Box.h", constant}, {"plugin/clod/query/Rule.h", "\n" + constant}},
+				"kShare is defined in plugin/clod/collide/Box.h and in plugin/clod/query/Rule.h");
+}
+
 TEST(ArchitectureRules, FindAnUpwardInclude)
 {
 	expectFault(upwardIncludes, {{"plugin/clod/collide/Box.h", "  #  include <clod/query/Query.h>\n"}},

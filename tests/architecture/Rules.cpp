@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <regex>
 #include <set>
 #include <sstream>
 
@@ -215,6 +216,23 @@ Faults longSources(const Sources& sources)
 		const auto lines = std::size_t(std::count(source.text.begin(), source.text.end(), '\n'));
 		if (ofPlugin(source.path) && lines > kMostLinesOfSource)
 			faults.push_back(source.path + " has " + std::to_string(lines) + " lines");
+	}
+	return faults;
+}
+
+Faults constantsDefinedTwice(const Sources& sources)
+{
+	const std::regex definition("inline constexpr [^=;]*\\b(k[A-Z][A-Za-z0-9]*)(?: =|\\{|\\[)");
+	std::map<std::string, std::string> places;
+	Faults faults;
+	for (const Source& source : sources)
+	{
+		if (!ofPlugin(source.path) || !endsWith(source.path, ".h")) continue;
+		for (std::sregex_iterator at(source.text.begin(), source.text.end(), definition), end; at != end; ++at)
+		{
+			const auto [place, isNew] = places.insert({at->str(1), source.path});
+			if (!isNew) faults.push_back(at->str(1) + " is defined in " + place->second + " and in " + source.path);
+		}
 	}
 	return faults;
 }

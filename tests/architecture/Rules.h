@@ -35,4 +35,6 @@ Faults longSources(const Sources& sources);
 // Headers of the plugin that reach a single .cpp of the whole product, which is not their own: it should hold them.
 // Kernels (*Kernel.h, and CompiledTwice.h that includes them twice) are such by nature.
 Faults headersOfOneSource(const Sources& sources);
+// Of the plugin: a constant that two headers define is one of the two, whichever the linker takes.
+Faults constantsDefinedTwice(const Sources& sources);
 }  // namespace clod::test

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "clod/bullet/btClodDynamicsWorld.h"
 #include "clod/schedule/ThreadPool.h"
 #include "tests/bullet/NumberHash.h"
 #include "tests/bullet/PatchHierarchy.h"
@@ -22,13 +23,19 @@ namespace
 class Mixed
 {
 public:
-	explicit Mixed(unsigned threads)
+	// passes, parts: of a step at most. Of boxes, or of another body, at a radius of 1 then.
+	explicit Mixed(unsigned threads, int passes = 1, int parts = 1, const std::shared_ptr<const Hierarchy>& body = nullptr)
+		: m_hierarchy(body ? body : patchHierarchy(boxMesh({1, 0.5, 0.7}, {4, 2, 3}, 2)))
 	{
+		const btScalar scale = body ? btScalar(1 / double(body->asset().radius)) : 1;
+		m_box.setLocalScaling(btVector3(scale, scale, scale));
 		m_dispatcher.setThreads(threads);
+		m_world.setMostPasses(passes);
+		m_world.setMostParts(parts);
 		EXPECT_TRUE(btClodCollisionAlgorithm::registerAlgorithm(&m_dispatcher, &context));
 		context.warn = [this](const std::string& message) { said.push_back(message); };
 		m_world.setGravity(btVector3(0, btScalar(-9.81), 0));
-		m_larger.setLocalScaling(btVector3(btScalar(1.3), btScalar(1.3), btScalar(1.3)));
+		m_larger.setLocalScaling(btScalar(1.3) * m_box.getLocalScaling());
 		m_compound.addChildShape(btTransform(btQuaternion::getIdentity(), btVector3(0, btScalar(0.1), 0)), &m_box);
 		m_mesh.addTriangle(btVector3(-9, 0, -9), btVector3(9, 0, -9), btVector3(0, 0, 9));
 		m_bvh = std::make_unique<btBvhTriangleMeshShape>(&m_mesh, true);
@@ -36,7 +43,9 @@ public:
 		add(*m_bvh, 0, btVector3(btScalar(0.5), 0, 0));
 		btCollisionShape* const shapes[] = {&m_box, &m_box, &m_larger, &m_compound};
 		for (int i = 0; i < 24; ++i)
-			add(*shapes[i % 4], 1, btVector3(btScalar(i % 3) - 1, btScalar(0.8 + 0.7 * (i / 3)), btScalar(0.2 * (i % 5))));
+			add(*shapes[i % 4], 1,
+				btScalar(body ? 2.5 : 1) *
+					btVector3(btScalar(i % 3) - 1, btScalar(0.8 + 0.7 * (i / 3)), btScalar(0.2 * (i % 5))));
 	}
 	~Mixed()
 	{
@@ -53,7 +62,7 @@ public:
 		}
 		return hash;
 	}
-	btDiscreteDynamicsWorld& world() { return m_world; }
+	btClodDynamicsWorld& world() { return m_world; }
 	btClodDispatcher& dispatcher() { return m_dispatcher; }
 	const btRigidBody& last() const { return *m_bodies.back(); }
 	btRigidBody& first() { return *m_bodies[2]; }
@@ -73,7 +82,7 @@ private:
 		m_world.addRigidBody(m_bodies.back().get());
 	}
 
-	std::shared_ptr<const Hierarchy> m_hierarchy = patchHierarchy(boxMesh({1, 0.5, 0.7}, {4, 2, 3}, 2));
+	std::shared_ptr<const Hierarchy> m_hierarchy;
 	btClodShape m_box{m_hierarchy}, m_larger{m_hierarchy};
 	btCompoundShape m_compound;
 	btTriangleMesh m_mesh;
@@ -83,7 +92,7 @@ private:
 	btClodDispatcher m_dispatcher{&m_configuration, &context};
 	btDbvtBroadphase m_broadphase;
 	btSequentialImpulseConstraintSolver m_solver;
-	btDiscreteDynamicsWorld m_world{&m_dispatcher, &m_broadphase, &m_solver, &m_configuration};
+	btClodDynamicsWorld m_world{&m_dispatcher, &m_broadphase, &m_solver, &m_configuration, &context};
 	std::vector<std::unique_ptr<btRigidBody>> m_bodies;
 };
 }  // namespace
@@ -148,6 +157,41 @@ TEST(Threads, GiveTheSameTrajectoryHoweverMany)
 		EXPECT_EQ(shared.run(30, kOff, 1e12), later) << threads;
 		EXPECT_EQ(budgeted.run(120, 500), counted) << threads;
 	}
+}
+
+// Pairs that are asked again within a step, and in parts of it; and those that keep their points as they hardly move.
+TEST(Threads, GiveTheSamePassesAndKeptPoints)
+{
+	struct Counts
+	{
+		std::uint64_t hash;
+		int askedAgain = 0, parts = 0, kept = 0;
+		bool operator==(const Counts& other) const
+		{
+			return hash == other.hash && askedAgain == other.askedAgain && parts == other.parts && kept == other.kept;
+		}
+	};
+	const auto run = [](unsigned threads, int steps, const std::shared_ptr<const Hierarchy>& body = nullptr)
+	{
+		Mixed scene(threads, 3, 4, body);
+		Counts counts{0};
+		for (int i = 0; i < steps; ++i)
+		{
+			counts.hash = mixed(scene.run(1), double(counts.hash >> 11));
+			counts.askedAgain += scene.world().pairsAskedAgain();
+			counts.parts += scene.world().parts() - 1;
+			counts.kept += int(scene.context.lastStep().keptPairs);
+		}
+		return counts;
+	};
+	const Counts boxes = run(1, 200);
+	EXPECT_GT(boxes.askedAgain, 100);
+	EXPECT_GT(boxes.parts, 10);
+	EXPECT_GT(boxes.kept, 20);
+	const Counts digits = run(1, 80, test::body("number8", 600).hierarchy);
+	EXPECT_GT(digits.askedAgain, 20);
+	for (const unsigned threads : {2U, 3U}) EXPECT_TRUE(run(threads, 200) == boxes) << threads;
+	EXPECT_TRUE(run(3, 80, test::body("number8", 600).hierarchy) == digits);
 }
 
 // From step to step.

@@ -344,7 +344,7 @@ TEST_F(RunnerCommand, BudgetsAreRunAtTheSamePosesAndLargerOnesLeaveSmallerErrors
 TEST_F(RunnerCommand, ScalingMeasuresTheSameRowsAtEverySize)
 {
 	const Outcome scaling =
-		bench("scaling --resolutions 0.06,0.03 --steps 40 --repeat 1 --quiet -o " + path("scaling") + cache());
+		bench("scaling --only queries --resolutions 0.06,0.03 --steps 40 --repeat 1 --quiet -o " + path("scaling") + cache());
 	ASSERT_EQ(scaling.code, 0) << scaling.err;
 	const json selections = report("scaling/scaling.json")["selections"];
 	ASSERT_EQ(selections.size(), 3u);
@@ -363,5 +363,40 @@ TEST_F(RunnerCommand, ScalingMeasuresTheSameRowsAtEverySize)
 	EXPECT_LT(selections[2]["sizes"][1]["finest_level"], selections[2]["sizes"][1]["coarsest_level"]);
 	EXPECT_EQ(bench("scaling mixed-needs -o " + path("x") + cache()).code, 2);
 	EXPECT_EQ(bench("scaling --resolutions 0,1 -o " + path("x") + cache()).code, 2);
+}
+
+TEST_F(RunnerCommand, ScalingMeasuresWorldsOfMoreBodies)
+{
+	const Outcome scaling = bench("scaling --only bodies,worlds --bodies 3,1 --resolutions 0.03 --steps 12 --peers-dir " +
+								  path("none") + " --quiet -o " + path("worlds") + cache());
+	ASSERT_EQ(scaling.code, 0) << scaling.err;
+	const json scaled = report("worlds/scaling.json");
+	ASSERT_EQ(scaled["worlds"].size(), 4u);
+	EXPECT_EQ(scaled["left_out"].size(), 14u);  // both decompositions, of each world: there are no tools
+	for (const json& sweep : scaled["worlds"])
+		for (const json& row : sweep["rows"])
+		{
+			const bool isOurs = !row["finest_level"].is_null();
+			EXPECT_EQ(isOurs, row["contender"] != "GImpact") << row;
+			EXPECT_EQ(row["steps"], 6) << row;
+			EXPECT_GT(row["step_us"], row["dispatch_us"]) << row;
+			EXPECT_GT(row["bytes"], 1000) << row;
+		}
+	const json& field = scaled["worlds"][2];
+	EXPECT_EQ(field["title"], "sparse field");
+	const auto rowOf = [&](const char* contender, int bodies)
+	{
+		for (const json& row : field["rows"])
+			if (row["contender"] == contender && row["bodies"] == bodies && row["threads"] == 1) return row;
+		return json();
+	};
+	for (const char* ours : {"exact", "0.5 % (default)", "size 3.5 %"})
+	{
+		EXPECT_EQ(rowOf(ours, 1)["pairs"], 1) << ours;
+		EXPECT_EQ(rowOf(ours, 3)["pairs"], 3) << ours;
+		EXPECT_GE(rowOf(ours, 3)["points"], 3 * 3) << ours;
+		EXPECT_GT(rowOf(ours, 3)["triangles"], rowOf(ours, 1)["triangles"]) << ours;
+	}
+	EXPECT_EQ(rowOf("exact", 3)["coarsest_level"], 0);
 }
 }  // namespace

@@ -6,7 +6,10 @@
 #include <limits>
 #include <random>
 
+#include <nlohmann/json.hpp>
+
 #include "demos/runner/Replay.h"
+#include "demos/runner/WorldRuns.h"
 
 namespace
 {
@@ -22,6 +25,16 @@ ReplayRow rowOf(double gap, double bound, double speed = 0)
 	row.speed = speed;
 	row.contacts = std::isinf(gap) ? 0 : 1;
 	return row;
+}
+
+TEST(RunnerRows, GrowthIsTheExponentOfAPower)
+{
+	std::vector<nlohmann::ordered_json> rows;
+	for (const double x : {10.0, 30.0, 1000.0}) rows.push_back({{"bodies", x}, {"step_us", 7 * std::pow(x, 1.5)}, {"bytes", nullptr}});
+	EXPECT_NEAR(growthExponent(rows, "bodies", "step_us"), 1.5, 1e-12);
+	EXPECT_TRUE(std::isnan(growthExponent(rows, "bodies", "bytes")));
+	rows.resize(1);
+	EXPECT_TRUE(std::isnan(growthExponent(rows, "bodies", "step_us")));
 }
 
 TEST(RunnerRows, TheSumsBoundHoldsForEveryGapThePairsAllow)

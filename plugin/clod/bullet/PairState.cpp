@@ -203,7 +203,7 @@ double PairState::timeOfImpact(const btCollisionObjectWrapper& body0, const btCo
 void PairState::open(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 					 const btDispatcherInfo& info, double closestPoints)
 {
-	Prepared next;
+	Prepared& next = m_prepared.emplace();
 	next.pose = begin(body0, body1, info, closestPoints);
 	next.aIsFirst = next.pose.a == &body0;
 	if (next.pose.isAsked())
@@ -212,7 +212,6 @@ void PairState::open(const btCollisionObjectWrapper& body0, const btCollisionObj
 		next.isKept = next.pose.isOfTwo() && m_answered && same(*m_answered, next.question);
 		next.isStill = !next.isKept && isStill(next.pose, next.question);
 	}
-	m_prepared = next;
 }
 
 void PairState::outline(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
@@ -274,8 +273,9 @@ void PairState::process(const btCollisionObjectWrapper& body0, const btCollision
 	const double closestPoints = double(out.m_closestPointDistanceThreshold);
 	if (!m_prepared) open(body0, body1, info, closestPoints);
 	complete(*m_prepared);
-	const Prepared now = *std::exchange(m_prepared, std::nullopt);
-	PairPose pose = now.pose;
+	Prepared now = std::move(*m_prepared);
+	m_prepared.reset();
+	PairPose& pose = now.pose;
 	(now.aIsFirst ? pose.a : pose.b) = &body0;
 	(now.aIsFirst ? pose.b : pose.a) = &body1;
 	for (const auto& [cause, message] : std::exchange(m_toSay, {})) m_context.say(cause, message);
@@ -332,8 +332,11 @@ double PairState::surprise() const
 	if (!(dt > 0)) return 0;
 	const RelativeMotion now = relativeMotion(solvedMotion(*m_report.objectA), solvedMotion(*m_report.objectB),
 											  m_foreseen.worldFromA, m_foreseen.scale, dt);
-	const RelativeMotion change = {now.linear - m_foreseen.motion.linear, now.angular - m_foreseen.motion.angular, dt};
-	return change.speedWithin(m_foreseen.center, m_foreseen.radius) * dt / m_foreseen.skin;
+	const auto wayOf = [&](const RelativeMotion& motion)
+	{ return motion.speedWithin(m_foreseen.center, m_foreseen.radius) * dt; };
+	// Whatever is met on a way that short has been near, and a contact, from the start.
+	if (wayOf(now) <= kRestingShare / kSkinShare * m_foreseen.skin) return 0;
+	return wayOf({now.linear - m_foreseen.motion.linear, now.angular - m_foreseen.motion.angular, dt}) / m_foreseen.skin;
 }
 
 void PairState::keepAnswer()

@@ -12,7 +12,7 @@ namespace clod
 {
 namespace
 {
-constexpr double kDepthStep = 1.0 / 240;  // s: a step in which kDepthShare of a depth is taken back; as much a second
+constexpr double kDepthStep = 1.0 / 240;  // s: a step in which kTakenBackShare of a depth is taken back; as much a second
 										  // in longer ones,
 constexpr double kMostDepthShare = 0.6;   // but no more than this
 
@@ -59,13 +59,13 @@ void setSolverTerms(const ContactPoint& point, const WorldFrame& frame, btManifo
 	const double row = velocityRow(height + slow, bend);
 	// Positions leave an overlap by more than the path bends into it, or velocities have to answer for both: at most twice
 	// what the bend itself asks for.
-	const bool isDepth = height < 0 && -bend < kDepthShare * -height;
+	const bool isDepth = height < 0 && -bend < kTakenBackShare * -height;
 	if (isDepth)
 	{
 		// As much a second whatever the step.
-		const double share = std::min(kMostDepthShare, 1 - std::pow(1 - kDepthShare, dt / kDepthStep));
+		const double share = std::min(kMostDepthShare, 1 - std::pow(1 - kTakenBackShare, dt / kDepthStep));
 		written.m_distance1 = btScalar(height);
-		const double left = std::min(std::max(kDepthShare, share) * (-height - slow), frame.pushSpeed * dt);
+		const double left = std::min(std::max(kTakenBackShare, share) * (-height - slow), frame.pushSpeed * dt);
 		setErp((left + std::min(slow, frame.switchSpeed * dt)) / -height, written);
 	}
 	else if (row >= 0)

@@ -15,8 +15,8 @@
 
 namespace
 {
-// In skins: what a step in one part may leave of surprise, half a per cent of the smaller radius.
-constexpr double kMostSurprise = 10;
+// In skins: what a step in one part may leave of surprise, 0.15 per cent of the smaller radius.
+constexpr double kMostSurprise = 3;
 
 constexpr btScalar kThrough = btScalar(4e-3);  // of the smaller radius: an impact is over when what was left is passed
 

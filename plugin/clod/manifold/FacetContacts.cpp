@@ -76,16 +76,17 @@ void FacetContacts::reduce(const ClusterSet& previous, ClusterSet& next)
 	for (const Facet& facet : m_facets) m_points.push_back(pointOf(facet));
 	m_reducer.reduce(m_facets, m_points, previous, m_question.length(), next);
 	const Transform bFromA = inverse(m_question.aFromB);
+	m_memory->reduced.reserve(m_reducer.count());  // and no more: a pair keeps it
 	for (std::size_t slot = 0; slot < next.slots.size(); ++slot)
 		for (std::size_t i = 0; i < std::size_t(next.slots[slot].count); ++i)
 		{
 			const Facet& facet = m_facets[m_reducer.facetOf(slot, i)];
-			nameFaces(facet, bFromA, next.slots[slot].points[i].point);
+			if (facet.kind != Facet::Kind::kHeld) nameFaces(facet, bFromA, next.slots[slot].points[i].point);
 			m_memory->reduced.push_back(facet);
 		}
 }
 
-// The triangles that a point lies on: a feature may have many.
+// The triangles that a point lies on: a feature may have many. Not of one that is held: there may be no surface any longer.
 void FacetContacts::nameFaces(const Facet& facet, const Transform& bFromA, ContactPoint& point) const
 {
 	const ContactSurface &a = m_question.a.surface(facet.levelA), &b = m_question.b.surface(facet.levelB);
@@ -121,7 +122,7 @@ void FacetContacts::nameFaces(const Facet& facet, const Transform& bFromA, Conta
 			faceA = a.faceOfVertex(facet.featureA);
 			faceB = b.faceOfVertex(facet.featureB);
 			break;
-		case Facet::Kind::kHeld: return;
+		case Facet::Kind::kHeld: break;
 		case Facet::Kind::kDeep:
 			if (b.isCore()) faceB = kNone;
 			break;

@@ -108,9 +108,10 @@ void FacetFinder::findPair(const Contact& contact)
 		for (const std::uint32_t polygon : m_polygonsB) vertexOverFace(*corner, polygon, true);
 	for (const MovedCorner* corner : m_cornersB)
 		for (const std::uint32_t polygon : m_polygonsA) vertexOverFace(*corner, polygon, false);
+	// Edges may have sunk past each other by any depth.
 	for (const MovedEdge* edgeA : m_edgesA)
 		for (const MovedEdge* edgeB : m_edgesB)
-			if (edgeA->box.meets(edgeB->box, m_pair.reach)) edgeOverEdge(*edgeA, *edgeB);
+			if (mayOverlap || edgeA->box.meets(edgeB->box, m_pair.reach)) edgeOverEdge(*edgeA, *edgeB);
 	if (q.isRound()) findRound();
 }
 
@@ -192,7 +193,8 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 	if (now <= q.touching())
 	{
 		const double slack = q.footSlack(now);
-		counts = isLowest(vertices.fan(vertex.index), up, kArcSlack) &&
+		// What has sunk in stays a contact while the step's turning may make it the lowest.
+		counts = (facet.reach == Facet::Reach::kOverlap || isLowest(vertices.fan(vertex.index), up, kArcSlack)) &&
 				 faces.squaredBeside(polygon, foot) <= slack * slack;
 	}
 	if (!counts && now > 0 && end <= q.rules.margin && end < now)

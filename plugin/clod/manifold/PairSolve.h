@@ -8,12 +8,12 @@
 
 namespace clod
 {
-inline constexpr double kDepthShare = 0.2;  // of a depth that a step takes back
+inline constexpr double kTakenBackShare = 0.2;  // of a depth that a step takes back
 
 // What is asked of the normal velocity: normal . v dt >= -row. height: margins taken off.
 inline double velocityRow(double height, double bend)
 {
-	return height > 0 ? height + bend : kDepthShare * height + (bend < 0 ? bend : 0);
+	return height > 0 ? height + bend : kTakenBackShare * height + (bend < 0 ? bend : 0);
 }
 
 class PairSolve
