@@ -133,6 +133,8 @@ def scene():
 
 def scenes():
     """Rows where one is better than ours in time and depth are as visible as the others: nobody is left out."""
+    if not (RESULTS / "scenes.json").exists():
+        return "Not measured yet: `scripts/results measure scenes`."
     report = load("scenes")
     rows = []
     for scene, runs in report.items():

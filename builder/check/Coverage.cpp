@@ -31,7 +31,10 @@ public:
 			if (s.h.node(i).level == 0) continue;
 			m_hulls[i] = s.thickHull(i);
 			for (std::uint32_t f = 0; f < s.h.node(i).faceCount; ++f)
-				m_faces[i].push_back(s.triangle(s.h.node(i).firstFace + f));
+			{
+				const Triangle face = s.triangle(s.h.node(i).firstFace + f);
+				m_faces[i].push_back({face, boxOf({face[0], face[1], face[2]})});
+			}
 		}
 	}
 
@@ -97,7 +100,7 @@ private:
 		if (demand.box && !inBox(node, piece, given)) return false;
 		const double cover = double(n.cover) + given, reach = double(n.reach) + given;
 		if (!m_s.isContact(node)) return !demand.cover || withinHull(node, piece, cover);
-		const double toFaces = distanceToFaces(node, piece, demand.cover ? cover : reach);
+		const double toFaces = distanceToFaces(node, piece, demand.cover ? cover : reach, std::max(cover, reach));
 		if (demand.reach && toFaces > reach) return false;
 		return !demand.cover || toFaces <= cover || withinHull(node, piece, cover);
 	}
@@ -109,12 +112,14 @@ private:
 						   { return distanceToHull(m_hulls[node], p, 0.1 * m_s.slack, bound) <= bound; });
 	}
 
-	// An upper bound of the piece's distance to the real faces; stops at the first face within `enough`.
-	double distanceToFaces(std::uint32_t node, const Triangle& piece, double enough) const
+	// An upper bound of the piece's distance to the real faces, infinite beyond `farthest`; stops at the first face within
+	// `enough`.
+	double distanceToFaces(std::uint32_t node, const Triangle& piece, double enough, double farthest) const
 	{
 		double best = std::numeric_limits<double>::infinity();
-		for (const Triangle& face : m_faces[node])
+		for (const auto& [face, box] : m_faces[node])
 		{
+			if (box.distance(piece[0]) > farthest) continue;
 			double most = 0;
 			for (const Vec3& p : piece)
 			{
@@ -129,7 +134,12 @@ private:
 
 	const Subject& m_s;
 	std::vector<std::vector<Vec3>> m_hulls;
-	std::vector<std::vector<Triangle>> m_faces;
+	struct Face
+	{
+		Triangle triangle;
+		Box box;
+	};
+	std::vector<std::vector<Face>> m_faces;
 };
 }  // namespace
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // surf and protrude against the input surface.
 //
-// surf: over a triangle the distance to one input triangle is convex, hence largest at a corner; triangles are
-// quartered until that settles it. protrude: the hull, moved by an affine map that shifts no point farther than the
+// surf: over a polygon the distance to one input triangle is convex, hence largest at a corner; triangles are cut until
+// that settles every part. protrude: the hull, moved by an affine map that shifts no point farther than the
 // bound, meets no input face and has a point inside, so it lies in the solid; where no map of a small family does that,
 // tetrahedra are halved under the Lipschitz bound or until maps of their own do it. A sample beyond the bound is a
 // violation; a node settled by neither is undecided.
@@ -38,40 +38,101 @@ TriangleTree::Nearest nearestFrom(const TriangleTree& surface, std::uint32_t kno
 	return nearer.distance < first.distance ? nearer : first;
 }
 
-// Distance from a triangle to the surface against `bound`, by quartering.
+// A part of a triangle, and a triangle of the surface that is not far from it.
+struct Part
+{
+	std::vector<Vec3> corners;
+	std::uint32_t known;
+};
+
+double radiusFrom(const Vec3& from, const std::vector<Vec3>& points)
+{
+	double most = 0;
+	for (const Vec3& p : points) most = std::max(most, length(p - from));
+	return most;
+}
+
+// What lies over the triangle, and what lies beyond each of its edges; all of it in one piece where no edge cuts off more
+// than a strip of width `least`.
+std::vector<Part> cutByEdges(const Part& part, const Triangle& t, double least)
+{
+	std::vector<Part> pieces;
+	const Vec3 normal = cross(t[1] - t[0], t[2] - t[0]);
+	std::vector<Vec3> rest = part.corners;
+	for (std::size_t i = 0; i < 3 && !rest.empty(); ++i)
+	{
+		const Vec3 outward = normalized(cross(t[(i + 1) % 3] - t[i], normal));
+		const double offset = dot(outward, t[i]);
+		double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+		for (const Vec3& p : rest)
+		{
+			lowest = std::min(lowest, dot(outward, p) - offset);
+			highest = std::max(highest, dot(outward, p) - offset);
+		}
+		if (highest <= least) continue;
+		std::vector<Vec3> beyond = rest;
+		if (lowest >= -least)
+			rest.clear();
+		else
+		{
+			keepBelow(beyond, -outward, -offset);
+			keepBelow(rest, outward, offset);
+		}
+		pieces.push_back({std::move(beyond), part.known});
+	}
+	if (!rest.empty()) pieces.push_back({std::move(rest), part.known});
+	return pieces;
+}
+
+// Across its longest way from the centre.
+std::vector<Part> halves(const Part& part, const Vec3& center)
+{
+	const Vec3 farthest = *std::max_element(part.corners.begin(), part.corners.end(), [&](const Vec3& a, const Vec3& b)
+											{ return lengthSquared(a - center) < lengthSquared(b - center); });
+	const Vec3 way = farthest - center;
+	Part far = part, near = part;
+	keepBelow(far.corners, -way, -dot(way, center));
+	keepBelow(near.corners, way, dot(way, center));
+	return {std::move(near), std::move(far)};
+}
+
+// Distance from a triangle to the surface against `bound`. What one triangle of the surface does not settle is cut along
+// the edges of the nearest where that is larger than the bound, as what lies over it settles at once then, else halved.
 Finding judgeTriangle(const TriangleTree& surface, const Triangle& whole, double bound, double slack)
 {
 	constexpr int kBudget = 4000;
-	struct Part
-	{
-		Triangle t;
-		std::uint32_t known;  // a triangle of the surface that is not far
-	};
-	std::vector<Part> open = {{whole, surface.nearest(whole[0]).triangle}};
+	constexpr double kStrip = 0.01;  // of the bound
+	const double enough = bound + slack;
+	std::vector<Part> open = {{{whole[0], whole[1], whole[2]}, surface.nearest(whole[0]).triangle}};
 	for (int i = 0; !open.empty(); ++i)
 	{
 		if (i == kBudget) return {Verdict::undecided, 0};
-		const Triangle t = open.back().t;
-		std::uint32_t known = open.back().known;
+		Part part = std::move(open.back());
 		open.pop_back();
-		const Vec3 center = (1.0 / 3) * (t[0] + t[1] + t[2]);
+		Vec3 center;
+		for (const Vec3& p : part.corners) center += (1 / double(part.corners.size())) * p;
+		std::vector<Vec3> from = {center};
+		from.insert(from.end(), part.corners.begin(), part.corners.end());
 		bool settled = false;
-		for (const Vec3& from : {center, t[0], t[1], t[2]})
+		std::uint32_t middle = part.known;
+		for (std::size_t k = 0; k < from.size() && !settled; ++k)
 		{
-			const TriangleTree::Nearest nearest = nearestFrom(surface, known, from);
-			if (nearest.distance > bound + slack) return {Verdict::broken, nearest.distance - bound};
-			known = nearest.triangle;
+			const TriangleTree::Nearest nearest = nearestFrom(surface, part.known, from[k]);
+			if (nearest.distance > enough) return {Verdict::broken, nearest.distance - bound};
+			part.known = nearest.triangle;
+			if (k == 0) middle = nearest.triangle;
 			const Triangle& other = surface.triangles()[nearest.triangle];
-			settled = std::max({distance(other, t[0]), distance(other, t[1]), distance(other, t[2])}) <= bound + slack;
-			const double radius = std::max({length(t[0] - from), length(t[1] - from), length(t[2] - from)});
-			settled = settled || nearest.distance + radius <= bound + slack;
-			if (settled) break;
+			settled = nearest.distance + radiusFrom(from[k], part.corners) <= enough ||
+					  std::all_of(part.corners.begin(), part.corners.end(),
+								  [&](const Vec3& p) { return distance(other, p) <= enough; });
 		}
 		if (settled) continue;
-		const Vec3 a = 0.5 * (t[0] + t[1]), b = 0.5 * (t[1] + t[2]), c = 0.5 * (t[2] + t[0]);
-		for (const Triangle& part :
-			 {Triangle{t[0], a, c}, Triangle{a, t[1], b}, Triangle{c, b, t[2]}, Triangle{a, b, c}})
-			open.push_back({part, known});
+		const Triangle& below = surface.triangles()[middle];
+		part.known = middle;
+		std::vector<Part> pieces;
+		if (radiusFrom(below[0], {below[1], below[2]}) > bound) pieces = cutByEdges(part, below, kStrip * bound);
+		if (pieces.size() < 2) pieces = halves(part, center);
+		for (Part& piece : pieces) open.push_back(std::move(piece));
 	}
 	return {};
 }

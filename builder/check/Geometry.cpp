@@ -115,6 +115,21 @@ HullDescent descend(const std::vector<Vec3>& points, std::size_t start, const Ve
 }
 }  // namespace
 
+// Sutherland and Hodgman's clipping against one plane.
+void keepBelow(std::vector<Vec3>& polygon, const Vec3& normal, double offset)
+{
+	std::vector<Vec3> kept;
+	for (std::size_t i = 0; i < polygon.size(); ++i)
+	{
+		const Vec3& p = polygon[i];
+		const Vec3& q = polygon[(i + 1) % polygon.size()];
+		const double a = dot(normal, p) - offset, b = dot(normal, q) - offset;
+		if (a <= 0) kept.push_back(p);
+		if ((a < 0 && b > 0) || (a > 0 && b < 0)) kept.push_back(p + (a / (a - b)) * (q - p));
+	}
+	polygon = std::move(kept);
+}
+
 double distanceToHull(const std::vector<Vec3>& points, const Vec3& p, double tolerance, double enough)
 {
 	double best = std::numeric_limits<double>::infinity();

@@ -23,6 +23,9 @@ inline double distance(const Triangle& t, const Vec3& p)
 // algorithm, hence an upper bound; at most `tolerance` above the truth. Stops early once it is at most `enough`.
 double distanceToHull(const std::vector<Vec3>& points, const Vec3& p, double tolerance, double enough);
 
+// What of a convex polygon lies at most `offset` along the normal, of any length.
+void keepBelow(std::vector<Vec3>& polygon, const Vec3& normal, double offset);
+
 struct Plane
 {
 	Vec3 normal;  // unit, outward

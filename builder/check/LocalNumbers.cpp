@@ -103,21 +103,6 @@ void curvature(const Subject& s, std::uint32_t i, Tally& tally)
 	tally.add(i, sound ? 0 : 1, fmt::format("node {}: curvature {:.9g} is {:.9g}", i, double(n.curvature), sum / area));
 }
 
-// Sutherland and Hodgman's clipping against one plane.
-void keepBelow(std::vector<Vec3>& polygon, const Vec3& normal, double offset)
-{
-	std::vector<Vec3> kept;
-	for (std::size_t i = 0; i < polygon.size(); ++i)
-	{
-		const Vec3& p = polygon[i];
-		const Vec3& q = polygon[(i + 1) % polygon.size()];
-		const double a = dot(normal, p) - offset, b = dot(normal, q) - offset;
-		if (a <= 0) kept.push_back(p);
-		if ((a < 0 && b > 0) || (a > 0 && b < 0)) kept.push_back(p + (a / (a - b)) * (q - p));
-	}
-	polygon = std::move(kept);
-}
-
 // Area along the face's normal of the surface that hangs together with it in a slab, delta to either side of the point,
 // and a polygon round the point whose sides lie `side` away.
 double touchedArea(const Subject& s, std::uint32_t start, const Vec3& origin, double delta, double side)

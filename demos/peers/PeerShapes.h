@@ -18,7 +18,8 @@ inline constexpr int kPeerHulls = 32;
 inline constexpr double kPeerConcavity = 0.05;
 
 // "bvh-": concave models that stay where they are keep their triangles, in a static tree.
-inline const std::vector<std::string> kPeerShapes{"gimpact", "vhacd", "coacd", "hull", "bvh-vhacd", "bvh-coacd", "bvh-hull"};
+inline const std::vector<std::string> kPeerShapes{"gimpact",   "vhacd",     "coacd",    "hull",
+												  "bvh-vhacd", "bvh-coacd", "bvh-hull"};
 // In words: "btCompoundShape of at most 32 hulls a mesh".
 std::string describePeerShape(const std::string& kind);
 

@@ -115,14 +115,16 @@ std::vector<std::string> shapeNames()
 
 constexpr double kMostPrepareSeconds = 600;  // of a model's convex pieces
 
-// The scene with what users of Bullet have in place of ours. The queries beside it stay ours: they tell how near bodies are.
+// The scene with what users of Bullet have in place of ours. The queries beside it stay ours: they tell how near bodies
+// are.
 void takePeerShapes(const RunOptions& options, const SceneDefinition& definition, const HierarchyCache& cache,
 					SceneRunOptions& run, cli::Progress& progress)
 {
 	std::vector<ModelMesh> surfaces;
 	for (const HierarchyPointer& model : run.scene.models) surfaces.push_back(inputSurface(*model));
 	const PeerTools tools{options.peerDirectory.empty() ? defaultPeerDirectory() : options.peerDirectory};
-	const Preparation preparation(tools, cache.directory().empty() ? "" : cache.directory() + "/peers", kMostPrepareSeconds);
+	const std::string kept = cache.directory().empty() ? "" : cache.directory() + "/peers";
+	const Preparation preparation(tools, kept, kMostPrepareSeconds);
 	Result<std::vector<SceneShape>> shapes =
 		peerShapes(options.shapes, surfaces, movingModels(definition), kPeerMarginShare * smallestRadius(run.scene.models),
 				   preparation, [&](const std::string& phase, double fraction) { progress.update(phase, fraction); });

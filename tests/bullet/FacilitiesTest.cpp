@@ -40,7 +40,7 @@ btTransform randomPose(Random& random, double far)
 	const Mat3 turn = randomRotation(random);
 	btMatrix3x3 basis;
 	for (int i = 0; i < 3; ++i) basis[i] = toBullet(turn.row[i]);
-	return btTransform(basis, toBullet(uniform(random, 0, far) * randomDirection(random)));
+	return btTransform(basis, toBullet(randomVector(random, 0, far)));
 }
 
 // The same surface as Bullet's own mesh.

@@ -113,7 +113,11 @@ HullData makeHull(Random& random, Family family, double scale)
 		data.add(scale * (family == Family::kBox && random() % 2 ? p : turn * p));
 	}
 	data.finish();
-	if (random() % 2) data.sweep = scale * uniform(random, 0, 0.2) * direction(random);
+	if (random() % 2)
+	{
+		const Vec3 way = direction(random);  // two draws in one expression come in the order that the compiler likes
+		data.sweep = scale * uniform(random, 0, 0.2) * way;
+	}
 	return data;
 }
 
@@ -133,7 +137,8 @@ Pair makePair(Random& random)
 	pair.a = makeHull(random, Family(random() % int(Family::kCount)), scale);
 	pair.b = makeHull(random, Family(random() % int(Family::kCount)), scale * ratio);
 	if (random() % 3) pair.aFromB.rotation = rotation(random);
-	pair.aFromB.translation = scale * uniform(random, 0, 3) * direction(random);
+	const Vec3 way = direction(random);
+	pair.aFromB.translation = scale * uniform(random, 0, 3) * way;
 	if (random() % 3 == 0) return pair;
 	const RelativePose pose(pair.aFromB, std::max(pair.a.radius(), pair.b.radius()));
 	const HullDistance now = hullDistance(pair.a.hull(), pair.b.hull(), pose, -pair.aFromB.translation, 1e300);

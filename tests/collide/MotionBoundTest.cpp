@@ -24,7 +24,7 @@ struct Motion
 Motion randomMotion(Random& random, double radiusA, double radiusB, double turn, double shift)
 {
 	const double radius = std::max(radiusA, radiusB);
-	const Transform first{randomRotation(random), uniform(random, 0, 2) * radius * randomDirection(random)};
+	const Transform first{randomRotation(random), randomVector(random, 0, 2 * radius)};
 	const Transform second{randomRotation(random, turn) * first.rotation,
 						   first.translation + shift * randomDirection(random)};
 	return {RelativePose(first, radius), RelativePose(second, radius)};
@@ -76,7 +76,7 @@ TEST(MotionBound, NoPointOfAPartMovesFartherAlongADirection)
 	{
 		const Motion motion = randomMotion(random, 1, 1, 0.3, uniform(random, 0, 0.2));
 		const PartMotion parts(motion.from, motion.to);
-		const Vec3 center = uniform(random, 0, 0.7) * randomDirection(random), along = randomDirection(random);
+		const Vec3 center = randomVector(random, 0, 0.7), along = randomDirection(random);
 		const double radius = uniform(random, 0, 0.3), bound = parts.along(along, center, radius);
 		for (int k = 0; k < 50; ++k)
 		{
@@ -90,6 +90,20 @@ TEST(MotionBound, NoPointOfAPartMovesFartherAlongADirection)
 }
 
 // Which parts of a sweep change, and what else moves.
+TEST(Sweep, ASegmentIsAsFarAsItsNearestPoint)
+{
+	Random random(9);
+	for (int i = 0; i < 5000; ++i)
+	{
+		const Vec3 p = randomVector(random, 0, 2), move = i % 10 ? randomVector(random, 0, 2) : Vec3{};
+		double sampled = length(p);
+		for (int k = 1; k <= 200; ++k) sampled = std::min(sampled, length(p + (k / 200.0) * move));
+		const double distance = distanceToSegment(p, move);
+		ASSERT_LE(distance, sampled + 1e-12) << i;
+		ASSERT_GE(distance, sampled - length(move) / 200) << i;
+	}
+}
+
 struct SweepCase
 {
 	const char* name;
@@ -112,7 +126,7 @@ TEST(MotionBound, NoSweepOfAPointChangesByMore)
 			{
 				const double size = std::max(radiusA, radiusB);
 				const Motion motion = randomMotion(random, radiusA, radiusB, c.turns ? 0.3 : 0, c.turns ? 0.1 * size : 0);
-				const Sweep before{size * randomDirection(random), uniform(random, 0, 1) * randomDirection(random)};
+				const Sweep before{size * randomDirection(random), randomVector(random, 0, 1)};
 				Sweep now = before;
 				if (c.linear) now.linear += 0.3 * size * randomDirection(random);
 				// About the middle of B, whose origin goes the same way as before.

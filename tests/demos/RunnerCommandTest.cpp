@@ -294,13 +294,15 @@ TEST_F(RunnerCommand, ASceneRunsWithWhatBulletUsersHave)
 	std::set<std::string> hashes;
 	for (const std::string shapes : {"clod", "gimpact", "hull", "bvh-hull"})
 	{
-		const Outcome run = bench(kSmallScene + " --verify-penetration --shapes " + shapes + " --json " + path("shapes.json") + cache());
+		const Outcome run = bench(kSmallScene + " --verify-penetration --shapes " + shapes + " --json " +
+								  path("shapes.json") + cache());
 		ASSERT_EQ(run.code, 0) << shapes << "\n" << run.err;
 		const json summary = report("shapes.json");
 		hashes.insert(summary["trajectory_hash"].get<std::string>());
 		// A cup that is a hull holds no spoon: that starts inside and leaves it.
 		EXPECT_EQ(summary["summary"]["stays_in_place"].get<bool>(), shapes != "hull") << shapes;
-		EXPECT_NE(summary["shapes"].get<std::string>().find(shapes == "bvh-hull" ? "btBvhTriangleMeshShape" : "bt"), std::string::npos);
+		const char* part = shapes == "bvh-hull" ? "btBvhTriangleMeshShape" : "bt";
+		EXPECT_NE(summary["shapes"].get<std::string>().find(part), std::string::npos) << shapes;
 	}
 	EXPECT_EQ(hashes.size(), 4u);
 	const Outcome absent = bench(kSmallScene + " --shapes vhacd --peers-dir /none" + cache());

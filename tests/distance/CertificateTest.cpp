@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <map>
 
+#include "clod/distance/DepthSearch.h"
+#include "clod/distance/Penetration.h"
 #include "clod/query/StopRule.h"
 #include "tests/query/Questions.h"
 #include "tests/query/TriangleGap.h"
@@ -277,5 +279,29 @@ TEST(Certificate, PairsBeyondTheLimitOfAnOverlapAnswerOnlyApart)
 	std::printf("%d contacts count as apart only, %d overlap\n", onlyApart, overlapping);
 	EXPECT_GT(onlyApart, 50);
 	EXPECT_GT(overlapping, 50);
+}
+// What is left aside as hardly deeper than the deepest found must count in the bound: with a coarse accuracy it does.
+TEST(Certificate, ADepthKnownRoughlyIsStillBounded)
+{
+	Random random(81);
+	int rough = 0;
+	PenetrationScratch scratch;
+	QueryStats stats;
+	for (const BodyPair& pair : pairs())
+		for (int i = 0; i < 40; ++i)
+		{
+			const double radius = smallerRadius(pair.a, pair.b);
+			const Transform pose = poseWithGap(random, pair.a, pair.b, uniform(random, -0.3, -0.05));
+			const QueryContext context(*pair.a.hierarchy, *pair.b.hierarchy, pose);
+			DepthAccuracy fine, coarse;
+			fine.relative = 1e-4;
+			coarse.relative = 3;
+			const DepthBound truth = wholePenetration(context, fine, scratch, stats);
+			const DepthBound bound = wholePenetration(context, coarse, scratch, stats);
+			ASSERT_LE(bound.lower, truth.upper + 1e-9 * radius) << pair.a.name << " pose " << i;
+			ASSERT_GE(bound.upper, truth.lower - 1e-9 * radius) << pair.a.name << " pose " << i;
+			rough += bound.upper > 1.1 * bound.lower;
+		}
+	EXPECT_GT(rough, 30);
 }
 }  // namespace

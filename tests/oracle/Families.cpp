@@ -69,7 +69,8 @@ RelativeMotion alongCourse(Random& random, const Start& start, const Vec3& offse
 	RelativeMotion motion{start.course.velocity(offset), start.course.angular, 0};
 	const double sign = uniform(random, 0, 1) < 0.5 ? -1 : 1;
 	const double scale = sign / (length(motion.velocity(a.center())) + length(motion.angular) * a.radius());
-	motion.linear = scale * motion.linear + uniform(random, 0, 0.1) * direction(random);
+	const Vec3 aside = direction(random);
+	motion.linear = scale * motion.linear + uniform(random, 0, 0.1) * aside;
 	motion.angular = scale * motion.angular;
 	return motion;
 }

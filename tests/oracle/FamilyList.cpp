@@ -40,7 +40,8 @@ Start onCourse(Start start, const Vec3& linear, const Vec3& angular)
 }
 Vec3 nearDown(Random& random, double spread)
 {
-	return normalized(kDown + spread * uniform(random, 0, 1) * direction(random));
+	const Vec3 aside = direction(random);  // drawn before its share, whoever compiled this
+	return normalized(kDown + spread * uniform(random, 0, 1) * aside);
 }
 
 TriangleMesh model(const std::string& name, std::size_t triangles)
