@@ -15,6 +15,7 @@ namespace clod
 {
 namespace
 {
+constexpr std::uint32_t kLongStill = 16;  // dispatches that ask nothing, until what queries remember is given back
 constexpr double kStillShare = 3e-4;  // of the length, more than half of the skin: points found so little motion ago serve
 
 // Every field: one more does not compile before it is named here.
@@ -310,7 +311,7 @@ bool PairState::follow(const PairPose& pose, const WorldFrame& frame, btManifold
 	keepAnswer();
 	foresee(pose);
 	m_foreseen.motion = {{}, {}, pose.rules.timeStep};
-	m_isFollowing = true;
+	if (++m_followed == kLongStill) m_cache.pair.giveBack();
 	return true;
 }
 

@@ -21,6 +21,12 @@ void PairCache::clear()
 	*this = PairCache(m_state->remembers);
 }
 
+void PairCache::giveBack()
+{
+	m_state->front.giveBack();
+	m_state->outline.giveBack();
+}
+
 void ContactResult::clear()
 {
 	contacts.clear();

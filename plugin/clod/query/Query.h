@@ -90,6 +90,8 @@ public:
 	PairCache(PairCache&&) noexcept;
 	PairCache& operator=(PairCache&&) noexcept;
 	void clear();
+	// The room that it takes, where it will not be asked for a while: the next query begins afresh.
+	void giveBack();
 	struct State;  // PairCacheState.h
 	State& state() { return *m_state; }
 
