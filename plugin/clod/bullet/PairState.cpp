@@ -160,6 +160,8 @@ PairPose PairState::begin(const btCollisionObjectWrapper& body0, const btCollisi
 		sayOnce(8, "a pair's metric cannot be used, its contacts are exact: " + m_metric.error());
 	m_report.hierarchyA = &pose.hierarchyA();
 	m_report.hierarchyB = pose.isOfTwo() ? &pose.hierarchyB() : nullptr;
+	const std::string lacking = levelsError(*m_report.hierarchyA, m_report.hierarchyB, m_report.metric);
+	if (!lacking.empty()) m_report.metricError = lacking;
 	return pose;
 }
 

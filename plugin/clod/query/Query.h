@@ -114,6 +114,11 @@ struct Outline
 CLOD_API Outline outlineCoarsest(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB,
 								 const ContactSettings& settings, PairCache& cache);
 
+// Of bodies of which coarse levels alone were loaded: empty where what was loaded may do for the metric, otherwise what it
+// lacks, a sentence. Contacts are of the finest level there is, whatever is asked for, and `excess` tells by how much they
+// miss the metric; neither a gap nor whether one body is inside the other is known then. b: null where it has no hierarchy.
+CLOD_API std::string levelsError(const Hierarchy& a, const Hierarchy* b, const Metric& metric);
+
 // Empty when the settings can be used, otherwise one sentence naming the field and its value.
 CLOD_API std::string settingsError(const ContactSettings& settings);
 }  // namespace clod
