@@ -355,6 +355,8 @@ TEST_F(RunnerCommand, ScalingMeasuresTheSameRowsAtEverySize)
 		EXPECT_LT(sizes[0]["triangles_a"], sizes[1]["triangles_a"]);
 		EXPECT_EQ(sizes[0]["rows"], sizes[1]["rows"]);
 		EXPECT_EQ(sizes[0]["growth"], 1);
+		for (const json& size : sizes)
+			EXPECT_EQ(size["loaded_bytes"] == size["bytes"], selection["selection"] == "exact") << size;
 		EXPECT_DOUBLE_EQ(sizes[1]["growth"],
 						 sizes[1]["query_us"]["median"].get<double>() / sizes[0]["query_us"]["median"].get<double>());
 	}
