@@ -3,13 +3,15 @@
 """Plants faults in a copy of the sources, builds and runs the tests of the folder, and prints what survives.
 
 Faults by hand are those of scripts/mutants.txt. Mechanical ones are drawn with a seed from all sources of the product:
-a sign, a comparison, a minimum for a maximum, a statement dropped. The copy is build/mutants, a worktree of HEAD.
+a sign, a comparison, a minimum for a maximum, a statement dropped. The copy is build/mutants, a worktree of HEAD, whose
+tests must pass before anything is planted; one that then takes ten times as long counts as caught.
 """
 import argparse
 import collections
 import pathlib
 import random
 import re
+import shutil
 import subprocess
 import sys
 import time
@@ -24,6 +26,7 @@ TESTS = {
     "plugin/clod/distance": ["distance_test", "query_query_test"],
     "plugin/clod/query": ["query_metric_test", "query_query_test", "query_budget_test", "distance_test", "bullet_report_test"],
     "plugin/clod/manifold": ["manifold_test", "bullet_contact_test", "bullet_motion_test"],
+    "plugin/clod/schedule": ["bullet_threads_test", "bullet_metric_test"],
     "plugin/clod/bullet": ["bullet_shape_test", "bullet_contact_test", "bullet_report_test", "bullet_metric_test",
                            "bullet_motion_test"],
     "builder/intake": ["test_intake"],
@@ -31,22 +34,29 @@ TESTS = {
     "builder/assemble": ["builder_assemble_test"],
     "builder/patches": ["test_patches"],
     "builder/check": ["test_check"],
+    "builder/library": ["builder_library_test"],
+    "builder/pipeline": ["builder_library_test"],
+    "builder/cli": ["test_clod_build"],
+    "cli": ["test_clod_build"],
     "demos/models": ["ModelsTest"],
     "demos/render": ["RenderTest"],
     "demos/peers": ["PeersTest", "PlacedBodiesTest"],
     "demos/scenes": ["SceneFileTest", "ReplayPosesTest"],
+    "demos/paper": ["PaperQueryTest"],
+    "demos/extremes": ["ExtremesTest"],
     "demos/trial": ["TrialTest"],
     "demos/runner": ["RunnerFramesTest", "RunnerRowsTest", "RunnerPenetrationTest", "RunnerCommandTest", "RunnerMeasureTest",
                      "RunnerScriptedTest"],
 }
-SECONDS = 600  # of one test program
+SECONDS = 600  # of one test program on the clean copy
+SLOWER, LEAST_SECONDS = 10, 20  # a mutant's may take so many times as long, and so long in any case
 
 Mutant = collections.namedtuple("Mutant", "file says old new start")  # start: of old in the file
 
 
 def by_hand():
-    """Those of scripts/mutants.txt; what no longer fits the sources is named and left out."""
-    mutants = []
+    """Those of scripts/mutants.txt, and a sentence for each that no longer fits the sources."""
+    mutants, stale = [], []
     text = (ROOT / "scripts/mutants.txt").read_text()
     for block in re.split(r"\n\n+", re.sub(r"(?m)^#.*\n", "", text).strip()):
         head, old, new = block.split("\n")
@@ -54,10 +64,10 @@ def by_hand():
         source = (ROOT / file).read_text()
         old, new = old[2:], new[2:]
         if source.count(old) != 1:
-            print(f"stale: {file}: {says}: the text is there {source.count(old)} times, not once; keep scripts/mutants.txt up")
+            stale.append(f"stale: {file}: {says}: the text is there {source.count(old)} times, not once; keep scripts/mutants.txt up")
             continue
         mutants.append(Mutant(file, says, old, new, source.index(old)))
-    return mutants
+    return mutants, stale
 
 
 SWAPS = [(r"(?<=\w) \+ (?=\w)", " - "), (r"(?<=\w) - (?=\w)", " + "), (r" < (?=[\w(*])", " >= "), (r" > (?=[\w(*])", " <= "),
@@ -94,13 +104,15 @@ def folder_of(file):
     return str(folder)
 
 
-def prepare(launcher):
+def prepare():
+    """The copy at HEAD, configured; with ccache what an earlier run has compiled is not compiled again."""
     if not TREE.exists():
         subprocess.run(["git", "worktree", "add", "--detach", TREE, "HEAD"], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
     subprocess.run(["git", "checkout", "--detach", "--force", subprocess.check_output(["git", "rev-parse", "HEAD"], cwd=ROOT, text=True).strip()],
                    cwd=TREE, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    subprocess.run(["cmake", "--preset", "release", *([f"-DCMAKE_CXX_COMPILER_LAUNCHER={launcher}"] if launcher else [])],
-                   cwd=TREE, check=True, stdout=subprocess.DEVNULL)
+    options = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
+    options += ["-DCMAKE_EXE_LINKER_FLAGS=-fuse-ld=mold"] if shutil.which("mold") else []
+    subprocess.run(["cmake", "--preset", "release", *options], cwd=TREE, check=True, stdout=subprocess.DEVNULL)
 
 
 def build(targets, jobs):
@@ -108,7 +120,32 @@ def build(targets, jobs):
                           text=True)
 
 
-def verdict(mutant, jobs):
+def run(test, seconds):
+    """Whether the test program passes, None where it does not end in time; and how long it took."""
+    start = time.monotonic()
+    try:
+        done = subprocess.run(["nice", BUILD / "bin" / test, "--gtest_brief=1", "--gtest_fail_fast"], stdout=subprocess.DEVNULL,
+                              stderr=subprocess.DEVNULL, timeout=seconds, cwd=BUILD)
+    except subprocess.TimeoutExpired:
+        return None, seconds
+    return done.returncode == 0, time.monotonic() - start
+
+
+def clean_seconds(tests, jobs):
+    """How long each test takes on the clean copy; one that fails there would catch everything."""
+    built = build(tests, jobs)
+    if built.returncode != 0:
+        sys.exit("the copy does not build:\n" + built.stdout[-2000:])
+    seconds = {}
+    for test in tests:
+        passes, seconds[test] = run(test, SECONDS)
+        if not passes:
+            sys.exit(f"{test} fails without a fault planted")
+        print(f"clean: {test}: {seconds[test]:.1f} s", flush=True)
+    return seconds
+
+
+def verdict(mutant, seconds, jobs):
     path = TREE / mutant.file
     source = path.read_text()
     path.write_text(source[:mutant.start] + mutant.new + source[mutant.start + len(mutant.old):])
@@ -116,12 +153,10 @@ def verdict(mutant, jobs):
         for test in TESTS[folder_of(mutant.file)]:
             if build([test], jobs).returncode != 0:
                 return "does not compile"
-            try:
-                run = subprocess.run(["nice", BUILD / "bin" / test, "--gtest_brief=1", "--gtest_fail_fast"], stdout=subprocess.DEVNULL,
-                                     stderr=subprocess.DEVNULL, timeout=SECONDS)
-            except subprocess.TimeoutExpired:
+            passes, _ = run(test, max(LEAST_SECONDS, SLOWER * seconds[test]))
+            if passes is None:
                 return f"caught by {test}: it does not end"
-            if run.returncode != 0:
+            if not passes:
                 return f"caught by {test}"
         return "SURVIVED"
     finally:
@@ -136,22 +171,20 @@ def main():
     parser.add_argument("--sample", type=int, help="so many of all, drawn with the seed")
     parser.add_argument("--hours", type=float, default=2, help="stop after so long, and say what was not reached [2]")
     parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--launcher", default="", help="compiler launcher, e.g. ccache")
-    parser.add_argument("--list", action="store_true", help="print them, plant none")
+    parser.add_argument("--list", action="store_true", help="print them, plant none; exit 1 where one no longer fits (a test)")
     options = parser.parse_args()
-    kinds = [("by hand", by_hand()), ("mechanical", mechanical(options.seed, options.mechanical))]
+    listed, stale = by_hand()
+    print("\n".join(stale), end="\n" if stale else "")
+    kinds = [("by hand", listed), ("mechanical", mechanical(options.seed, options.mechanical))]
     mutants = [(kind, m) for kind, list_ in kinds for m in list_ if options.only in m.file + ": " + m.says]
     if options.sample:
         mutants = random.Random(options.seed).sample(mutants, min(options.sample, len(mutants)))
     if options.list:
         for kind, mutant in mutants:
             print(f"{kind}: {mutant.file}: {mutant.says}")
-        return
-    prepare(options.launcher)
-    targets = sorted({test for _, m in mutants for test in TESTS[folder_of(m.file)]})
-    clean = build(targets, options.jobs)
-    if clean.returncode != 0:
-        sys.exit("the copy does not build:\n" + clean.stdout[-2000:])
+        sys.exit(1 if stale else 0)
+    prepare()
+    seconds = clean_seconds(sorted({test for _, m in mutants for test in TESTS[folder_of(m.file)]}), options.jobs)
     counts = collections.Counter()
     survivors = []
     start = time.monotonic()
@@ -159,8 +192,9 @@ def main():
         if time.monotonic() - start > 3600 * options.hours:
             print(f"{len(mutants) - i} not reached in {options.hours} hours")
             break
-        told = verdict(mutant, options.jobs)
-        print(f"{kind}: {mutant.file}: {mutant.says}: {told}", flush=True)
+        began = time.monotonic()
+        told = verdict(mutant, seconds, options.jobs)
+        print(f"{kind}: {mutant.file}: {mutant.says}: {told} ({time.monotonic() - began:.0f} s)", flush=True)
         outcome = told.split(" ")[0]
         counts[kind, outcome] += 1
         if outcome == "SURVIVED":

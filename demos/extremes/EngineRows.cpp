@@ -360,8 +360,7 @@ std::vector<Row> engineRows()
 					{30, 60, 120, 240, 1000, 4000},
 					{{"top's height", "m", {0.005, 2}}, {"top aside", "m", {0.005, 2}}, {"speed", "m/s", {0.01, 2}}},
 					anyStep,
-					{{"at 1/30 s it collapses with the recommended 30 iterations",
-					  [](const Setting& s) { return s.rate <= 30; }, ""}},
+					{},
 					true});
 	rows.push_back({"E8",
 					"a tower of five cubes far from the origin",
@@ -411,11 +410,8 @@ std::vector<Row> engineRows()
 					kRates,
 					{{"top's height", "m", {0.005, 2}}, {"top aside", "m", {0.005, 2}}, {"speed", "m/s", {0.01, 2}}},
 					towers,
-					{{"at 1/60 s towers of ten and more sink into themselves with the recommended 30 iterations; ten "
-					  "stand with 60",
-					  [](const Setting& s) { return largeSteps(s) && s.parameter >= 10; }, ""},
-					 {"towers of twenty lean, and fall in time, sooner than Bullet's",
-					  [](const Setting& s) { return !largeSteps(s) && s.parameter >= 20; }, ""}}});
+					{{"under ten others and more cubes sink into the skin, by up to half a millimetre each",
+					  [](const Setting& s) { return s.parameter >= 20; }, "top's height"}}});
 	rows.push_back({"E13a",
 					"a cube on a slope a hundredth less steep than slips",
 					"creeps 1e-4 m a minute at most",

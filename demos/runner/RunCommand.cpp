@@ -10,7 +10,9 @@
 #include <memory>
 
 #include "cli/Progress.h"
+#include "demos/peers/PeerShapes.h"
 #include "demos/runner/Commands.h"
+#include "demos/runner/InputSurface.h"
 #include "demos/runner/PenetrationCheck.h"
 #include "demos/runner/SceneFrames.h"
 #include "demos/runner/SceneModels.h"
@@ -32,7 +34,7 @@ struct RunOptions
 	cli::CommonOptions common;
 	CacheOptions cache;
 	Selection selection;
-	std::string scene, csv, poses;
+	std::string scene, csv, poses, shapes = "clod", peerDirectory;
 	std::vector<std::string> models;  // of `drop`
 	int steps = 0, passes = 1, parts = 1;
 	unsigned threads = 1;
@@ -102,6 +104,30 @@ SceneRunOptions setUp(const RunOptions& options, SceneDefinition& definition, Hi
 	if (const std::string problem = optionsError(run.queries(), run.bodies()); !problem.empty())
 		throw Failure(ExitCode::usage, problem);
 	return run;
+}
+
+std::vector<std::string> shapeNames()
+{
+	std::vector<std::string> names = kPeerShapes;
+	names.insert(names.begin(), "clod");
+	return names;
+}
+
+constexpr double kMostPrepareSeconds = 600;  // of a model's convex pieces
+
+// The scene with what users of Bullet have in place of ours. The queries beside it stay ours: they tell how near bodies are.
+void takePeerShapes(const RunOptions& options, const SceneDefinition& definition, const HierarchyCache& cache,
+					SceneRunOptions& run, cli::Progress& progress)
+{
+	std::vector<ModelMesh> surfaces;
+	for (const HierarchyPointer& model : run.scene.models) surfaces.push_back(inputSurface(*model));
+	const PeerTools tools{options.peerDirectory.empty() ? defaultPeerDirectory() : options.peerDirectory};
+	const Preparation preparation(tools, cache.directory().empty() ? "" : cache.directory() + "/peers", kMostPrepareSeconds);
+	Result<std::vector<SceneShape>> shapes =
+		peerShapes(options.shapes, surfaces, movingModels(definition), kPeerMarginShare * smallestRadius(run.scene.models),
+				   preparation, [&](const std::string& phase, double fraction) { progress.update(phase, fraction); });
+	if (!shapes) throw Failure(ExitCode::failure, options.shapes + ": " + shapes.error());
+	run.scene.shapes = std::move(shapes.value());
 }
 
 std::vector<ModelMesh> meshesOf(const RunOptions& options, const SceneRunOptions& run)
@@ -199,6 +225,8 @@ void checkUsage(const RunOptions& options)
 		throw Failure(ExitCode::usage,
 					  "--paper and --fresh are of the queries beside a simulation; under a budget the simulation's own "
 					  "are reported, which have neither");
+	if (options.shapes != "clod" && options.selection.budget.isLimited())
+		throw Failure(ExitCode::usage, "--shapes " + options.shapes + ": only ours keeps to a budget");
 }
 
 void runRun(const RunOptions& options)
@@ -208,9 +236,11 @@ void runRun(const RunOptions& options)
 	if (options.undamped) definition.world = undamped(definition.world);
 	const SceneInfo& info = definition.info;
 	HierarchyCache cache(options.cache, options.common.quiet);
-	const SceneRunOptions run = setUp(options, definition, cache);
-	const std::unique_ptr<Scene> scene = makeScene(definition, run.scene);
+	SceneRunOptions run = setUp(options, definition, cache);
 	cli::Progress progress(options.common.quiet);
+	const bool isOurs = options.shapes == "clod";
+	if (!isOurs) takePeerShapes(options, definition, cache, run, progress);
+	const std::unique_ptr<Scene> scene = makeScene(definition, run.scene);
 	const SceneState start = scene->state();
 	auto rows = runScene(*scene, run, [&](double fraction) { progress.update("simulation", fraction); });
 
@@ -219,6 +249,7 @@ void runRun(const RunOptions& options)
 	for (std::size_t i = 0; i < info.models.size(); ++i)
 		report["models"].push_back(describeHierarchy(*run.scene.models[i], info.models[i].name));
 	report["bodies"] = info.bodies.size();
+	report["shapes"] = isOurs ? "btClodShape" : describePeerShape(options.shapes);
 	report["selection"] = toJson(options.selection, smallestRadius(run.scene.models));
 	report["constants"] = describeConstants(*scene);
 	report["steps"] = run.steps;
@@ -244,7 +275,7 @@ void runRun(const RunOptions& options)
 	progress.finish();
 	print(options, report);
 	writeReport(options.common.json, report);
-	if (options.verifyPenetration && !report["interpenetration"]["within_limit"])
+	if (isOurs && options.verifyPenetration && !report["interpenetration"]["within_limit"])
 		throw Failure(ExitCode::verificationFailed, "the full meshes interpenetrate deeper than the selection allows");
 }
 }  // namespace
@@ -290,7 +321,12 @@ void addRunCommand(CLI::App& program)
 	command->add_option("--poses", options->poses, "Record the poses as POSES.csv, with a checksum beside it")
 		->type_name("FILE");
 	command->add_flag("--verify-penetration", options->verifyPenetration,
-					  "Measure the full meshes' interpenetration by independent code; exit 4 beyond the limit");
+					  "Measure the full meshes' interpenetration by independent code; exit 4 where ours is beyond the limit");
+	cli::addChoice(*command, "--shapes", options->shapes, shapeNames(),
+				   "What the models collide as: ours, or what Bullet users have instead")
+		->capture_default_str();
+	command->add_option("--peers-dir", options->peerDirectory, "Where scripts/peers put its tools (default build/peers)")
+		->type_name("DIR");
 	command->add_flag("--undamped", options->undamped, "No damping, no rolling or spinning friction");
 	addFrames(*command, options->frames);
 	addSelection(*command, options->selection);

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/trial/Contenders.h"
 
-#include <fmt/format.h>
-
-#include "demos/scenes/BulletShapes.h"
+#include "demos/peers/PeerShapes.h"
 
 namespace clod::demo
 {
@@ -15,34 +13,21 @@ constexpr const char* kGimpactColor = "#D55E00";
 constexpr const char* kHullColor = "#0072B2";
 constexpr const char* kPiecesColor = "#009E73";
 
-// The floor is a box, so its hull is exact: everybody gets that.
-Contender peer(const Trial& trial, const char* name, const std::string& setting, const char* color)
+void add(Trial& trial, const char* name, const std::string& kind, const char* color, const Preparation& preparation,
+		 const std::function<void(const std::string&, double)>& progress)
 {
-	Contender contender{name, setting, color, {}, {}};
-	contender.drawn.resize(trial.models.size());
-	const double margin = kPeerMarginShare * trial.smallest;
-	for (const ModelMesh& surface : trial.surfaces)
-		contender.shapes.push_back({SceneShape::Kind::hulls, {convexHullOf(surface)}, margin});
-	return contender;
-}
-
-Contender gimpactOf(const Trial& trial)
-{
-	Contender contender = peer(trial, "GImpact", "btGImpactMeshShape, full meshes", kGimpactColor);
-	for (std::size_t model = 1; model < trial.models.size(); ++model)
+	Result<std::vector<SceneShape>> shapes =
+		peerShapes(kind, trial.surfaces, movingModels(trial.scene), kPeerMarginShare * trial.smallest, preparation, progress);
+	if (!shapes)
 	{
-		contender.shapes[model].kind = SceneShape::Kind::gimpact;
-		contender.shapes[model].meshes = {trial.surfaces[model]};
+		trial.leftOut.push_back({name, shapes.error()});
+		return;
 	}
-	return contender;
-}
-
-Contender hullOf(const Trial& trial)
-{
-	Contender contender = peer(trial, "convex hull", "btConvexHullShape, one a mesh", kHullColor);
-	for (std::size_t model = 1; model < trial.models.size(); ++model)
+	Contender contender{name, describePeerShape(kind), color, std::move(shapes.value()), {}};
+	contender.drawn.resize(trial.models.size());
+	for (std::size_t model = 1; kind != "gimpact" && model < trial.models.size(); ++model)
 		contender.drawn[model] = contender.shapes[model].meshes;
-	return contender;
+	trial.contenders.push_back(std::move(contender));
 }
 }  // namespace
 
@@ -50,21 +35,8 @@ void addContenders(Trial& trial, const Preparation& preparation,
 				   const std::function<void(const std::string&, double)>& progress)
 {
 	trial.contenders.push_back({"CLOD", "certified to 0.5 % of the radius, the default", kOurColor, {}, {}});
-	trial.contenders.push_back(gimpactOf(trial));
-	const auto leaveOut = [&](const std::string& reason) { trial.leftOut.push_back({"V-HACD", reason}); };
-	Contender pieces =
-		peer(trial, "V-HACD", fmt::format("btCompoundShape of at most {} hulls a mesh", kTrialHulls), kPiecesColor);
-	bool isWhole = preparation.tools().canPrepare();
-	if (!isWhole) leaveOut("its tool is not set up; run scripts/peers, then this command again");
-	for (std::size_t model = 1; isWhole && model < trial.models.size(); ++model)
-	{
-		progress("convex decompositions", double(model - 1) / double(trial.models.size() - 1));
-		const Result<Prepared> made = preparation.make("vhacd", std::to_string(kTrialHulls), trial.surfaces[model]);
-		if (!made) leaveOut(made.error());
-		isWhole = bool(made);
-		if (made) pieces.shapes[model].meshes = pieces.drawn[model] = made.value().pieces;
-	}
-	if (isWhole) trial.contenders.push_back(std::move(pieces));
-	trial.contenders.push_back(hullOf(trial));
+	add(trial, "GImpact", "gimpact", kGimpactColor, preparation, progress);
+	add(trial, "V-HACD", "vhacd", kPiecesColor, preparation, progress);
+	add(trial, "convex hull", "hull", kHullColor, preparation, progress);
 }
 }  // namespace clod::demo

@@ -9,9 +9,4 @@ namespace clod::demo
 // Appends to the trial's contenders, and says of those that cannot take part why (Trial::leftOut).
 void addContenders(Trial& trial, const Preparation& preparation,
 				   const std::function<void(const std::string&, double)>& progress);
-
-// V-HACD's pieces of a model are at most so many: what a game takes.
-inline constexpr int kTrialHulls = 32;
-// Peers have collision margins, ours keeps bodies apart by itself: both by about the default's accuracy.
-inline constexpr double kPeerMarginShare = 0.0025;  // of the smallest radius, on each body
 }  // namespace clod::demo

@@ -13,6 +13,7 @@
 
 #include "cli/Files.h"
 #include "cli/Progress.h"
+#include "demos/peers/PeerShapes.h"
 #include "demos/peers/Roster.h"
 #include "demos/runner/Commands.h"
 #include "demos/runner/InputSurface.h"
@@ -179,7 +180,7 @@ void compare(Trial& trial, const TouchingPair& pair, const TouchingPoses& made, 
 	if (sample.exact.empty()) return;
 	RosterOptions roster;
 	roster.families = {"clod", "clod-dispatch", "gimpact", "vhacd"};
-	roster.hullCounts = {kTrialHulls};
+	roster.hullCounts = {kPeerHulls};
 	roster.decimations = 1;
 	roster.frame = pairFrame(*pair.a, *pair.b, trial.scene.info.worldScale, trial.tolerance);
 	Roster all = makeRoster({pair.a, pair.b, std::nan("")}, cache, preparation, roster,

@@ -3,6 +3,7 @@
 // what is fast does not pass and what flies past is not deflected, what bounces keeps e, and seams are not felt.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "clod/bullet/ConfigureWorld.h"
@@ -79,6 +80,24 @@ TEST_P(AtRate, CrossedWedgesHold)
 			world.step(int(GetParam()));
 			EXPECT_NEAR(start - heightOf(top), 0.05, 0.005) << angle << " degrees, yaw " << yaw;
 		}
+}
+
+// With the iterations that configureWorld sets, whether a cube is one hull or has a patch a side.
+TEST_P(AtRate, TenCubesStandAsATower)
+{
+	for (const bool isOneHull : {true, false})
+	{
+		SceneWorld world(GetParam());
+		world.addBody(world.add(std::make_unique<btBoxShape>(btVector3(5, btScalar(0.5), 5))), 0, {0, -0.5, 0});
+		PatchedMesh mesh = boxMesh({1, 1, 1}, {1, 1, 1}, 1);
+		if (isOneHull) std::fill(mesh.patch.begin(), mesh.patch.end(), 0u);
+		btClodShape& cube = world.addShape(patchHierarchy(mesh));
+		for (int i = 0; i < 10; ++i) world.addBody(cube, 1, {0, 0.5 + i + (i + 1) * 0.001, 0}).setFriction(btScalar(0.36));
+		world.step(int(3 * GetParam()));
+		for (std::size_t i = 1; i < world.bodies.size(); ++i)
+			ASSERT_NEAR(heightOf(*world.bodies[i]), double(i) - 0.5, 0.006) << "cube " << i << ", one hull " << isOneHull;
+		EXPECT_GE(world.contacts(), 4 * 10);
+	}
 }
 
 TEST_P(AtRate, OverlapsPartWithinASecondAtABoundedSpeed)

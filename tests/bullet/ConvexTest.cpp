@@ -151,7 +151,7 @@ TEST(Convex, ClosestPointsAreAsFarAsBruteForceSays)
 			for (int pose = 0; pose < 30; ++pose)
 			{
 				const Mat3 turn = randomRotation(random);
-				const Vec3 place = uniform(random, 0.2, 1.6) * randomDirection(random);
+				const Vec3 place = randomVector(random, 0.2, 1.6);
 				btMatrix3x3 basis;
 				for (int i = 0; i < 3; ++i)
 					basis[i].setValue(btScalar(turn.row[i].x), btScalar(turn.row[i].y), btScalar(turn.row[i].z));

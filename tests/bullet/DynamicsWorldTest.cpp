@@ -128,6 +128,22 @@ TEST(DynamicsWorld, AStackThatFallsAsOneStopsAsOne)
 	}
 }
 
+// By its contacts with the wall alone it would fall.
+TEST(DynamicsWorld, WhatRestsIsNotAskedAgain)
+{
+	ImpactWorld world(true, 60, 9.81);
+	world.put(patchHierarchy(boxMesh({20, 1, 20}, {2, 1, 2}, 1)), 0, {0, -0.5, 0});
+	world.put(patchHierarchy(boxMesh({1, 4, 4}, {1, 2, 2}, 1)), 0, {-1.0008, 2.5, 0});
+	for (int i = 0; i < 3; ++i) world.put(unitCube(), 1, {0, 0.501 + 1.0005 * i, 0});
+	world.step(60);
+	for (int step = 0; step < 30; ++step)
+	{
+		world.step();
+		ASSERT_EQ(world.ours().passes(), 1) << step;
+		ASSERT_GE(world.contacts(), 3 * 4 + 4) << "the wall is not touched";
+	}
+}
+
 // Rows that ask for the arc of a turning must not drive each other: a heap of digits exploded.
 TEST(DynamicsWorld, BodiesThatTurnFastGainNoEnergyFromEachOther)
 {

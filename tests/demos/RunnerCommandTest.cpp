@@ -2,6 +2,7 @@
 // What every command of clod-bench keeps to: exit codes, columns, the cache, and the short scene twice in both
 // precisions.
 #include <algorithm>
+#include <set>
 #include <sstream>
 
 #include "demos/scenes/Poses.h"
@@ -100,6 +101,8 @@ TEST_F(RunnerCommand, UsageErrorsExitWith2AndTheNearestMatch)
 		{"run spoon-cup --camera 0,0,1,0,0,0,40", "--camera has no effect without --view"},
 		{"run spoon-cup --paper --budget-tests 100", "have neither"},
 		{"run spoon-cup --fresh --budget-us 100", "have neither"},
+		{"run spoon-cup --shapes hul", "did you mean hull"},
+		{"run spoon-cup --shapes hull --budget-tests 5", "only ours keeps to a budget"},
 		{"tradeoff spoon-cup -o x --paper", "--paper and --fresh are for replay"},
 		{"tradeoff spoon-cup -o x --fresh", "--paper and --fresh are for replay"},
 		{"tradeoff spoon-cup -o x --budget-us 5", "by the clock"},
@@ -284,6 +287,25 @@ TEST_F(RunnerCommand, ShortSceneTwiceHasOneTrajectoryInEachPrecision)
 		}
 		EXPECT_EQ(hashes[0], hashes[1]) << program;
 	}
+}
+
+TEST_F(RunnerCommand, ASceneRunsWithWhatBulletUsersHave)
+{
+	std::set<std::string> hashes;
+	for (const std::string shapes : {"clod", "gimpact", "hull", "bvh-hull"})
+	{
+		const Outcome run = bench(kSmallScene + " --verify-penetration --shapes " + shapes + " --json " + path("shapes.json") + cache());
+		ASSERT_EQ(run.code, 0) << shapes << "\n" << run.err;
+		const json summary = report("shapes.json");
+		hashes.insert(summary["trajectory_hash"].get<std::string>());
+		// A cup that is a hull holds no spoon: that starts inside and leaves it.
+		EXPECT_EQ(summary["summary"]["stays_in_place"].get<bool>(), shapes != "hull") << shapes;
+		EXPECT_NE(summary["shapes"].get<std::string>().find(shapes == "bvh-hull" ? "btBvhTriangleMeshShape" : "bt"), std::string::npos);
+	}
+	EXPECT_EQ(hashes.size(), 4u);
+	const Outcome absent = bench(kSmallScene + " --shapes vhacd --peers-dir /none" + cache());
+	EXPECT_EQ(absent.code, 1);
+	EXPECT_NE(absent.err.find("run scripts/peers"), std::string::npos) << absent.err;
 }
 
 TEST_F(RunnerCommand, ASceneOfFourBodiesIsRecordedAndReplayedWhole)

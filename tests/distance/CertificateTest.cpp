@@ -207,7 +207,7 @@ TEST(Certificate, ADepthHasRoomForRounding)
 		for (int i = 0; i < 100; ++i)
 		{
 			const double radius = smallerRadius(pair.a, pair.b);
-			const Transform pose{randomRotation(random), uniform(random, 0.5, 2) * radius * randomDirection(random)};
+			const Transform pose{randomRotation(random), randomVector(random, 0.5 * radius, 2 * radius)};
 			for (const bool distance : {false, true})
 			{
 				Settings settings = exactSettings(0.02 * radius);

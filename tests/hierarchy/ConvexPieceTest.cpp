@@ -18,7 +18,7 @@ TEST(ConvexPiece, KeepsEveryRuleOfAFile)
 		std::vector<Vec3> points;
 		const double scale = std::pow(10.0, round % 7 - 3);
 		for (int i = 0; i < 5 + 8 * round; ++i)
-			points.push_back(scale * (uniform(random, 0.2, 1) * randomDirection(random) + Vec3{0, 0.1 * round, 0}));
+			points.push_back(scale * (randomVector(random, 0.2, 1) + Vec3{0, 0.1 * round, 0}));
 		const auto piece = convexPiece(convexPolyhedron(points, 65535), 0.1 * scale * (round % 2));
 		ASSERT_TRUE(piece) << piece.error();
 		EXPECT_EQ(validate(*piece.value()), "") << round;

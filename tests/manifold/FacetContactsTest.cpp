@@ -87,6 +87,48 @@ TEST(FacetContacts, AFlatCubeOnACubeHasTheCornersOfTheCommonRectangle)
 	}
 }
 
+// A cube stands on an equal one, as in a tower that sways: a little aside, leaning, sunk in by less or more. Each corner
+// of what they have in common carries, if it is sunk in at all, and nothing sideways does.
+TEST(FacetContacts, AnEqualCubeStandsOnAllCornersHoweverItLeans)
+{
+	const PatchedMesh mesh = boxMesh({1, 1, 1}, {1, 1, 1}, 1);
+	PatchedMesh oneHull = mesh;
+	std::fill(oneHull.patch.begin(), oneHull.patch.end(), 0u);
+	Random random(5);
+	for (int i = 0; i < 4000; ++i)
+	{
+		const HierarchyPointer cube = patchHierarchy(i % 2 == 0 ? mesh : oneHull);
+		const double aside = std::pow(10, uniform(random, -6, -2)), lean = std::pow(10, uniform(random, -6, -2.5));
+		const double sunk = std::pow(10, uniform(random, -6, -2));
+		const auto some = [&](double most) { return uniform(random, -most, most); };
+		const Vec3 place{some(aside), 1 - sunk, some(aside)};
+		const Transform pose = at(place, rotationFromQuaternion(some(lean), some(lean), some(lean), 1));
+		const auto depthAt = [&](double x, double z)  // of the upper one's bottom
+		{
+			const Vec3 up = pose.rotation * Vec3{0, 1, 0}, bottom = pose * Vec3{0, -0.5, 0};
+			return 0.5 - bottom.y + (up.x * (x - bottom.x) + up.z * (z - bottom.z)) / up.y;
+		};
+		const std::vector<ContactPoint> points = Pair(cube, cube, pose).points();
+		for (const ContactPoint& point : points)
+		{
+			ASSERT_LT(point.normal.y, -0.99) << "pose " << i;
+			ASSERT_GT(point.height, -depthAt(point.pointOnA.x, point.pointOnA.z) - 1e-3) << "pose " << i;
+		}
+		for (const double x : {-0.5, 0.5})
+			for (const double z : {-0.5, 0.5})
+			{
+				if (depthAt(x, z) < 1e-4) continue;
+				const bool isHeld = std::any_of(points.begin(), points.end(),
+												[&](const ContactPoint& p)
+												{
+													const double beside = std::max(std::abs(p.pointOnA.x - x), std::abs(p.pointOnA.z - z));
+													return beside < 2e-3 + 2 * (aside + lean);
+												});
+				ASSERT_TRUE(isHeld) << "pose " << i << ": aside " << aside << ", leaning " << lean << ", sunk in " << sunk;
+			}
+	}
+}
+
 TEST(FacetContacts, CrossedEdgesTouchAtOnePoint)
 {
 	// Both stand on an edge: the lower one's upper edge along x, the upper one's lower edge along z.
@@ -149,7 +191,8 @@ TEST(FacetContacts, ApartNothingClaimsADepthAndPointsLieOnBothSurfaces)
 		const HierarchyPointer& a = solids[i % 4];
 		const HierarchyPointer& b = solids[(i / 4) % 4];
 		const ContactSurface &onA = a->derived<ContactSurfaces>().level(0), &onB = b->derived<ContactSurfaces>().level(0);
-		Transform pose = at(randomRotation(random).row[0], randomRotation(random));
+		const Mat3 turn = randomRotation(random);
+		Transform pose = at(randomRotation(random).row[0], turn);
 		// Brought together until the vertices are just outside.
 		const double reach = double(a->asset().radius) + double(b->asset().radius);
 		double apart = reach, near = 0;

@@ -58,7 +58,8 @@ RelativeMotion anyMotion(Random& random, const Vec3& approach, const Solid& a)
 	else if (kind < 2)
 		linear = normalized(linear - dot(linear, approach) * approach + uniform(random, -0.05, 0.1) * approach);
 	RelativeMotion motion;
-	motion.angular = (uniform(random, 0, 1) < 0.5 ? 0 : uniform(random, 0.1, 2) / a.radius()) * direction(random);
+	const Vec3 axis = direction(random);  // operands are evaluated in the order that the compiler likes
+	motion.angular = (uniform(random, 0, 1) < 0.5 ? 0 : uniform(random, 0.1, 2) / a.radius()) * axis;
 	motion.linear = linear - cross(motion.angular, a.center());
 	return motion;
 }

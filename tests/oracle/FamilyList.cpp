@@ -182,7 +182,8 @@ std::vector<BodyPair> seamPairs()
 }
 Start seamStart(Random& random, std::size_t)
 {
-	const Mat3 turn = rotation(random, uniform(random, 0, 1) < 0.5 ? 0 : 0.05) * aboutY(uniform(random, 0, kPi));
+	const Mat3 upright = aboutY(uniform(random, 0, kPi));
+	const Mat3 turn = rotation(random, uniform(random, 0, 1) < 0.5 ? 0 : 0.05) * upright;
 	return standing(turn, {1.2 + uniform(random, -0.7, 0.7), 0.9, uniform(random, -0.6, 0.6)}, kDown, 0.6);
 }
 
@@ -237,7 +238,8 @@ std::vector<BodyPair> cornerPairs()
 }
 Start cornerStart(Random& random, std::size_t)
 {
-	const Mat3 turn = rotation(random, 0.06) * aboutY(uniform(random, 0, 1) < 0.3 ? 0 : uniform(random, -0.1, 0.1));
+	const Mat3 upright = aboutY(uniform(random, 0, 1) < 0.3 ? 0 : uniform(random, -0.1, 0.1));
+	const Mat3 turn = rotation(random, 0.06) * upright;
 	// Upside down about x the triangle's corners lie at the same turns.
 	return standing(turn, {uniform(random, -0.1, 0.1), 0.3, uniform(random, -0.1, 0.1)}, nearDown(random, 0.6), 0.6);
 }

@@ -67,6 +67,12 @@ Vec3 randomDirection(Random& random)
 	}
 }
 
+Vec3 randomVector(Random& random, double shortest, double longest)
+{
+	const Vec3 direction = randomDirection(random);
+	return uniform(random, shortest, longest) * direction;
+}
+
 Mat3 randomRotation(Random& random, double largestAngle)
 {
 	const Vec3 axis = randomDirection(random);
@@ -82,7 +88,7 @@ Transform poseWithGap(Random& random, const Body& a, const Body& b, double gap)
 	settings.metric.exact = true;
 	settings.distance = true;
 	// Aim at a point of A, not always at its middle; then close in along that line until the bodies touch.
-	const Vec3 target = uniform(random, 0, 0.8) * radiusA * randomDirection(random);
+	const Vec3 target = randomVector(random, 0, 0.8 * radiusA);
 	const Vec3 way = normalized(target - pose.translation);
 	GapCache cache;
 	GapResult result;

@@ -30,6 +30,8 @@ const Body& body(const std::string& model, std::size_t triangles);
 using Random = std::mt19937_64;
 double uniform(Random& random, double low, double high);
 Vec3 randomDirection(Random& random);
+// A random direction, and then how long: two draws in one expression come in the order that the compiler likes.
+Vec3 randomVector(Random& random, double shortest, double longest);
 Mat3 randomRotation(Random& random, double largestAngle = 3.14159265358979);
 
 // A random pose whose gap is `gap` of the smaller radius to within the hull distance (apart), or the depth reached by

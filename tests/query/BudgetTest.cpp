@@ -184,7 +184,8 @@ TEST(Budget, ItsErrorIsStillCertified)
 	{
 		settings.contactsOnly = false;
 		const double radius = smallerRadius(pair.a, pair.b);
-		settings = with(coarser(settings, std::pow(10, uniform(random, 0, 3))), std::pow(10, uniform(random, 0, 4)));
+		const double tests = std::pow(10, uniform(random, 0, 4));
+		settings = with(coarser(settings, std::pow(10, uniform(random, 0, 3))), tests);
 		const GapResult result = fresh(pair, pose, settings);
 		if (!std::isfinite(result.errorBound)) return;
 		const GapInterval truth = triangleGap(pair.a.triangles, pair.b.triangles, pose, 1e-3 * radius);

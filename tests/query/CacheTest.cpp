@@ -145,7 +145,7 @@ TEST(Query, CreepingBodiesKeepTheirFrontUntilItChanges)
 			// One contact at first, or a little more; the motion of a translation is known exactly.
 			Walk walk{pair, poseWithGap(random, pair.a, pair.b, 0.015), settings};
 			const Vec3 way =
-				4e-5 * radius * (uniform(random, 0, 1) * randomDirection(random) - normalized(walk.pose.translation));
+				4e-5 * radius * (randomVector(random, 0, 1) - normalized(walk.pose.translation));
 			const auto move = [&](int) { walk.pose.translation += way; };
 			ASSERT_NO_FATAL_FAILURE(go(walk, 400, tally, move)) << "creep " << creep;
 		}
@@ -306,10 +306,11 @@ TEST(Query, WalksApartOfEverySelection)
 				{
 					if (step % 20 == 0)
 					{
-						metric.velocity.linear =
-							std::pow(10, uniform(random, -2, 1)) * radius * randomDirection(random);
-						metric.velocity.angular = std::pow(10, uniform(random, -2, 1)) * randomDirection(random);
-						metric.view.eye = uniform(random, 0, 20) * radius * randomDirection(random);
+						const Vec3 linear = randomDirection(random);
+						metric.velocity.linear = std::pow(10, uniform(random, -2, 1)) * radius * linear;
+						const Vec3 angular = randomDirection(random);
+						metric.velocity.angular = std::pow(10, uniform(random, -2, 1)) * angular;
+						metric.view.eye = randomVector(random, 0, 20 * radius);
 						level = std::pow(10, uniform(random, -3, 0));
 						walk.settings.sweep = random() % 3 ? Sweep{} : Sweep{2.0 * way, {}};
 					}

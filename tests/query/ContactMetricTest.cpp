@@ -97,8 +97,8 @@ TEST(ContactMetric, StricterIsNeverCoarserThanEither)
 	for (int i = 0; i < 3000; ++i)
 	{
 		const ContactMetric a = any(), b = any(), both = stricter(a, b);
-		frame.motion.linear = uniform(random, 0, 1) * randomDirection(random);
-		camera.eye = uniform(random, 0, 20) * randomDirection(random);
+		frame.motion.linear = randomVector(random, 0, 1);
+		camera.eye = randomVector(random, 0, 20);
 		EXPECT_LE(s0(both), std::min(s0(a), s0(b)));
 		relaxed += both.combine == Combine::kRelaxed;
 		lower += s0(both) < std::min(s0(a), s0(b));

@@ -26,7 +26,7 @@ TEST(BoxSeparation, IsALowerBoundAndLipschitz)
 		const double radius = smallerRadius(pair.a, pair.b);
 		for (int i = 0; i < 600; ++i)
 		{
-			Transform pose{randomRotation(random), uniform(random, 0, 2) * radius * randomDirection(random)};
+			Transform pose{randomRotation(random), randomVector(random, 0, 2 * radius)};
 			const std::uint32_t n = std::uint32_t(random() % a.nodes().size),
 								m = std::uint32_t(random() % b.nodes().size);
 			Sweep sweep = i % 2 ? randomSweep(random, radius) : Sweep{};
@@ -100,7 +100,7 @@ TEST(BoxSeparation, IsTheSameInEveryLaneFromEitherSideOnAnyMachine)
 		const double radius = smallerRadius(pair.a, pair.b);
 		for (int i = 0; i < 400; ++i)
 		{
-			const Transform pose{randomRotation(random), uniform(random, 0, 2) * radius * randomDirection(random)};
+			const Transform pose{randomRotation(random), randomVector(random, 0, 2 * radius)};
 			const QueryContext context(a, b, pose, i % 2 ? randomSweep(random, radius) : Sweep{});
 			const OrientedBox& one = a.cullBox(std::uint32_t(random() % a.nodes().size));
 			const OrientedBox* others[kBoxLanes];

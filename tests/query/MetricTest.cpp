@@ -396,9 +396,10 @@ TEST(Metric, CachedEqualsFreshUnderChangingMetrics)
 			if (random() % 3 == 0) settings.metric.maxError = std::pow(10, uniform(random, -3, -1)) * radius;
 			settings.contactsOnly = random() % 2;
 		}
-		settings.metric.velocity.linear = std::pow(10, uniform(random, -6, 0)) * radius * randomDirection(random);
+		const Vec3 direction = randomDirection(random);
+		settings.metric.velocity.linear = std::pow(10, uniform(random, -6, 0)) * radius * direction;
 		settings.metric.velocity.angular = size * randomDirection(random);
-		if (random() % 4) settings.metric.view.eye = uniform(random, 0, 5) * radius * randomDirection(random);
+		if (random() % 4) settings.metric.view.eye = randomVector(random, 0, 5 * radius);
 		share = std::pow(10, uniform(random, -4, 0));
 		query(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache, result);
 		ASSERT_EQ(difference(result, fresh(pair, pose, settings)), "") << "step " << step;

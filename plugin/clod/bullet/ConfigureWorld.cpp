@@ -24,7 +24,7 @@ void configureWorld(btDynamicsWorld& world, const WorldSettings& settings)
 
 Result<int> setUpWorld(btDynamicsWorld& world, Context& context, const WorldSettings& settings)
 {
-	const Result<int> registered = btClodCollisionAlgorithm::registerAlgorithm(
+	Result<int> registered = btClodCollisionAlgorithm::registerAlgorithm(
 		dynamic_cast<btCollisionDispatcher*>(world.getDispatcher()), &context);
 	if (registered) configureWorld(world, settings);
 	return registered;

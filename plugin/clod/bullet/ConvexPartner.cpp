@@ -176,6 +176,7 @@ void make(const btConvexShape& shape, double unit, const Description& descriptio
 	else
 	{
 		std::vector<Vec3> points;
+		points.reserve(description.points.size());
 		for (const Vec3& p : description.points) points.push_back((1 / unit) * p);
 		polyhedron = convexPolyhedron(points, kMostHullCorners);
 	}
@@ -206,7 +207,7 @@ std::shared_ptr<const ConvexPartner> ConvexPartners::of(const btConvexShape& sha
 	std::shared_ptr<const ConvexPartner>& partner = m_partners[made.shape];
 	if (partner) return partner;
 	make(shape, unit, description, made);
-	const auto kept = partner = std::make_shared<const ConvexPartner>(std::move(made));
+	auto kept = partner = std::make_shared<const ConvexPartner>(std::move(made));
 	for (auto i = m_partners.begin(); m_partners.size() > kMostUnused && i != m_partners.end();)
 		i = i->second.use_count() == 1 ? m_partners.erase(i) : std::next(i);
 	return kept;

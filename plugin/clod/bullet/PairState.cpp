@@ -335,8 +335,11 @@ double PairState::surprise() const
 	if (!(dt > 0)) return 0;
 	const RelativeMotion now = relativeMotion(solvedMotion(*m_report.objectA), solvedMotion(*m_report.objectB),
 											  m_foreseen.worldFromA, m_foreseen.scale, dt);
-	const RelativeMotion change = {now.linear - m_foreseen.motion.linear, now.angular - m_foreseen.motion.angular, dt};
-	return change.speedWithin(m_foreseen.center, m_foreseen.radius) * dt / m_foreseen.skin;
+	const auto wayOf = [&](const RelativeMotion& motion)
+	{ return motion.speedWithin(m_foreseen.center, m_foreseen.radius) * dt; };
+	// Whatever is met on a way that short has been near, and a contact, from the start.
+	if (wayOf(now) <= kRestingShare / kSkinShare * m_foreseen.skin) return 0;
+	return wayOf({now.linear - m_foreseen.motion.linear, now.angular - m_foreseen.motion.angular, dt}) / m_foreseen.skin;
 }
 
 void PairState::keepAnswer()

@@ -74,7 +74,7 @@ double timeOfImpact(const PairPose& pose, GapCache& cache, GapResult& result)
 		const Transform worldFromA = wayA.at(share), worldFromB = wayB.at(share);
 		Transform aFromB = inverse(worldFromA) * worldFromB;
 		aFromB.translation = (1 / scale) * aFromB.translation;
-		double gap;
+		double gap = 0;
 		if (pose.isOfTwo())
 		{
 			signedGap(pose.hierarchyA(), pose.hierarchyB(), aFromB, settings, cache, result);

@@ -15,8 +15,8 @@
 
 namespace
 {
-// In skins: what a step in one part may leave of surprise, half a per cent of the smaller radius.
-constexpr double kMostSurprise = 10;
+// In skins: what a step in one part may leave of surprise, 0.15 per cent of the smaller radius.
+constexpr double kMostSurprise = 3;
 
 constexpr btScalar kThrough = btScalar(4e-3);  // of the smaller radius: an impact is over when what was left is passed
 
@@ -24,7 +24,7 @@ constexpr btScalar kThrough = btScalar(4e-3);  // of the smaller radius: an impa
 btScalar shareOfImpact(const btCollisionObject& a, const btCollisionObject& b)
 {
 	btVector3 center;
-	btScalar radiusA, radiusB;
+	btScalar radiusA = 0, radiusB = 0;
 	a.getCollisionShape()->getBoundingSphere(center, radiusA);
 	b.getCollisionShape()->getBoundingSphere(center, radiusB);
 	const btVector3 between = (a.getInterpolationWorldTransform().getOrigin() - a.getWorldTransform().getOrigin()) -

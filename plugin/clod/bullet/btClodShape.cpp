@@ -86,7 +86,7 @@ std::optional<Path> pathOf(const btTriangleCallback& callback, double scale)
 	const btTransform shapeFromWorld = sweep->m_triangleToWorld.inverse();
 	const btTransform from = shapeFromWorld * sweep->m_convexShapeFrom, to = shapeFromWorld * sweep->m_convexShapeTo;
 	btVector3 low, high, center;
-	btScalar radius;
+	btScalar radius = 0;
 	sweep->m_convexShape->getAabb(btTransform(from.getBasis()), low, high);
 	if (!(from.getBasis() == to.getBasis()))
 	{

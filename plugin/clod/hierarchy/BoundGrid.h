@@ -29,7 +29,7 @@ inline void store(float (&to)[3], const Vec3& v)
 // Whether v lies on the grid; zero and infinity do.
 inline bool isBound(float v)
 {
-	std::uint32_t bits;
+	std::uint32_t bits = 0;
 	std::memcpy(&bits, &v, sizeof bits);
 	return (bits & kBeyondBound) == 0;
 }
@@ -37,7 +37,7 @@ inline bool isBound(float v)
 inline float boundAtLeast(double v)
 {
 	float f = roundUp(v);
-	std::uint32_t bits;
+	std::uint32_t bits = 0;
 	std::memcpy(&bits, &f, sizeof bits);
 	bits = (bits + kBeyondBound) & ~kBeyondBound;
 	std::memcpy(&f, &bits, sizeof f);
@@ -47,7 +47,7 @@ inline float boundAtLeast(double v)
 inline float boundAtMost(double v)
 {
 	float f = roundDown(v);
-	std::uint32_t bits;
+	std::uint32_t bits = 0;
 	std::memcpy(&bits, &f, sizeof bits);
 	bits &= ~kBeyondBound;
 	std::memcpy(&f, &bits, sizeof f);

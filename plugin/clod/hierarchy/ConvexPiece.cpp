@@ -20,9 +20,8 @@ class Piece
 {
 public:
 	Piece(const ConvexPolyhedron& polyhedron, double radius)
-		: m_vertices(polyhedron.vertices), m_triangles(polyhedron.triangles)
+		: m_vertices(polyhedron.vertices), m_triangles(polyhedron.triangles), m_isThin(polyhedron.triangles.empty())
 	{
-		m_isThin = m_triangles.empty();
 		const std::uint32_t last = std::uint32_t(m_vertices.size() - 1);
 		if (m_isThin) m_triangles = {{0, last, last}, {0, last, last}};
 		asset(radius);

@@ -409,7 +409,7 @@ Result<std::shared_ptr<const Hierarchy>> scaledHierarchy(const Hierarchy& hierar
 	// What rounding may break; the rest holds as it held before.
 	for (const auto rule : {rules::asset, rules::nodeNumbers, rules::faces})
 		if (const std::string problem = rule(*result); !problem.empty())
-			return Error{name + "makes a body that floats cannot hold: " + problem};
+			return Error{std::string(name).append("makes a body that floats cannot hold: ").append(problem)};
 	return result;
 }
 }  // namespace clod

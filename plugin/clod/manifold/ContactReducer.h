@@ -17,7 +17,8 @@ public:
 	// points: one a facet, in their order. previous: with placeWithB (carryWithB), and impulses.
 	void reduce(const std::vector<Facet>& facets, const std::vector<ContactPoint>& points, const ClusterSet& previous,
 				double length, ClusterSet& next);
-	// Of which facet the last reduction made a point.
+	// How many points the last reduction made, and of which facet each.
+	std::size_t count() const { return m_chosen.size(); }
 	std::uint32_t facetOf(std::size_t slot, std::size_t index) const { return m_facetOf[slot][index]; }
 
 private:

@@ -157,13 +157,13 @@ void ContactSurface::weld(const std::vector<Triangle>& triangles)
 	m_faces.resize(2 * triangles.size());
 	for (std::size_t i = 0; i < corners.size(); ++i)
 	{
-		const std::uint32_t t = corners[i].second / 3, c = corners[i].second % 3;
+		const std::uint32_t front = 2 * (corners[i].second / 3), c = corners[i].second % 3;
 		if (i == 0 || corners[i].first != corners[i - 1].first)
 		{
 			m_vertices.push_back(corners[i].first);
-			m_faceOfVertex.push_back(2 * t);
+			m_faceOfVertex.push_back(front);
 		}
-		m_faces[2 * t].vertex[c] = std::uint32_t(m_vertices.size() - 1);
+		m_faces[front].vertex[c] = std::uint32_t(m_vertices.size() - 1);
 	}
 	for (std::size_t t = 0; t < triangles.size(); ++t)
 	{
@@ -204,7 +204,7 @@ void ContactSurface::joinSides()
 		m_faces[f].neighbour[e] = g;
 		m_faces[g].neighbour[h] = f;
 	};
-	for (std::size_t first = 0, next; first < sides.size(); first = next)
+	for (std::size_t first = 0, next = 0; first < sides.size(); first = next)
 	{
 		for (next = first; next < sides.size() && sides[next].low == sides[first].low &&
 						   sides[next].high == sides[first].high;)

@@ -10,7 +10,7 @@ namespace
 {
 constexpr double kSatisfied = 0.02;       // of its depth: what a facet may lack and is satisfied
 constexpr double kSatisfiedShare = 1e-6;  // of the length, likewise
-constexpr double kBeyond = 1.05;          // times the least shift is where overlaps are looked for again
+constexpr double kBeyond = 1.05;          // times the least shift, and a touch: where overlaps are looked for again
 constexpr double kTie = 1e-3;             // of the length: of heights now and at the end of the step
 constexpr double kSamePlace = 2e-3;       // of the length
 constexpr double kSameNormal = 0.99995;   // cosine: of one polygon's facets, and of polygons all but in one plane
@@ -133,9 +133,10 @@ void FacetChoice::dropInner(std::vector<Facet>& facets)
 		const Facet& facet = facets[i];
 		const double lacking = -(dot(facet.normal, shift) + facet.distance);
 		if (lacking <= kSatisfied * -facet.distance + kSatisfiedShare * m_question->length()) continue;
-		const double far = length(shift);
-		if (!m_planes.empty() &&
-			!overlapsAt(facet, (kBeyond + (far > 0 ? kInnerShare * m_question->length() / far : 0)) * shift))
+		// Looked for a little beyond the shift: what lacks no more than that is one of those that carry.
+		const double touch = kInnerShare * m_question->length(), far = length(shift), beyond = (kBeyond - 1) * far + touch;
+		if (!m_planes.empty() && lacking > beyond + touch &&
+			!overlapsAt(facet, (1 + (far > 0 ? beyond / far : 0)) * shift))
 		{
 			m_isKept[i] = 0;
 			continue;

@@ -108,9 +108,10 @@ void FacetFinder::findPair(const Contact& contact)
 		for (const std::uint32_t polygon : m_polygonsB) vertexOverFace(*corner, polygon, true);
 	for (const MovedCorner* corner : m_cornersB)
 		for (const std::uint32_t polygon : m_polygonsA) vertexOverFace(*corner, polygon, false);
+	// Edges may have sunk past each other by any depth.
 	for (const MovedEdge* edgeA : m_edgesA)
 		for (const MovedEdge* edgeB : m_edgesB)
-			if (edgeA->box.meets(edgeB->box, m_pair.reach)) edgeOverEdge(*edgeA, *edgeB);
+			if (mayOverlap || edgeA->box.meets(edgeB->box, m_pair.reach)) edgeOverEdge(*edgeA, *edgeB);
 	if (q.isRound()) findRound();
 }
 

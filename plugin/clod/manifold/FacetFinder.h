@@ -45,7 +45,7 @@ private:
 	};
 	std::optional<Approach> approach(const Vec3& now, const Vec3& then) const;
 	void findRound();
-	void vertexOverEdge(const MovedCorner& vertex, const MovedEdge& edge, bool vertexIsOfA);
+	void vertexOverEdge(const MovedCorner& vertex, const MovedEdge& moved, bool vertexIsOfA);
 	void vertexOverVertex(const MovedCorner& ofA, const MovedCorner& ofB);
 	bool isInCone(const MovedCorner& vertex, const Vec3& normal, bool isOfA) const;
 	void addRound(Facet& facet, const Approach& approach, const Vec3& now, const Vec3& then, const Vec3& normal);

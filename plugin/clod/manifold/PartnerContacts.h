@@ -30,7 +30,7 @@ public:
 
 private:
 	template <class Separated>
-	void visit(const Hierarchy& hierarchy, const Metric& metric, const Separated& separated, std::uint32_t partner,
+	void visit(const Hierarchy& hierarchy, const Metric& metric, const Separated& apart, std::uint32_t partner,
 			   std::vector<Contact>& contacts, PartnerStats& stats);
 	std::vector<std::uint32_t> m_stack, m_visited;  // when each node, of any hierarchy, was visited last
 	std::uint32_t m_visit = 0;

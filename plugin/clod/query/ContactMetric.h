@@ -76,7 +76,7 @@ struct MetricFrame
 	RelativeMotion motion;  // as the bodies move now, hierarchy unit; its time step is dt
 	const ViewCamera* camera = nullptr;
 };
-CLOD_API Metric resolve(const ContactMetric& metric, const MetricFrame& frame);
+CLOD_API Metric resolve(const ContactMetric& from, const MetricFrame& frame);
 // The place of the query in the world, for an own function.
 CLOD_API ContactPlace inWorld(const Place& place, const MetricFrame& frame);
 

@@ -116,12 +116,12 @@ ContactSearch::ContactSearch(const Hierarchy& a, const Hierarchy& b, const Trans
 {
 	followMotion(m_context, state);
 	state.aFromB = aFromB;
-	m_isStillApart = state.separation.holds(m_context, settings, gap);
-	if (!m_isStillApart)
+	if (!state.separation.holds(m_context, settings, gap))
 	{
 		m_rule.emplace(m_context, settings.metric);
 		return;
 	}
+	m_isStillApart = true;
 	state.settings = settings;
 	state.lastMove = 0;
 	countQuiet(true);

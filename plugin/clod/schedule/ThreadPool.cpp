@@ -57,7 +57,7 @@ void ThreadPool::takeAll()
 {
 	try
 	{
-		for (std::uint32_t i; (i = m_next.fetch_add(1, std::memory_order_relaxed)) < m_count;) (*m_work)(i);
+		for (std::uint32_t i = 0; (i = m_next.fetch_add(1, std::memory_order_relaxed)) < m_count;) (*m_work)(i);
 	}
 	catch (...)
 	{

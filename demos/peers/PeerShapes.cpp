@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Zlib
+#include "demos/peers/PeerShapes.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <string_view>
+
+#include "demos/scenes/BulletShapes.h"
+
+namespace clod::demo
+{
+namespace
+{
+constexpr double kConvex = 1e-4;  // a hull of no more volume than this beyond the mesh's is the mesh
+
+double volume(const ModelMesh& mesh)
+{
+	double sum = 0;
+	for (const auto& t : mesh.triangles)
+		sum += dot(mesh.vertices[t[0]], cross(mesh.vertices[t[1]], mesh.vertices[t[2]])) / 6;
+	return std::fabs(sum);
+}
+
+// A kind taken apart: whether static models keep their triangles, and prepare.py's tool and amount, where one is needed.
+struct PeerKind
+{
+	bool hasStaticTrees;
+	std::string shape, amount;
+};
+PeerKind kindOf(const std::string& name)
+{
+	constexpr std::string_view kTrees = "bvh-";
+	const bool hasTrees = name.compare(0, kTrees.size(), kTrees) == 0;
+	const std::string shape = hasTrees ? name.substr(kTrees.size()) : name;
+	if (shape == "vhacd") return {hasTrees, shape, std::to_string(kPeerHulls)};
+	if (shape == "coacd") return {hasTrees, shape, fmt::format("{:g}", kPeerConcavity)};
+	return {hasTrees, shape, {}};
+}
+}  // namespace
+
+std::string describePeerShape(const std::string& name)
+{
+	const auto [hasStaticTrees, kind, amount] = kindOf(name);
+	if (hasStaticTrees) return describePeerShape(kind) + "; btBvhTriangleMeshShape for what stands still";
+	if (kind == "gimpact") return "btGImpactMeshShape, full meshes";
+	if (kind == "vhacd") return "btCompoundShape of at most " + amount + " hulls a mesh";
+	if (kind == "coacd") return "btCompoundShape of hulls, concavity " + amount;
+	return "btConvexHullShape, one a mesh";
+}
+
+Result<std::vector<SceneShape>> peerShapes(const std::string& name, const std::vector<ModelMesh>& surfaces,
+										   const std::vector<bool>& moves, double margin,
+										   const Preparation& preparation,
+										   const std::function<void(const std::string&, double)>& progress)
+{
+	const PeerKind kind = kindOf(name);
+	if (!kind.amount.empty() && !preparation.tools().canPrepare())
+		return Error{"its tool is not set up; run scripts/peers, then this command again"};
+	std::vector<SceneShape> shapes;
+	for (std::size_t model = 0; model < surfaces.size(); ++model)
+	{
+		const ModelMesh& surface = surfaces[model];
+		shapes.push_back({SceneShape::Kind::hulls, {convexHullOf(surface)}, margin});
+		SceneShape& shape = shapes.back();
+		if (volume(shape.meshes.front()) <= (1 + kConvex) * volume(surface)) continue;
+		const bool isTree = kind.hasStaticTrees && !moves[model];
+		if (isTree || kind.shape == "gimpact")
+		{
+			shape.kind = isTree ? SceneShape::Kind::bvh : SceneShape::Kind::gimpact;
+			shape.meshes = {surface};
+		}
+		else if (!kind.amount.empty())
+		{
+			progress("convex decompositions", double(model) / double(surfaces.size()));
+			Result<Prepared> made = preparation.make(kind.shape, kind.amount, surface);
+			if (!made) return Error{made.error()};
+			shape.meshes = std::move(made.value().pieces);
+		}
+	}
+	return shapes;
+}
+
+std::vector<bool> movingModels(const SceneDefinition& scene)
+{
+	std::vector<bool> moves(scene.info.models.size());
+	for (std::size_t i = 0; i < scene.bodies.size(); ++i)
+		if (scene.bodies[i].mass > 0 || scene.bodies[i].course) moves[scene.info.bodies[i].model] = true;
+	return moves;
+}
+}  // namespace clod::demo
