@@ -206,7 +206,7 @@ double PairState::timeOfImpact(const btCollisionObjectWrapper& body0, const btCo
 void PairState::open(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 					 const btDispatcherInfo& info, double closestPoints)
 {
-	Prepared& next = m_prepared.emplace();
+	Prepared& next = m_prepared.emplace(Prepared{});
 	next.pose = begin(body0, body1, info, closestPoints);
 	next.aIsFirst = next.pose.a == &body0;
 	if (next.pose.isAsked())
