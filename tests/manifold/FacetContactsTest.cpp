@@ -129,6 +129,23 @@ TEST(FacetContacts, AnEqualCubeStandsOnAllCornersHoweverItLeans)
 	}
 }
 
+// A cube sunk in askew, and pressed on so fast that it may turn over within the step: with its lowest corner's contact
+// alone it sank on one corner after the other.
+TEST(FacetContacts, WhatSinksInFastIsHeldByAllThatIsSunkIn)
+{
+	const Mat3 askew = rotationFromQuaternion(0.015, 0, 0.01, 1);
+	const HierarchyPointer wide = patchHierarchy(boxMesh({4, 1, 4}, {1, 1, 1}, 1));
+	Pair pair(wide, cubeOf(1), at({0, 0.9, 0}, askew));
+	pair.move({0, -0.06, 0});
+	const std::vector<ContactPoint> points = pair.points();
+	EXPECT_EQ(points.size(), 4u);
+	for (const ContactPoint& point : points)
+	{
+		EXPECT_LT(point.normal.y, -0.999);
+		EXPECT_NEAR(point.height, point.pointOnB.y - 0.5, 1e-6);
+	}
+}
+
 TEST(FacetContacts, CrossedEdgesTouchAtOnePoint)
 {
 	// Both stand on an edge: the lower one's upper edge along x, the upper one's lower edge along z.

@@ -193,7 +193,8 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 	if (now <= q.touching())
 	{
 		const double slack = q.footSlack(now);
-		counts = isLowest(vertices.fan(vertex.index), up, kArcSlack) &&
+		// What has sunk in stays a contact while the step's turning may make it the lowest.
+		counts = (facet.reach == Facet::Reach::kOverlap || isLowest(vertices.fan(vertex.index), up, kArcSlack)) &&
 				 faces.squaredBeside(polygon, foot) <= slack * slack;
 	}
 	if (!counts && now > 0 && end <= q.rules.margin && end < now)
