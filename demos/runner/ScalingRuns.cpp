@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cli/Failure.h"
+#include "cli/Files.h"
 #include "demos/runner/Gnuplot.h"
 #include "demos/runner/Replay.h"
 #include "demos/runner/Statistics.h"
@@ -38,6 +40,22 @@ std::vector<double> column(const Rows& rows, const std::vector<bool>& chosen, do
 	return values;
 }
 
+// Of both bodies where the levels from `finest` on are loaded alone.
+std::size_t loadedBytes(const ScaledPair& pair, std::uint32_t finest)
+{
+	std::size_t bytes = 0;
+	for (const Hierarchy* hierarchy : {pair.a.get(), pair.b.get()})
+	{
+		const cli::PartialFile file(temporaryDirectory() + "/levels.clod");
+		if (const std::string problem = cli::writeFile(file.temporaryPath(), hierarchy->bytes()); !problem.empty())
+			throw cli::Failure(cli::ExitCode::failure, problem);
+		const auto loaded = Hierarchy::load(file.temporaryPath(), std::min(finest, hierarchy->coarsestClodLevel()));
+		if (!loaded) throw cli::Failure(cli::ExitCode::failure, loaded.error());
+		bytes += loaded.value()->bytes().size();
+	}
+	return bytes;
+}
+
 nlohmann::ordered_json describe(const ScaledPair& pair, const Rows& rows, const std::vector<bool>& chosen)
 {
 	const auto median = [&](double (*value)(const ReplayRow&)) { return quantile(column(rows, chosen, value), 0.5); };
@@ -55,6 +73,8 @@ nlohmann::ordered_json describe(const ScaledPair& pair, const Rows& rows, const 
 		{"finest_level", median([](const ReplayRow& r) { return double(r.stats.finestLevel); })},
 		{"coarsest_level", median([](const ReplayRow& r) { return double(r.stats.coarsestLevel); })},
 		{"error_bound", median([](const ReplayRow& r) { return r.errorBound; })}};
+	const auto finest = column(rows, chosen, [](const ReplayRow& r) { return double(r.stats.finestLevel); });
+	size["loaded_bytes"] = loadedBytes(pair, std::uint32_t(quantile(finest, 0)));
 	if (!std::isnan(pair.buildSeconds)) size["build_seconds"] = pair.buildSeconds;
 	return size;
 }
@@ -126,13 +146,13 @@ std::string formatScalingCsv(const nlohmann::ordered_json& selections)
 {
 	std::string text =
 		"selection,resolution,triangles_a,triangles_b,bytes,build_seconds,rows,query_us_median,query_us_q1,query_us_q3,"
-		"query_us_p95,gap_us_median,front,contacts,finest_level,coarsest_level,error_bound,growth\n";
+		"query_us_p95,gap_us_median,front,contacts,finest_level,coarsest_level,error_bound,growth,loaded_bytes\n";
 	for (const auto& selection : selections)
 		for (const auto& size : selection["sizes"])
 		{
 			const auto& us = size["query_us"];
 			text += fmt::format(
-				"{},{},{},{},{},{},{},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{},{},{},{},{},{:.4f}\n",
+				"{},{},{},{},{},{},{},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{},{},{},{},{},{:.4f},{}\n",
 				selection["selection"].get<std::string>(), number(size["resolution"].get<double>()),
 				size["triangles_a"].get<std::size_t>(), size["triangles_b"].get<std::size_t>(),
 				size["bytes"].get<std::size_t>(),
@@ -141,7 +161,7 @@ std::string formatScalingCsv(const nlohmann::ordered_json& selections)
 				us["q3"].get<double>(), us["p95"].get<double>(), size["gap_us"]["median"].get<double>(),
 				size["front"].get<double>(), size["contacts"].get<double>(), size["finest_level"].get<double>(),
 				size["coarsest_level"].get<double>(), number(size["error_bound"].get<double>()),
-				size["growth"].get<double>());
+				size["growth"].get<double>(), size["loaded_bytes"].get<std::size_t>());
 		}
 	return text;
 }
@@ -149,18 +169,18 @@ std::string formatScalingCsv(const nlohmann::ordered_json& selections)
 std::string formatScalingTable(const nlohmann::ordered_json& selections)
 {
 	std::string text =
-		fmt::format("{:<18}{:>10}{:>10}{:>8}{:>11}{:>10}{:>11}{:>9}{:>10}{:>10}{:>10}{:>9}\n", "selection", "tris a",
-					"tris b", "rows", "query us", "p95 us", "gap us", "front", "contacts", "levels", "MB", "growth");
+		fmt::format("{:<18}{:>10}{:>10}{:>8}{:>11}{:>10}{:>11}{:>9}{:>10}{:>10}{:>10}{:>10}{:>9}\n", "selection", "tris a",
+					"tris b", "rows", "query us", "p95 us", "gap us", "front", "contacts", "levels", "MB", "needed", "growth");
 	for (const auto& selection : selections)
 		for (const auto& size : selection["sizes"])
 			text += fmt::format(
-				"{:<18}{:>10}{:>10}{:>8}{:>11.1f}{:>10.1f}{:>11.1f}{:>9.0f}{:>10.0f}{:>10}{:>10.1f}{:>9.2f}\n",
+				"{:<18}{:>10}{:>10}{:>8}{:>11.1f}{:>10.1f}{:>11.1f}{:>9.0f}{:>10.0f}{:>10}{:>10.1f}{:>10.2f}{:>9.2f}\n",
 				selection["selection"].get<std::string>(), size["triangles_a"].get<std::size_t>(),
 				size["triangles_b"].get<std::size_t>(), size["rows"].get<std::size_t>(),
 				size["query_us"]["median"].get<double>(), size["query_us"]["p95"].get<double>(),
 				size["gap_us"]["median"].get<double>(), size["front"].get<double>(), size["contacts"].get<double>(),
 				fmt::format("{:g} to {:g}", size["finest_level"].get<double>(), size["coarsest_level"].get<double>()),
-				1e-6 * size["bytes"].get<double>(), size["growth"].get<double>());
+				1e-6 * size["bytes"].get<double>(), 1e-6 * size["loaded_bytes"].get<double>(), size["growth"].get<double>());
 	return text;
 }
 

@@ -9,6 +9,7 @@
 #include "clod/query/StopRule.h"
 #include "tests/bullet/BulletWorld.h"
 #include "tests/query/Bodies.h"
+#include "tests/support/Files.h"
 
 namespace clod::test
 {
@@ -17,14 +18,14 @@ namespace
 // A torus (radius 1) lies on another, or on a plane. Nothing moves unless told: collision detection only.
 struct Touching : BulletWorld
 {
-	std::shared_ptr<const Hierarchy> torus = test::body("torus", 900).hierarchy;
+	std::shared_ptr<const Hierarchy> torus;
 	btClodShape& lowerShape = addUnit();
 	btClodShape& upperShape = addUnit();
 	btRigidBody& lower;
 	btRigidBody& upper;
 
-	explicit Touching(btCollisionShape* ground = nullptr)
-		: lower(addBody(ground ? *ground : lowerShape, 0, {})), upper(addBody(upperShape, 1, {}))
+	explicit Touching(btCollisionShape* ground = nullptr, std::shared_ptr<const Hierarchy> of = test::body("torus", 900).hierarchy)
+		: torus(std::move(of)), lower(addBody(ground ? *ground : lowerShape, 0, {})), upper(addBody(upperShape, 1, {}))
 	{
 		world.getDispatchInfo().m_timeStep = btScalar(timeStep);
 		world.getDispatchInfo().m_stepCount = 0;
@@ -89,6 +90,28 @@ struct Touching : BulletWorld
 	}
 };
 }  // namespace
+
+// Of levels that were not loaded: contacts are of what there is, and the pair says so.
+TEST(BulletMetric, CoarseLevelsAloneAreTold)
+{
+	const TemporaryFolder folder;
+	const std::string file = folder.fileOf("torus.clod", test::body("torus", 900).hierarchy->bytes());
+	Touching coarse(nullptr, Hierarchy::load(file, 1).value()), whole;
+	const double radius = double(coarse.torus->asset().radius);
+	for (const ContactMetric& metric : {ContactMetric::exactly(), ContactMetric::errorShare(1e-4)})
+	{
+		EXPECT_NE(coarse.with(metric).error.find("levels from 1 on were loaded"), std::string::npos);
+		EXPECT_GT(coarse.with(metric).contacts, 0u);
+		EXPECT_EQ(whole.with(metric).error, "");
+	}
+	EXPECT_NE(coarse.with(ContactMetric::deviationShare(1e-6)).error.find("finer levels were not loaded"), std::string::npos);
+	const std::size_t said = coarse.warnings.size();
+	EXPECT_EQ(said, 1u);
+	EXPECT_EQ(coarse.with(ContactMetric::deviationShare(10)).error, "");
+	EXPECT_EQ(coarse.with(ContactMetric::errorShare(1)).error, "");
+	EXPECT_GT(coarse.with(ContactMetric::deviationShare(10)).contacts, 0u);
+	EXPECT_LT(coarse.with(ContactMetric::deviationShare(10)).bound, radius);
+}
 
 TEST(BulletMetric, SizeVelocityViewAndOwnReachThePair)
 {

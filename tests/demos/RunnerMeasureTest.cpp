@@ -355,11 +355,18 @@ TEST_F(RunnerCommand, ScalingMeasuresTheSameRowsAtEverySize)
 		EXPECT_LT(sizes[0]["triangles_a"], sizes[1]["triangles_a"]);
 		EXPECT_EQ(sizes[0]["rows"], sizes[1]["rows"]);
 		EXPECT_EQ(sizes[0]["growth"], 1);
+		for (const json& size : sizes)
+		{
+			EXPECT_LE(size["loaded_bytes"], size["bytes"]) << size;
+			const bool isAll = size["loaded_bytes"] == size["bytes"];
+			EXPECT_TRUE(isAll || selection["selection"] != "exact") << size;
+		}
 		EXPECT_DOUBLE_EQ(sizes[1]["growth"],
 						 sizes[1]["query_us"]["median"].get<double>() / sizes[0]["query_us"]["median"].get<double>());
 	}
 	EXPECT_GT(selections[0]["sizes"][1]["contacts"], selections[2]["sizes"][1]["contacts"]);  // exact, size 3.5 %
 	EXPECT_EQ(selections[0]["sizes"][1]["coarsest_level"], 0);
+	EXPECT_LT(selections[2]["sizes"][1]["loaded_bytes"], selections[2]["sizes"][1]["bytes"]);
 	EXPECT_LT(selections[2]["sizes"][1]["finest_level"], selections[2]["sizes"][1]["coarsest_level"]);
 	EXPECT_EQ(bench("scaling mixed-needs -o " + path("x") + cache()).code, 2);
 	EXPECT_EQ(bench("scaling --resolutions 0,1 -o " + path("x") + cache()).code, 2);

@@ -42,6 +42,7 @@ struct Scratch
 	ClusterSet previous, next;
 	PartnerContacts partner;
 	std::vector<Triangle> triangles;  // of a mesh, within the tolerance, frame B
+	GapResult result;                 // of a query: a pair keeps no more room than its own contacts take
 };
 Scratch& scratch()
 {
@@ -66,10 +67,13 @@ void PairState::query(const PairPose& pose, const Question& question)
 {
 	GapSettings settings = question.settings;
 	if (m_budget) settings.budget = m_budget->next(std::exchange(m_held, 0));
+	GapResult& result = scratch().result;
 	if (question.withGap)
-		signedGap(pose.hierarchyA(), pose.hierarchyB(), pose.aFromB, settings, m_cache, m_result);
+		signedGap(pose.hierarchyA(), pose.hierarchyB(), pose.aFromB, settings, m_cache, result);
 	else
-		contacts(pose.hierarchyA(), pose.hierarchyB(), pose.aFromB, settings, m_cache.pair, m_result);
+		contacts(pose.hierarchyA(), pose.hierarchyB(), pose.aFromB, settings, m_cache.pair, result);
+	if (m_result.contacts.capacity() > 2 * result.contacts.size()) m_result.contacts.shrink_to_fit();
+	m_result = result;
 	QueryStats& stats = m_result.stats;
 	if (m_budget) m_budget->spend(std::uint64_t(stats.boxTests) + stats.hullTests, stats.cutShort > 0);
 	stats.boxTests += m_outline.listing;
@@ -125,8 +129,8 @@ void PairState::askPartner(const PairPose& pose)
 void PairState::answer(const PairPose& pose, const Question& question)
 {
 	const Clock::time_point start = Clock::now();
-	bool goesOn = pose.prediction == Prediction::kSolved && !m_isFollowing;
-	m_isFollowing = false;
+	bool goesOn = pose.prediction == Prediction::kSolved && m_followed == 0;
+	m_followed = 0;
 	if (pose.isOfTwo())
 		ask(pose, question);
 	else if (!goesOn || pose.tolerance > m_foreseen.tolerance)

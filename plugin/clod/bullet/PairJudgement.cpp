@@ -74,7 +74,14 @@ void PairState::report(const PairPose& pose)
 	m_report.deep = isDeep();
 	m_report.fast = wall > 0 && m_report.motion > wall;
 	m_report.loose = wall > 0 && m_report.contactError > wall;
+	// Not for want of budget, then.
+	const bool isWanting = (pose.hierarchyA().isCoarse() || (pose.isOfTwo() && pose.hierarchyB().isCoarse())) &&
+						   m_report.metric.coarsening == 1 && m_result.excess > 0;
+	if (isWanting && m_report.metricError.empty())
+		m_report.metricError = "coarser contacts than it asks for, by a factor of " + std::to_string(m_result.excess) +
+							   ": finer levels were not loaded";
 	if (m_isClosestPoints) return;
+	if (isWanting) sayOnce(128, "a pair's metric is missed: " + m_report.metricError);
 	warnOnce(m_report.deep, 1, "two bodies overlap deeper than their contacts can prove");
 	warnOnce(m_report.fast, 2, "a step moves two bodies farther than their thinnest wall: use smaller steps");
 	warnOnce(m_report.loose, 4, "the contact error bound exceeds the thinnest wall: use a stricter metric");

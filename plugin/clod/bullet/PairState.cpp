@@ -15,6 +15,7 @@ namespace clod
 {
 namespace
 {
+constexpr std::uint32_t kLongStill = 16;  // dispatches that ask nothing, until what queries remember is given back
 constexpr double kStillShare = 3e-4;  // of the length, more than half of the skin: points found so little motion ago serve
 
 // Every field: one more does not compile before it is named here.
@@ -159,6 +160,8 @@ PairPose PairState::begin(const btCollisionObjectWrapper& body0, const btCollisi
 		sayOnce(8, "a pair's metric cannot be used, its contacts are exact: " + m_metric.error());
 	m_report.hierarchyA = &pose.hierarchyA();
 	m_report.hierarchyB = pose.isOfTwo() ? &pose.hierarchyB() : nullptr;
+	const std::string lacking = levelsError(*m_report.hierarchyA, m_report.hierarchyB, m_report.metric);
+	if (!lacking.empty()) m_report.metricError = lacking;
 	return pose;
 }
 
@@ -310,7 +313,7 @@ bool PairState::follow(const PairPose& pose, const WorldFrame& frame, btManifold
 	keepAnswer();
 	foresee(pose);
 	m_foreseen.motion = {{}, {}, pose.rules.timeStep};
-	m_isFollowing = true;
+	if (++m_followed == kLongStill) m_cache.pair.giveBack();
 	return true;
 }
 

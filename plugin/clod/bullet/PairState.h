@@ -136,7 +136,7 @@ private:
 	HierarchyPair m_asked;
 	GapCache m_cache{false};  // m_result is the answer
 	std::optional<Question> m_answered;  // what the clusters answer
-	bool m_isFollowing = false;          // the points are those of an earlier pose, nearly the same
+	std::uint32_t m_followed = 0;        // dispatches whose points are those of an earlier pose, nearly the same
 	Foreseen m_foreseen;
 	HeldClusters m_clusters;
 	PairReport m_report;

@@ -87,6 +87,12 @@ std::string settingsError(const GapSettings& settings)
 void signedGap(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const GapSettings& settings,
 			   GapCache& cache, GapResult& result)
 {
+	if (a.isCoarse() || b.isCoarse())
+	{
+		contacts(a, b, aFromB, settings, cache.pair, result);
+		result.minDistance = result.errorBound = kInfinity;
+		return;
+	}
 	PairCache::State& state = cache.pair.state();
 	GapCache::Search& search = cache.search();
 	if (isSamePose(a, b, aFromB, state) && !state.hasLast && answersAgain(settings, search, state))

@@ -51,7 +51,8 @@ private:
 
 // Contacts as contacts() finds them, and the gap. Preconditions: settings are valid, the pose is finite and rigid. Cost:
 // that of the contacts where no hulls overlap; else a search of the input surfaces near the contacts besides, and some
-// milliseconds for a depth where hundreds of leaves are pressed into each other. No allocation once buffers have grown.
+// milliseconds for a depth where hundreds of leaves are pressed into each other. No allocation once buffers have grown. Of
+// bodies of coarse levels alone (Hierarchy::load) the contacts, and of the gap nothing: an errorBound of inf.
 CLOD_API void signedGap(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const GapSettings& settings,
 						GapCache& cache, GapResult& result);
 }  // namespace clod

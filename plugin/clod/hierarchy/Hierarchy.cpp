@@ -26,10 +26,8 @@ Error fileError(const std::string& path, const std::string& what)
 // The header alone decides whether the rest is worth reading.
 std::string readBlock(std::ifstream& stream, std::uint64_t size, std::vector<std::byte>& bytes)
 {
-	std::vector<std::byte> start(std::size_t(std::min<std::uint64_t>(size, kFileStartBytes)));
-	stream.read(reinterpret_cast<char*>(start.data()), std::streamsize(start.size()));
-	if (!stream) return "cannot be read";
-	std::string problem = checkFileStart(start, size);
+	std::vector<std::byte> start;
+	const std::string problem = readFileStart(stream, size, start);
 	if (!problem.empty()) return problem;
 	bytes.resize(std::size_t(size));
 	std::copy(start.begin(), start.end(), bytes.begin());
@@ -38,7 +36,14 @@ std::string readBlock(std::ifstream& stream, std::uint64_t size, std::vector<std
 }
 }  // namespace
 
-Result<std::shared_ptr<const Hierarchy>> Hierarchy::load(const std::string& path)
+std::string readFileStart(std::ifstream& stream, std::uint64_t size, std::vector<std::byte>& start)
+{
+	start.resize(std::size_t(std::min<std::uint64_t>(size, kFileStartBytes)));
+	stream.read(reinterpret_cast<char*>(start.data()), std::streamsize(start.size()));
+	return stream ? checkFileStart(start, size) : "cannot be read";
+}
+
+Result<std::uint64_t> openFile(const std::string& path, std::ifstream& stream)
 {
 	std::error_code code;
 	const std::filesystem::file_status status = std::filesystem::status(path, code);
@@ -49,10 +54,18 @@ Result<std::shared_ptr<const Hierarchy>> Hierarchy::load(const std::string& path
 	if (code) return fileError(path, "has no readable size: " + code.message());
 	if (size > kMaxFileBytes)
 		return fileError(path, "is " + std::to_string(size) + " bytes; the limit is " + std::to_string(kMaxFileBytes));
-	std::ifstream stream(path, std::ios::binary);
+	stream.open(path, std::ios::binary);
 	if (!stream) return fileError(path, "cannot be opened for reading");
+	return size;
+}
+
+Result<std::shared_ptr<const Hierarchy>> Hierarchy::load(const std::string& path)
+{
+	std::ifstream stream;
+	const Result<std::uint64_t> size = openFile(path, stream);
+	if (!size) return Error{size.error()};
 	std::vector<std::byte> bytes;
-	const std::string problem = readBlock(stream, size, bytes);
+	const std::string problem = readBlock(stream, size.value(), bytes);
 	if (!problem.empty()) return fileError(path, problem);
 	Result<std::shared_ptr<const Hierarchy>> result = fromBytes(std::move(bytes));
 	if (!result) return fileError(path, result.error());

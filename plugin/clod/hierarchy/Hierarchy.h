@@ -45,6 +45,10 @@ public:
 	// Reads and validates a file: header, checksums, sizes before any allocation, then every index and float, then the
 	// structure. Fails with a sentence naming the first offending element. O(file size).
 	static Result<std::shared_ptr<const Hierarchy>> load(const std::string& path);
+	// The levels from `finest` on alone, and where those have children below, as many more: level 0 of what is loaded is
+	// level finestLevel() of the file. Memory, and what is validated, is that of what is loaded; the checksums are of the
+	// whole file. What is finer is not there to be asked for: see levelsError (query/Query.h).
+	static Result<std::shared_ptr<const Hierarchy>> load(const std::string& path, std::uint32_t finest);
 	static Result<std::shared_ptr<const Hierarchy>> fromBytes(std::vector<std::byte> bytes);
 
 	const Asset& asset() const { return *m_asset; }
@@ -66,6 +70,9 @@ public:
 	std::uint32_t coarsestClodLevel() const { return m_coarsestClodLevel; }
 	bool isPaperBuild() const { return (asset().flags & kPaperBuild) != 0; }
 	bool isScaled() const { return (asset().flags & kScaled) != 0; }
+	// The file's level that level 0 is: above 0 it is not the input surface, but stands for it.
+	std::uint32_t finestLevel() const { return m_finestLevel; }
+	bool isCoarse() const { return m_finestLevel > 0; }
 	bool isThinCore() const { return (asset().flags & kThinCore) != 0; }
 	// A bound of the distance from the body's origin to everything in the hierarchy, corners of culling boxes included.
 	double originRadius() const;
@@ -80,8 +87,8 @@ public:
 	}
 
 	// Of bytes that encode() wrote for content made here, and that need no proof: of a piece (ConvexPiece.h), or of a proved
-	// body scaled (ScaledHierarchy.h).
-	static std::shared_ptr<const Hierarchy> fromOwnBytes(std::vector<std::byte> bytes);
+	// body scaled (ScaledHierarchy.h); or that a proof follows (CoarseLevels.cpp).
+	static std::shared_ptr<const Hierarchy> fromOwnBytes(std::vector<std::byte> bytes, std::uint32_t finestLevel = 0);
 
 private:
 	Hierarchy() = default;
@@ -97,6 +104,7 @@ private:
 	const float* m_hullZ = nullptr;
 	std::size_t m_hullSize = 0;
 	std::uint32_t m_coarsestClodLevel = 0;
+	std::uint32_t m_finestLevel = 0;
 	std::uint64_t m_contentHash = 0;
 	DerivedData m_derived;
 	friend struct HierarchyReader;

@@ -90,6 +90,11 @@ std::vector<std::byte> startOf(const std::vector<std::byte>& bytes)
 }
 }  // namespace
 
+const char* sectionName(Section section)
+{
+	return kSectionNames[std::uint32_t(section)];
+}
+
 std::string checkFileStart(const std::vector<std::byte>& start, std::uint64_t fileBytes)
 {
 	if (!isLittleEndian()) return "this machine's byte order is not supported";
@@ -175,9 +180,10 @@ struct HierarchyReader
 	}
 
 	// Precondition: bytes as encode() writes them.
-	static std::shared_ptr<const Hierarchy> own(std::vector<std::byte> bytes)
+	static std::shared_ptr<const Hierarchy> own(std::vector<std::byte> bytes, std::uint32_t finestLevel = 0)
 	{
 		const std::shared_ptr<Hierarchy> hierarchy(new Hierarchy);
+		hierarchy->m_finestLevel = finestLevel;
 		hierarchy->m_bytes = std::move(bytes);
 		SectionEntry table[kSectionCount];
 		std::memcpy(table, hierarchy->m_bytes.data() + sizeof(FileHeader), sizeof table);
@@ -191,9 +197,9 @@ Result<std::shared_ptr<const Hierarchy>> Hierarchy::fromBytes(std::vector<std::b
 	return HierarchyReader::read(std::move(bytes));
 }
 
-std::shared_ptr<const Hierarchy> Hierarchy::fromOwnBytes(std::vector<std::byte> bytes)
+std::shared_ptr<const Hierarchy> Hierarchy::fromOwnBytes(std::vector<std::byte> bytes, std::uint32_t finestLevel)
 {
-	return HierarchyReader::own(std::move(bytes));
+	return HierarchyReader::own(std::move(bytes), finestLevel);
 }
 
 std::vector<std::byte> encode(const HierarchyContent& content)

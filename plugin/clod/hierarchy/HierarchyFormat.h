@@ -10,8 +10,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <iosfwd>
 #include <string>
 #include <vector>
+
+#include "clod/hierarchy/Result.h"
 
 namespace clod
 {
@@ -64,4 +67,10 @@ inline constexpr std::uint64_t kFileStartBytes = sizeof(FileHeader) + kSectionCo
 // Checks header and table (the first kFileStartBytes of a file of fileBytes bytes); empty = sound. After it every
 // section lies inside the file.
 std::string checkFileStart(const std::vector<std::byte>& start, std::uint64_t fileBytes);
+const char* sectionName(Section section);
+
+// Opens a regular file that is no larger than any of ours: its size.
+Result<std::uint64_t> openFile(const std::string& path, std::ifstream& stream);
+// Its header and table, as much as there is of them, checked; empty = sound.
+std::string readFileStart(std::ifstream& stream, std::uint64_t size, std::vector<std::byte>& start);
 }  // namespace clod

@@ -31,7 +31,7 @@ std::string nodeVectors(const Node& n)
 	return n.coneCosine >= -1 && n.coneCosine <= 1 ? "" : "coneCosine is outside [-1, 1]";
 }
 
-std::string nodeBounds(const Node& n)
+std::string nodeBounds(const Hierarchy& h, const Node& n)
 {
 	if (!sound(n.thickness)) return "thickness is not a length";
 	if (!sound(n.cover) || !sound(n.reach) || !sound(n.protrude) || !sound(n.surf))
@@ -49,7 +49,7 @@ std::string nodeBounds(const Node& n)
 	if (!sound(n.featureVolume)) return "featureVolume is not finite";
 	const bool zero =
 		n.cover == 0 && n.reach == 0 && n.surf == 0 && n.resolution == 0 && n.featureVolume == 0 && n.hausdorff == 0;
-	return n.level > 0 || zero ? ""
+	return n.level > 0 || h.isCoarse() || zero ? ""
 							   : "cover, reach, surf, resolution, featureVolume and hausdorff must be 0 at level 0";
 }
 
@@ -104,7 +104,7 @@ std::string hulls(const Hierarchy& h)
 			for (int k = 0; k < 3; ++k)
 				if (p[k] < a.boxMin[k] || p[k] > a.boxMax[k])
 					return element("node", i) + "hull vertex outside the asset's box";
-			if (h.nodes()[i].level == 0 && length(toVec3(p) - toVec3(a.sphereCenter)) > double(a.radius))
+			if (h.nodes()[i].level == 0 && !h.isCoarse() && length(toVec3(p) - toVec3(a.sphereCenter)) > double(a.radius))
 				return element("node", i) + "input vertex outside the bounding sphere";
 		}
 	}
@@ -115,7 +115,7 @@ std::string nodeNumbers(const Hierarchy& h)
 {
 	for (std::size_t i = 0; i < h.nodes().size; ++i)
 	{
-		std::string problem = nodeBounds(h.nodes()[i]);
+		std::string problem = nodeBounds(h, h.nodes()[i]);
 		if (problem.empty()) problem = nodeVectors(h.nodes()[i]);
 		if (!problem.empty()) return element("node", i) + problem;
 	}
@@ -167,7 +167,7 @@ std::string faceRecord(const Hierarchy& h, const Node& n, const Face& f)
 	if (area != Vec3{} && dot(area, normal) <= 0) return "normal points inward";
 	if (dot(normal, toVec3(n.meanNormal)) < double(n.coneCosine) - kUnitTolerance)
 		return "normal outside its node's cone";
-	return (f.source == kNone) == (n.level > 0) ? "" : "source belongs to level 0 faces and only to them";
+	return (f.source == kNone) == (n.level > 0 || h.isCoarse()) ? "" : "source belongs to level 0 faces and only to them";
 }
 
 // The neighbour across edge e lies in the same level and holds the same edge, reversed, with this face across it.
@@ -200,7 +200,7 @@ std::string faces(const Hierarchy& h)
 	{
 		const Face& f = h.faces()[i];
 		std::string problem = faceRecord(h, h.node(owner[i]), f);
-		if (problem.empty() && h.node(owner[i]).level == 0 && (f.source >= seen.size() || seen[f.source]++))
+		if (problem.empty() && f.source != kNone && (f.source >= seen.size() || seen[f.source]++))
 			problem = "source is not a triangle of its own";
 		for (int e = 0; e < 3 && problem.empty(); ++e) problem = faceNeighbour(h, owner, i, e);
 		if (!problem.empty()) return element("face", i) + problem;

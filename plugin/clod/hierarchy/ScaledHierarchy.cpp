@@ -110,7 +110,8 @@ Scaling::Scaling(const Hierarchy& from, const Vec3& scale)
 	for (std::uint32_t i = 0; i < m_to.nodes.size(); ++i) node(i);
 	bounds();
 	levels();
-	m_to.asset.thinnestWall = boundAtMost(thinnestWall(m_to));
+	const double least = std::min({std::abs(scale.x), std::abs(scale.y), std::abs(scale.z)});
+	m_to.asset.thinnestWall = boundAtMost(from.isCoarse() ? least * double(from.asset().thinnestWall) : thinnestWall(m_to));
 }
 
 void Scaling::vertices()
@@ -139,6 +140,11 @@ void Scaling::sphere()
 	const Vec3 center = scaled(toVec3(a.sphereCenter));
 	for (int i = 0; i < 3; ++i) a.sphereCenter[i] = nearestAnchor(center[i], roughly);
 	const Vec3 stored = toVec3(a.sphereCenter);
+	if (m_from.isCoarse())
+	{
+		a.radius = roundUp(m_largest * double(a.radius) + length(stored - center));
+		return;
+	}
 	double squared = 0;
 	const Level& leaves = m_to.levels[0];
 	for (std::uint32_t n = leaves.firstNode; n < leaves.firstNode + leaves.nodeCount; ++n)
@@ -273,7 +279,7 @@ double Scaling::curvature(const Node& n) const
 void Scaling::node(std::uint32_t index)
 {
 	Node& n = m_to.nodes[index];
-	const bool isAbove = n.level > 0;
+	const bool isAbove = n.level > 0 || m_from.isCoarse();
 	n.cover = isAbove ? boundAtLeast(grown(double(n.cover))) : 0;
 	n.reach = isAbove ? boundAtLeast(grown(double(n.reach))) : 0;
 	n.surf = isAbove ? boundAtLeast(grown(double(n.surf))) : 0;
@@ -398,7 +404,8 @@ Result<std::shared_ptr<const Hierarchy>> scaledHierarchy(const Hierarchy& hierar
 	// The cube of a length, and its inverse, must be a float.
 	if (!(farthest < 1e12) || !(farthest > 1e-12))
 		return Error{name + "makes a body that is too large or too small for its file"};
-	std::shared_ptr<const Hierarchy> result = Hierarchy::fromOwnBytes(encode(Scaling(hierarchy, scale).content()));
+	std::shared_ptr<const Hierarchy> result = 
+		Hierarchy::fromOwnBytes(encode(Scaling(hierarchy, scale).content()), hierarchy.finestLevel());
 	// What rounding may break; the rest holds as it held before.
 	for (const auto rule : {rules::asset, rules::nodeNumbers, rules::faces})
 		if (const std::string problem = rule(*result); !problem.empty())

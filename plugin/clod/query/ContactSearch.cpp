@@ -264,7 +264,7 @@ void ContactSearch::sort()
 {
 	thread_local PairSorter sorter;
 	sorter.sort(m_result.contacts);
-	m_isOfInput = m_largestCover == 0;
+	m_isOfInput = hasInput() && m_largestCover == 0;
 	for (const Contact& contact : m_result.contacts)
 		m_isOfInput = m_isOfInput && m_context.a.node(contact.nodeA).childCount == 0 &&
 					  m_context.b.node(contact.nodeB).childCount == 0;

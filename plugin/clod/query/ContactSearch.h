@@ -46,7 +46,8 @@ public:
 	double largestCover() const { return m_largestCover; }
 	bool overlaps() const;
 	bool isOfInput() const { return m_isOfInput; }  // every accepted pair is of level 0: nothing finer exists
-	bool isCoarsened() const { return m_settings.metric.coarsening > 1 || m_result.stats.cutShort > 0; }
+	bool isCoarsened() const { return m_settings.metric.coarsening > 1 || m_result.stats.cutShort > 0 || !hasInput(); }
+	bool hasInput() const { return !m_context.a.isCoarse() && !m_context.b.isCoarse(); }
 	// > 0: a component of one body is inside the other by so much at one of its points. Precondition: nothing overlaps.
 	double depthInside();
 

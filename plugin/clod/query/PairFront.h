@@ -142,11 +142,11 @@ struct PairFront
 	FrontSlack slack;
 	BackOff backOff{kFrontBackOff};  // traversals that keep no slack, until the next attempt to validate a front
 
-	// For slack as much as for entries: a steady query allocates nothing.
+	// For slack as much as there may be: a steady query allocates nothing.
 	void makeRoom()
 	{
 		slack.ofEntry.reserve(entries.capacity());
-		slack.answers.reserve(entries.capacity());
+		slack.answers.reserve(hulls.capacity());  // nearly all have a hull
 	}
 	// The bodies have parted: what they took is given back.
 	void giveBack()

@@ -21,6 +21,12 @@ void PairCache::clear()
 	*this = PairCache(m_state->remembers);
 }
 
+void PairCache::giveBack()
+{
+	m_state->front.giveBack();
+	m_state->outline.giveBack();
+}
+
 void ContactResult::clear()
 {
 	contacts.clear();
@@ -64,7 +70,7 @@ void contacts(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, c
 	if (!search.isStillApart())
 	{
 		search.run();
-		result.deep = !search.overlaps() && search.depthInside() > 0;
+		result.deep = search.hasInput() && !search.overlaps() && search.depthInside() > 0;
 		search.finish(result.contacts.empty() && !result.deep);
 	}
 	if (state.remembers) state.last = result;
@@ -79,6 +85,20 @@ Outline outlineCoarsest(const Hierarchy& a, const Hierarchy& b, const Transform&
 	followMotion(context, state);
 	if (state.separation.holds(context, settings, {})) return {};
 	return outline(context, settings, settings.tolerance, state);
+}
+
+std::string levelsError(const Hierarchy& a, const Hierarchy* b, const Metric& metric)
+{
+	const std::uint32_t finest = std::max(a.finestLevel(), b ? b->finestLevel() : 0);
+	if (finest == 0) return {};
+	const std::string loaded = "levels from " + std::to_string(finest) + " on were loaded of a body";
+	if (metric.exact) return "exact contacts are of level 0, but " + loaded;
+	const auto sum = [&](float Level::*bound)
+	{ return double(a.levels()[0].*bound) + (b ? double(b->levels()[0].*bound) : 0); };
+	const double kept = std::max(sum(&Level::maxCover), sum(&Level::maxProtrude));
+	if (!(kept > metric.maxError)) return {};
+	return "an error of " + std::to_string(metric.maxError) + " at most is asked for, but " + loaded + ": " +
+		   std::to_string(kept);
 }
 
 std::string budgetError(const Budget& budget)

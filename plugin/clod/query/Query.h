@@ -90,6 +90,8 @@ public:
 	PairCache(PairCache&&) noexcept;
 	PairCache& operator=(PairCache&&) noexcept;
 	void clear();
+	// The room that it takes, where it will not be asked for a while: the next query begins afresh.
+	void giveBack();
 	struct State;  // PairCacheState.h
 	State& state() { return *m_state; }
 
@@ -111,6 +113,11 @@ struct Outline
 };
 CLOD_API Outline outlineCoarsest(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB,
 								 const ContactSettings& settings, PairCache& cache);
+
+// Of bodies of which coarse levels alone were loaded: empty where what was loaded may do for the metric, otherwise what it
+// lacks, a sentence. Contacts are of the finest level there is, whatever is asked for, and `excess` tells by how much they
+// miss the metric; neither a gap nor whether one body is inside the other is known then. b: null where it has no hierarchy.
+CLOD_API std::string levelsError(const Hierarchy& a, const Hierarchy* b, const Metric& metric);
 
 // Empty when the settings can be used, otherwise one sentence naming the field and its value.
 CLOD_API std::string settingsError(const ContactSettings& settings);

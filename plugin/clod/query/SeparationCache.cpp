@@ -133,7 +133,8 @@ void SeparationCache::seek(const QueryContext& context, const StopRule& rule, co
 	if (!m_backOff.isOver()) return;
 	const double cap = lastMove > 0 ? kFarthestSearch * lastMove : settings.tolerance;
 	m_motion = motionToGo(context, rule, settings, gap, cap, tools);
-	if (m_motion > 0) m_motion = outside(context, m_motion, tools);
+	const bool hasInput = !context.a.isCoarse() && !context.b.isCoarse();
+	if (m_motion > 0 && hasInput) m_motion = outside(context, m_motion, tools);
 	m_pose = context.pose;
 	m_settings = settings;
 	m_gap = gap;

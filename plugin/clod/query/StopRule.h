@@ -57,7 +57,7 @@ public:
 		  m_leavesOfB(context.b.levels()[0].nodeCount),
 		  m_base(baseLevels())
 	{
-		if (m_base.isUsed() && !m_base.isOfLeaves())
+		if (m_base.isUsed())  // 0 of input surfaces
 			m_baseCover = double(context.tablesA.bounds(m_base.a).cover) + double(context.tablesB.bounds(m_base.b).cover);
 	}
 
@@ -105,7 +105,8 @@ public:
 	// its limit, which is kFinestShare where it is less. 0: by none, else at least 1.
 	double excess(std::uint32_t i, std::uint32_t j, bool isApart) const
 	{
-		if (i < m_leavesOfA && j < m_leavesOfB) return 0;
+		const bool hasInput = !m_context->a.isCoarse() && !m_context->b.isCoarse();
+		if (i < m_leavesOfA && j < m_leavesOfB && hasInput) return 0;
 		const Node &a = m_context->a.node(i), &b = m_context->b.node(j);
 		const auto factor = [this](double error, double limit)
 		{ return error > limit ? std::max(1.0, error / std::max(limit, m_finest)) : 0; };

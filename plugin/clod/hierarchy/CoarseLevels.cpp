@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Zlib
+// A hierarchy of a file's coarse levels alone. The file is read through once, as the checksums are of whole sections;
+// what is finer is dropped as it comes, what is kept is numbered anew and held to the same rules.
+#include <algorithm>
+#include <cstring>
+#include <fstream>
+#include <memory>
+
+#include <xxhash.h>
+
+#include "clod/hierarchy/Hierarchy.h"
+#include "clod/hierarchy/HierarchyFormat.h"
+
+namespace clod
+{
+namespace
+{
+constexpr std::size_t kChunk = 1 << 16;  // bytes read at once
+
+// Section after section, in the file's order.
+class SectionReader
+{
+public:
+	SectionReader(std::ifstream& stream, const SectionEntry* table)
+		: m_stream(stream), m_table(table), m_hash(XXH3_createState(), &XXH3_freeState), m_chunk(kChunk)
+	{
+		m_stream.seekg(std::streamoff(kFileStartBytes));
+	}
+
+	std::uint64_t countOf(Section section) const { return m_table[std::uint32_t(section)].count; }
+
+	// Keeps its records from `first` on; empty where it is sound. Precondition: first is at most their count.
+	template <class T>
+	std::string read(Section section, std::uint64_t first, std::vector<T>& kept)
+	{
+		const SectionEntry& entry = m_table[std::uint32_t(section)];
+		kept.resize(std::size_t(entry.count - first));
+		std::byte* to = reinterpret_cast<std::byte*>(kept.data());
+		std::uint64_t dropped = first * sizeof(T);
+		while (m_at < entry.offset)
+		{
+			const std::size_t size = take(entry.offset - m_at);
+			if (!m_stream) return unreadable(section);
+			if (std::any_of(m_chunk.begin(), m_chunk.begin() + std::ptrdiff_t(size), [](std::byte b) { return b != std::byte(0); }))
+				return std::string("padding before section ") + sectionName(section) + " is not zero";
+		}
+		XXH3_64bits_reset(m_hash.get());
+		for (const std::uint64_t end = entry.offset + entry.count * sizeof(T); m_at < end;)
+		{
+			const std::size_t size = take(end - m_at);
+			if (!m_stream) return unreadable(section);
+			XXH3_64bits_update(m_hash.get(), m_chunk.data(), size);
+			const std::size_t skip = std::size_t(std::min<std::uint64_t>(size, dropped));
+			dropped -= skip;
+			if (size > skip) std::memcpy(to, m_chunk.data() + skip, size - skip);
+			to += size - skip;
+		}
+		if (XXH3_64bits_digest(m_hash.get()) == entry.hash) return "";
+		return std::string("damaged (checksum of section ") + sectionName(section) + ")";
+	}
+
+private:
+	std::size_t take(std::uint64_t wanted)
+	{
+		const std::size_t size = std::size_t(std::min<std::uint64_t>(wanted, kChunk));
+		m_stream.read(reinterpret_cast<char*>(m_chunk.data()), std::streamsize(size));
+		m_at += size;
+		return size;
+	}
+	static std::string unreadable(Section section) { return std::string("cannot be read to the end of section ") + sectionName(section); }
+
+	std::ifstream& m_stream;
+	const SectionEntry* m_table;
+	std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> m_hash;
+	std::vector<std::byte> m_chunk;
+	std::uint64_t m_at = kFileStartBytes;
+};
+
+struct Coarse
+{
+	HierarchyContent content;
+	std::uint32_t finest = 0;
+	bool isWhole = true;  // no child of what is kept lies below
+};
+
+// Numbers as the rest alone has them. What is out of range stays so: validate() finds it.
+void renumber(Coarse& coarse, std::uint32_t firstChild)
+{
+	HierarchyContent& kept = coarse.content;
+	const std::uint32_t firstNode = kept.levels[0].firstNode, firstFace = kept.levels[0].firstFace;
+	const std::uint32_t firstVertex = kept.nodes[0].firstVertex;
+	for (Level& level : kept.levels)
+	{
+		level.firstNode -= firstNode;
+		level.firstFace -= firstFace;
+	}
+	for (Node& node : kept.nodes)
+	{
+		const bool isLeaf = node.level == coarse.finest;
+		node.firstChild = isLeaf ? 0 : node.firstChild - firstChild;
+		if (isLeaf) node.childCount = node.primaryChildCount = 0;
+		node.firstVertex -= firstVertex;
+		node.firstFace -= firstFace;
+		node.level -= coarse.finest;
+	}
+	for (std::uint32_t& child : kept.children)
+	{
+		coarse.isWhole = coarse.isWhole && child >= firstNode;
+		child -= firstNode;
+	}
+	for (Face& face : kept.faces)
+		for (std::uint32_t& neighbour : face.neighbour) neighbour -= firstFace;
+}
+
+std::string levelError(const std::vector<Level>& levels, std::uint32_t finest, const SectionReader& reader)
+{
+	std::size_t contactLevels = 0;
+	while (contactLevels < levels.size() && (levels[contactLevels].flags & kClodNode) != 0) ++contactLevels;
+	if (finest >= contactLevels)
+		return "level " + std::to_string(finest) + " is asked for, its contact levels end at " +
+			   std::to_string(std::int64_t(contactLevels) - 1);
+	const Level& level = levels[finest];
+	if (level.firstNode >= reader.countOf(Section::nodes) || level.firstFace > reader.countOf(Section::faces))
+		return "level " + std::to_string(finest) + ": begins beyond the end";
+	return "";
+}
+
+std::string readNodes(SectionReader& reader, Coarse& coarse, std::uint32_t& firstChild)
+{
+	HierarchyContent& kept = coarse.content;
+	const std::uint32_t firstNode = kept.levels[0].firstNode;
+	std::string problem = reader.read(Section::nodes, firstNode, kept.nodes);
+	if (!problem.empty()) return problem;
+	if (kept.nodes[0].firstVertex > reader.countOf(Section::hullX)) return "its vertices begin beyond the end";
+	const auto above = std::find_if(kept.nodes.begin(), kept.nodes.end(),
+									[&](const Node& node) { return node.level > coarse.finest; });
+	firstChild = above == kept.nodes.end() ? std::uint32_t(reader.countOf(Section::children)) : above->firstChild;
+	if (firstChild > reader.countOf(Section::children)) return "its children begin beyond the end";
+	return "";
+}
+
+// Precondition: the file's start is sound. The first problem, or empty.
+std::string readCoarse(std::ifstream& stream, const SectionEntry* table, Coarse& coarse)
+{
+	HierarchyContent& kept = coarse.content;
+	SectionReader reader(stream, table);
+	if (reader.countOf(Section::asset) != 1 || reader.countOf(Section::cullBoxes) != reader.countOf(Section::nodes))
+		return "records of its sections do not belong together";
+	if (reader.countOf(Section::hullX) != reader.countOf(Section::hullY) ||
+		reader.countOf(Section::hullX) != reader.countOf(Section::hullZ))
+		return "hull coordinates of different length";
+	std::vector<Asset> assets;
+	std::vector<Level> levels;
+	std::uint32_t firstChild = 0;
+	std::string problem = reader.read(Section::asset, 0, assets);
+	if (problem.empty()) problem = reader.read(Section::levels, 0, levels);
+	if (problem.empty()) problem = levelError(levels, coarse.finest, reader);
+	if (!problem.empty()) return problem;
+	kept.asset = assets[0];
+	kept.levels.assign(levels.begin() + coarse.finest, levels.end());
+	problem = readNodes(reader, coarse, firstChild);
+	const std::uint32_t firstVertex = problem.empty() ? kept.nodes[0].firstVertex : 0;
+	if (problem.empty()) problem = reader.read(Section::cullBoxes, kept.levels[0].firstNode, kept.cullBoxes);
+	if (problem.empty()) problem = reader.read(Section::children, firstChild, kept.children);
+	if (problem.empty()) problem = reader.read(Section::faces, kept.levels[0].firstFace, kept.faces);
+	if (problem.empty()) problem = reader.read(Section::hullX, firstVertex, kept.hullX);
+	if (problem.empty()) problem = reader.read(Section::hullY, firstVertex, kept.hullY);
+	if (problem.empty()) problem = reader.read(Section::hullZ, firstVertex, kept.hullZ);
+	if (problem.empty()) renumber(coarse, firstChild);
+	return problem;
+}
+}  // namespace
+
+Result<std::shared_ptr<const Hierarchy>> Hierarchy::load(const std::string& path, std::uint32_t finest)
+{
+	if (finest == 0) return load(path);
+	const auto refused = [&path](const std::string& problem) { return Error{path + ": " + problem}; };
+	std::ifstream stream;
+	const Result<std::uint64_t> size = openFile(path, stream);
+	if (!size) return Error{size.error()};
+	std::vector<std::byte> start;
+	std::string problem = readFileStart(stream, size.value(), start);
+	if (!problem.empty()) return refused(problem);
+	SectionEntry table[kSectionCount];
+	std::memcpy(table, start.data() + sizeof(FileHeader), sizeof table);
+	Coarse coarse;
+	// Where what is coarser has children below the level they are loaded, too.
+	for (coarse.finest = finest; coarse.finest > 0; coarse = Coarse{{}, coarse.finest - 1})
+	{
+		problem = readCoarse(stream, table, coarse);
+		if (!problem.empty()) return refused(problem);
+		if (!coarse.isWhole) continue;
+		std::shared_ptr<const Hierarchy> hierarchy = fromOwnBytes(encode(coarse.content), coarse.finest);
+		problem = validate(*hierarchy);
+		if (!problem.empty()) return refused("levels from " + std::to_string(coarse.finest) + " on: " + problem);
+		return hierarchy;
+	}
+	return load(path);
+}
+}  // namespace clod
