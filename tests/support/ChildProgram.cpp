@@ -7,6 +7,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <fstream>
 #include <thread>
 
 namespace clod::test
@@ -14,6 +15,8 @@ namespace clod::test
 pid_t startProgram(std::vector<std::string> words, const std::string& stdoutPath, const std::string& stderrPath)
 {
 	std::fflush(nullptr);  // or the child prints it again
+	// Empty before anybody reads what an earlier child wrote there.
+	for (const std::string& path : {stdoutPath, stderrPath}) std::ofstream(path, std::ios::trunc);
 	const pid_t child = fork();
 	if (child != 0) return child;
 	std::vector<char*> raw;
