@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "demos/models/Sweep.h"
 #include "demos/scenes/BulletShapes.h"
 
 namespace clod::demo
@@ -13,14 +14,6 @@ namespace clod::demo
 namespace
 {
 constexpr double kConvex = 1e-4;  // a hull of no more volume than this beyond the mesh's is the mesh
-
-double volume(const ModelMesh& mesh)
-{
-	double sum = 0;
-	for (const auto& t : mesh.triangles)
-		sum += dot(mesh.vertices[t[0]], cross(mesh.vertices[t[1]], mesh.vertices[t[2]])) / 6;
-	return std::fabs(sum);
-}
 
 // A kind taken apart: whether static models keep their triangles, and prepare.py's tool and amount, where one is needed.
 struct PeerKind
@@ -32,7 +25,9 @@ PeerKind kindOf(const std::string& name)
 {
 	constexpr std::string_view kTrees = "bvh-";
 	const bool hasTrees = name.compare(0, kTrees.size(), kTrees) == 0;
-	const std::string shape = hasTrees ? name.substr(kTrees.size()) : name;
+	std::string shape = hasTrees ? name.substr(kTrees.size()) : name;
+	if (const std::size_t colon = shape.find(':'); colon != std::string::npos)
+		return {hasTrees, shape.substr(0, colon), shape.substr(colon + 1)};
 	if (shape == "vhacd") return {hasTrees, shape, std::to_string(kPeerHulls)};
 	if (shape == "coacd") return {hasTrees, shape, fmt::format("{:g}", kPeerConcavity)};
 	return {hasTrees, shape, {}};
@@ -63,7 +58,7 @@ Result<std::vector<SceneShape>> peerShapes(const std::string& name, const std::v
 		const ModelMesh& surface = surfaces[model];
 		shapes.push_back({SceneShape::Kind::hulls, {convexHullOf(surface)}, margin});
 		SceneShape& shape = shapes.back();
-		if (volume(shape.meshes.front()) <= (1 + kConvex) * volume(surface)) continue;
+		if (std::fabs(signedVolume(shape.meshes.front())) <= (1 + kConvex) * std::fabs(signedVolume(surface))) continue;
 		const bool isTree = kind.hasStaticTrees && !moves[model];
 		if (isTree || kind.shape == "gimpact")
 		{

@@ -8,12 +8,11 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
-#include <optional>
 #include <set>
 #include <thread>
 
 #include "cli/Progress.h"
-#include "demos/peers/Preparation.h"
+#include "demos/peers/PeerShapes.h"
 #include "demos/runner/Commands.h"
 #include "demos/runner/Replay.h"
 #include "demos/runner/ScalingRuns.h"
@@ -44,10 +43,7 @@ struct ScalingCommandOptions
 	}
 };
 
-constexpr double kPeerMarginShare = 0.0025;     // of the smallest radius, on each body: about the default's accuracy
-constexpr double kMostPeerTriangles = 64'000;   // of a mesh that is decomposed
-constexpr const char* kHulls = "16";            // of a V-HACD compound at most,
-constexpr const char* kConcavity = "0.05";      // and what a CoACD compound may leave
+constexpr double kMostPeerTriangles = 64'000;  // of a mesh that is decomposed
 
 const SceneInfo& pairScene(const std::string& name)
 {
@@ -100,7 +96,7 @@ nlohmann::ordered_json measureQueries(const ScalingCommandOptions& options, Hier
 	return selections;
 }
 
-// Ours, and of the peers those that are to be had. What rests and does not move is Bullet's box for them, if it is one.
+// Ours, and of the peers those that are to be had.
 class Contenders
 {
 public:
@@ -121,44 +117,20 @@ public:
 			meshes.push_back(meshOf(scene.info.models[i], models[i], detail));
 			isSmall = isSmall && double(meshes.back().triangles.size()) <= kMostPeerTriangles;
 		}
-		const double margin = kPeerMarginShare * smallestRadius(models);
-		const auto shapesOf = [&](const std::function<std::optional<std::vector<ModelMesh>>(const ModelMesh&)>& make)
+		const auto add = [&](const char* name, const char* kind)
 		{
-			std::vector<SceneShape> shapes;
-			for (std::size_t i = 0; i < meshes.size(); ++i)
-			{
-				SceneShape shape{SceneShape::Kind::hulls, {meshes[i]}, margin};
-				if (scene.info.models[i].name != "floor")
-				{
-					std::optional<std::vector<ModelMesh>> pieces = make(meshes[i]);
-					if (!pieces) return std::vector<SceneShape>{};
-					shape.meshes = std::move(*pieces);
-				}
-				shapes.push_back(std::move(shape));
-			}
-			return shapes;
+			Result<std::vector<SceneShape>> shapes =
+				peerShapes(kind, meshes, movingModels(scene), kPeerMarginShare * smallestRadius(models), m_preparation,
+						   [](const std::string&, double) {});
+			if (!shapes) return leaveOut(name, scene.info.name, shapes.error());
+			contenders.push_back({name, {}, std::move(shapes.value())});
 		};
-		const auto add = [&](const char* name, const char* tool, const char* amount)
-		{
-			if (!isSmall) return leaveOut(name, scene.info.name, "meshes of more than 64,000 triangles");
-			std::string reason;
-			std::vector<SceneShape> shapes = shapesOf(
-				[&](const ModelMesh& mesh) -> std::optional<std::vector<ModelMesh>>
-				{
-					Result<Prepared> made = m_preparation.make(tool, amount, mesh);
-					if (made) return std::move(made.value().pieces);
-					reason = made.error();
-					return std::nullopt;
-				});
-			if (shapes.empty()) return leaveOut(name, scene.info.name, reason);
-			contenders.push_back({name, {}, std::move(shapes)});
-		};
-		add("V-HACD, 16 hulls", "vhacd", kHulls);
-		add("CoACD, 0.05", "coacd", kConcavity);
-		std::vector<SceneShape> shapes = shapesOf([](const ModelMesh& mesh) { return std::vector<ModelMesh>{mesh}; });
-		for (std::size_t i = 0; i < shapes.size(); ++i)
-			if (scene.info.models[i].name != "floor") shapes[i].kind = SceneShape::Kind::gimpact;
-		contenders.push_back({"GImpact", {}, std::move(shapes)});
+		for (const auto& [name, kind] : {std::pair{"V-HACD, 16 hulls", "vhacd:16"}, {"CoACD, 0.05", "coacd"}})
+			if (isSmall)
+				add(name, kind);
+			else
+				leaveOut(name, scene.info.name, "meshes of more than 64,000 triangles");
+		add("GImpact", "gimpact");
 		return contenders;
 	}
 

@@ -47,7 +47,7 @@ public:
 	bool overlaps() const;
 	bool isOfInput() const { return m_isOfInput; }  // every accepted pair is of level 0: nothing finer exists
 	bool isCoarsened() const { return m_settings.metric.coarsening > 1 || m_result.stats.cutShort > 0 || !hasInput(); }
-	bool hasInput() const { return !m_context.a.isCoarse() && !m_context.b.isCoarse(); }
+	bool hasInput() const { return m_context.hasInput(); }
 	// > 0: a component of one body is inside the other by so much at one of its points. Precondition: nothing overlaps.
 	double depthInside();
 

@@ -23,6 +23,9 @@ struct QueryContext
 	double longestMove;  // no point of B moves farther in the step
 	double size;         // radii of both bodies, their distance and the longest way in the step
 	BoxFrame boxes;
+
+	// Are the finest levels of both the input surfaces (Hierarchy::load)?
+	bool hasInput() const { return !a.isCoarse() && !b.isCoarse(); }
 };
 
 // Of one node and up to kBoxLanes of the other body: of A or not. Room for kBoxLanes. The bits of those within `limit`.

@@ -133,8 +133,7 @@ void SeparationCache::seek(const QueryContext& context, const StopRule& rule, co
 	if (!m_backOff.isOver()) return;
 	const double cap = lastMove > 0 ? kFarthestSearch * lastMove : settings.tolerance;
 	m_motion = motionToGo(context, rule, settings, gap, cap, tools);
-	const bool hasInput = !context.a.isCoarse() && !context.b.isCoarse();
-	if (m_motion > 0 && hasInput) m_motion = outside(context, m_motion, tools);
+	if (m_motion > 0 && context.hasInput()) m_motion = outside(context, m_motion, tools);
 	m_pose = context.pose;
 	m_settings = settings;
 	m_gap = gap;

@@ -105,8 +105,7 @@ public:
 	// its limit, which is kFinestShare where it is less. 0: by none, else at least 1.
 	double excess(std::uint32_t i, std::uint32_t j, bool isApart) const
 	{
-		const bool hasInput = !m_context->a.isCoarse() && !m_context->b.isCoarse();
-		if (i < m_leavesOfA && j < m_leavesOfB && hasInput) return 0;
+		if (i < m_leavesOfA && j < m_leavesOfB && m_context->hasInput()) return 0;
 		const Node &a = m_context->a.node(i), &b = m_context->b.node(j);
 		const auto factor = [this](double error, double limit)
 		{ return error > limit ? std::max(1.0, error / std::max(limit, m_finest)) : 0; };
