@@ -8,19 +8,14 @@
 #include <cmath>
 #include <set>
 
+#include "cli/Csv.h"
+
 namespace clod::demo
 {
 namespace
 {
 constexpr Collider kAll[] = {Collider::primitive, Collider::mesh, Collider::exact, Collider::standard,
 							 Collider::coarse};
-
-std::string quoted(const std::string& text)
-{
-	std::string field = "\"";
-	for (const char c : text) field += c == '"' ? std::string("\"\"") : std::string(1, c);
-	return field + "\"";
-}
 
 std::string number(double value)
 {
@@ -95,7 +90,7 @@ std::string formatCsv(const Matrix& matrix)
 		const bool isMeasured = cell.verdict != Verdict::notApplicable;
 		for (const double value : {cell.reading.value, cell.reading.expected, cell.reading.error, cell.bound})
 			text += (isMeasured ? number(value) : "") + ",";
-		text += fmt::format("{},{},{}\n", name(cell.verdict), quoted(cell.better), quoted(cell.note));
+		text += fmt::format("{},{},{}\n", name(cell.verdict), cli::quotedField(cell.better), cli::quotedField(cell.note));
 	}
 	return text;
 }

@@ -12,6 +12,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "cli/Csv.h"
 #include "demos/runner/Gnuplot.h"
 #include "demos/runner/Statistics.h"
 
@@ -56,7 +57,7 @@ std::vector<std::pair<std::string, std::vector<Json>>> linesOf(const std::vector
 
 std::string cell(const Json& value)
 {
-	return value.is_null() ? "" : value.is_string() ? value.get<std::string>() : fmt::format("{:.6g}", value.get<double>());
+	return value.is_null() ? "" : value.is_string() ? cli::quotedField(value.get<std::string>()) : fmt::format("{:.6g}", value.get<double>());
 }
 
 std::string panel(std::size_t sweep, const WorldSweep& figures, const char* member, double scale)
@@ -164,7 +165,7 @@ std::string formatWorldCsv(const std::vector<WorldSweep>& sweeps)
 		{
 			if (std::exchange(isFirst, false))
 				for (const auto& [key, value] : row.items()) text += "," + key;
-			text += "\n" + sweep.title;
+			text += "\n" + cli::quotedField(sweep.title);
 			for (const auto& [key, value] : row.items()) text += "," + (value.is_boolean() ? (value ? "1" : "0") : cell(value));
 		}
 	return text + "\n";

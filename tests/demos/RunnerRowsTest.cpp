@@ -37,6 +37,13 @@ TEST(RunnerRows, GrowthIsTheExponentOfAPower)
 	EXPECT_TRUE(std::isnan(growthExponent(rows, "bodies", "step_us")));
 }
 
+TEST(WorldRows, KeepTheirColumnsWhateverTheirNamesHold)
+{
+	const std::vector<nlohmann::ordered_json> rows = {{{"contender", "hulls, \"16\""}, {"bodies", 10}, {"bytes", nullptr}}};
+	EXPECT_EQ(formatWorldCsv({{"stacks, flat", "bodies", rows}}),
+			  "sweep,contender,bodies,bytes\n\"stacks, flat\",\"hulls, \"\"16\"\"\",10,\n");
+}
+
 TEST(RunnerRows, TheSumsBoundHoldsForEveryGapThePairsAllow)
 {
 	std::mt19937_64 random(7);
