@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "clod/hierarchy/ConvexPiece.h"
 #include "tests/query/Questions.h"
 
 namespace
@@ -153,6 +154,44 @@ TEST(Query, CreepingBodiesKeepTheirFrontUntilItChanges)
 				tally.frontKept, tally.changed);
 	EXPECT_GT(tally.frontKept, tally.queries / 2);
 	EXPECT_GT(tally.changed, tally.queries / 200);
+}
+
+// A convex body of one piece that tumbles over a mesh: most steps ask the pairs of a front made for more than the tolerance.
+TEST(Query, TumblingPiecesFindAllThatAFreshQueryFinds)
+{
+	Random random(23);
+	Tally tally;
+	for (const double margin : {0.0, 0.2})
+	{
+		std::vector<Vec3> points;
+		for (int i = 0; i < (margin > 0 ? 2 : 8); ++i)
+			points.push_back(0.1 * Vec3{i & 1 ? 1. : -1., i & 2 ? 1. : -1., i & 4 ? 1. : -1.});
+		const Body piece = bodyOf("piece", convexPiece(convexPolyhedron(points, 8), margin).value());
+		const BodyPair pair{body("torus", 900), piece};
+		for (int start = 0; start < setting("CLOD_TUMBLES", 20); ++start)
+		{
+			const double radius = smallerRadius(pair.a, pair.b);
+			Walk walk{pair, poseWithGap(random, pair.a, pair.b, 0), exactSettings(margin + 0.01 * radius)};
+			walk.settings.contactsOnly = true;
+			const double size = std::pow(10, uniform(random, -3, -1));
+			Vec3 way = size * radius * randomDirection(random);
+			const Mat3 turn = randomRotation(random, 3 * size);
+			const auto move = [&](int step)
+			{
+				if (step % 25 == 24) way = -way;
+				if (step % 10 == 9) walk.settings.tolerance = margin + uniform(random, 0, 0.02) * radius;
+				if (start % 2) walk.settings.sweep = {uniform(random, 0, 20) * way, size * randomDirection(random)};
+				walk.pose.rotation = turn * walk.pose.rotation;
+				walk.pose.translation += way;
+			};
+			ASSERT_NO_FATAL_FAILURE(go(walk, 100, tally, move)) << "start " << start;
+		}
+	}
+	std::printf("%d queries, %d with contacts, %d kept their front, the number of contacts changed in %d\n", tally.queries,
+				tally.withContacts, tally.frontKept, tally.changed);
+	EXPECT_GT(tally.withContacts, tally.queries / 3);
+	EXPECT_GT(tally.frontKept, tally.queries / 3);
+	EXPECT_GT(tally.changed, tally.queries / 10);
 }
 
 // Bodies that come near each other, turning, past each other or into contact: not looked at while they are apart, and

@@ -34,14 +34,35 @@ inline double turnBetween(const Mat3& from, const Mat3& to)
 	return std::sqrt(0.5 * squared);
 }
 
+// Of any point of either body, seen from the other.
+struct PartsMotion
+{
+	double ofA, ofB;
+	PartsMotion(const RelativePose& from, const RelativePose& to, double radiusA, double radiusB)
+	{
+		const double turn = turnBetween(from.rotation, to.rotation);
+		ofB = length(to.translation - from.translation) + turn * radiusB;
+		const Vec3 originFrom = from.inverseRotation * from.translation, originTo = to.inverseRotation * to.translation;
+		ofA = length(originTo - originFrom) + turn * radiusA;
+	}
+};
+
 inline double motionBound(const RelativePose& from, const RelativePose& to, double radiusA, double radiusB)
 {
-	const double turn = turnBetween(from.rotation, to.rotation);
-	const double ofB = length(to.translation - from.translation) + turn * radiusB;
-	const Vec3 originFrom = from.inverseRotation * from.translation, originTo = to.inverseRotation * to.translation;
-	const double ofA = length(originTo - originFrom) + turn * radiusA;
+	const PartsMotion whole(from, to, radiusA, radiusB);
 	// Rounding of the two poses and of the axes of the boxes (BoxSeparation.cpp).
-	return (1 + kMotionRounding) * std::max(ofA, ofB) + from.rounding + to.rounding;
+	return (1 + kMotionRounding) * std::max(whole.ofA, whole.ofB) + from.rounding + to.rounding;
+}
+
+// How much nearer any two convex parts of the bodies can have come, each on its way of the step: a distance, unlike what is
+// measured along axes fixed to either body, is the same seen from A as seen from B.
+inline double approachBound(const RelativePose& from, const Sweep& before, const RelativePose& to, const Sweep& now,
+							double radiusA, double radiusB)
+{
+	const PartsMotion whole(from, to, radiusA, radiusB);
+	const double change = length(now.of(to.translation) - before.of(to.translation)) +
+						  length(now.angular - before.angular) * radiusB + length(before.angular) * whole.ofB;
+	return (1 + kMotionRounding) * (std::min(whole.ofA, whole.ofB) + change) + from.rounding + to.rounding;
 }
 
 // The same for the part of B within a sphere: a point c + u of it, |u| <= r, moves by (R2 - R1) c + t2 - t1 and, beyond

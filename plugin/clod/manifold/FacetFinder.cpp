@@ -45,7 +45,9 @@ void FacetFinder::find(const FacetQuestion& question, const std::vector<Contact>
 	const double speed = length(m_motion.velocity(question.rules.b.center));
 	m_turn = (length(m_motion.angular) + speed / question.length()) * m_motion.timeStep;
 	for (Facet& facet : facets) facet.linear = dot(m_motion.velocity(facet.onA), facet.normal) * m_motion.timeStep;
-	tabulate(std::max<std::size_t>(m_table.size(), kLeastTable));
+	std::size_t size = kLeastTable;
+	while (size < 4 * (facets.size() + contacts.size())) size *= 2;
+	tabulate(size);
 	for (const Contact& contact : contacts) findPair(contact);
 }
 
@@ -96,7 +98,7 @@ void FacetFinder::add(Facet& facet)
 void FacetFinder::findPair(const Contact& contact)
 {
 	const FacetQuestion& q = *m_question;
-	const MovedNode &nodeA = m_nodesA.of(contact.nodeA), &nodeB = m_nodesB.of(contact.nodeB);
+	MovedNode &nodeA = m_nodesA.of(contact.nodeA), &nodeB = m_nodesB.of(contact.nodeB);
 	const bool mayOverlap = contact.upper <= 0;
 	m_pair = {&q.a.surface(nodeA.level), &q.b.surface(nodeB.level), contact.nodeA, contact.nodeB, nodeA.level, nodeB.level};
 	m_pair.roam = 0.5 * nodeB.displaced;
@@ -116,13 +118,13 @@ void FacetFinder::findPair(const Contact& contact)
 }
 
 // What of either node comes near the other in the step: by boxes, and by what lies between the hulls.
-void FacetFinder::gather(const Contact& contact, const MovedNode& nodeA, const MovedNode& nodeB)
+void FacetFinder::gather(const Contact& contact, MovedNode& nodeA, MovedNode& nodeB)
 {
 	const double reach = m_pair.reach;
 	// Between hulls that are apart what is farther from the other along the way between them stays so.
 	const bool isApart = contact.lower > 0 && contact.normal != Vec3{};
 	const double far = reach + kPathReach * nodeB.displaced;
-	const auto gatherOf = [&](const MovedNode& node, const Box& other, const Vec3& away, double farthest,
+	const auto gatherOf = [&](MovedNode& node, const Box& other, const Vec3& away, double farthest,
 							  std::vector<const MovedCorner*>& corners, std::vector<const MovedEdge*>& edges,
 							  std::vector<std::uint32_t>& polygons)
 	{
@@ -131,8 +133,12 @@ void FacetFinder::gather(const Contact& contact, const MovedNode& nodeA, const M
 		corners.clear();
 		edges.clear();
 		polygons.clear();
-		for (const MovedCorner& corner : node.corners)
-			if (isNear(corner.box)) corners.push_back(&corner);
+		for (MovedCorner& corner : node.corners)
+		{
+			if (!isNear(corner.box)) continue;
+			if (!corner.isPlaced) m_nodesA.place(*m_pair.a, corner);
+			corners.push_back(&corner);
+		}
 		for (const MovedEdge& edge : node.edges)
 			if (isNear(edge.box)) edges.push_back(&edge);
 		for (const MovedPolygon& polygon : node.polygons)
@@ -180,6 +186,11 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 	const Vec3 up = vertexIsOfA ? normal : m_bFromA.rotation * face.normal;
 	if (!isLowest(vertices.fan(vertex.index), up, kArcSlack + m_turn)) return;
 	const Vec3 foot = vertex.now - now * face.normal;
+	// No way that is looked at below leads over the face.
+	const double beside = faces.squaredBeside(polygon, foot);
+	const double farthest = kPathReach * std::max(length(vertex.then - vertex.now), length(vertex.unforced - vertex.now));
+	const double ways = (1 + 2 * m_sagitta) * farthest + q.rules.heldReach + m_pair.roam + q.footSlack(now);
+	if (beside > ways * ways) return;
 	const double touch = 2 * kInnerShare * q.length();
 	Facet facet;
 	facet.reach = now >= -touch ? Facet::Reach::kNear : Facet::Reach::kOverlap;
@@ -195,7 +206,7 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 		const double slack = q.footSlack(now);
 		// What has sunk in stays a contact while the step's turning may make it the lowest.
 		counts = (facet.reach == Facet::Reach::kOverlap || isLowest(vertices.fan(vertex.index), up, kArcSlack)) &&
-				 faces.squaredBeside(polygon, foot) <= slack * slack;
+				 beside <= slack * slack;
 	}
 	if (!counts && now > 0 && end <= q.rules.margin && end < now)
 	{

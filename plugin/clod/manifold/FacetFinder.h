@@ -31,7 +31,7 @@ private:
 		double reach = 0;    // how far apart features may be
 	};
 	void findPair(const Contact& contact);
-	void gather(const Contact& contact, const MovedNode& nodeA, const MovedNode& nodeB);
+	void gather(const Contact& contact, MovedNode& nodeA, MovedNode& nodeB);
 	double highest(double closing) const;
 	std::array<Vec3, 2> waysIfHeld(const Vec3& place) const;
 	void vertexOverFace(const MovedCorner& vertex, std::uint32_t polygon, bool vertexIsOfA);

@@ -18,70 +18,79 @@ void MovedNodes::start(const FacetQuestion& question, const std::vector<Contact>
 	for (std::size_t i = 0; i < m_nodes.size(); ++i) m_moved[i].node = kNone;
 }
 
-const MovedNode& MovedNodes::of(std::uint32_t node)
+MovedNode& MovedNodes::of(std::uint32_t node)
 {
 	const auto at = std::lower_bound(m_nodes.begin(), m_nodes.end(), node) - m_nodes.begin();
 	MovedNode& moved = m_moved[std::size_t(at)];
-	if (moved.node != node) move(moved, node);
-	return moved;
-}
-
-void MovedNodes::move(MovedNode& moved, std::uint32_t node)
-{
+	if (moved.node == node) return moved;
 	const ContactBody& body = m_isA ? m_question->a : m_question->b;
 	moved.node = node;
 	moved.level = body.levelOf(node);
-	const ContactSurface& surface = body.surface(moved.level);
-	const Span<std::uint32_t> vertices = surface.verticesOf(node);
 	moved.corners.clear();
 	moved.edges.clear();
 	moved.polygons.clear();
 	m_boxes.clear();
-	double displaced = 0;
-	for (const std::uint32_t v : vertices)
+	const ContactSurface& surface = body.surface(moved.level);
+	m_isA ? listStill(moved, surface) : move(moved, surface);
+	return moved;
+}
+
+void MovedNodes::place(const ContactSurface& surface, MovedCorner& corner) const
+{
+	const Vec3& own = surface.vertices()[corner.index];
+	corner.now = m_otherFromThis * own;
+	corner.then = m_otherFromThisThen * own;
+	corner.unforced = m_otherFromThisUnforced * own;
+	corner.isPlaced = true;
+}
+
+// A stands still in its own frame.
+void MovedNodes::listStill(MovedNode& moved, const ContactSurface& surface)
+{
+	moved.displaced = 0;
+	for (const std::uint32_t v : surface.verticesOf(moved.node))
 	{
-		const Vec3& own = surface.vertices()[v];
-		Box box{own, own};  // A stands still in its own frame
-		const bool isCorner = surface.isCorner(v);
-		if (!m_isA || isCorner)
-		{
-			const Vec3 now = m_otherFromThis * own, then = m_otherFromThisThen * own, unforced = m_otherFromThisUnforced * own;
-			if (!m_isA)
-			{
-				displaced = std::max(displaced, std::max(lengthSquared(then - now), lengthSquared(unforced - now)));
-				box = {now, now};
-				box.add(now + kPathReach * (then - now));
-				box.add(now + kPathReach * (unforced - now));
-			}
-			if (isCorner) moved.corners.push_back({now, then, unforced, v, box});
-		}
+		const Box box{surface.vertices()[v], surface.vertices()[v]};
+		if (surface.isCorner(v)) moved.corners.push_back({box, v});
 		if (m_boxes.empty()) moved.box = box;
-		moved.box.add(box);
+		moved.box.add(box.low);
 		m_boxes.push_back(box);
 	}
-	moved.displaced = std::sqrt(displaced);
-	for (const ContactSurface::NodePolygon& polygon : surface.polygonsOf(node))
-	{
-		const Span<std::uint16_t> corners = surface.cornersOf(polygon);
-		Box box = m_boxes[corners[0]];
-		for (const std::uint16_t corner : corners) box.add(m_boxes[corner]);
-		moved.polygons.push_back({polygon.polygon, box});
-	}
-	for (const std::uint32_t index : surface.edgesOf(node))
+	addPolygons(moved, surface);
+	for (const std::uint32_t index : surface.edgesOf(moved.node))
 	{
 		const SurfaceEdge& edge = surface.edges()[index];
-		const Vec3 &from = surface.vertices()[edge.vertex[0]], &to = surface.vertices()[edge.vertex[1]];
+		Box box{surface.vertices()[edge.vertex[0]], surface.vertices()[edge.vertex[0]]};
+		box.add(surface.vertices()[edge.vertex[1]]);
+		moved.edges.push_back({box, index});
+	}
+}
+
+void MovedNodes::move(MovedNode& moved, const ContactSurface& surface)
+{
+	double displaced = 0;
+	for (const std::uint32_t v : surface.verticesOf(moved.node))
+	{
+		MovedCorner corner{{}, v};
+		place(surface, corner);
+		const Vec3 &now = corner.now, ahead = corner.then - now, unforced = corner.unforced - now;
+		displaced = std::max(displaced, std::max(lengthSquared(ahead), lengthSquared(unforced)));
+		corner.box = {now, now};
+		corner.box.add(now + kPathReach * ahead);
+		corner.box.add(now + kPathReach * unforced);
+		if (surface.isCorner(v)) moved.corners.push_back(corner);
+		if (m_boxes.empty()) moved.box = corner.box;
+		moved.box.add(corner.box);
+		m_boxes.push_back(corner.box);
+	}
+	moved.displaced = std::sqrt(displaced);
+	addPolygons(moved, surface);
+	for (const std::uint32_t index : surface.edgesOf(moved.node))
+	{
+		const SurfaceEdge& edge = surface.edges()[index];
+		const Vec3& from = surface.vertices()[edge.vertex[0]];
 		MovedEdge at;
 		at.index = index;
-		if (m_isA)
-		{
-			at.start = at.thenStart = at.unforcedStart = from;
-			at.direction = at.thenDirection = edge.direction;
-			at.box = {from, from};
-			at.box.add(to);
-			moved.edges.push_back(at);
-			continue;
-		}
 		at.start = m_question->aFromB * from;
 		at.thenStart = m_question->aFromBThen * from;
 		at.unforcedStart = m_question->aFromBUnforced * from;
@@ -95,6 +104,17 @@ void MovedNodes::move(MovedNode& moved, std::uint32_t node)
 		at.box.add(end + kPathReach * (at.thenStart + edge.length * at.thenDirection - end));
 		at.box.add(end + kPathReach * (at.unforcedStart - at.start));
 		moved.edges.push_back(at);
+	}
+}
+
+void MovedNodes::addPolygons(MovedNode& moved, const ContactSurface& surface) const
+{
+	for (const ContactSurface::NodePolygon& polygon : surface.polygonsOf(moved.node))
+	{
+		const Span<std::uint16_t> corners = surface.cornersOf(polygon);
+		Box box = m_boxes[corners[0]];
+		for (const std::uint16_t corner : corners) m_isA ? box.add(m_boxes[corner].low) : box.add(m_boxes[corner]);
+		moved.polygons.push_back({box, polygon.polygon});
 	}
 }
 }  // namespace clod

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Corners, edges and polygons of a node where they are and where the coming step carries them, with a box round each. A node
-// lies beside many others: what is worked out of it serves a whole dispatch.
+// Corners, edges and polygons of a node, with a box round each over the coming step; where they are and where the step
+// carries them of those that are asked for. A node lies beside many others: what is worked out of it serves a whole
+// dispatch.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -40,20 +41,21 @@ struct Box
 // Boxes are in frame A, over the step as far ahead as contacts are looked for (kPathReach).
 struct MovedCorner
 {
-	Vec3 now, then, unforced;  // in the other body's frame; see FacetQuestion
-	std::uint32_t index;
 	Box box;
+	std::uint32_t index;
+	bool isPlaced = false;
+	Vec3 now{}, then{}, unforced{};  // in the other body's frame, if placed; see FacetQuestion
 };
 struct MovedEdge
 {
-	Vec3 start, direction, thenStart, thenDirection, unforcedStart;  // frame A
-	std::uint32_t index;
 	Box box;
+	std::uint32_t index;
+	Vec3 start{}, direction{}, thenStart{}, thenDirection{}, unforcedStart{};  // frame A; not of A's, which stand still
 };
 struct MovedPolygon
 {
-	std::uint32_t index;
 	Box box;  // of what the node has of it
+	std::uint32_t index;
 };
 struct MovedNode
 {
@@ -72,10 +74,14 @@ public:
 	// The nodes on side A or B of the contacts.
 	void start(const FacetQuestion& question, const std::vector<Contact>& contacts, bool isA);
 	// Precondition: one of them.
-	const MovedNode& of(std::uint32_t node);
+	MovedNode& of(std::uint32_t node);
+	// Precondition: of such a node, on `surface`.
+	void place(const ContactSurface& surface, MovedCorner& corner) const;
 
 private:
-	void move(MovedNode& moved, std::uint32_t node);
+	void listStill(MovedNode& moved, const ContactSurface& surface);
+	void move(MovedNode& moved, const ContactSurface& surface);
+	void addPolygons(MovedNode& moved, const ContactSurface& surface) const;
 
 	const FacetQuestion* m_question = nullptr;
 	bool m_isA = false;

@@ -15,6 +15,7 @@ constexpr double kHolds = 0.25;  // sine of the least slope that may hold a body
 
 Transform movedBy(const PairBody& body, const Transform& pose, double timeStep)
 {
+	if (body.linear == Vec3{} && body.angular == Vec3{}) return pose;
 	const double angle = timeStep * length(body.angular);
 	const Vec3 axis = normalized(body.angular);
 	const double sine = std::sin(0.5 * angle);
@@ -188,13 +189,18 @@ void PairSolve::solve(const FacetQuestion& question, std::vector<Facet>& facets)
 		m_rows.push_back(row);
 	}
 	const Vec3 force = rules.a.force - rules.b.force;
+	const bool arePossible =
+		std::any_of(facets.begin(), facets.end(), [](const Facet& f) { return f.reach == Facet::Reach::kPossible; });
 	for (int pass = 0; pass < kPasses; ++pass)
 	{
 		sweep(question, facets);
 		const Transform after = aFromBAfter(m_a, m_b, question.aFromB, question.rules.timeStep), back = inverse(after);
-		const Transform unforced = aFromBAfter(withoutForces(m_a), withoutForces(m_b), question.aFromB,
-											   question.rules.timeStep),
-						unforcedBack = inverse(unforced);
+		Transform unforced, unforcedBack;
+		if (arePossible)
+		{
+			unforced = aFromBAfter(withoutForces(m_a), withoutForces(m_b), question.aFromB, question.rules.timeStep);
+			unforcedBack = inverse(unforced);
+		}
 		for (std::size_t i = 0; i < facets.size(); ++i)
 		{
 			Facet& facet = facets[i];

@@ -62,14 +62,18 @@ void FacetFinder::vertexOverEdge(const MovedCorner& vertex, const MovedEdge& mov
 {
 	const Vec3 place = vertexIsOfA ? m_pair.a->vertices()[vertex.index] : vertex.now;
 	const Vec3 placeThen = vertexIsOfA ? place : vertex.then;
+	const SurfaceEdge& edge = (vertexIsOfA ? m_pair.b : m_pair.a)->edges()[moved.index];
+	const Vec3& start = vertexIsOfA ? moved.start : m_pair.a->vertices()[edge.vertex[0]];
+	const Vec3& startThen = vertexIsOfA ? moved.thenStart : start;
+	const Vec3& direction = vertexIsOfA ? moved.direction : edge.direction;
+	const Vec3& directionThen = vertexIsOfA ? moved.thenDirection : direction;
 	const double sign = vertexIsOfA ? 1 : -1;
-	const Vec3 now = sign * fromLine(moved.start, moved.direction, place);
-	const Vec3 then = sign * fromLine(moved.thenStart, moved.thenDirection, placeThen);
+	const Vec3 now = sign * fromLine(start, direction, place);
+	const Vec3 then = sign * fromLine(startThen, directionThen, placeThen);
 	const std::optional<Approach> met = approach(now, then);
 	if (!met) return;
-	const SurfaceEdge& edge = (vertexIsOfA ? m_pair.b : m_pair.a)->edges()[moved.index];
-	const double alongNow = dot(moved.direction, place - moved.start);
-	const double alongThen = dot(moved.thenDirection, placeThen - moved.thenStart);
+	const double alongNow = dot(direction, place - start);
+	const double alongThen = dot(directionThen, placeThen - startThen);
 	const double along = alongNow + met->share * (alongThen - alongNow);
 	const double slack = met->reach == Facet::Reach::kPossible ? m_pair.roam
 														  : m_sagitta * met->share * std::abs(alongThen - alongNow);

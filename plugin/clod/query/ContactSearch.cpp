@@ -63,7 +63,7 @@ void followMotion(const QueryContext& context, PairCache::State& state)
 	{
 		state.clearFronts();
 		state.outline.clear();
-		state.lastMove = 0;
+		state.lastMove = state.lastApproach = 0;
 		state.a = &context.a;
 		state.b = &context.b;
 		state.hashA = context.a.contentHash();
@@ -78,6 +78,8 @@ void followMotion(const QueryContext& context, PairCache::State& state)
 		state.front.move(motion, change);
 		state.outline.move(motion, change);
 		state.lastMove += motion + change;
+		state.lastApproach =
+			approachBound(state.pose, state.sweep, context.pose, context.sweep, context.radiusA, context.radiusB);
 		if (!(state.front.motion < farthest)) state.clearFronts();
 		if (!(state.outline.motion < farthest)) state.outline.clear();
 	}
@@ -224,28 +226,44 @@ void ContactSearch::remember(const StopRule& rule)
 	m_state.filled = true;
 }
 
+// By how much more than the tolerance a front is made for. Pairs of input surfaces leave no trace unless they are contacts, so
+// that such a front has all contacts until the motion has used that up. Of two surfaces that fit into each other it would
+// have many times the pairs: where one body is a single piece.
+double ContactSearch::lookAhead(const StopRule& rule, const WorkLimit& limit) const
+{
+	const bool isSingle = m_context.a.levels()[0].nodeCount == 1 || m_context.b.levels()[0].nodeCount == 1;
+	if (!isSingle || !rule.isOfLeaves() || limit.isSet() || m_state.front.isLent) return 0;
+	const double radius = double(std::min(m_context.a.asset().radius, m_context.b.asset().radius));
+	return std::min(kMovesAhead * m_state.lastApproach, kMostAhead * radius);
+}
+
 // None where the limit was met.
 std::optional<double> ContactSearch::traverseBy(const StopRule& rule, double tolerance, const WorkLimit& limit)
 {
 	if (m_state.base != rule.base()) m_state.clearFronts();
+	PairFront& front = m_state.front;
 	const bool sameRule =
 		m_state.filled && m_state.threshold == rule.constantThreshold() && m_state.maxError == rule.maxError();
-	const TraversalSettings settings{rule, tolerance, sameRule, limit};
+	const double ahead = lookAhead(rule, limit);
+	const bool hasMore = sameRule && front.tolerance > tolerance && front.tolerance < tolerance + 2 * ahead;
+	const TraversalSettings last{rule, hasMore ? front.tolerance : tolerance, sameRule, limit};
 	std::optional<double> cover;
-	if (isWorthValidating(settings, m_state.front)) cover = answerFrom(true, settings);
-	if (!cover) cover = answerFrom(false, settings);
+	if (hasMore && hasAllAnswers(m_context, tolerance, front))
+		cover = answerFrom(answerFromLast, last, tolerance);
+	else if (isWorthValidating(last, front))
+		cover = answerFrom(validateFront, last, tolerance);
+	if (!cover) cover = answerFrom(traverse, {rule, tolerance + ahead, sameRule, limit}, tolerance);
 	remember(rule);
 	return cover;
 }
 
-// From the last front, if it still is one, or a new one: the sink's largest cover.
-std::optional<double> ContactSearch::answerFrom(bool validates, const TraversalSettings& settings)
+// By boxes as the settings say, by hulls within the tolerance: the sink's largest cover.
+std::optional<double> ContactSearch::answerFrom(Walk& walk, const TraversalSettings& settings, double tolerance)
 {
 	m_result.contacts.clear();
 	m_result.stats.front = m_result.stats.frontInner = 0;
 	const auto covers = settings.rule.base().isUsed() ? ContactSink::Covers::kBounded : coversOfMixedLevels();
-	ContactSink sink(m_context, settings.tolerance, covers, m_result.contacts, m_result.stats);
-	const auto walk = validates ? validateFront : traverse;
+	ContactSink sink(m_context, tolerance, covers, m_result.contacts, m_result.stats);
 	if (!walk(m_context, settings, m_state.front, sink, m_result.stats)) return std::nullopt;
 	return sink.largestCover();
 }

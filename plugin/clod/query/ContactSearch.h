@@ -56,9 +56,11 @@ private:
 	double answerCoarsest(double tolerance);
 	void remember(const StopRule& rule);
 	void countQuiet(bool isNothingNear);
+	double lookAhead(const StopRule& rule, const WorkLimit& limit) const;
 	std::optional<double> traverseBy(const StopRule& rule, double tolerance, const WorkLimit& limit);
 	void tellExcess();
-	std::optional<double> answerFrom(bool validates, const TraversalSettings& settings);
+	using Walk = bool(const QueryContext&, const TraversalSettings&, PairFront&, ContactSink&, QueryStats&);
+	std::optional<double> answerFrom(Walk& walk, const TraversalSettings& settings, double tolerance);
 	void sort();
 	bool rootIsApart() const;
 	ContactSink::Covers coversOfMixedLevels() const;

@@ -27,7 +27,16 @@ void ContactSink::answer(std::uint32_t a, std::uint32_t b, CachedSeparation& cac
 	const double limit = areWanted ? cullLimit(m_context.a.node(a), m_context.b.node(b), m_tolerance) : m_tolerance;
 	if (m_hulls.isStillApart(a, b, limit, cached)) return;
 	const bool moves = m_context.longestMove > 0;
-	if (moves)
+	// What was a contact most often is one where it is: the way need not be looked at then.
+	const bool wasNear = moves && cached.kind == CachedSeparation::Kind::kNear;
+	bool isNear = wasNear && m_hulls.isStillNear(a, b, m_tolerance, cached);
+	std::optional<HullDistance> atRest;
+	if (wasNear && !isNear)
+	{
+		atRest = distanceAtRest(a, b, limit, known);
+		isNear = atRest->upper + roomOf(m_context, a, b, m_tolerance) < m_tolerance;
+	}
+	if (moves && !isNear)
 	{
 		if (!known.onTheWay) ++m_stats.hullTests;
 		const SweptBound bound =
@@ -35,18 +44,20 @@ void ContactSink::answer(std::uint32_t a, std::uint32_t b, CachedSeparation& cac
 		if (bound.lower > m_tolerance)
 		{
 			cached.setApart(bound.lower, bound.normal);
-			if (areWanted && !(distanceAtRest(a, b, limit, known).lower > limit)) noContact(a, b);
+			if (!areWanted) return;
+			if (!atRest) atRest = distanceAtRest(a, b, limit, known);
+			if (!(atRest->lower > limit)) noContact(a, b);
 			return;
 		}
 	}
-	const HullDistance distance = distanceAtRest(a, b, limit, known);
+	const HullDistance distance = atRest ? *atRest : distanceAtRest(a, b, limit, known);
 	if (!moves && distance.lower > m_tolerance)
 	{
 		cached.setApart(distance.lower, distance.normal);
 		if (!(distance.lower > limit)) noContact(a, b);
 		return;
 	}
-	cached = {};
+	cached.setNear(distance.pointOnA, m_context.pose.directionToB(distance.pointOnB - m_context.pose.translation));
 	m_contacts.push_back({a, b, distance.lower, distance.upper, distance.pointOnA, distance.pointOnB, distance.normal});
 }
 

@@ -26,12 +26,17 @@ public:
 			return false;
 		}
 		m_front.backOff.succeed();
+		return finish();
+	}
+	bool answer() { return giveAnswers() && finish(); }
+
+private:
+	bool finish()
+	{
 		m_stats->frontKept = 1;
 		addTo(*m_stats, m_front.counts);
 		return true;
 	}
-
-private:
 	bool areAllAsTheyWere()
 	{
 		const std::uint32_t testsBefore = m_stats->boxTests + m_stats->hullTests;
@@ -52,9 +57,18 @@ private:
 			CachedSeparation cached = cachedOf(entry, m_front.hulls);
 			const std::uint32_t before = m_stats->hullTests;
 			if (answers(entry, cached) != (entry.state == NodePairState::kAnswer)) return false;
+			if (m_stats->hullTests == before) continue;
 			if (cached.isApart()) m_front.slack.spent += m_stats->hullTests - before;
+			if (entry.hull != kNone) remember(cached, m_front.hulls[entry.hull]);
 		}
 		return true;
+	}
+	// Bounds are of the pose of the traversal; an axis, and points of the hulls, serve at any.
+	static void remember(const CachedSeparation& now, CachedSeparation& kept)
+	{
+		if (now.isApart() && kept.isApart() && toVec3(now.onA) == toVec3(kept.onA)) return;
+		kept = now;
+		if (now.isApart()) kept.lower = -std::numeric_limits<float>::infinity();
 	}
 	// Are the decisions of the last traversal on entry i, and on its children, those that it would make now?
 	bool isAsItWas(std::uint32_t i)
@@ -119,5 +133,19 @@ bool validateFront(const QueryContext& context, const TraversalSettings& setting
 				   QueryStats& stats)
 {
 	return FrontValidation(context, settings, front, sink, stats).run();
+}
+
+bool hasAllAnswers(const QueryContext& context, double tolerance, const PairFront& front)
+{
+	if (front.entries.empty() || !(tolerance < front.tolerance)) return false;
+	const double nearer =
+		approachBound(front.pose, front.sweep, context.pose, context.sweep, context.radiusA, context.radiusB);
+	return tolerance + nearer + kSumRounding * context.size + context.boxes.roundingOfTwo() < front.tolerance;
+}
+
+bool answerFromLast(const QueryContext& context, const TraversalSettings& settings, PairFront& front, ContactSink& sink,
+					QueryStats& stats)
+{
+	return FrontValidation(context, settings, front, sink, stats).answer();
 }
 }  // namespace clod

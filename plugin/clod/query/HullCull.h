@@ -56,13 +56,16 @@ public:
 		cached.setApart(lower, axis);
 		return true;
 	}
+	// By the points that were near.
+	bool isStillNear(std::uint32_t a, std::uint32_t b, double limit, const CachedSeparation& cached)
+	{
+		if (!(belowLimit(b, limit - roomOf(m_context, a, b, limit), cached) > 0)) return false;
+		++m_stats.skippedBySlack;
+		return true;
+	}
 	bool isApart(std::uint32_t a, std::uint32_t b, double limit, CachedSeparation& cached)
 	{
-		if (belowLimit(b, limit - roomOf(m_context, a, b, limit), cached) > 0)
-		{
-			++m_stats.skippedBySlack;
-			return false;
-		}
+		if (isStillNear(a, b, limit, cached)) return false;
 		if (isStillApart(a, b, limit, cached)) return true;
 		++m_stats.hullTests;
 		const SweptBound bound = canonicalSweptBound(m_context, a, b, limit, limit);

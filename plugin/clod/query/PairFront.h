@@ -134,9 +134,10 @@ struct PairFront
 	double motion = 0;         // accumulated bound of the relative motion and of the sweep's change (MotionBound.h)
 	double motionSince = 0;    // the part of it since the last finished traversal
 	double sweepChangeSince = 0;  // and of that the sweep's
-	RelativePose pose;         // of the last finished traversal
+	RelativePose pose;         // of the last finished traversal,
+	Sweep sweep;               // and what moved on from there
 
-	double tolerance = 0;  // of the last finished traversal
+	double tolerance = 0;  // of boxes, in the last finished traversal
 	bool isLent = false;   // its memory is the thread's: see keep() and handBack() in Traversal.h
 	FrontCounts counts;
 	FrontSlack slack;

@@ -62,6 +62,7 @@ private:
 		m_front.counts = FrontCounts{};
 		m_front.motionSince = m_front.sweepChangeSince = 0;
 		m_front.pose = m_context.pose;
+		m_front.sweep = m_context.sweep;
 		startAtRoots();
 		for (std::uint32_t i = 0; i < m_front.entries.size(); ++i)
 		{
