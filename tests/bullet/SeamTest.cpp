@@ -80,9 +80,8 @@ void expectSmooth(const std::function<void(BulletWorld&)>& addGround, bool oursO
 		{
 			if (oursOnly && std::string(mover.name) != "ours") continue;
 			const Ride felt = ride(mover, rate, addGround);
-			// A step of 1/60 s feels the border by no more than the skin.
 			EXPECT_LT(felt.slower, rate == 60 ? 0.02 : 0.002) << mover.name << " at " << rate;
-			EXPECT_LT(felt.bump, rate == 60 ? 3e-4 : 1e-4) << mover.name << " at " << rate;
+			EXPECT_LT(felt.bump, 1e-4) << mover.name << " at " << rate;
 		}
 }
 }  // namespace
