@@ -50,6 +50,8 @@ inline RelativeMotion motionBetween(const PairBody& a, const PairBody& b, double
 	return {a.linear - cross(a.angular, a.center) - b.linear + cross(b.angular, b.center), a.angular - b.angular, timeStep};
 }
 
+inline constexpr double kHolds = 0.25;  // sine of the least slope that may hold a body against a force
+
 struct PointRules
 {
 	double length = 1;   // the smaller bounding radius of the pair: tolerances are shares of it
@@ -63,6 +65,12 @@ struct PointRules
 	// as one are apart by no motion of theirs until the lowest meets the floor.
 	double heldReach = 0;
 	RelativeMotion motion() const { return motionBetween(a, b, timeStep); }
+	// May a facet with this normal hold the bodies against the forces on them? A steeper one is a wall.
+	bool holds(const Vec3& normal) const
+	{
+		const Vec3 pull = a.force - b.force;
+		return dot(pull, normal) < -kHolds * clod::length(pull);
+	}
 };
 
 inline constexpr double kRestingShare = 0.001;  // default resting height, share of PointRules::length
