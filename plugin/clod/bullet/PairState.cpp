@@ -59,7 +59,7 @@ PairState::PairState(Context& context, btDispatcher& dispatcher, btPersistentMan
 	  m_budget(isClosestPoints ? nullptr : &context.budgetOf(dispatcher))
 {
 	m_report.result = &m_result;
-	m_report.clusters = &m_clusters.get();
+	m_report.clusters = &m_clusters;
 	m_context.add(this);
 }
 
@@ -90,8 +90,8 @@ bool PairState::same(const Question& l, const Question& r)
 bool PairState::isStill(const PairPose& pose, const Question& question) const
 {
 	if (!m_context.keepPoints || pose.prediction != Prediction::kFree || pose.partner == Partner::kConcave) return false;
-	if (!m_answered || m_clusters.isEmpty() || m_facets.levels.isChanging()) return false;
-	const Question& then = *m_answered;
+	if (!answered() || m_clusters.isEmpty() || m_facets.levels.isChanging()) return false;
+	const Question& then = *answered();
 	const double most = kStillShare * question.rules.length;
 	if (question.withGap || then.withGap || std::max(question.way, then.way) > most) return false;
 	const Transform since = question.aFromB * inverse(then.aFromB);
@@ -120,7 +120,7 @@ void PairState::noticeShapes(const PairPose& pose)
 	const Seen a = seenA(pose), b = seenB(pose);
 	if (m_seenA == a && m_seenB == b) return;
 	m_cache.clear();
-	hold({});
+	m_clusters = {};
 	m_answered.reset();
 	m_facets.forget();
 	m_seenA = a;
@@ -188,7 +188,7 @@ PairState::Question PairState::questionOf(const PairPose& pose)
 // Nothing was asked: of the dispatch before, neither points nor report hold any longer.
 void PairState::forget()
 {
-	hold({});
+	m_clusters = {};
 	m_result.clear();
 	m_answered.reset();
 	static_cast<DispatchReport&>(m_report) = {};
@@ -204,24 +204,30 @@ double PairState::timeOfImpact(const btCollisionObjectWrapper& body0, const btCo
 }
 
 void PairState::open(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-					 const btDispatcherInfo& info, double closestPoints)
+					 const btDispatcherInfo& info, double closestPoints, Prepared& next)
 {
-	Prepared& next = m_prepared.emplace(Prepared{});  // clang: not from nothing
 	next.pose = begin(body0, body1, info, closestPoints);
 	next.aIsFirst = next.pose.a == &body0;
 	if (next.pose.isAsked())
 	{
 		next.question = questionOf(next.pose);
-		next.isKept = next.pose.isOfTwo() && m_answered && same(*m_answered, next.question);
+		next.isKept = next.pose.isOfTwo() && answered() && same(*answered(), next.question);
 		next.isStill = !next.isKept && isStill(next.pose, next.question);
 	}
+}
+
+PairState::Prepared& PairState::ahead(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+									  const btDispatcherInfo& info)
+{
+	if (!m_ahead) m_ahead = std::make_unique<Prepared>();
+	if (!std::exchange(m_isAhead, true)) open(body0, body1, info, 0, *m_ahead);
+	return *m_ahead;
 }
 
 void PairState::outline(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 						const btDispatcherInfo& info)
 {
-	open(body0, body1, info, 0);
-	outline(*m_prepared);
+	outline(ahead(body0, body1, info));
 	m_held = m_outline.answering;
 	if (m_budget) m_budget->hold(m_held);
 }
@@ -240,7 +246,7 @@ void PairState::outline(Prepared& prepared)
 
 void PairState::expect(StepBudget& budget)
 {
-	if (&budget != m_budget || m_step + 1 != budget.step() || m_prepared) return;
+	if (&budget != m_budget || m_step + 1 != budget.step() || m_isAhead) return;
 	m_held = m_report.coarsestTests;
 	budget.hold(m_held);
 }
@@ -248,8 +254,7 @@ void PairState::expect(StepBudget& budget)
 void PairState::prepare(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 						const btDispatcherInfo& info)
 {
-	if (!m_prepared) open(body0, body1, info, 0);
-	complete(*m_prepared);
+	complete(ahead(body0, body1, info));
 }
 
 void PairState::complete(Prepared& prepared)
@@ -274,10 +279,12 @@ void PairState::process(const btCollisionObjectWrapper& body0, const btCollision
 						const btDispatcherInfo& info, btManifoldResult& out)
 {
 	const double closestPoints = double(out.m_closestPointDistanceThreshold);
-	if (!m_prepared) open(body0, body1, info, closestPoints);
-	complete(*m_prepared);
-	Prepared now = std::move(*m_prepared);
-	m_prepared.reset();
+	Prepared now;
+	if (std::exchange(m_isAhead, false))
+		now = std::exchange(*m_ahead, {});
+	else
+		open(body0, body1, info, closestPoints, now);
+	complete(now);
 	PairPose& pose = now.pose;
 	(now.aIsFirst ? pose.a : pose.b) = &body0;
 	(now.aIsFirst ? pose.b : pose.a) = &body1;
@@ -285,7 +292,7 @@ void PairState::process(const btCollisionObjectWrapper& body0, const btCollision
 	m_report.kept = false;
 	if (!pose.isAsked())
 	{
-		m_manifolds.write(m_clusters.get(), {}, [](const ContactPoint&, std::uint32_t&, std::uint32_t&) {}, out);
+		m_manifolds.write(m_clusters, {}, [](const ContactPoint&, std::uint32_t&, std::uint32_t&) {}, out);
 		return;
 	}
 	const WorldFrame frame = worldFrame(pose, m_context.pushSpeed, now.aIsFirst, closestPoints);
@@ -295,7 +302,7 @@ void PairState::process(const btCollisionObjectWrapper& body0, const btCollision
 		m_report.kept = m_manifolds.keep(m_clusters, frame, out);
 		if (m_report.kept) return;
 		m_manifolds.readImpulses(m_clusters);
-		linkToThemselves();
+		m_clusters.linkToThemselves();
 	}
 	else if (now.isStill)
 	{
@@ -356,6 +363,6 @@ void PairState::write(const PairPose& pose, const WorldFrame& frame, btManifoldR
 		levelA = pose.hierarchyA().node(point.nodeA).level;
 		levelB = pose.partner == Partner::kClod ? pose.hierarchyB().node(point.nodeB).level : point.nodeB;
 	};
-	m_manifolds.write(m_clusters.get(), frame, levelOf, out);
+	m_manifolds.write(m_clusters, frame, levelOf, out);
 }
 }  // namespace clod
