@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <typeinfo>
 
+#include "clod/bullet/BodyState.h"
 #include "clod/bullet/SolverTerms.h"
 #include "clod/collide/Room.h"
 #include "clod/query/Query.h"
@@ -92,6 +93,18 @@ bool ManifoldSet::carry() const
 		for (int k = 0; k < m_slots[i].count && k < m_manifolds[i]->getNumContacts(); ++k)
 			if (m_manifolds[i]->getContactPoint(k).m_appliedImpulse > 0) return true;
 	return false;
+}
+
+Vec3 ManifoldSet::impulse() const
+{
+	Vec3 sum;
+	for (std::size_t i = 0; i < m_slots.size(); ++i)
+		for (int k = 0; k < m_slots[i].count && k < m_manifolds[i]->getNumContacts(); ++k)
+		{
+			const btManifoldPoint& point = m_manifolds[i]->getContactPoint(k);
+			sum += double(point.m_appliedImpulse) * toVec3(point.m_normalWorldOnB);
+		}
+	return sum;
 }
 
 const btManifoldPoint* ManifoldSet::find(const btPersistentManifold& manifold, const btVector3& localPointA)

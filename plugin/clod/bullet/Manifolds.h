@@ -63,6 +63,8 @@ public:
 	bool follow(HeldClusters& written, const WorldFrame& frame, btManifoldResult& out);
 	// Has the solver given one of their points an impulse?
 	bool carry() const;
+	// The sum of what the last step gave them along their normals, Bullet's units and sign.
+	Vec3 impulse() const;
 	// Copies last step's impulses from the solver into the set that was written last.
 	void readImpulses(HeldClusters& written) const;
 	// Levels of a point's nodes come from `levelOf`, called with the point.

@@ -146,7 +146,7 @@ void PairState::answer(const PairPose& pose, const Question& question)
 	foresee(pose);
 	m_report.candidates = 0;
 	if (!staysEmpty)
-		findPoints(pose, goesOn);
+		findPoints(pose, question, goesOn);
 	else
 		m_result.contacts.shrink_to_fit();
 	m_oldAFromB = pose.aFromB;
@@ -167,7 +167,7 @@ void PairState::noteAnswered(const Question& question)
 		m_answered = std::make_unique<Question>(question);
 }
 
-void PairState::findPoints(const PairPose& pose, bool goesOn)
+void PairState::findPoints(const PairPose& pose, const Question& question, bool goesOn)
 {
 	FacetContacts& facets = scratch().facets;
 	ClusterSet &previous = scratch().previous, &next = scratch().next;
@@ -177,7 +177,7 @@ void PairState::findPoints(const PairPose& pose, bool goesOn)
 	const ContactBody b = pose.isOfTwo()      ? contactBody(pose.hierarchyB())
 						  : m_partnerSurface ? contactBody(*m_partnerSurface)
 											 : ContactBody{};
-	facets.find(a, b, pose.aFromB, pose.rules, m_result.contacts, m_result.deep, previous, m_facets, goesOn);
+	facets.find(a, b, pose.aFromB, question.rules, m_result.contacts, m_result.deep, previous, m_facets, goesOn);
 	m_report.candidates = std::uint32_t(facets.size());
 	m_foreseen.motion = facets.expectedMotion();
 	next.clear();

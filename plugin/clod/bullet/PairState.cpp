@@ -15,6 +15,7 @@ namespace clod
 {
 namespace
 {
+constexpr double kAlone = 0.1, kStaysAlone = 0.3;  // of its weight, by which the load may differ
 constexpr std::uint32_t kLongStill = 16;  // dispatches that ask nothing, until what queries remember is given back
 constexpr double kStillShare = 3e-4;  // of the length, more than half of the skin: points found so little motion ago serve
 
@@ -29,9 +30,9 @@ bool sameRules(const PointRules& l, const PointRules& r)
 {
 	const auto fields = [](const PointRules& rules)
 	{
-		const auto& [length, resting, margin, radiusA, radiusB, nearest, a, b, timeStep, heldReach] = rules;
-		return std::tuple_cat(std::tie(length, resting, margin, radiusA, radiusB, nearest, timeStep, heldReach), fieldsOf(a),
-							  fieldsOf(b));
+		const auto& [length, resting, margin, radiusA, radiusB, nearest, a, b, timeStep, heldReach, liesAlone] = rules;
+		return std::tuple_cat(std::tie(length, resting, margin, radiusA, radiusB, nearest, timeStep, heldReach, liesAlone),
+							  fieldsOf(a), fieldsOf(b));
 	};
 	return fields(l) == fields(r);
 }
@@ -165,6 +166,17 @@ PairPose PairState::begin(const btCollisionObjectWrapper& body0, const btCollisi
 	return pose;
 }
 
+// By the load: that of the body alone, as forces accelerate it.
+bool PairState::liesAlone(const PairPose& pose) const
+{
+	const PairBody &a = pose.rules.a, &b = pose.rules.b;
+	if (m_clusters.isEmpty() || (a.inverseMass > 0) == (b.inverseMass > 0)) return false;
+	const double weight = a.inverseMass > 0 ? length(a.force) / a.inverseMass : length(b.force) / b.inverseMass;
+	const double load = length(m_manifolds.impulse()) / pose.scale();
+	const double most = m_answered && m_answered->rules.liesAlone ? kStaysAlone : kAlone;  // not to and fro
+	return weight > 0 && std::abs(load - weight) <= most * weight;
+}
+
 PairState::Question PairState::questionOf(const PairPose& pose)
 {
 	Question question;
@@ -173,6 +185,7 @@ PairState::Question PairState::questionOf(const PairPose& pose)
 	question.settings.tolerance = pose.tolerance;
 	question.settings.sweep = pose.sweep();
 	question.rules = pose.rules;
+	question.rules.liesAlone = liesAlone(pose);
 	question.way = pose.seenMotion.speedWithin(pose.center, pose.radius) * pose.rules.timeStep;
 	question.withGap = m_context.searchGap && !pose.isRound();
 	if (pose.partner == Partner::kPlane)

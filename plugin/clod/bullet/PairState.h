@@ -105,6 +105,7 @@ private:
 	PairPose begin(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 				   const btDispatcherInfo& info, double closestPoints);
 	void noticeShapes(const PairPose& pose);
+	bool liesAlone(const PairPose& pose) const;
 	Question questionOf(const PairPose& pose);
 	// Query.
 	void ask(const PairPose& pose, const Question& question);
@@ -113,7 +114,7 @@ private:
 	// Points.
 	void answer(const PairPose& pose, const Question& question);
 	void foresee(const PairPose& pose);
-	void findPoints(const PairPose& pose, bool goesOn);
+	void findPoints(const PairPose& pose, const Question& question, bool goesOn);
 	void namePartnerFace(const PairPose& pose, ContactPoint& point);
 	void keepAnswer();
 	bool follow(const PairPose& pose, const WorldFrame& frame, btManifoldResult& out);

@@ -62,6 +62,9 @@ struct PointRules
 	// How far one of the two is looked for on its own way, in case that a third body holds the other: stacks that fall
 	// as one are apart by no motion of theirs until the lowest meets the floor.
 	double heldReach = 0;
+	// One of the two lies on the other, which does not move, and carries nothing: few points do. Solvers converge by the rows
+	// they have, so that what carries others gets more.
+	bool liesAlone = false;
 	RelativeMotion motion() const { return motionBetween(a, b, timeStep); }
 };
 

@@ -76,7 +76,7 @@ void FacetContacts::reduce(const ClusterSet& previous, ClusterSet& next)
 	m_points.clear();
 	m_memory->reduced.clear();
 	for (const Facet& facet : m_facets) m_points.push_back(pointOf(facet));
-	m_reducer.reduce(m_facets, m_points, previous, m_question.length(), next);
+	m_reducer.reduce(m_facets, m_points, previous, m_question.rules, next);
 	const Transform bFromA = inverse(m_question.aFromB);
 	shrinkRoom(m_memory->reduced, m_reducer.count());
 	m_memory->reduced.reserve(m_reducer.count());
