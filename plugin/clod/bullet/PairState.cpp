@@ -229,6 +229,31 @@ void PairState::open(const btCollisionObjectWrapper& body0, const btCollisionObj
 	}
 }
 
+// What has found nothing of a plane that rests, and is as it was, costs no more than the bound of its motion.
+bool PairState::staysOverPlane(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+							   const btDispatcherInfo& info)
+{
+	m_spare = 0;
+	const bool wasNear = !m_clusters.isEmpty() || !m_result.contacts.empty() || m_report.fast;
+	if (wasNear || m_seenB.shape == nullptr || m_isClosestPoints || m_context.m_isSolved) return false;
+	const bool planeIsFirst = body0.getCollisionShape() == m_seenB.shape;
+	const btCollisionObject &plane = *(planeIsFirst ? body0 : body1).getCollisionObject(),
+							&body = *(planeIsFirst ? body1 : body0).getCollisionObject();
+	// Of compounds neither.
+	if (plane.getCollisionShape() != m_seenB.shape || body.getCollisionShape() != m_seenA.shape || !plane.isStaticObject() ||
+		plane.getCollisionShape()->getShapeType() != STATIC_PLANE_PROXYTYPE)
+		return false;
+	const auto* shape = dynamic_cast<const btClodShape*>(m_seenA.shape);
+	if (!shape || shape->revision() != m_seenA.revision || shape->hierarchy().contentHash() != m_seenA.contentHash)
+		return false;
+	const double timeStep = double(info.m_timeStep);
+	m_spare = spareOverPlane(body, plane, worldMotion(body, timeStep), timeStep);
+	if (!(m_spare > 0)) return false;
+	m_report.queryMicroseconds = m_report.contactMicroseconds = 0;
+	m_foreseen.timeStep = timeStep;
+	return true;
+}
+
 PairState::Prepared& PairState::ahead(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 									  const btDispatcherInfo& info)
 {
@@ -240,6 +265,7 @@ PairState::Prepared& PairState::ahead(const btCollisionObjectWrapper& body0, con
 void PairState::outline(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 						const btDispatcherInfo& info)
 {
+	if (staysOverPlane(body0, body1, info)) return;
 	outline(ahead(body0, body1, info));
 	m_held = m_outline.answering;
 	if (m_budget) m_budget->hold(m_held);
@@ -267,7 +293,7 @@ void PairState::expect(StepBudget& budget)
 void PairState::prepare(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 						const btDispatcherInfo& info)
 {
-	complete(ahead(body0, body1, info));
+	if (m_isAhead || !staysOverPlane(body0, body1, info)) complete(ahead(body0, body1, info));
 }
 
 void PairState::complete(Prepared& prepared)
@@ -291,6 +317,7 @@ void PairState::complete(Prepared& prepared)
 void PairState::process(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 						const btDispatcherInfo& info, btManifoldResult& out)
 {
+	if (!m_isAhead && staysOverPlane(body0, body1, info)) return;
 	const double closestPoints = double(out.m_closestPointDistanceThreshold);
 	Prepared now;
 	if (std::exchange(m_isAhead, false))
@@ -353,6 +380,11 @@ double PairState::surprise() const
 {
 	const double dt = m_foreseen.timeStep;
 	if (!(dt > 0)) return 0;
+	if (m_spare > 0)
+	{
+		const RelativeMotion motion = solvedMotion(*m_report.objectA);
+		if (spareOverPlane(*m_report.objectA, *m_report.objectB, motion, dt) > 0) return 0;
+	}
 	const RelativeMotion now = relativeMotion(solvedMotion(*m_report.objectA), solvedMotion(*m_report.objectB),
 											  m_foreseen.worldFromA, m_foreseen.scale, dt);
 	const auto wayOf = [&](const RelativeMotion& motion)

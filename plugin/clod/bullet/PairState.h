@@ -95,6 +95,8 @@ private:
 	void noteAnswered(const Question& question);
 	bool isStill(const PairPose& pose, const Question& question) const;
 
+	bool staysOverPlane(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+						const btDispatcherInfo& info);
 	Prepared& ahead(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 					const btDispatcherInfo& info);
 	void open(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, const btDispatcherInfo& info,
@@ -152,6 +154,7 @@ private:
 	Outline m_outline;                  // of the coming process(), or the last
 	std::unique_ptr<Prepared> m_ahead;  // for the coming process(), if m_isAhead; none where nothing was ever prepared
 	bool m_isAhead = false;
+	double m_spare = 0;  // > 0: the last dispatch was left at spareOverPlane()
 	FacetMemory m_facets;
 	GapResult m_result;
 	PartnerStats m_partnerStats;
