@@ -233,9 +233,9 @@ void PairState::open(const btCollisionObjectWrapper& body0, const btCollisionObj
 bool PairState::staysOverPlane(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 							   const btDispatcherInfo& info)
 {
-	m_spare = 0;
 	const bool wasNear = !m_clusters.isEmpty() || !m_result.contacts.empty() || m_report.fast;
-	if (wasNear || m_seenB.shape == nullptr || m_isClosestPoints || m_context.m_isSolved) return false;
+	const bool complains = !m_report.notFinite.empty() || !m_report.metricError.empty();
+	if (wasNear || complains || m_seenB.shape == nullptr || m_isClosestPoints || m_context.m_isSolved) return false;
 	const bool planeIsFirst = body0.getCollisionShape() == m_seenB.shape;
 	const btCollisionObject &plane = *(planeIsFirst ? body0 : body1).getCollisionObject(),
 							&body = *(planeIsFirst ? body1 : body0).getCollisionObject();
@@ -247,10 +247,12 @@ bool PairState::staysOverPlane(const btCollisionObjectWrapper& body0, const btCo
 	if (!shape || shape->revision() != m_seenA.revision || shape->hierarchy().contentHash() != m_seenA.contentHash)
 		return false;
 	const double timeStep = double(info.m_timeStep);
-	m_spare = spareOverPlane(body, plane, worldMotion(body, timeStep), timeStep);
-	if (!(m_spare > 0)) return false;
+	const RelativeMotion motion = worldMotion(body, timeStep);
+	if (!(spareOverPlane(body, plane, motion, timeStep) > 0)) return false;
 	m_report.queryMicroseconds = m_report.contactMicroseconds = 0;
 	m_foreseen.timeStep = timeStep;
+	m_foreseen.worldFromA = toTransform(body.getWorldTransform());
+	m_foreseen.motion = relativeMotion(motion, {}, m_foreseen.worldFromA, m_foreseen.scale, timeStep);
 	return true;
 }
 
@@ -380,11 +382,6 @@ double PairState::surprise() const
 {
 	const double dt = m_foreseen.timeStep;
 	if (!(dt > 0)) return 0;
-	if (m_spare > 0)
-	{
-		const RelativeMotion motion = solvedMotion(*m_report.objectA);
-		if (spareOverPlane(*m_report.objectA, *m_report.objectB, motion, dt) > 0) return 0;
-	}
 	const RelativeMotion now = relativeMotion(solvedMotion(*m_report.objectA), solvedMotion(*m_report.objectB),
 											  m_foreseen.worldFromA, m_foreseen.scale, dt);
 	const auto wayOf = [&](const RelativeMotion& motion)

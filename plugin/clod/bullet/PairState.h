@@ -154,7 +154,6 @@ private:
 	Outline m_outline;                  // of the coming process(), or the last
 	std::unique_ptr<Prepared> m_ahead;  // for the coming process(), if m_isAhead; none where nothing was ever prepared
 	bool m_isAhead = false;
-	double m_spare = 0;  // > 0: the last dispatch was left at spareOverPlane()
 	FacetMemory m_facets;
 	GapResult m_result;
 	PartnerStats m_partnerStats;
