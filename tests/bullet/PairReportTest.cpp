@@ -87,13 +87,12 @@ TEST(PairReport, LevelsAgainstAPlaneAreThoseOfThePoints)
 		const PairReport report = scene.with(ContactMetric::deviationShare(share));
 		ASSERT_GT(report.points, 0u);
 		EXPECT_LE(report.finestLevel, report.coarsestLevel);
-		for (const ContactCluster& cluster : report.clusters->slots)
-			for (int i = 0; i < cluster.count; ++i)
-			{
-				const std::uint32_t level = report.hierarchyA->node(cluster.points[std::size_t(i)].point.nodeA).level;
-				EXPECT_GE(level, report.finestLevel);
-				EXPECT_LE(level, report.coarsestLevel);
-			}
+		for (const HeldPoint& held : report.clusters->points())
+		{
+			const std::uint32_t level = report.hierarchyA->node(held.point.nodeA).level;
+			EXPECT_GE(level, report.finestLevel);
+			EXPECT_LE(level, report.coarsestLevel);
+		}
 		coarsest = std::max(coarsest, report.coarsestLevel);
 	}
 	EXPECT_GT(coarsest, 1u);

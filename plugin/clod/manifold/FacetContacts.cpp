@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "clod/collide/Room.h"
+
 namespace clod
 {
 namespace
@@ -75,9 +77,10 @@ void FacetContacts::reduce(const ClusterSet& previous, ClusterSet& next)
 	m_memory->reduced.clear();
 	m_memory->aFromB = m_question.aFromB;
 	for (const Facet& facet : m_facets) m_points.push_back(pointOf(facet));
-	m_reducer.reduce(m_facets, m_points, previous, m_question.length(), next);
+	m_reducer.reduce(m_facets, m_points, previous, m_question.rules, next);
 	const Transform bFromA = inverse(m_question.aFromB);
-	m_memory->reduced.reserve(m_reducer.count());  // and no more: a pair keeps it
+	shrinkRoom(m_memory->reduced, m_reducer.count());
+	m_memory->reduced.reserve(m_reducer.count());
 	for (std::size_t slot = 0; slot < next.slots.size(); ++slot)
 		for (std::size_t i = 0; i < std::size_t(next.slots[slot].count); ++i)
 		{
