@@ -81,6 +81,23 @@ TEST(AssembleSphere, ContainsAllAndIsTightOnABox)
 	EXPECT_NEAR(length(s.center), 0, 1e-5);
 }
 
+TEST(AssembleSphere, ContainsEveryPointToTheLastBit)
+{
+	std::mt19937_64 random(1);
+	std::uniform_real_distribution<double> where(-1, 1);
+	for (int cloud = 0; cloud < 2000; ++cloud)
+	{
+		std::vector<Vec3> points;
+		for (int i = 0; i < 30; ++i)
+		{
+			const double x = where(random), y = where(random);
+			points.push_back(normalized({x, y, where(random)}));
+		}
+		const Sphere s = boundingSphere(points);
+		for (const Vec3& p : points) ASSERT_LE(length(p - s.center), s.radius) << cloud;
+	}
+}
+
 TEST(AssembleDistance, AgreesWithABoxAndNeverUnderestimates)
 {
 	const std::vector<Vec3> points = boxMesh({1, 2, 3}, 1).vertices;
