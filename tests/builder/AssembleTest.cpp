@@ -210,6 +210,63 @@ TEST(AssembleProtrusion, BoxAboveAPlateIsBoundedAndTight)
 	}
 }
 
+// A slab over the mouth of a square pit: the farthest from the solid is the middle of the mouth, which none of the
+// slab's corners shows.
+TEST(AssembleProtrusion, WhatNoCornerShowsCounts)
+{
+	Mesh pit;
+	for (const double z : {-4.0, 0.0})
+		for (const Vec3& v : {Vec3{-3, -3, z}, Vec3{3, -3, z}, Vec3{3, 3, z}, Vec3{-3, 3, z}}) pit.vertices.push_back(v);
+	for (const double z : {-3.0, 0.0})
+		for (const Vec3& v : {Vec3{-1, -1, z}, Vec3{1, -1, z}, Vec3{1, 1, z}, Vec3{-1, 1, z}}) pit.vertices.push_back(v);
+	const auto quad = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d)
+	{
+		pit.triangles.push_back({a, b, c});
+		pit.triangles.push_back({a, c, d});
+	};
+	quad(0, 3, 2, 1);
+	quad(8, 9, 10, 11);
+	for (std::uint32_t i = 0; i < 4; ++i)
+	{
+		const std::uint32_t j = (i + 1) % 4;
+		quad(i, j, 4 + j, 4 + i);           // outside
+		quad(8 + i, 12 + i, 12 + j, 8 + j);  // the pit's sides
+		quad(4 + i, 4 + j, 12 + j, 12 + i);  // the top round it
+	}
+	const Solid solid(pit);
+	for (const double share : {0.0, 0.13, 0.37, 0.61})  // more on one side, into the solid
+	{
+		ConvexBody body;
+		for (const double z : {0.0, -0.05})
+			for (const Vec3& v : {Vec3{-1, -1, z}, Vec3{1 + share, -1, z}, Vec3{1 + share, 1, z}, Vec3{-1, 1, z}})
+				body.points.push_back(v);
+		body.realNormals = {{0, 0, 1}};
+		const Protrusion p = protrusion(solid, body, {5, 1e-6, 3000});
+		EXPECT_GE(p.upper, 1) << share;
+		EXPECT_LE(p.upper, 1.2) << share;
+		// Given up early, it is a bound all the same.
+		EXPECT_GE(protrusion(solid, body, {5, 1e-6, 3000}, 0.3).upper, 1) << share;
+	}
+}
+
+// A prism of thickness 1 under a triangle, and three input points: above it, beside a face by more but inside, near.
+TEST(AssembleCover, IsThatOfTheFarthestPointInWhateverOrder)
+{
+	NodeDraft node;
+	node.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+	node.faces = {{0, 1, 2}};
+	node.inward = {0, 0, -1};
+	node.thickness = 1;
+	node.pieces = {{0, 0, std::uint16_t(Piece::kCodes), 0}};
+	Mesh input;
+	input.vertices = {{0.2, 0.2, 0.3}, {0.2, 0.25, -0.9}, {0.3, 0.2, 0.1}};
+	for (const std::array<std::uint32_t, 3>& order : {std::array<std::uint32_t, 3>{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}})
+	{
+		input.triangles = {order};
+		EXPECT_NEAR(coverAndReachOf(node, input, {0.1, 1e-4}).cover, 0.3, 1e-6);
+	}
+}
+
 TEST(Assemble, LeavesAndLevelsAreValid)
 {
 	EXPECT_EQ(loaded(leafHierarchy(torusMesh(1, 0.4, 24, 12)))->levels()[0].nodeCount, 576u);
