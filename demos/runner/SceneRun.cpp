@@ -77,30 +77,6 @@ nlohmann::ordered_json endOf(const std::vector<SceneRow>& rows)
 			{"at_rest", classify(speed) == Motion::rest}};
 }
 
-// Sizes of a swing's values at its extremes, in their order; extremes on the wrong side of 0 or within `kNoise` of the
-// largest are trembling, not turning.
-std::vector<double> turningPoints(const std::vector<double>& values)
-{
-	double largest = 0;
-	for (const double value : values) largest = std::max(largest, std::fabs(value));
-	std::vector<double> sizes;
-	double size = 0;
-	bool wasPositive = false;
-	for (const double value : values)
-	{
-		if (std::fabs(value) <= kNoise * largest) continue;
-		const bool isPositive = value > 0;
-		if (size > 0 && isPositive != wasPositive)
-		{
-			sizes.push_back(size);
-			size = 0;
-		}
-		wasPositive = isPositive;
-		size = std::max(size, std::fabs(value));
-	}
-	return sizes;
-}
-
 // Contacts, levels, front, tests and time of a row: those of the step's own dispatch.
 void takeFromDispatch(ReplayRow& row, const SceneState& state)
 {
@@ -249,12 +225,12 @@ nlohmann::ordered_json summarizeOutcome(const SceneInfo& info, const SceneState&
 				{"least", quantile(values, 0)},
 				{"largest", quantile(values, 1)}};
 		if (!info.outcome[i].isSwing) continue;
-		const std::vector<double> turns = turningPoints(values);
+		const std::vector<double> amplitudes = swingAmplitudes(values, kNoise);
 		double growth = 0;
-		for (std::size_t k = 1; k < turns.size(); ++k) growth = std::max(growth, turns[k] / turns[k - 1]);
-		told["turning_points"] = turns.size();
-		told["first_amplitude"] = turns.empty() ? 0 : turns.front();
-		told["last_amplitude"] = turns.empty() ? 0 : turns.back();
+		for (std::size_t k = 1; k < amplitudes.size(); ++k) growth = std::max(growth, amplitudes[k] / amplitudes[k - 1]);
+		told["swings"] = amplitudes.size();
+		told["first_amplitude"] = amplitudes.empty() ? 0 : amplitudes.front();
+		told["last_amplitude"] = amplitudes.empty() ? 0 : amplitudes.back();
 		told["largest_growth"] = growth;
 	}
 	return outcome;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Order statistics.
+// Order statistics and swings.
 #include "demos/runner/Statistics.h"
 
 #include <nlohmann/json.hpp>
@@ -19,6 +19,38 @@ double quantile(std::vector<double> values, double p)
 	const double share = place - double(below);
 	if (share == 0 || values[below] == values[above]) return values[below];  // infinities have no differences
 	return values[below] + share * (values[above] - values[below]);
+}
+
+std::vector<double> swingAmplitudes(const std::vector<double>& values, double noise)
+{
+	if (values.empty()) return {};
+	const auto [least, largest] = std::minmax_element(values.begin(), values.end());
+	const double tremble = noise * (*largest - *least);
+	const auto peakAt = [&](std::size_t i)
+	{
+		if (i == 0 || i + 1 == values.size()) return values[i];
+		const double before = values[i - 1] - values[i], after = values[i + 1] - values[i], bend = before + after;
+		return bend == 0 ? values[i] : values[i] - (after - before) * (after - before) / (8 * bend);
+	};
+	std::vector<double> amplitudes;
+	double last = values[0];
+	std::size_t extreme = 0;
+	int sense = 0;  // of the way to the extreme; none yet
+	for (std::size_t i = 1; i < values.size(); ++i)
+	{
+		const double way = values[i] - values[extreme];
+		if (sense * way > 0)
+			extreme = i;
+		else if (std::fabs(way) > tremble)
+		{
+			const double peak = peakAt(extreme);
+			if (sense != 0) amplitudes.push_back(0.5 * std::fabs(peak - last));
+			last = peak;
+			sense = way > 0 ? 1 : -1;
+			extreme = i;
+		}
+	}
+	return amplitudes;
 }
 
 nlohmann::ordered_json spread(const std::vector<double>& values)

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "demos/runner/Replay.h"
+#include "demos/runner/Statistics.h"
 #include "demos/runner/WorldRuns.h"
 
 namespace
@@ -35,6 +36,27 @@ TEST(RunnerRows, GrowthIsTheExponentOfAPower)
 	EXPECT_TRUE(std::isnan(growthExponent(rows, "bodies", "bytes")));
 	rows.resize(1);
 	EXPECT_TRUE(std::isnan(growthExponent(rows, "bodies", "step_us")));
+}
+
+// Looked at eight times a swing, trembling, and not about zero.
+TEST(RunnerRows, ASwingsAmplitudesAreThoseOfItsPeaks)
+{
+	for (const double rate : {-0.02, 0.0, 0.02})
+	{
+		std::vector<double> values;
+		for (int i = 0; i < 100; ++i)
+			values.push_back(0.3 + 0.5 * std::exp(rate * i) * std::cos(0.39 * i) + (i % 2 == 0 ? 1e-5 : -1e-5));
+		const std::vector<double> amplitudes = swingAmplitudes(values, 0.01);
+		ASSERT_EQ(amplitudes.size(), 12u);
+		const double halfSwing = 3.14159265358979 / 0.39;
+		for (std::size_t k = 0; k < amplitudes.size(); ++k)
+		{
+			const double first = std::exp(rate * halfSwing * double(k)), second = std::exp(rate * halfSwing * double(k + 1));
+			EXPECT_NEAR(amplitudes[k] / (0.25 * (first + second)), 1, 0.004) << rate << " " << k;
+		}
+	}
+	EXPECT_TRUE(swingAmplitudes({}, 0.01).empty());
+	EXPECT_TRUE(swingAmplitudes({1, 1, 1}, 0.01).empty());
 }
 
 TEST(WorldRows, KeepTheirColumnsWhateverTheirNamesHold)

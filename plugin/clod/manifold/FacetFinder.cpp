@@ -5,12 +5,15 @@
 #include <cmath>
 #include <limits>
 
+#include "clod/manifold/PairSolve.h"
+
 namespace clod
 {
 namespace
 {
 constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr std::size_t kLeastTable = 256;
+constexpr int kArcRounds = 6;  // each by the chord's slope
 
 // Where something goes in the step as far as a facet is concerned: forces count along its normal, but sideways they may
 // be held by whom is not known here, and a body that slides over a border does not fall beneath it.
@@ -150,6 +153,33 @@ double FacetFinder::highest(double closing) const
 	return m_question->touching() + m_pair.roam + 0.5 * closing;
 }
 
+// Of B in A after a share of the way looked ahead, forces aside.
+Transform FacetFinder::poseAt(double share) const
+{
+	const PointRules& rules = m_question->rules;
+	return aFromBAfter(withoutForces(rules.a), withoutForces(rules.b), m_question->aFromB,
+					   kPathReach * share * rules.timeStep);
+}
+
+// Where turning bodies bring features to the margin, and where to each other, do they meet there? height(share) puts them
+// there.
+template <class Height, class Meets>
+bool FacetFinder::meetsOnArc(double now, double closing, Height height, Meets meets) const
+{
+	const double near = kInnerShare * m_question->length();
+	for (const double level : {m_question->rules.margin, 0.0})
+	{
+		double share = std::max(0.0, std::min(1.0, (now - level) / closing)), above = height(share) - level;
+		for (int round = 0; round < kArcRounds && std::abs(above) > near; ++round)
+		{
+			share = std::max(0.0, std::min(1.0, share + above / closing));
+			above = height(share) - level;
+		}
+		if (std::abs(above) <= near && meets()) return true;
+	}
+	return false;
+}
+
 // The ways in the step, in frame A and relative to A, that a place of B goes if a third body holds A, and if one holds B.
 std::array<Vec3, 2> FacetFinder::waysIfHeld(const Vec3& place) const
 {
@@ -201,7 +231,19 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 	{
 		facet.reach = Facet::Reach::kPath;
 		const Vec3 move = kPathReach * (along(face.normal, vertex.unforced, vertex.then) - vertex.now);
-		counts = meetsOn(move, now - end, m_sagitta * length(move) + kInnerShare * q.length());
+		const double inner = kInnerShare * q.length(), bulge = m_sagitta * length(move);
+		const Vec3 forced = kPathReach * dot(face.normal, vertex.then - vertex.unforced) * face.normal;
+		const Vec3& own = vertices.vertices()[vertex.index];
+		Vec3 place;
+		const auto height = [&](double share)
+		{
+			const Transform pose = poseAt(share);
+			place = (vertexIsOfA ? inverse(pose) * own : pose * own) + share * forced;
+			return dot(face.normal, place) - face.offset;
+		};
+		counts = bulge <= inner ? meetsOn(move, now - end, bulge + inner)
+							  : meetsOnArc(now, now - end, height,
+										   [&] { return faces.squaredBeside(polygon, place) <= inner * inner; });
 	}
 	if (!counts && now > 0 && end > q.rules.margin && q.rules.heldReach > 0)
 	{
@@ -289,8 +331,26 @@ void FacetFinder::edgeOverEdge(const MovedEdge& still, const MovedEdge& moved)
 	{
 		facet.reach = Facet::Reach::kPath;
 		const Vec3 move = kPathReach * (along(normal, moved.unforcedStart, moved.thenStart) - moved.start);
-		counts = meetsOn(move, kPathReach * (moved.thenDirection - moved.direction), now - end,
-						 m_sagitta * length(move) + kInnerShare * q.length());
+		const double inner = kInnerShare * q.length(), bulge = m_sagitta * length(move);
+		const Vec3 forced = kPathReach * dot(normal, moved.thenStart - moved.unforcedStart) * normal;
+		Vec3 place, direction;
+		const auto height = [&](double share)
+		{
+			const Transform pose = poseAt(share);
+			place = pose * m_pair.b->vertices()[other.vertex[0]] + share * forced;
+			direction = pose.rotation * other.direction;
+			return distanceOfLines(start, edge.direction, place, direction, normal);
+		};
+		const auto meets = [&]
+		{
+			if (length(cross(edge.direction, direction)) < kParallelSine) return false;
+			const LinesCrossing there = crossingOf(start, edge.direction, place, direction);
+			if (!isWithin(there.alongA, edge.length, inner) || !isWithin(there.alongB, other.length, inner)) return false;
+			at = there;
+			return true;
+		};
+		counts = bulge <= inner ? meetsOn(move, kPathReach * (moved.thenDirection - moved.direction), now - end, bulge + inner)
+							  : meetsOnArc(now, now - end, height, meets);
 	}
 	if (!counts && now > 0 && end > q.rules.margin && q.rules.heldReach > 0)
 	{

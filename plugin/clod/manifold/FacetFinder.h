@@ -33,6 +33,8 @@ private:
 	void findPair(const Contact& contact);
 	void gather(const Contact& contact, const MovedNode& nodeA, const MovedNode& nodeB);
 	double highest(double closing) const;
+	Transform poseAt(double share) const;
+	template <class Height, class Meets> bool meetsOnArc(double now, double closing, Height height, Meets meets) const;
 	std::array<Vec3, 2> waysIfHeld(const Vec3& place) const;
 	void vertexOverFace(const MovedCorner& vertex, std::uint32_t polygon, bool vertexIsOfA);
 	void edgeOverEdge(const MovedEdge& still, const MovedEdge& moved);

@@ -84,9 +84,12 @@ double distanceAt(const FacetQuestion& question, const Facet& facet, const Trans
 						   aFromB.rotation * k.direction, facet.normal);
 }
 
-// At the end of the step: is what it is made of over each other?
-bool PairSolve::isMet(const FacetQuestion& q, const Facet& facet, const Transform& after, const Transform& back) const
+// Where the solved motion brings it to the margin: is what it is made of over each other?
+bool PairSolve::isMet(const FacetQuestion& q, const Facet& facet, const PairBody& bodyA, const PairBody& bodyB) const
 {
+	const double closing = facet.distance - facet.then;
+	const double share = closing > 0 ? std::max(0.0, std::min(1.0, (facet.distance - q.rules.margin) / closing)) : 1;
+	const Transform after = aFromBAfter(bodyA, bodyB, q.aFromB, share * q.rules.timeStep), back = inverse(after);
 	const ContactSurface &a = q.a.surface(facet.levelA), &b = q.b.surface(facet.levelB);
 	const double slack = kInnerShare * q.length();
 	if (facet.kind == Facet::Kind::kVertexFace)
@@ -192,9 +195,9 @@ void PairSolve::solve(const FacetQuestion& question, std::vector<Facet>& facets)
 	{
 		sweep(question, facets);
 		const Transform after = aFromBAfter(m_a, m_b, question.aFromB, question.rules.timeStep), back = inverse(after);
-		const Transform unforced = aFromBAfter(withoutForces(m_a), withoutForces(m_b), question.aFromB,
-											   question.rules.timeStep),
-						unforcedBack = inverse(unforced);
+		const PairBody unforcedA = withoutForces(m_a), unforcedB = withoutForces(m_b);
+		const bool isTurned =
+			std::any_of(m_multipliers.begin(), m_multipliers.end(), [](double multiplier) { return multiplier != 0; });
 		for (std::size_t i = 0; i < facets.size(); ++i)
 		{
 			Facet& facet = facets[i];
@@ -208,9 +211,10 @@ void PairSolve::solve(const FacetQuestion& question, std::vector<Facet>& facets)
 			const double most = bendBound(question.rules, facet);
 			if (!isOfRound(facet.kind))
 				facet.then = facet.distance + facet.linear + std::max(-most, std::min(most, facet.curvature()));
-			if (facet.reach == Facet::Reach::kPossible && facet.then < question.rules.margin &&
-				isMet(question, facet, after, back) &&
-				(dot(force, facet.normal) < -kHolds * length(force) || isMet(question, facet, unforced, unforcedBack)))
+			// As long as nothing turns the motion, all that it meets is on the path.
+			if (isTurned && facet.reach == Facet::Reach::kPossible && facet.then < question.rules.margin &&
+				isMet(question, facet, m_a, m_b) &&
+				(dot(force, facet.normal) < -kHolds * length(force) || isMet(question, facet, unforcedA, unforcedB)))
 				facet.reach = Facet::Reach::kPath;
 		}
 	}
