@@ -278,7 +278,7 @@ Image FramePainter::paintExploded(const FrameMoment& moment, const FrameAnswer& 
 	const std::vector<std::set<std::uint32_t>> nodes = answeringNodes(m_subject, answer);
 	std::vector<std::size_t> bodies;  // of the layers
 	Vec3 low{kOff, kOff, kOff}, high = -low;
-	for (std::size_t body = 0; body < nodes.size(); ++body)
+	for (std::size_t body = 0; body != nodes.size(); ++body)
 	{
 		if (nodes[body].empty()) continue;
 		bodies.push_back(body);

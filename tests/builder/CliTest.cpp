@@ -15,6 +15,7 @@
 
 #include "cli/Files.h"
 #include "cli/Length.h"
+#include "cli/MeshPath.h"
 #include "cli/Suggestion.h"
 #include "tests/builder/ObjText.h"
 #include "tests/support/ChildProgram.h"
@@ -142,6 +143,22 @@ TEST_F(Cli, ExportedSurfaceBuildsAgain)
 	}
 	EXPECT_EQ(run({"export", path("a.clod"), "--all-levels", "-o", path("all.ply")}), 0) << err();
 	EXPECT_TRUE(fs::exists(path("all.0.ply")));
+}
+
+TEST(MeshPath, APartStandsBehindAGltfFileOnly)
+{
+	using namespace cli;
+	EXPECT_EQ(meshPath("a/b.GLB#Big wheel").file, "a/b.GLB");
+	EXPECT_EQ(meshPath("a/b.GLB#Big wheel").part, "Big wheel");
+	EXPECT_EQ(meshPath("a/part#3.obj").file, "a/part#3.obj");
+	EXPECT_EQ(meshPath("a.gltf").part, "");
+	EXPECT_EQ(nameOf(meshPath("x.y/cup.final.stl")), "cup.final");
+	EXPECT_EQ(nameOf(meshPath("x.y/cup")), "cup");
+	EXPECT_EQ(nameOf(meshPath("a.glb#wheel")), "wheel");
+	EXPECT_EQ(shellWord("a/b-1.2_c.obj"), "a/b-1.2_c.obj");
+	EXPECT_EQ(shellWord("a b#c"), "'a b#c'");
+	EXPECT_EQ(shellWord("it's"), "'it'\\''s'");
+	EXPECT_EQ(shellWord(""), "''");
 }
 
 // A glTF scene of two tetrahedra of one mesh and name, the second moved by (10, 0, 0), and a lone triangle.
