@@ -92,10 +92,12 @@ std::string nextStep(Reason reason, const BuildOptions& options)
 		case Reason::unreadable:
 		case Reason::syntax:
 		{
-			const std::string file = cli::meshPath(options.mesh).file, other = cli::shellWord(cli::nameOf({file, {}}) + ".obj");
+			const std::string file = cli::meshPath(options.mesh).file,
+							  other = cli::shellWord(cli::nameOf({file, {}}) + "-exported.obj");
 			std::error_code error;
 			if (!std::filesystem::is_regular_file(file, error)) return "";
-			return fmt::format("\n  Try: assimp export {} {} (Debian's assimp-utils), and {}", cli::shellWord(file), other, other);
+			return fmt::format("\n  Try: assimp export {} {} (Debian's assimp-utils), and {}", cli::shellWord(file),
+							   other, other);
 		}
 		case Reason::empty:
 		case Reason::indexOutOfRange:
@@ -149,8 +151,10 @@ Repaired readSolid(const BuildOptions& options)
 		const double radius = radiusOf(soup);
 		nameUnit(options, radius);
 		if (!options.quiet && soup.parts.size() > 1)
-			fmt::print(stderr, "{}: its {} parts become one body; --parts builds each by itself, `clod-build parts` lists them\n",
-					   options.mesh, soup.parts.size());
+			fmt::print(
+				stderr,
+				"{}: its {} parts become one body; --parts builds each by itself, `clod-build parts` lists them\n",
+				options.mesh, soup.parts.size());
 		Mending mending;
 		mending.repair = options.repair;
 		if (options.maxMove) mending.maxMove = options.maxMove->inMeshUnit(radius);
@@ -160,7 +164,8 @@ Repaired readSolid(const BuildOptions& options)
 	catch (const Refused& refused)
 	{
 		if (options.isOfParts) throw;
-		throw Failure(codeOf(refused.reason()), options.mesh + ": " + refused.what() + nextStep(refused.reason(), options));
+		throw Failure(codeOf(refused.reason()),
+					  options.mesh + ": " + refused.what() + nextStep(refused.reason(), options));
 	}
 }
 
@@ -281,7 +286,8 @@ void addBuildCommand(CLI::App& program)
 {
 	const auto options = std::make_shared<BuildOptions>();
 	CLI::App& command = *program.add_subcommand("build", "Build the dual hierarchy of a closed triangle mesh");
-	command.add_option("mesh", options->mesh, "OBJ, OFF, PLY, STL, glTF or GLB file; FILE#PART: one part of a glTF scene")
+	command
+		.add_option("mesh", options->mesh, "OBJ, OFF, PLY, STL, glTF or GLB file; FILE#PART: one part of a glTF scene")
 		->required()
 		->type_name("MESH");
 	command.add_option("-o,--output", options->output, "The .clod file to write; with --parts, the folder for them")

@@ -45,7 +45,8 @@ void run(const PartsOptions& options)
 								   {"radius", ball.radius},
 								   {"center", {ball.center.x, ball.center.y, ball.center.z}}});
 		if (options.textOnStdout())
-			fmt::print("{:>9} {:>11.4g}  {:<40} {}\n", piece.polygonCount(), ball.radius, placeOf(ball.center), part.name);
+			fmt::print("{:>9} {:>11.4g}  {:<40} {}\n", piece.polygonCount(), ball.radius, placeOf(ball.center),
+					   part.name);
 	}
 	if (!options.json.empty()) writeReport(options.json, report);
 	if (options.textOnStdout())

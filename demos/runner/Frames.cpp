@@ -31,7 +31,8 @@ constexpr const char* kFootnote =
 	"pushes the other.";
 
 constexpr Color kGhostColor = {0.5f, 0.55f, 0.65f, 0.12f};
-constexpr double kPulledApart = 0.35, kSpread = 0.5;  // of what an exploded picture shows, of a patch's way to its middle
+constexpr double kPulledApart = 0.35,
+				 kSpread = 0.5;  // of what an exploded picture shows, of a patch's way to its middle
 
 Result<MeshId> upload(Renderer& renderer, const ModelMesh& mesh)
 {
@@ -282,7 +283,8 @@ Image FramePainter::paintExploded(const FrameMoment& moment, const FrameAnswer& 
 	{
 		if (nodes[body].empty()) continue;
 		bodies.push_back(body);
-		frame.patches.push_back(patchLayer(moment.poses[body], *m_subject.bodies[body].hierarchy, nodes[body], m_scale, false));
+		frame.patches.push_back(
+			patchLayer(moment.poses[body], *m_subject.bodies[body].hierarchy, nodes[body], m_scale, false));
 		for (const ColoredTriangle& triangle : frame.patches.back().triangles)
 			for (const Vec3& corner : triangle.corners)
 				for (int k = 0; k < 3; ++k)
@@ -304,8 +306,8 @@ Image FramePainter::paintExploded(const FrameMoment& moment, const FrameAnswer& 
 			for (const Contact& contact : pair.result.contacts)
 			{
 				const double side = bodies[i] == pair.bodies.a ? 1 : bodies[i] == pair.bodies.b ? -1 : 0;
-				const Transform worldFromA =
-					worldFromBody(moment.poses[pair.bodies.a], meshFromBody(*m_subject.bodies[pair.bodies.a].hierarchy));
+				const Transform worldFromA = worldFromBody(moment.poses[pair.bodies.a],
+														   meshFromBody(*m_subject.bodies[pair.bodies.a].hierarchy));
 				away += side * (worldFromA.rotation * contact.normal);
 			}
 		away = kPulledApart * size * normalized(away);
@@ -320,7 +322,8 @@ Image FramePainter::paintExploded(const FrameMoment& moment, const FrameAnswer& 
 			std::size_t end = first;
 			Vec3 center;
 			const auto isSame = [&](const Color& c, const Color& d) { return c.r == d.r && c.g == d.g && c.b == d.b; };
-			for (; end < layer.triangles.size() && isSame(layer.triangles[end].color, layer.triangles[first].color); ++end)
+			for (; end < layer.triangles.size() && isSame(layer.triangles[end].color, layer.triangles[first].color);
+				 ++end)
 				for (const Vec3& corner : layer.triangles[end].corners) center += corner;
 			const Vec3 shift = kSpread * ((1 / (3 * double(end - first))) * center - from);
 			for (; first < end; ++first)

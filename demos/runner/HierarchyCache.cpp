@@ -118,10 +118,11 @@ void HierarchyCache::runBuilder(const std::string& meshPath, const std::string& 
 	if (code == int(ExitCode::badInput) || code == int(ExitCode::limitReached))
 	{
 		const std::string built = cli::shellWord(cli::nameOf(cli::meshPath(meshPath)) + ".clod");
-		throw Failure(ExitCode(code),
-					  fmt::format("{}: the builder refused this mesh (its reason is above)\n  Try: clod-build build {} {} -o "
-								  "{}, and {} in its place",
-								  meshPath, cli::shellWord(meshPath), options.repair ? "--wrap 2%" : "--repair", built, built));
+		throw Failure(
+			ExitCode(code),
+			fmt::format("{}: the builder refused this mesh (its reason is above)\n  Try: clod-build build {} {} -o "
+						"{}, and {} in its place",
+						meshPath, cli::shellWord(meshPath), options.repair ? "--wrap 2%" : "--repair", built, built));
 	}
 	if (code == kProgramMissing) throw Failure(ExitCode::failure, "cannot run " + words[0]);
 	throw Failure(

@@ -50,8 +50,8 @@ public:
 	// The hierarchy of a mesh in memory, built where the cache has none. Throws cli::Failure: bad input (3) with the
 	// builder's reason on stderr, or failure (1) where the builder is missing or broken.
 	HierarchyPointer build(const MeshSource& mesh, const BuildOptions& options);
-	// A .clod file is loaded; any other file is a mesh, and FILE#PART one part of a glTF scene. A .clod file that contradicts `paper`, or that had to be
-	// scaled, is a usage error (2).
+	// A .clod file is loaded; any other file is a mesh, and FILE#PART one part of a glTF scene. A .clod file that
+	// contradicts `paper`, or that had to be scaled, is a usage error (2).
 	HierarchyPointer open(const std::string& path, const BuildOptions& options);
 
 	// Entries built by this object, and those found whole in the cache.

@@ -11,8 +11,8 @@
 #include <map>
 #include <tuple>
 
-#include "clod/hierarchy/InputSurface.h"
 #include "cli/Failure.h"
+#include "clod/hierarchy/InputSurface.h"
 #include "demos/render/Overlay.h"
 #include "demos/render/PatchColor.h"
 #include "demos/render/Renderer.h"
@@ -56,7 +56,7 @@ constexpr double kHeatEnds[kHeatSteps - 1] = {1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2
 struct HeatMesh
 {
 	RenderMesh mesh;
-	double most = 0;                      // of all parts
+	double most = 0;                        // of all parts
 	std::array<bool, kHeatSteps> isUsed{};  // which colours there are
 };
 
@@ -95,7 +95,8 @@ HeatMesh heatMesh(const Hierarchy& hierarchy, std::size_t index)
 	for (std::uint32_t patch = 0; patch < level.nodeCount; ++patch)
 	{
 		const Node& node = hierarchy.node(level.firstNode + patch);
-		for (const Face& face : hierarchy.faces(node)) addHeat(hierarchy, triangleOf(hierarchy, node, face), kHeatHalvings * 2, heat);
+		for (const Face& face : hierarchy.faces(node))
+			addHeat(hierarchy, triangleOf(hierarchy, node, face), kHeatHalvings * 2, heat);
 	}
 	return heat;
 }
@@ -105,9 +106,9 @@ std::vector<LegendEntry> heatLegend(const std::array<bool, kHeatSteps>& isUsed)
 	std::vector<LegendEntry> legend;
 	for (int step = kHeatSteps - 1; step >= 0; --step)
 		if (isUsed[std::size_t(step)])
-			legend.push_back({levelColor(step, kHeatSteps), step + 1 < kHeatSteps
-																? fmt::format("up to {:g} %", 100 * kHeatEnds[step])
-																: fmt::format("over {:g} %", 100 * kHeatEnds[step - 1])});
+			legend.push_back({levelColor(step, kHeatSteps),
+							  step + 1 < kHeatSteps ? fmt::format("up to {:g} %", 100 * kHeatEnds[step])
+													: fmt::format("over {:g} %", 100 * kHeatEnds[step - 1])});
 	return legend;
 }
 
@@ -238,8 +239,9 @@ public:
 		{
 			const HeatMesh heat = heatMesh(m_hierarchy, level);
 			for (std::size_t step = 0; step < isUsed.size(); ++step) isUsed[step] = isUsed[step] || heat.isUsed[step];
-			cells.push_back({render(heat.mesh, Shading::Flat, m_camera),
-							 fmt::format("level {}: at most {:.2g} %, certified {}", level, 100 * heat.most, certified(level))});
+			cells.push_back(
+				{render(heat.mesh, Shading::Flat, m_camera),
+				 fmt::format("level {}: at most {:.2g} %, certified {}", level, 100 * heat.most, certified(level))});
 		}
 		OverlayText text;
 		text.legendTitle = "Off the full mesh, of the radius";
@@ -262,7 +264,8 @@ private:
 	std::string caption(std::size_t index) const
 	{
 		const Level& level = m_hierarchy.levels()[index];
-		return fmt::format("level {}: {} triangles, {} patches, {}", index, level.faceCount, level.nodeCount, certified(index));
+		return fmt::format("level {}: {} triangles, {} patches, {}", index, level.faceCount, level.nodeCount,
+						   certified(index));
 	}
 	std::string certified(std::size_t index) const
 	{
@@ -287,7 +290,8 @@ int heatStep(double shareOfRadius)
 Image paintLevelErrors(const Hierarchy& hierarchy, const std::string& title)
 {
 	Painter painter(hierarchy);
-	return contactSheet(painter.paintErrors(), painter.columns(), 0, title + " - how far each level is off the full mesh");
+	return contactSheet(painter.paintErrors(), painter.columns(), 0,
+						title + " - how far each level is off the full mesh");
 }
 
 Image paintLevels(const Hierarchy& hierarchy, const std::string& title)

@@ -94,7 +94,8 @@ void addLevelsCommand(CLI::App& program)
 		[options, picture, errors, plot]
 		{
 			if (picture->count() + errors->count() + plot->count() == 0)
-				throw cli::Failure(cli::ExitCode::usage, "levels: -o OUT.png, --errors OUT.png or --plot PLOT.png is needed");
+				throw cli::Failure(cli::ExitCode::usage,
+								   "levels: -o OUT.png, --errors OUT.png or --plot PLOT.png is needed");
 			runLevels(*options);
 		});
 	command->add_flag("--paper", options->paper, "The hierarchy is built with --paper");

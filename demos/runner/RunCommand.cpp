@@ -103,7 +103,8 @@ void scatter(SceneDefinition& definition, std::uint64_t seed)
 			for (int k = 0; k < 3; ++k)
 			{
 				const double aside = between(size);
-				if (body.mass > 0 && !body.course && body.joints.empty() && body.moves[k] > 0) body.start.position[k] += aside;
+				if (body.mass > 0 && !body.course && body.joints.empty() && body.moves[k] > 0)
+					body.start.position[k] += aside;
 			}
 		}
 	};
@@ -362,7 +363,8 @@ void addRunCommand(CLI::App& program)
 	addSelection(*command, options->selection);
 	addCache(*command, options->cache);
 	command
-		->add_option("--seed", options->common.seed, "Another start: free bodies up to a thousandth of their radius aside; 0: the scene's")
+		->add_option("--seed", options->common.seed,
+					 "Another start: free bodies up to a thousandth of their radius aside; 0: the scene's")
 		->type_name("N")
 		->capture_default_str();
 	cli::addQuiet(*command, options->common);

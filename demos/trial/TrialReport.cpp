@@ -329,8 +329,9 @@ std::string printable(const Trial& trial)
 		if (!r.isFound) return fmt::format("for {}: no setting is so cheap\n", wanted);
 		std::string kept = "holds";
 		if (!r.keepsCost())
-			kept = fmt::format("the accuracy holds, but {:.2g} times the hulls and boxes are compared than where it was chosen",
-							   r.fresh.tests / r.chosen.tests);
+			kept = fmt::format(
+				"the accuracy holds, but {:.2g} times the hulls and boxes are compared than where it was chosen",
+				r.fresh.tests / r.chosen.tests);
 		if (!r.keepsAccuracy()) kept = "DOES NOT HOLD";
 		return fmt::format("for {}: {}; on {} fresh poses error {}, {:.0f} us a pair: {}\n", wanted,
 						   codeOf(r.chosen.share), r.rows, percent(r.fresh.error), r.fresh.microseconds, kept);

@@ -106,8 +106,8 @@ TrialMesh openMesh(const TryOptions& options, const std::string& file, double sc
 		const bool isRefused = failure.code() == ExitCode::badInput || failure.code() == ExitCode::limitReached;
 		if (!isRefused || !isMesh) throw;
 		const std::string word = options.wrap ? "--wrap 5%" : options.repair ? "--wrap 2%" : "--repair";
-		throw Failure(failure.code(), fmt::format("{}: the builder refused this mesh (its reason is above)\n  Try: {}", file,
-												  commandWith(options, word)));
+		throw Failure(failure.code(), fmt::format("{}: the builder refused this mesh (its reason is above)\n  Try: {}",
+												  file, commandWith(options, word)));
 	}
 	mesh.buildSeconds = cache.built() > before ? secondsSince(start) : std::nan("");
 	return mesh;

@@ -216,9 +216,11 @@ TEST(AssembleProtrusion, WhatNoCornerShowsCounts)
 {
 	Mesh pit;
 	for (const double z : {-4.0, 0.0})
-		for (const Vec3& v : {Vec3{-3, -3, z}, Vec3{3, -3, z}, Vec3{3, 3, z}, Vec3{-3, 3, z}}) pit.vertices.push_back(v);
+		for (const Vec3& v : {Vec3{-3, -3, z}, Vec3{3, -3, z}, Vec3{3, 3, z}, Vec3{-3, 3, z}})
+			pit.vertices.push_back(v);
 	for (const double z : {-3.0, 0.0})
-		for (const Vec3& v : {Vec3{-1, -1, z}, Vec3{1, -1, z}, Vec3{1, 1, z}, Vec3{-1, 1, z}}) pit.vertices.push_back(v);
+		for (const Vec3& v : {Vec3{-1, -1, z}, Vec3{1, -1, z}, Vec3{1, 1, z}, Vec3{-1, 1, z}})
+			pit.vertices.push_back(v);
 	const auto quad = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d)
 	{
 		pit.triangles.push_back({a, b, c});
@@ -229,7 +231,7 @@ TEST(AssembleProtrusion, WhatNoCornerShowsCounts)
 	for (std::uint32_t i = 0; i < 4; ++i)
 	{
 		const std::uint32_t j = (i + 1) % 4;
-		quad(i, j, 4 + j, 4 + i);           // outside
+		quad(i, j, 4 + j, 4 + i);            // outside
 		quad(8 + i, 12 + i, 12 + j, 8 + j);  // the pit's sides
 		quad(4 + i, 4 + j, 12 + j, 12 + i);  // the top round it
 	}
@@ -260,7 +262,8 @@ TEST(AssembleCover, IsThatOfTheFarthestPointInWhateverOrder)
 	node.pieces = {{0, 0, std::uint16_t(Piece::kCodes), 0}};
 	Mesh input;
 	input.vertices = {{0.2, 0.2, 0.3}, {0.2, 0.25, -0.9}, {0.3, 0.2, 0.1}};
-	for (const std::array<std::uint32_t, 3>& order : {std::array<std::uint32_t, 3>{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}})
+	for (const std::array<std::uint32_t, 3>& order :
+		 {std::array<std::uint32_t, 3>{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}})
 	{
 		input.triangles = {order};
 		EXPECT_NEAR(coverAndReachOf(node, input, {0.1, 1e-4}).cover, 0.3, 1e-6);

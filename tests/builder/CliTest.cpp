@@ -186,7 +186,8 @@ TEST_F(Cli, PartsOfASceneAreBuiltByThemselves)
 		{"meshes", {mesh(1), mesh(2)}},
 		{"accessors", {accessor(0, 5126, 4, "VEC3"), accessor(1, 5123, 12, "SCALAR"), accessor(1, 5123, 3, "SCALAR")}},
 		{"bufferViews",
-		 {{{"buffer", 0}, {"byteOffset", 0}, {"byteLength", 48}}, {{"buffer", 0}, {"byteOffset", 48}, {"byteLength", 24}}}},
+		 {{{"buffer", 0}, {"byteOffset", 0}, {"byteLength", 48}},
+		  {{"buffer", 0}, {"byteOffset", 48}, {"byteLength", 24}}}},
 		{"buffers", {{{"uri", "scene.bin"}, {"byteLength", 72}}}}};
 	writeText("scene.gltf", scene.dump());
 	const std::string file = path("scene.gltf");
@@ -199,7 +200,8 @@ TEST_F(Cli, PartsOfASceneAreBuiltByThemselves)
 	EXPECT_EQ(parts[2]["name"], "flag");
 	EXPECT_EQ(parts[1]["faces"], 4);
 
-	ASSERT_EQ(run({"build", file + "#Big_wheel_2", "-o", path("one.clod"), "--quiet", "--json", path("one.json")}), 0) << err();
+	ASSERT_EQ(run({"build", file + "#Big_wheel_2", "-o", path("one.clod"), "--quiet", "--json", path("one.json")}), 0)
+		<< err();
 	EXPECT_NEAR(nlohmann::json::parse(readText(path("one.json")))["center_of_mass"][0].get<double>(), 10.25, 1e-6);
 	EXPECT_EQ(run({"check", path("one.clod"), "--mesh", file + "#Big_wheel_2", "--quiet"}), 0) << err();
 	EXPECT_EQ(run({"check", path("one.clod"), "--mesh", file + "#Big_wheel", "--quiet"}), 4);
@@ -251,6 +253,10 @@ TEST_F(Cli, BadInputIsExitCode3AndWritesNothing)
 	EXPECT_EQ(run({"build", path("open.obj"), "-o", path("a.clod")}), 3);
 	EXPECT_NE(err().find("open boundary: edge (0, 1) of face 0"), std::string::npos) << err();
 	EXPECT_EQ(run({"build", path("none.obj"), "-o", path("a.clod")}), 3);
+	// A format that is not read: what converts it, into another file.
+	writeText("part.dae", "<COLLADA/>");
+	EXPECT_EQ(run({"build", path("part.dae"), "-o", path("a.clod")}), 3);
+	EXPECT_NE(err().find("Try: assimp export " + path("part.dae") + " part-exported.obj"), std::string::npos) << err();
 	EXPECT_EQ(run({"build", m_folder.path().string(), "-o", path("a.clod")}), 3);
 	writeText("bad.clod", "not a hierarchy");
 	EXPECT_EQ(run({"info", path("bad.clod")}), 3);

@@ -198,7 +198,8 @@ TEST(RunnerFrames, FilmsHaveFramesEnough)
 	EXPECT_EQ(frameEvery(100, 1.0 / 240), 1);   // no more than there are
 	EXPECT_EQ(frameEvery(9600, 1.0 / 1920), 64);
 }
-// A lies left of B: pulled along contact normals that point to it, its left end is farther left than pulled the other way.
+// A lies left of B: pulled along contact normals that point to it, its left end is farther left than pulled the other
+// way.
 TEST(RunnerFrames, PatchesInContactArePulledApartAlongTheirNormals)
 {
 	const HierarchyPointer torus = test::builtBody("torus", 300).hierarchy;
@@ -219,7 +220,8 @@ TEST(RunnerFrames, PatchesInContactArePulledApartAlongTheirNormals)
 
 TEST(LevelPictures, HeatIsByHalfDecades)
 {
-	for (const auto& [share, step] : {std::pair(0.0, 0), {1e-4, 0}, {1.01e-4, 1}, {3.01e-4, 2}, {0.02, 5}, {0.1, 6}, {0.2, 7}})
+	for (const auto& [share, step] :
+		 {std::pair(0.0, 0), {1e-4, 0}, {1.01e-4, 1}, {3.01e-4, 2}, {0.02, 5}, {0.1, 6}, {0.2, 7}})
 		EXPECT_EQ(heatStep(share), step) << share;
 }
 }  // namespace
