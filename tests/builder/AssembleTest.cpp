@@ -13,6 +13,7 @@
 #include "builder/assemble/ConvexDistance.h"
 #include "builder/assemble/MassProperties.h"
 #include "builder/assemble/Protrusion.h"
+#include "builder/assemble/Walls.h"
 #include "tests/support/HierarchyContents.h"
 #include "tests/support/LeafHierarchy.h"
 #include "tests/support/Meshes.h"
@@ -249,6 +250,42 @@ TEST(AssembleProtrusion, WhatNoCornerShowsCounts)
 		// Given up early, it is a bound all the same.
 		EXPECT_GE(protrusion(solid, body, {5, 1e-6, 3000}, 0.3).upper, 1) << share;
 	}
+}
+
+// A patch over a wall of 1 and a wall of 0.2: its hull is no thicker than half the thinner one.
+TEST(AssembleWalls, TheThinnestWallCounts)
+{
+	// Along y; x and z of its profile, clockwise from the top left.
+	const double profile[7][2] = {{-1, 0}, {0, 0}, {1, 0}, {1, -0.2}, {0, -0.2}, {0, -1}, {-1, -1}};
+	Mesh step;
+	for (const double y : {-1.0, 1.0})
+		for (const auto& p : profile) step.vertices.push_back({p[0], y, p[1]});
+	for (std::uint32_t i = 0; i < 7; ++i)
+	{
+		const std::uint32_t j = (i + 1) % 7;
+		step.triangles.push_back({i, j, j + 7});
+		step.triangles.push_back({i, j + 7, i + 7});
+	}
+	for (const std::array<std::uint32_t, 3>& t :
+		 {std::array<std::uint32_t, 3>{6, 5, 4}, {6, 4, 0}, {0, 4, 1}, {1, 4, 3}, {1, 3, 2}})
+	{
+		step.triangles.push_back(t);
+		step.triangles.push_back({t[0] + 7, t[2] + 7, t[1] + 7});
+	}
+	const Solid solid(step);
+	NodeDraft node;
+	node.vertices = {step.vertices[0], step.vertices[2], step.vertices[9], step.vertices[7]};
+	node.faces = {{0, 1, 2}, {0, 2, 3}};
+	node.inward = {0, 0, -1};
+	node.coneCosine = 1;
+	for (std::uint32_t face = 0; face < 4; ++face) node.pieces.push_back({face, 0, std::uint16_t(Piece::kCodes), 0});
+	SweepRule rule{};
+	rule.harmless = 1e-3;
+	rule.most = 0.01;
+	thicken(node, solid, {2, 1e-6, 3000}, rule);
+	EXPECT_LE(node.thickness, 0.1);
+	EXPECT_GT(node.thickness, 0.09);
+	EXPECT_LE(node.bounds.protrude, 1e-3);
 }
 
 // A prism of thickness 1 under a triangle, and three input points: above it, beside a face by more but inside, near.
