@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <optional>
 
 #include "builder/cli/Commands.h"
@@ -13,6 +14,7 @@
 #include "builder/library/Asset.h"
 #include "cli/Files.h"
 #include "cli/Length.h"
+#include "cli/MeshPath.h"
 #include "cli/Program.h"
 #include "cli/Progress.h"
 
@@ -43,14 +45,32 @@ struct BuildOptions : cli::CommonOptions
 	std::string placement = placementNames().front();
 	FileFrame frame;
 	bool repair = false;
+	bool withoutAdvice = false;
+	bool parts = false;      // each part of the scene by itself
+	bool isOfParts = false;  // one of them: what is said of all of them once is not said again
 	std::optional<cli::Length> wrap, maxMove;
 };
+
+// The words after `clod-build build MESH` that say how the file is to be read.
+std::string frameWords(const FileFrame& frame)
+{
+	std::string words;
+	if (!frame.unit.empty()) words += "--unit " + frame.unit + " ";
+	if (frame.up != FileFrame().up) words += "--up " + frame.up + " ";
+	if (frame.scale != 1) words += fmt::format("--scale {} ", frame.scale);
+	return words;
+}
 
 // What a user can try after a refusal; empty where nothing of ours helps.
 std::string nextStep(Reason reason, const BuildOptions& options)
 {
+	if (options.withoutAdvice) return "";
 	const auto command = [&](const std::string& words)
-	{ return fmt::format("\n  Try: clod-build build {} {} -o {}", options.mesh, words, options.output); };
+	{
+		return fmt::format("\n  Try: clod-build build {} {}{}{} -o {}", cli::shellWord(options.mesh),
+						   options.parts ? "--parts " : "", frameWords(options.frame), words,
+						   cli::shellWord(options.output));
+	};
 	switch (reason)
 	{
 		case Reason::degenerate:
@@ -65,11 +85,31 @@ std::string nextStep(Reason reason, const BuildOptions& options)
 		case Reason::selfIntersection:
 		case Reason::notFinite:
 			return options.wrap ? command("--wrap 5%") : options.repair ? command("--wrap 2%") : command("--repair");
+		case Reason::noSuchPart:
+			return "\n  Try: clod-build parts " + cli::shellWord(cli::meshPath(options.mesh).file);
 		case Reason::limit:
 			return options.repair ? command("--wrap 2%") : "";
+		case Reason::unreadable:
+		case Reason::syntax:
+		{
+			const std::string file = cli::meshPath(options.mesh).file,
+							  other = cli::shellWord(cli::nameOf({file, {}}) + "-exported.obj");
+			std::error_code error;
+			if (!std::filesystem::is_regular_file(file, error)) return "";
+			return fmt::format("\n  Try: assimp export {} {} (Debian's assimp-utils), and {}", cli::shellWord(file),
+							   other, other);
+		}
+		case Reason::empty:
+		case Reason::indexOutOfRange:
+			return "\n  Nothing mends this: export the file again.";
 		default:
 			return "";
 	}
+}
+
+ExitCode codeOf(Reason reason)
+{
+	return reason == Reason::limit ? ExitCode::limitReached : ExitCode::badInput;
 }
 
 // The largest radius that is taken for metres without a word: of a room. Larger things are mostly millimetres.
@@ -77,7 +117,7 @@ constexpr double kRoomRadius = 5;
 
 void nameUnit(const BuildOptions& options, double radius)
 {
-	if (options.quiet || !options.frame.unit.empty() || radius <= kRoomRadius) return;
+	if (options.quiet || options.isOfParts || !options.frame.unit.empty() || radius <= kRoomRadius) return;
 	fmt::print(
 		stderr,
 		"{}: its radius is {:.4g} of its own unit, which looks like millimetres; `--unit mm` makes metres of it\n",
@@ -110,6 +150,11 @@ Repaired readSolid(const BuildOptions& options)
 		convert(options.frame, soup);
 		const double radius = radiusOf(soup);
 		nameUnit(options, radius);
+		if (!options.quiet && soup.parts.size() > 1)
+			fmt::print(
+				stderr,
+				"{}: its {} parts become one body; --parts builds each by itself, `clod-build parts` lists them\n",
+				options.mesh, soup.parts.size());
 		Mending mending;
 		mending.repair = options.repair;
 		if (options.maxMove) mending.maxMove = options.maxMove->inMeshUnit(radius);
@@ -118,8 +163,9 @@ Repaired readSolid(const BuildOptions& options)
 	}
 	catch (const Refused& refused)
 	{
-		const ExitCode code = refused.reason() == Reason::limit ? ExitCode::limitReached : ExitCode::badInput;
-		throw Failure(code, options.mesh + ": " + refused.what() + nextStep(refused.reason(), options));
+		if (options.isOfParts) throw;
+		throw Failure(codeOf(refused.reason()),
+					  options.mesh + ": " + refused.what() + nextStep(refused.reason(), options));
 	}
 }
 
@@ -158,7 +204,7 @@ HierarchyContent buildContent(const Intake& solid, const BuildOptions& options)
 	return buildAsset(solid, config, progressOn(bar));
 }
 
-void run(const BuildOptions& options)
+nlohmann::ordered_json buildOne(const BuildOptions& options)
 {
 	const auto start = std::chrono::steady_clock::now();
 	checkOutput(options.output);
@@ -178,19 +224,61 @@ void run(const BuildOptions& options)
 	if (!error.empty()) throw Failure(ExitCode::failure, error);
 	const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 	const Hierarchy& built = *hierarchy.value();
-	if (!options.json.empty())
-	{
-		nlohmann::ordered_json report = describe(built, seconds);
-		report["cavities"] = solid.cavityCount;
-		if (options.repair || options.wrap)
-			report["repair"] = {{"changes", repaired.changes},
-								{"added", describeDistance(repaired.added)},
-								{"lost", describeDistance(repaired.lost)}};
-		writeReport(options.json, report);
-	}
 	if (options.textOnStdout())
 		fmt::print("{}{}built in {:.1f} s: {}\n", repairAsText(repaired, options, built.asset().radius),
 				   describeAsText(built), seconds, options.output);
+	nlohmann::ordered_json report = describe(built, seconds);
+	report["cavities"] = solid.cavityCount;
+	if (options.repair || options.wrap)
+		report["repair"] = {{"changes", repaired.changes},
+							{"added", describeDistance(repaired.added)},
+							{"lost", describeDistance(repaired.lost)}};
+	return report;
+}
+
+// Every part of the scene into a file of its own in the folder named as the output. What is refused is told, and the
+// others are built.
+void buildParts(const BuildOptions& options)
+{
+	Soup scene = readParts(options.mesh);
+	convert(options.frame, scene);
+	nameUnit(options, radiusOf(scene));
+	std::error_code error;
+	std::filesystem::create_directories(options.output, error);
+	if (error) throw Failure(ExitCode::failure, fmt::format("{}: {}", options.output, error.message()));
+	nlohmann::ordered_json report = {{"schema", 1}, {"parts", nlohmann::ordered_json::array()}};
+	std::vector<Reason> refusals;
+	for (const Part& part : scene.parts)
+	{
+		BuildOptions one = options;
+		one.isOfParts = true;
+		one.mesh = options.mesh + "#" + part.name;
+		one.output = (std::filesystem::path(options.output) / (part.name + ".clod")).string();
+		nlohmann::ordered_json entry = {{"name", part.name}, {"file", one.output}};
+		try
+		{
+			entry.update(buildOne(one));
+		}
+		catch (const Refused& refused)
+		{
+			fmt::print(stderr, "part {}: {}\n", part.name, refused.what());
+			entry = {{"name", part.name}, {"refused", refused.what()}};
+			refusals.push_back(refused.reason());
+		}
+		report["parts"].push_back(entry);
+	}
+	if (!options.json.empty()) writeReport(options.json, report);
+	if (refusals.empty()) return;
+	throw Failure(codeOf(refusals.front()),
+				  fmt::format("{}: {} of {} parts are refused, each for the reason above{}", options.mesh,
+							  refusals.size(), scene.parts.size(), nextStep(refusals.front(), options)));
+}
+
+void run(const BuildOptions& options)
+{
+	if (options.parts) return buildParts(options);
+	const nlohmann::ordered_json report = buildOne(options);
+	if (!options.json.empty()) writeReport(options.json, report);
 }
 }  // namespace
 
@@ -198,8 +286,14 @@ void addBuildCommand(CLI::App& program)
 {
 	const auto options = std::make_shared<BuildOptions>();
 	CLI::App& command = *program.add_subcommand("build", "Build the dual hierarchy of a closed triangle mesh");
-	command.add_option("mesh", options->mesh, "OBJ, OFF, PLY, STL, glTF or GLB file")->required()->type_name("MESH");
-	command.add_option("-o,--output", options->output, "The .clod file to write")->required()->type_name("FILE");
+	command
+		.add_option("mesh", options->mesh, "OBJ, OFF, PLY, STL, glTF or GLB file; FILE#PART: one part of a glTF scene")
+		->required()
+		->type_name("MESH");
+	command.add_option("-o,--output", options->output, "The .clod file to write; with --parts, the folder for them")
+		->required()
+		->type_name("FILE");
+	command.add_flag("--parts", options->parts, "Each part of a glTF scene by itself, in the scene's frame");
 	addFileFrame(command, options->frame);
 	CLI::Option* const repair =
 		command.add_flag("--repair", options->repair,
@@ -214,13 +308,16 @@ void addBuildCommand(CLI::App& program)
 	cli::addChoice(command, "--placement", options->placement, placementNames(),
 				   "Where a collapse first puts its vertex: the paper's filter, or what to compare it with")
 		->needs(paper);
+	// For a program that runs this one and knows better what its user can do.
+	command.add_flag("--no-advice", options->withoutAdvice)->group("");
 	cli::addThreads(command, *options);
 	cli::addSeed(command, *options);
 	cli::addJson(command, *options);
 	cli::addQuiet(command, *options);
 	command.footer(
 		"Example: clod-build build cup.obj -o cup.clod --json cup.json\n"
-		"         clod-build build scan.ply --unit mm --up z --repair -o scan.clod");
+		"         clod-build build scan.ply --unit mm --up z --repair -o scan.clod\n"
+		"         clod-build build engine.glb --parts -o engine");
 	command.callback([options] { run(*options); });
 }
 }  // namespace clod::builder

@@ -20,9 +20,13 @@ void addBuildCommand(CLI::App& program);
 void addInfoCommand(CLI::App& program);
 void addCheckCommand(CLI::App& program);
 void addExportCommand(CLI::App& program);
+void addPartsCommand(CLI::App& program);
 
 // --unit, --up and --scale: how a mesh file is to be read.
 void addFileFrame(CLI::App& command, FileFrame& frame);
+
+// A glTF scene of at least one part; anything else ends the program with the exit code for bad input.
+Soup readParts(const std::string& path);
 
 // Loads and validates a .clod file; a refusal ends the program with the exit code for bad input.
 std::shared_ptr<const Hierarchy> loadHierarchy(const std::string& path);

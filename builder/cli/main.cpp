@@ -15,6 +15,7 @@ int main(int argc, char** argv)
 	clod::builder::addInfoCommand(program);
 	clod::builder::addCheckCommand(program);
 	clod::builder::addExportCommand(program);
+	clod::builder::addPartsCommand(program);
 	program.footer("Example: clod-build build cup.obj -o cup.clod && clod-build info cup.clod");
 	return clod::cli::runProgram(program, argc, argv);
 }

@@ -54,8 +54,9 @@ Vec3 centerOfMass(const WeldedMesh& mesh, const Box& box)
 	if (std::abs(volume) <= 6 * kLeastVolume * box.extent() * area)
 		throw Refused(Reason::zeroVolume, fmt::format("the mesh encloses a volume of {}", volume / 6));
 	if (volume < 0)
-		throw Refused(Reason::inverted, fmt::format("the mesh is inside out from face {} on: its volume is {}",
-													mesh.polygonInFile.front(), volume / 6));
+		throw Refused(Reason::inverted, fmt::format("the mesh is inside out from face {} on, at {}: its volume is {}",
+													mesh.polygonInFile.front(),
+													placeOf(mesh.vertices[mesh.triangles.front()[0]]), volume / 6));
 	return origin + (0.25 / volume) * moment;
 }
 
@@ -76,8 +77,9 @@ void checkDistinct(const std::vector<Vec3>& vertices, const WeldedMesh& mesh)
 	for (std::size_t i = 1; i < order.size(); ++i)
 		if (vertices[order[i]] == vertices[order[i - 1]])
 			throw Refused(Reason::rounding,
-						  fmt::format("vertices {} and {} meet once rounded to float round the centre of mass",
-									  mesh.vertexInFile[order[i - 1]], mesh.vertexInFile[order[i]]));
+						  fmt::format("vertices {} and {} meet once rounded to float round the centre of mass, at {}",
+									  mesh.vertexInFile[order[i - 1]], mesh.vertexInFile[order[i]],
+									  placeOf(mesh.vertices[order[i]])));
 }
 }  // namespace
 

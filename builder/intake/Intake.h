@@ -34,6 +34,4 @@ std::size_t components(const WeldedMesh& mesh, std::vector<std::uint32_t>& compo
 // Self-intersections (CGAL, exact predicates), then the nesting of the components against their orientation, on the
 // rounded coordinates. Number of cavities. Throws Refused; messages name elements of the file.
 std::size_t checkSolid(const Mesh& rounded, const WeldedMesh& mesh, const std::vector<std::uint32_t>& componentOf);
-// "(0.1, 0.2, 0.3)", as refusals name a place of the file.
-std::string placeOf(const Vec3& point);
 }  // namespace clod::builder

@@ -199,6 +199,15 @@ void readPrimitive(const tinygltf::Model& model, const tinygltf::Primitive& prim
 	}
 }
 
+// A node with a mesh.
+void readPart(const tinygltf::Model& model, const tinygltf::Node& node, const Matrix& transform, Soup& soup)
+{
+	const std::size_t polygons = soup.polygonCount();
+	const tinygltf::Mesh& mesh = model.meshes[std::size_t(node.mesh)];
+	for (const tinygltf::Primitive& primitive : mesh.primitives) readPrimitive(model, primitive, transform, soup);
+	if (soup.polygonCount() > polygons) soup.endPart(node.name.empty() ? mesh.name : node.name);
+}
+
 std::vector<int> rootNodes(const tinygltf::Model& model)
 {
 	const std::size_t scene = model.defaultScene < 0 ? 0 : std::size_t(model.defaultScene);
@@ -234,9 +243,7 @@ Soup parseGltf(std::string_view bytes, const std::string& folder)
 		const Matrix transform = visit.parent * localTransform(node);
 		if (node.mesh >= 0 && std::size_t(node.mesh) >= model.meshes.size())
 			refuse(fmt::format("no mesh {}", node.mesh));
-		if (node.mesh >= 0)
-			for (const tinygltf::Primitive& primitive : model.meshes[std::size_t(node.mesh)].primitives)
-				readPrimitive(model, primitive, transform, soup);
+		if (node.mesh >= 0) readPart(model, node, transform, soup);
 		for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)
 			open.push_back({*child, transform});
 	}

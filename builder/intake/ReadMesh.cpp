@@ -3,9 +3,10 @@
 
 #include <fmt/format.h>
 
-#include <cctype>
 #include <filesystem>
 #include <fstream>
+
+#include "cli/MeshPath.h"
 
 namespace clod::builder
 {
@@ -28,17 +29,9 @@ std::string readBytes(const std::string& path)
 	return bytes;
 }
 
-std::string lowerCaseEnding(const std::string& path)
+Soup readFile(const std::string& path)
 {
-	std::string ending = std::filesystem::path(path).extension().string();
-	for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
-	return ending;
-}
-}  // namespace
-
-Soup readMesh(const std::string& path)
-{
-	const std::string ending = lowerCaseEnding(path);
+	const std::string ending = cli::endingOf(path);
 	if (ending != ".obj" && ending != ".off" && ending != ".ply" && ending != ".stl" && ending != ".gltf" &&
 		ending != ".glb")
 		throw Refused(Reason::unreadable,
@@ -49,5 +42,13 @@ Soup readMesh(const std::string& path)
 	if (ending == ".ply") return parsePly(bytes);
 	if (ending == ".stl") return parseStl(bytes);
 	return parseGltf(bytes, std::filesystem::path(path).parent_path().string());
+}
+}  // namespace
+
+Soup readMesh(const std::string& path)
+{
+	const cli::MeshPath mesh = cli::meshPath(path);
+	Soup soup = readFile(mesh.file);
+	return mesh.part.empty() ? soup : partOf(soup, mesh.part);
 }
 }  // namespace clod::builder

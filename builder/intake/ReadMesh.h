@@ -13,7 +13,7 @@
 
 namespace clod::builder
 {
-// Reads by the ending of the name, ignoring case. Throws Refused.
+// Reads by the ending of the name, ignoring case; of a glTF scene one part, if the path is FILE#PART. Throws Refused.
 Soup readMesh(const std::string& path);
 
 // One format each, from memory. glTF needs the folder its external buffers lie in.

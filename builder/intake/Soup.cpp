@@ -3,6 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
+
 namespace clod::builder
 {
 const char* name(Reason reason)
@@ -11,6 +14,8 @@ const char* name(Reason reason)
 	{
 		case Reason::unreadable:
 			return "unreadable";
+		case Reason::noSuchPart:
+			return "no such part";
 		case Reason::syntax:
 			return "syntax";
 		case Reason::empty:
@@ -45,6 +50,11 @@ const char* name(Reason reason)
 	return "unknown";
 }
 
+std::string placeOf(const Vec3& point)
+{
+	return fmt::format("({:.6g}, {:.6g}, {:.6g})", point.x, point.y, point.z);
+}
+
 std::string sentence(const std::vector<Defect>& defects)
 {
 	std::string text;
@@ -54,6 +64,48 @@ std::string sentence(const std::vector<Defect>& defects)
 		if (defect.count > 1) text += fmt::format(" ({} such)", defect.count);
 	}
 	return text;
+}
+
+void Soup::endPart(const std::string& name)
+{
+	constexpr std::size_t kLongest = 100;
+	std::string plain = name.substr(0, kLongest);
+	for (char& c : plain)
+	{
+		const unsigned char byte = static_cast<unsigned char>(c);
+		if (byte < 0x80 && std::isalnum(byte) == 0 && c != '.' && c != '-' && c != '_') c = '_';
+	}
+	if (plain.empty()) plain = "part";
+	if (plain[0] == '.' || plain[0] == '-') plain[0] = '_';
+	std::string unique = plain;
+	const auto isTaken = [&](const Part& part) { return part.name == unique; };
+	for (int i = 2; std::any_of(parts.begin(), parts.end(), isTaken); ++i) unique = fmt::format("{}_{}", plain, i);
+	parts.push_back({unique, vertices.size(), polygonCount()});
+}
+
+Soup partOf(const Soup& soup, const std::string& name)
+{
+	std::size_t vertex = 0, polygon = 0;
+	for (const Part& part : soup.parts)
+	{
+		if (part.name == name)
+		{
+			Soup piece;
+			piece.vertices.assign(soup.vertices.begin() + std::ptrdiff_t(vertex),
+								  soup.vertices.begin() + std::ptrdiff_t(part.vertexEnd));
+			for (; polygon < part.polygonEnd; ++polygon)
+			{
+				for (std::size_t i = soup.polygonBegin(polygon); i < soup.polygonEnd[polygon]; ++i)
+					piece.corners.push_back(std::uint32_t(soup.corners[i] - vertex));
+				piece.endPolygon();
+			}
+			piece.endPart(name);
+			return piece;
+		}
+		vertex = part.vertexEnd;
+		polygon = part.polygonEnd;
+	}
+	throw Refused(Reason::noSuchPart, fmt::format("'{}' is none of the file's {} parts", name, soup.parts.size()));
 }
 
 std::uint32_t checkedIndex(long long index, const std::string& place)

@@ -15,6 +15,7 @@ namespace clod::builder
 enum class Reason
 {
 	unreadable,         // no such file, not a regular file, unknown format
+	noSuchPart,         // the file has no part of that name
 	syntax,             // the file does not follow its format
 	empty,              // no vertices or no faces
 	limit,              // larger than the builder's limits
@@ -40,6 +41,8 @@ struct Defect
 	std::string first;
 	std::size_t count = 1;
 };
+// "(0.1, 0.2, 0.3)", as refusals name a place of the file.
+std::string placeOf(const Vec3& point);
 // "duplicate face: face 6 ... (3 such); also open boundary: ..."
 std::string sentence(const std::vector<Defect>& defects);
 
@@ -63,15 +66,28 @@ private:
 	Reason m_reason;
 };
 
+// A piece of the file that has a name, and ends before these vertices and polygons; it begins where the last one ends.
+struct Part
+{
+	std::string name;  // letters, digits, '.', '-', '_' and UTF-8 beyond ASCII; no two are the same
+	std::size_t vertexEnd, polygonEnd;
+};
+
 struct Soup
 {
 	std::vector<Vec3> vertices;
 	std::vector<std::uint32_t> corners;   // of all polygons, one after the other
 	std::vector<std::size_t> polygonEnd;  // end of each polygon in corners
+	std::vector<Part> parts;              // all of it, in order; none: the format names none, or there are no faces
 	std::size_t polygonCount() const { return polygonEnd.size(); }
 	std::size_t polygonBegin(std::size_t polygon) const { return polygon == 0 ? 0 : polygonEnd[polygon - 1]; }
 	void endPolygon() { polygonEnd.push_back(corners.size()); }
+	// Ends a part whose name, made one for files and shells, is this or close to it.
+	void endPart(const std::string& name);
 };
+
+// One part of a file, in the frame of the whole; its elements are counted from 0 again. Throws Refused.
+Soup partOf(const Soup& soup, const std::string& name);
 
 inline constexpr std::size_t kTriangleLimit = 20'000'000;
 inline constexpr std::size_t kPolygonCornerLimit = 256;

@@ -198,11 +198,6 @@ void findFans(const WeldedMesh& mesh, const std::vector<HalfEdge>& edges, Defect
 }
 }  // namespace
 
-std::string placeOf(const Vec3& point)
-{
-	return fmt::format("({:.6g}, {:.6g}, {:.6g})", point.x, point.y, point.z);
-}
-
 std::vector<Defect> topologyDefects(const WeldedMesh& mesh)
 {
 	Defects defects;

@@ -174,7 +174,8 @@ public:
 		}
 		if (cut.empty())
 			throw Refused(Reason::degenerate,
-						  fmt::format("face {} with {} corners cannot be cut into triangles", polygon, corners.size()));
+						  fmt::format("face {} with {} corners cannot be cut into triangles, at {}", polygon,
+									  corners.size(), placeOf(m_mesh.vertices[corners[0]])));
 		for (std::size_t i = 0; i < cut.size(); i += 3)
 		{
 			m_mesh.triangles.push_back({corners[cut[i]], corners[cut[i + 1]], corners[cut[i + 2]]});

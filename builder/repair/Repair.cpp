@@ -159,9 +159,13 @@ Repaired repair(const Soup& soup, double maxMove, const Progress& progress)
 			repaired.solid = accept(std::move(mended), repaired.changes, progress);
 			measure(file, repaired, progress);
 			if (repaired.moved() > maxMove)
+			{
+				const DistanceBracket& farthest =
+					repaired.added.upper > repaired.lost.upper ? repaired.added : repaired.lost;
 				throw Refused(Reason::limit,
-							  fmt::format("the repair would move the surface by {:.4g}, allowed are {:.4g}",
-										  repaired.moved(), maxMove));
+							  fmt::format("the repair would move the surface by {:.4g}, near {}; allowed are {:.4g}",
+										  repaired.moved(), placeOf(farthest.at), maxMove));
+			}
 			return repaired;
 		});
 }

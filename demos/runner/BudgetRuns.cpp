@@ -31,6 +31,7 @@ nlohmann::ordered_json describe(const BudgetRun& run, double radius)
 	const bool isCounted = run.budget.tests < kOff;
 	const double budget = isCounted ? run.budget.tests : run.budget.microseconds;
 	nlohmann::ordered_json json = {{"budget", nullptr}, {"steps", run.rows.size()}};
+	json["in_tests"] = isCounted;
 	if (run.rows.empty()) return json;
 	json["dispatch_us"] = spread(column(run, [](const BudgetRow& r) { return r.dispatchMicroseconds; }));
 	json["error_percent"] = spread(column(run, [&](const BudgetRow& r) { return 100 * r.contactError / radius; }));
@@ -50,6 +51,13 @@ std::string budgetName(const nlohmann::ordered_json& run)
 	return run["budget"].is_null() ? "none" : fmt::format("{:g}", run["budget"].get<double>());
 }
 
+// Of what the budgets are.
+const char* spentOf(const nlohmann::ordered_json& scene)
+{
+	const auto isCounted = [](const auto& run) { return run["in_tests"].template get<bool>(); };
+	return std::any_of(scene["runs"].begin(), scene["runs"].end(), isCounted) ? "tests" : "dispatch_us";
+}
+
 // Lines of `T median p95 error-median error-p95`, of runs with a budget above 0.
 std::string plotData(const nlohmann::ordered_json& scene)
 {
@@ -57,17 +65,17 @@ std::string plotData(const nlohmann::ordered_json& scene)
 	for (const auto& run : scene["runs"])
 	{
 		if (run["budget"].is_null() || run["budget"] == 0 || run["steps"] == 0) continue;
-		const auto& time = run["dispatch_us"];
+		const auto& spent = run[spentOf(scene)];
 		const auto percent = [&](const char* figure)
 		{ return std::max(kSmallestPercent, run["error_percent"][figure].get<double>()); };
-		text += fmt::format("{} {} {} {} {}\n", run["budget"].get<double>(), time["median"].get<double>(),
-							time["p95"].get<double>(), percent("median"), percent("p95"));
+		text += fmt::format("{} {} {} {} {}\n", run["budget"].get<double>(), spent["median"].get<double>(),
+							spent["p95"].get<double>(), percent("median"), percent("p95"));
 	}
 	return text;
 }
 
 // The run that has the budget (null: none) as levels of comparison; NaN where there is no such run.
-double figureAt(const nlohmann::ordered_json& scene, bool unlimited, const char* group, const char* figure)
+double figureAt(const nlohmann::ordered_json& scene, bool unlimited, const std::string& group, const char* figure)
 {
 	for (const auto& run : scene["runs"])
 		if (run["steps"] != 0 && (unlimited ? run["budget"].is_null() : run["budget"] == 0))
@@ -75,30 +83,31 @@ double figureAt(const nlohmann::ordered_json& scene, bool unlimited, const char*
 	return std::nan("");
 }
 
-std::string panel(const nlohmann::ordered_json& scene, std::size_t index, bool isTime)
+std::string panel(const nlohmann::ordered_json& scene, std::size_t index, bool isSpent)
 {
-	const char* group = isTime ? "dispatch_us" : "error_percent";
+	const std::string group = isSpent ? spentOf(scene) : "error_percent";
 	const double least = figureAt(scene, false, group, "median"), full = figureAt(scene, true, group, "median");
 	std::string text = fmt::format("set title \"{}\"\nset ylabel \"{}\"\nset xlabel \"{}\"\n",
-								   isTime ? scene["scene"].get<std::string>() : "",
-								   index > 0 ? ""
-								   : isTime  ? "dispatch of a step, microseconds"
-											 : "certified error of the coarsest contact, % of R",
-								   isTime ? "" : "budget T of a step");
-	text += index == 0 && isTime ? "set key at screen 0.5,0.01 center bottom maxrows 2 Left reverse width 2\n"
+								   isSpent ? scene["scene"].get<std::string>() : "",
+								   index > 0           ? ""
+								   : !isSpent          ? "certified error of the coarsest contact, % of R"
+								   : group == "tests" ? "hull and culling tests of a step"
+													  : "dispatch of a step, microseconds",
+								   isSpent ? "" : "budget T of a step");
+	text += index == 0 && isSpent ? "set key at screen 0.5,0.01 center bottom maxrows 3 Left reverse width 2\n"
 								 : "unset key\n";
-	const int first = isTime ? 2 : 4;
+	const int first = isSpent ? 2 : 4;
 	text += fmt::format(
 		"plot $scene{0} using 1:{1} with linespoints lw 2 pt 7 lc rgb \"#0072B2\" title \"median\", "
 		"$scene{0} using 1:{2} with linespoints lw 2 pt 9 lc rgb \"#D55E00\" title \"95th percentile\"",
 		index, first, first + 1);
-	if (isTime) text += ", x with lines lw 1 dt 2 lc rgb \"#000000\" title \"the budget\"";
+	if (isSpent) text += ", x with lines lw 1 dt 2 lc rgb \"#000000\" title \"the budget\"";
 	if (std::isfinite(least))
 		text += fmt::format(", {} with lines lw 2 dt 3 lc rgb \"#009E73\" title \"budget 0, median\"",
-							std::max(least, isTime ? 0 : kSmallestPercent));
+							std::max(least, isSpent ? 0 : kSmallestPercent));
 	if (std::isfinite(full))
 		text += fmt::format(", {} with lines lw 2 dt 4 lc rgb \"#999999\" title \"no budget, median\"",
-							std::max(full, isTime ? 0 : kSmallestPercent));
+							std::max(full, isSpent ? 0 : kSmallestPercent));
 	return text + "\n";
 }
 }  // namespace
@@ -199,13 +208,13 @@ bool plotBudgets(const std::vector<nlohmann::ordered_json>& scenes, const std::s
 	for (std::size_t i = 0; i < scenes.size(); ++i)
 		text += fmt::format("$scene{} << END\n{}END\n", i, plotData(scenes[i]));
 	text += fmt::format(
-		"set multiplot layout 2,{} margins {},0.975,0.15,0.90 spacing 0.08,0.09 title \"Collision dispatch of a step "
-		"under a budget of time T, and the error it leaves\" font \"DejaVu Sans,19\"\n"
+		"set multiplot layout 2,{} margins {},0.975,0.15,0.90 spacing 0.08,0.09 title \"Steps under a "
+		"budget T, and the error it leaves\" font \"DejaVu Sans,19\"\n"
 		"set logscale xy\nset format \"%g\"\nset grid xtics ytics lc rgb \"#dddddd\"\n",
 		scenes.size(), 0.04 + 0.1 / double(scenes.size()));
-	for (const bool isTime : {true, false})
+	for (const bool isSpent : {true, false})
 		for (std::size_t i = 0; i < scenes.size(); ++i)
-			if (!plotData(scenes[i]).empty()) text += panel(scenes[i], i, isTime);
+			if (!plotData(scenes[i]).empty()) text += panel(scenes[i], i, isSpent);
 	return drawPlot(text + "unset multiplot\n", path);
 }
 }  // namespace clod::demo

@@ -17,8 +17,14 @@ namespace clod::demo
 {
 namespace
 {
-constexpr std::size_t kSheetCells = 9;
-constexpr int kSheetColumns = 3, kSheetCellWidth = 1080;
+// A sheet as wide as a screen, so that its text is read as it is: two frames a row, or one of several panels.
+constexpr std::size_t kSheetCells = 6;
+constexpr int kSheetWidth = 1960;
+
+int sheetColumns(const Image& frame)
+{
+	return frame.width > 2 * frame.height ? 1 : 2;
+}
 
 void write(const std::string& path, const Image& image, const std::string& title)
 {
@@ -53,7 +59,10 @@ void FrameFolder::add(const Image& image, const std::string& caption)
 	const std::size_t cell = m_cells.size();
 	const bool wanted = m_expected <= kSheetCells || m_count * (kSheetCells - 1) >= cell * (m_expected - 1);
 	if (wanted && cell < kSheetCells)
-		m_cells.push_back({resized(image, kSheetCellWidth, kSheetCellWidth * image.height / image.width), caption});
+	{
+		const int width = std::min(image.width, kSheetWidth / sheetColumns(image));
+		m_cells.push_back({resized(image, width, width * image.height / image.width), caption});
+	}
 	++m_count;
 }
 
@@ -72,7 +81,7 @@ std::vector<std::string> FrameFolder::finish()
 	std::vector<std::string> files;
 	if (m_cells.empty()) return files;
 	files.push_back(path("contact-sheet.png"));
-	write(files.back(), contactSheet(m_cells, kSheetColumns, 0, m_title), m_title);
+	write(files.back(), contactSheet(m_cells, sheetColumns(m_cells.front().image), 0, m_title), m_title);
 	if (makeFilm()) files.push_back(path("film.mp4"));
 	return files;
 }

@@ -30,6 +30,10 @@ constexpr const char* kFootnote =
 	"Coloured: the surface patches that answered, by certified error. Red: contact points, and which way the one body "
 	"pushes the other.";
 
+constexpr Color kGhostColor = {0.5f, 0.55f, 0.65f, 0.12f};
+constexpr double kPulledApart = 0.35,
+				 kSpread = 0.5;  // of what an exploded picture shows, of a patch's way to its middle
+
 Result<MeshId> upload(Renderer& renderer, const ModelMesh& mesh)
 {
 	RenderMesh render;
@@ -266,6 +270,77 @@ Image FramePainter::paintComparison(const FrameMoment& moment, const FrameAnswer
 					   {closeUp(moment, left, contactsLeft, figures(left)), left.selection},
 					   {closeUp(moment, right, contactsRight, figures(right)), right.selection}},
 					  "");
+}
+
+Image FramePainter::paintExploded(const FrameMoment& moment, const FrameAnswer& answer)
+{
+	Frame frame;
+	frame.ground.isDrawn = false;
+	const std::vector<std::set<std::uint32_t>> nodes = answeringNodes(m_subject, answer);
+	std::vector<std::size_t> bodies;  // of the layers
+	Vec3 low{kOff, kOff, kOff}, high = -low;
+	for (std::size_t body = 0; body != nodes.size(); ++body)
+	{
+		if (nodes[body].empty()) continue;
+		bodies.push_back(body);
+		frame.patches.push_back(
+			patchLayer(moment.poses[body], *m_subject.bodies[body].hierarchy, nodes[body], m_scale, false));
+		for (const ColoredTriangle& triangle : frame.patches.back().triangles)
+			for (const Vec3& corner : triangle.corners)
+				for (int k = 0; k < 3; ++k)
+				{
+					const double at = (frame.patches.back().worldFromBody * corner)[k];
+					low[k] = std::min(low[k], at);
+					high[k] = std::max(high[k], at);
+				}
+	}
+	if (bodies.empty()) return m_renderer->render(scene(moment, answer));
+	const Vec3 middle = 0.5 * (low + high);
+	const double size = 0.5 * length(high - low);
+	for (std::size_t i = 0; i < bodies.size(); ++i)
+	{
+		PatchLayer& layer = frame.patches[i];
+		// Away from the other bodies: against the contacts' normals of B, along those of A.
+		Vec3 away;
+		for (const PairAnswer& pair : answer.pairs)
+			for (const Contact& contact : pair.result.contacts)
+			{
+				const double side = bodies[i] == pair.bodies.a ? 1 : bodies[i] == pair.bodies.b ? -1 : 0;
+				const Transform worldFromA = worldFromBody(moment.poses[pair.bodies.a],
+														   meshFromBody(*m_subject.bodies[pair.bodies.a].hierarchy));
+				away += side * (worldFromA.rotation * contact.normal);
+			}
+		away = kPulledApart * size * normalized(away);
+		layer.worldFromBody.translation += away;
+		Transform place = toTransform(moment.poses[bodies[i]]);
+		place.translation += away;
+		frame.instances.push_back({m_meshes[m_subject.bodies[bodies[i]].mesh], place, kGhostColor, true});
+		const Vec3 from = inverse(layer.worldFromBody) * middle;
+		for (std::size_t first = 0; first < layer.triangles.size();)
+		{
+			// A patch: its faces stand together, in one colour.
+			std::size_t end = first;
+			Vec3 center;
+			const auto isSame = [&](const Color& c, const Color& d) { return c.r == d.r && c.g == d.g && c.b == d.b; };
+			for (; end < layer.triangles.size() && isSame(layer.triangles[end].color, layer.triangles[first].color);
+				 ++end)
+				for (const Vec3& corner : layer.triangles[end].corners) center += corner;
+			const Vec3 shift = kSpread * ((1 / (3 * double(end - first))) * center - from);
+			for (; first < end; ++first)
+				for (Vec3& corner : layer.triangles[first].corners) corner += shift;
+		}
+	}
+	frame.camera = orbitCamera(middle, (1 + kSpread + kPulledApart) * size, m_subject.closeUp.azimuth, 20);
+	Image image = m_renderer->render(frame);
+	OverlayText text;
+	text.title = m_subject.title;
+	text.subtitle = "the patches in contact, pulled apart";
+	text.legendTitle = "Certified error of the patches";
+	text.legend = legendOf(m_subject, answer);
+	text.footer = fmt::format("step {} of {}", moment.step, m_subject.steps);
+	text.pixelsPerMetre = frame.camera.pixelsPerMetre(kPanel);
+	drawOverlay(image, text);
+	return image;
 }
 
 // Representative contacts: closest first, each at least a spacing from those before it.

@@ -5,12 +5,14 @@
 #include <fmt/format.h>
 #include <unistd.h>
 #include <xxhash.h>
+#include <nlohmann/json.hpp>
 
 #include <cstdlib>
 #include <filesystem>
 #include <system_error>
 
 #include "cli/Files.h"
+#include "cli/MeshPath.h"
 #include "cli/Program.h"
 #include "demos/runner/Process.h"
 
@@ -91,9 +93,11 @@ std::string HierarchyCache::entryPath(const MeshSource& mesh, const BuildOptions
 	XXH3_128bits_reset(state);
 	hash(state, mesh.bytes.data(), mesh.bytes.size());
 	hash(state, mesh.extension.data(), mesh.extension.size());
+	hash(state, mesh.part.data(), mesh.part.size());
 	hash(state, &options.paper, 1);
 	hash(state, &options.repair, 1);
 	hash(state, &options.scale, sizeof options.scale);
+	hash(state, options.wrap.data(), options.wrap.size());
 	hash(state, builder.value().data(), builder.value().size());
 	const XXH128_hash_t digest = XXH3_128bits_digest(state);
 	XXH3_freeState(state);
@@ -103,16 +107,23 @@ std::string HierarchyCache::entryPath(const MeshSource& mesh, const BuildOptions
 void HierarchyCache::runBuilder(const std::string& meshPath, const std::string& output,
 								const BuildOptions& options) const
 {
-	std::vector<std::string> words = {builderPath(), "build", meshPath, "-o", output};
+	std::vector<std::string> words = {builderPath(), "build", meshPath, "-o", output, "--no-advice"};
 	if (options.paper) words.push_back("--paper");
 	if (options.repair) words.push_back("--repair");
+	if (!options.wrap.empty()) words.insert(words.end(), {"--wrap", options.wrap});
 	if (options.scale != 1) words.insert(words.end(), {"--scale", fmt::format("{}", options.scale)});
 	if (m_quiet) words.push_back("--quiet");
 	const int code = runProgram(words, m_quiet);
 	if (code == 0) return;
-	if (code == int(ExitCode::badInput))
-		throw Failure(ExitCode::badInput, meshPath + ": the builder refused this mesh (its reason is above)");
-	if (code == int(ExitCode::limitReached)) throw Failure(ExitCode::limitReached, meshPath + ": the builder gave up");
+	if (code == int(ExitCode::badInput) || code == int(ExitCode::limitReached))
+	{
+		const std::string built = cli::shellWord(cli::nameOf(cli::meshPath(meshPath)) + ".clod");
+		throw Failure(
+			ExitCode(code),
+			fmt::format("{}: the builder refused this mesh (its reason is above)\n  Try: clod-build build {} {} -o "
+						"{}, and {} in its place",
+						meshPath, cli::shellWord(meshPath), options.repair ? "--wrap 2%" : "--repair", built, built));
+	}
 	if (code == kProgramMissing) throw Failure(ExitCode::failure, "cannot run " + words[0]);
 	throw Failure(
 		ExitCode::failure,
@@ -131,7 +142,7 @@ HierarchyPointer HierarchyCache::buildInto(const std::string& entry, const MeshS
 	if (mesh.path.empty())
 		runBuilder(TemporaryMesh(mesh).path(), partial.temporaryPath(), options);
 	else
-		runBuilder(mesh.path, partial.temporaryPath(), options);
+		runBuilder(mesh.part.empty() ? mesh.path : mesh.path + "#" + mesh.part, partial.temporaryPath(), options);
 	Result<HierarchyPointer> hierarchy = Hierarchy::load(partial.temporaryPath());
 	if (!hierarchy)
 		throw Failure(ExitCode::failure, mesh.name + ": the builder wrote a bad file: " + hierarchy.error());
@@ -166,7 +177,8 @@ HierarchyPointer HierarchyCache::build(const MeshSource& mesh, const BuildOption
 
 HierarchyPointer HierarchyCache::open(const std::string& path, const BuildOptions& options)
 {
-	const std::string extension = fs::path(path).extension().string();
+	const cli::MeshPath mesh = cli::meshPath(path);
+	const std::string extension = fs::path(mesh.file).extension().string();
 	if (extension == ".clod")
 	{
 		Result<HierarchyPointer> hierarchy = Hierarchy::load(path);
@@ -180,8 +192,23 @@ HierarchyPointer HierarchyCache::open(const std::string& path, const BuildOption
 			throw Failure(ExitCode::usage, path + ": --paper needs a file built with `clod-build build --paper`");
 		return hierarchy.value();
 	}
-	Result<std::vector<std::byte>> bytes = cli::readFile(path, kMeshSizeLimit);
+	Result<std::vector<std::byte>> bytes = cli::readFile(mesh.file, kMeshSizeLimit);
 	if (!bytes) throw Failure(ExitCode::badInput, bytes.error());
-	return build({path, extension, std::move(bytes.value()), path}, options);
+	return build({path, extension, std::move(bytes.value()), mesh.file, mesh.part}, options);
+}
+
+std::vector<ScenePart> partsOf(const std::string& file)
+{
+	if (!cli::isGltf(file)) return {};
+	const cli::PartialFile list(temporaryDirectory() + "/clod-parts.json");  // never committed
+	const int code = runProgram({builderPath(), "parts", file, "--quiet", "--json", list.temporaryPath()});
+	if (code == int(ExitCode::badInput)) throw Failure(ExitCode::badInput, file + ": see above");
+	const Result<std::vector<std::byte>> bytes = cli::readFile(list.temporaryPath(), kMeshSizeLimit);
+	if (code != 0 || !bytes) throw Failure(ExitCode::failure, fmt::format("{} parts {} failed", builderPath(), file));
+	const auto* const text = reinterpret_cast<const char*>(bytes.value().data());
+	const auto report = nlohmann::json::parse(text, text + bytes.value().size());
+	std::vector<ScenePart> parts;
+	for (const auto& part : report["parts"]) parts.push_back({part["name"], part["faces"], part["radius"]});
+	return parts;
 }
 }  // namespace clod::demo

@@ -27,7 +27,8 @@ struct BuildOptions
 {
 	bool paper = false;
 	bool repair = false;
-	double scale = 1;  // all lengths of the file times this
+	double scale = 1;       // all lengths of the file times this
+	std::string wrap = {};  // instead of repair: closes gaps narrower than this length, as the builder reads it
 };
 
 // A mesh as a file would hold it.
@@ -37,6 +38,7 @@ struct MeshSource
 	std::string extension;  // ".obj", ... : how the bytes are to be read
 	std::vector<std::byte> bytes;
 	std::string path;  // where the bytes lie already; empty: in memory only
+	std::string part = {};  // of a glTF scene, the only one to build; empty: all of it
 };
 
 class HierarchyCache
@@ -48,8 +50,8 @@ public:
 	// The hierarchy of a mesh in memory, built where the cache has none. Throws cli::Failure: bad input (3) with the
 	// builder's reason on stderr, or failure (1) where the builder is missing or broken.
 	HierarchyPointer build(const MeshSource& mesh, const BuildOptions& options);
-	// A .clod file is loaded; any other file is a mesh. A .clod file that contradicts `paper`, or that had to be
-	// scaled, is a usage error (2).
+	// A .clod file is loaded; any other file is a mesh, and FILE#PART one part of a glTF scene. A .clod file that
+	// contradicts `paper`, or that had to be scaled, is a usage error (2).
 	HierarchyPointer open(const std::string& path, const BuildOptions& options);
 
 	// Entries built by this object, and those found whole in the cache.
@@ -68,6 +70,15 @@ private:
 	bool m_quiet;
 	int m_built = 0, m_found = 0;
 };
+
+// The parts of a glTF scene as the builder names them; none of other files. Throws cli::Failure.
+struct ScenePart
+{
+	std::string name;
+	std::size_t faces;
+	double radius;
+};
+std::vector<ScenePart> partsOf(const std::string& file);
 
 // $TMPDIR or /tmp.
 std::string temporaryDirectory();

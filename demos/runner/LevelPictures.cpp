@@ -4,12 +4,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <tuple>
 
 #include "cli/Failure.h"
+#include "clod/hierarchy/InputSurface.h"
 #include "demos/render/Overlay.h"
 #include "demos/render/PatchColor.h"
 #include "demos/render/Renderer.h"
@@ -43,6 +46,70 @@ RenderMesh levelMesh(const Hierarchy& hierarchy, std::size_t index)
 		}
 	}
 	return mesh;
+}
+
+constexpr double kHeatEdge = 0.04;  // of the radius: how finely a heat map is cut
+constexpr int kHeatHalvings = 7;
+constexpr double kHeatEnds[kHeatSteps - 1] = {1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1};
+
+// A level's surface cut finely, each part in the colour of its distance to the input surface.
+struct HeatMesh
+{
+	RenderMesh mesh;
+	double most = 0;                        // of all parts
+	std::array<bool, kHeatSteps> isUsed{};  // which colours there are
+};
+
+void addHeat(const Hierarchy& hierarchy, const Triangle& triangle, int halvings, HeatMesh& heat)
+{
+	const double radius = double(hierarchy.asset().radius);
+	int longest = 0;
+	for (int k = 1; k < 3; ++k)
+		if (lengthSquared(triangle[(k + 1) % 3] - triangle[k]) >
+			lengthSquared(triangle[(longest + 1) % 3] - triangle[longest]))
+			longest = k;
+	const Vec3 &a = triangle[longest], &b = triangle[(longest + 1) % 3], &c = triangle[(longest + 2) % 3];
+	if (halvings > 0 && length(b - a) > kHeatEdge * radius)
+	{
+		const Vec3 middle = 0.5 * (a + b);
+		addHeat(hierarchy, {a, middle, c}, halvings - 1, heat);
+		addHeat(hierarchy, {middle, b, c}, halvings - 1, heat);
+		return;
+	}
+	std::uint32_t visited = 0;
+	const Vec3 center = (1.0 / 3) * (a + b + c);
+	const double error = std::fabs(distanceToInput(hierarchy, center, visited).distance) / radius;
+	heat.most = std::max(heat.most, error);
+	const int step = heatStep(error);
+	heat.isUsed[std::size_t(step)] = true;
+	const std::uint32_t first = std::uint32_t(heat.mesh.vertices.size());
+	for (const Vec3& v : {a, b, c}) heat.mesh.vertices.push_back(v);
+	heat.mesh.triangles.push_back({first, first + 1, first + 2});
+	heat.mesh.triangleColors.push_back(levelColor(step, kHeatSteps));
+}
+
+HeatMesh heatMesh(const Hierarchy& hierarchy, std::size_t index)
+{
+	const Level& level = hierarchy.levels()[index];
+	HeatMesh heat;
+	for (std::uint32_t patch = 0; patch < level.nodeCount; ++patch)
+	{
+		const Node& node = hierarchy.node(level.firstNode + patch);
+		for (const Face& face : hierarchy.faces(node))
+			addHeat(hierarchy, triangleOf(hierarchy, node, face), kHeatHalvings * 2, heat);
+	}
+	return heat;
+}
+
+std::vector<LegendEntry> heatLegend(const std::array<bool, kHeatSteps>& isUsed)
+{
+	std::vector<LegendEntry> legend;
+	for (int step = kHeatSteps - 1; step >= 0; --step)
+		if (isUsed[std::size_t(step)])
+			legend.push_back({levelColor(step, kHeatSteps),
+							  step + 1 < kHeatSteps ? fmt::format("up to {:g} %", 100 * kHeatEnds[step])
+													: fmt::format("over {:g} %", 100 * kHeatEnds[step - 1])});
+	return legend;
 }
 
 // Level 0 as one surface, for smooth shading.
@@ -162,6 +229,27 @@ public:
 		return cells;
 	}
 
+	std::vector<CaptionedImage> paintErrors()
+	{
+		std::vector<CaptionedImage> cells;
+		cells.push_back({render(inputMesh(m_finest), Shading::Smooth, m_camera),
+						 fmt::format("the model: {} triangles", m_finest.triangles.size())});
+		std::array<bool, kHeatSteps> isUsed{};
+		for (std::size_t level = 1; level <= m_hierarchy.coarsestClodLevel(); ++level)
+		{
+			const HeatMesh heat = heatMesh(m_hierarchy, level);
+			for (std::size_t step = 0; step < isUsed.size(); ++step) isUsed[step] = isUsed[step] || heat.isUsed[step];
+			cells.push_back(
+				{render(heat.mesh, Shading::Flat, m_camera),
+				 fmt::format("level {}: at most {:.2g} %, certified {}", level, 100 * heat.most, certified(level))});
+		}
+		OverlayText text;
+		text.legendTitle = "Off the full mesh, of the radius";
+		text.legend = heatLegend(isUsed);
+		drawOverlay(cells.front().image, text);
+		return cells;
+	}
+
 private:
 	Image render(const RenderMesh& mesh, Shading shading, const Camera& camera)
 	{
@@ -176,10 +264,13 @@ private:
 	std::string caption(std::size_t index) const
 	{
 		const Level& level = m_hierarchy.levels()[index];
-		const std::string error =
-			index == 0 ? "exact"
-					   : fmt::format("{:.2g} %", 100 * double(level.maxDeviation) / m_hierarchy.asset().radius);
-		return fmt::format("level {}: {} triangles, {} patches, {}", index, level.faceCount, level.nodeCount, error);
+		return fmt::format("level {}: {} triangles, {} patches, {}", index, level.faceCount, level.nodeCount,
+						   certified(index));
+	}
+	std::string certified(std::size_t index) const
+	{
+		const double most = double(m_hierarchy.levels()[index].maxDeviation);
+		return index == 0 ? "exact" : fmt::format("{:.2g} %", 100 * most / m_hierarchy.asset().radius);
 	}
 
 	const Hierarchy& m_hierarchy;
@@ -190,6 +281,18 @@ private:
 	Camera m_camera;
 };
 }  // namespace
+
+int heatStep(double shareOfRadius)
+{
+	return int(std::lower_bound(std::begin(kHeatEnds), std::end(kHeatEnds), shareOfRadius) - std::begin(kHeatEnds));
+}
+
+Image paintLevelErrors(const Hierarchy& hierarchy, const std::string& title)
+{
+	Painter painter(hierarchy);
+	return contactSheet(painter.paintErrors(), painter.columns(), 0,
+						title + " - how far each level is off the full mesh");
+}
 
 Image paintLevels(const Hierarchy& hierarchy, const std::string& title)
 {

@@ -20,7 +20,7 @@ struct LevelsOptions
 {
 	cli::CommonOptions common;
 	CacheOptions cache;
-	std::string file, output, plot;
+	std::string file, output, errors, plot;
 	bool paper = false;
 };
 
@@ -53,18 +53,23 @@ void plotLevels(const Hierarchy& hierarchy, const std::string& name, const std::
 	if (!drawPlot(script, path)) throw cli::Failure(cli::ExitCode::failure, path + ": gnuplot is missing or failed");
 }
 
+void save(const Image& sheet, const std::string& path, const std::string& name)
+{
+	const Result<std::size_t> written = writePng(path, sheet, {{"Title", name + ": levels of detail"}});
+	if (!written) throw cli::Failure(cli::ExitCode::failure, written.error());
+}
+
 void runLevels(const LevelsOptions& options)
 {
 	HierarchyCache cache(options.cache, options.common.quiet);
 	const HierarchyPointer hierarchy = cache.open(options.file, {options.paper});
 	const std::string name = std::filesystem::path(options.file).stem().string();
 	if (!options.plot.empty()) plotLevels(*hierarchy, name, options.plot);
-	if (options.output.empty()) return;
-	const Image sheet = paintLevels(*hierarchy, name);
-	const Result<std::size_t> written = writePng(options.output, sheet, {{"Title", name + ": levels of detail"}});
-	if (!written) throw cli::Failure(cli::ExitCode::failure, written.error());
+	if (!options.output.empty()) save(paintLevels(*hierarchy, name), options.output, name);
+	if (!options.errors.empty()) save(paintLevelErrors(*hierarchy, name), options.errors, name);
 	if (!options.common.quiet)
-		fmt::print("{}: {} contact levels, {}\n", name, hierarchy->coarsestClodLevel() + 1, options.output);
+		fmt::print("{}: {} contact levels {} {} {}\n", name, hierarchy->coarsestClodLevel() + 1, options.output,
+				   options.errors, options.plot);
 }
 }  // namespace
 
@@ -79,14 +84,18 @@ void addLevelsCommand(CLI::App& program)
 		->type_name("FILE");
 	CLI::Option* const picture =
 		command->add_option("-o,--output", options->output, "The picture to write")->type_name("OUT.png");
+	CLI::Option* const errors =
+		command->add_option("--errors", options->errors, "A heat map of every level: how far it is off the full mesh")
+			->type_name("OUT.png");
 	CLI::Option* const plot =
 		command->add_option("--plot", options->plot, "Plot triangles, patches and certified errors by level (gnuplot)")
 			->type_name("PLOT.png");
 	command->callback(
-		[options, picture, plot]
+		[options, picture, errors, plot]
 		{
-			if (picture->count() + plot->count() == 0)
-				throw cli::Failure(cli::ExitCode::usage, "levels: -o OUT.png or --plot PLOT.png is needed");
+			if (picture->count() + errors->count() + plot->count() == 0)
+				throw cli::Failure(cli::ExitCode::usage,
+								   "levels: -o OUT.png, --errors OUT.png or --plot PLOT.png is needed");
 			runLevels(*options);
 		});
 	command->add_flag("--paper", options->paper, "The hierarchy is built with --paper");

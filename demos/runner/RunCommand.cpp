@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <random>
 
 #include "cli/Progress.h"
 #include "demos/peers/PeerShapes.h"
@@ -82,6 +83,31 @@ void checkSizes(const RunOptions& options, const std::vector<HierarchyPointer>& 
 				fmt::format("--model {}: its radius is {:.4g} m, drop needs {} to {}; build it with --scale {:.6g}",
 							options.models[i], radius, kSmallestModel, kLargestModel, 0.025 / radius));
 	}
+}
+
+constexpr double kScatter = 1e-3;  // of a body's radius
+
+// Another start of the same scene: what moves freely begins a little aside.
+void scatter(SceneDefinition& definition, std::uint64_t seed)
+{
+	definition.prepare = [seed, before = definition.prepare](
+							 SceneDefinition& scene, const std::vector<std::shared_ptr<const Hierarchy>>& models)
+	{
+		if (before) before(scene, models);
+		std::mt19937_64 random(seed);
+		const auto between = [&random](double size) { return size * (2 * double(random() >> 11) * 0x1p-53 - 1); };
+		for (std::size_t i = 0; i < scene.bodies.size(); ++i)
+		{
+			BodyDefinition& body = scene.bodies[i];
+			const double size = kScatter * double(models[scene.info.bodies[i].model]->asset().radius);
+			for (int k = 0; k < 3; ++k)
+			{
+				const double aside = between(size);
+				if (body.mass > 0 && !body.course && body.joints.empty() && body.moves[k] > 0)
+					body.start.position[k] += aside;
+			}
+		}
+	};
 }
 
 SceneRunOptions setUp(const RunOptions& options, SceneDefinition& definition, HierarchyCache& cache)
@@ -236,6 +262,7 @@ void runRun(const RunOptions& options)
 	checkUsage(options);
 	SceneDefinition definition = definitionOf(options);
 	if (options.undamped) definition.world = undamped(definition.world);
+	if (options.common.seed > 0) scatter(definition, options.common.seed);
 	const SceneInfo& info = definition.info;
 	HierarchyCache cache(options.cache, options.common.quiet);
 	SceneRunOptions run = setUp(options, definition, cache);
@@ -254,6 +281,7 @@ void runRun(const RunOptions& options)
 	report["shapes"] = isOurs ? "btClodShape" : describePeerShape(options.shapes);
 	report["selection"] = toJson(options.selection, smallestRadius(run.scene.models));
 	report["constants"] = describeConstants(*scene);
+	report["seed"] = options.common.seed;
 	report["steps"] = run.steps;
 	report["dt"] = run.scene.dt;
 	report["trajectory_hash"] = trajectoryHash(posesOf(rows));
@@ -285,6 +313,7 @@ void runRun(const RunOptions& options)
 void addRunCommand(CLI::App& program)
 {
 	auto options = std::make_shared<RunOptions>();
+	options->common.seed = 0;
 	CLI::App* command = program.add_subcommand("run", "Simulate a scene");
 	command->footer("Example: clod-bench run spoon-cup --size 3.5 --frames frames --csv steps.csv --json -");
 	command
@@ -333,6 +362,11 @@ void addRunCommand(CLI::App& program)
 	addFrames(*command, options->frames);
 	addSelection(*command, options->selection);
 	addCache(*command, options->cache);
+	command
+		->add_option("--seed", options->common.seed,
+					 "Another start: free bodies up to a thousandth of their radius aside; 0: the scene's")
+		->type_name("N")
+		->capture_default_str();
 	cli::addQuiet(*command, options->common);
 	cli::addJson(*command, options->common);
 	command->callback([options] { runRun(*options); });

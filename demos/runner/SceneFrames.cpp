@@ -149,7 +149,21 @@ nlohmann::ordered_json paintScene(const SceneFrameOptions& options, const FrameS
 		folder.add(image, fmt::format("step {}", state.step));
 		progress(double(folder.frames()) / double(count));
 	}
-	const std::vector<std::string> files = folder.finish();
+	std::vector<std::string> files = folder.finish();
+	// Of the moment with the most contacts.
+	const auto most =
+		std::max_element(run.rows.begin(), run.rows.end(),
+						 [](const SceneRow& a, const SceneRow& b) { return a.query.contacts < b.query.contacts; });
+	if (most != run.rows.end() && most->query.contacts > 0)
+	{
+		files.push_back(options.directory + "/exploded.png");
+		const std::string title = subject.title + ": patches in contact, pulled apart";
+		const Result<std::size_t> written =
+			writePng(files.back(),
+					 painter.paintExploded(momentOf(most->state), answers.at(std::size_t(most - run.rows.begin()))),
+					 {{"Title", title}});
+		if (!written) throw cli::Failure(cli::ExitCode::failure, written.error());
+	}
 	return {{"directory", options.directory}, {"frames", folder.frames()}, {"every", every}, {"files", files}};
 }
 }  // namespace clod::demo

@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "cli/Files.h"
+#include "cli/MeshPath.h"
 #include "cli/Suggestion.h"
 
 namespace clod::demo
@@ -140,7 +141,7 @@ SceneModel modelOf(const Element& element, const std::filesystem::path& folder)
 	if (element.has("file")) model.file = (folder / element.member("file").text()).lexically_normal().string();
 	if (model.file.empty() && smallestTriangleCount(model.name) == 0)
 		element.refuse(fmt::format("'{}' has no file and is no benchmark model", model.name));
-	if (!model.file.empty() && !std::filesystem::is_regular_file(model.file))
+	if (!model.file.empty() && !std::filesystem::is_regular_file(cli::meshPath(model.file).file))
 		element.member("file").refuse(fmt::format("{}: no such file", model.file));
 	element.read("scale", model.scale, 1e-12, 1e12);
 	if (element.has("repair")) model.repair = element.member("repair").truth();

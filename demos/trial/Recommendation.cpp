@@ -14,7 +14,7 @@ namespace
 {
 constexpr double kTwoPi = 6.28318530717958647692;
 constexpr double kDeepest = 0.2;     // of the tolerance: how far bodies overlap at most
-constexpr std::size_t kTumble = 40;  // rows before B starts anew
+constexpr std::size_t kTumble = 10;  // rows before B starts anew: what they cost is alike
 constexpr double kTurn = 0.035;      // radians a row at most: what a rolling body does in a step
 constexpr double kRetreat = 0.08;    // of the radius: clears what turning by kTurn can bring into the other
 constexpr int kMostAdvances = 60, kMostStarts = 1000;

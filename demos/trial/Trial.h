@@ -19,7 +19,7 @@ struct TrialMesh
 	HierarchyPointer hierarchy;
 	double scale = 1;         // it was multiplied by this to be of the others' size
 	double buildSeconds = 0;  // NaN: found in the cache, or a .clod file
-	bool isRepaired = false;
+	std::string mended;       // "repaired", "wrapped"; empty: taken as it is
 };
 
 // One way of colliding that the trial's scene is run with.

@@ -157,7 +157,7 @@ TrialPictures paintTrial(const Trial& trial, const std::string& directory, const
 							  isOver ? trial.runs[k].ending : trial.contenders[k].setting});
 		}
 		const double time = frameAt(trial.runs[0], i).state.time;
-		folder.add(contactSheet(panels, 2, 0, ""), fmt::format("{:.2f} s", time));
+		folder.add(contactSheet(panels, panels.size() == 3 ? 3 : 2, 0, ""), fmt::format("{:.2f} s", time));
 		progress(double(i + 1) / double(count));
 	}
 	pictures.files = folder.finish();

@@ -54,7 +54,7 @@ std::string meshesOf(const Trial& trial)
 	for (const TrialMesh& mesh : trial.meshes)
 	{
 		const Hierarchy& h = *mesh.hierarchy;
-		std::string done = mesh.isRepaired ? "repaired" : "taken as it is";
+		std::string done = mesh.mended.empty() ? "taken as it is" : mesh.mended;
 		if (mesh.scale != 1) done += fmt::format(", scaled by {:.4g} to the others' size", mesh.scale);
 		table.rows.push_back({escaped(mesh.name), fmt::format("{}", h.asset().triangleCount),
 							  fmt::format("{:.4g}", double(h.asset().radius)), fmt::format("{}", h.levels().size),
@@ -327,9 +327,14 @@ std::string printable(const Trial& trial)
 	const auto line = [](const Recommendation& r, const std::string& wanted)
 	{
 		if (!r.isFound) return fmt::format("for {}: no setting is so cheap\n", wanted);
+		std::string kept = "holds";
+		if (!r.keepsCost())
+			kept = fmt::format(
+				"the accuracy holds, but {:.2g} times the hulls and boxes are compared than where it was chosen",
+				r.fresh.tests / r.chosen.tests);
+		if (!r.keepsAccuracy()) kept = "DOES NOT HOLD";
 		return fmt::format("for {}: {}; on {} fresh poses error {}, {:.0f} us a pair: {}\n", wanted,
-						   codeOf(r.chosen.share), r.rows, percent(r.fresh.error), r.fresh.microseconds,
-						   r.keepsAccuracy() && r.keepsCost() ? "holds" : "DOES NOT HOLD");
+						   codeOf(r.chosen.share), r.rows, percent(r.fresh.error), r.fresh.microseconds, kept);
 	};
 	return text + line(trial.accuracy, "an accuracy of " + percent(trial.accuracy.wanted)) +
 		   line(trial.cost, fmt::format("a cost of {:g} us", trial.cost.wanted));

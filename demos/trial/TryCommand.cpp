@@ -12,6 +12,7 @@
 #include <set>
 
 #include "cli/Files.h"
+#include "cli/MeshPath.h"
 #include "cli/Progress.h"
 #include "demos/peers/PeerShapes.h"
 #include "demos/peers/Roster.h"
@@ -39,7 +40,7 @@ struct TryOptions
 	std::vector<std::string> files;
 	std::string directory, peerDirectory;
 	bool repair = false, quick = false, noFilm = false;
-	std::optional<cli::Length> accuracy;
+	std::optional<cli::Length> accuracy, wrap;
 	double cost = 100;
 };
 
@@ -52,9 +53,10 @@ struct Effort
 	double mostSeconds;  // of a contender
 };
 constexpr Effort kFull = {2000, 10000, 100, 3, {640, 2, 30}, 600};
-constexpr Effort kQuick = {250, 1000, 24, 1, {480, 1, 30}, 25};
+constexpr Effort kQuick = {1000, 1000, 24, 1, {480, 1, 30}, 25};
 
 constexpr double kUnlike = 30;  // radii that differ by more are of different units
+constexpr std::size_t kMostParts = 4;  // of a scene that is named as a whole
 constexpr double kDefaultAccuracy = 0.005;
 constexpr std::uint64_t kChoosingSeed = 0x636c6f64, kFreshSeed = 1;
 
@@ -67,7 +69,7 @@ double secondsSince(Clock::time_point start)
 void checkUsage(const TryOptions& options)
 {
 	for (const std::string& file : options.files)
-		if (!std::filesystem::is_regular_file(file))
+		if (!std::filesystem::is_regular_file(cli::meshPath(file).file))
 			throw Failure(ExitCode::badInput, fmt::format("{}: no such file", file));
 	makeDirectory(options.directory);
 	cli::PartialFile report(options.directory + "/report.html");  // never committed
@@ -75,31 +77,97 @@ void checkUsage(const TryOptions& options)
 		throw Failure(ExitCode::failure, problem);
 }
 
+// The same command with another word for meshes that are no sound solids.
+std::string commandWith(const TryOptions& options, const std::string& word)
+{
+	std::string command = "clod-bench try ";
+	for (const std::string& file : options.files) command += cli::shellWord(file) + " ";
+	return command + word + (options.quick ? " --quick -o " : " -o ") + cli::shellWord(options.directory);
+}
+
 TrialMesh openMesh(const TryOptions& options, const std::string& file, double scale, HierarchyCache& cache)
 {
 	const bool isMesh = std::filesystem::path(file).extension() != ".clod";
 	const int before = cache.built();
 	const auto start = Clock::now();
-	TrialMesh mesh{file, std::filesystem::path(file).stem().string(), nullptr, scale, 0, options.repair && isMesh};
+	TrialMesh mesh{file, cli::nameOf(cli::meshPath(file)), nullptr, scale, 0, {}};
+	if (isMesh && options.wrap) mesh.mended = "wrapped";
+	if (isMesh && options.repair) mesh.mended = "repaired";
 	try
 	{
-		mesh.hierarchy = cache.open(file, {false, mesh.isRepaired, scale});
+		BuildOptions build;
+		build.repair = options.repair;
+		build.scale = scale;
+		if (options.wrap) build.wrap = options.wrap->text;
+		mesh.hierarchy = cache.open(file, build);
 	}
 	catch (const Failure& failure)
 	{
-		if (failure.code() != ExitCode::badInput || options.repair) throw;
-		throw Failure(failure.code(), fmt::format("{}\n  Try again with --repair.", failure.what()));
+		const bool isRefused = failure.code() == ExitCode::badInput || failure.code() == ExitCode::limitReached;
+		if (!isRefused || !isMesh) throw;
+		const std::string word = options.wrap ? "--wrap 5%" : options.repair ? "--wrap 2%" : "--repair";
+		throw Failure(failure.code(), fmt::format("{}: the builder refused this mesh (its reason is above)\n  Try: {}",
+												  file, commandWith(options, word)));
 	}
 	mesh.buildSeconds = cache.built() > before ? secondsSince(start) : std::nan("");
 	return mesh;
 }
 
+// A mesh to try; a part of a scene that was named as a whole can be done without.
+struct Wanted
+{
+	std::string path;
+	bool isOfScene;
+};
+
+// Of a glTF scene the parts with the most faces, in the scene's order, but what is tiny beside the largest.
+std::vector<Wanted> wantedOf(const std::string& path, bool quiet)
+{
+	std::vector<ScenePart> parts = partsOf(path);
+	if (parts.size() < 2) return {{path, false}};
+	double largest = 0;
+	std::vector<std::size_t> faces;
+	for (const ScenePart& part : parts) largest = std::max(largest, part.radius);
+	const auto isTiny = [&](const ScenePart& part) { return part.radius * kUnlike < largest; };
+	for (const ScenePart& part : parts)
+		if (!isTiny(part)) faces.push_back(part.faces);
+	std::sort(faces.rbegin(), faces.rend());
+	const std::size_t fewest = faces[std::min(faces.size(), kMostParts) - 1];
+	std::vector<Wanted> wanted;
+	for (const ScenePart& part : parts)
+		if (!isTiny(part) && part.faces >= fewest && wanted.size() < kMostParts)
+			wanted.push_back({path + "#" + part.name, true});
+	if (!quiet)
+		fmt::print(stderr, "{}: {} of its {} parts are tried; name others as {}\n", path, wanted.size(), parts.size(),
+				   cli::shellWord(path + "#PART"));
+	return wanted;
+}
+
+std::vector<Wanted> everyWanted(const TryOptions& options)
+{
+	std::vector<Wanted> all;
+	for (const std::string& file : options.files)
+		for (Wanted& wanted : wantedOf(file, options.common.quiet)) all.push_back(std::move(wanted));
+	return all;
+}
+
 // Meshes of unlike sizes are taken to be in different units: those far from the first are brought to its radius.
 void openMeshes(Trial& trial, const TryOptions& options, HierarchyCache& cache)
 {
-	for (const std::string& file : options.files)
+	const std::vector<Wanted> every = everyWanted(options);
+	for (const auto& [file, isOfScene] : every)
 	{
-		trial.meshes.push_back(openMesh(options, file, 1, cache));
+		try
+		{
+			trial.meshes.push_back(openMesh(options, file, 1, cache));
+		}
+		catch (const Failure& failure)
+		{
+			const bool isLast = &file == &every.back().path;
+			if (!isOfScene || failure.code() == ExitCode::failure || (isLast && trial.meshes.empty())) throw;
+			fmt::print(stderr, "{}\n{} is left out.\n", failure.what(), file);
+			continue;
+		}
 		const double first = double(trial.meshes.front().hierarchy->asset().radius);
 		const double scale = first / double(trial.meshes.back().hierarchy->asset().radius);
 		if (scale <= kUnlike && scale >= 1 / kUnlike) continue;
@@ -120,7 +188,7 @@ void openMeshes(Trial& trial, const TryOptions& options, HierarchyCache& cache)
 void setUpScene(Trial& trial, const TryOptions& options, HierarchyCache& cache)
 {
 	std::vector<SceneModel> models;
-	for (const TrialMesh& mesh : trial.meshes) models.push_back({mesh.name, mesh.file, mesh.scale, mesh.isRepaired});
+	for (const TrialMesh& mesh : trial.meshes) models.push_back({mesh.name, mesh.file, mesh.scale, options.repair});
 	trial.scene = demo::trial(models, trial.radius, trial.smallest);
 	trial.tolerance = trial.scene.info.tolerance;
 	const SceneModel& floor = trial.scene.info.models.front();
@@ -230,8 +298,10 @@ void recommend(Trial& trial, const TouchingPair& pair, const TouchingPoses& choo
 std::string commandOf(const TryOptions& options)
 {
 	std::string command = "clod-bench try";
-	for (const std::string& file : options.files) command += " " + std::filesystem::path(file).filename().string();
+	for (const std::string& file : options.files)
+		command += " " + cli::shellWord(std::filesystem::path(file).filename().string());
 	if (options.repair) command += " --repair";
+	if (options.wrap) command += " --wrap " + options.wrap->text;
 	if (options.quick) command += " --quick";
 	if (options.accuracy) command += " --accuracy " + options.accuracy->text;
 	return command + fmt::format(" --cost-us {:g} --seed {}", options.cost, options.common.seed);
@@ -292,7 +362,10 @@ void addTryCommand(CLI::App& program)
 		"wrong it was, and which setting to take. scripts/peers sets up V-HACD.");
 	command->add_option("MESH", options->files, "One or more mesh or .clod files, of any unit")->required();
 	command->add_option("-o", options->directory, "Directory for report.html, report.json and film/")->required();
-	command->add_flag("--repair", options->repair, "Mend the meshes before they are built");
+	CLI::Option* const repair = command->add_flag("--repair", options->repair, "Mend the meshes before they are built");
+	cli::addLength(*command, "--wrap", options->wrap,
+				   "Take watertight wraps round the meshes instead, which close gaps narrower than this")
+		->excludes(repair);
 	command->add_flag("--quick", options->quick, "Three minutes instead of all poses and passes");
 	command->add_flag("--no-film", options->noFilm, "No pictures, which take most of the time");
 	cli::addLength(*command, "--accuracy", options->accuracy, "What the recommended setting has to keep [0.5%]");

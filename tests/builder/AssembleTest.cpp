@@ -13,6 +13,7 @@
 #include "builder/assemble/ConvexDistance.h"
 #include "builder/assemble/MassProperties.h"
 #include "builder/assemble/Protrusion.h"
+#include "builder/assemble/Walls.h"
 #include "tests/support/HierarchyContents.h"
 #include "tests/support/LeafHierarchy.h"
 #include "tests/support/Meshes.h"
@@ -79,6 +80,23 @@ TEST(AssembleSphere, ContainsAllAndIsTightOnABox)
 	const Sphere s = boundingSphere(boxMesh({1, 2, 3}, 3).vertices);
 	EXPECT_NEAR(s.radius, std::sqrt(14.0), 1e-6);
 	EXPECT_NEAR(length(s.center), 0, 1e-5);
+}
+
+TEST(AssembleSphere, ContainsEveryPointToTheLastBit)
+{
+	std::mt19937_64 random(1);
+	std::uniform_real_distribution<double> where(-1, 1);
+	for (int cloud = 0; cloud < 2000; ++cloud)
+	{
+		std::vector<Vec3> points;
+		for (int i = 0; i < 30; ++i)
+		{
+			const double x = where(random), y = where(random);
+			points.push_back(normalized({x, y, where(random)}));
+		}
+		const Sphere s = boundingSphere(points);
+		for (const Vec3& p : points) ASSERT_LE(length(p - s.center), s.radius) << cloud;
+	}
 }
 
 TEST(AssembleDistance, AgreesWithABoxAndNeverUnderestimates)
@@ -190,6 +208,102 @@ TEST(AssembleProtrusion, BoxAboveAPlateIsBoundedAndTight)
 		const Protrusion p = lifted(height);
 		EXPECT_GE(p.upper, height);
 		EXPECT_LE(p.upper, std::max(1.3 * height, 3e-4)) << height;
+	}
+}
+
+// A slab over the mouth of a square pit: the farthest from the solid is the middle of the mouth, which none of the
+// slab's corners shows.
+TEST(AssembleProtrusion, WhatNoCornerShowsCounts)
+{
+	Mesh pit;
+	for (const double z : {-4.0, 0.0})
+		for (const Vec3& v : {Vec3{-3, -3, z}, Vec3{3, -3, z}, Vec3{3, 3, z}, Vec3{-3, 3, z}})
+			pit.vertices.push_back(v);
+	for (const double z : {-3.0, 0.0})
+		for (const Vec3& v : {Vec3{-1, -1, z}, Vec3{1, -1, z}, Vec3{1, 1, z}, Vec3{-1, 1, z}})
+			pit.vertices.push_back(v);
+	const auto quad = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d)
+	{
+		pit.triangles.push_back({a, b, c});
+		pit.triangles.push_back({a, c, d});
+	};
+	quad(0, 3, 2, 1);
+	quad(8, 9, 10, 11);
+	for (std::uint32_t i = 0; i < 4; ++i)
+	{
+		const std::uint32_t j = (i + 1) % 4;
+		quad(i, j, 4 + j, 4 + i);            // outside
+		quad(8 + i, 12 + i, 12 + j, 8 + j);  // the pit's sides
+		quad(4 + i, 4 + j, 12 + j, 12 + i);  // the top round it
+	}
+	const Solid solid(pit);
+	for (const double share : {0.0, 0.13, 0.37, 0.61})  // more on one side, into the solid
+	{
+		ConvexBody body;
+		for (const double z : {0.0, -0.05})
+			for (const Vec3& v : {Vec3{-1, -1, z}, Vec3{1 + share, -1, z}, Vec3{1 + share, 1, z}, Vec3{-1, 1, z}})
+				body.points.push_back(v);
+		body.realNormals = {{0, 0, 1}};
+		const Protrusion p = protrusion(solid, body, {5, 1e-6, 3000});
+		EXPECT_GE(p.upper, 1) << share;
+		EXPECT_LE(p.upper, 1.2) << share;
+		// Given up early, it is a bound all the same.
+		EXPECT_GE(protrusion(solid, body, {5, 1e-6, 3000}, 0.3).upper, 1) << share;
+	}
+}
+
+// A patch over a wall of 1 and a wall of 0.2: its hull is no thicker than half the thinner one.
+TEST(AssembleWalls, TheThinnestWallCounts)
+{
+	// Along y; x and z of its profile, clockwise from the top left.
+	const double profile[7][2] = {{-1, 0}, {0, 0}, {1, 0}, {1, -0.2}, {0, -0.2}, {0, -1}, {-1, -1}};
+	Mesh step;
+	for (const double y : {-1.0, 1.0})
+		for (const auto& p : profile) step.vertices.push_back({p[0], y, p[1]});
+	for (std::uint32_t i = 0; i < 7; ++i)
+	{
+		const std::uint32_t j = (i + 1) % 7;
+		step.triangles.push_back({i, j, j + 7});
+		step.triangles.push_back({i, j + 7, i + 7});
+	}
+	for (const std::array<std::uint32_t, 3>& t :
+		 {std::array<std::uint32_t, 3>{6, 5, 4}, {6, 4, 0}, {0, 4, 1}, {1, 4, 3}, {1, 3, 2}})
+	{
+		step.triangles.push_back(t);
+		step.triangles.push_back({t[0] + 7, t[2] + 7, t[1] + 7});
+	}
+	const Solid solid(step);
+	NodeDraft node;
+	node.vertices = {step.vertices[0], step.vertices[2], step.vertices[9], step.vertices[7]};
+	node.faces = {{0, 1, 2}, {0, 2, 3}};
+	node.inward = {0, 0, -1};
+	node.coneCosine = 1;
+	for (std::uint32_t face = 0; face < 4; ++face) node.pieces.push_back({face, 0, std::uint16_t(Piece::kCodes), 0});
+	SweepRule rule{};
+	rule.harmless = 1e-3;
+	rule.most = 0.01;
+	thicken(node, solid, {2, 1e-6, 3000}, rule);
+	EXPECT_LE(node.thickness, 0.1);
+	EXPECT_GT(node.thickness, 0.09);
+	EXPECT_LE(node.bounds.protrude, 1e-3);
+}
+
+// A prism of thickness 1 under a triangle, and three input points: above it, beside a face by more but inside, near.
+TEST(AssembleCover, IsThatOfTheFarthestPointInWhateverOrder)
+{
+	NodeDraft node;
+	node.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+	node.faces = {{0, 1, 2}};
+	node.inward = {0, 0, -1};
+	node.thickness = 1;
+	node.pieces = {{0, 0, std::uint16_t(Piece::kCodes), 0}};
+	Mesh input;
+	input.vertices = {{0.2, 0.2, 0.3}, {0.2, 0.25, -0.9}, {0.3, 0.2, 0.1}};
+	for (const std::array<std::uint32_t, 3>& order :
+		 {std::array<std::uint32_t, 3>{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}})
+	{
+		input.triangles = {order};
+		EXPECT_NEAR(coverAndReachOf(node, input, {0.1, 1e-4}).cover, 0.3, 1e-6);
 	}
 }
 

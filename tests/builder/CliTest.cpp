@@ -15,6 +15,7 @@
 
 #include "cli/Files.h"
 #include "cli/Length.h"
+#include "cli/MeshPath.h"
 #include "cli/Suggestion.h"
 #include "tests/builder/ObjText.h"
 #include "tests/support/ChildProgram.h"
@@ -144,6 +145,85 @@ TEST_F(Cli, ExportedSurfaceBuildsAgain)
 	EXPECT_TRUE(fs::exists(path("all.0.ply")));
 }
 
+TEST(MeshPath, APartStandsBehindAGltfFileOnly)
+{
+	using namespace cli;
+	EXPECT_EQ(meshPath("a/b.GLB#Big wheel").file, "a/b.GLB");
+	EXPECT_EQ(meshPath("a/b.GLB#Big wheel").part, "Big wheel");
+	EXPECT_EQ(meshPath("a/part#3.obj").file, "a/part#3.obj");
+	EXPECT_EQ(meshPath("a.gltf").part, "");
+	EXPECT_EQ(nameOf(meshPath("x.y/cup.final.stl")), "cup.final");
+	EXPECT_EQ(nameOf(meshPath("x.y/cup")), "cup");
+	EXPECT_EQ(nameOf(meshPath("a.glb#wheel")), "wheel");
+	EXPECT_EQ(shellWord("a/b-1.2_c.obj"), "a/b-1.2_c.obj");
+	EXPECT_EQ(shellWord("a b#c"), "'a b#c'");
+	EXPECT_EQ(shellWord("it's"), "'it'\\''s'");
+	EXPECT_EQ(shellWord(""), "''");
+}
+
+// A glTF scene of two tetrahedra of one mesh and name, the second moved by (10, 0, 0), and a lone triangle.
+TEST_F(Cli, PartsOfASceneAreBuiltByThemselves)
+{
+	std::string buffer;
+	const auto append = [&](auto value) { buffer.append(reinterpret_cast<const char*>(&value), sizeof value); };
+	for (const float x : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f}) append(x);
+	for (const int i : {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3}) append(std::uint16_t(i));
+	writeText("scene.bin", buffer);
+	const auto accessor = [](int view, int type, int count, const char* shape) -> nlohmann::json {
+		return {{"bufferView", view}, {"componentType", type}, {"count", count}, {"type", shape}};
+	};
+	const auto mesh = [](int indices) -> nlohmann::json {
+		return {{"primitives", {{{"attributes", {{"POSITION", 0}}}, {"indices", indices}}}}};
+	};
+	const nlohmann::json scene = {
+		{"asset", {{"version", "2.0"}}},
+		{"scene", 0},
+		{"scenes", {{{"nodes", {0, 1, 2}}}}},
+		{"nodes",
+		 {{{"mesh", 0}, {"name", "Big wheel"}},
+		  {{"mesh", 0}, {"name", "Big wheel"}, {"translation", {10, 0, 0}}},
+		  {{"mesh", 1}, {"name", "flag"}}}},
+		{"meshes", {mesh(1), mesh(2)}},
+		{"accessors", {accessor(0, 5126, 4, "VEC3"), accessor(1, 5123, 12, "SCALAR"), accessor(1, 5123, 3, "SCALAR")}},
+		{"bufferViews",
+		 {{{"buffer", 0}, {"byteOffset", 0}, {"byteLength", 48}},
+		  {{"buffer", 0}, {"byteOffset", 48}, {"byteLength", 24}}}},
+		{"buffers", {{{"uri", "scene.bin"}, {"byteLength", 72}}}}};
+	writeText("scene.gltf", scene.dump());
+	const std::string file = path("scene.gltf");
+
+	ASSERT_EQ(run({"parts", file, "--json", "-"}), 0) << err();
+	const auto parts = nlohmann::json::parse(out())["parts"];
+	ASSERT_EQ(parts.size(), 3u);
+	EXPECT_EQ(parts[0]["name"], "Big_wheel");
+	EXPECT_EQ(parts[1]["name"], "Big_wheel_2");
+	EXPECT_EQ(parts[2]["name"], "flag");
+	EXPECT_EQ(parts[1]["faces"], 4);
+
+	ASSERT_EQ(run({"build", file + "#Big_wheel_2", "-o", path("one.clod"), "--quiet", "--json", path("one.json")}), 0)
+		<< err();
+	EXPECT_NEAR(nlohmann::json::parse(readText(path("one.json")))["center_of_mass"][0].get<double>(), 10.25, 1e-6);
+	EXPECT_EQ(run({"check", path("one.clod"), "--mesh", file + "#Big_wheel_2", "--quiet"}), 0) << err();
+	EXPECT_EQ(run({"check", path("one.clod"), "--mesh", file + "#Big_wheel", "--quiet"}), 4);
+	EXPECT_EQ(run({"build", file + "#wheel", "-o", path("a.clod"), "--quiet"}), 3);
+	EXPECT_NE(err().find("Try: clod-build parts"), std::string::npos) << err();
+
+	// What is refused does not keep the others from being built.
+	EXPECT_EQ(run({"build", file, "--parts", "-o", path("all"), "--quiet", "--json", path("all.json")}), 3);
+	EXPECT_NE(err().find("part flag: open boundary"), std::string::npos) << err();
+	EXPECT_NE(err().find("1 of 3 parts are refused"), std::string::npos) << err();
+	EXPECT_NE(err().find("--parts --repair"), std::string::npos) << err();
+	EXPECT_EQ(readText(path("all/Big_wheel_2.clod")), readText(path("one.clod")));
+	EXPECT_TRUE(fs::exists(path("all/Big_wheel.clod")));
+	EXPECT_FALSE(fs::exists(path("all/flag.clod")));
+	const auto all = nlohmann::json::parse(readText(path("all.json")))["parts"];
+	EXPECT_EQ(all[0]["triangles"], 4);
+	EXPECT_TRUE(all[2].contains("refused"));
+
+	EXPECT_EQ(run({"parts", path("torus.obj")}), 3);
+	EXPECT_NE(err().find("Try: clod-build build"), std::string::npos) << err();
+}
+
 TEST_F(Cli, UsageErrorsNameTheNearestMatch)
 {
 	EXPECT_EQ(run({"biuld"}), 2);
@@ -173,6 +253,10 @@ TEST_F(Cli, BadInputIsExitCode3AndWritesNothing)
 	EXPECT_EQ(run({"build", path("open.obj"), "-o", path("a.clod")}), 3);
 	EXPECT_NE(err().find("open boundary: edge (0, 1) of face 0"), std::string::npos) << err();
 	EXPECT_EQ(run({"build", path("none.obj"), "-o", path("a.clod")}), 3);
+	// A format that is not read: what converts it, into another file.
+	writeText("part.dae", "<COLLADA/>");
+	EXPECT_EQ(run({"build", path("part.dae"), "-o", path("a.clod")}), 3);
+	EXPECT_NE(err().find("Try: assimp export " + path("part.dae") + " part-exported.obj"), std::string::npos) << err();
 	EXPECT_EQ(run({"build", m_folder.path().string(), "-o", path("a.clod")}), 3);
 	writeText("bad.clod", "not a hierarchy");
 	EXPECT_EQ(run({"info", path("bad.clod")}), 3);

@@ -8,6 +8,7 @@
 
 #include "builder/intake/Intake.h"
 #include "builder/intake/ReadMesh.h"
+#include "tests/support/Files.h"
 #include "tests/support/Meshes.h"
 
 namespace clod::test
@@ -188,6 +189,19 @@ TEST(IntakeFormats, AgreeToTheBit)
 		EXPECT_EQ(found.mesh.triangles, expected.mesh.triangles) << format.name;
 		EXPECT_EQ(found.meshFromBody, expected.meshFromBody) << format.name;
 	}
+}
+
+// By the ending of the name, however it is written.
+TEST(IntakeFormats, FilesAreReadByTheirEndings)
+{
+	const TemporaryFolder folder;
+	const builder::Intake expected = builder::intake(builder::parseObj(asObj()));
+	const std::vector<std::pair<const char*, std::string>> files = {
+		{"a.obj", asObj()},       {"b.OFF", asOff()},   {"c.ply", asPlyBinary(true)},
+		{"d.Stl", asStlBinary()}, {"e.f.glb", asGlb()}, {"g.GLB", asGlb()}};
+	for (const auto& [name, bytes] : files)
+		EXPECT_EQ(builder::intakeFile(folder.file(name, bytes)).mesh.triangles, expected.mesh.triangles) << name;
+	EXPECT_THROW(builder::intakeFile(folder.file("a.dae", asObj())), builder::Refused);
 }
 
 // Every shorter file is refused or is, by chance of where text was cut, still the whole solid.

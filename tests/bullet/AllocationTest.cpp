@@ -247,8 +247,8 @@ TEST(Memory, OfAPairIsWhatItsContactsTake)
 		EXPECT_EQ(report.pairsInContact, unsigned(Digits::kPairs)) << name;
 		EXPECT_EQ(report.pairs, unsigned(Digits::kPairs)) << name;
 		EXPECT_GT(apart, 0) << name;
-		EXPECT_LE(apart, 8 << 10) << name;
-		EXPECT_LE(touching, (isFlat ? 76 : 39) << 10) << name;
+		EXPECT_LE(apart, 5 << 10) << name;
+		EXPECT_LE(touching, (isFlat ? 73 : 28) << 10) << name;
 	}
 }
 

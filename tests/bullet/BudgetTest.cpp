@@ -4,10 +4,25 @@
 
 #include <algorithm>
 
+#include "clod/schedule/StepBudget.h"
 #include "tests/bullet/Toruses.h"
 
 namespace clod::test
 {
+TEST(StepBudget, AStepThatWasCutShortMakesTheNextCoarser)
+{
+	StepBudget cut, whole;
+	for (int step = 0; step < 10; ++step)
+		for (StepBudget* budget : {&cut, &whole})
+		{
+			budget->begin({1000, kOff});
+			budget->spend(900, budget == &cut);
+			budget->end();
+		}
+	EXPECT_EQ(whole.coarsening(), 1);
+	EXPECT_GT(cut.coarsening(), 1);
+}
+
 TEST(BulletBudget, AFullOneGivesTheTrajectoryOfNone)
 {
 	const std::uint64_t none = Toruses(false).run(120, kOff);

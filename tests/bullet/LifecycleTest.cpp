@@ -172,12 +172,8 @@ TEST(Lifecycle, AnotherHierarchyInTheSamePlaceIsNoticed)
 			[&](const PairReport& pair)
 			{
 				nodes = pair.hierarchyA->nodes().size;
-				for (const ContactCluster& cluster : pair.clusters->slots)
-					for (int i = 0; i < cluster.count; ++i)
-					{
-						const ContactPoint& point = cluster.points[std::size_t(i)].point;
-						largest = std::max({largest, std::size_t(point.nodeA), std::size_t(point.nodeB)});
-					}
+				for (const HeldPoint& held : pair.clusters->points())
+					largest = std::max({largest, std::size_t(held.point.nodeA), std::size_t(held.point.nodeB)});
 			});
 		EXPECT_GT(scene.contacts(), 0);
 		EXPECT_LT(largest, nodes);

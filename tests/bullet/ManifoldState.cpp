@@ -60,8 +60,7 @@ Bits stateOf(BulletWorld& scene)
 	scene.context.forEachPair(
 		[&bits](const PairReport& report)
 		{
-			for (const ContactCluster& cluster : report.clusters->slots)
-				for (int i = 0; i < cluster.count; ++i) append(bits, cluster.points[std::size_t(i)].impulse);
+			for (const HeldPoint& held : report.clusters->points()) append(bits, held.impulse);
 		});
 	return bits;
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <string>
 
+#include "clod/manifold/PartnerContacts.h"
 #include "tests/bullet/BulletWorld.h"
 #include "tests/query/Bodies.h"
 
@@ -87,16 +88,46 @@ TEST(PairReport, LevelsAgainstAPlaneAreThoseOfThePoints)
 		const PairReport report = scene.with(ContactMetric::deviationShare(share));
 		ASSERT_GT(report.points, 0u);
 		EXPECT_LE(report.finestLevel, report.coarsestLevel);
-		for (const ContactCluster& cluster : report.clusters->slots)
-			for (int i = 0; i < cluster.count; ++i)
-			{
-				const std::uint32_t level = report.hierarchyA->node(cluster.points[std::size_t(i)].point.nodeA).level;
-				EXPECT_GE(level, report.finestLevel);
-				EXPECT_LE(level, report.coarsestLevel);
-			}
+		for (const HeldPoint& held : report.clusters->points())
+		{
+			const std::uint32_t level = report.hierarchyA->node(held.point.nodeA).level;
+			EXPECT_GE(level, report.finestLevel);
+			EXPECT_LE(level, report.coarsestLevel);
+		}
 		coarsest = std::max(coarsest, report.coarsestLevel);
 	}
 	EXPECT_GT(coarsest, 1u);
+}
+
+// A plane has no error: what is certified is what the torus lacks, or has too much of, whichever is more.
+TEST(PairReport, TheErrorAgainstAPlaneIsThatOfTheNodesThatAnswer)
+{
+	int byProtrusion = 0;
+	for (const char* name : {"ring", "cup-3000", "spoon-3000", "plate"})
+	{
+		const Hierarchy& hierarchy = *body(name).hierarchy;
+		const OrientedBox& box = hierarchy.cullBox(hierarchy.root());
+		for (const double share : {0.0, 0.03, 0.3, 3.0})
+			for (const Vec3& normal : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}, Vec3{0, -1, 0}})
+			{
+				Metric metric;
+				metric.weightedDeviation = share * double(hierarchy.asset().radius);
+				PartnerContacts partner;
+				PartnerStats stats;
+				std::vector<Contact> contacts;
+				partner.withHalfSpace(hierarchy, normal, dot(normal, toVec3(box.center)), metric, 0, contacts, stats);
+				ASSERT_FALSE(contacts.empty());
+				double cover = 0, protrude = 0;
+				for (const Contact& contact : contacts)
+				{
+					cover = std::max(cover, double(hierarchy.node(contact.nodeA).cover));
+					protrude = std::max(protrude, double(hierarchy.node(contact.nodeA).protrude));
+				}
+				EXPECT_EQ(stats.errorBound, std::max(cover, protrude)) << name << " " << share;
+				byProtrusion += protrude > cover;
+			}
+	}
+	EXPECT_GT(byProtrusion, 0);
 }
 
 // Coarse contacts are off by more than the thinner wall: said in the report, in the step's sums, and once aloud.

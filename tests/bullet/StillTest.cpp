@@ -150,6 +150,37 @@ TEST(Still, WhatIsTooSteepSlides)
 		}
 }
 
+// A digit lies flat on the ground by few points, and under another by many.
+TEST(Still, WhatLiesAloneHasFewPoints)
+{
+	Heap heap;
+	const auto lay = [&](double height) -> btRigidBody&
+	{
+		btRigidBody& digit = heap.drop("number8-600", {0, height, 0});
+		digit.getWorldTransform().setRotation(btQuaternion(btVector3(1, 0, 0), btScalar(-1.57079632679)));
+		heap.step(480);
+		return digit;
+	};
+	const btRigidBody& lower = lay(0.2);
+	const int alone = heap.contacts();
+	const double height = heightOf(lower);
+	EXPECT_GE(alone, 4);
+	EXPECT_LE(alone, 10);
+	btRigidBody& upper = lay(3 * height);
+	int loaded = 0;
+	for (int i = 0; i < heap.dispatcher.getNumManifolds(); ++i)
+	{
+		const btPersistentManifold& manifold = *heap.dispatcher.getManifoldByIndexInternal(i);
+		if (manifold.getBody0() != &upper && manifold.getBody1() != &upper) loaded += manifold.getNumContacts();
+	}
+	EXPECT_GT(loaded, 2 * alone);
+	EXPECT_NEAR(heightOf(lower), height, 2e-4 * kSize);
+	heap.world.removeRigidBody(&upper);
+	heap.step(240);
+	EXPECT_LE(heap.contacts(), 10);
+	EXPECT_NEAR(heightOf(lower), height, 2e-4 * kSize);
+}
+
 TEST(Still, GroundThatIsMovedAwayHoldsNothing)
 {
 	Heap heap(true);

@@ -8,6 +8,7 @@
 #include <functional>
 #include <stdexcept>
 
+#include "clod/bullet/BodyState.h"
 #include "tests/bullet/CubeOnSlab.h"
 #include "tests/bullet/ManifoldState.h"
 
@@ -270,5 +271,45 @@ TEST(Unchanged, APairIsAskedAnewOnlyWhenItsQuestionChanges)
 	scene.world.performDiscreteCollisionDetection();
 	EXPECT_EQ(queryTime(scene), 0);
 	EXPECT_NE(pointsOf(scene), rough);
+}
+
+// A body over a plane is not looked at before it can meet it: it falls, is hit and spins as where it is (a plane that might move).
+TEST(Unchanged, WhatStaysOverAPlaneIsNotLookedAt)
+{
+	for (const bool meetsImpacts : {false, true})
+		for (const auto& [speed, height] : {std::pair{0.0, 6.0}, {5.0, 6.0}, {60.0, 6.0}, {60.0, 2.2}})
+		{
+			std::vector<Vec3> ways[2];
+			int looks[2] = {0, 0};
+			for (const bool mayMove : {false, true})
+			{
+				BulletWorld scene(meetsImpacts);
+				scene.timeStep = 1.0 / 60;
+				if (meetsImpacts) static_cast<btClodDynamicsWorld&>(scene.world).setMostParts(1);
+				scene.context.pairMetric = [&](const btCollisionObject& a, const btCollisionObject& b, ContactMetric&)
+				{
+					looks[mayMove] += a.isStaticOrKinematicObject() || b.isStaticOrKinematicObject();
+					return false;
+				};
+				btRigidBody& ground =
+					scene.addBody(scene.add(std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), btScalar(0.5))), 0, {});
+				if (mayMove) ground.setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+				btClodShape& shape = scene.addShape(cube());
+				shape.setLocalScaling(btVector3(1, 2, 1));
+				const btRigidBody& lower = scene.addBody(shape, 1, {0, height, 0});
+				btRigidBody& upper = scene.addBody(shape, 5, {0.2, height + 4, 0.1});
+				upper.setLinearVelocity(btVector3(0, btScalar(-speed), 0));
+				upper.setAngularVelocity(btVector3(1, 0, btScalar(0.3 * speed)));
+				for (int i = 0; i < 150; ++i)
+				{
+					scene.step();
+					for (const btRigidBody* body : {&lower, static_cast<const btRigidBody*>(&upper)})
+						ways[mayMove].push_back(toVec3(body->getWorldTransform().getOrigin()));
+				}
+			}
+			EXPECT_TRUE(ways[0] == ways[1]) << speed << " " << meetsImpacts;
+			EXPECT_LE(looks[0], looks[1] - (speed < 50 ? 20 : 0)) << speed << " " << meetsImpacts;  // fast bodies always are
+			EXPECT_GT(looks[0], 40);
+		}
 }
 }  // namespace clod::test

@@ -88,11 +88,9 @@ TEST(WrittenPoints, NameTheFaceAndTheLevelOfEachBodyThatTheyLieOn)
 			scene.context.forEachPair(
 				[&](const PairReport& pair)
 				{
-					for (const ContactCluster& cluster : pair.clusters->slots)
-						if (cluster.count > 0 && pair.hierarchyA == ring().get())
-							ringLevel = pair.hierarchyA->node(cluster.points[0].point.nodeA).level;
-						else if (cluster.count > 0)
-							ringLevel = pair.hierarchyB->node(cluster.points[0].point.nodeB).level;
+					for (const HeldPoint& held : pair.clusters->points())
+						ringLevel = pair.hierarchyA == ring().get() ? pair.hierarchyA->node(held.point.nodeA).level
+																	: pair.hierarchyB->node(held.point.nodeB).level;
 				});
 			for (btPersistentManifold* manifold : manifoldsOf(scene))
 				for (int k = 0; k < manifold->getNumContacts(); ++k)

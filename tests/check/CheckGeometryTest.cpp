@@ -12,6 +12,11 @@
 #include "builder/check/LevelSolid.h"
 #include "tests/support/Meshes.h"
 
+namespace clod::check
+{
+double outsideBox(const OrientedBox& box, const Vec3& p);  // Culling.cpp
+}
+
 namespace clod::test
 {
 namespace
@@ -103,6 +108,26 @@ check::Invariant contactAreas(const std::vector<check::Invariant>& all)
 	throw std::runtime_error("contact-areas was not checked");
 }
 }  // namespace
+
+TEST(CheckCulling, ABoxEndsAlongAllItsAxes)
+{
+	OrientedBox box{};
+	box.radius = 10;
+	for (int i = 0; i < 3; ++i)
+	{
+		box.axis[i][i] = 1;
+		box.half[i] = 1;
+	}
+	for (int i = 0; i < 3; ++i)
+		for (const double side : {1.0, -1.0})
+		{
+			Vec3 p;
+			p[i] = 1.5 * side;
+			EXPECT_DOUBLE_EQ(check::outsideBox(box, p), 0.5) << i;
+			p[i] = 0.5 * side;
+			EXPECT_LT(check::outsideBox(box, p), 0) << i;
+		}
+}
 
 TEST(CheckSolid, TellsTheSideNextToAnAcuteEdge)
 {

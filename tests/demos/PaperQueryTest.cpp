@@ -50,9 +50,19 @@ TEST(PaperQuery, CertifiesItsGapAtAnyThreshold)
 		const double radius = smallerRadius(torus, torus);
 		Settings settings;
 		settings.tolerance = 0.02 * radius;
-		settings.metric.weightedDeviation = std::pow(10, uniform(random, -4, -1)) * radius;
+		settings.metric.weightedDeviation = std::pow(10, uniform(random, -4, 1)) * radius;
 		GapResult paper;
 		paperQuery(*torus.hierarchy, *torus.hierarchy, pose, settings, paper);
+		std::uint32_t finest = paper.contacts.empty() ? paper.stats.finestLevel : kNone;
+		std::uint32_t coarsest = paper.contacts.empty() ? paper.stats.coarsestLevel : 0;
+		for (const Contact& contact : paper.contacts)
+			for (const std::uint32_t node : {contact.nodeA, contact.nodeB})
+			{
+				finest = std::min(finest, torus.hierarchy->node(node).level);
+				coarsest = std::max(coarsest, torus.hierarchy->node(node).level);
+			}
+		EXPECT_EQ(paper.stats.finestLevel, finest) << i;
+		EXPECT_EQ(paper.stats.coarsestLevel, coarsest) << i;
 		EXPECT_EQ(broken(paper, triangleGap(torus.triangles, torus.triangles, pose, 1e-3 * radius), settings.tolerance), "") << i;
 	}
 }

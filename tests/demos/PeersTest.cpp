@@ -77,6 +77,19 @@ TEST(Accuracy, TurnedNormalsDoNotCover)
 	}
 }
 
+// In a corner two directions are right.
+TEST(Accuracy, TheNearestOfTheNormalsAtAPlaceCounts)
+{
+	ExactRow corner;
+	corner.contacts = {{{0, 0, 0}, {0, 1, 0}, 0, 0}, {{0, 0, 0}, {1, 0, 0}, 0, 0}};
+	for (const PeerContact& contact : corner.contacts)
+	{
+		PeerAnswer answer;
+		answer.contacts = {contact};
+		EXPECT_EQ(compare(corner, answer, rules()).normalError, 0);
+	}
+}
+
 TEST(Accuracy, ContactsWithoutNormalSayNothingOfDirections)
 {
 	PeerAnswer answer = answerOf(exactRow());

@@ -10,6 +10,7 @@
 #include "demos/runner/Film.h"
 #include "demos/runner/Frames.h"
 #include "demos/runner/InputSurface.h"
+#include "demos/runner/LevelPictures.h"
 #include "tests/demos/BuiltBody.h"
 
 namespace
@@ -196,5 +197,31 @@ TEST(RunnerFrames, FilmsHaveFramesEnough)
 	EXPECT_EQ(frameEvery(1440, 1.0 / 960), 9);  // 1.5 s: 160 frames
 	EXPECT_EQ(frameEvery(100, 1.0 / 240), 1);   // no more than there are
 	EXPECT_EQ(frameEvery(9600, 1.0 / 1920), 64);
+}
+// A lies left of B: pulled along contact normals that point to it, its left end is farther left than pulled the other
+// way.
+TEST(RunnerFrames, PatchesInContactArePulledApartAlongTheirNormals)
+{
+	const HierarchyPointer torus = test::builtBody("torus", 300).hierarchy;
+	FramePainter painter(subjectOf(torus, torus));
+	const auto leftEnd = [&](double side)
+	{
+		FrameAnswer answer = answerAt(*torus, 0, *torus, 0);
+		for (Contact& contact : answer.pairs[0].result.contacts) contact.normal = {side, 0, 0};
+		const Image image = painter.paintExploded(moment(), answer);
+		const Color exact = levelColor(0, 2);
+		for (int x = 0; x < image.width; ++x)
+			for (int y = image.height / 3; y < 2 * image.height / 3; ++y)
+				if (unlikeness(image.at(x, y), exact) < 0.2) return x;
+		return image.width;
+	};
+	EXPECT_LT(leftEnd(-1) + 20, leftEnd(1));
+}
+
+TEST(LevelPictures, HeatIsByHalfDecades)
+{
+	for (const auto& [share, step] :
+		 {std::pair(0.0, 0), {1e-4, 0}, {1.01e-4, 1}, {3.01e-4, 2}, {0.02, 5}, {0.1, 6}, {0.2, 7}})
+		EXPECT_EQ(heatStep(share), step) << share;
 }
 }  // namespace

@@ -235,6 +235,8 @@ TEST_F(RunnerCommand, LevelsArePlottedWhereGnuplotIs)
 	EXPECT_EQ(plot.code, hasGnuplot ? 0 : 1) << plot.err;
 	EXPECT_EQ(fs::exists(path("plot.png")), hasGnuplot);
 	EXPECT_EQ(plot.err.find("gnuplot is missing") == std::string::npos, hasGnuplot) << plot.err;
+	EXPECT_EQ(bench("levels " + path("bowl.obj") + " --errors " + path("heat.png") + " --quiet" + cache()).code, 0);
+	EXPECT_TRUE(fs::exists(path("heat.png")));
 }
 
 TEST_F(RunnerCommand, FigureFourHasARowAStepAndEveryRowARegime)

@@ -33,6 +33,15 @@ TEST(TrialPage, TextIsEscapedAndFilesBecomeData)
 	EXPECT_EQ(dataAddress(folder.file("none"), "a/b"), "");
 }
 
+TEST(TrialPage, ATableHasItsRowsAndCells)
+{
+	EXPECT_EQ(toHtml({"c", {"h", "i"}, {{"1", "2"}, {"3", "4"}}}),
+			  "<div class='scroll'><table><caption>c</caption><thead><tr><th scope='col'>h</th><th "
+			  "scope='col'>i</th></tr></thead>"
+			  "<tbody>\n<tr><th scope='row'>1</th><td>2</td></tr>\n<tr><th scope='row'>3</th><td>4</td></tr>\n"
+			  "</tbody></table></div>\n");
+}
+
 // x, y of every mark.
 std::vector<std::pair<double, double>> marks(const std::string& svg)
 {

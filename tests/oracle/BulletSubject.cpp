@@ -85,9 +85,7 @@ private:
 					a = std::min(a, nowA);
 					b = std::min(b, nowB);
 				};
-				for (const ContactCluster& cluster : report.clusters->slots)
-					for (int i = 0; i < cluster.count; ++i)
-						see(cluster.points[std::size_t(i)].point.nodeA, cluster.points[std::size_t(i)].point.nodeB);
+				for (const HeldPoint& held : report.clusters->points()) see(held.point.nodeA, held.point.nodeB);
 				if (level[0] == kNone)
 					for (const Contact& contact : report.result->contacts) see(contact.nodeA, contact.nodeB);
 			});

@@ -47,7 +47,7 @@ public:
 	// may change between steps. A metric that cannot be used (contactMetricError) makes its pairs exact and is warned
 	// of.
 	ContactMetric worldMetric = ContactMetric::errorShare(0.005);
-	// Returns true and fills the metric to decide a pair. Called once a pair and dispatch, maybe from several
+	// Returns true and fills the metric to decide a pair. Called once a pair and dispatch at most, maybe from several
 	// threads.
 	std::function<bool(const btCollisionObject& a, const btCollisionObject& b, ContactMetric& metric)> pairMetric;
 	// The eye of view metrics; none: a pair with a view metric is exact and warned of.

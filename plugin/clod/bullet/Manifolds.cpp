@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <typeinfo>
 
+#include "clod/bullet/BodyState.h"
 #include "clod/bullet/SolverTerms.h"
+#include "clod/collide/Room.h"
 #include "clod/query/Query.h"
 
 namespace clod
@@ -87,10 +89,22 @@ void ManifoldSet::append(btManifoldArray& manifolds) const
 
 bool ManifoldSet::carry() const
 {
-	for (std::size_t i = 0; m_slots && i < m_slots->size(); ++i)
-		for (int k = 0; k < (*m_slots)[i].count && k < m_manifolds[i]->getNumContacts(); ++k)
+	for (std::size_t i = 0; i < m_slots.size(); ++i)
+		for (int k = 0; k < m_slots[i].count && k < m_manifolds[i]->getNumContacts(); ++k)
 			if (m_manifolds[i]->getContactPoint(k).m_appliedImpulse > 0) return true;
 	return false;
+}
+
+Vec3 ManifoldSet::impulse() const
+{
+	Vec3 sum;
+	for (std::size_t i = 0; i < m_slots.size(); ++i)
+		for (int k = 0; k < m_slots[i].count && k < m_manifolds[i]->getNumContacts(); ++k)
+		{
+			const btManifoldPoint& point = m_manifolds[i]->getContactPoint(k);
+			sum += double(point.m_appliedImpulse) * toVec3(point.m_normalWorldOnB);
+		}
+	return sum;
 }
 
 const btManifoldPoint* ManifoldSet::find(const btPersistentManifold& manifold, const btVector3& localPointA)
@@ -102,11 +116,11 @@ const btManifoldPoint* ManifoldSet::find(const btPersistentManifold& manifold, c
 
 void ManifoldSet::readImpulses(HeldClusters& written) const
 {
-	for (std::size_t i = 0; m_slots && i < m_slots->size(); ++i)
-		for (std::size_t j = 0; j < std::size_t((*m_slots)[i].count); ++j)
+	for (std::size_t i = 0; i < m_slots.size(); ++i)
+		for (std::size_t j = 0; j < std::min(std::size_t(m_slots[i].count), std::size_t(written.count(i))); ++j)
 		{
-			const btManifoldPoint* point = find(*m_manifolds[i], (*m_slots)[i].localPointA[j]);
-			written.edit().slots[i].points[j].impulse = point ? double(point->m_appliedImpulse) : 0;
+			const btManifoldPoint* point = find(*m_manifolds[i], m_slots[i].localPointA[j]);
+			written.at(i, j).impulse = point ? double(point->m_appliedImpulse) : 0;
 		}
 }
 
@@ -144,10 +158,10 @@ bool ManifoldSet::isAsLeft(const WorldFrame& frame, const btManifoldResult& out)
 	for (std::size_t i = 0; i < m_manifolds.size(); ++i)
 	{
 		if (!m_manifolds[i]) continue;
-		const int count = m_slots ? (*m_slots)[i].count : 0;
+		const int count = i < m_slots.size() ? m_slots[i].count : 0;
 		if (m_manifolds[i]->getNumContacts() != count) return false;
 		if (count == 0) continue;
-		const Slot& slot = (*m_slots)[i];
+		const Slot& slot = m_slots[i];
 		if (m_manifolds[i]->getContactBreakingThreshold() != slot.breakingThreshold) return false;
 		if (slot.restitution != material.restitution) return false;
 		for (std::size_t j = 0; j < std::size_t(count); ++j)
@@ -163,8 +177,8 @@ bool ManifoldSet::isAsLeft(const WorldFrame& frame, const btManifoldResult& out)
 
 void ManifoldSet::refresh(std::size_t slot, HeldClusters& written, btManifoldResult& out)
 {
-	for (std::size_t j = 0; j < std::size_t((*m_slots)[slot].count); ++j)
-		written.edit().slots[slot].points[j].impulse = double(m_manifolds[slot]->getContactPoint(int(j)).m_appliedImpulse);
+	for (std::size_t j = 0; j < std::size_t(m_slots[slot].count); ++j)
+		written.at(slot, j).impulse = double(m_manifolds[slot]->getContactPoint(int(j)).m_appliedImpulse);
 	out.setPersistentManifold(m_manifolds[slot]);
 	out.refreshContactPoints();
 }
@@ -172,11 +186,11 @@ void ManifoldSet::refresh(std::size_t slot, HeldClusters& written, btManifoldRes
 bool ManifoldSet::keep(HeldClusters& written, const WorldFrame& frame, btManifoldResult& out)
 {
 	if (!isAsLeft(frame, out) || !isOn(*m_ground, frame)) return false;
-	for (std::size_t i = 0; m_slots && i < m_slots->size(); ++i)
+	for (std::size_t i = 0; i < m_slots.size(); ++i)
 	{
-		if ((*m_slots)[i].count == 0) continue;
+		if (m_slots[i].count == 0) continue;
 		refresh(i, written, out);
-		setDistances(*m_manifolds[i], (*m_slots)[i]);
+		setDistances(*m_manifolds[i], m_slots[i]);
 	}
 	return true;
 }
@@ -187,8 +201,8 @@ bool ManifoldSet::slip() const
 {
 	btVector3 friction(0, 0, 0);
 	btScalar most = 0;
-	for (std::size_t i = 0; m_slots && i < m_slots->size(); ++i)
-		for (int k = 0; k < (*m_slots)[i].count; ++k)
+	for (std::size_t i = 0; i < m_slots.size(); ++i)
+		for (int k = 0; k < m_slots[i].count; ++k)
 		{
 			const btManifoldPoint& point = m_manifolds[i]->getContactPoint(k);
 			const btScalar sign = m_manifolds[i]->getBody0() == m_ground->a ? btScalar(1) : btScalar(-1);
@@ -203,9 +217,9 @@ bool ManifoldSet::follow(HeldClusters& written, const WorldFrame& frame, btManif
 {
 	if (!isAsLeft(frame, out)) return false;
 	const bool slips = slip();
-	for (std::size_t i = 0; m_slots && i < m_slots->size(); ++i)
+	for (std::size_t i = 0; i < m_slots.size(); ++i)
 	{
-		Slot& slot = (*m_slots)[i];
+		Slot& slot = m_slots[i];
 		if (slot.count == 0) continue;
 		refresh(i, written, out);
 		for (int k = 0; k < m_manifolds[i]->getNumContacts(); ++k)
@@ -213,7 +227,7 @@ bool ManifoldSet::follow(HeldClusters& written, const WorldFrame& frame, btManif
 			{
 				btManifoldPoint& point = m_manifolds[i]->getContactPoint(k);
 				if (!(point.m_localPointA == slot.localPointA[j])) continue;
-				ContactPoint now = written.get().slots[i].points[j].point;
+				ContactPoint now = written.at(i, j).point;
 				now.height = double(point.m_distance1) / frame.scale;
 				point.m_combinedRestitution = slot.restitution;
 				setSolverTerms(now, frame, point);
@@ -232,38 +246,41 @@ bool ManifoldSet::follow(HeldClusters& written, const WorldFrame& frame, btManif
 }
 
 // Points that live on elsewhere keep their user data: it moves with the copy.
-void ManifoldSet::beginWrite(const ClusterSet& clusters)
+void ManifoldSet::beginWrite(const HeldClusters& clusters)
 {
 	Scratch& buffer = scratch();
 	buffer.found = {};
-	for (std::size_t i = 0; m_slots && i < m_slots->size(); ++i)
-		for (std::size_t j = 0; j < std::size_t((*m_slots)[i].count); ++j)
-			if (const btManifoldPoint* point = find(*m_manifolds[i], (*m_slots)[i].localPointA[j]))
+	for (std::size_t i = 0; i < m_slots.size(); ++i)
+		for (std::size_t j = 0; j < std::size_t(m_slots[i].count); ++j)
+			if (const btManifoldPoint* point = find(*m_manifolds[i], m_slots[i].localPointA[j]))
 			{
 				buffer.old[i * kClusterPoints + j] = *point;
 				buffer.found[i * kClusterPoints + j] = true;
 			}
-	if (!m_slots && clusters.pointCount() > 0) m_slots = std::make_unique<Slots>();
-	for (const ContactCluster& cluster : clusters.slots)
-		for (int i = 0; i < cluster.count; ++i)
-		{
-			const std::uint32_t from = cluster.points[std::size_t(i)].previous;
-			if (from == kNone || !buffer.found[from]) continue;
-			btPersistentManifold& manifold = *m_manifolds[from / kClusterPoints];
-			for (int k = 0; k < manifold.getNumContacts(); ++k)
-				if (manifold.getContactPoint(k).m_localPointA == buffer.old[from].m_localPointA)
-					manifold.getContactPoint(k).m_userPersistentData = nullptr;
-		}
+	std::size_t slots = 0;
+	for (std::size_t i = 0; i < kMaxClusters; ++i)
+		if (clusters.count(i) > 0) slots = i + 1;
+	m_slots.resize(slots);
+	shrinkRoom(m_slots, slots);
+	for (const HeldPoint& point : clusters.points())
+	{
+		const std::uint32_t from = point.previous;
+		if (from == kNone || !buffer.found[from]) continue;
+		btPersistentManifold& manifold = *m_manifolds[from / kClusterPoints];
+		for (int k = 0; k < manifold.getNumContacts(); ++k)
+			if (manifold.getContactPoint(k).m_localPointA == buffer.old[from].m_localPointA)
+				manifold.getContactPoint(k).m_userPersistentData = nullptr;
+	}
 }
 
-bool ManifoldSet::openSlot(int index, const ContactCluster& cluster, const WorldFrame& frame, btManifoldResult& out)
+bool ManifoldSet::openSlot(std::size_t index, HeldClusters& clusters, const WorldFrame& frame, btManifoldResult& out)
 {
-	btPersistentManifold*& manifold = m_manifolds[std::size_t(index)];
-	if (cluster.count == 0)
+	btPersistentManifold*& manifold = m_manifolds[index];
+	if (clusters.count(index) == 0)
 	{
 		// Kept for later and emptied: releasing during a dispatch breaks Bullet's threaded dispatcher.
 		if (manifold && manifold->getNumContacts() > 0) manifold->clearManifold();
-		if (m_slots) (*m_slots)[std::size_t(index)].count = 0;
+		if (index < m_slots.size()) m_slots[index].count = 0;
 		return false;
 	}
 	if (!manifold && !m_shared)
@@ -277,8 +294,8 @@ bool ManifoldSet::openSlot(int index, const ContactCluster& cluster, const World
 	m_freshCount = 0;
 	if (m_shared) return true;
 	double highest = 0;
-	for (int i = 0; i < cluster.count; ++i) highest = std::max(highest, cluster.points[std::size_t(i)].point.height);
-	Slot& slot = (*m_slots)[std::size_t(index)];
+	for (std::size_t i = 0; i < clusters.count(index); ++i) highest = std::max(highest, clusters.at(index, i).point.height);
+	Slot& slot = m_slots[index];
 	slot.breakingThreshold = btScalar(frame.breakingThreshold + 1.01 * highest * frame.scale);
 	slot.restitution = Material(out).restitution;
 	m_target->setContactBreakingThreshold(slot.breakingThreshold);
@@ -287,9 +304,9 @@ bool ManifoldSet::openSlot(int index, const ContactCluster& cluster, const World
 	return true;
 }
 
-void ManifoldSet::writePoint(const ClusterPoint& clusterPoint, const WorldFrame& frame, btManifoldResult& out)
+void ManifoldSet::writePoint(const HeldPoint& held, const WorldFrame& frame, btManifoldResult& out)
 {
-	const ContactPoint& point = clusterPoint.point;
+	const ContactPoint& point = held.point;
 	const bool aIsManifoldBody0 = m_target->getBody0() == frame.a->getCollisionObject();
 	const bool aIsResultBody0 = out.getBody0Internal() == frame.a->getCollisionObject();
 	const int partA = childOr(int(frame.levelA), *frame.a), partB = childOr(int(frame.levelB), *frame.b);
@@ -318,7 +335,7 @@ void ManifoldSet::writePoint(const ClusterPoint& clusterPoint, const WorldFrame&
 	fresh = m_target->getContactPoint(place);
 	setSolverTerms(point, frame, fresh);
 	m_target->getContactPoint(place).m_userPersistentData = nullptr;
-	const std::uint32_t from = clusterPoint.previous;
+	const std::uint32_t from = held.previous;
 	if (from == kNone || !buffer.found[from]) return;
 	const btManifoldPoint& old = buffer.old[from];
 	if (!fresh.m_userPersistentData) fresh.m_userPersistentData = old.m_userPersistentData;
@@ -329,10 +346,10 @@ void ManifoldSet::writePoint(const ClusterPoint& clusterPoint, const WorldFrame&
 	fresh.m_lifeTime = old.m_lifeTime;
 }
 
-void ManifoldSet::closeSlot(int index, btManifoldResult& out)
+void ManifoldSet::closeSlot(std::size_t index, btManifoldResult& out)
 {
 	if (m_shared) return;
-	Slot& slot = (*m_slots)[std::size_t(index)];
+	Slot& slot = m_slots[index];
 	m_target->setNumContacts(m_freshCount);
 	slot.count = m_freshCount;
 	for (int i = 0; i < m_freshCount; ++i)
@@ -357,14 +374,12 @@ void ManifoldSet::setDistances(btPersistentManifold& manifold, const Slot& slot)
 				manifold.getContactPoint(k).m_distance1 = slot.terms[i].distance;
 }
 
-void ManifoldSet::endWrite(const ClusterSet& clusters, const WorldFrame& frame, const btManifoldResult& out)
+void ManifoldSet::endWrite(const HeldClusters& clusters, const WorldFrame& frame, const btManifoldResult& out)
 {
 	m_ground.reset();
-	const bool isEmpty = clusters.pointCount() == 0;
-	if (isEmpty) m_slots.reset();
 	if (!mayKeep(frame, out)) return;
-	for (std::size_t i = 0; !isEmpty && i < m_slots->size(); ++i)
-		if ((*m_slots)[i].count != clusters.slots[i].count) return;
+	for (std::size_t i = 0; i < m_slots.size(); ++i)
+		if (std::uint32_t(m_slots[i].count) != clusters.count(i)) return;
 	const btCollisionObject *a = frame.a->getCollisionObject(), *b = frame.b->getCollisionObject();
 	m_ground = Ground{a,
 					  b,

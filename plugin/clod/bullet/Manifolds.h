@@ -10,8 +10,8 @@
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 
 #include <array>
-#include <memory>
 #include <optional>
+#include <vector>
 
 #include "clod/manifold/ContactPoints.h"
 
@@ -63,22 +63,23 @@ public:
 	bool follow(HeldClusters& written, const WorldFrame& frame, btManifoldResult& out);
 	// Has the solver given one of their points an impulse?
 	bool carry() const;
+	// The sum of what the last step gave them along their normals, Bullet's units and sign.
+	Vec3 impulse() const;
 	// Copies last step's impulses from the solver into the set that was written last.
 	void readImpulses(HeldClusters& written) const;
 	// Levels of a point's nodes come from `levelOf`, called with the point.
 	template <class LevelOf>
-	void write(const ClusterSet& clusters, const WorldFrame& frame, const LevelOf& levelOf, btManifoldResult& out)
+	void write(HeldClusters& clusters, const WorldFrame& frame, const LevelOf& levelOf, btManifoldResult& out)
 	{
 		beginWrite(clusters);
-		for (int slot = 0; slot < kMaxClusters; ++slot)
+		for (std::size_t slot = 0; slot < kMaxClusters; ++slot)
 		{
-			const ContactCluster& cluster = clusters.slots[std::size_t(slot)];
-			if (!openSlot(slot, cluster, frame, out)) continue;
-			for (int i = 0; i < cluster.count; ++i)
+			if (!openSlot(slot, clusters, frame, out)) continue;
+			for (std::size_t i = 0; i < clusters.count(slot); ++i)
 			{
 				WorldFrame named = frame;
-				levelOf(cluster.points[std::size_t(i)].point, named.levelA, named.levelB);
-				writePoint(cluster.points[std::size_t(i)], named, out);
+				levelOf(clusters.at(slot, i).point, named.levelA, named.levelB);
+				writePoint(clusters.at(slot, i), named, out);
 			}
 			closeSlot(slot, out);
 		}
@@ -116,17 +117,16 @@ private:
 	bool isAsLeft(const WorldFrame& frame, const btManifoldResult& out) const;
 	void refresh(std::size_t slot, HeldClusters& written, btManifoldResult& out);
 	bool mayKeep(const WorldFrame& frame, const btManifoldResult& out) const;
-	void beginWrite(const ClusterSet& clusters);
-	bool openSlot(int index, const ContactCluster& cluster, const WorldFrame& frame, btManifoldResult& out);
-	void writePoint(const ClusterPoint& point, const WorldFrame& frame, btManifoldResult& out);
-	void closeSlot(int index, btManifoldResult& out);
-	void endWrite(const ClusterSet& clusters, const WorldFrame& frame, const btManifoldResult& out);
+	void beginWrite(const HeldClusters& clusters);
+	bool openSlot(std::size_t index, HeldClusters& clusters, const WorldFrame& frame, btManifoldResult& out);
+	void writePoint(const HeldPoint& point, const WorldFrame& frame, btManifoldResult& out);
+	void closeSlot(std::size_t index, btManifoldResult& out);
+	void endWrite(const HeldClusters& clusters, const WorldFrame& frame, const btManifoldResult& out);
 
 	btDispatcher& m_dispatcher;
 	btPersistentManifold* m_shared;
 	std::array<btPersistentManifold*, kMaxClusters> m_manifolds{};
-	using Slots = std::array<Slot, kMaxClusters>;
-	std::unique_ptr<Slots> m_slots;  // none where nothing is written
+	std::vector<Slot> m_slots;       // up to the last that is written
 	std::optional<Ground> m_ground;  // of the last write, where its points may stay
 	// The slot being written.
 	int m_freshCount = 0;

@@ -9,6 +9,7 @@
 
 #include "clod/bullet/BodyState.h"
 #include "clod/bullet/PairState.h"
+#include "clod/collide/Room.h"
 
 namespace clod
 {
@@ -54,9 +55,9 @@ Scratch& scratch()
 // The gap besides the contacts only where it is asked for: it costs a search of the input surfaces.
 void PairState::ask(const PairPose& pose, const Question& question)
 {
-	const bool isAnswered = m_answered && m_answered->withGap == question.withGap &&
-							clod::same(m_answered->aFromB, question.aFromB) && clod::same(m_answered->settings, question.settings);
-	if (isAnswered)
+	const Question* const before = answered();
+	if (before && before->withGap == question.withGap && clod::same(before->aFromB, question.aFromB) &&
+		clod::same(before->settings, question.settings))
 		m_result.stats.boxTests = m_result.stats.hullTests = 0;
 	else
 		query(pose, question);
@@ -72,7 +73,8 @@ void PairState::query(const PairPose& pose, const Question& question)
 		signedGap(pose.hierarchyA(), pose.hierarchyB(), pose.aFromB, settings, m_cache, result);
 	else
 		contacts(pose.hierarchyA(), pose.hierarchyB(), pose.aFromB, settings, m_cache.pair, result);
-	if (m_result.contacts.capacity() > 2 * result.contacts.size()) m_result.contacts.shrink_to_fit();
+	m_result.contacts.clear();
+	shrinkRoom(m_result.contacts, result.contacts.size());
 	m_result = result;
 	QueryStats& stats = m_result.stats;
 	if (m_budget) m_budget->spend(std::uint64_t(stats.boxTests) + stats.hullTests, stats.cutShort > 0);
@@ -144,28 +146,38 @@ void PairState::answer(const PairPose& pose, const Question& question)
 	foresee(pose);
 	m_report.candidates = 0;
 	if (!staysEmpty)
-		findPoints(pose, goesOn);
+		findPoints(pose, question, goesOn);
 	else
 		m_result.contacts.shrink_to_fit();
 	m_oldAFromB = pose.aFromB;
 	report(pose);
 	m_report.contactMicroseconds = staysEmpty ? 0 : microsecondsSince(asked);
-	// What a budget cut short answers only under that budget: the next dispatch asks anew, with what it may cost then.
-	m_answered.reset();
-	if (m_result.stats.cutShort == 0) m_answered = question;
+	noteAnswered(question);
 }
 
-void PairState::findPoints(const PairPose& pose, bool goesOn)
+// What a budget cut short answers only under that budget: the next dispatch asks anew, with what it may cost then.
+void PairState::noteAnswered(const Question& question)
+{
+	m_isAnswered = m_result.stats.cutShort == 0;
+	if (m_clusters.isEmpty())
+		m_answered.reset();
+	else if (m_answered)
+		*m_answered = question;
+	else
+		m_answered = std::make_unique<Question>(question);
+}
+
+void PairState::findPoints(const PairPose& pose, const Question& question, bool goesOn)
 {
 	FacetContacts& facets = scratch().facets;
 	ClusterSet &previous = scratch().previous, &next = scratch().next;
-	previous = m_clusters.get();
+	m_clusters.copyTo(previous);
 	carryWithB(previous, pose.aFromB * inverse(m_oldAFromB));
 	const ContactBody a = contactBody(pose.hierarchyA());
 	const ContactBody b = pose.isOfTwo()      ? contactBody(pose.hierarchyB())
 						  : m_partnerSurface ? contactBody(*m_partnerSurface)
 											 : ContactBody{};
-	facets.find(a, b, pose.aFromB, pose.rules, m_result.contacts, m_result.deep, previous, m_facets, goesOn);
+	facets.find(a, b, pose.aFromB, question.rules, m_result.contacts, m_result.deep, previous, m_facets, goesOn);
 	m_report.candidates = std::uint32_t(facets.size());
 	m_foreseen.motion = facets.expectedMotion();
 	next.clear();
@@ -173,16 +185,7 @@ void PairState::findPoints(const PairPose& pose, bool goesOn)
 	for (std::size_t slot = 0; pose.partner != Partner::kClod && slot < next.slots.size(); ++slot)
 		for (std::size_t i = 0; i < std::size_t(next.slots[slot].count); ++i)
 			if (!facets.isHeld(slot, i)) namePartnerFace(pose, next.slots[slot].points[i].point);
-	hold(next);
-}
-
-void PairState::hold(const ClusterSet& clusters)
-{
-	if (clusters.pointCount() > 0)
-		m_clusters.edit() = clusters;
-	else
-		m_clusters.clear();
-	m_report.clusters = &m_clusters.get();
+	m_clusters.hold(next);
 }
 
 // Of what is no body of ours: as its owner names it.
@@ -197,12 +200,4 @@ void PairState::namePartnerFace(const PairPose& pose, ContactPoint& point)
 	point.faceB = std::uint32_t(name[1]);
 }
 
-// Every point continues the one in its place.
-void PairState::linkToThemselves()
-{
-	if (m_clusters.isEmpty()) return;
-	for (std::uint32_t slot = 0; slot < kMaxClusters; ++slot)
-		for (std::uint32_t i = 0; i < kClusterPoints; ++i)
-			m_clusters.edit().slots[slot].points[i].previous = slot * kClusterPoints + i;
-}
 }  // namespace clod

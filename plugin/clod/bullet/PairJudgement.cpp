@@ -64,9 +64,9 @@ double PairState::errorOfContacts(const PairPose& pose) const
 
 void PairState::report(const PairPose& pose)
 {
-	m_report.points = std::uint32_t(m_clusters.get().pointCount());
+	m_report.points = std::uint32_t(m_clusters.points().size());
 	m_report.clusterCount = 0;
-	for (const ContactCluster& cluster : m_clusters.get().slots) m_report.clusterCount += cluster.count > 0 ? 1 : 0;
+	for (std::size_t slot = 0; slot < kMaxClusters; ++slot) m_report.clusterCount += m_clusters.count(slot) > 0 ? 1 : 0;
 	m_report.contactError = errorOfContacts(pose);
 	m_report.finestLevel = m_result.stats.finestLevel;
 	m_report.coarsestLevel = m_result.stats.coarsestLevel;

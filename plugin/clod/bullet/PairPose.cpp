@@ -2,6 +2,7 @@
 #include "clod/bullet/PairPose.h"
 
 #include <BulletCollision/CollisionShapes/btConvexShape.h>
+#include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
 
 #include <algorithm>
 #include <cmath>
@@ -155,6 +156,25 @@ double PairPose::thinnestWall() const
 {
 	const double wall = double(hierarchyA().asset().thinnestWall);
 	return isOfTwo() ? std::min(wall, double(hierarchyB().asset().thinnestWall)) : wall;
+}
+
+double spareOverPlane(const btCollisionObject& body, const btCollisionObject& plane, const RelativeMotion& motion,
+					  double timeStep)
+{
+	constexpr double kRounding = 1.001;  // of poses in float
+	const auto& shape = static_cast<const btClodShape&>(*body.getCollisionShape());
+	const auto& half = static_cast<const btStaticPlaneShape&>(*plane.getCollisionShape());
+	const Hierarchy& hierarchy = shape.hierarchy();
+	const OrientedBox& whole = hierarchy.cullBox(hierarchy.root());
+	const btScalar scale = btScalar(shape.scale());
+	const btVector3 middle =
+		body.getWorldTransform() * btVector3(scale * whole.center[0], scale * whole.center[1], scale * whole.center[2]);
+	const double height =
+		double(half.getPlaneNormal().dot(plane.getWorldTransform().invXform(middle)) - half.getPlaneConstant());
+	const double ball = shape.scale() * double(whole.radius),
+				 touching = (kSkinShare + kRestingShare) * shape.scale() * double(hierarchy.asset().radius);
+	const double speed = length(motion.velocity(toVec3(middle))) + length(motion.angular) * ball;
+	return height - kRounding * (ball + touching + double(shape.getMargin()) + kPathReach * timeStep * speed);
 }
 
 PairPose poseOf(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,

@@ -76,6 +76,11 @@ struct PairPose
 	void expectHolding();
 };
 
+// How far, world length, the ball round a body of ours stays from contact with a plane in a step of this motion (of the world's
+// material at the body).
+double spareOverPlane(const btCollisionObject& body, const btCollisionObject& plane, const RelativeMotion& motion,
+					  double timeStep);
+
 // closestPoints: contacts are wanted so far apart, world length.
 // known: the pair's convex partner as of the last time, or null.
 PairPose poseOf(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,

@@ -15,6 +15,7 @@ namespace clod
 {
 namespace
 {
+constexpr double kAlone = 0.1, kStaysAlone = 0.3;  // of its weight, by which the load may differ
 constexpr std::uint32_t kLongStill = 16;  // dispatches that ask nothing, until what queries remember is given back
 constexpr double kStillShare = 3e-4;  // of the length, more than half of the skin: points found so little motion ago serve
 
@@ -29,9 +30,9 @@ bool sameRules(const PointRules& l, const PointRules& r)
 {
 	const auto fields = [](const PointRules& rules)
 	{
-		const auto& [length, resting, margin, radiusA, radiusB, nearest, a, b, timeStep, heldReach] = rules;
-		return std::tuple_cat(std::tie(length, resting, margin, radiusA, radiusB, nearest, timeStep, heldReach), fieldsOf(a),
-							  fieldsOf(b));
+		const auto& [length, resting, margin, radiusA, radiusB, nearest, a, b, timeStep, heldReach, liesAlone] = rules;
+		return std::tuple_cat(std::tie(length, resting, margin, radiusA, radiusB, nearest, timeStep, heldReach, liesAlone),
+							  fieldsOf(a), fieldsOf(b));
 	};
 	return fields(l) == fields(r);
 }
@@ -59,7 +60,7 @@ PairState::PairState(Context& context, btDispatcher& dispatcher, btPersistentMan
 	  m_budget(isClosestPoints ? nullptr : &context.budgetOf(dispatcher))
 {
 	m_report.result = &m_result;
-	m_report.clusters = &m_clusters.get();
+	m_report.clusters = &m_clusters;
 	m_context.add(this);
 }
 
@@ -90,8 +91,8 @@ bool PairState::same(const Question& l, const Question& r)
 bool PairState::isStill(const PairPose& pose, const Question& question) const
 {
 	if (!m_context.keepPoints || pose.prediction != Prediction::kFree || pose.partner == Partner::kConcave) return false;
-	if (!m_answered || m_clusters.isEmpty() || m_facets.levels.isChanging()) return false;
-	const Question& then = *m_answered;
+	if (!answered() || m_clusters.isEmpty() || m_facets.levels.isChanging()) return false;
+	const Question& then = *answered();
 	const double most = kStillShare * question.rules.length;
 	if (question.withGap || then.withGap || std::max(question.way, then.way) > most) return false;
 	const Transform since = question.aFromB * inverse(then.aFromB);
@@ -120,7 +121,7 @@ void PairState::noticeShapes(const PairPose& pose)
 	const Seen a = seenA(pose), b = seenB(pose);
 	if (m_seenA == a && m_seenB == b) return;
 	m_cache.clear();
-	hold({});
+	m_clusters = {};
 	m_answered.reset();
 	m_facets.forget();
 	m_seenA = a;
@@ -165,6 +166,17 @@ PairPose PairState::begin(const btCollisionObjectWrapper& body0, const btCollisi
 	return pose;
 }
 
+// By the load: that of the body alone, as forces accelerate it.
+bool PairState::liesAlone(const PairPose& pose) const
+{
+	const PairBody &a = pose.rules.a, &b = pose.rules.b;
+	if (m_clusters.isEmpty() || (a.inverseMass > 0) == (b.inverseMass > 0)) return false;
+	const double weight = a.inverseMass > 0 ? length(a.force) / a.inverseMass : length(b.force) / b.inverseMass;
+	const double load = length(m_manifolds.impulse()) / pose.scale();
+	const double most = m_answered && m_answered->rules.liesAlone ? kStaysAlone : kAlone;  // not to and fro
+	return weight > 0 && std::abs(load - weight) <= most * weight;
+}
+
 PairState::Question PairState::questionOf(const PairPose& pose)
 {
 	Question question;
@@ -173,6 +185,7 @@ PairState::Question PairState::questionOf(const PairPose& pose)
 	question.settings.tolerance = pose.tolerance;
 	question.settings.sweep = pose.sweep();
 	question.rules = pose.rules;
+	question.rules.liesAlone = liesAlone(pose);
 	question.way = pose.seenMotion.speedWithin(pose.center, pose.radius) * pose.rules.timeStep;
 	question.withGap = m_context.searchGap && !pose.isRound();
 	if (pose.partner == Partner::kPlane)
@@ -188,7 +201,7 @@ PairState::Question PairState::questionOf(const PairPose& pose)
 // Nothing was asked: of the dispatch before, neither points nor report hold any longer.
 void PairState::forget()
 {
-	hold({});
+	m_clusters = {};
 	m_result.clear();
 	m_answered.reset();
 	static_cast<DispatchReport&>(m_report) = {};
@@ -204,24 +217,58 @@ double PairState::timeOfImpact(const btCollisionObjectWrapper& body0, const btCo
 }
 
 void PairState::open(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-					 const btDispatcherInfo& info, double closestPoints)
+					 const btDispatcherInfo& info, double closestPoints, Prepared& next)
 {
-	Prepared& next = m_prepared.emplace(Prepared{});  // clang: not from nothing
 	next.pose = begin(body0, body1, info, closestPoints);
 	next.aIsFirst = next.pose.a == &body0;
 	if (next.pose.isAsked())
 	{
 		next.question = questionOf(next.pose);
-		next.isKept = next.pose.isOfTwo() && m_answered && same(*m_answered, next.question);
+		next.isKept = next.pose.isOfTwo() && answered() && same(*answered(), next.question);
 		next.isStill = !next.isKept && isStill(next.pose, next.question);
 	}
+}
+
+// What has found nothing of a plane that rests, and is as it was, costs no more than the bound of its motion.
+bool PairState::staysOverPlane(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+							   const btDispatcherInfo& info)
+{
+	const bool wasNear = !m_clusters.isEmpty() || !m_result.contacts.empty() || m_report.fast;
+	const bool complains = !m_report.notFinite.empty() || !m_report.metricError.empty();
+	if (wasNear || complains || m_seenB.shape == nullptr || m_isClosestPoints || m_context.m_isSolved) return false;
+	const bool planeIsFirst = body0.getCollisionShape() == m_seenB.shape;
+	const btCollisionObject &plane = *(planeIsFirst ? body0 : body1).getCollisionObject(),
+							&body = *(planeIsFirst ? body1 : body0).getCollisionObject();
+	// Of compounds neither.
+	if (plane.getCollisionShape() != m_seenB.shape || body.getCollisionShape() != m_seenA.shape || !plane.isStaticObject() ||
+		plane.getCollisionShape()->getShapeType() != STATIC_PLANE_PROXYTYPE)
+		return false;
+	const auto* shape = dynamic_cast<const btClodShape*>(m_seenA.shape);
+	if (!shape || shape->revision() != m_seenA.revision || shape->hierarchy().contentHash() != m_seenA.contentHash)
+		return false;
+	const double timeStep = double(info.m_timeStep);
+	const RelativeMotion motion = worldMotion(body, timeStep);
+	if (!(spareOverPlane(body, plane, motion, timeStep) > 0)) return false;
+	m_report.queryMicroseconds = m_report.contactMicroseconds = 0;
+	m_foreseen.timeStep = timeStep;
+	m_foreseen.worldFromA = toTransform(body.getWorldTransform());
+	m_foreseen.motion = relativeMotion(motion, {}, m_foreseen.worldFromA, m_foreseen.scale, timeStep);
+	return true;
+}
+
+PairState::Prepared& PairState::ahead(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+									  const btDispatcherInfo& info)
+{
+	if (!m_ahead) m_ahead = std::make_unique<Prepared>();
+	if (!std::exchange(m_isAhead, true)) open(body0, body1, info, 0, *m_ahead);
+	return *m_ahead;
 }
 
 void PairState::outline(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 						const btDispatcherInfo& info)
 {
-	open(body0, body1, info, 0);
-	outline(*m_prepared);
+	if (staysOverPlane(body0, body1, info)) return;
+	outline(ahead(body0, body1, info));
 	m_held = m_outline.answering;
 	if (m_budget) m_budget->hold(m_held);
 }
@@ -240,7 +287,7 @@ void PairState::outline(Prepared& prepared)
 
 void PairState::expect(StepBudget& budget)
 {
-	if (&budget != m_budget || m_step + 1 != budget.step() || m_prepared) return;
+	if (&budget != m_budget || m_step + 1 != budget.step() || m_isAhead) return;
 	m_held = m_report.coarsestTests;
 	budget.hold(m_held);
 }
@@ -248,8 +295,7 @@ void PairState::expect(StepBudget& budget)
 void PairState::prepare(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 						const btDispatcherInfo& info)
 {
-	if (!m_prepared) open(body0, body1, info, 0);
-	complete(*m_prepared);
+	if (m_isAhead || !staysOverPlane(body0, body1, info)) complete(ahead(body0, body1, info));
 }
 
 void PairState::complete(Prepared& prepared)
@@ -273,11 +319,14 @@ void PairState::complete(Prepared& prepared)
 void PairState::process(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 						const btDispatcherInfo& info, btManifoldResult& out)
 {
+	if (!m_isAhead && staysOverPlane(body0, body1, info)) return;
 	const double closestPoints = double(out.m_closestPointDistanceThreshold);
-	if (!m_prepared) open(body0, body1, info, closestPoints);
-	complete(*m_prepared);
-	Prepared now = std::move(*m_prepared);
-	m_prepared.reset();
+	Prepared now;
+	if (std::exchange(m_isAhead, false))
+		now = std::exchange(*m_ahead, {});
+	else
+		open(body0, body1, info, closestPoints, now);
+	complete(now);
 	PairPose& pose = now.pose;
 	(now.aIsFirst ? pose.a : pose.b) = &body0;
 	(now.aIsFirst ? pose.b : pose.a) = &body1;
@@ -285,7 +334,7 @@ void PairState::process(const btCollisionObjectWrapper& body0, const btCollision
 	m_report.kept = false;
 	if (!pose.isAsked())
 	{
-		m_manifolds.write(m_clusters.get(), {}, [](const ContactPoint&, std::uint32_t&, std::uint32_t&) {}, out);
+		m_manifolds.write(m_clusters, {}, [](const ContactPoint&, std::uint32_t&, std::uint32_t&) {}, out);
 		return;
 	}
 	const WorldFrame frame = worldFrame(pose, m_context.pushSpeed, now.aIsFirst, closestPoints);
@@ -295,7 +344,7 @@ void PairState::process(const btCollisionObjectWrapper& body0, const btCollision
 		m_report.kept = m_manifolds.keep(m_clusters, frame, out);
 		if (m_report.kept) return;
 		m_manifolds.readImpulses(m_clusters);
-		linkToThemselves();
+		m_clusters.linkToThemselves();
 	}
 	else if (now.isStill)
 	{
@@ -356,6 +405,6 @@ void PairState::write(const PairPose& pose, const WorldFrame& frame, btManifoldR
 		levelA = pose.hierarchyA().node(point.nodeA).level;
 		levelB = pose.partner == Partner::kClod ? pose.hierarchyB().node(point.nodeB).level : point.nodeB;
 	};
-	m_manifolds.write(m_clusters.get(), frame, levelOf, out);
+	m_manifolds.write(m_clusters, frame, levelOf, out);
 }
 }  // namespace clod

@@ -91,16 +91,23 @@ private:
 	static Seen seenA(const PairPose& pose);
 	static Seen seenB(const PairPose& pose);
 	static bool same(const Question& l, const Question& r);
+	const Question* answered() const { return m_isAnswered ? m_answered.get() : nullptr; }
+	void noteAnswered(const Question& question);
 	bool isStill(const PairPose& pose, const Question& question) const;
 
+	bool staysOverPlane(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+						const btDispatcherInfo& info);
+	Prepared& ahead(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+					const btDispatcherInfo& info);
 	void open(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, const btDispatcherInfo& info,
-			  double closestPoints);
+			  double closestPoints, Prepared& next);
 	void complete(Prepared& prepared);
 	void outline(Prepared& prepared);
 	// Pose.
 	PairPose begin(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 				   const btDispatcherInfo& info, double closestPoints);
 	void noticeShapes(const PairPose& pose);
+	bool liesAlone(const PairPose& pose) const;
 	Question questionOf(const PairPose& pose);
 	// Query.
 	void ask(const PairPose& pose, const Question& question);
@@ -109,10 +116,8 @@ private:
 	// Points.
 	void answer(const PairPose& pose, const Question& question);
 	void foresee(const PairPose& pose);
-	void findPoints(const PairPose& pose, bool goesOn);
+	void findPoints(const PairPose& pose, const Question& question, bool goesOn);
 	void namePartnerFace(const PairPose& pose, ContactPoint& point);
-	void linkToThemselves();
-	void hold(const ClusterSet& clusters);
 	void keepAnswer();
 	bool follow(const PairPose& pose, const WorldFrame& frame, btManifoldResult& out);
 	void write(const PairPose& pose, const WorldFrame& frame, btManifoldResult& out);
@@ -135,7 +140,8 @@ private:
 	std::shared_ptr<const ConvexPartner> m_convex;
 	HierarchyPair m_asked;
 	GapCache m_cache{false};  // m_result is the answer
-	std::optional<Question> m_answered;  // what the clusters answer
+	std::unique_ptr<Question> m_answered;  // what the clusters answer; none where there are none
+	bool m_isAnswered = false;             // or a budget cut the answer short
 	std::uint32_t m_followed = 0;        // dispatches whose points are those of an earlier pose, nearly the same
 	Foreseen m_foreseen;
 	HeldClusters m_clusters;
@@ -146,7 +152,8 @@ private:
 	std::uint64_t m_step = 0;           // of the budget, that this pair was last in,
 	std::uint32_t m_held = 0;           // what is held back of it for this pair
 	Outline m_outline;                  // of the coming process(), or the last
-	std::optional<Prepared> m_prepared;  // for the coming process()
+	std::unique_ptr<Prepared> m_ahead;  // for the coming process(), if m_isAhead; none where nothing was ever prepared
+	bool m_isAhead = false;
 	FacetMemory m_facets;
 	GapResult m_result;
 	PartnerStats m_partnerStats;

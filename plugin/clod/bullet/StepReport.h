@@ -15,8 +15,8 @@ class btCollisionObject;
 namespace clod
 {
 class Hierarchy;
-struct GapResult;   // distance/SignedGap.h
-struct ClusterSet;  // manifold/ContactPoints.h
+struct GapResult;    // distance/SignedGap.h
+class HeldClusters;  // manifold/ContactPoints.h
 
 // What one dispatch says of a pair. Empty where nothing could be asked.
 struct DispatchReport
@@ -48,7 +48,7 @@ struct PairReport : DispatchReport
 	const btCollisionObject* objectA = nullptr;
 	const btCollisionObject* objectB = nullptr;
 	const GapResult* result = nullptr;   // accepted node pairs; empty against a plane or an engine's own mesh
-	const ClusterSet* clusters = nullptr;  // frame A, hierarchy unit
+	const HeldClusters* clusters = nullptr;  // its points; frame A, hierarchy unit
 	std::string notFinite;                 // empty, or what is not finite: the pair then has no contacts
 	std::uint32_t coarsestTests = 0;       // of its last query under a budget, see Outline
 };

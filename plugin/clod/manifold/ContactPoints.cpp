@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Zlib
 #include "clod/manifold/ContactPoints.h"
 
+#include <numeric>
+
+#include "clod/collide/Room.h"
+
 namespace clod
 {
 int ClusterSet::pointCount() const
@@ -8,6 +12,42 @@ int ClusterSet::pointCount() const
 	int count = 0;
 	for (const ContactCluster& cluster : slots) count += cluster.count;
 	return count;
+}
+
+std::size_t HeldClusters::firstOf(std::size_t slot) const
+{
+	return std::accumulate(m_counts.begin(), m_counts.begin() + slot, std::size_t(0));
+}
+
+void HeldClusters::hold(const ClusterSet& set)
+{
+	m_points.clear();
+	shrinkRoom(m_points, std::size_t(set.pointCount()));
+	m_points.reserve(std::size_t(set.pointCount()));
+	for (std::size_t slot = 0; slot < set.slots.size(); ++slot)
+	{
+		const ContactCluster& cluster = set.slots[slot];
+		m_counts[slot] = std::uint8_t(cluster.count);
+		m_points.insert(m_points.end(), cluster.points.begin(), cluster.points.begin() + cluster.count);
+	}
+}
+
+void HeldClusters::copyTo(ClusterSet& set) const
+{
+	auto point = m_points.begin();
+	for (std::size_t slot = 0; slot < set.slots.size(); ++slot)
+	{
+		set.slots[slot].count = int(m_counts[slot]);
+		for (std::size_t i = 0; i < m_counts[slot]; ++i)
+			static_cast<HeldPoint&>(set.slots[slot].points[i]) = *point++;
+	}
+}
+
+void HeldClusters::linkToThemselves()
+{
+	auto point = m_points.begin();
+	for (std::uint32_t slot = 0; slot < m_counts.size(); ++slot)
+		for (std::uint32_t i = 0; i < m_counts[slot]; ++i) (point++)->previous = slot * kClusterPoints + i;
 }
 
 void carryWithB(ClusterSet& set, const Transform& bodyMotion)

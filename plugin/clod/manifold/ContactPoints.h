@@ -7,7 +7,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
-#include <memory>
+#include <vector>
 
 #include "clod/Export.h"
 #include "clod/collide/RelativeMotion.h"
@@ -50,6 +50,8 @@ inline RelativeMotion motionBetween(const PairBody& a, const PairBody& b, double
 	return {a.linear - cross(a.angular, a.center) - b.linear + cross(b.angular, b.center), a.angular - b.angular, timeStep};
 }
 
+inline constexpr double kHolds = 0.25;  // sine of the least slope that may hold a body against a force
+
 struct PointRules
 {
 	double length = 1;   // the smaller bounding radius of the pair: tolerances are shares of it
@@ -62,7 +64,16 @@ struct PointRules
 	// How far one of the two is looked for on its own way, in case that a third body holds the other: stacks that fall
 	// as one are apart by no motion of theirs until the lowest meets the floor.
 	double heldReach = 0;
+	// One of the two lies on the other, which does not move, and carries nothing: few points do. Solvers converge by the rows
+	// they have, so that what carries others gets more.
+	bool liesAlone = false;
 	RelativeMotion motion() const { return motionBetween(a, b, timeStep); }
+	// May a facet with this normal hold the bodies against the forces on them? A steeper one is a wall.
+	bool holds(const Vec3& normal) const
+	{
+		const Vec3 pull = a.force - b.force;
+		return dot(pull, normal) < -kHolds * clod::length(pull);
+	}
 };
 
 inline constexpr double kRestingShare = 0.001;  // default resting height, share of PointRules::length
@@ -78,11 +89,14 @@ inline constexpr double kHeldShare = 0.1;  // of the length: the most that Point
 inline constexpr int kMaxClusters = 8;
 inline constexpr int kClusterPoints = 4;
 
-struct ClusterPoint
+struct HeldPoint
 {
 	ContactPoint point;
 	std::uint32_t previous = kNone;  // cluster * kClusterPoints + index in the previous set; kNone = a new point
 	double impulse = 0;              // set by the owner before the next reduction: strong points are remembered first
+};
+struct ClusterPoint : HeldPoint
+{
 	// Where last step's point would be had it moved with body B (see carryWithB), in frame A.
 	Vec3 placeWithB, normalWithB;
 };
@@ -101,26 +115,24 @@ struct CLOD_API ClusterSet
 	int pointCount() const;
 };
 
-// A set that takes no room while it is empty.
-class HeldClusters
+// What a pair keeps of a set: its points, one cluster after the other, and no room for more.
+class CLOD_API HeldClusters
 {
 public:
-	const ClusterSet& get() const { return m_set ? *m_set : none(); }
-	ClusterSet& edit()
-	{
-		if (!m_set) m_set = std::make_unique<ClusterSet>();
-		return *m_set;
-	}
-	bool isEmpty() const { return !m_set; }
-	void clear() { m_set.reset(); }
+	bool isEmpty() const { return m_points.empty(); }
+	const std::vector<HeldPoint>& points() const { return m_points; }
+	std::uint32_t count(std::size_t slot) const { return m_counts[slot]; }
+	HeldPoint& at(std::size_t slot, std::size_t i) { return m_points[firstOf(slot) + i]; }
+	void hold(const ClusterSet& set);
+	// Without what carryWithB fills in.
+	void copyTo(ClusterSet& set) const;
+	// Every point continues the one in its place.
+	void linkToThemselves();
 
 private:
-	static const ClusterSet& none()
-	{
-		static const ClusterSet empty;
-		return empty;
-	}
-	std::unique_ptr<ClusterSet> m_set;
+	std::size_t firstOf(std::size_t slot) const;
+	std::vector<HeldPoint> m_points;
+	std::array<std::uint8_t, kMaxClusters> m_counts{};
 };
 
 // Fills placeWithB and normalWithB: a corner of B that slides over A is the same point although it moves in A's frame.

@@ -22,15 +22,24 @@ const ClusterPoint& pointAt(const ClusterSet& set, std::uint32_t index)
 }  // namespace
 
 void ContactReducer::reduce(const std::vector<Facet>& facets, const std::vector<ContactPoint>& points,
-						  const ClusterSet& previous, double length, ClusterSet& next)
+						  const ClusterSet& previous, const PointRules& rules, ClusterSet& next)
 {
 	m_facets = &facets;
 	m_points = &points;
-	m_length = length;
+	m_length = rules.length;
 	m_candidates.assign(facets.size(), Candidate{});
 	match(previous);
+	m_isNeeded.assign(facets.size(), 1);
+	if (rules.liesAlone) leaveOutWhatOthersSpan();
 	choose();
 	place(previous, next);
+}
+
+void ContactReducer::leaveOutWhatOthersSpan()
+{
+	m_isKnown.clear();
+	for (const Candidate& candidate : m_candidates) m_isKnown.push_back(candidate.previous != kNone);
+	m_flat.choose(*m_facets, m_length, m_isKnown, m_isNeeded);
 }
 
 void ContactReducer::match(const ClusterSet& previous)
@@ -100,7 +109,7 @@ void ContactReducer::choose()
 	for (std::uint32_t i = 0; i < m_candidates.size(); ++i)
 	{
 		m_candidates[i].apart = std::numeric_limits<double>::infinity();
-		if (m_candidates[i].weight > 0) m_order.push_back(i);
+		if (m_isNeeded[i] && m_candidates[i].weight > 0) m_order.push_back(i);
 	}
 	std::sort(m_order.begin(), m_order.end(),
 			  [&](std::uint32_t i, std::uint32_t j)
@@ -118,7 +127,7 @@ void ContactReducer::choose()
 		std::uint32_t best = kNone;
 		for (std::uint32_t i = 0; i < m_candidates.size(); ++i)
 		{
-			if (m_candidates[i].isChosen || m_candidates[i].apart < kSpacing) continue;
+			if (!m_isNeeded[i] || m_candidates[i].isChosen || m_candidates[i].apart < kSpacing) continue;
 			if (best == kNone || m_candidates[i].apart > m_candidates[best].apart ||
 				(m_candidates[i].apart == m_candidates[best].apart &&
 				 lowest(i) < lowest(best)))

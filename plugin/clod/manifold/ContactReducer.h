@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "clod/manifold/FacetFinder.h"
+#include "clod/manifold/FlatCorners.h"
 #include "clod/manifold/ContactPoints.h"
 
 namespace clod
@@ -16,7 +17,7 @@ class ContactReducer
 public:
 	// points: one a facet, in their order. previous: with placeWithB (carryWithB), and impulses.
 	void reduce(const std::vector<Facet>& facets, const std::vector<ContactPoint>& points, const ClusterSet& previous,
-				double length, ClusterSet& next);
+				const PointRules& rules, ClusterSet& next);
 	// How many points the last reduction made, and of which facet each.
 	std::size_t count() const { return m_chosen.size(); }
 	std::uint32_t facetOf(std::size_t slot, std::size_t index) const { return m_facetOf[slot][index]; }
@@ -31,6 +32,7 @@ private:
 		bool isChosen = false;
 	};
 	void match(const ClusterSet& previous);
+	void leaveOutWhatOthersSpan();
 	void choose();
 	void take(std::uint32_t i);
 	void place(const ClusterSet& previous, ClusterSet& next);
@@ -40,6 +42,8 @@ private:
 	const std::vector<ContactPoint>* m_points = nullptr;
 	double m_length = 1;
 	std::vector<Candidate> m_candidates;
+	FlatCorners m_flat;
+	std::vector<char> m_isKnown, m_isNeeded;
 	std::vector<std::uint32_t> m_chosen, m_order;
 	struct Link
 	{

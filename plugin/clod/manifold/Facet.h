@@ -42,6 +42,7 @@ struct Facet
 	};
 	Kind kind;
 	Reach reach;
+	bool isThrough = false;  // a vertex that went in through the face, and may be out beyond
 	std::uint32_t levelA, levelB, nodeA, nodeB;
 	std::uint32_t featureA, featureB;  // vertex, edge, or polygon of the level's surface
 	Vec3 onA, onB, normal;

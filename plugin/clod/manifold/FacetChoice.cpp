@@ -40,9 +40,11 @@ Vec3 deepPoint(const Vec3 (&normal)[4], const double (&offset)[4], const Vec3& s
 }
 }  // namespace
 
-void FacetChoice::choose(const FacetQuestion& question, std::vector<Facet>& facets)
+void FacetChoice::choose(const FacetQuestion& question, const std::vector<Facet>& last, const Transform& lastAFromB,
+						 std::vector<Facet>& facets)
 {
 	m_question = &question;
+	knowAgain(last, lastAFromB, facets);
 	dropInner(facets);
 	dropRidges(facets);
 }
@@ -107,7 +109,45 @@ void FacetChoice::removeDropped(std::vector<Facet>& facets) const
 	facets.resize(kept, Facet{});
 }
 
-// Overlapping ones, shallowest first.
+void FacetChoice::knowAgain(const std::vector<Facet>& last, const Transform& lastAFromB, std::vector<Facet>& facets)
+{
+	m_isKnown.assign(facets.size(), 0);
+	m_last.clear();
+	for (std::uint32_t i = 0; i < last.size(); ++i)
+		if (last[i].hasFeatures()) m_last.emplace_back(last[i].feature(), i);
+	std::sort(m_last.begin(), m_last.end());
+	for (std::uint32_t i = 0; i < facets.size() && !m_last.empty(); ++i)
+	{
+		Facet& facet = facets[i];
+		if (facet.reach != Facet::Reach::kOverlap) continue;
+		const auto at = std::lower_bound(m_last.begin(), m_last.end(), std::make_pair(facet.feature(), std::uint32_t(0)));
+		if (at == m_last.end() || at->first != facet.feature()) continue;
+		m_isKnown[i] = 1;
+		facet.isThrough = wentThrough(facet, last[at->second], lastAFromB);
+	}
+}
+
+// Since the last step, or before: a vertex that is under the face, and came in through it.
+bool FacetChoice::wentThrough(const Facet& facet, const Facet& last, const Transform& lastAFromB) const
+{
+	const FacetQuestion& q = *m_question;
+	const ContactSurface &a = q.a.surface(facet.levelA), &b = q.b.surface(facet.levelB);
+	const bool isOfA = facet.kind == Facet::Kind::kVertexFace;
+	if (!isOfA && facet.kind != Facet::Kind::kFaceVertex) return false;
+	const ContactSurface& faces = isOfA ? b : a;
+	const std::uint32_t polygon = isOfA ? facet.featureB : facet.featureA;
+	const auto placeBy = [&](const Transform& aFromB)
+	{ return isOfA ? inverse(aFromB) * a.vertices()[facet.featureA] : aFromB * b.vertices()[facet.featureB]; };
+	const Vec3 now = placeBy(q.aFromB);
+	if (faces.squaredBeside(polygon, now) > 0) return false;
+	if (last.isThrough) return true;
+	if (last.distance < 0) return facet.distance < last.distance;
+	const Vec3 before = placeBy(lastAFromB);
+	const double share = last.distance / (last.distance - facet.distance);
+	return faces.squaredBeside(polygon, before + share * (now - before)) == 0;
+}
+
+// Overlapping ones: those of the last step, then shallowest first.
 void FacetChoice::dropInner(std::vector<Facet>& facets)
 {
 	m_order.clear();
@@ -115,7 +155,7 @@ void FacetChoice::dropInner(std::vector<Facet>& facets)
 	for (std::uint32_t i = 0; i < facets.size(); ++i)
 	{
 		if (facets[i].reach != Facet::Reach::kOverlap) continue;
-		m_isKept[i] = overlapsAt(facets[i], Vec3{}) ? 1 : 0;
+		m_isKept[i] = facets[i].isThrough || overlapsAt(facets[i], Vec3{}) ? 1 : 0;
 		if (m_isKept[i]) m_order.push_back(i);
 	}
 	std::sort(m_order.begin(), m_order.end(),
@@ -123,19 +163,23 @@ void FacetChoice::dropInner(std::vector<Facet>& facets)
 			  {
 				  return facets[i].distance != facets[j].distance ? facets[i].distance > facets[j].distance : i < j;
 			  });
+	const auto firstNew = std::stable_partition(m_order.begin(), m_order.end(),
+												[&](std::uint32_t i) { return m_isKnown[i] != 0; });
+	const std::size_t known = std::size_t(firstNew - m_order.begin());
 	m_planes.clear();
 	for (const Facet& facet : facets)
 		if (facet.reach != Facet::Reach::kOverlap && facet.distance < 0)
 			m_planes.push_back({facet.normal, facet.distance, 0});
 	Vec3 shift = m_planes.empty() || m_order.empty() ? Vec3{} : leastShift();
-	for (const std::uint32_t i : m_order)
+	for (std::size_t k = 0; k < m_order.size(); ++k)
 	{
+		const std::uint32_t i = m_order[k];
 		const Facet& facet = facets[i];
 		const double lacking = -(dot(facet.normal, shift) + facet.distance);
 		if (lacking <= kSatisfied * -facet.distance + kSatisfiedShare * m_question->length()) continue;
 		// Looked for a little beyond the shift: what lacks no more than that is one of those that carry.
 		const double touch = kInnerShare * m_question->length(), far = length(shift), beyond = (kBeyond - 1) * far + touch;
-		if (!m_planes.empty() && lacking > beyond + touch &&
+		if (k >= known && !m_planes.empty() && lacking > beyond + touch &&
 			!overlapsAt(facet, (1 + (far > 0 ? beyond / far : 0)) * shift))
 		{
 			m_isKept[i] = 0;

@@ -2,7 +2,9 @@
 // Which facets are contacts, where several are found at one place.
 //
 // - Facets inside the difference are no boundary: an overlapping one counts only if its overlap point is inside both
-//   surfaces, and if the bodies still overlap there once they are moved out of the shallower ones.
+//   surfaces, and if the bodies still overlap there once they are moved out of the shallower ones. One that was a contact
+//   in the last step counts before all others, and a vertex seen to go in through a face until it is out there: what was
+//   pressed into a wall, past its middle or through it, goes back where it came from.
 // - At a convex ridge of the difference the free motions are a union: one facet is kept, the one that the motion
 //   crosses last.
 #pragma once
@@ -16,12 +18,15 @@ namespace clod
 class FacetChoice
 {
 public:
-	// Removes those that are no contacts.
-	void choose(const FacetQuestion& question, std::vector<Facet>& facets);
+	// Removes those that are no contacts. last: those that the solver got, at that pose.
+	void choose(const FacetQuestion& question, const std::vector<Facet>& last, const Transform& lastAFromB,
+				std::vector<Facet>& facets);
 
 private:
 	bool overlapsAt(const Facet& facet, const Vec3& shift) const;
 	Vec3 centerOf(const Facet& facet) const;
+	void knowAgain(const std::vector<Facet>& last, const Transform& lastAFromB, std::vector<Facet>& facets);
+	bool wentThrough(const Facet& facet, const Facet& last, const Transform& lastAFromB) const;
 	void dropInner(std::vector<Facet>& facets);
 	void dropRidges(std::vector<Facet>& facets);
 	bool isBeyondRidge(const Facet& best, const Vec3& center, const Facet& other) const;
@@ -46,5 +51,7 @@ private:
 	Places m_placesA, m_placesB;
 	std::vector<std::uint32_t> m_order;
 	std::vector<char> m_isKept;
+	std::vector<std::pair<std::uint64_t, std::uint32_t>> m_last;  // of the last step's: feature, index; sorted
+	std::vector<char> m_isKnown;                                  // was a contact in the last step, too
 };
 }  // namespace clod

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "clod/collide/Room.h"
+
 namespace clod
 {
 namespace
@@ -37,7 +39,7 @@ void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Trans
 				  aFromBAfter(withoutForces(rules.a), withoutForces(rules.b), aFromB, rules.timeStep),
 				  rules};
 	m_finder.find(m_question, contacts, m_facets);
-	m_choice.choose(m_question, m_facets);
+	m_choice.choose(m_question, memory.reduced, memory.aFromB, m_facets);
 	answerDepth(contacts, isDeep, previous);
 	m_switch.apply(m_question, contacts, memory.reduced, previous, goesOn, memory.levels, m_facets);
 	if (m_facets.empty() && !memory.isDeep()) return memory.forget();
@@ -73,10 +75,12 @@ void FacetContacts::reduce(const ClusterSet& previous, ClusterSet& next)
 {
 	m_points.clear();
 	m_memory->reduced.clear();
+	m_memory->aFromB = m_question.aFromB;
 	for (const Facet& facet : m_facets) m_points.push_back(pointOf(facet));
-	m_reducer.reduce(m_facets, m_points, previous, m_question.length(), next);
+	m_reducer.reduce(m_facets, m_points, previous, m_question.rules, next);
 	const Transform bFromA = inverse(m_question.aFromB);
-	m_memory->reduced.reserve(m_reducer.count());  // and no more: a pair keeps it
+	shrinkRoom(m_memory->reduced, m_reducer.count());
+	m_memory->reduced.reserve(m_reducer.count());
 	for (std::size_t slot = 0; slot < next.slots.size(); ++slot)
 		for (std::size_t i = 0; i < std::size_t(next.slots[slot].count); ++i)
 		{

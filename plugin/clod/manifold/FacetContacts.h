@@ -18,7 +18,8 @@ namespace clod
 // What of a pair lasts from step to step besides its points; all else is scratch.
 struct FacetMemory
 {
-	std::vector<Facet> reduced;  // those that the solver got
+	std::vector<Facet> reduced;  // those that the solver got,
+	Transform aFromB;            // and where
 	SwitchMemory levels;
 	Vec3 wayOut;                 // while there is a depth that no facet answers: the points say nothing of it but this
 	bool isDeep() const { return wayOut != Vec3{}; }

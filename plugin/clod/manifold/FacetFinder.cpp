@@ -256,6 +256,15 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 		counts = bulge <= inner ? meetsOn(move, now - end, bulge + inner)
 							  : meetsOnArc(now, now - end, height,
 										   [&] { return faces.squaredBeside(polygon, place) <= inner * inner; });
+		if (!counts && forced != Vec3{})
+		{
+			// With the forces whole: a facet that may hold the bodies, or one that is met without them, too.
+			const Vec3 toThen = kPathReach * (vertex.then - vertex.now);
+			const Vec3 toUnforced = kPathReach * (vertex.unforced - vertex.now);
+			const double closing = -dot(face.normal, toUnforced);
+			counts = meetsOn(toThen, now - end, inner) &&
+					 (q.rules.holds(normal) || (closing > 0 && meetsOn(toUnforced, closing, inner)));
+		}
 	}
 	if (!counts && now > 0 && end > q.rules.margin && q.rules.heldReach > 0)
 	{
@@ -363,6 +372,15 @@ void FacetFinder::edgeOverEdge(const MovedEdge& still, const MovedEdge& moved)
 		};
 		counts = bulge <= inner ? meetsOn(move, kPathReach * (moved.thenDirection - moved.direction), now - end, bulge + inner)
 							  : meetsOnArc(now, now - end, height, meets);
+		if (!counts && forced != Vec3{})
+		{
+			const Vec3 turn = kPathReach * (moved.thenDirection - moved.direction);
+			const Vec3 toThen = kPathReach * (moved.thenStart - moved.start);
+			const Vec3 toUnforced = kPathReach * (moved.unforcedStart - moved.start);
+			const double closing = dot(normal, toUnforced);
+			counts = meetsOn(toThen, turn, now - end, inner) &&
+					 (q.rules.holds(normal) || (closing > 0 && meetsOn(toUnforced, turn, closing, inner)));
+		}
 	}
 	if (!counts && now > 0 && end > q.rules.margin && q.rules.heldReach > 0)
 	{

@@ -11,7 +11,6 @@ namespace
 constexpr int kPasses = 3;
 constexpr int kSweeps = 12;
 constexpr double kMostTurn = 0.2;  // radians a step: the farther beyond, the less the second order says of an arc
-constexpr double kHolds = 0.25;  // sine of the least slope that may hold a body against a force: a steeper one is a wall
 
 Transform movedBy(const PairBody& body, const Transform& pose, double timeStep)
 {
@@ -85,11 +84,10 @@ double distanceAt(const FacetQuestion& question, const Facet& facet, const Trans
 						   aFromB.rotation * k.direction, facet.normal);
 }
 
-// Where the solved motion brings it to the margin: is what it is made of over each other?
-bool PairSolve::isMet(const FacetQuestion& q, const Facet& facet, const PairBody& bodyA, const PairBody& bodyB) const
+// After a share of the step, by these motions: is what it is made of over each other?
+bool PairSolve::isMet(const FacetQuestion& q, const Facet& facet, const PairBody& bodyA, const PairBody& bodyB,
+					  double share) const
 {
-	const double closing = facet.distance - facet.then;
-	const double share = closing > 0 ? std::max(0.0, std::min(1.0, (facet.distance - q.rules.margin) / closing)) : 1;
 	const Transform after = aFromBAfter(bodyA, bodyB, q.aFromB, share * q.rules.timeStep), back = inverse(after);
 	const ContactSurface &a = q.a.surface(facet.levelA), &b = q.b.surface(facet.levelB);
 	const double slack = kInnerShare * q.length();
@@ -191,7 +189,6 @@ void PairSolve::solve(const FacetQuestion& question, std::vector<Facet>& facets)
 								 dot(row.pushB, row.turnB));
 		m_rows.push_back(row);
 	}
-	const Vec3 force = rules.a.force - rules.b.force;
 	for (int pass = 0; pass < kPasses; ++pass)
 	{
 		sweep(question, facets);
@@ -212,10 +209,13 @@ void PairSolve::solve(const FacetQuestion& question, std::vector<Facet>& facets)
 			const double most = bendBound(question.rules, facet);
 			if (!isOfRound(facet.kind))
 				facet.then = facet.distance + facet.linear + std::max(-most, std::min(most, facet.curvature()));
-			// As long as nothing turns the motion, all that it meets is on the path.
-			if (isTurned && facet.reach == Facet::Reach::kPossible && facet.then < question.rules.margin &&
-				isMet(question, facet, m_a, m_b) &&
-				(dot(force, facet.normal) < -kHolds * length(force) || isMet(question, facet, unforcedA, unforcedB)))
+			// Where it comes within the margin, or at the end. As long as nothing turns the motion, all that it meets is on the
+			// path.
+			const double enters = std::max(0.0, facet.distance - rules.margin) / (facet.distance - facet.then);
+			const auto isMetBy = [&](const PairBody& a, const PairBody& b)
+			{ return isMet(question, facet, a, b, enters) || isMet(question, facet, a, b, 1); };
+			if (isTurned && facet.reach == Facet::Reach::kPossible && facet.then < rules.margin && isMetBy(m_a, m_b) &&
+				(rules.holds(facet.normal) || isMetBy(unforcedA, unforcedB)))
 				facet.reach = Facet::Reach::kPath;
 		}
 	}

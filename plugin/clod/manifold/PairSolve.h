@@ -32,7 +32,8 @@ private:
 		Vec3 pushA, pushB;          // change of angular velocity of a unit impulse
 		double effectiveMass;
 	};
-	bool isMet(const FacetQuestion& question, const Facet& facet, const PairBody& bodyA, const PairBody& bodyB) const;
+	bool isMet(const FacetQuestion& question, const Facet& facet, const PairBody& bodyA, const PairBody& bodyB,
+			   double share) const;
 	void push(const Row& row, double impulse);
 	void sweep(const FacetQuestion& question, const std::vector<Facet>& facets);
 	std::vector<Row> m_rows;

@@ -62,7 +62,7 @@ void followMotion(const QueryContext& context, PairCache::State& state)
 	if (!sameBodies)
 	{
 		state.clearFronts();
-		state.outline.clear();
+		state.outline.reset();
 		state.lastMove = state.lastApproach = 0;
 		state.a = &context.a;
 		state.b = &context.b;
@@ -76,12 +76,15 @@ void followMotion(const QueryContext& context, PairCache::State& state)
 		const double change = sweepChange(state.pose, state.sweep, context.pose, context.sweep, motion, context.radiusB);
 		const double farthest = kFarthestMotion * context.size;
 		state.front.move(motion, change);
-		state.outline.move(motion, change);
 		state.lastMove += motion + change;
 		state.lastApproach =
 			approachBound(state.pose, state.sweep, context.pose, context.sweep, context.radiusA, context.radiusB);
 		if (!(state.front.motion < farthest)) state.clearFronts();
-		if (!(state.outline.motion < farthest)) state.outline.clear();
+		if (state.outline)
+		{
+			state.outline->move(motion, change);
+			if (!(state.outline->motion < farthest)) state.outline->clear();
+		}
 	}
 	state.pose = context.pose;
 	state.sweep = context.sweep;
@@ -89,7 +92,8 @@ void followMotion(const QueryContext& context, PairCache::State& state)
 
 Outline outline(const QueryContext& context, const ContactSettings& settings, double tolerance, PairCache::State& state)
 {
-	PairFront& front = state.outline;
+	if (!state.outline) state.outline = std::make_unique<PairFront>();
+	PairFront& front = *state.outline;
 	Outline result;
 	if (front.entries.empty() || front.motionSince > 0 || front.tolerance != tolerance)
 	{
@@ -159,7 +163,7 @@ void ContactSearch::countQuiet(bool isNothingNear)
 	if (m_state.quietFor == kParted && !front.isLent)
 	{
 		front.giveBack();
-		m_state.outline.giveBack();
+		m_state.outline.reset();
 	}
 	front.isLent = m_state.quietFor == kParted;
 }
@@ -202,7 +206,7 @@ double ContactSearch::answerCoarsest(double tolerance)
 {
 	m_state.clearFronts();
 	m_rule.emplace(coarsestRule(m_context, m_settings.metric));
-	m_answered = &m_state.outline;
+	m_answered = m_state.outline.get();
 	m_result.stats.cutShort = 1;
 	m_result.stats.front = m_result.stats.frontInner = 0;
 	addTo(m_result.stats, m_answered->counts);

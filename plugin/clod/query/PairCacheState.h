@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // What a pair's cache holds between queries.
 #pragma once
-#include <vector>
+#include <memory>
 
 #include "clod/query/InsideTest.h"
 #include "clod/query/PairFront.h"
@@ -23,16 +23,15 @@ struct PairCache::State
 	RelativePose pose;  // that the fronts have followed to,
 	Sweep sweep;        // with this motion from there
 	PairFront front;
-	PairFront outline;     // of the coarsest valid answer, its pairs listed only; where there are budgets
+	std::unique_ptr<PairFront> outline;  // of the coarsest valid answer, its pairs listed only; where there are budgets
 	std::uint32_t quietFor = 0;  // queries that found nothing, one after the other
 	double lastMove = 0;  // of front.motion, what came since the last query
 	double lastApproach = 0;  // approachBound since then
 	SeparationCache separation;
 	InsideProbes probesA, probesB;
 	NearestPair nearest;
-	bool remembers = true;
-	ContactResult last;     // of contacts(), at aFromB and settings, where it is remembered
-	bool hasLast = false;   // if it asked last
+	std::unique_ptr<ContactResult> last;  // of contacts(), at aFromB and settings; null: it is not remembered
+	bool hasLast = false;                 // if it asked last
 
 	void clearFronts()
 	{

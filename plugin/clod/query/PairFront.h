@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "clod/collide/HullDistance.h"
+#include "clod/collide/Room.h"
 #include "clod/collide/SeparatingAxis.h"
 #include "clod/query/BackOff.h"
 #include "clod/query/Constants.h"
@@ -146,8 +147,10 @@ struct PairFront
 	// For slack as much as there may be: a steady query allocates nothing.
 	void makeRoom()
 	{
+		shrinkRoom(slack.ofEntry, entries.capacity());
+		shrinkRoom(slack.answers, hulls.capacity());  // nearly all have a hull
 		slack.ofEntry.reserve(entries.capacity());
-		slack.answers.reserve(hulls.capacity());  // nearly all have a hull
+		slack.answers.reserve(hulls.capacity());
 	}
 	// The bodies have parted: what they took is given back.
 	void giveBack()

@@ -11,20 +11,20 @@ namespace clod
 {
 PairCache::PairCache(bool remembers) : m_state(std::make_unique<State>())
 {
-	m_state->remembers = remembers;
+	if (remembers) m_state->last = std::make_unique<ContactResult>();
 }
 PairCache::~PairCache() = default;
 PairCache::PairCache(PairCache&&) noexcept = default;
 PairCache& PairCache::operator=(PairCache&&) noexcept = default;
 void PairCache::clear()
 {
-	*this = PairCache(m_state->remembers);
+	*this = PairCache(m_state->last != nullptr);
 }
 
 void PairCache::giveBack()
 {
 	m_state->front.giveBack();
-	m_state->outline.giveBack();
+	m_state->outline.reset();
 }
 
 void ContactResult::clear()
@@ -58,10 +58,10 @@ void contacts(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, c
 			  PairCache& cache, ContactResult& result)
 {
 	PairCache::State& state = cache.state();
-	if (isSamePose(a, b, aFromB, state) && state.hasLast && answersAgain(settings, state.last, state))
+	if (isSamePose(a, b, aFromB, state) && state.hasLast && answersAgain(settings, *state.last, state))
 	{
 		state.settings = settings;
-		result = state.last;
+		result = *state.last;
 		result.stats.boxTests = result.stats.hullTests = 0;
 		return;
 	}
@@ -73,8 +73,8 @@ void contacts(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, c
 		result.deep = search.hasInput() && !search.overlaps() && search.depthInside() > 0;
 		search.finish(result.contacts.empty() && !result.deep);
 	}
-	if (state.remembers) state.last = result;
-	state.hasLast = state.remembers;
+	if (state.last) *state.last = result;
+	state.hasLast = state.last != nullptr;
 }
 
 Outline outlineCoarsest(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const ContactSettings& settings,

@@ -20,8 +20,8 @@ struct Previous
 	// The new front goes to where the old one was, which is the pair's and no larger than it need be.
 	void keepIn(PairFront& front)
 	{
-		entries.assign(front.entries.begin(), front.entries.end());
-		hulls.assign(front.hulls.begin(), front.hulls.end());
+		keepCopy(front.entries, entries);
+		keepCopy(front.hulls, hulls);
 		swap(front);
 	}
 };

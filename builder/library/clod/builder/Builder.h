@@ -66,7 +66,7 @@ struct Outcome
 using Callback = std::function<bool(const char* phase, double fraction)>;
 
 CLOD_API Outcome build(const TriangleMesh& mesh, const Options& options = {}, const Callback& callback = {}) noexcept;
-// OBJ, OFF, PLY, STL, glTF, GLB.
+// OBJ, OFF, PLY, STL, glTF, GLB; of the latter two one node's mesh, where the path is FILE#NODE.
 CLOD_API Outcome buildFile(const std::string& path, const FileOptions& options = {},
 						   const Callback& callback = {}) noexcept;
 }  // namespace clod::builder

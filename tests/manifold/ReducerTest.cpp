@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Which of many facets a solver gets, and what carries of them, each where closed forms know it.
+#include <gtest/gtest.h>
+
+#include "clod/manifold/ContactReducer.h"
+#include "clod/manifold/PairSolve.h"
+
+namespace clod::test
+{
+namespace
+{
+constexpr std::uint64_t kOther = 99;  // a feature that is not the last step's
+
+Facet facetAt(const Vec3& place, double distance = 0)
+{
+	Facet facet{};
+	facet.kind = Facet::Kind::kDeep;
+	facet.reach = Facet::Reach::kNear;
+	facet.onA = facet.onB = place;
+	facet.normal = {0, -1, 0};
+	facet.distance = facet.then = distance;
+	return facet;
+}
+
+ContactPoint pointOf(const Facet& facet, std::uint64_t feature)
+{
+	ContactPoint point;
+	point.pointOnA = facet.onA;
+	point.pointOnB = facet.onB;
+	point.normal = facet.normal;
+	point.feature = feature;
+	return point;
+}
+
+// One point of the last step, at the origin, that carried 5.
+ClusterSet carriedAtTheOrigin()
+{
+	ClusterSet set;
+	set.slots[0].count = 1;
+	ClusterPoint& point = set.slots[0].points[0];
+	point.point = pointOf(facetAt({}), 1);
+	point.impulse = 5;
+	point.placeWithB = point.point.pointOnA;
+	point.normalWithB = point.point.normal;
+	return set;
+}
+
+// What becomes of them, of bodies of length 1.
+ClusterSet reduced(const std::vector<Facet>& facets, std::uint64_t feature)
+{
+	std::vector<ContactPoint> points;
+	for (const Facet& facet : facets) points.push_back(pointOf(facet, feature++));
+	ContactReducer reducer;
+	ClusterSet next;
+	reducer.reduce(facets, points, carriedAtTheOrigin(), 1, next);
+	return next;
+}
+}  // namespace
+
+TEST(ContactReducer, APointGoesOnWhereItsFeaturesOrItsPlaceAre)
+{
+	EXPECT_EQ(reduced({facetAt({0.001, 0, 0})}, kOther).slots[0].points[0].impulse, 5) << "near";
+	EXPECT_EQ(reduced({facetAt({0.5, 0, 0})}, 1).slots[0].points[0].impulse, 5) << "the same features";
+	const ClusterSet far = reduced({facetAt({0.5, 0, 0})}, kOther);
+	EXPECT_EQ(far.slots[0].points[0].impulse, 0);
+	EXPECT_EQ(far.slots[0].points[0].previous, kNone);
+}
+
+TEST(ContactReducer, WhatCarriedComesBeforeWhatIsLower)
+{
+	// Too near to each other for both: the first is lower, the second goes on.
+	const ClusterSet next = reduced({facetAt({0.0005, 0, 0}, -0.1), facetAt({}, 0)}, 0);
+	ASSERT_EQ(next.pointCount(), 1);
+	EXPECT_EQ(next.slots[0].points[0].point.pointOnA.x, 0);
+	EXPECT_EQ(next.slots[0].points[0].impulse, 5);
+}
+
+TEST(PairSolve, AnImpulseBesideBothCentresTurnsBothBodies)
+{
+	FacetQuestion question{};
+	question.rules.length = 1;
+	question.rules.timeStep = 0.01;
+	for (PairBody* body : {&question.rules.a, &question.rules.b})
+	{
+		body->inverseMass = 1;
+		body->inverseInertia = Mat3{};
+	}
+	question.rules.b.center = {0, 2, 0};
+	question.rules.b.linear = {0, -1, 0};
+	std::vector<Facet> facets = {facetAt({0.5, 1, 0})};
+	PairSolve solve;
+	solve.solve(question, facets);
+	// Unit masses and inertias, arms of a half: 1 / (1 + 1 + 1/4 + 1/4) of the closing speed of 1.
+	ASSERT_EQ(facets.size(), 1u);
+	EXPECT_NEAR(facets[0].multiplier, 0.4, 1e-9);
+	EXPECT_NEAR(facets[0].linear, 0, 1e-12);
+	EXPECT_NEAR(solve.motion().angular.z, -0.4, 1e-9);
+}
+}  // namespace clod::test
