@@ -52,7 +52,9 @@ ClusterSet reduced(const std::vector<Facet>& facets, std::uint64_t feature)
 	for (const Facet& facet : facets) points.push_back(pointOf(facet, feature++));
 	ContactReducer reducer;
 	ClusterSet next;
-	reducer.reduce(facets, points, carriedAtTheOrigin(), 1, next);
+	PointRules rules;
+	rules.length = 1;
+	reducer.reduce(facets, points, carriedAtTheOrigin(), rules, next);
 	return next;
 }
 }  // namespace

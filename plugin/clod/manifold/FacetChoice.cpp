@@ -161,25 +161,22 @@ void FacetChoice::dropInner(std::vector<Facet>& facets)
 	std::sort(m_order.begin(), m_order.end(),
 			  [&](std::uint32_t i, std::uint32_t j)
 			  {
+				  if (m_isKnown[i] != m_isKnown[j]) return m_isKnown[i] > m_isKnown[j];
 				  return facets[i].distance != facets[j].distance ? facets[i].distance > facets[j].distance : i < j;
 			  });
-	const auto firstNew = std::stable_partition(m_order.begin(), m_order.end(),
-												[&](std::uint32_t i) { return m_isKnown[i] != 0; });
-	const std::size_t known = std::size_t(firstNew - m_order.begin());
 	m_planes.clear();
 	for (const Facet& facet : facets)
 		if (facet.reach != Facet::Reach::kOverlap && facet.distance < 0)
 			m_planes.push_back({facet.normal, facet.distance, 0});
 	Vec3 shift = m_planes.empty() || m_order.empty() ? Vec3{} : leastShift();
-	for (std::size_t k = 0; k < m_order.size(); ++k)
+	for (const std::uint32_t i : m_order)
 	{
-		const std::uint32_t i = m_order[k];
 		const Facet& facet = facets[i];
 		const double lacking = -(dot(facet.normal, shift) + facet.distance);
 		if (lacking <= kSatisfied * -facet.distance + kSatisfiedShare * m_question->length()) continue;
 		// Looked for a little beyond the shift: what lacks no more than that is one of those that carry.
 		const double touch = kInnerShare * m_question->length(), far = length(shift), beyond = (kBeyond - 1) * far + touch;
-		if (k >= known && !m_planes.empty() && lacking > beyond + touch &&
+		if (!m_isKnown[i] && !m_planes.empty() && lacking > beyond + touch &&
 			!overlapsAt(facet, (1 + (far > 0 ? beyond / far : 0)) * shift))
 		{
 			m_isKept[i] = 0;
