@@ -119,7 +119,7 @@ private:
 	bool mayKeep(const WorldFrame& frame, const btManifoldResult& out) const;
 	void beginWrite(const HeldClusters& clusters);
 	bool openSlot(std::size_t index, HeldClusters& clusters, const WorldFrame& frame, btManifoldResult& out);
-	void writePoint(const HeldPoint& point, const WorldFrame& frame, btManifoldResult& out);
+	void writePoint(const HeldPoint& held, const WorldFrame& frame, btManifoldResult& out);
 	void closeSlot(std::size_t index, btManifoldResult& out);
 	void endWrite(const HeldClusters& clusters, const WorldFrame& frame, const btManifoldResult& out);
 

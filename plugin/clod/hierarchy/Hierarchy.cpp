@@ -27,7 +27,7 @@ Error fileError(const std::string& path, const std::string& what)
 std::string readBlock(std::ifstream& stream, std::uint64_t size, std::vector<std::byte>& bytes)
 {
 	std::vector<std::byte> start;
-	const std::string problem = readFileStart(stream, size, start);
+	std::string problem = readFileStart(stream, size, start);
 	if (!problem.empty()) return problem;
 	bytes.resize(std::size_t(size));
 	std::copy(start.begin(), start.end(), bytes.begin());
