@@ -404,7 +404,7 @@ Result<std::shared_ptr<const Hierarchy>> scaledHierarchy(const Hierarchy& hierar
 	// The cube of a length, and its inverse, must be a float.
 	if (!(farthest < 1e12) || !(farthest > 1e-12))
 		return Error{name + "makes a body that is too large or too small for its file"};
-	std::shared_ptr<const Hierarchy> result = 
+	std::shared_ptr<const Hierarchy> result =
 		Hierarchy::fromOwnBytes(encode(Scaling(hierarchy, scale).content()), hierarchy.finestLevel());
 	// What rounding may break; the rest holds as it held before.
 	for (const auto rule : {rules::asset, rules::nodeNumbers, rules::faces})

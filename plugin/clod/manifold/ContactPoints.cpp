@@ -1,12 +1,31 @@
 // SPDX-License-Identifier: Zlib
 #include "clod/manifold/ContactPoints.h"
 
+#include <cmath>
 #include <numeric>
 
 #include "clod/collide/Room.h"
 
 namespace clod
 {
+namespace
+{
+Transform movedBy(const PairBody& body, const Transform& pose, double timeStep)
+{
+	if (body.linear == Vec3{} && body.angular == Vec3{}) return pose;
+	const double angle = timeStep * length(body.angular);
+	const Vec3 axis = normalized(body.angular);
+	const double sine = std::sin(0.5 * angle);
+	const Mat3 turn = rotationFromQuaternion(sine * axis.x, sine * axis.y, sine * axis.z, std::cos(0.5 * angle));
+	return {turn * pose.rotation, body.center + timeStep * body.linear + turn * (pose.translation - body.center)};
+}
+}  // namespace
+
+Transform aFromBAfter(const PairBody& a, const PairBody& b, const Transform& aFromB, double timeStep)
+{
+	return inverse(movedBy(a, Transform{}, timeStep)) * movedBy(b, aFromB, timeStep);
+}
+
 int ClusterSet::pointCount() const
 {
 	int count = 0;

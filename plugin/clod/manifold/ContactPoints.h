@@ -50,6 +50,9 @@ inline RelativeMotion motionBetween(const PairBody& a, const PairBody& b, double
 	return {a.linear - cross(a.angular, a.center) - b.linear + cross(b.angular, b.center), a.angular - b.angular, timeStep};
 }
 
+// Where B is in A's frame when both have moved for so long, A's frame with it.
+Transform aFromBAfter(const PairBody& a, const PairBody& b, const Transform& aFromB, double timeStep);
+
 inline constexpr double kHolds = 0.25;  // sine of the least slope that may hold a body against a force
 
 struct PointRules

@@ -20,6 +20,8 @@
 
 namespace clod
 {
+inline constexpr double kSameNormal = 0.99995;  // cosine: of one polygon's facets, and of polygons all but in one plane
+
 struct Facet
 {
 	enum class Kind : std::uint8_t

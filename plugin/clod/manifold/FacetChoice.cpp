@@ -13,7 +13,6 @@ constexpr double kSatisfiedShare = 1e-6;  // of the length, likewise
 constexpr double kBeyond = 1.05;          // times the least shift, and a touch: where overlaps are looked for again
 constexpr double kTie = 1e-3;             // of the length: of heights now and at the end of the step
 constexpr double kSamePlace = 2e-3;       // of the length
-constexpr double kSameNormal = 0.99995;   // cosine: of one polygon's facets, and of polygons all but in one plane
 
 // A point deep inside the wedge of four half-spaces through two points: where the smallest distance to them is large.
 Vec3 deepPoint(const Vec3 (&normal)[4], const double (&offset)[4], const Vec3& start, double size)
@@ -112,6 +111,8 @@ void FacetChoice::removeDropped(std::vector<Facet>& facets) const
 void FacetChoice::knowAgain(const std::vector<Facet>& last, const Transform& lastAFromB, std::vector<Facet>& facets)
 {
 	m_isKnown.assign(facets.size(), 0);
+	const auto isOverlap = [](const Facet& facet) { return facet.reach == Facet::Reach::kOverlap; };
+	if (std::none_of(facets.begin(), facets.end(), isOverlap)) return;
 	m_last.clear();
 	for (std::uint32_t i = 0; i < last.size(); ++i)
 		if (last[i].hasFeatures()) m_last.emplace_back(last[i].feature(), i);
@@ -119,7 +120,7 @@ void FacetChoice::knowAgain(const std::vector<Facet>& last, const Transform& las
 	for (std::uint32_t i = 0; i < facets.size() && !m_last.empty(); ++i)
 	{
 		Facet& facet = facets[i];
-		if (facet.reach != Facet::Reach::kOverlap) continue;
+		if (!isOverlap(facet)) continue;
 		const auto at = std::lower_bound(m_last.begin(), m_last.end(), std::make_pair(facet.feature(), std::uint32_t(0)));
 		if (at == m_last.end() || at->first != facet.feature()) continue;
 		m_isKnown[i] = 1;

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "clod/manifold/PairSolve.h"
-
 namespace clod
 {
 namespace
@@ -168,23 +166,43 @@ Transform FacetFinder::poseAt(double share) const
 					   kPathReach * share * rules.timeStep);
 }
 
-// Where turning bodies bring features to the margin, and where to each other, do they meet there? height(share) puts them
-// there.
+// Where turning bodies bring features to the margin, and where to each other, do they meet there? height(share, forced)
+// puts them there; forced: what forces add to the height by the end.
 template <class Height, class Meets>
-bool FacetFinder::meetsOnArc(double now, double closing, Height height, Meets meets) const
+bool FacetFinder::meetsOnArc(double now, double closing, const Vec3& forced, Height height, Meets meets) const
 {
 	const double near = kInnerShare * m_question->length();
+	const auto heightAt = [&](double share) { return height(share, share * forced); };
 	for (const double level : {m_question->rules.margin, 0.0})
 	{
-		double share = std::max(0.0, std::min(1.0, (now - level) / closing)), above = height(share) - level;
+		double share = std::max(0.0, std::min(1.0, (now - level) / closing)), above = heightAt(share) - level;
 		for (int round = 0; round < kArcRounds && std::abs(above) > near; ++round)
 		{
 			share = std::max(0.0, std::min(1.0, share + above / closing));
-			above = height(share) - level;
+			above = heightAt(share) - level;
 		}
 		if (std::abs(above) <= near && meets()) return true;
 	}
 	return false;
+}
+
+// Do features meet on the step's way? meetsOn(move, closing, slack) asks it of a chord, height and meets of the arc
+// (meetsOnArc), where that bulges; `up` is where the height grows, mayHold: against the forces (PointRules::holds).
+template <class MeetsOn, class Height, class Meets>
+bool FacetFinder::meetsOnPath(const Way& way, const Vec3& up, double now, double closing, bool mayHold, MeetsOn meetsOn,
+							  Height height, Meets meets) const
+{
+	const double inner = kInnerShare * m_question->length();
+	const Vec3 move = kPathReach * (along(up, way.unforced, way.then) - way.now);
+	const Vec3 forced = kPathReach * dot(up, way.then - way.unforced) * up;
+	const double bulge = m_sagitta * length(move);
+	if (bulge <= inner ? meetsOn(move, closing, bulge + inner) : meetsOnArc(now, closing, forced, height, meets)) return true;
+	if (forced == Vec3{}) return false;
+	// With the forces whole: a facet that may hold the bodies, or one that is met without them, too.
+	const Vec3 toUnforced = kPathReach * (way.unforced - way.now);
+	const double closingUnforced = -dot(up, toUnforced);
+	return meetsOn(kPathReach * (way.then - way.now), closing, inner) &&
+		   (mayHold || (closingUnforced > 0 && meetsOn(toUnforced, closingUnforced, inner)));
 }
 
 // The ways in the step, in frame A and relative to A, that a place of B goes if a third body holds A, and if one holds B.
@@ -242,29 +260,18 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 	if (!counts && now > 0 && end <= q.rules.margin && end < now)
 	{
 		facet.reach = Facet::Reach::kPath;
-		const Vec3 move = kPathReach * (along(face.normal, vertex.unforced, vertex.then) - vertex.now);
-		const double inner = kInnerShare * q.length(), bulge = m_sagitta * length(move);
-		const Vec3 forced = kPathReach * dot(face.normal, vertex.then - vertex.unforced) * face.normal;
+		const double inner = kInnerShare * q.length();
 		const Vec3& own = vertices.vertices()[vertex.index];
 		Vec3 place;
-		const auto height = [&](double share)
+		const auto height = [&](double share, const Vec3& forced)
 		{
 			const Transform pose = poseAt(share);
-			place = (vertexIsOfA ? inverse(pose) * own : pose * own) + share * forced;
+			place = (vertexIsOfA ? inverse(pose) * own : pose * own) + forced;
 			return dot(face.normal, place) - face.offset;
 		};
-		counts = bulge <= inner ? meetsOn(move, now - end, bulge + inner)
-							  : meetsOnArc(now, now - end, height,
-										   [&] { return faces.squaredBeside(polygon, place) <= inner * inner; });
-		if (!counts && forced != Vec3{})
-		{
-			// With the forces whole: a facet that may hold the bodies, or one that is met without them, too.
-			const Vec3 toThen = kPathReach * (vertex.then - vertex.now);
-			const Vec3 toUnforced = kPathReach * (vertex.unforced - vertex.now);
-			const double closing = -dot(face.normal, toUnforced);
-			counts = meetsOn(toThen, now - end, inner) &&
-					 (q.rules.holds(normal) || (closing > 0 && meetsOn(toUnforced, closing, inner)));
-		}
+		counts = meetsOnPath({vertex.now, vertex.then, vertex.unforced}, face.normal, now, now - end,
+							 q.rules.holds(normal), meetsOn, height,
+							 [&] { return faces.squaredBeside(polygon, place) <= inner * inner; });
 	}
 	if (!counts && now > 0 && end > q.rules.margin && q.rules.heldReach > 0)
 	{
@@ -351,14 +358,13 @@ void FacetFinder::edgeOverEdge(const MovedEdge& still, const MovedEdge& moved)
 	if (!counts && now > 0 && end <= q.rules.margin && end < now)
 	{
 		facet.reach = Facet::Reach::kPath;
-		const Vec3 move = kPathReach * (along(normal, moved.unforcedStart, moved.thenStart) - moved.start);
-		const double inner = kInnerShare * q.length(), bulge = m_sagitta * length(move);
-		const Vec3 forced = kPathReach * dot(normal, moved.thenStart - moved.unforcedStart) * normal;
+		const double inner = kInnerShare * q.length();
+		const Vec3 turn = kPathReach * (moved.thenDirection - moved.direction);
 		Vec3 place, direction;
-		const auto height = [&](double share)
+		const auto height = [&](double share, const Vec3& forced)
 		{
 			const Transform pose = poseAt(share);
-			place = pose * m_pair.b->vertices()[other.vertex[0]] + share * forced;
+			place = pose * m_pair.b->vertices()[other.vertex[0]] + forced;
 			direction = pose.rotation * other.direction;
 			return distanceOfLines(start, edge.direction, place, direction, normal);
 		};
@@ -370,17 +376,10 @@ void FacetFinder::edgeOverEdge(const MovedEdge& still, const MovedEdge& moved)
 			at = there;
 			return true;
 		};
-		counts = bulge <= inner ? meetsOn(move, kPathReach * (moved.thenDirection - moved.direction), now - end, bulge + inner)
-							  : meetsOnArc(now, now - end, height, meets);
-		if (!counts && forced != Vec3{})
-		{
-			const Vec3 turn = kPathReach * (moved.thenDirection - moved.direction);
-			const Vec3 toThen = kPathReach * (moved.thenStart - moved.start);
-			const Vec3 toUnforced = kPathReach * (moved.unforcedStart - moved.start);
-			const double closing = dot(normal, toUnforced);
-			counts = meetsOn(toThen, turn, now - end, inner) &&
-					 (q.rules.holds(normal) || (closing > 0 && meetsOn(toUnforced, turn, closing, inner)));
-		}
+		const auto meetsTurning = [&](const Vec3& move, double closing, double slack)
+		{ return meetsOn(move, turn, closing, slack); };
+		counts = meetsOnPath({moved.start, moved.thenStart, moved.unforcedStart}, -normal, now, now - end,
+							 q.rules.holds(normal), meetsTurning, height, meets);
 	}
 	if (!counts && now > 0 && end > q.rules.margin && q.rules.heldReach > 0)
 	{

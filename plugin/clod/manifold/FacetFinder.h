@@ -34,7 +34,15 @@ private:
 	void gather(const Contact& contact, MovedNode& nodeA, MovedNode& nodeB);
 	double highest(double closing) const;
 	Transform poseAt(double share) const;
-	template <class Height, class Meets> bool meetsOnArc(double now, double closing, Height height, Meets meets) const;
+	struct Way  // of a point: where it is, and at the end of the step with and without forces
+	{
+		Vec3 now, then, unforced;
+	};
+	template <class MeetsOn, class Height, class Meets>
+	bool meetsOnPath(const Way& way, const Vec3& up, double now, double closing, bool mayHold, MeetsOn meetsOn, Height height,
+					 Meets meets) const;
+	template <class Height, class Meets>
+	bool meetsOnArc(double now, double closing, const Vec3& forced, Height height, Meets meets) const;
 	std::array<Vec3, 2> waysIfHeld(const Vec3& place) const;
 	void vertexOverFace(const MovedCorner& vertex, std::uint32_t polygon, bool vertexIsOfA);
 	void edgeOverEdge(const MovedEdge& still, const MovedEdge& moved);

@@ -3,16 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace clod
 {
 namespace
 {
-constexpr double kOneNormal = 0.99995;     // cosine: half a degree
-constexpr std::size_t kFew = 4;            // are not worth choosing from
-constexpr double kBesideShare = 0.1;      // of the length: so far beside what the corners span a facet may be left out,
-constexpr double kBeneathShare = 2e-5;     // and so far beneath it
-constexpr double kPreferred = 1.1;         // those that are known may lack less
+constexpr std::size_t kFew = 4;         // are not worth choosing from
+constexpr double kBesideShare = 0.1;    // of the length: so far beside what the corners span a facet may be left out,
+constexpr double kBeneathShare = 2e-5;  // and so far beneath it
+constexpr double kPreferred = 1.1;      // those that are known may lack less
 
 double cross2(double ax, double ay, double bx, double by)
 {
@@ -107,7 +107,7 @@ void FlatCorners::choose(const std::vector<Facet>& facets, double length, const 
 		for (std::uint32_t i = first; i < facets.size(); ++i)
 		{
 			const Facet& f = facets[i];
-			if ((i != first && isNeeded[i] != kUnseen) || !f.hasFeatures() || dot(f.normal, normal) < kOneNormal) continue;
+			if ((i != first && isNeeded[i] != kUnseen) || !f.hasFeatures() || dot(f.normal, normal) < kSameNormal) continue;
 			m_places.push_back({dot(u, f.onA - facets[first].onA), dot(v, f.onA - facets[first].onA), f.distance, f.then, i,
 								isKnown[i] != 0});
 			isNeeded[i] = 0;

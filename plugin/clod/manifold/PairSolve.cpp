@@ -12,16 +12,6 @@ constexpr int kPasses = 3;
 constexpr int kSweeps = 12;
 constexpr double kMostTurn = 0.2;  // radians a step: the farther beyond, the less the second order says of an arc
 
-Transform movedBy(const PairBody& body, const Transform& pose, double timeStep)
-{
-	if (body.linear == Vec3{} && body.angular == Vec3{}) return pose;
-	const double angle = timeStep * length(body.angular);
-	const Vec3 axis = normalized(body.angular);
-	const double sine = std::sin(0.5 * angle);
-	const Mat3 turn = rotationFromQuaternion(sine * axis.x, sine * axis.y, sine * axis.z, std::cos(0.5 * angle));
-	return {turn * pose.rotation, body.center + timeStep * body.linear + turn * (pose.translation - body.center)};
-}
-
 bool isOfRound(Facet::Kind kind)
 {
 	return kind == Facet::Kind::kVertexEdge || kind == Facet::Kind::kEdgeVertex || kind == Facet::Kind::kVertexVertex;
@@ -54,13 +44,7 @@ double bendBound(const PointRules& rules, const Facet& facet)
 	return (turnA + turnB) * moved + 0.5 * (turnA * turnA * length(facet.onA - rules.a.center) +
 											turnB * turnB * length(facet.onB - rules.b.center));
 }
-}  // namespace
-
-Transform aFromBAfter(const PairBody& a, const PairBody& b, const Transform& aFromB, double timeStep)
-{
-	return inverse(movedBy(a, Transform{}, timeStep)) * movedBy(b, aFromB, timeStep);
-}
-
+// Distance of the same facet at another pose.
 double distanceAt(const FacetQuestion& question, const Facet& facet, const Transform& aFromB, const Transform& bFromA)
 {
 	const ContactSurface &a = question.a.surface(facet.levelA), &b = question.b.surface(facet.levelB);
@@ -84,11 +68,12 @@ double distanceAt(const FacetQuestion& question, const Facet& facet, const Trans
 						   aFromB.rotation * k.direction, facet.normal);
 }
 
-// After a share of the step, by these motions: is what it is made of over each other?
-bool PairSolve::isMet(const FacetQuestion& q, const Facet& facet, const PairBody& bodyA, const PairBody& bodyB,
-					  double share) const
+}  // namespace
+
+// At that pose: is what it is made of over each other?
+bool PairSolve::isMet(const FacetQuestion& q, const Facet& facet, const Transform& after) const
 {
-	const Transform after = aFromBAfter(bodyA, bodyB, q.aFromB, share * q.rules.timeStep), back = inverse(after);
+	const Transform back = inverse(after);
 	const ContactSurface &a = q.a.surface(facet.levelA), &b = q.b.surface(facet.levelB);
 	const double slack = kInnerShare * q.length();
 	if (facet.kind == Facet::Kind::kVertexFace)
@@ -194,6 +179,7 @@ void PairSolve::solve(const FacetQuestion& question, std::vector<Facet>& facets)
 		sweep(question, facets);
 		const Transform after = aFromBAfter(m_a, m_b, question.aFromB, question.rules.timeStep), back = inverse(after);
 		const PairBody unforcedA = withoutForces(m_a), unforcedB = withoutForces(m_b);
+		const Transform unforced = aFromBAfter(unforcedA, unforcedB, question.aFromB, rules.timeStep);
 		const bool isTurned =
 			std::any_of(m_multipliers.begin(), m_multipliers.end(), [](double multiplier) { return multiplier != 0; });
 		for (std::size_t i = 0; i < facets.size(); ++i)
@@ -212,10 +198,13 @@ void PairSolve::solve(const FacetQuestion& question, std::vector<Facet>& facets)
 			// Where it comes within the margin, or at the end. As long as nothing turns the motion, all that it meets is on the
 			// path.
 			const double enters = std::max(0.0, facet.distance - rules.margin) / (facet.distance - facet.then);
-			const auto isMetBy = [&](const PairBody& a, const PairBody& b)
-			{ return isMet(question, facet, a, b, enters) || isMet(question, facet, a, b, 1); };
-			if (isTurned && facet.reach == Facet::Reach::kPossible && facet.then < rules.margin && isMetBy(m_a, m_b) &&
-				(rules.holds(facet.normal) || isMetBy(unforcedA, unforcedB)))
+			const auto isMetBy = [&](const PairBody& a, const PairBody& b, const Transform& end)
+			{
+				return isMet(question, facet, aFromBAfter(a, b, question.aFromB, enters * rules.timeStep)) ||
+					   isMet(question, facet, end);
+			};
+			if (isTurned && facet.reach == Facet::Reach::kPossible && facet.then < rules.margin &&
+				isMetBy(m_a, m_b, after) && (rules.holds(facet.normal) || isMetBy(unforcedA, unforcedB, unforced)))
 				facet.reach = Facet::Reach::kPath;
 		}
 	}

@@ -32,8 +32,7 @@ private:
 		Vec3 pushA, pushB;          // change of angular velocity of a unit impulse
 		double effectiveMass;
 	};
-	bool isMet(const FacetQuestion& question, const Facet& facet, const PairBody& bodyA, const PairBody& bodyB,
-			   double share) const;
+	bool isMet(const FacetQuestion& question, const Facet& facet, const Transform& after) const;
 	void push(const Row& row, double impulse);
 	void sweep(const FacetQuestion& question, const std::vector<Facet>& facets);
 	std::vector<Row> m_rows;
@@ -41,9 +40,4 @@ private:
 	PairBody m_a, m_b;  // as solved
 	double m_timeStep = 0;
 };
-
-// Distance of the same facet at another pose.
-double distanceAt(const FacetQuestion& question, const Facet& facet, const Transform& aFromB, const Transform& bFromA);
-// Where B is in A's frame when both have moved for the step, A's frame with it.
-Transform aFromBAfter(const PairBody& a, const PairBody& b, const Transform& aFromB, double timeStep);
 }  // namespace clod
