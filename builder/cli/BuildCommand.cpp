@@ -47,7 +47,6 @@ struct BuildOptions : cli::CommonOptions
 	bool repair = false;
 	bool withoutAdvice = false;
 	bool parts = false;      // each part of the scene by itself
-	bool isOfParts = false;  // one of them: what is said of all of them once is not said again
 	std::optional<cli::Length> wrap, maxMove;
 };
 
@@ -117,7 +116,7 @@ constexpr double kRoomRadius = 5;
 
 void nameUnit(const BuildOptions& options, double radius)
 {
-	if (options.quiet || options.isOfParts || !options.frame.unit.empty() || radius <= kRoomRadius) return;
+	if (options.quiet || !options.frame.unit.empty() || radius <= kRoomRadius) return;
 	fmt::print(
 		stderr,
 		"{}: its radius is {:.4g} of its own unit, which looks like millimetres; `--unit mm` makes metres of it\n",
@@ -141,29 +140,33 @@ Progress progressOn(cli::Progress& bar)
 	};
 }
 
-Repaired readSolid(const BuildOptions& options)
+Repaired mend(const Soup& soup, const BuildOptions& options)
 {
 	cli::Progress bar(options.quiet);
+	const double radius = radiusOf(soup);
+	Mending mending;
+	mending.repair = options.repair;
+	if (options.maxMove) mending.maxMove = options.maxMove->inMeshUnit(radius);
+	if (options.wrap) mending.wrap = options.wrap->inMeshUnit(radius);
+	return solidOf(soup, mending, progressOn(bar));
+}
+
+Repaired readSolid(const BuildOptions& options)
+{
 	try
 	{
 		Soup soup = readMesh(options.mesh);
 		convert(options.frame, soup);
-		const double radius = radiusOf(soup);
-		nameUnit(options, radius);
+		nameUnit(options, radiusOf(soup));
 		if (!options.quiet && soup.parts.size() > 1)
 			fmt::print(
 				stderr,
 				"{}: its {} parts become one body; --parts builds each by itself, `clod-build parts` lists them\n",
 				options.mesh, soup.parts.size());
-		Mending mending;
-		mending.repair = options.repair;
-		if (options.maxMove) mending.maxMove = options.maxMove->inMeshUnit(radius);
-		if (options.wrap) mending.wrap = options.wrap->inMeshUnit(radius);
-		return solidOf(soup, mending, progressOn(bar));
+		return mend(soup, options);
 	}
 	catch (const Refused& refused)
 	{
-		if (options.isOfParts) throw;
 		throw Failure(codeOf(refused.reason()),
 					  options.mesh + ": " + refused.what() + nextStep(refused.reason(), options));
 	}
@@ -204,11 +207,12 @@ HierarchyContent buildContent(const Intake& solid, const BuildOptions& options)
 	return buildAsset(solid, config, progressOn(bar));
 }
 
-nlohmann::ordered_json buildOne(const BuildOptions& options)
+// part: of a scene that was read and converted; Refused is thrown of it as it is.
+nlohmann::ordered_json buildOne(const BuildOptions& options, const Soup* part = nullptr)
 {
 	const auto start = std::chrono::steady_clock::now();
 	checkOutput(options.output);
-	const Repaired repaired = readSolid(options);
+	const Repaired repaired = part ? mend(*part, options) : readSolid(options);
 	const Intake& solid = repaired.solid;
 	if (!options.quiet && solid.weldedCount + solid.unusedCount > 0 && !options.repair && !options.wrap)
 		fmt::print(stderr, "{}: {} repeated vertices welded, {} unused ones dropped\n", options.mesh, solid.weldedCount,
@@ -251,13 +255,13 @@ void buildParts(const BuildOptions& options)
 	for (const Part& part : scene.parts)
 	{
 		BuildOptions one = options;
-		one.isOfParts = true;
 		one.mesh = options.mesh + "#" + part.name;
 		one.output = (std::filesystem::path(options.output) / (part.name + ".clod")).string();
 		nlohmann::ordered_json entry = {{"name", part.name}, {"file", one.output}};
 		try
 		{
-			entry.update(buildOne(one));
+			const Soup piece = partOf(scene, part.name);
+			entry.update(buildOne(one, &piece));
 		}
 		catch (const Refused& refused)
 		{
