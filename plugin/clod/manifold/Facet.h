@@ -22,7 +22,8 @@ namespace clod
 {
 inline constexpr double kSameNormal = 0.99995;  // cosine: of one polygon's facets, and of polygons all but in one plane
 
-struct Facet
+// What a facet is, and how far apart its features are: with its contact point, all of it.
+struct FacetRecord
 {
 	enum class Kind : std::uint8_t
 	{
@@ -47,12 +48,8 @@ struct Facet
 	bool isThrough = false;  // a vertex that went in through the face, and may be out beyond
 	std::uint32_t levelA, levelB, nodeA, nodeB;
 	std::uint32_t featureA, featureB;  // vertex, edge, or polygon of the level's surface
-	Vec3 onA, onB, normal;
-	double distance;        // now
-	double then;            // at the end of the step if nothing intervened, of the same facet
-	double linear;          // what the motion closes by, to first order: negative closes
-	double multiplier = 0;  // of the pair's own solve, an impulse
-	double slowOverlap = 0;  // of what lies below the margin: came with a change of level, and is left slowly
+	double distance;                   // now
+	double then;                       // at the end of the step if nothing intervened, of the same facet
 	// Is it made of two features, which tell of it at any pose?
 	bool hasFeatures() const { return kind != Kind::kDeep && kind != Kind::kHeld; }
 	// What makes it, hashed.
@@ -61,6 +58,14 @@ struct Facet
 		return (std::uint64_t(featureA) * 0x9E3779B97F4A7C15u ^ featureB) * 0xD6E8FEB86659FD93u +
 			   (std::uint64_t(kind) << 8 | levelA << 4 | levelB);
 	}
+};
+
+struct Facet : FacetRecord
+{
+	Vec3 onA, onB, normal;
+	double linear;          // what the motion closes by, to first order: negative closes
+	double multiplier = 0;  // of the pair's own solve, an impulse
+	double slowOverlap = 0;  // of what lies below the margin: came with a change of level, and is left slowly
 	double curvature() const { return then - distance - linear; }  // what the first order misses
 };
 

@@ -28,10 +28,7 @@ void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Trans
 	m_memory = &memory;
 	m_expected = rules.motion();
 	m_facets.clear();
-	if (goesOn) m_facets = memory.reduced;
-	m_facets.erase(std::remove_if(m_facets.begin(), m_facets.end(),
-								  [](const Facet& f) { return !f.hasFeatures(); }),
-				   m_facets.end());
+	if (goesOn) takeUp(previous, rules);
 	m_question = {a,
 				  b,
 				  aFromB,
@@ -45,6 +42,25 @@ void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Trans
 	if (m_facets.empty() && !memory.isDeep()) return memory.forget();
 	m_solve.solve(m_question, m_facets);
 	m_expected = m_solve.motion();
+}
+
+// Those that the solver got last, where they were.
+void FacetContacts::takeUp(const ClusterSet& previous, const PointRules& rules)
+{
+	std::size_t next = 0;
+	for (const ContactCluster& cluster : previous.slots)
+		for (int i = 0; i < cluster.count && next < m_memory->reduced.size(); ++i)
+		{
+			const ContactPoint& point = cluster.points[std::size_t(i)].point;
+			Facet facet{};
+			static_cast<FacetRecord&>(facet) = m_memory->reduced[next++];
+			if (!facet.hasFeatures()) continue;
+			facet.onA = point.pointOnA + rules.radiusA * point.normal;
+			facet.onB = point.pointOnB - rules.radiusB * point.normal;
+			facet.normal = point.normal;
+			facet.slowOverlap = point.slowOverlap;
+			m_facets.push_back(facet);
+		}
 }
 
 // Bodies overlap, and no facet says how deep: one point with a way out. While it is needed the way stays.
