@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "clod/collide/Triangle.h"
@@ -317,6 +318,47 @@ double ContactSurface::squaredBeside(std::uint32_t polygon, const Vec3& point) c
 		if (foot[u] < from[u] + (foot[v] - from[v]) / along[v] * along[u]) isInside = !isInside;
 	}
 	return isInside ? 0 : best;
+}
+
+std::uint64_t ContactSurface::nameOf(Feature kind, std::uint32_t index) const
+{
+	if (m_kind != Kind::kSheet || kind == Feature::kOther) return index;
+	const auto mix = [](std::uint64_t name, std::uint64_t next) { return (name ^ next) * 0x9E3779B97F4A7C15u + (name >> 29); };
+	const auto vertex = [&](std::uint32_t v)
+	{
+		std::uint64_t bits[3];
+		std::memcpy(bits, &m_vertices[v], sizeof bits);
+		return mix(mix(mix(1, bits[0]), bits[1]), bits[2]);
+	};
+	if (kind == Feature::kVertex) return vertex(index);
+	if (kind == Feature::kEdge)
+	{
+		const SurfaceEdge& edge = m_edges[index];
+		return mix(mix(vertex(edge.vertex[0]), vertex(edge.vertex[1])), edge.face[0] % 2);
+	}
+	const std::uint32_t first = facesOf(index)[0];
+	const std::array<std::uint32_t, 3>& v = m_faces[first].vertex;
+	return mix(mix(mix(vertex(v[0]), vertex(v[1])), vertex(v[2])), first % 2);
+}
+
+bool ContactSurface::isAround(std::uint32_t polygon, const Vec3& point, double radius) const
+{
+	if (isHalfSpace()) return true;
+	if (squaredBeside(polygon, point) > 0) return false;
+	const SurfaceFace& plane = planeOf(polygon);
+	const Vec3 foot = point - (dot(plane.normal, point) - plane.offset) * plane.normal;
+	const auto isNear = [&](std::uint32_t start, std::uint32_t end)
+	{
+		const Vec3 &from = m_vertices[start], along = m_vertices[end] - from;
+		const double share = std::max(0.0, std::min(1.0, dot(foot - from, along) / lengthSquared(along)));
+		return lengthSquared(foot - from - share * along) < radius * radius;
+	};
+	const Span<Border> border = borderOf(polygon);
+	for (const Border& side : border)
+		if (isNear(side[0], side[1])) return false;
+	if (!border.empty()) return true;
+	const std::array<std::uint32_t, 3>& v = plane.vertex;
+	return !isNear(v[0], v[1]) && !isNear(v[1], v[2]) && !isNear(v[2], v[0]);
 }
 
 // Of faces as near the first.

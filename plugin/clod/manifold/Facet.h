@@ -32,6 +32,8 @@ struct Facet
 		kVertexEdge,
 		kEdgeVertex,
 		kVertexVertex,
+		kMiddleFace,  // the middle of A that it turns about, of a face of B
+		kFaceMiddle,
 		kDeep,  // no facet, but a way out (DeepOverlap.h)
 		kHeld   // of levels no longer asked for: a point of the last step that goes on (LevelSwitch.h)
 	};
@@ -47,6 +49,7 @@ struct Facet
 	bool isThrough = false;  // a vertex that went in through the face, and may be out beyond
 	std::uint32_t levelA, levelB, nodeA, nodeB;
 	std::uint32_t featureA, featureB;  // vertex, edge, or polygon of the level's surface
+	std::uint64_t feature = 0;         // the two, the same in every step, hashed (nameFeatures)
 	Vec3 onA, onB, normal;
 	double distance;        // now
 	double then;            // at the end of the step if nothing intervened, of the same facet
@@ -55,12 +58,6 @@ struct Facet
 	double slowOverlap = 0;  // of what lies below the margin: came with a change of level, and is left slowly
 	// Is it made of two features, which tell of it at any pose?
 	bool hasFeatures() const { return kind != Kind::kDeep && kind != Kind::kHeld; }
-	// What makes it, hashed.
-	std::uint64_t feature() const
-	{
-		return (std::uint64_t(featureA) * 0x9E3779B97F4A7C15u ^ featureB) * 0xD6E8FEB86659FD93u +
-			   (std::uint64_t(kind) << 8 | levelA << 4 | levelB);
-	}
 	double curvature() const { return then - distance - linear; }  // what the first order misses
 };
 
@@ -111,6 +108,28 @@ struct FacetQuestion
 	// How far off its facet a foot may be.
 	double footSlack(double distance) const;
 };
+
+// What makes a facet, whichever step it is found in.
+inline void nameFeatures(const ContactSurface& a, const ContactSurface& b, Facet& facet)
+{
+	using Kind = ContactSurface::Feature;
+	const auto kindOf = [&](bool isOfA)
+	{
+		switch (facet.kind)
+		{
+			case Facet::Kind::kVertexFace: return isOfA ? Kind::kVertex : Kind::kPolygon;
+			case Facet::Kind::kFaceVertex: return isOfA ? Kind::kPolygon : Kind::kVertex;
+			case Facet::Kind::kEdgeEdge: return Kind::kEdge;
+			case Facet::Kind::kVertexEdge: return isOfA ? Kind::kVertex : Kind::kEdge;
+			case Facet::Kind::kEdgeVertex: return isOfA ? Kind::kEdge : Kind::kVertex;
+			case Facet::Kind::kVertexVertex: return Kind::kVertex;
+			default: return Kind::kOther;
+		}
+	};
+	facet.feature = (a.nameOf(kindOf(true), facet.featureA) * 0x9E3779B97F4A7C15u ^ b.nameOf(kindOf(false), facet.featureB)) *
+						0xD6E8FEB86659FD93u +
+					(std::uint64_t(facet.kind) << 8 | facet.levelA << 4 | facet.levelB);
+}
 
 inline constexpr double kFootShare = 1e-3;      // of the length: how far off its facet a foot may be
 inline constexpr double kDeepFootShare = 1e-2;  // and at most where bodies overlap

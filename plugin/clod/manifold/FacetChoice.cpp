@@ -115,14 +115,14 @@ void FacetChoice::knowAgain(const std::vector<Facet>& last, const Transform& las
 	if (std::none_of(facets.begin(), facets.end(), isOverlap)) return;
 	m_last.clear();
 	for (std::uint32_t i = 0; i < last.size(); ++i)
-		if (last[i].hasFeatures()) m_last.emplace_back(last[i].feature(), i);
+		if (last[i].hasFeatures()) m_last.emplace_back(last[i].feature, i);
 	std::sort(m_last.begin(), m_last.end());
 	for (std::uint32_t i = 0; i < facets.size() && !m_last.empty(); ++i)
 	{
 		Facet& facet = facets[i];
 		if (!isOverlap(facet)) continue;
-		const auto at = std::lower_bound(m_last.begin(), m_last.end(), std::make_pair(facet.feature(), std::uint32_t(0)));
-		if (at == m_last.end() || at->first != facet.feature()) continue;
+		const auto at = std::lower_bound(m_last.begin(), m_last.end(), std::make_pair(facet.feature, std::uint32_t(0)));
+		if (at == m_last.end() || at->first != facet.feature) continue;
 		m_isKnown[i] = 1;
 		facet.isThrough = wentThrough(facet, last[at->second], lastAFromB);
 	}

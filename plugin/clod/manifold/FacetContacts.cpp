@@ -38,6 +38,9 @@ void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Trans
 				  aFromBAfter(rules.a, rules.b, aFromB, rules.timeStep),
 				  aFromBAfter(withoutForces(rules.a), withoutForces(rules.b), aFromB, rules.timeStep),
 				  rules};
+	if (!goesOn)
+		for (const Facet& facet : memory.reduced)
+			if (facet.isThrough && !contacts.empty()) askThroughAgain(facet);
 	m_finder.find(m_question, contacts, m_facets);
 	m_choice.choose(m_question, memory.reduced, memory.aFromB, m_facets);
 	answerDepth(contacts, isDeep, previous);
@@ -45,6 +48,40 @@ void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Trans
 	if (m_facets.empty() && !memory.isDeep()) return memory.forget();
 	m_solve.solve(m_question, m_facets);
 	m_expected = m_solve.motion();
+}
+
+// What went in through a face is beyond by any depth.
+void FacetContacts::askThroughAgain(Facet facet)
+{
+	const ContactSurface &a = m_question.a.surface(facet.levelA), &b = m_question.b.surface(facet.levelB);
+	const bool isOfA = facet.kind == Facet::Kind::kVertexFace;
+	const ContactSurface& faces = isOfA ? b : a;
+	std::uint32_t& polygon = isOfA ? facet.featureB : facet.featureA;
+	if (faces.isSheet())  // of A's vertices only: a hierarchy is A
+	{
+		const std::uint64_t feature = facet.feature;
+		for (polygon = 0; polygon < faces.polygonCount(); ++polygon)
+		{
+			nameFeatures(a, b, facet);
+			if (facet.feature == feature) break;
+		}
+		if (polygon == faces.polygonCount()) return;
+	}
+	const Vec3 place = isOfA ? inverse(m_question.aFromB) * a.vertices()[facet.featureA] : m_question.aFromB * b.vertices()[facet.featureB];
+	const SurfaceFace& face = faces.planeOf(polygon);
+	facet.distance = dot(face.normal, place) - face.offset;
+	if (!(facet.distance < 0) || faces.squaredBeside(polygon, place) > 0) return;
+	facet.normal = isOfA ? m_question.aFromB.rotation * face.normal : -face.normal;
+	facet.reach = Facet::Reach::kOverlap;
+	facet.multiplier = facet.slowOverlap = 0;
+	if (isOfA)
+		facet.onB = facet.onA - facet.distance * facet.normal;
+	else
+	{
+		facet.onB = place;
+		facet.onA = place + facet.distance * facet.normal;
+	}
+	m_facets.push_back(facet);
 }
 
 // Bodies overlap, and no facet says how deep: one point with a way out. While it is needed the way stays.
@@ -126,6 +163,8 @@ void FacetContacts::nameFaces(const Facet& facet, const Transform& bFromA, Conta
 			faceA = a.faceOfVertex(facet.featureA);
 			faceB = b.faceOfVertex(facet.featureB);
 			break;
+		case Facet::Kind::kMiddleFace: faceB = b.nearestFaceOf(facet.featureB, bFromA * facet.onB); break;
+		case Facet::Kind::kFaceMiddle: faceA = a.nearestFaceOf(facet.featureA, facet.onA); break;
 		case Facet::Kind::kHeld: break;
 		case Facet::Kind::kDeep:
 			if (b.isCore()) faceB = kNone;
@@ -145,9 +184,10 @@ ContactPoint FacetContacts::pointOf(const Facet& facet) const
 	point.bend = facet.curvature();
 	point.slowOverlap = facet.slowOverlap;
 	if (facet.kind == Facet::Kind::kHeld) return point;
-	point.feature = facet.feature();
+	point.feature = facet.feature;
 	point.nodeA = facet.nodeA;
 	point.nodeB = facet.nodeB;
+	point.isOfMiddle = facet.kind == Facet::Kind::kMiddleFace || facet.kind == Facet::Kind::kFaceMiddle;
 	return point;
 }
 }  // namespace clod

@@ -51,6 +51,7 @@ public:
 private:
 	ContactPoint pointOf(const Facet& facet) const;
 	void nameFaces(const Facet& facet, const Transform& bFromA, ContactPoint& point) const;
+	void askThroughAgain(Facet facet);
 	void answerDepth(const std::vector<Contact>& contacts, bool isDeep, const ClusterSet& previous);
 
 	FacetQuestion m_question;

@@ -36,6 +36,9 @@ private:
 	void push(const Row& row, double impulse);
 	void sweep(const FacetQuestion& question, const std::vector<Facet>& facets);
 	std::vector<Row> m_rows;
+	void rub(const FacetQuestion& question, const Facet& facet, const Row& row, double multiplier, Vec3& friction);
+	void push(const Facet& facet, const Vec3& impulse);
+	std::vector<Vec3> m_frictions;
 	std::vector<double> m_multipliers;
 	PairBody m_a, m_b;  // as solved
 	double m_timeStep = 0;
