@@ -4,8 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
+
+#include <xxhash.h>
 
 #include "clod/collide/Triangle.h"
 
@@ -320,25 +321,27 @@ double ContactSurface::squaredBeside(std::uint32_t polygon, const Vec3& point) c
 	return isInside ? 0 : best;
 }
 
-std::uint64_t ContactSurface::nameOf(Feature kind, std::uint32_t index) const
+std::uint64_t ContactSurface::nameOfVertex(std::uint32_t vertex) const
 {
-	if (m_kind != Kind::kSheet || kind == Feature::kOther) return index;
-	const auto mix = [](std::uint64_t name, std::uint64_t next) { return (name ^ next) * 0x9E3779B97F4A7C15u + (name >> 29); };
-	const auto vertex = [&](std::uint32_t v)
-	{
-		std::uint64_t bits[3];
-		std::memcpy(bits, &m_vertices[v], sizeof bits);
-		return mix(mix(mix(1, bits[0]), bits[1]), bits[2]);
-	};
-	if (kind == Feature::kVertex) return vertex(index);
-	if (kind == Feature::kEdge)
-	{
-		const SurfaceEdge& edge = m_edges[index];
-		return mix(mix(vertex(edge.vertex[0]), vertex(edge.vertex[1])), edge.face[0] % 2);
-	}
-	const std::uint32_t first = facesOf(index)[0];
+	return isSheet() ? XXH3_64bits(&m_vertices[vertex], sizeof(Vec3)) : vertex;
+}
+
+std::uint64_t ContactSurface::nameOfEdge(std::uint32_t edge) const
+{
+	if (!isSheet()) return edge;
+	const SurfaceEdge& e = m_edges[edge];
+	const std::uint64_t names[] = {nameOfVertex(e.vertex[0]), nameOfVertex(e.vertex[1]), e.face[0] % 2};
+	return XXH3_64bits(names, sizeof names);
+}
+
+// Of its first triangle, and by side.
+std::uint64_t ContactSurface::nameOfPolygon(std::uint32_t polygon) const
+{
+	if (!isSheet()) return polygon;
+	const std::uint32_t first = facesOf(polygon)[0];
 	const std::array<std::uint32_t, 3>& v = m_faces[first].vertex;
-	return mix(mix(mix(vertex(v[0]), vertex(v[1])), vertex(v[2])), first % 2);
+	const std::uint64_t names[] = {nameOfVertex(v[0]), nameOfVertex(v[1]), nameOfVertex(v[2]), first % 2};
+	return XXH3_64bits(names, sizeof names);
 }
 
 bool ContactSurface::isAround(std::uint32_t polygon, const Vec3& point, double radius) const

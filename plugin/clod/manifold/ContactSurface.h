@@ -59,16 +59,10 @@ public:
 	// A half space, normal . p <= offset, as seen within `size` of a point: one node, one face.
 	ContactSurface(const Vec3& normal, double offset, const Vec3& near, double size);
 
-	enum class Feature
-	{
-		kVertex,
-		kEdge,
-		kPolygon,
-		kOther
-	};
-	// The same whenever the surface is made: the index, but of a sheet, which is gathered anew in every step, a hash of where
-	// it lies.
-	std::uint64_t nameOf(Feature kind, std::uint32_t index) const;
+	// The same whenever the surface is made: the index; of a sheet, which is gathered anew in every step, where it lies, hashed.
+	std::uint64_t nameOfVertex(std::uint32_t vertex) const;
+	std::uint64_t nameOfEdge(std::uint32_t edge) const;
+	std::uint64_t nameOfPolygon(std::uint32_t polygon) const;
 	const std::vector<Vec3>& vertices() const { return m_vertices; }
 	const std::vector<SurfaceFace>& faces() const { return m_faces; }
 	const std::vector<SurfaceEdge>& edges() const { return m_edges; }

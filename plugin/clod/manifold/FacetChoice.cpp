@@ -39,7 +39,7 @@ Vec3 deepPoint(const Vec3 (&normal)[4], const double (&offset)[4], const Vec3& s
 }
 }  // namespace
 
-void FacetChoice::choose(const FacetQuestion& question, const std::vector<Facet>& last, const Transform& lastAFromB,
+void FacetChoice::choose(const FacetQuestion& question, const std::vector<FacetRecord>& last, const Transform& lastAFromB,
 						 std::vector<Facet>& facets)
 {
 	m_question = &question;
@@ -108,7 +108,7 @@ void FacetChoice::removeDropped(std::vector<Facet>& facets) const
 	facets.resize(kept, Facet{});
 }
 
-void FacetChoice::knowAgain(const std::vector<Facet>& last, const Transform& lastAFromB, std::vector<Facet>& facets)
+void FacetChoice::knowAgain(const std::vector<FacetRecord>& last, const Transform& lastAFromB, std::vector<Facet>& facets)
 {
 	m_isKnown.assign(facets.size(), 0);
 	const auto isOverlap = [](const Facet& facet) { return facet.reach == Facet::Reach::kOverlap; };
@@ -129,7 +129,7 @@ void FacetChoice::knowAgain(const std::vector<Facet>& last, const Transform& las
 }
 
 // Since the last step, or before: a vertex that is under the face, and came in through it.
-bool FacetChoice::wentThrough(const Facet& facet, const Facet& last, const Transform& lastAFromB) const
+bool FacetChoice::wentThrough(const Facet& facet, const FacetRecord& last, const Transform& lastAFromB) const
 {
 	const FacetQuestion& q = *m_question;
 	const ContactSurface &a = q.a.surface(facet.levelA), &b = q.b.surface(facet.levelB);
@@ -251,7 +251,8 @@ void FacetChoice::dropRidges(std::vector<Facet>& facets)
 	m_isKept.assign(facets.size(), 1);
 	m_order.clear();
 	for (std::uint32_t i = 0; i < facets.size(); ++i)
-		if (facets[i].reach == Facet::Reach::kNear || facets[i].reach == Facet::Reach::kPath) m_order.push_back(i);
+		if ((facets[i].reach == Facet::Reach::kNear || facets[i].reach == Facet::Reach::kPath) && !facets[i].isOfMiddle())
+			m_order.push_back(i);
 	// Crossed last first; ties by what comes first.
 	std::sort(m_order.begin(), m_order.end(),
 			  [&](std::uint32_t i, std::uint32_t j)

@@ -93,7 +93,7 @@ void FacetFinder::add(Facet& facet)
 		if (facet.reach < known.reach) known = facet;
 		return;
 	}
-	nameFeatures(*m_pair.a, *m_pair.b, facet);
+	facet.feature = featureOf(*m_pair.a, *m_pair.b, facet);
 	m_table[slot] = std::uint32_t(m_facets->size());
 	m_facets->push_back(facet);
 	if (2 * m_facets->size() <= m_table.size()) return;

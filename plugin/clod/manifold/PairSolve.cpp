@@ -131,23 +131,18 @@ void PairSolve::push(const Facet& facet, const Vec3& impulse)
 	m_b.angular -= m_b.inverseInertia * cross(facet.onB - m_b.center, impulse);
 }
 
-// Coulomb's friction, against what slides.
-void PairSolve::rub(const FacetQuestion& question, const Facet& facet, const Row& row, double multiplier, Vec3& friction)
+// Friction of at most so much, against the sliding.
+void PairSolve::rub(const Facet& facet, double most, Vec3& friction)
 {
 	const Vec3 armA = facet.onA - m_a.center, armB = facet.onB - m_b.center;
-	const Vec3 slip = m_a.linear + cross(m_a.angular, armA) - m_b.linear - cross(m_b.angular, armB);
-	const Vec3 sliding = slip - dot(slip, row.normal) * row.normal;
-	const Vec3 along = normalized(sliding);
-	Vec3 next = friction;
-	if (along != Vec3{})
-	{
-		const Vec3 turnA = cross(armA, along), turnB = cross(armB, along);
-		const double inverse = m_a.inverseMass + m_b.inverseMass + dot(turnA, m_a.inverseInertia * turnA) + dot(turnB, m_b.inverseInertia * turnB);
-		next -= (dot(sliding, along) / inverse) * along;
-	}
-	const double most = question.rules.friction * multiplier, size = length(next);
+	const Vec3 speed = m_a.linear + cross(m_a.angular, armA) - m_b.linear - cross(m_b.angular, armB);
+	const Vec3 sliding = speed - dot(speed, facet.normal) * facet.normal, along = normalized(sliding);
+	const Vec3 turnA = cross(armA, along), turnB = cross(armB, along);
+	const double inverseMass = m_a.inverseMass + m_b.inverseMass + dot(turnA, m_a.inverseInertia * turnA) +
+							   dot(turnB, m_b.inverseInertia * turnB);
+	Vec3 next = friction - (1 / inverseMass) * sliding;
+	const double size = length(next);
 	if (size > most) next = (most / size) * next;
-	if (next == friction) return;
 	push(facet, next - friction);
 	friction = next;
 }
@@ -183,7 +178,8 @@ void PairSolve::sweep(const FacetQuestion& question, const std::vector<Facet>& f
 				change = std::max(change, std::abs(wanted - speed));
 				push(row, impulse);
 			}
-			if (m_multipliers[i] > 0 || m_frictions[i] != Vec3{}) rub(question, facets[i], row, m_multipliers[i], m_frictions[i]);
+			if (question.rules.friction > 0 && (m_multipliers[i] > 0 || old > 0))
+				rub(facets[i], question.rules.friction * m_multipliers[i], m_frictions[i]);
 		}
 		if (change * question.rules.timeStep < 1e-6 * question.length()) break;
 	}
