@@ -4,14 +4,18 @@
 
 Faults by hand are those of scripts/mutants.txt. Mechanical ones are drawn with a seed from all sources of the product:
 a sign, a comparison, a minimum for a maximum, a statement dropped. The copy is build/mutants, a worktree of HEAD, whose
-tests must pass before anything is planted; one that then takes four times as long counts as caught.
+tests must pass before anything is planted; one that then takes four times the processor's time counts as caught. One of
+which the compiler makes the same test programs is no fault (trivial compiler equivalence), and is not counted.
 """
 import argparse
 import collections
+import hashlib
 import pathlib
 import random
 import re
+import resource
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -50,7 +54,8 @@ TESTS = {
                      "RunnerScriptedTest"],
 }
 SECONDS = 600  # of one test program on the clean copy
-SLOWER, LEAST_SECONDS = 4, 20  # a mutant's may take so many times as long, and so long in any case
+SLOWER, LEAST_SECONDS = 4, 10  # a mutant's may take so many times the processor's time, and so much in any case
+WAITING = 10  # times as long by the clock: tests that wait, processes that they start, a busy machine
 
 Mutant = collections.namedtuple("Mutant", "file says old new start reason")  # start: of old in the file
 
@@ -77,6 +82,8 @@ SWAPS = [(r"(?<=\w) \+ (?=\w)", " - "), (r"(?<=\w) - (?=\w)", " + "), (r" < (?=[
          (r" && ", " || ")]
 DROPPED = re.compile(r"(?m)^\t+(?:\+\+|--)?[\w.>\[\]-]+(?: [-+*/|&]?= [^;\n]+|\([^;\n]*\)|)?;$")
 
+NO_FAULT = re.compile(r"\breserve\(|\bshrink_to_fit\(")  # dropped: the same answers
+
 
 def mechanical(seed, count):
     """Candidates of every file, of which `count` are drawn, as many a folder as there are lines in it."""
@@ -92,6 +99,8 @@ def mechanical(seed, count):
                     line = source.count("\n", 0, m.start()) + 1
                     candidates.append(Mutant(name, f"line {line}:{m.group().strip()} becomes {new.strip()}", m.group(), new, m.start(), ""))
             for m in DROPPED.finditer(code):
+                if NO_FAULT.search(m.group()):
+                    continue
                 if not re.match(r"\s*(return|break|continue|using|const|auto|double|int|Vec3)\b", m.group()) and "=" in m.group() or "(" in m.group():
                     line = source.count("\n", 0, m.start()) + 1
                     candidates.append(Mutant(name, f"line {line} dropped: {source[m.start():m.end()].strip()}",
@@ -122,47 +131,64 @@ def build(targets, jobs):
                           text=True)
 
 
+def digest(test):
+    return hashlib.sha256((BUILD / "bin" / test).read_bytes()).hexdigest()
+
+
 def run(test, seconds):
-    """Whether the test program passes, None where it does not end in time; and how long it took."""
-    start = time.monotonic()
+    """Whether the test program passes, None where it does not end in its seconds; and those of the processor that it took."""
+    def limit():
+        resource.setrlimit(resource.RLIMIT_CPU, (round(seconds), round(seconds) + 1))
+
+    def used():
+        usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+        return usage.ru_utime + usage.ru_stime
+
+    before = used()
     try:
         done = subprocess.run(["nice", BUILD / "bin" / test, "--gtest_brief=1", "--gtest_fail_fast"], stdout=subprocess.DEVNULL,
-                              stderr=subprocess.DEVNULL, timeout=seconds, cwd=BUILD)
+                              stderr=subprocess.DEVNULL, timeout=WAITING * seconds, cwd=BUILD, preexec_fn=limit)
     except subprocess.TimeoutExpired:
         return None, seconds
-    return done.returncode == 0, time.monotonic() - start
+    return None if done.returncode in (-signal.SIGXCPU, -signal.SIGKILL) else done.returncode == 0, used() - before
 
 
-def clean_seconds(tests, jobs):
-    """How long each test takes on the clean copy; one that fails there would catch everything."""
+def clean_copy(tests, jobs):
+    """What each test takes on the clean copy, and its digest; one that fails there would catch everything."""
     built = build(tests, jobs)
     if built.returncode != 0:
         sys.exit("the copy does not build:\n" + built.stdout[-2000:])
-    seconds = {}
+    clean = {}
     for test in tests:
-        passes, seconds[test] = run(test, SECONDS)
+        passes, seconds = run(test, SECONDS)
         if not passes:  # on a busy machine once more
-            passes, seconds[test] = run(test, SECONDS)
+            passes, seconds = run(test, SECONDS)
         if not passes:
             sys.exit(f"{test} fails without a fault planted")
-        print(f"clean: {test}: {seconds[test]:.1f} s", flush=True)
-    return seconds
+        clean[test] = (seconds, digest(test))
+        print(f"clean: {test}: {seconds:.1f} s", flush=True)
+    return clean
 
 
-def verdict(mutant, seconds, jobs):
+def verdict(mutant, clean, jobs):
     path = TREE / mutant.file
     source = path.read_text()
     path.write_text(source[:mutant.start] + mutant.new + source[mutant.start + len(mutant.old):])
+    same = True
     try:
         for test in TESTS[folder_of(mutant.file)]:
             if build([test], jobs).returncode != 0:
                 return "does not compile"
-            passes, _ = run(test, max(LEAST_SECONDS, SLOWER * seconds[test]))
+            seconds, before = clean[test]
+            if digest(test) == before:
+                continue
+            same = False
+            passes, _ = run(test, max(LEAST_SECONDS, SLOWER * seconds))
             if passes is None:
                 return f"caught by {test}: it does not end"
             if not passes:
                 return f"caught by {test}"
-        return "SURVIVED"
+        return "same programs" if same else "SURVIVED"
     finally:
         path.write_text(source)
 
@@ -188,7 +214,7 @@ def main():
             print(f"{kind}: {mutant.file}: {mutant.says}")
         sys.exit(1 if stale else 0)
     prepare()
-    seconds = clean_seconds(sorted({test for _, m in mutants for test in TESTS[folder_of(m.file)]}), options.jobs)
+    clean = clean_copy(sorted({test for _, m in mutants for test in TESTS[folder_of(m.file)]}), options.jobs)
     counts = collections.Counter()
     survivors = []
     start = time.monotonic()
@@ -197,17 +223,20 @@ def main():
             print(f"{len(mutants) - i} not reached in {options.hours} hours")
             break
         began = time.monotonic()
-        told = verdict(mutant, seconds, options.jobs)
+        told = verdict(mutant, clean, options.jobs)
         outcome = told.split(" ")[0]
         why = f", known: {mutant.reason}" if outcome == "SURVIVED" and mutant.reason else ""
         print(f"{kind}: {mutant.file}: {mutant.says}: {told}{why} ({time.monotonic() - began:.0f} s)", flush=True)
         counts[kind, outcome] += 1
         if outcome == "SURVIVED":
             survivors.append((kind, mutant))
+    planted = sum(counts.values())
+    print(f"{planted} planted, {(time.monotonic() - start) / max(1, planted):.0f} s each")
     for kind in ("by hand", "mechanical"):
         caught, survived = counts[kind, "caught"], counts[kind, "SURVIVED"]
         if caught + survived:
-            print(f"{kind}: {caught} of {caught + survived} caught, {counts[kind, 'does']} did not compile")
+            print(f"{kind}: {caught} of {caught + survived} caught, {counts[kind, 'does']} did not compile, "
+                  f"{counts[kind, 'same']} made the same programs")
     unsound = [m for _, m in survivors if m.says.startswith("unsound")]
     for mutant in unsound:
         print(f"UNSOUND and not noticed: {mutant.file}: {mutant.says}")
