@@ -197,6 +197,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--mechanical", type=int, default=200, help="how many are drawn [200]")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--kind", choices=["by hand", "mechanical"], help="no others")
     parser.add_argument("--only", default="", help="files and sentences that contain this")
     parser.add_argument("--sample", type=int, help="so many of all, drawn with the seed")
     parser.add_argument("--hours", type=float, default=2, help="stop after so long, and say what was not reached [2]")
@@ -206,7 +207,8 @@ def main():
     listed, stale = by_hand()
     print("\n".join(stale), end="\n" if stale else "")
     kinds = [("by hand", listed), ("mechanical", mechanical(options.seed, options.mechanical))]
-    mutants = [(kind, m) for kind, list_ in kinds for m in list_ if options.only in m.file + ": " + m.says]
+    mutants = [(kind, m) for kind, list_ in kinds for m in list_
+               if options.kind in (None, kind) and options.only in m.file + ": " + m.says]
     if options.sample:
         mutants = random.Random(options.seed).sample(mutants, min(options.sample, len(mutants)))
     if options.list:
