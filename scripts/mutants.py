@@ -131,8 +131,10 @@ def build(targets, jobs):
                           text=True)
 
 
-def digest(test):
-    return hashlib.sha256((BUILD / "bin" / test).read_bytes()).hexdigest()
+def programs(since=0):
+    """What those are made of that were linked since then; some tests run others."""
+    return {path.name: hashlib.sha256(path.read_bytes()).digest() for path in (BUILD / "bin").iterdir()
+            if path.stat().st_mtime >= since}
 
 
 def run(test, seconds):
@@ -154,23 +156,24 @@ def run(test, seconds):
 
 
 def clean_copy(tests, jobs):
-    """What each test takes on the clean copy, and its digest; one that fails there would catch everything."""
+    """What each test takes on the clean copy, and its programs; one that fails there would catch everything."""
     built = build(tests, jobs)
     if built.returncode != 0:
         sys.exit("the copy does not build:\n" + built.stdout[-2000:])
-    clean = {}
+    before, clean = programs(), {}
     for test in tests:
         passes, seconds = run(test, SECONDS)
         if not passes:  # on a busy machine once more
             passes, seconds = run(test, SECONDS)
         if not passes:
             sys.exit(f"{test} fails without a fault planted")
-        clean[test] = (seconds, digest(test))
+        clean[test] = seconds
         print(f"clean: {test}: {seconds:.1f} s", flush=True)
-    return clean
+    return clean, before
 
 
-def verdict(mutant, clean, jobs):
+def verdict(mutant, clean, before, jobs):
+    began = time.time()
     path = TREE / mutant.file
     source = path.read_text()
     path.write_text(source[:mutant.start] + mutant.new + source[mutant.start + len(mutant.old):])
@@ -179,11 +182,10 @@ def verdict(mutant, clean, jobs):
         for test in TESTS[folder_of(mutant.file)]:
             if build([test], jobs).returncode != 0:
                 return "does not compile"
-            seconds, before = clean[test]
-            if digest(test) == before:
+            if all(before[name] == made for name, made in programs(began).items()):
                 continue
             same = False
-            passes, _ = run(test, max(LEAST_SECONDS, SLOWER * seconds))
+            passes, _ = run(test, max(LEAST_SECONDS, SLOWER * clean[test]))
             if passes is None:
                 return f"caught by {test}: it does not end"
             if not passes:
@@ -216,7 +218,7 @@ def main():
             print(f"{kind}: {mutant.file}: {mutant.says}")
         sys.exit(1 if stale else 0)
     prepare()
-    clean = clean_copy(sorted({test for _, m in mutants for test in TESTS[folder_of(m.file)]}), options.jobs)
+    clean, before = clean_copy(sorted({test for _, m in mutants for test in TESTS[folder_of(m.file)]}), options.jobs)
     counts = collections.Counter()
     survivors = []
     start = time.monotonic()
@@ -225,7 +227,7 @@ def main():
             print(f"{len(mutants) - i} not reached in {options.hours} hours")
             break
         began = time.monotonic()
-        told = verdict(mutant, clean, options.jobs)
+        told = verdict(mutant, clean, before, options.jobs)
         outcome = told.split(" ")[0]
         why = f", known: {mutant.reason}" if outcome == "SURVIVED" and mutant.reason else ""
         print(f"{kind}: {mutant.file}: {mutant.says}: {told}{why} ({time.monotonic() - began:.0f} s)", flush=True)
