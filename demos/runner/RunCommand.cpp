@@ -123,6 +123,7 @@ SceneRunOptions setUp(const RunOptions& options, SceneDefinition& definition, Hi
 	run.scene.passes = options.passes;
 	run.scene.parts = options.parts;
 	run.scene.threads = options.threads;
+	if (options.threads == 1 && !run.scene.budget.isLimited()) run.scene.timedBy = TimedBy::thread;
 	run.paper = options.selection.paper;
 	run.steps = options.steps > 0 ? options.steps : info.steps;
 	run.scene.camera = toCameraPath(options.selection, run.steps);
