@@ -6,7 +6,7 @@ results.py measure   runs build/release/bin/clod-bench, or $CLOD_BENCH, and writ
                      scripts/peers; steps and dispatches are timed by the processor, so that a busy machine does not count)
 results.py measure PART...   of them: spoon-cup, numbers-bowl, pile-heap, tradeoff, try
 results.py tables    prints demos/results into the documents, between <!-- results NAME --> and <!-- end -->
-results.py check     exit 1 where a document's table is not that of demos/results (a test runs this)
+results.py check     exit 1 where a document's table is not that of demos/results, or these are of several commits (a test runs this)
 
 Kept of each report: the figures, the commit, the machine, the trajectory hash. No figure of ours is typed by hand.
 """
@@ -161,8 +161,7 @@ def curve():
                 continue
             error = point["gap_error"]["p95"]
             rows.append([name, point["setting"], f"{point['us']['median']:.0f}", f"{point['us_at_rest']['median']:.0f}",
-                         f"{point['us_cold']['median']:.0f}" if "us_cold" in point else "-",
-                         f"{point['pair_bytes'] / 1000:.1f}" if "pair_bytes" in point else "-",
+                         f"{point['us_cold']['median']:.0f}", f"{point['pair_bytes'] / 1000:.1f}",
                          "-" if error is None else percent(error / report["radius"])])
     return table(["method", "setting", "dispatch, moving, us", "at rest, us", "a new pair, cold, us", "a pair, kB",
                   "gap's error, 95 %, % of R"], rows)
@@ -240,6 +239,12 @@ def plot():
     return "\n".join(parts + ["</svg>"]) + "\n"
 
 
+def commits():
+    """Of all that is kept: one, or some figure is older than the others."""
+    runs = [run for scene_runs in load("scenes").values() for run in scene_runs.values() if run]
+    return sorted({report["machine"]["commit"] for report in [load("tradeoff"), load("try"), *runs]})
+
+
 BLOCKS = {"five": five, "fall": fall, "scene": scene, "scenes": scenes, "curve": curve, "about": about}
 BLOCK = re.compile(r"<!-- results (\w+) -->\n.*?<!-- end -->", re.S)
 
@@ -274,6 +279,8 @@ def main():
         stale.append("demos/results/curve.svg is not of demos/results; run scripts/results tables")
         if command == "tables":
             curve_path.write_text(plot())
+    if len(commits()) > 1:
+        stale.append(f"demos/results are of several commits, {', '.join(commits())}: measure what is older again")
     if command == "check" and stale:
         sys.exit("\n".join(stale))
 
