@@ -29,7 +29,7 @@ TESTS = {
     "plugin/clod/hierarchy": ["hierarchy_file_test", "distance_test"],
     "plugin/clod/distance": ["distance_test", "query_query_test"],
     "plugin/clod/query": ["query_metric_test", "query_query_test", "query_budget_test", "distance_test", "bullet_report_test"],
-    "plugin/clod/manifold": ["manifold_test", "bullet_contact_test", "bullet_motion_test"],
+    "plugin/clod/manifold": ["manifold_test", "bullet_report_test", "bullet_contact_test", "bullet_motion_test"],
     "plugin/clod/schedule": ["bullet_threads_test", "bullet_metric_test"],
     "plugin/clod/bullet": ["bullet_shape_test", "bullet_registration_test", "bullet_contact_test", "bullet_report_test",
                            "bullet_metric_test", "bullet_motion_test", "bullet_facilities_test", "bullet_convex_test",

@@ -221,7 +221,9 @@ LimitRow measureLimit(const Hierarchy& a, const Hierarchy& b, double share, doub
 std::vector<double> limitShares(double own)
 {
 	std::vector<double> shares = {0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002, 0.0001, 0};
-	if (std::find(shares.begin(), shares.end(), own) == shares.end()) shares.push_back(own);
+	const auto isOwn = [&](double share) { return std::fabs(share - own) <= 1e-9 * own; };
+	shares.erase(std::remove_if(shares.begin(), shares.end(), isOwn), shares.end());
+	shares.push_back(own);
 	std::sort(shares.begin(), shares.end(), std::greater<double>());
 	return shares;
 }

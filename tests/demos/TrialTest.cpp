@@ -73,6 +73,22 @@ TEST(TrialPage, MarksLieWhereTheirValuesAre)
 	EXPECT_NE(svg.find("<title>&lt;second&gt;</title>"), std::string::npos);
 }
 
+// A cost of 5 looks half as large as one of 10, not like nothing.
+TEST(TrialPage, LinearAxesBeginAtZero)
+{
+	Plot plot;
+	plot.series = {{"s", "#000000", {{5, 5, "a"}, {10, 10, "b"}, {5, 10, "c"}}, false}};
+	const auto found = marks(toSvg(plot));
+	ASSERT_EQ(found.size(), 3u);
+	const double left = found[0].first - (found[1].first - found[0].first), zeroY = found[0].second + (found[0].second - found[1].second);
+	Plot withZero = plot;
+	withZero.series[0].points.push_back({0, 0, "zero"});
+	const auto all = marks(toSvg(withZero));
+	EXPECT_NEAR(all.back().first, left, 0.3);
+	EXPECT_NEAR(all.back().second, zeroY, 0.3);
+	EXPECT_NEAR(all.front().second, found.front().second, 0.1);
+}
+
 TEST(TrialRecommendation, TheCheapestWithinAnAccuracyAndTheMostAccurateWithinACost)
 {
 	std::vector<LimitRow> limits(4);
