@@ -178,6 +178,18 @@ TEST_F(RenderTest, TransparentBodiesShowWhatIsBehind)
 	EXPECT_LE(hidden.r, hidden.b);
 }
 
+TEST_F(RenderTest, PatchesOfGlassShowWhatIsBehind)
+{
+	add(square(0.05, 0), RED);
+	frame.patches.push_back({{}, squarePatch(0.05, 0.1, BLUE), true});
+	const Color opaque = middle(renderer->render(frame));
+	EXPECT_LT(opaque.r, 0.5f * opaque.b);
+	frame.patches[0].isGlass = true;
+	const Color glass = middle(renderer->render(frame));
+	EXPECT_GT(glass.r, opaque.r + 0.2f);
+	EXPECT_GT(glass.b, glass.r);
+}
+
 TEST_F(RenderTest, NearGlassLiesOverFarGlassInAnyOrder)
 {
 	for (const bool isNearFirst : {true, false})
