@@ -4,14 +4,18 @@
 
 Faults by hand are those of scripts/mutants.txt. Mechanical ones are drawn with a seed from all sources of the product:
 a sign, a comparison, a minimum for a maximum, a statement dropped. The copy is build/mutants, a worktree of HEAD, whose
-tests must pass before anything is planted; one that then takes four times as long counts as caught.
+tests must pass before anything is planted; one that then takes four times the processor's time counts as caught. One of
+which the compiler makes the same test programs is no fault (trivial compiler equivalence), and is not counted.
 """
 import argparse
 import collections
+import hashlib
 import pathlib
 import random
 import re
+import resource
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -25,7 +29,7 @@ TESTS = {
     "plugin/clod/hierarchy": ["hierarchy_file_test", "distance_test"],
     "plugin/clod/distance": ["distance_test", "query_query_test"],
     "plugin/clod/query": ["query_metric_test", "query_query_test", "query_budget_test", "distance_test", "bullet_report_test"],
-    "plugin/clod/manifold": ["manifold_test", "bullet_contact_test", "bullet_motion_test"],
+    "plugin/clod/manifold": ["manifold_test", "bullet_report_test", "bullet_contact_test", "bullet_motion_test"],
     "plugin/clod/schedule": ["bullet_threads_test", "bullet_metric_test"],
     "plugin/clod/bullet": ["bullet_shape_test", "bullet_registration_test", "bullet_contact_test", "bullet_report_test",
                            "bullet_metric_test", "bullet_motion_test", "bullet_facilities_test", "bullet_convex_test",
@@ -50,7 +54,8 @@ TESTS = {
                      "RunnerScriptedTest"],
 }
 SECONDS = 600  # of one test program on the clean copy
-SLOWER, LEAST_SECONDS = 4, 20  # a mutant's may take so many times as long, and so long in any case
+SLOWER, LEAST_SECONDS = 4, 10  # a mutant's may take so many times the processor's time, and so much in any case
+WAITING = 10  # times as long by the clock: tests that wait, processes that they start, a busy machine
 
 Mutant = collections.namedtuple("Mutant", "file says old new start reason")  # start: of old in the file
 
@@ -77,6 +82,8 @@ SWAPS = [(r"(?<=\w) \+ (?=\w)", " - "), (r"(?<=\w) - (?=\w)", " + "), (r" < (?=[
          (r" && ", " || ")]
 DROPPED = re.compile(r"(?m)^\t+(?:\+\+|--)?[\w.>\[\]-]+(?: [-+*/|&]?= [^;\n]+|\([^;\n]*\)|)?;$")
 
+NO_FAULT = re.compile(r"\breserve\(|\bshrink_to_fit\(")  # dropped: the same answers
+
 
 def mechanical(seed, count):
     """Candidates of every file, of which `count` are drawn, as many a folder as there are lines in it."""
@@ -92,6 +99,8 @@ def mechanical(seed, count):
                     line = source.count("\n", 0, m.start()) + 1
                     candidates.append(Mutant(name, f"line {line}:{m.group().strip()} becomes {new.strip()}", m.group(), new, m.start(), ""))
             for m in DROPPED.finditer(code):
+                if NO_FAULT.search(m.group()):
+                    continue
                 if not re.match(r"\s*(return|break|continue|using|const|auto|double|int|Vec3)\b", m.group()) and "=" in m.group() or "(" in m.group():
                     line = source.count("\n", 0, m.start()) + 1
                     candidates.append(Mutant(name, f"line {line} dropped: {source[m.start():m.end()].strip()}",
@@ -122,47 +131,66 @@ def build(targets, jobs):
                           text=True)
 
 
+def programs(since=0):
+    """What those are made of that were linked since then; some tests run others."""
+    return {path.name: hashlib.sha256(path.read_bytes()).digest() for path in (BUILD / "bin").iterdir()
+            if path.stat().st_mtime >= since}
+
+
 def run(test, seconds):
-    """Whether the test program passes, None where it does not end in time; and how long it took."""
-    start = time.monotonic()
+    """Whether the test program passes, None where it does not end in its seconds; and those of the processor that it took."""
+    def limit():
+        resource.setrlimit(resource.RLIMIT_CPU, (round(seconds), round(seconds) + 1))
+
+    def used():
+        usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+        return usage.ru_utime + usage.ru_stime
+
+    before = used()
     try:
         done = subprocess.run(["nice", BUILD / "bin" / test, "--gtest_brief=1", "--gtest_fail_fast"], stdout=subprocess.DEVNULL,
-                              stderr=subprocess.DEVNULL, timeout=seconds, cwd=BUILD)
+                              stderr=subprocess.DEVNULL, timeout=WAITING * seconds, cwd=BUILD, preexec_fn=limit)
     except subprocess.TimeoutExpired:
         return None, seconds
-    return done.returncode == 0, time.monotonic() - start
+    return None if done.returncode in (-signal.SIGXCPU, -signal.SIGKILL) else done.returncode == 0, used() - before
 
 
-def clean_seconds(tests, jobs):
-    """How long each test takes on the clean copy; one that fails there would catch everything."""
+def clean_copy(tests, jobs):
+    """What each test takes on the clean copy, and its programs; one that fails there would catch everything."""
     built = build(tests, jobs)
     if built.returncode != 0:
         sys.exit("the copy does not build:\n" + built.stdout[-2000:])
-    seconds = {}
+    before, clean = programs(), {}
     for test in tests:
-        passes, seconds[test] = run(test, SECONDS)
+        passes, seconds = run(test, SECONDS)
         if not passes:  # on a busy machine once more
-            passes, seconds[test] = run(test, SECONDS)
+            passes, seconds = run(test, SECONDS)
         if not passes:
             sys.exit(f"{test} fails without a fault planted")
-        print(f"clean: {test}: {seconds[test]:.1f} s", flush=True)
-    return seconds
+        clean[test] = seconds
+        print(f"clean: {test}: {seconds:.1f} s", flush=True)
+    return clean, before
 
 
-def verdict(mutant, seconds, jobs):
+def verdict(mutant, clean, before, jobs):
+    began = time.time()
     path = TREE / mutant.file
     source = path.read_text()
     path.write_text(source[:mutant.start] + mutant.new + source[mutant.start + len(mutant.old):])
+    same = True
     try:
         for test in TESTS[folder_of(mutant.file)]:
             if build([test], jobs).returncode != 0:
                 return "does not compile"
-            passes, _ = run(test, max(LEAST_SECONDS, SLOWER * seconds[test]))
+            if all(before[name] == made for name, made in programs(began).items()):
+                continue
+            same = False
+            passes, _ = run(test, max(LEAST_SECONDS, SLOWER * clean[test]))
             if passes is None:
                 return f"caught by {test}: it does not end"
             if not passes:
                 return f"caught by {test}"
-        return "SURVIVED"
+        return "same programs" if same else "SURVIVED"
     finally:
         path.write_text(source)
 
@@ -171,6 +199,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--mechanical", type=int, default=200, help="how many are drawn [200]")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--kind", choices=["by hand", "mechanical"], help="no others")
     parser.add_argument("--only", default="", help="files and sentences that contain this")
     parser.add_argument("--sample", type=int, help="so many of all, drawn with the seed")
     parser.add_argument("--hours", type=float, default=2, help="stop after so long, and say what was not reached [2]")
@@ -180,7 +209,8 @@ def main():
     listed, stale = by_hand()
     print("\n".join(stale), end="\n" if stale else "")
     kinds = [("by hand", listed), ("mechanical", mechanical(options.seed, options.mechanical))]
-    mutants = [(kind, m) for kind, list_ in kinds for m in list_ if options.only in m.file + ": " + m.says]
+    mutants = [(kind, m) for kind, list_ in kinds for m in list_
+               if options.kind in (None, kind) and options.only in m.file + ": " + m.says]
     if options.sample:
         mutants = random.Random(options.seed).sample(mutants, min(options.sample, len(mutants)))
     if options.list:
@@ -188,7 +218,7 @@ def main():
             print(f"{kind}: {mutant.file}: {mutant.says}")
         sys.exit(1 if stale else 0)
     prepare()
-    seconds = clean_seconds(sorted({test for _, m in mutants for test in TESTS[folder_of(m.file)]}), options.jobs)
+    clean, before = clean_copy(sorted({test for _, m in mutants for test in TESTS[folder_of(m.file)]}), options.jobs)
     counts = collections.Counter()
     survivors = []
     start = time.monotonic()
@@ -197,17 +227,20 @@ def main():
             print(f"{len(mutants) - i} not reached in {options.hours} hours")
             break
         began = time.monotonic()
-        told = verdict(mutant, seconds, options.jobs)
+        told = verdict(mutant, clean, before, options.jobs)
         outcome = told.split(" ")[0]
         why = f", known: {mutant.reason}" if outcome == "SURVIVED" and mutant.reason else ""
         print(f"{kind}: {mutant.file}: {mutant.says}: {told}{why} ({time.monotonic() - began:.0f} s)", flush=True)
         counts[kind, outcome] += 1
         if outcome == "SURVIVED":
             survivors.append((kind, mutant))
+    planted = sum(counts.values())
+    print(f"{planted} planted, {(time.monotonic() - start) / max(1, planted):.0f} s each")
     for kind in ("by hand", "mechanical"):
         caught, survived = counts[kind, "caught"], counts[kind, "SURVIVED"]
         if caught + survived:
-            print(f"{kind}: {caught} of {caught + survived} caught, {counts[kind, 'does']} did not compile")
+            print(f"{kind}: {caught} of {caught + survived} caught, {counts[kind, 'does']} did not compile, "
+                  f"{counts[kind, 'same']} made the same programs")
     unsound = [m for _, m in survivors if m.says.startswith("unsound")]
     for mutant in unsound:
         print(f"UNSOUND and not noticed: {mutant.file}: {mutant.says}")

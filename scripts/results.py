@@ -2,30 +2,34 @@
 # SPDX-License-Identifier: Zlib
 """Measured figures in documents: measured, kept and printed by machines.
 
-results.py measure   runs build/release/bin/clod-bench and writes demos/results/*.json (an hour; needs scripts/peers)
-results.py measure PART...   of them: run, scenes, tradeoff, try
+results.py measure   runs build/release/bin/clod-bench, or $CLOD_BENCH, and writes demos/results/*.json (half an hour; needs
+                     scripts/peers; steps and dispatches are timed by the processor, so that a busy machine does not count)
+results.py measure PART...   of them: spoon-cup, numbers-bowl, pile-heap, tradeoff, try
 results.py tables    prints demos/results into the documents, between <!-- results NAME --> and <!-- end -->
-results.py check     exit 1 where a document's table is not that of demos/results (a test runs this)
+results.py check     exit 1 where a document's table is not that of demos/results, or these are of several commits (a test runs this)
 
 Kept of each report: the figures, the commit, the machine, the trajectory hash. No figure of ours is typed by hand.
 """
+import functools
 import json
+import os
 import pathlib
 import re
 import subprocess
 import sys
 import tempfile
+import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 RESULTS = ROOT / "demos/results"
 DOCUMENTS = ["README.md", "demos/results/README.md"]
-BENCH = ROOT / "build/release/bin/clod-bench"
+BENCH = os.environ.get("CLOD_BENCH", ROOT / "build/release/bin/clod-bench")
 
 RESOLUTION = "0.25"  # of the paper's triangle counts
-SETTINGS = {"exact": ["--exact"], "default": [], "size-3.5": ["--size", "3.5"]}
 NAMES = {"exact": "exact", "default": "certified 0.5 %, the default", "size-3.5": "the paper's s0 = 3.5 %"}
-# Whole scenes with what Bullet users have: resolution, and the words of a row. The floor of the pile is one convex box.
-SCENES = {"spoon-cup": [RESOLUTION], "numbers-bowl": ["1"], "pile-heap": ["1", "--steps", "240"]}  # resolution, further words
+# Whole scenes with what Bullet users have: resolution, further words, and who is left out. The floor of the pile is one
+# convex box: a static tree has nothing to hold there.
+SCENES = {"spoon-cup": (RESOLUTION, [], ()), "numbers-bowl": ("1", [], ()), "pile-heap": ("1", ["--steps", "240"], ("bvh-vhacd",))}
 SHAPES = {"exact": ("CLOD, exact", ["--exact"]), "default": ("CLOD, the default", []), "size-3.5": ("CLOD, s0 = 3.5 %", ["--size", "3.5"]),
           **{kind: (name, ["--shapes", kind]) for kind, name in
              {"gimpact": "GImpact", "vhacd": "V-HACD, at most 32 hulls", "coacd": "CoACD, concavity 0.05",
@@ -34,8 +38,9 @@ FAMILIES = {"clod-dispatch": "CLOD", "gimpact": "GImpact", "vhacd": "V-HACD", "c
 
 
 def bench(*words, codes=(0,)):
-    print("clod-bench", *words, file=sys.stderr, flush=True)
+    start = time.monotonic()
     done = subprocess.run([BENCH, *map(str, words), "--quiet"], stdout=subprocess.DEVNULL)
+    print(f"{time.monotonic() - start:.0f} s: clod-bench", *words, file=sys.stderr, flush=True)
     if done.returncode not in codes:
         sys.exit(f"clod-bench ends with {done.returncode}")
     return done.returncode
@@ -62,17 +67,11 @@ def run_scene(scene, resolution, words, folder, codes=(0,)):
             "dispatch_us": summary["dispatch_us"], "step_us": summary["step_us"], "energy": report["energy"]}
 
 
-def measure_run(folder):
-    for setting, words in SETTINGS.items():
-        keep(f"run-{setting}", run_scene("spoon-cup", RESOLUTION, words, folder))
-
-
-def measure_scenes(folder):
-    runs = {}
-    for scene, (resolution, *further) in SCENES.items():
-        runs[scene] = {shape: run_scene(scene, resolution, [*further, *words], folder, (0, 1, 4))
-                       for shape, (_, words) in SHAPES.items()}
-        keep("scenes", runs)  # a scene takes minutes
+def measure_scene(scene, folder):
+    resolution, further, left_out = SCENES[scene]
+    runs = {shape: run_scene(scene, resolution, [*further, *words], folder, (0, 1, 4))
+            for shape, (_, words) in SHAPES.items() if shape not in left_out}
+    keep("scenes", {**load("scenes"), scene: runs})
 
 
 def measure_tradeoff(folder):
@@ -81,7 +80,8 @@ def measure_tradeoff(folder):
     report = json.loads((folder / "tradeoff/tradeoff.json").read_text())
     keep("tradeoff", {"machine": report["machine"], "poses": report["poses"], "rows": report["tradeoff"]["rows"],
                       "radius": report["tradeoff"]["radius"],
-                      "points": [{key: point[key] for key in ("family", "setting", "us", "us_at_rest", "gap_error", "contacts")}
+                      "points": [{key: point[key] for key in ("family", "setting", "us", "us_at_rest", "us_cold", "pair_bytes",
+                                                                "gap_error", "contacts")}
                                  for point in report["tradeoff"]["points"]],
                       "left_out": report["tradeoff"]["left_out"]})
 
@@ -95,7 +95,7 @@ def measure_try(folder):
     keep("try", report)
 
 
-PARTS = {"run": measure_run, "scenes": measure_scenes, "tradeoff": measure_tradeoff, "try": measure_try}
+PARTS = {**{scene: functools.partial(measure_scene, scene) for scene in SCENES}, "tradeoff": measure_tradeoff, "try": measure_try}
 
 
 def table(head, rows):
@@ -124,8 +124,8 @@ def fall():
 
 def scene():
     rows = []
-    for setting in SETTINGS:
-        report = load(f"run-{setting}")
+    for setting in NAMES:
+        report = load("scenes")["spoon-cup"][setting]
         deep = report["interpenetration"]
         rows.append([NAMES[setting], f"{report['dispatch_us']['median']:.0f}", f"{report['step_us']['median']:.0f}",
                      f"{1000 * deep['deepest']:.3f} ({1000 * deep['limit']:.3f})",
@@ -136,8 +136,6 @@ def scene():
 
 def scenes():
     """Rows where one is better than ours in time and depth are as visible as the others: nobody is left out."""
-    if not (RESULTS / "scenes.json").exists():
-        return "Not measured yet: `scripts/results measure scenes`."
     report = load("scenes")
     rows = []
     for scene, runs in report.items():
@@ -163,8 +161,10 @@ def curve():
                 continue
             error = point["gap_error"]["p95"]
             rows.append([name, point["setting"], f"{point['us']['median']:.0f}", f"{point['us_at_rest']['median']:.0f}",
+                         f"{point['us_cold']['median']:.0f}", f"{point['pair_bytes'] / 1000:.1f}",
                          "-" if error is None else percent(error / report["radius"])])
-    return table(["method", "setting", "dispatch, moving, us", "at rest, us", "gap's error, 95 %, % of R"], rows)
+    return table(["method", "setting", "dispatch, moving, us", "at rest, us", "a new pair, cold, us", "a pair, kB",
+                  "gap's error, 95 %, % of R"], rows)
 
 
 def point_of(report, family, setting):
@@ -195,7 +195,7 @@ def five():
 
 def about():
     report = load("tradeoff")
-    scene_report = load("run-default")
+    scene_report = load("scenes")["spoon-cup"]["default"]
     return (f"{machine(report)}. Spoon in cup: {' and '.join(f'{n:,}' for n in scene_report['triangles'])} triangles, "
             f"{report['rows']} moving rows; trajectory {scene_report['trajectory_hash']}, "
             f"poses {report['poses']['trajectory_hash']}.")
@@ -239,6 +239,12 @@ def plot():
     return "\n".join(parts + ["</svg>"]) + "\n"
 
 
+def commits():
+    """Of all that is kept: one, or some figure is older than the others."""
+    runs = [run for scene_runs in load("scenes").values() for run in scene_runs.values() if run]
+    return sorted({report["machine"]["commit"] for report in [load("tradeoff"), load("try"), *runs]})
+
+
 BLOCKS = {"five": five, "fall": fall, "scene": scene, "scenes": scenes, "curve": curve, "about": about}
 BLOCK = re.compile(r"<!-- results (\w+) -->\n.*?<!-- end -->", re.S)
 
@@ -273,6 +279,8 @@ def main():
         stale.append("demos/results/curve.svg is not of demos/results; run scripts/results tables")
         if command == "tables":
             curve_path.write_text(plot())
+    if len(commits()) > 1:
+        stale.append(f"demos/results are of several commits, {', '.join(commits())}: measure what is older again")
     if command == "check" and stale:
         sys.exit("\n".join(stale))
 

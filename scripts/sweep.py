@@ -134,8 +134,9 @@ def main():
     if options.only and not mine:
         sys.exit(f"no run is called {options.only}; --list shows them")
     if options.list:
+        bench = [] if options.bench == parser.get_default("bench") else ["--bench", options.bench]
         for job in mine:
-            print(shlex.join(["scripts/sweep", str(options.sweep), "-o", str(options.output), "--only", job["name"]]))
+            print(shlex.join(["scripts/sweep", str(options.sweep), "-o", str(options.output), *bench, "--only", job["name"]]))
         return
     failed = []
     for i, job in enumerate(mine):

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "demos/runner/Replay.h"
+#include "demos/scenes/Stopwatch.h"
 
 namespace clod::demo
 {
@@ -57,12 +58,12 @@ public:
 			motion.timeStep = sample.dt;
 			const GapSettings settings = settingsOf(m_options, *m_a, *m_b, row.poses, motion);
 			const Transform aFromB = relativePose(row.poses, meshFromBody(*m_a), meshFromBody(*m_b));
-			const double start = threadMicroseconds();
+			const Stopwatch watch(TimedBy::thread);
 			if (m_isOfContacts)
 				contacts(*m_a, *m_b, aFromB, settings, cache.pair, result);
 			else
 				signedGap(*m_a, *m_b, aFromB, settings, cache, result);
-			const double time = threadMicroseconds() - start;
+			const double time = watch.microseconds();
 			if (!row.measured) continue;
 			PeerAnswer answer;
 			answer.microseconds = time;

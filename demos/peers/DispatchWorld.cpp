@@ -2,7 +2,10 @@
 // Whole dispatches of one pair.
 #include "demos/peers/DispatchWorld.h"
 
-#include "demos/peers/Peer.h"
+#include <LinearMath/btPoolAllocator.h>
+
+#include "demos/runner/HeapBytes.h"
+#include "demos/scenes/Stopwatch.h"
 
 namespace clod::demo
 {
@@ -38,9 +41,20 @@ double DispatchWorld::dispatch(const PlacedBody& a, const PlacedBody& b, double 
 	m_world.computeOverlappingPairs();
 	btDispatcherInfo& info = m_world.getDispatchInfo();
 	info.m_timeStep = btScalar(dt);
-	const double start = threadMicroseconds();
+	const double before = heapBytes();
+	const Stopwatch watch(TimedBy::thread);
 	m_dispatcher.dispatchAllCollisionPairs(m_broadphase.getOverlappingPairCache(), info, &m_dispatcher);
-	return threadMicroseconds() - start;
+	const double time = watch.microseconds();
+	m_heapBytes += heapBytes() - before;
+	return time;
+}
+
+double DispatchWorld::pairBytes()
+{
+	double bytes = m_heapBytes;
+	for (btPoolAllocator* pool : {m_configuration.getPersistentManifoldPool(), m_configuration.getCollisionAlgorithmPool()})
+		bytes += double(pool->getUsedCount()) * pool->getElementSize();
+	return bytes;
 }
 
 int DispatchWorld::points() const

@@ -28,6 +28,8 @@ public:
 	// CPU microseconds of one whole dispatch.
 	double dispatch(const PlacedBody& a, const PlacedBody& b, double dt);
 	int points() const;
+	// What dispatches have taken and hold: heap, and entries of Bullet's pools.
+	double pairBytes();
 
 	// Calls visit(point on B, normal from B to A, distance) for every point of every manifold, in the world.
 	template <class Visit>
@@ -52,5 +54,6 @@ private:
 	btDbvtBroadphase m_broadphase;
 	btCollisionWorld m_world;
 	btCollisionObject m_bodies[2];
+	double m_heapBytes = 0;
 };
 }  // namespace clod::demo

@@ -35,11 +35,13 @@ std::vector<double> leastOf(const PassTimes& passes)
 }
 }  // namespace
 
-void setTimes(TradeoffPoint& point, const PassTimes& passes, const PassTimes& atRest)
+void setTimes(TradeoffPoint& point, const PassTimes& passes, const PassTimes& atRest, const PassTimes& cold)
 {
 	std::vector<double> medians;
 	for (const std::vector<double>& pass : passes) medians.push_back(quantile(pass, 0.5));
-	const std::vector<double> least = leastOf(passes), still = leastOf(atRest);
+	const std::vector<double> least = leastOf(passes), still = leastOf(atRest), first = leastOf(cold);
+	point.coldMedian = quantile(first, 0.5);
+	point.coldP95 = quantile(first, 0.95);
 	point.restMedian = quantile(still, 0.5);
 	point.restP95 = quantile(still, 0.95);
 	point.median = quantile(least, 0.5);

@@ -20,9 +20,11 @@ struct TradeoffPoint
 	double passLow = 0, passHigh = 0;            // the same median, of the fastest and slowest pass
 	// Of dispatches at the same poses with no body moving; NaN for queries.
 	double restMedian = std::numeric_limits<double>::quiet_NaN(), restP95 = restMedian;
+	// Of a new pair's first dispatch, nothing in the processor's caches; and what a pair holds. NaN for queries.
+	double coldMedian = restMedian, coldP95 = restMedian, pairBytes = restMedian;
 	Accuracy accuracy;
 };
-void setTimes(TradeoffPoint& point, const PassTimes& passes, const PassTimes& atRest);
+void setTimes(TradeoffPoint& point, const PassTimes& passes, const PassTimes& atRest, const PassTimes& cold);
 
 // Of the points of one family those that no other beats in median time and p95 error of the gap at once; by time.
 std::vector<TradeoffPoint> paretoFront(const std::vector<TradeoffPoint>& family);

@@ -2,8 +2,6 @@
 // What all peers share.
 #include "demos/peers/Peer.h"
 
-#include <time.h>
-
 #include <algorithm>
 
 namespace clod::demo
@@ -20,16 +18,18 @@ PoseSample PoseSample::atRest() const
 	return still;
 }
 
+PoseSample PoseSample::cold() const
+{
+	PoseSample first = *this;
+	first.isCold = true;
+	first.rows.clear();
+	std::copy_if(rows.begin(), rows.end(), std::back_inserter(first.rows), [](const Row& row) { return row.measured; });
+	return first;
+}
+
 PoseSample::Row recordedRow(const std::vector<PoseRow>& poses, std::size_t row, const RowClock& clock)
 {
 	const PoseRow& before = poses[row > 0 ? row - 1 : 0];
 	return {poses[row], before, secondsBetween(before, poses[row], clock)};
-}
-
-double threadMicroseconds()
-{
-	timespec now{};
-	clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-	return 1e6 * double(now.tv_sec) + 1e-3 * double(now.tv_nsec);
 }
 }  // namespace clod::demo

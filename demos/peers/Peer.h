@@ -47,6 +47,7 @@ struct PeerContact
 struct PeerAnswer
 {
 	double microseconds = 0;
+	double bytes = std::numeric_limits<double>::quiet_NaN();  // that the pair holds after a dispatch, shapes not counted
 	// Smallest distance reported; inf: nothing within the tolerance; NaN: in touch, the gap is left open.
 	double gap = std::numeric_limits<double>::infinity();
 	std::vector<PeerContact> contacts;
@@ -66,9 +67,12 @@ struct PoseSample
 	std::vector<Row> rows;
 	double dt = 1.0 / 240;
 	double tolerance = 0;  // contacts are asked for up to this distance
+	bool isCold = false;   // every row is a new pair's first, with none of it in the processor's caches
 	std::size_t measured() const;
 	// The same poses, no body moving.
 	PoseSample atRest() const;
+	// The measured rows alone.
+	PoseSample cold() const;
 };
 // One row as recorded: the bodies come from the row before it, the first from where they are.
 PoseSample::Row recordedRow(const std::vector<PoseRow>& poses, std::size_t row, const RowClock& clock);
@@ -88,7 +92,4 @@ protected:
 	PeerInfo m_info;
 };
 using PeerPointer = std::unique_ptr<Peer>;
-
-// CPU time of the calling thread, microseconds.
-double threadMicroseconds();
 }  // namespace clod::demo

@@ -40,6 +40,13 @@ std::vector<double> timesOf(const std::vector<PeerAnswer>& answers)
 	return times;
 }
 
+double medianBytes(const std::vector<PeerAnswer>& answers)
+{
+	std::vector<double> bytes;
+	for (const PeerAnswer& answer : answers) bytes.push_back(answer.bytes);
+	return quantile(std::move(bytes), 0.5);
+}
+
 std::string optional(double value)
 {
 	return std::isnan(value) ? "" : number(value);
@@ -56,6 +63,8 @@ nlohmann::ordered_json describe(const TradeoffPoint& point)
 			{"us", {{"median", point.median}, {"q1", point.q1}, {"q3", point.q3}, {"p95", point.p95}}},
 			{"us_pass", {point.passLow, point.passHigh}},
 			{"us_at_rest", {{"median", point.restMedian}, {"p95", point.restP95}}},
+			{"us_cold", {{"median", point.coldMedian}, {"p95", point.coldP95}}},
+			{"pair_bytes", point.pairBytes},
 			{"gap_error", {{"median", a.gapMedian}, {"p95", a.gapP95}, {"max", a.gapMax}}},
 			{"normal_error_degrees", {{"median", a.normalMedian}, {"p95", a.normalP95}}},
 			{"covered", {{"mean", a.coveredMean}, {"p5", a.coveredLow}}},
@@ -94,9 +103,9 @@ void measure(Tradeoff& tradeoff, std::vector<PeerPointer>& peers, const ExactSam
 {
 	tradeoff.rows = sample.exact.size();
 	tradeoff.passes = passes;
-	std::vector<PassTimes> times(peers.size()), atRest(peers.size());
+	std::vector<PassTimes> times(peers.size()), atRest(peers.size()), cold(peers.size());
 	std::vector<TradeoffPoint> points(peers.size());
-	const PoseSample still = sample.sample.atRest();
+	const PoseSample still = sample.sample.atRest(), first = sample.sample.cold();
 	for (int pass = 0; pass < passes; ++pass)
 		for (std::size_t i = 0; i < peers.size(); ++i)
 		{
@@ -106,7 +115,12 @@ void measure(Tradeoff& tradeoff, std::vector<PeerPointer>& peers, const ExactSam
 			{
 				const std::vector<PeerAnswer> answers = peers[i]->pass(sample.sample);
 				times[i].push_back(timesOf(answers));
-				if (peers[i]->info().timed == Timed::dispatch) atRest[i].push_back(timesOf(peers[i]->pass(still)));
+				if (peers[i]->info().timed == Timed::dispatch)
+				{
+					atRest[i].push_back(timesOf(peers[i]->pass(still)));
+					cold[i].push_back(timesOf(peers[i]->pass(first)));
+					points[i].pairBytes = medianBytes(answers);  // the last pass's: a thread's scratch has grown before
+				}
 				if (pass == 0) points[i].accuracy = summarize(compareAll(sample, answers, tradeoff));
 				points[i].info = peers[i]->info();
 			}
@@ -119,7 +133,7 @@ void measure(Tradeoff& tradeoff, std::vector<PeerPointer>& peers, const ExactSam
 	for (std::size_t i = 0; i < peers.size(); ++i)
 	{
 		if (!peers[i]) continue;
-		setTimes(points[i], times[i], atRest[i]);
+		setTimes(points[i], times[i], atRest[i], cold[i]);
 		tradeoff.points.push_back(points[i]);
 	}
 	progress(1);
@@ -130,17 +144,18 @@ std::string formatPoints(const Tradeoff& tradeoff)
 	std::string text =
 		"family,setting,timed,size_a,size_b,us_median,us_q1,us_q3,us_p95,us_pass_low,us_pass_high,gap_error_median,"
 		"gap_error_p95,gap_error_max,normal_error_median_deg,normal_error_p95_deg,covered_mean,covered_p5,founded_mean,"
-		"contacts_median,missed_rows,build_seconds,bytes,us_rest_median,us_rest_p95,rows\n";
+		"contacts_median,missed_rows,build_seconds,bytes,us_rest_median,us_rest_p95,us_cold_median,us_cold_p95,pair_bytes,rows\n";
 	for (const TradeoffPoint& p : tradeoff.points)
 	{
 		const Accuracy& a = p.accuracy;
 		text += fmt::format(
-			"{},{},{},{},{},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n",
+			"{},{},{},{},{},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n",
 			p.info.family, p.info.setting, name(p.info.timed), p.info.sizeA, p.info.sizeB, p.median, p.q1, p.q3, p.p95,
 			p.passLow, p.passHigh, number(a.gapMedian), number(a.gapP95), number(a.gapMax), optional(a.normalMedian),
 			optional(a.normalP95), optional(a.coveredMean), optional(a.coveredLow), optional(a.foundedMean),
 			number(a.contactsMedian), number(a.missedShare), optional(p.info.buildSeconds), p.info.bytes,
-			optional(p.restMedian), optional(p.restP95), tradeoff.rows);
+			optional(p.restMedian), optional(p.restP95), optional(p.coldMedian), optional(p.coldP95),
+			optional(p.pairBytes), tradeoff.rows);
 	}
 	return text;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Level colours from viridis (Smith & van der Walt 2015), and cameras.
+// Level colours from viridis (Smith & van der Walt 2015) without its darkest quarter, in which no shading can be seen;
+// and cameras.
 #include <algorithm>
 #include <cmath>
 
@@ -10,7 +11,8 @@ namespace clod::demo
 namespace
 {
 constexpr double PI = 3.14159265358979323846;
-// Nine even stops of viridis.
+// Nine even stops of viridis, and where the colours begin.
+constexpr double kDarkest = 0.25;
 constexpr float VIRIDIS[9][3] = {{0.267f, 0.005f, 0.329f}, {0.279f, 0.175f, 0.483f}, {0.230f, 0.322f, 0.546f},
 								 {0.173f, 0.449f, 0.558f}, {0.128f, 0.567f, 0.551f}, {0.154f, 0.680f, 0.504f},
 								 {0.361f, 0.786f, 0.388f}, {0.668f, 0.862f, 0.196f}, {0.993f, 0.906f, 0.144f}};
@@ -18,7 +20,8 @@ constexpr float VIRIDIS[9][3] = {{0.267f, 0.005f, 0.329f}, {0.279f, 0.175f, 0.48
 
 Color levelColor(int level, int levelCount)
 {
-	const double t = levelCount > 1 ? std::clamp(double(level) / (levelCount - 1), 0.0, 1.0) : 0;
+	const double share = levelCount > 1 ? std::clamp(double(level) / (levelCount - 1), 0.0, 1.0) : 0;
+	const double t = kDarkest + (1 - kDarkest) * share;
 	const int stop = std::min(7, int(8 * t));
 	const float f = float(8 * t - stop);
 	const auto mix = [&](int k) { return VIRIDIS[stop][k] + f * (VIRIDIS[stop + 1][k] - VIRIDIS[stop][k]); };

@@ -15,7 +15,7 @@ namespace clod::demo
 namespace
 {
 constexpr double PI = 3.14159265358979323846;
-constexpr float HIDDEN_ALPHA = 0.35f, SHADOW_ALPHA = 0.20f, THIN_SHADOW_ALPHA = 0.09f, VEIL = 0.75f, VEIL_ALPHA = 0.6f;
+constexpr float HIDDEN_ALPHA = 0.35f, SHADOW_ALPHA = 0.20f, THIN_SHADOW_ALPHA = 0.09f, VEIL = 0.75f, VEIL_ALPHA = 0.6f, GLASS_ALPHA = 0.6f;
 const Color SKY_TOP = {0.865f, 0.885f, 0.92f, 1}, SKY_BOTTOM = {0.955f, 0.96f, 0.968f, 1};
 
 Matrix4 matrixOf(const Transform& t)
@@ -77,7 +77,7 @@ struct Renderer::Implementation
 		std::unique_ptr<GlBuffer> buffer;
 		Transform worldFromMesh;
 		float flatness = 0;
-		bool isPatch = false, isSeenThrough = true;
+		bool isPatch = false, isSeenThrough = true, isGlass = false;
 	};
 
 	std::unique_ptr<OffscreenContext> context;
@@ -201,7 +201,7 @@ std::vector<Renderer::Implementation::Layer> Renderer::Implementation::upload(co
 		DrawList list;
 		addPatches(list, patches.triangles);
 		if (list.empty()) continue;
-		layers.push_back({std::make_unique<GlBuffer>(list), patches.worldFromBody, 0.55f, true, patches.isSeenThrough});
+		layers.push_back({std::make_unique<GlBuffer>(list), patches.worldFromBody, 0.55f, true, patches.isSeenThrough, patches.isGlass});
 	}
 	DrawList list;
 	for (const Marker& marker : frame.markers) addBall(list, marker);
@@ -227,14 +227,21 @@ void Renderer::Implementation::drawLayers(const std::vector<Layer>& layers, Pass
 	solid->set("veil", 0.0f);
 	solid->set("baseColor", Color{0, 0, 0, isHidden ? HIDDEN_ALPHA : pass == Pass::Visible ? 1.0f : VEIL_ALPHA});
 	glEnable(GL_POLYGON_OFFSET_FILL);
-	for (size_t i = layers.size(); i-- > 0;)  // markers first: they win the faint pixel
+	const auto draw = [&](const Layer& layer)
 	{
-		const Layer& layer = layers[i];
-		if (isHidden && !layer.isSeenThrough) continue;
 		glPolygonOffset(layer.isPatch ? -1.0f : 0.0f, layer.isPatch ? -8.0f : 0.0f);
 		solid->set("flatness", layer.flatness);
 		solid->set("worldFromMesh", matrixOf(layer.worldFromMesh));
 		layer.buffer->draw();
+	};
+	for (size_t i = layers.size(); i-- > 0;)  // markers first: they win the faint pixel
+		if (isHidden ? layers[i].isSeenThrough : !layers[i].isGlass) draw(layers[i]);
+	if (pass == Pass::ThroughVeil)
+	{
+		solid->set("baseColor", Color{0, 0, 0, GLASS_ALPHA});
+		glDepthMask(GL_FALSE);
+		for (const Layer& layer : layers)
+			if (layer.isGlass) draw(layer);
 	}
 	glDisable(GL_POLYGON_OFFSET_FILL);
 	glDisable(GL_STENCIL_TEST);

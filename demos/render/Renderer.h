@@ -50,6 +50,7 @@ struct PatchLayer
 	Transform worldFromBody;
 	std::vector<ColoredTriangle> triangles;
 	bool isSeenThrough = true;  // faintly visible behind opaque bodies
+	bool isGlass = false;       // what is behind shows through
 };
 
 struct Marker
@@ -111,7 +112,7 @@ private:
 	std::unique_ptr<Implementation> m_implementation;
 };
 
-// Colour of a level: viridis, level 0 (the finest) dark violet, the last one yellow; readable for the colour-blind.
+// Colour of a level: viridis, level 0 (the finest) blue, the last one yellow; readable for the colour-blind.
 Color levelColor(int level, int levelCount);
 // The same colour a little lighter or darker by index, so that neighbouring patches can be told apart.
 Color variedByIndex(const Color& color, size_t index);

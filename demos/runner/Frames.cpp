@@ -31,8 +31,8 @@ constexpr const char* kFootnote =
 	"pushes the other.";
 
 constexpr Color kGhostColor = {0.5f, 0.55f, 0.65f, 0.12f};
-constexpr double kPulledApart = 0.35,
-				 kSpread = 0.5;  // of what an exploded picture shows, of a patch's way to its middle
+// Of an exploded picture: between bodies, of what it shows; between a body's patches, of the way to their middle.
+constexpr double kPulledApart = 0.35, kSpread = 0.3;
 
 Result<MeshId> upload(Renderer& renderer, const ModelMesh& mesh)
 {
@@ -43,8 +43,10 @@ Result<MeshId> upload(Renderer& renderer, const ModelMesh& mesh)
 }
 
 PatchLayer patchLayer(const Pose& pose, const Hierarchy& hierarchy, const std::set<std::uint32_t>& nodes,
-					  const ErrorScale& scale, bool isSeenThrough)
+					  const ErrorScale& scale, std::size_t body, bool isSeenThrough)
 {
+	const std::size_t shade = 3 * body;  // bodies of one piece, of the same error, can be told apart
+
 	PatchLayer layer;
 	layer.worldFromBody = worldFromBody(pose, meshFromBody(hierarchy));
 	layer.isSeenThrough = isSeenThrough;
@@ -52,7 +54,7 @@ PatchLayer patchLayer(const Pose& pose, const Hierarchy& hierarchy, const std::s
 	{
 		const Node& node = hierarchy.node(index);
 		const HullView hull = hierarchy.hull(node);
-		const Color color = variedByIndex(scale.color(scale.stepOf(double(node.deviation))), index);
+		const Color color = variedByIndex(scale.color(scale.stepOf(double(node.deviation))), shade + index);
 		for (const Face& face : hierarchy.faces(node))
 			layer.triangles.push_back(
 				{{hull.vertex(face.vertex[0]), hull.vertex(face.vertex[1]), hull.vertex(face.vertex[2])}, color});
@@ -90,10 +92,11 @@ std::vector<std::string> figures(const FrameAnswer& answer)
 	std::vector<std::string> lines;
 	lines.push_back("selection: " + answer.selection);
 	lines.push_back(gapInWords(row));
-	lines.push_back(answer.pairs.size() == 1 ? fmt::format("{} touching pairs of patches", row.contacts)
-											 : fmt::format("{} touching pairs of patches in {} pairs of bodies",
-														   row.contacts, answer.pairs.size()));
-	lines.push_back(fmt::format("query {:.0f} µs, front of {} pairs", row.queryMicroseconds, row.stats.front));
+	const auto counted = [](std::size_t count, const char* what)
+	{ return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s"); };
+	const std::string touching = counted(row.contacts, "touching patch pair");
+	lines.push_back(answer.pairs.size() == 1 ? touching : touching + ", " + counted(answer.pairs.size(), "pair") + " of bodies");
+	lines.push_back(fmt::format("query {:.0f} µs, front of {}", row.queryMicroseconds, counted(row.stats.front, "pair")));
 	return lines;
 }
 
@@ -184,7 +187,8 @@ void FramePainter::addPatches(Frame& frame, const FrameMoment& moment, const Fra
 	for (std::size_t i = 0; i < nodes.size(); ++i)
 		if (!nodes[i].empty())
 			frame.patches.push_back(
-				patchLayer(moment.poses[i], *m_subject.bodies[i].hierarchy, nodes[i], m_scale, isPair));
+				patchLayer(moment.poses[i], *m_subject.bodies[i].hierarchy, nodes[i], m_scale, i, isPair)),
+				frame.patches.back().isGlass = m_subject.bodies[i].isSeenThrough;
 }
 
 void FramePainter::addContacts(Frame& frame, const std::vector<FrameContact>& contacts) const
@@ -284,7 +288,7 @@ Image FramePainter::paintExploded(const FrameMoment& moment, const FrameAnswer& 
 		if (nodes[body].empty()) continue;
 		bodies.push_back(body);
 		frame.patches.push_back(
-			patchLayer(moment.poses[body], *m_subject.bodies[body].hierarchy, nodes[body], m_scale, false));
+			patchLayer(moment.poses[body], *m_subject.bodies[body].hierarchy, nodes[body], m_scale, body, false));
 		for (const ColoredTriangle& triangle : frame.patches.back().triangles)
 			for (const Vec3& corner : triangle.corners)
 				for (int k = 0; k < 3; ++k)
@@ -315,7 +319,9 @@ Image FramePainter::paintExploded(const FrameMoment& moment, const FrameAnswer& 
 		Transform place = toTransform(moment.poses[bodies[i]]);
 		place.translation += away;
 		frame.instances.push_back({m_meshes[m_subject.bodies[bodies[i]].mesh], place, kGhostColor, true});
-		const Vec3 from = inverse(layer.worldFromBody) * middle;
+		Vec3 from;
+		for (const ColoredTriangle& triangle : layer.triangles)
+			for (const Vec3& corner : triangle.corners) from += (1 / (3 * double(layer.triangles.size()))) * corner;
 		for (std::size_t first = 0; first < layer.triangles.size();)
 		{
 			// A patch: its faces stand together, in one colour.

@@ -123,6 +123,7 @@ SceneRunOptions setUp(const RunOptions& options, SceneDefinition& definition, Hi
 	run.scene.passes = options.passes;
 	run.scene.parts = options.parts;
 	run.scene.threads = options.threads;
+	if (options.threads == 1 && !run.scene.budget.isLimited()) run.scene.timedBy = TimedBy::thread;
 	run.paper = options.selection.paper;
 	run.steps = options.steps > 0 ? options.steps : info.steps;
 	run.scene.camera = toCameraPath(options.selection, run.steps);
@@ -187,7 +188,12 @@ nlohmann::ordered_json paintFrames(const RunOptions& options, const SceneRunOpti
 	subject.overviewAtEnd = options.selection.cameraTo.value_or(subject.overview);
 	subject.steps = run.steps;
 	subject.dt = run.scene.dt;
-	const std::string selection = describeInMillimetres(options.selection, smallestRadius(run.scene.models));
+	const double smallest = smallestRadius(run.scene.models);
+	std::string selection = describeInMillimetres(options.selection, smallest);
+	// Shares are of a pair's own smaller radius.
+	const auto larger = std::count_if(info.bodies.begin(), info.bodies.end(), [&](const SceneBody& body)
+									  { return double(run.scene.models[body.model]->asset().radius) > 1.01 * smallest; });
+	if (larger > 1 && !options.selection.exact) selection += ", more between larger bodies";
 	return paintScene(options.frames, subject, {rows, run, selection},
 					  [&](double fraction) { progress.update("frames", fraction); });
 }

@@ -4,16 +4,13 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#if defined(__GLIBC__)
-#include <malloc.h>
-#endif
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 
 #include "cli/Csv.h"
 #include "demos/runner/Gnuplot.h"
+#include "demos/runner/HeapBytes.h"
 #include "demos/runner/Statistics.h"
 
 namespace clod::demo
@@ -23,17 +20,6 @@ namespace
 constexpr const char* kColors[] = {"#000000", "#E69F00", "#56B4E9", "#009E73", "#D55E00", "#CC79A7", "#0072B2"};  // Okabe & Ito
 
 using Json = nlohmann::ordered_json;
-
-// Of the whole program, by glibc's own count; NaN elsewhere.
-double heapBytes()
-{
-#if defined(__GLIBC__)
-	const struct mallinfo2 heap = mallinfo2();
-	return double(heap.uordblks) + double(heap.hblkhd);
-#else
-	return std::nan("");
-#endif
-}
 
 // Rows of one contender on so many threads.
 std::string lineOf(const Json& row)

@@ -44,7 +44,7 @@ SceneDefinition piston()
 	info.tolerance = 0.01 * FLANGE_RADIUS;
 	info.thinnerWall = FLANGE_THICKNESS;
 	info.steps = constant::steps;
-	info.overview = {{0, 0.85, 0}, 1.55, 25, 12, -1, ""};
+	info.overview = {{0, 0.95, 0}, 1.75, 25, 12, -1, ""};
 	info.closeUp = {{0, CRANK_THROW, 0}, 0.45, 30, 15, 0, "close-up of the crank's pin"};
 	info.outcome = {
 		{"crank_pin_off_axis", "m"}, {"piston_pin_off_axis", "m"}, {"piston_aside", "m"}, {"piston_height", "m"}};

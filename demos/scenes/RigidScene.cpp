@@ -11,7 +11,6 @@
 #include <clod/bullet/btClodShape.h>
 
 #include <algorithm>
-#include <chrono>
 #include <stdexcept>
 
 #include "demos/scenes/BulletPose.h"
@@ -32,16 +31,17 @@ class TimedWorld : public btClodDynamicsWorld
 {
 public:
 	using btClodDynamicsWorld::btClodDynamicsWorld;
+	void setTimedBy(TimedBy by) { m_timedBy = by; }
 	void performDiscreteCollisionDetection() override
 	{
-		const auto start = std::chrono::steady_clock::now();
+		const Stopwatch watch(m_timedBy);
 		btClodDynamicsWorld::performDiscreteCollisionDetection();
-		m_dispatchMicroseconds =
-			std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
+		m_dispatchMicroseconds = watch.microseconds();
 	}
 	double dispatchMicroseconds() const { return m_dispatchMicroseconds; }
 
 private:
+	TimedBy m_timedBy = TimedBy::clock;
 	double m_dispatchMicroseconds = 0;
 };
 }  // namespace
@@ -85,6 +85,7 @@ RigidScene::RigidScene(const SceneDefinition& definition, const SceneSettings& s
 	bullet.context.budget = settings.budget;
 	if (!settings.printsWarnings) bullet.context.warn = nullptr;
 	bullet.dispatcher.setThreads(settings.threads);
+	bullet.world.setTimedBy(settings.timedBy);
 	setUpSolver();
 	const btScalar scale = btScalar(definition.info.worldScale);
 	for (const auto& model : settings.models)
@@ -205,9 +206,9 @@ void RigidScene::step()
 		if (const auto& course = m_definition.bodies[i].course)
 			m_bullet->bodies[i]->setWorldTransform(
 				bodyTransform(course(time + m_settings.dt), centerOf(hierarchyOf(i)), scale));
-	const auto start = std::chrono::steady_clock::now();
+	const Stopwatch watch(m_settings.timedBy);
 	m_bullet->world.stepSimulation(btScalar(m_settings.dt), 0);
-	m_stepMicroseconds = std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
+	m_stepMicroseconds = watch.microseconds();
 	++m_step;
 }
 

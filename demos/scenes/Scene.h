@@ -18,6 +18,7 @@
 #include "demos/models/Models.h"
 #include "demos/scenes/CameraPath.h"
 #include "demos/scenes/Poses.h"
+#include "demos/scenes/Stopwatch.h"
 
 namespace clod::demo
 {
@@ -110,6 +111,7 @@ struct SceneSettings
 	double dt = 0;
 	int passes = 1, parts = 1;   // of btClodDynamicsWorld at most; with 1 the world is Bullet's own
 	unsigned threads = 1;        // of btClodDispatcher: the same bits for any number
+	TimedBy timedBy = TimedBy::clock;  // the times of a state; by the thread only where one thread makes the contacts
 	bool printsWarnings = true;  // of the plugin, as they come; SceneState has them anyway
 };
 

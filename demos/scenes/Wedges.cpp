@@ -49,7 +49,7 @@ SceneDefinition wedges()
 	info.tolerance = 0.01 * WEDGE_HEIGHT;
 	info.thinnerWall = 0.1 * WEDGE_HEIGHT;
 	info.steps = constant::steps;
-	info.overview = {{0, 0.02, 0}, 0.215, 10, 20, -1, ""};
+	info.overview = {{0, 0.02, 0}, 0.235, 10, 20, -1, ""};
 	info.hasGround = true;
 	info.closeUp = {{-0.1375, 0.02, 0}, 0.055, 30, 20, -1, "close-up of the sharpest three"};
 	scene.inPlace = [](std::size_t, const Vec3& center) { return center.y > WEDGE_HEIGHT; };

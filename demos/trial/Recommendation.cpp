@@ -19,6 +19,7 @@ constexpr double kTurn = 0.035;      // radians a row at most: what a rolling bo
 constexpr double kRetreat = 0.08;    // of the radius: clears what turning by kTurn can bring into the other
 constexpr int kMostAdvances = 60, kMostStarts = 1000;
 constexpr double kRounding = 1e-6;  // of the radius: hierarchies store floats
+constexpr double kExact = 1e-4;     // of the radius: what rounding and pieces that are convex up to it come to at most
 
 // Uniform numbers that are the same with every standard library.
 class Chance
@@ -109,13 +110,19 @@ public:
 		row.b.position = m_center + meshFromBody(m_a) - m_rotation * (sphereCenter(m_b) + meshFromBody(m_b));
 		return row;
 	}
-	double gap() const { return m_gap; }
+	// As near as it can be known.
+	GapResult gap()
+	{
+		GapSettings settings = m_settings;
+		settings.gapError = 0;
+		return measure(settings);
+	}
 
 private:
-	double measure()
+	const GapResult& measure(const GapSettings& settings)
 	{
-		signedGap(m_a, m_b, relativePose(row(0), meshFromBody(m_a), meshFromBody(m_b)), m_settings, m_cache, m_result);
-		return m_gap = m_result.minDistance;
+		signedGap(m_a, m_b, relativePose(row(0), meshFromBody(m_a), meshFromBody(m_b)), settings, m_cache, m_result);
+		return m_result;
 	}
 	// Moves B towards A until a gap drawn by chance is left.
 	bool advance(double most)
@@ -124,7 +131,7 @@ private:
 		double way = 0;
 		for (int i = 0; i < kMostAdvances && way < most; ++i)
 		{
-			const double gap = measure();
+			const double gap = measure(m_settings).minDistance;
 			if (gap <= wanted + 0.1 * m_settings.tolerance) return gap >= -kDeepest * m_settings.tolerance;
 			const double step = gap - std::min(wanted, 0.5 * gap);  // nothing is met before the gap is used up
 			m_center -= step * m_aim;
@@ -141,7 +148,6 @@ private:
 	GapResult m_result;
 	Vec3 m_aim, m_center;
 	Mat3 m_rotation;
-	double m_gap = 0;
 };
 
 template <class Value>
@@ -173,7 +179,9 @@ TouchingPoses touchingPoses(const Hierarchy& a, const Hierarchy& b, double toler
 		for (std::size_t i = 0; touches && i < kTumble && poses.rows.size() < count; ++i)
 		{
 			poses.rows.push_back(tumbler.row(std::int64_t(poses.rows.size())));
-			poses.gaps.push_back(tumbler.gap());
+			const GapResult gap = tumbler.gap();
+			poses.gaps.push_back(gap.minDistance);
+			poses.bounds.push_back(gap.errorBound);
 			progress(double(poses.rows.size()) / double(count));
 			touches = tumbler.tumble();
 			starts = 0;
@@ -188,6 +196,7 @@ LimitRow measureLimit(const Hierarchy& a, const Hierarchy& b, double share, doub
 	ReplayOptions options;
 	options.metric = share > 0 ? ContactMetric::errorShare(share) : ContactMetric::exactly();
 	options.tolerance.value = tolerance;
+	if (share == 0) options.gapError = cli::Length{0, false, "0"};  // as a certified limit asks for the gap, too
 	PairQueries queries({&a, &b}, options);
 	std::vector<ReplayRow> rows;
 	LimitRow limit;
@@ -199,7 +208,7 @@ LimitRow measureLimit(const Hierarchy& a, const Hierarchy& b, double share, doub
 		limit.certified = std::max(limit.certified, rows.back().errorBound / radius);
 		const double error = errorOf(rows.back(), poses.gaps[i], tolerance);
 		limit.error = std::max(limit.error, error / radius);
-		limit.broken += error > rows.back().errorBound + kRounding * radius;
+		limit.broken += error > rows.back().errorBound + poses.bounds[i] + kRounding * radius;
 	}
 	limit.tests = over(rows, 0.5, [](const ReplayRow& row) { return double(row.tests()); });
 	limit.microseconds = over(rows, 0.5, [](const ReplayRow& row) { return row.queryMicroseconds; });
@@ -212,14 +221,16 @@ LimitRow measureLimit(const Hierarchy& a, const Hierarchy& b, double share, doub
 std::vector<double> limitShares(double own)
 {
 	std::vector<double> shares = {0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002, 0.0001, 0};
-	if (std::find(shares.begin(), shares.end(), own) == shares.end()) shares.push_back(own);
+	const auto isOwn = [&](double share) { return std::fabs(share - own) <= 1e-9 * own; };
+	shares.erase(std::remove_if(shares.begin(), shares.end(), isOwn), shares.end());
+	shares.push_back(own);
 	std::sort(shares.begin(), shares.end(), std::greater<double>());
 	return shares;
 }
 
 bool Recommendation::keepsAccuracy() const
 {
-	return fresh.broken == 0 && (chosen.share == 0 || fresh.certified <= chosen.share + kRounding);
+	return fresh.broken == 0 && fresh.certified <= (chosen.share > 0 ? chosen.share + kRounding : kExact);
 }
 
 bool Recommendation::keepsCost() const

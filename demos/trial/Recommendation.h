@@ -16,7 +16,7 @@ namespace clod::demo
 struct TouchingPoses
 {
 	std::vector<PoseRow> rows;
-	std::vector<double> gaps;  // exact, one a row; the meshes' unit
+	std::vector<double> gaps, bounds;  // of the input surfaces, and how wrong they can be: one a row; the meshes' unit
 };
 TouchingPoses touchingPoses(const Hierarchy& a, const Hierarchy& b, double tolerance, std::size_t count,
 							std::uint64_t seed, const std::function<void(double)>& progress);

@@ -89,7 +89,7 @@ private:
 	{
 		const auto percent = [&](double length) { return fmt::format("{:.2f} %", 100 * length / m_trial.smallest); };
 		return {fmt::format("step {:.2f} ms", moment.stepMicroseconds / 1000), "overlap " + percent(moment.deepest),
-				std::isnan(moment.offSurface) ? std::string("no contact") : "off by " + percent(moment.offSurface)};
+				std::isnan(moment.offSurface) ? std::string("no contact") : "points off by " + percent(moment.offSurface)};
 	}
 
 	const Trial& m_trial;

@@ -77,6 +77,7 @@ SceneSettings settingsOf(const Trial& trial, const Contender& contender, double 
 	settings.metric = ContactMetric::errorShare(kDefaultMaxError);
 	settings.dt = dt;
 	settings.printsWarnings = false;
+	settings.timedBy = TimedBy::thread;
 	return settings;
 }
 

@@ -11,6 +11,7 @@
 #include "builder/assemble/ContactArea.h"
 #include "builder/assemble/ConvexDistance.h"
 #include "builder/assemble/MassProperties.h"
+#include "builder/assemble/NearestPatches.h"
 #include "builder/assemble/Protrusion.h"
 #include "builder/assemble/Walls.h"
 #include "tests/support/Meshes.h"
@@ -60,6 +61,27 @@ TEST(AssembleSphere, ContainsEveryPointToTheLastBit)
 		const Sphere s = boundingSphere(points);
 		for (const Vec3& p : points) ASSERT_LE(length(p - s.center), s.radius) << cloud;
 	}
+}
+
+// What lies in a thin wall goes to the side that is turned its way, though the other is nearer; but not to one more than
+// twice as far.
+TEST(AssembleNearest, AFaceGoesToThePatchTurnedItsWay)
+{
+	Lod wall;
+	wall.mesh = boxMesh({1, 0.05, 1}, 1);
+	wall.patchCount = 3;  // top, bottom, sides
+	for (const auto& t : wall.mesh.triangles)
+	{
+		const auto& at = wall.mesh.vertices;
+		const double up = normalized(cross(at[t[1]] - at[t[0]], at[t[2]] - at[t[0]])).y;
+		wall.patchOfTriangle.push_back(up > 0.5 ? 0 : up < -0.5 ? 1 : 2);
+	}
+	const NearestPatches nearest(wall);
+	const Lookup top = nearest.at({0.2, -0.01, 0.1}, {0, 1, 0}), bottom = nearest.at({0.2, 0.01, 0.1}, {0, -1, 0});
+	EXPECT_EQ(top.patch, 0u);
+	EXPECT_NEAR(top.distance, 0.06, 1e-8);  // floats
+	EXPECT_EQ(bottom.patch, 1u);
+	EXPECT_EQ(nearest.at({0.2, -0.04, 0.1}, {0, 1, 0}).patch, 1u);
 }
 
 TEST(AssembleDistance, AgreesWithABoxAndNeverUnderestimates)

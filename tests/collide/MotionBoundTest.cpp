@@ -38,6 +38,21 @@ Vec3 toB(const RelativePose& pose, const Vec3& ofA)
 	return transposed(pose.rotation) * (ofA - pose.translation);
 }
 
+// Floats that are kept from step to step: their own rounding never makes a bound better than it is.
+TEST(MotionBound, KeptBoundsLoseByRounding)
+{
+	Random random(11);
+	for (int i = 0; i < 20000; ++i)
+	{
+		// A motion larger than the bound leaves nothing of it that could decide.
+		const float bound = float(uniform(random, -1, 1)), moved = std::abs(bound) * float(std::pow(10, uniform(random, -9, 0)));
+		ASSERT_LE(double(lowerAfter(bound, moved)), double(bound) - double(moved)) << bound << " " << moved;
+		ASSERT_GE(double(upperAfter(bound, moved)), double(bound) + double(moved)) << bound << " " << moved;
+		ASSERT_NEAR(double(lowerAfter(bound, moved)), double(bound) - double(moved), 1e-6);
+		ASSERT_NEAR(double(upperAfter(bound, moved)), double(bound) + double(moved), 1e-6);
+	}
+}
+
 TEST(MotionBound, NoPointOfEitherBodyMovesFartherAsSeenFromTheOther)
 {
 	Random random(61);

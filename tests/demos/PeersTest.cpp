@@ -180,13 +180,15 @@ TEST(Pareto, AnswerIsTheFastestOfTheSameKindAtNoLargerErrors)
 TEST(Pareto, ARowKeepsItsLeastTime)
 {
 	TradeoffPoint result;
-	setTimes(result, {{4, 5, 9}, {3, 7, 8}}, {{2, 1, 1}, {1, 4, 3}});
+	setTimes(result, {{4, 5, 9}, {3, 7, 8}}, {{2, 1, 1}, {1, 4, 3}}, {{6, 8, 8}, {9, 7, 9}});
 	EXPECT_EQ(result.median, 5);
 	EXPECT_EQ(result.passLow, 5);
 	EXPECT_EQ(result.passHigh, 7);
 	EXPECT_EQ(result.restMedian, 1);
-	setTimes(result, {{4}}, {});
+	EXPECT_EQ(result.coldMedian, 7);
+	setTimes(result, {{4}}, {}, {});
 	EXPECT_TRUE(std::isnan(result.restMedian));
+	EXPECT_TRUE(std::isnan(result.coldMedian));
 }
 
 Result<PieceFile> piecesOf(const std::string& text)

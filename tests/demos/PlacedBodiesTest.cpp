@@ -9,6 +9,7 @@
 #include "demos/peers/BulletPeers.h"
 #include "demos/peers/ClodPeer.h"
 #include "demos/peers/DispatchWorld.h"
+#include "demos/peers/PeerShapes.h"
 #include "demos/runner/InputSurface.h"
 #include "tests/demos/BuiltBody.h"
 
@@ -32,6 +33,14 @@ TEST(PlacedBodies, VelocitiesAreThoseBetweenTwoPoses)
 	const BodyVelocity turn = velocityBetween(turned({}, 0), turned({}, angle), {1, 0, 0}, dt);
 	EXPECT_LT(length(turn.angular - Vec3{0, 0, angle / dt}), 1e-9);
 	EXPECT_LT(length(turn.linear - (1 / dt) * Vec3{std::cos(angle) - 1, std::sin(angle), 0}), 1e-9);
+}
+
+TEST(PeerShapes, AreToldOfInWords)
+{
+	EXPECT_EQ(describePeerShape("gimpact"), "btGImpactMeshShape, full meshes");
+	EXPECT_EQ(describePeerShape("vhacd:7"), "btCompoundShape of at most 7 hulls a mesh");
+	EXPECT_EQ(describePeerShape("coacd"), "btCompoundShape of hulls, concavity 0.05");
+	EXPECT_EQ(describePeerShape("bvh-hull"), "btConvexHullShape, one a mesh; btBvhTriangleMeshShape for what stands still");
 }
 
 TEST(PlacedBodies, RowsComeFromTheRowBefore)

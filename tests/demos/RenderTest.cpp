@@ -178,6 +178,34 @@ TEST_F(RenderTest, TransparentBodiesShowWhatIsBehind)
 	EXPECT_LE(hidden.r, hidden.b);
 }
 
+TEST_F(RenderTest, PatchesOfGlassShowWhatIsBehind)
+{
+	add(square(0.05, 0), RED);
+	frame.patches.push_back({{}, squarePatch(0.05, 0.1, BLUE), true});
+	const Color opaque = middle(renderer->render(frame));
+	EXPECT_LT(opaque.r, 0.5f * opaque.b);
+	frame.patches[0].isGlass = true;
+	const Color glass = middle(renderer->render(frame));
+	EXPECT_GT(glass.r, opaque.r + 0.2f);
+	EXPECT_GT(glass.b, glass.r);
+}
+
+TEST_F(RenderTest, NearGlassLiesOverFarGlassInAnyOrder)
+{
+	for (const bool isNearFirst : {true, false})
+	{
+		frame.instances.clear();
+		for (const bool isNear : {isNearFirst, !isNearFirst})
+		{
+			Instance& glass = add(square(0.1, 0), isNear ? Color{1, 0, 0, 0.6f} : Color{0, 0, 1, 0.6f});
+			glass.isTransparent = true;
+			glass.worldFromMesh.translation = {0, 0, isNear ? 0.1 : 0};
+		}
+		const Color seen = middle(renderer->render(frame));
+		EXPECT_GT(seen.r, 1.3f * seen.b) << isNearFirst;
+	}
+}
+
 TEST_F(RenderTest, MarkersAndArrowsStandWhereTheyAreAskedFor)
 {
 	const double scale = frame.camera.pixelsPerMetre(HEIGHT);
@@ -212,6 +240,17 @@ TEST_F(RenderTest, GroundHasLinesAndShadows)
 	EXPECT_GT(darker, 200u);
 	// The body itself is not darkened; only its outline's pixels mix with the ground.
 	EXPECT_NEAR(double(countHue(shadowed, Hue::Red)), double(countHue(unshadowed, Hue::Red)), 15);
+}
+
+// Lines fade with the distance from what is looked at, wherever that is.
+TEST_F(RenderTest, GroundIsAlikeRoundAnyPlaceOfItsGrid)
+{
+	frame.ground.isDrawn = true;
+	frame.camera = orbitCamera({0, 0, 0}, 0.1, 30, 40);
+	const Image here = renderer->render(frame);
+	const double far = 40 * frame.ground.spacing;
+	frame.camera = orbitCamera({far, 0, -far}, 0.1, 30, 40);
+	EXPECT_LT(differingPixels(renderer->render(frame), here), size_t(WIDTH * HEIGHT / 100));
 }
 
 TEST_F(RenderTest, SameFrameSameBytes)

@@ -106,14 +106,17 @@ TEST_F(RunnerCommand, TradeoffMeasuresOursAndWhatBulletHas)
 	EXPECT_EQ(covered.at("clod,exact"), 1);
 	EXPECT_GT(gap.at("clod,size 7 %"), gap.at("clod,exact"));
 	EXPECT_LT(gap.at("clod,max-error 0.1 %"), 0.001 * 0.072);  // the smaller radius, rounded up
-	// Dispatches are timed once more with the bodies at rest.
-	const auto rest = csvColumn(csv, "us_rest_median"), rows = csvColumn(csv, "rows");
+	// Dispatches are timed once more with the bodies at rest, and as new pairs that no cache knows.
+	const auto rest = csvColumn(csv, "us_rest_median"), cold = csvColumn(csv, "us_cold_median"),
+			   bytes = csvColumn(csv, "pair_bytes"), rows = csvColumn(csv, "rows");
 	for (const auto& [method, microseconds] : time)
 	{
 		const bool isQuery = method.rfind("clod,", 0) == 0 || method.rfind("clod-gap,", 0) == 0 ||
 							 method.rfind("decimated-exact,", 0) == 0;
 		EXPECT_GT(microseconds, 0) << method;
 		EXPECT_EQ(rest.at(method) > 0, !isQuery) << method;
+		EXPECT_EQ(cold.at(method) > microseconds, !isQuery) << method;
+		EXPECT_EQ(bytes.at(method) > 500, !isQuery) << method;  // a manifold at least
 		EXPECT_GT(rows.at(method), 0) << method;
 	}
 	EXPECT_NE(outcome.out.find(" rows only, "), std::string::npos) << outcome.out;

@@ -2,6 +2,7 @@
 // The independent measure of interpenetration against closed forms, and shown to see a planted overlap.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -47,6 +48,19 @@ TEST(RunnerPenetration, SignedDistanceOfACubeIsTheClosedForm)
 		ASSERT_TRUE(clear <= exact + 1e-12 && clear >= exact / 2 - 1e-12) << clear << " of " << exact;
 	}
 	EXPECT_GT(inside, 500);
+}
+
+// A pit in a cube's top ends in the middle: what lies under its tip is nearest to a vertex, and inside.
+TEST(RunnerPenetration, UnderTheTipOfAPitIsInside)
+{
+	Surface pitted = cube(1);
+	pitted.vertices.push_back({});
+	pitted.triangles.resize(10);
+	for (const auto& rim : {std::array<std::uint32_t, 2>{1, 3}, {3, 7}, {7, 5}, {5, 1}}) pitted.triangles.push_back({rim[0], rim[1], 8});
+	const SignedDistance distance(pitted);
+	EXPECT_NEAR(distance({-0.1, 0, 0}), -0.1, 1e-12);
+	EXPECT_NEAR(distance({-0.1, 0.02, 0.01}), -length({0.1, 0.02, 0.01}), 1e-12);
+	EXPECT_GT(distance({0.1, 0, 0}), 0.05);
 }
 
 TEST(RunnerPenetration, FollowsAMovingCubeThroughAWall)

@@ -236,6 +236,7 @@ TEST_F(Scripted, ABoxDroppedIntoTheFloorIsAsDeepAsItFell)
 	EXPECT_DOUBLE_EQ(depth["limit"], 0.01 * 0.00125);  // of the wall that the scene names
 	EXPECT_EQ(depth["within_limit"], false);
 	EXPECT_DOUBLE_EQ(run.report["constants"]["thinner_wall"]["value"], 0.00125);
+	EXPECT_TRUE(run.report["constants"].contains("start_room"));  // the scene's own come with those of every scene
 	EXPECT_NE(run.out.find("deepest interpenetration of the full meshes 6.37549"), std::string::npos) << run.out;
 	EXPECT_NE(run.out.find("mm at step 1 (limit 0.012500 mm)"), std::string::npos) << run.out;
 }

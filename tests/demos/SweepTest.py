@@ -55,6 +55,10 @@ def main():
         assert len(rows) == 12 and {r["seed"] for r in rows} == {"0", "1", "2"}
         listed = run("--list").stdout.splitlines()
         assert len(listed) == 12 and len(set(listed)) == 12
+        (out / "runs/b-x-2.json").unlink()
+        line = next(line for line in listed if line.endswith("b-x-2"))  # as GNU parallel runs it, from the project's folder
+        assert subprocess.run(line, shell=True, cwd=pathlib.Path(sys.argv[1]).resolve().parent.parent, capture_output=True).returncode == 0
+        assert len(runs()) == 19 and (out / "runs/b-x-2.json").exists(), "with the same clod-bench"
         assert run("--only", "a-x-1").returncode == 0 and run("--only", "a-x-9").returncode == 1
         sweep.write_text(json.dumps({"scenes": ["a"], "settings": {"x": [], "x ": []}, "sedes": [1]}))
         assert "has to be an object" in run().stderr

@@ -71,6 +71,41 @@ Transform at(const Vec3& place, const Mat3& turn = {})
 }
 }  // namespace
 
+// What lies outside of these boxes is never looked at: they hold features wherever the step may carry them.
+TEST(MovedNodes, BoxesHoldFeaturesAllTheWay)
+{
+	const HierarchyPointer cube = cubeOf();
+	Random random(7);
+	for (int i = 0; i < 40; ++i)
+	{
+		const auto some = [&](double most) { return uniform(random, -most, most); };
+		const Mat3 turn = rotationFromQuaternion(some(1), some(1), some(1), 1);
+		FacetQuestion question{contactBody(*cube), contactBody(*cube), at({some(1), 1.1, some(1)}, turn), {}, {}, {}};
+		question.aFromBUnforced = question.aFromBThen = question.aFromB;
+		question.aFromBUnforced.translation += Vec3{some(0.5), some(0.5), some(0.5)};
+		question.aFromBThen.translation += Vec3{some(0.5), some(0.5), some(0.5)};
+		question.aFromBThen.rotation = rotationFromQuaternion(some(0.1), some(0.1), some(0.1), 1) * turn;
+		std::vector<Contact> contacts(1);
+		contacts[0].nodeA = contacts[0].nodeB = 0;
+		ASSERT_EQ(question.b.levelOf(0), 0u);
+		MovedNodes nodes;
+		nodes.start(question, contacts, false);
+		const ContactSurface& surface = question.b.surface(0);
+		const auto isHeld = [&](const Box& box, std::uint32_t vertex)
+		{
+			const Vec3 own = surface.vertices()[vertex], now = question.aFromB * own;
+			for (const Vec3& end : {now, question.aFromBThen * own, question.aFromBUnforced * own})
+				if (const Vec3 p = now + kPathReach * (end - now); !box.meets({p, p}, 1e-12)) return false;
+			return true;
+		};
+		const MovedNode& moved = nodes.of(0);
+		ASSERT_FALSE(moved.corners.empty() || moved.edges.empty());
+		for (const MovedCorner& corner : moved.corners) EXPECT_TRUE(isHeld(corner.box, corner.index)) << i;
+		for (const MovedEdge& edge : moved.edges)
+			for (const std::uint32_t end : surface.edges()[edge.index].vertex) EXPECT_TRUE(isHeld(edge.box, end)) << i;
+	}
+}
+
 TEST(FacetContacts, AFlatCubeOnACubeHasTheCornersOfTheCommonRectangle)
 {
 	for (const int cells : {1, 2, 6})

@@ -30,8 +30,8 @@ bool sameRules(const PointRules& l, const PointRules& r)
 {
 	const auto fields = [](const PointRules& rules)
 	{
-		const auto& [length, resting, margin, radiusA, radiusB, nearest, a, b, timeStep, heldReach, liesAlone] = rules;
-		return std::tuple_cat(std::tie(length, resting, margin, radiusA, radiusB, nearest, timeStep, heldReach, liesAlone),
+		const auto& [length, resting, margin, radiusA, radiusB, nearest, a, b, friction, timeStep, heldReach, liesAlone] = rules;
+		return std::tuple_cat(std::tie(length, resting, margin, radiusA, radiusB, nearest, friction, timeStep, heldReach, liesAlone),
 							  fieldsOf(a), fieldsOf(b));
 	};
 	return fields(l) == fields(r);

@@ -35,6 +35,7 @@ void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Trans
 				  aFromBAfter(rules.a, rules.b, aFromB, rules.timeStep),
 				  aFromBAfter(withoutForces(rules.a), withoutForces(rules.b), aFromB, rules.timeStep),
 				  rules};
+	if (!goesOn && !contacts.empty()) takeUpWhatIsThrough(previous);
 	m_finder.find(m_question, contacts, m_facets);
 	m_choice.choose(m_question, memory.reduced, memory.aFromB, m_facets);
 	answerDepth(contacts, isDeep, previous);
@@ -59,6 +60,42 @@ void FacetContacts::takeUp(const ClusterSet& previous, const PointRules& rules)
 			facet.onB = point.pointOnB - rules.radiusB * point.normal;
 			facet.normal = point.normal;
 			facet.slowOverlap = point.slowOverlap;
+			m_facets.push_back(facet);
+		}
+}
+
+// What went in through a face stays its contact until it is out, be it beyond by more than the body is thick there.
+void FacetContacts::takeUpWhatIsThrough(const ClusterSet& previous)
+{
+	const FacetQuestion& q = m_question;
+	const Transform lastBFromA = inverse(m_memory->aFromB);
+	std::size_t next = 0;
+	for (const ContactCluster& cluster : previous.slots)
+		for (int i = 0; i < cluster.count && next < m_memory->reduced.size(); ++i)
+		{
+			Facet facet{};
+			static_cast<FacetRecord&>(facet) = m_memory->reduced[next++];
+			if (!facet.isThrough) continue;
+			const ContactSurface &a = q.a.surface(facet.levelA), &b = q.b.surface(facet.levelB);
+			const bool isOfA = facet.kind == Facet::Kind::kVertexFace;
+			const ContactSurface& faces = isOfA ? b : a;
+			std::uint32_t& polygon = isOfA ? facet.featureB : facet.featureA;
+			if (b.isSheet())
+			{
+				const ContactPoint& point = cluster.points[std::size_t(i)].point;
+				polygon = isOfA ? b.polygonIn(lastBFromA.rotation * point.normal, lastBFromA * point.pointOnB, q.length()) : kNone;
+			}
+			if (polygon == kNone) continue;
+			const Vec3 place =
+				isOfA ? inverse(q.aFromB) * a.vertices()[facet.featureA] : q.aFromB * b.vertices()[facet.featureB];
+			const SurfaceFace& face = faces.planeOf(polygon);
+			facet.distance = dot(face.normal, place) - face.offset;
+			if (!(facet.distance < 0) || !faces.isOver(polygon, place, kInnerShare * q.length())) continue;
+			facet.feature = featureOf(a, b, facet);
+			facet.reach = Facet::Reach::kOverlap;
+			facet.normal = isOfA ? q.aFromB.rotation * face.normal : -face.normal;
+			facet.onA = isOfA ? a.vertices()[facet.featureA] : place + facet.distance * facet.normal;
+			facet.onB = facet.onA - facet.distance * facet.normal;
 			m_facets.push_back(facet);
 		}
 }
@@ -142,6 +179,8 @@ void FacetContacts::nameFaces(const Facet& facet, const Transform& bFromA, Conta
 			faceA = a.faceOfVertex(facet.featureA);
 			faceB = b.faceOfVertex(facet.featureB);
 			break;
+		case Facet::Kind::kMiddleFace: faceB = b.nearestFaceOf(facet.featureB, bFromA * facet.onB); break;
+		case Facet::Kind::kFaceMiddle: faceA = a.nearestFaceOf(facet.featureA, facet.onA); break;
 		case Facet::Kind::kHeld: break;
 		case Facet::Kind::kDeep:
 			if (b.isCore()) faceB = kNone;
@@ -161,9 +200,10 @@ ContactPoint FacetContacts::pointOf(const Facet& facet) const
 	point.bend = facet.curvature();
 	point.slowOverlap = facet.slowOverlap;
 	if (facet.kind == Facet::Kind::kHeld) return point;
-	point.feature = facet.feature();
+	point.feature = facet.feature;
 	point.nodeA = facet.nodeA;
 	point.nodeB = facet.nodeB;
+	point.isOfMiddle = facet.isOfMiddle();
 	return point;
 }
 }  // namespace clod

@@ -46,6 +46,7 @@ void FacetFinder::find(const FacetQuestion& question, const std::vector<Contact>
 	// What an impact of that speed may add to the turning, besides.
 	const double speed = length(m_motion.velocity(question.rules.b.center));
 	m_turn = (length(m_motion.angular) + speed / question.length()) * m_motion.timeStep;
+	placeMiddles();
 	for (Facet& facet : facets) facet.linear = dot(m_motion.velocity(facet.onA), facet.normal) * m_motion.timeStep;
 	std::size_t size = kLeastTable;
 	while (size < 4 * (facets.size() + contacts.size())) size *= 2;
@@ -88,9 +89,11 @@ void FacetFinder::add(Facet& facet)
 	if (m_table[slot] != kNone)
 	{
 		Facet& known = (*m_facets)[m_table[slot]];
+		facet.feature = known.feature;
 		if (facet.reach < known.reach) known = facet;
 		return;
 	}
+	facet.feature = featureOf(*m_pair.a, *m_pair.b, facet);
 	m_table[slot] = std::uint32_t(m_facets->size());
 	m_facets->push_back(facet);
 	if (2 * m_facets->size() <= m_table.size()) return;
@@ -116,6 +119,10 @@ void FacetFinder::findPair(const Contact& contact)
 	for (const MovedEdge* edgeA : m_edgesA)
 		for (const MovedEdge* edgeB : m_edgesB)
 			if (mayOverlap || edgeA->box.meets(edgeB->box, m_pair.reach)) edgeOverEdge(*edgeA, *edgeB);
+	if (m_middleA.height > 0)
+		for (const std::uint32_t polygon : m_polygonsB) middleOverFace(m_middleA, polygon, true);
+	if (m_middleB.height > 0)
+		for (const std::uint32_t polygon : m_polygonsA) middleOverFace(m_middleB, polygon, false);
 	if (q.isRound()) findRound();
 }
 
@@ -246,8 +253,8 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 	const auto meetsOn = [&](const Vec3& move, double closing, double slack)
 	{
 		const double enters = std::max(0.0, (now - q.rules.margin) / closing), crosses = std::min(1.0, now / closing);
-		return faces.squaredBeside(polygon, vertex.now + enters * move) <= slack * slack ||
-			   faces.squaredBeside(polygon, vertex.now + crosses * move) <= slack * slack;
+		return faces.isOver(polygon, vertex.now + enters * move, slack) ||
+			   faces.isOver(polygon, vertex.now + crosses * move, slack);
 	};
 	bool counts = false;
 	if (now <= q.touching())
@@ -271,7 +278,7 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 		};
 		counts = meetsOnPath({vertex.now, vertex.then, vertex.unforced}, face.normal, now, now - end,
 							 q.rules.holds(normal), meetsOn, height,
-							 [&] { return faces.squaredBeside(polygon, place) <= inner * inner; });
+							 [&] { return faces.isOver(polygon, place, inner); });
 	}
 	if (!counts && now > 0 && end > q.rules.margin && q.rules.heldReach > 0)
 	{
@@ -289,7 +296,7 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 		facet.reach = Facet::Reach::kPossible;
 		const Vec3 middle = 0.5 * (vertex.now + vertex.then);
 		const double slack = m_pair.roam + kFootShare * q.length();
-		counts = faces.squaredBeside(polygon, middle) <= slack * slack;
+		counts = faces.isOver(polygon, middle, slack);
 	}
 	if (!counts) return;
 	facet.kind = vertexIsOfA ? Facet::Kind::kVertexFace : Facet::Kind::kFaceVertex;
