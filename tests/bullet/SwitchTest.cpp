@@ -55,7 +55,6 @@ public:
 		m_scene.context.worldMetric = isFine ? ContactMetric::exactly() : ContactMetric::deviationShare(0.035);
 	}
 	void keepPoints(bool keeps) { m_scene.context.keepPoints = keeps; }
-	void limit(double tests) { m_scene.context.budget.tests = tests; }
 	int keptPairs() const { return int(m_scene.context.lastStep().keptPairs); }
 	double speed() const
 	{
@@ -151,19 +150,5 @@ TEST(LevelSwitch, AnOverlapIsLeftAsSlowlyByPointsThatAreKept)
 		EXPECT_EQ(kept > 240, keeps) << kept;
 	}
 	for (std::size_t i = 0; i < heights[0].size(); ++i) EXPECT_NEAR(heights[true][i], heights[false][i], 1e-5) << i;
-}
-
-// What lies still costs nothing: a budget makes it no coarser than it is.
-TEST(LevelSwitch, ABudgetLeavesWhatLiesStillAsFineAsItIs)
-{
-	Resting scene("torus-900", Resting::Ground::kBody, "cup-3000", 0.5);
-	ASSERT_EQ(scene.coarsestLevel(), 0u);
-	scene.limit(0);
-	for (int i = 0; i < 60; ++i)
-	{
-		scene.step();
-		EXPECT_EQ(scene.keptPairs(), 1) << i;
-		EXPECT_EQ(scene.coarsestLevel(), 0u) << i;
-	}
 }
 }  // namespace clod::test

@@ -112,9 +112,6 @@ bool PairState::isStill(const PairPose& pose, const Question& question) const
 	GapSettings settings = question.settings;
 	settings.tolerance = then.settings.tolerance;
 	settings.sweep = then.settings.sweep;
-	// Finer than a budget asks for by now.
-	const double coarsening = then.settings.metric.coarsening;
-	if (coarsening <= settings.metric.coarsening) settings.metric.coarsening = coarsening;
 	return sameRules(rules, then.rules) && question.plane == then.plane && clod::same(settings, then.settings);
 }
 
