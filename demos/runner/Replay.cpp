@@ -110,7 +110,12 @@ ReplayRow MeasuredQuery::at(const PoseRow& poses, const GapSettings& settings)
 	if (m_contactsOnly) m_gap = m_contacts;
 	row.contacts = m_contacts.contacts.size();
 	m_current.clear();
-	for (const Contact& contact : m_contacts.contacts) m_current.emplace_back(contact.nodeA, contact.nodeB);
+	for (const Contact& contact : m_contacts.contacts)
+	{
+		m_current.emplace_back(contact.nodeA, contact.nodeB);
+		row.finestA = std::min(row.finestA, m_a.node(contact.nodeA).level);
+		row.finestB = std::min(row.finestB, m_b.node(contact.nodeB).level);
+	}
 	row.churn = countDifferences(m_previous, m_current);
 	std::swap(m_previous, m_current);
 	row.minDistance = m_gap.minDistance;

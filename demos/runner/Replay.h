@@ -52,6 +52,7 @@ struct ReplayRow
 	bool deep = false;
 	double excess = 0;  // under a budget: by which factor the metric was missed; 0: it was met
 	QueryStats stats;
+	std::uint32_t finestA = kNone, finestB = kNone;  // levels of each body's contacts; kNone: there are none
 	double speed = 0;  // of B's fastest point seen from A, in smaller radii a second; 0 in the first row
 	// Hull distances and culling boxes compared.
 	std::uint64_t tests() const { return std::uint64_t(stats.hullTests) + stats.boxTests; }

@@ -40,12 +40,16 @@ std::vector<double> column(const Rows& rows, const std::vector<bool>& chosen, do
 	return values;
 }
 
-// Of both bodies where the levels from `finest` on are loaded alone.
-std::size_t loadedBytes(const ScaledPair& pair, std::uint32_t finest)
+// Of both bodies where the levels that answered in any of the rows are loaded alone, and what is coarser.
+std::size_t loadedBytes(const ScaledPair& pair, const Rows& rows, const std::vector<bool>& chosen)
 {
 	std::size_t bytes = 0;
-	for (const Hierarchy* hierarchy : {pair.a.get(), pair.b.get()})
+	for (const bool isA : {true, false})
 	{
+		const Hierarchy* const hierarchy = isA ? pair.a.get() : pair.b.get();
+		std::uint32_t finest = kNone;
+		for (std::size_t i = 0; i < rows.size(); ++i)
+			if (chosen[i]) finest = std::min(finest, isA ? rows[i].finestA : rows[i].finestB);
 		const cli::PartialFile file(temporaryDirectory() + "/levels.clod");
 		if (const std::string problem = cli::writeFile(file.temporaryPath(), hierarchy->bytes()); !problem.empty())
 			throw cli::Failure(cli::ExitCode::failure, problem);
@@ -73,8 +77,7 @@ nlohmann::ordered_json describe(const ScaledPair& pair, const Rows& rows, const 
 		{"finest_level", median([](const ReplayRow& r) { return double(r.stats.finestLevel); })},
 		{"coarsest_level", median([](const ReplayRow& r) { return double(r.stats.coarsestLevel); })},
 		{"error_bound", median([](const ReplayRow& r) { return r.errorBound; })}};
-	const auto finest = column(rows, chosen, [](const ReplayRow& r) { return double(r.stats.finestLevel); });
-	size["loaded_bytes"] = loadedBytes(pair, std::uint32_t(quantile(finest, 0)));
+	size["loaded_bytes"] = loadedBytes(pair, rows, chosen);
 	if (!std::isnan(pair.buildSeconds)) size["build_seconds"] = pair.buildSeconds;
 	return size;
 }

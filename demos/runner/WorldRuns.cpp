@@ -186,10 +186,12 @@ std::string formatWorldTable(const std::vector<WorldSweep>& sweeps)
 
 bool plotWorlds(const std::vector<WorldSweep>& sweeps, const std::string& path)
 {
-	std::string text = pngTerminal(int(620 * sweeps.size()), 1150);
-	text += fmt::format("set multiplot layout 2,{} margins {},0.985,0.14,0.90 spacing 0.06,0.10 title \"Whole steps and memory of a world as it grows\" font \"DejaVu "
+	constexpr double kPanel = 640, kLabels = 105;  // pixels: width of a panel, and of what stands to the left of the first
+	const double width = kPanel * double(sweeps.size());
+	std::string text = pngTerminal(int(width), 1150);
+	text += fmt::format("set multiplot layout 2,{1} margins {0},0.985,0.14,0.90 spacing {0},0.10 title \"Whole steps and memory of a world as it grows\" font \"DejaVu "
 						"Sans,19\"\nset logscale xy\nset format \"%g\"\nset grid xtics ytics lc rgb \"#dddddd\"\n",
-						sweeps.size(), 0.02 + 0.06 / double(sweeps.size()));
+						kLabels / width, sweeps.size());
 	for (const bool isTime : {true, false})
 		for (std::size_t i = 0; i < sweeps.size(); ++i)
 		{

@@ -195,25 +195,33 @@ TEST_P(AtRate, WhatJustMissesIsNotDeflected)
 				}
 }
 
-// Plates that hit a wall on a corner turn by a radian within the step: what they are pressed past the wall's middle by, or
-// through it, they go back by.
-TEST_P(AtRate, FastPlatesStopAtAThinWall)
+// Plates and rods that hit a wall on a corner turn by a radian within the step, roll off by friction as fast, and slide
+// along it by more than their size: what they are pressed past the wall's middle by, or through it, they go back by.
+TEST_P(AtRate, FastPlatesAndRodsStopAtAThinWall)
 {
-	const PatchedMesh plate = boxMesh({0.3, 0.2, 0.02}, {3, 2, 1}, 1);
-	int through = 0;
-	for (int i = 0; i < 60; ++i)
+	const PatchedMesh shapes[] = {boxMesh({0.3, 0.2, 0.02}, {3, 2, 1}, 1), boxMesh({0.3, 0.03, 0.03}, {3, 1, 1}, 1),
+								  boxMesh({0.1, 0.1, 0.1}, {1, 1, 1}, 1)};
+	for (const char* kind : {"ours", "plane", "mesh"})
 	{
-		SceneWorld world(GetParam(), 0);
-		const Wall wall(world, "ours");
-		const btVector3 axis(1, btScalar(std::sin(1.7 * i)), btScalar(std::cos(2.3 * i)));
-		btRigidBody& body = world.put(plate, 1, {-1 - 0.037 * i, 0.01 * i, 0},
-									  btQuaternion(axis.normalized(), btScalar(0.4 + 0.05 * i)));
-		body.setLinearVelocity(btVector3(btScalar(20 + i), btScalar(0.3 * i), 0));
-		world.step(int(0.5 * GetParam()));
-		if (body.getWorldTransform().getOrigin().x() > 0) ++through;
+		int through = 0;
+		for (int i = 0; i < 180; ++i)
+		{
+			SceneWorld world(GetParam(), 0);
+			const Wall wall(world, kind);
+			const btVector3 axis(1, btScalar(std::sin(1.7 * i)), btScalar(std::cos(2.3 * i)));
+			btRigidBody& body = world.put(shapes[i % 3], 1, {-1 - 0.037 * (i % 40), 0.01 * (i % 40), 0},
+										  btQuaternion(axis.normalized(), btScalar(0.4 + 0.05 * i)));
+			const double speed = 20 * std::pow(15.0, i / 180.0), aside = 0.3 * std::sin(0.9 * i);
+			body.setLinearVelocity(btVector3(btScalar(speed), btScalar(aside * speed), btScalar(-0.5 * aside * speed)));
+			body.setAngularVelocity(btVector3(btScalar(3 * std::sin(1.1 * i)), btScalar(3 * std::sin(1.3 * i)), 2));
+			// Until it is past the wall's edge.
+			const btVector3& at = body.getWorldTransform().getOrigin();
+			for (int k = 0; k < int(0.5 * GetParam()) && std::max(std::abs(at.y()), std::abs(at.z())) < 1.8; ++k) world.step();
+			// Between a mesh's two sheets nothing is inside: at 1/60 s some stay there.
+			if (at.x() > (std::string(kind) == "mesh" ? 0.01 : 0)) ++through;
+		}
+		EXPECT_EQ(through, 0) << kind;
 	}
-	// In a step of 1/60 s they go up to 1.3 m.
-	EXPECT_LE(through, GetParam() < 100 ? 1 : 0);
 }
 
 TEST_P(AtRate, BouncesKeepTheirShareOfTheSpeed)

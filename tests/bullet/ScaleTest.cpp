@@ -66,7 +66,7 @@ TEST(Scale, UnequalScalesAnswerAsBodiesMadeAtThatSize)
 		{
 			const double radius = double(torus->asset().radius), unit = 1 / radius;
 			const ContactMetric metric = byLength ? ContactMetric() : ContactMetric::deviationShare(0.02);
-			PairReport reports[2];
+			PairReport met[2], reports[2];
 			for (const bool isMade : {false, true})
 			{
 				BulletWorld scene;
@@ -83,6 +83,7 @@ TEST(Scale, UnequalScalesAnswerAsBodiesMadeAtThatSize)
 				btRigidBody& body = scene.addBody(small, 1, {0.7 * (factor - 1), height, 0});
 				body.setLinearVelocity(vector(0, -1, 0));
 				for (int i = 0; i < 960 && scene.contacts() == 0; ++i) scene.step();
+				met[isMade ? 1 : 0] = onlyPair(scene.context);
 				scene.step(4);
 				reports[isMade ? 1 : 0] = onlyPair(scene.context);
 				EXPECT_GT(scene.contacts(), 0);
@@ -90,7 +91,9 @@ TEST(Scale, UnequalScalesAnswerAsBodiesMadeAtThatSize)
 			const auto nodes = [](const PairReport& report)
 			{ return std::make_tuple(report.finestLevel, report.coarsestLevel, report.candidates); };
 			EXPECT_EQ(nodes(reports[0]), nodes(reports[1])) << factor << " " << byLength;
-			EXPECT_NEAR(reports[0].points, reports[1].points, 1) << factor;  // which of them, floats decide
+			// Once the small one lies by its weight alone, the outermost of its points stay (FlatCorners.h): of places in a row
+			// that are equally far out, those by which heights differ in the last bits of a float, so many or one more.
+			EXPECT_EQ(met[0].points, met[1].points) << factor << " " << byLength;
 			EXPECT_NEAR(reports[0].contactError * radius, reports[1].contactError * radius, 1e-3) << factor;
 		}
 }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 #include "clod/bullet/ConfigureWorld.h"
 #include "tests/bullet/BulletWorld.h"
@@ -53,6 +54,8 @@ public:
 	{
 		m_scene.context.worldMetric = isFine ? ContactMetric::exactly() : ContactMetric::deviationShare(0.035);
 	}
+	void keepPoints(bool keeps) { m_scene.context.keepPoints = keeps; }
+	int keptPairs() const { return int(m_scene.context.lastStep().keptPairs); }
 	double speed() const
 	{
 		return (double(m_body->getLinearVelocity().length()) + m_radius * double(m_body->getAngularVelocity().length())) /
@@ -123,5 +126,29 @@ TEST(LevelSwitch, ABodyIsLetDownOntoTheSurfaceThatIsAskedFor)
 	scene.choose(true);
 	for (int i = 0; i < 2400; ++i) scene.step();
 	EXPECT_NEAR(scene.height(), fine, 1e-5);
+}
+
+// The coarse surface reaches deeper: the body is lifted as slowly whether its points are found anew in every step or not.
+TEST(LevelSwitch, AnOverlapIsLeftAsSlowlyByPointsThatAreKept)
+{
+	std::vector<double> heights[2];
+	for (const bool keeps : {false, true})
+	{
+		Resting scene("cup-3000", Resting::Ground::kPlane);
+		const double fine = scene.height();
+		scene.keepPoints(keeps);
+		scene.choose(false);
+		int kept = 0;
+		for (int i = 0; i < 480; ++i)
+		{
+			scene.step();
+			kept += scene.keptPairs();
+			EXPECT_LT(scene.speed(), 1e-3) << i;
+			if (i % 40 == 39) heights[keeps].push_back(scene.height() - fine);
+		}
+		EXPECT_GT(heights[keeps].back(), 5e-5);
+		EXPECT_EQ(kept > 240, keeps) << kept;
+	}
+	for (std::size_t i = 0; i < heights[0].size(); ++i) EXPECT_NEAR(heights[true][i], heights[false][i], 1e-5) << i;
 }
 }  // namespace clod::test

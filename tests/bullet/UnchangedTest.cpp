@@ -236,6 +236,7 @@ TEST(Unchanged, APairIsAskedAnewOnlyWhenItsQuestionChanges)
 		{"moved", [&] { scene.body.getWorldTransform().getOrigin().setX(btScalar(0.0625)); }},
 		{"speed", [&] { scene.body.setLinearVelocity(btVector3(0, 0, btScalar(0.3))); }},
 		{"force", [&] { scene.body.applyCentralForce(btVector3(0, 0, btScalar(5))); }},
+		{"friction", [&] { scene.body.setFriction(btScalar(0.2)); }},
 		{"margin", [&] { scene.bodyShape.setMargin(btScalar(0.004)); }},
 		{"metric", [&] { scene.context.worldMetric = ContactMetric::exactly(); }},
 		{"shape", [&] { scene.body.setCollisionShape(&otherShape); }},
@@ -269,7 +270,6 @@ TEST(Unchanged, APairIsAskedAnewOnlyWhenItsQuestionChanges)
 	const std::vector<double> rough = pointsOf(scene);
 	scene.body.setFriction(btScalar(0.1));
 	scene.world.performDiscreteCollisionDetection();
-	EXPECT_EQ(queryTime(scene), 0);
 	EXPECT_NE(pointsOf(scene), rough);
 }
 

@@ -127,6 +127,37 @@ TEST(Coarsening, WithoutEndIsTheCoarsestValidAnswer)
 	EXPECT_GT(coarserThanAsked, 10);
 }
 
+// Fresh it never gets through, so that neighbouring levels could not be changed where the budget is that of either.
+// What is evaluated anew each time, the hulls of contacts, is little of large queries.
+TEST(Budget, WhatIsCutShortGoesOnInTheNextQuery)
+{
+	int through = 0;
+	const auto check = [&](Random& random, const BodyPair& pair, Transform pose, Settings settings)
+	{
+		settings.contactsOnly = true;
+		const GapResult whole = fresh(pair, pose, settings);
+		if (testsOf(whole) < 100) return;
+		const double coarsest = double(testsOf(fresh(pair, pose, with(settings, 0))));
+		const Settings limited = with(settings, std::floor(coarsest + 0.8 * double(testsOf(whole))));
+		if (fresh(pair, pose, limited).stats.cutShort == 0) return;
+		GapCache cache(false);
+		GapResult result;
+		int queries = 0;
+		do
+		{
+			pose.translation += 1e-6 * smallerRadius(pair.a, pair.b) * randomDirection(random);
+			query(*pair.a.hierarchy, *pair.b.hierarchy, pose, limited, cache, result);
+			EXPECT_LE(testsOf(result), std::uint64_t(limited.budget.tests));
+		} while (result.stats.cutShort == 1 && ++queries < 10);
+		EXPECT_GT(queries, 0);
+		EXPECT_LT(queries, 10);
+		EXPECT_EQ(difference(result, fresh(pair, pose, settings)), "");
+		++through;
+	};
+	forEachPose(37, 100, check);
+	EXPECT_GT(through, 30);
+}
+
 TEST(Budget, CutsShortToTheCoarsestAnswerOrChangesNothing)
 {
 	int cut = 0, whole = 0, early = 0;

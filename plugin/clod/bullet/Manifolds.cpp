@@ -229,6 +229,7 @@ bool ManifoldSet::follow(HeldClusters& written, const WorldFrame& frame, btManif
 				if (!(point.m_localPointA == slot.localPointA[j])) continue;
 				ContactPoint now = written.at(i, j).point;
 				now.height = double(point.m_distance1) / frame.scale;
+				now.slowOverlap = std::max(0.0, std::min(now.slowOverlap, -now.height));
 				point.m_combinedRestitution = slot.restitution;
 				setSolverTerms(now, frame, point);
 				// The places that touched stay together.

@@ -91,7 +91,7 @@ bool PairState::same(const Question& l, const Question& r)
 bool PairState::isStill(const PairPose& pose, const Question& question) const
 {
 	if (!m_context.keepPoints || pose.prediction != Prediction::kFree || pose.partner == Partner::kConcave) return false;
-	if (!answered() || m_clusters.isEmpty() || m_facets.levels.isChanging()) return false;
+	if (!answered() || m_clusters.isEmpty() || m_facets.levels.goesOn) return false;
 	const Question& then = *answered();
 	const double most = kStillShare * question.rules.length;
 	if (question.withGap || then.withGap || std::max(question.way, then.way) > most) return false;

@@ -344,10 +344,22 @@ std::uint64_t ContactSurface::nameOfPolygon(std::uint32_t polygon) const
 	return XXH3_64bits(names, sizeof names);
 }
 
+std::uint32_t ContactSurface::polygonIn(const Vec3& normal, const Vec3& point, double size) const
+{
+	constexpr double kSame = 1e-4;
+	for (std::uint32_t polygon = 0; polygon < polygonCount(); ++polygon)
+	{
+		const SurfaceFace& face = planeOf(polygon);
+		if (dot(face.normal, normal) > 1 - kSame && std::abs(dot(face.normal, point) - face.offset) < kSame * size)
+			return polygon;
+	}
+	return kNone;
+}
+
 bool ContactSurface::isAround(std::uint32_t polygon, const Vec3& point, double radius) const
 {
 	if (isHalfSpace()) return true;
-	if (squaredBeside(polygon, point) > 0) return false;
+	if (!isOver(polygon, point, 1e-6 * radius)) return false;
 	const SurfaceFace& plane = planeOf(polygon);
 	const Vec3 foot = point - (dot(plane.normal, point) - plane.offset) * plane.normal;
 	const auto isNear = [&](std::uint32_t start, std::uint32_t end)

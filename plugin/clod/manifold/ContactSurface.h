@@ -110,6 +110,13 @@ public:
 	const Vec3& centerOf(std::uint32_t polygon) const { return m_polygonCenters[polygon]; }
 	// Squared distance of a point's foot on a polygon's plane from the polygon.
 	double squaredBeside(std::uint32_t polygon, const Vec3& point) const;
+	// Within so much?
+	bool isOver(std::uint32_t polygon, const Vec3& point, double slack) const
+	{
+		return squaredBeside(polygon, point) <= slack * slack;
+	}
+	// One in the plane through a point, facing that way; kNone if there is none. size: what tolerances are shares of.
+	std::uint32_t polygonIn(const Vec3& normal, const Vec3& point, double size) const;
 	// Does the polygon hold all of a disc round a point's foot?
 	bool isAround(std::uint32_t polygon, const Vec3& point, double radius) const;
 	// Of the polygon.

@@ -12,6 +12,7 @@ constexpr double kSatisfied = 0.02;       // of its depth: what a facet may lack
 constexpr double kSatisfiedShare = 1e-6;  // of the length, likewise
 constexpr double kBeyond = 1.05;          // times the least shift, and a touch: where overlaps are looked for again
 constexpr double kTie = 1e-3;             // of the length: of heights now and at the end of the step
+constexpr double kAgainst = -0.1;          // cosine of normals that oppose
 constexpr double kSamePlace = 2e-3;       // of the length
 
 // A point deep inside the wedge of four half-spaces through two points: where the smallest distance to them is large.
@@ -110,6 +111,7 @@ void FacetChoice::removeDropped(std::vector<Facet>& facets) const
 
 void FacetChoice::knowAgain(const std::vector<FacetRecord>& last, const Transform& lastAFromB, std::vector<Facet>& facets)
 {
+	dropWhatHoldsThrough(facets);
 	m_isKnown.assign(facets.size(), 0);
 	const auto isOverlap = [](const Facet& facet) { return facet.reach == Facet::Reach::kOverlap; };
 	if (std::none_of(facets.begin(), facets.end(), isOverlap)) return;
@@ -117,19 +119,41 @@ void FacetChoice::knowAgain(const std::vector<FacetRecord>& last, const Transfor
 	for (std::uint32_t i = 0; i < last.size(); ++i)
 		if (last[i].hasFeatures()) m_last.emplace_back(last[i].feature, i);
 	std::sort(m_last.begin(), m_last.end());
-	for (std::uint32_t i = 0; i < facets.size() && !m_last.empty(); ++i)
+	for (std::uint32_t i = 0; i < facets.size() && !last.empty(); ++i)
 	{
 		Facet& facet = facets[i];
 		if (!isOverlap(facet)) continue;
 		const auto at = std::lower_bound(m_last.begin(), m_last.end(), std::make_pair(facet.feature, std::uint32_t(0)));
-		if (at == m_last.end() || at->first != facet.feature) continue;
-		m_isKnown[i] = 1;
-		facet.isThrough = wentThrough(facet, last[at->second], lastAFromB);
+		const bool isKnown = at != m_last.end() && at->first == facet.feature;
+		facet.isThrough = facet.isThrough || wentThrough(facet, isKnown ? &last[at->second] : nullptr, lastAFromB);
+		m_isKnown[i] = isKnown || facet.isThrough;
 	}
 }
 
+// Vertices that have gone through a face have those of the far side before them on their way back.
+void FacetChoice::dropWhatHoldsThrough(std::vector<Facet>& facets)
+{
+	m_through.clear();
+	for (const Facet& facet : facets)
+		if (facet.isThrough) m_through.push_back(facet);
+	if (m_through.empty()) return;
+	const auto isHolding = [](const Facet& facet, const Facet& through)
+	{
+		const bool isSameVertex = facet.kind == through.kind && (facet.kind == Facet::Kind::kVertexFace
+																	 ? facet.featureA == through.featureA
+																	 : facet.featureB == through.featureB);
+		return isSameVertex && !facet.isThrough && dot(facet.normal, through.normal) < kAgainst;
+	};
+	const auto holdsAny = [&](const Facet& facet)
+	{
+		return std::any_of(m_through.begin(), m_through.end(),
+						   [&](const Facet& through) { return isHolding(facet, through); });
+	};
+	facets.erase(std::remove_if(facets.begin(), facets.end(), holdsAny), facets.end());
+}
+
 // Since the last step, or before: a vertex that is under the face, and came in through it.
-bool FacetChoice::wentThrough(const Facet& facet, const FacetRecord& last, const Transform& lastAFromB) const
+bool FacetChoice::wentThrough(const Facet& facet, const FacetRecord* last, const Transform& lastAFromB) const
 {
 	const FacetQuestion& q = *m_question;
 	const ContactSurface &a = q.a.surface(facet.levelA), &b = q.b.surface(facet.levelB);
@@ -140,12 +164,15 @@ bool FacetChoice::wentThrough(const Facet& facet, const FacetRecord& last, const
 	const auto placeBy = [&](const Transform& aFromB)
 	{ return isOfA ? inverse(aFromB) * a.vertices()[facet.featureA] : aFromB * b.vertices()[facet.featureB]; };
 	const Vec3 now = placeBy(q.aFromB);
-	if (faces.squaredBeside(polygon, now) > 0) return false;
-	if (last.isThrough) return true;
-	if (last.distance < 0) return facet.distance < last.distance;
+	const auto isOver = [&](const Vec3& point) { return faces.isOver(polygon, point, kInnerShare * q.length()); };
+	if (!isOver(now)) return false;
+	if (last && last->isThrough) return true;
 	const Vec3 before = placeBy(lastAFromB);
-	const double share = last.distance / (last.distance - facet.distance);
-	return faces.squaredBeside(polygon, before + share * (now - before)) == 0;
+	const SurfaceFace& face = faces.planeOf(polygon);
+	const double height = dot(face.normal, before) - face.offset;
+	if (height < 0) return last && facet.distance < height;
+	const double share = height / (height - facet.distance);
+	return isOver(before + share * (now - before));
 }
 
 // Overlapping ones: those of the last step, then shallowest first.

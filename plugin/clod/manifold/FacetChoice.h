@@ -26,7 +26,8 @@ private:
 	bool overlapsAt(const Facet& facet, const Vec3& shift) const;
 	Vec3 centerOf(const Facet& facet) const;
 	void knowAgain(const std::vector<FacetRecord>& last, const Transform& lastAFromB, std::vector<Facet>& facets);
-	bool wentThrough(const Facet& facet, const FacetRecord& last, const Transform& lastAFromB) const;
+	bool wentThrough(const Facet& facet, const FacetRecord* last, const Transform& lastAFromB) const;
+	void dropWhatHoldsThrough(std::vector<Facet>& facets);
 	void dropInner(std::vector<Facet>& facets);
 	void dropRidges(std::vector<Facet>& facets);
 	bool isBeyondRidge(const Facet& best, const Vec3& center, const Facet& other) const;
@@ -51,6 +52,7 @@ private:
 	Places m_placesA, m_placesB;
 	std::vector<std::uint32_t> m_order;
 	std::vector<char> m_isKept;
+	std::vector<Facet> m_through;
 	std::vector<std::pair<std::uint64_t, std::uint32_t>> m_last;  // of the last step's: feature, index; sorted
 	std::vector<char> m_isKnown;                                  // was a contact in the last step, too
 };

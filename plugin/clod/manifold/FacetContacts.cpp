@@ -35,7 +35,7 @@ void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Trans
 				  aFromBAfter(rules.a, rules.b, aFromB, rules.timeStep),
 				  aFromBAfter(withoutForces(rules.a), withoutForces(rules.b), aFromB, rules.timeStep),
 				  rules};
-	if (!goesOn && !contacts.empty()) takeUpWhatIsThrough();
+	if (!goesOn && !contacts.empty()) takeUpWhatIsThrough(previous);
 	m_finder.find(m_question, contacts, m_facets);
 	m_choice.choose(m_question, memory.reduced, memory.aFromB, m_facets);
 	answerDepth(contacts, isDeep, previous);
@@ -65,32 +65,39 @@ void FacetContacts::takeUp(const ClusterSet& previous, const PointRules& rules)
 }
 
 // What went in through a face stays its contact until it is out, be it beyond by more than the body is thick there.
-void FacetContacts::takeUpWhatIsThrough()
+void FacetContacts::takeUpWhatIsThrough(const ClusterSet& previous)
 {
 	const FacetQuestion& q = m_question;
-	for (const FacetRecord& record : m_memory->reduced)
-	{
-		if (!record.isThrough) continue;
-		const ContactSurface &a = q.a.surface(record.levelA), &b = q.b.surface(record.levelB);
-		const bool isOfA = record.kind == Facet::Kind::kVertexFace;
-		if (b.isSheet() && !isOfA) continue;
-		const ContactSurface& faces = isOfA ? b : a;
-		Facet facet{};
-		static_cast<FacetRecord&>(facet) = record;
-		std::uint32_t& polygon = isOfA ? facet.featureB : facet.featureA;
-		if (faces.isSheet())
-			for (polygon = 0; polygon < faces.polygonCount() && featureOf(a, b, facet) != record.feature;) ++polygon;
-		if (polygon == faces.polygonCount()) continue;
-		const Vec3 place = isOfA ? inverse(q.aFromB) * a.vertices()[facet.featureA] : q.aFromB * b.vertices()[facet.featureB];
-		const SurfaceFace& face = faces.planeOf(polygon);
-		facet.distance = dot(face.normal, place) - face.offset;
-		if (!(facet.distance < 0) || faces.squaredBeside(polygon, place) > 0) continue;
-		facet.reach = Facet::Reach::kOverlap;
-		facet.normal = isOfA ? q.aFromB.rotation * face.normal : -face.normal;
-		facet.onA = isOfA ? a.vertices()[facet.featureA] : place + facet.distance * facet.normal;
-		facet.onB = facet.onA - facet.distance * facet.normal;
-		m_facets.push_back(facet);
-	}
+	const Transform lastBFromA = inverse(m_memory->aFromB);
+	std::size_t next = 0;
+	for (const ContactCluster& cluster : previous.slots)
+		for (int i = 0; i < cluster.count && next < m_memory->reduced.size(); ++i)
+		{
+			Facet facet{};
+			static_cast<FacetRecord&>(facet) = m_memory->reduced[next++];
+			if (!facet.isThrough) continue;
+			const ContactSurface &a = q.a.surface(facet.levelA), &b = q.b.surface(facet.levelB);
+			const bool isOfA = facet.kind == Facet::Kind::kVertexFace;
+			const ContactSurface& faces = isOfA ? b : a;
+			std::uint32_t& polygon = isOfA ? facet.featureB : facet.featureA;
+			if (b.isSheet())
+			{
+				const ContactPoint& point = cluster.points[std::size_t(i)].point;
+				polygon = isOfA ? b.polygonIn(lastBFromA.rotation * point.normal, lastBFromA * point.pointOnB, q.length()) : kNone;
+			}
+			if (polygon == kNone) continue;
+			const Vec3 place =
+				isOfA ? inverse(q.aFromB) * a.vertices()[facet.featureA] : q.aFromB * b.vertices()[facet.featureB];
+			const SurfaceFace& face = faces.planeOf(polygon);
+			facet.distance = dot(face.normal, place) - face.offset;
+			if (!(facet.distance < 0) || !faces.isOver(polygon, place, kInnerShare * q.length())) continue;
+			facet.feature = featureOf(a, b, facet);
+			facet.reach = Facet::Reach::kOverlap;
+			facet.normal = isOfA ? q.aFromB.rotation * face.normal : -face.normal;
+			facet.onA = isOfA ? a.vertices()[facet.featureA] : place + facet.distance * facet.normal;
+			facet.onB = facet.onA - facet.distance * facet.normal;
+			m_facets.push_back(facet);
+		}
 }
 
 // Bodies overlap, and no facet says how deep: one point with a way out. While it is needed the way stays.

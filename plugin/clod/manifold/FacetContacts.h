@@ -49,7 +49,7 @@ public:
 	}
 
 private:
-	void takeUpWhatIsThrough();
+	void takeUpWhatIsThrough(const ClusterSet& previous);
 	void takeUp(const ClusterSet& previous, const PointRules& rules);
 	ContactPoint pointOf(const Facet& facet) const;
 	void nameFaces(const Facet& facet, const Transform& bFromA, ContactPoint& point) const;

@@ -253,8 +253,8 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 	const auto meetsOn = [&](const Vec3& move, double closing, double slack)
 	{
 		const double enters = std::max(0.0, (now - q.rules.margin) / closing), crosses = std::min(1.0, now / closing);
-		return faces.squaredBeside(polygon, vertex.now + enters * move) <= slack * slack ||
-			   faces.squaredBeside(polygon, vertex.now + crosses * move) <= slack * slack;
+		return faces.isOver(polygon, vertex.now + enters * move, slack) ||
+			   faces.isOver(polygon, vertex.now + crosses * move, slack);
 	};
 	bool counts = false;
 	if (now <= q.touching())
@@ -278,7 +278,7 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 		};
 		counts = meetsOnPath({vertex.now, vertex.then, vertex.unforced}, face.normal, now, now - end,
 							 q.rules.holds(normal), meetsOn, height,
-							 [&] { return faces.squaredBeside(polygon, place) <= inner * inner; });
+							 [&] { return faces.isOver(polygon, place, inner); });
 	}
 	if (!counts && now > 0 && end > q.rules.margin && q.rules.heldReach > 0)
 	{
@@ -296,7 +296,7 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 		facet.reach = Facet::Reach::kPossible;
 		const Vec3 middle = 0.5 * (vertex.now + vertex.then);
 		const double slack = m_pair.roam + kFootShare * q.length();
-		counts = faces.squaredBeside(polygon, middle) <= slack * slack;
+		counts = faces.isOver(polygon, middle, slack);
 	}
 	if (!counts) return;
 	facet.kind = vertexIsOfA ? Facet::Kind::kVertexFace : Facet::Kind::kFaceVertex;

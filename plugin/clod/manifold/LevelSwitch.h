@@ -22,7 +22,6 @@ struct SwitchMemory
 	std::vector<Levels> asked;  // of the last dispatch
 	double overlap = 0;         // came with a change of level, and is left slowly,
 	bool goesOn = false;        // or points go on
-	bool isChanging() const { return goesOn || overlap > 0; }
 };
 
 // For any number of pairs, one after the other.

@@ -88,9 +88,9 @@ bool PairSolve::isMet(const FacetQuestion& q, const Facet& facet, const Transfor
 	const ContactSurface &a = q.a.surface(facet.levelA), &b = q.b.surface(facet.levelB);
 	const double slack = kInnerShare * q.length();
 	if (facet.kind == Facet::Kind::kVertexFace)
-		return b.squaredBeside(facet.featureB, back * a.vertices()[facet.featureA]) <= slack * slack;
+		return b.isOver(facet.featureB, back * a.vertices()[facet.featureA], slack);
 	if (facet.kind == Facet::Kind::kFaceVertex)
-		return a.squaredBeside(facet.featureA, after * b.vertices()[facet.featureB]) <= slack * slack;
+		return a.isOver(facet.featureA, after * b.vertices()[facet.featureB], slack);
 	if (facet.kind == Facet::Kind::kVertexVertex) return true;
 	const auto isOver = [slack](const SurfaceEdge& edge, const Vec3& start, const Vec3& point)
 	{

@@ -204,7 +204,8 @@ double ContactSearch::traverseFront(double tolerance)
 // Of the outline: nothing is remembered of its pairs, they take what was held back.
 double ContactSearch::answerCoarsest(double tolerance)
 {
-	m_state.clearFronts();
+	remember(*m_rule);  // the front is of it, as far as it goes
+	m_state.separation.forget();
 	m_rule.emplace(coarsestRule(m_context, m_settings.metric));
 	m_answered = m_state.outline.get();
 	m_result.stats.cutShort = 1;
@@ -217,7 +218,6 @@ double ContactSearch::answerCoarsest(double tolerance)
 		CachedSeparation nothing;
 		if (entry.state == NodePairState::kAnswer) sink.answer(entry.a, entry.b, nothing);
 	}
-	remember(*m_rule);
 	return sink.largestCover();
 }
 

@@ -36,15 +36,25 @@ class Traversal : private PairDecisions
 public:
 	using PairDecisions::PairDecisions;
 
+	// Where the budget ends it, what was decided stays for the next traversal by the same rule.
 	bool run()
 	{
-		if (!isAffordable(FrontEntry{})) return false;
+		if (!isAffordable(FrontEntry{}))
+		{
+			if (!m_settings.sameRule) m_front.clear();
+			return false;
+		}
 		m_previous.swap(m_front);
 		const bool isWhole = walk();
 		if (isWhole)
 		{
 			m_stats->frontCame = std::uint32_t(m_front.entries.size()) - m_carried;
 			m_stats->frontGone = std::uint32_t(m_previous.entries.size()) - m_carried;
+		}
+		else
+		{
+			m_front.slack.clear();
+			m_front.tolerance = 0;  // has no answers to give
 		}
 		if (m_front.isLent) return isWhole;
 		m_previous.keepIn(m_front);
