@@ -38,6 +38,7 @@ struct RunOptions
 	std::string scene, csv, poses, shapes = "clod", peerDirectory;
 	std::vector<std::string> models;  // of `drop`
 	int steps = 0, passes = 1, parts = 1;
+	bool atImpacts = false;
 	unsigned threads = 1;
 	double dt = 0;
 	double resolution = 1;
@@ -122,6 +123,7 @@ SceneRunOptions setUp(const RunOptions& options, SceneDefinition& definition, Hi
 	run.scene.dt = options.dt > 0 ? options.dt : info.dt;
 	run.scene.passes = options.passes;
 	run.scene.parts = options.parts;
+	run.scene.atImpacts = options.atImpacts;
 	run.scene.threads = options.threads;
 	if (options.threads == 1 && !run.scene.budget.isLimited()) run.scene.timedBy = TimedBy::thread;
 	run.paper = options.selection.paper;
@@ -344,10 +346,14 @@ void addRunCommand(CLI::App& program)
 		->type_name("N")
 		->check(CLI::Range(1, 10))
 		->capture_default_str();
-	command->add_option("--parts", options->parts, "Into how many parts a step may be divided where passes do not settle it")
-		->type_name("N")
-		->check(CLI::Range(1, 64))
-		->capture_default_str();
+	CLI::Option* const parts =
+		command
+			->add_option("--parts", options->parts, "Into how many parts a step may be divided where passes do not settle it")
+			->type_name("N")
+			->check(CLI::Range(1, 64))
+			->capture_default_str();
+	command->add_flag("--impacts", options->atImpacts, "Divide steps at times of impact (the paper's section 5.3)")
+		->needs(parts);
 	command->add_option("--threads", options->threads, "That make a step's contacts: the same bits for any number")
 		->type_name("N")
 		->check(CLI::Range(1, 256))

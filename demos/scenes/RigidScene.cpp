@@ -120,6 +120,7 @@ void RigidScene::setUpSolver()
 	configureWorld(m_bullet->world, settings);
 	m_bullet->world.setMostPasses(m_settings.passes);
 	m_bullet->world.setMostParts(m_settings.parts);
+	if (m_settings.atImpacts) m_bullet->world.setStepping(btClodDynamicsWorld::Stepping::kImpacts);
 }
 
 const Hierarchy& RigidScene::hierarchyOf(std::size_t body) const
@@ -395,6 +396,7 @@ std::vector<SceneConstant> RigidScene::constants() const
 		{"erp2", double(solver.m_erp2), ""},
 		{"passes", double(m_settings.passes), "at most"},
 		{"parts", double(m_settings.parts), "at most"},
+		{"at_impacts", double(m_settings.atImpacts), ""},
 		{"sleeping", 0, ""}};
 	// Bodies of one model weigh the same.
 	for (std::size_t model = 0; model < info.models.size(); ++model)

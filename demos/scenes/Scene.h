@@ -110,6 +110,7 @@ struct SceneSettings
 	Budget budget;                                         // of the queries of a step
 	double dt = 0;
 	int passes = 1, parts = 1;   // of btClodDynamicsWorld at most; with 1 the world is Bullet's own
+	bool atImpacts = false;      // steps are divided at times of impact (btClodDynamicsWorld::Stepping)
 	unsigned threads = 1;        // of btClodDispatcher: the same bits for any number
 	TimedBy timedBy = TimedBy::clock;  // the times of a state; by the thread only where one thread makes the contacts
 	bool printsWarnings = true;  // of the plugin, as they come; SceneState has them anyway

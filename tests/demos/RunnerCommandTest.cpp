@@ -84,6 +84,7 @@ TEST_F(RunnerCommand, UsageErrorsExitWith2AndTheNearestMatch)
 		{"run spoon-cup --view 2 --camera 0,0,1,0,0,1,40", "eye is its target"},
 		{"run spoon-cup --camera-to 0,0,1,0,0,0,40", "--camera"},
 		{"run spoon-cup --exact --velocity 1", "excludes"},
+		{"run spoon-cup --impacts", "--parts"},
 		{"run spoon-cup --combine relax", "did you mean relaxed"},
 		{"run spoon-cup --budget-tests -5", "--budget-tests"},
 		{"run spoon-cup --budget-us nan", "--budget-us"},
@@ -197,6 +198,22 @@ TEST_F(RunnerCommand, ReplayWritesAllThatAQueryTells)
 	EXPECT_GT(left, 0);
 	for (const char* name : {"cut_short", "touched_finest_level", "front_kept", "depths_cut_short"})
 		EXPECT_EQ(column(csv, name).size(), 40u) << name;
+}
+
+TEST_F(RunnerCommand, StepsAreDividedAtImpactsOnRequest)
+{
+	const auto run = [&](const std::string& words)
+	{
+		const Outcome outcome = bench("run mixed-needs --resolution 0.03 --steps 60 --dt 0.0083333 --parts 4 --quiet" + cache() +
+									  words + " --json " + path("impacts.json"));
+		EXPECT_EQ(outcome.code, 0) << outcome.err;
+		return json::parse(readText(path("impacts.json")));
+	};
+	const json fixed = run(""), impacts = run(" --impacts");
+	EXPECT_EQ(fixed["constants"]["at_impacts"]["value"], 0);
+	EXPECT_EQ(impacts["constants"]["at_impacts"]["value"], 1);
+	EXPECT_GT(impacts["summary"]["parts"]["max"], 1);
+	EXPECT_NE(impacts["summary"]["parts"], fixed["summary"]["parts"]);
 }
 
 // A step's tests are those of its dispatch: within the budget that all pairs share.
