@@ -108,15 +108,49 @@ void FacetFinder::findPair(const Contact& contact)
 	m_pair.reach = q.touching() + q.rules.heldReach + kFootShare * q.length() + m_pair.roam;
 	if (mayOverlap) m_pair.reach += q.a.thicknessOf(contact.nodeA) + q.b.thicknessOf(contact.nodeB);
 	gather(contact, nodeA, nodeB);
-	for (const MovedCorner* corner : m_cornersA)
-		for (const std::uint32_t polygon : m_polygonsB) vertexOverFace(*corner, polygon, true);
-	for (const MovedCorner* corner : m_cornersB)
-		for (const std::uint32_t polygon : m_polygonsA) vertexOverFace(*corner, polygon, false);
-	// Edges may have sunk past each other by any depth.
-	for (const MovedEdge* edgeA : m_edgesA)
-		for (const MovedEdge* edgeB : m_edgesB)
-			if (mayOverlap || edgeA->box.meets(edgeB->box, m_pair.reach)) edgeOverEdge(*edgeA, *edgeB);
+	verticesOverFaces(nodeA.cone, nodeB.cone);
+	edgesOverEdges(nodeA.cone, nodeB.cone, mayOverlap);
 	if (q.isRound()) findRound();
+}
+
+// Corners that are the lowest of their neighbours over no face of such normals are left out at once.
+void FacetFinder::verticesOverFaces(const NormalCone& coneA, const NormalCone& coneB)
+{
+	const auto slackOf = [this](const NormalCone& cone) { return kArcSlack + m_turn + std::min(cone.angle, 2.0); };
+	if (!m_polygonsB.empty())
+		for (const MovedCorner* corner : m_cornersA)
+		{
+			if (!isLowest(m_pair.a->fan(corner->index), coneB.axis, slackOf(coneB))) continue;
+			for (const std::uint32_t polygon : m_polygonsB) vertexOverFace(*corner, polygon, true);
+		}
+	if (m_polygonsA.empty()) return;
+	const Vec3 up = m_bFromA.rotation * coneA.axis;
+	for (const MovedCorner* corner : m_cornersB)
+	{
+		if (!isLowest(m_pair.b->fan(corner->index), up, slackOf(coneA))) continue;
+		for (const std::uint32_t polygon : m_polygonsA) vertexOverFace(*corner, polygon, false);
+	}
+}
+
+// So are edges none of whose normals is opposite to one of the other node's. They may have sunk past each other by any
+// depth, where hulls overlap.
+void FacetFinder::edgesOverEdges(const NormalCone& coneA, const NormalCone& coneB, bool mayOverlap)
+{
+	const double slack = 2 * std::asin(std::min(1.0, kArcSlack + m_turn));
+	const double leastA = coneA.leastCosine(slack), leastB = coneB.leastCosine(slack);
+	m_facingA.clear();
+	for (const MovedEdge* edge : m_edgesA)
+	{
+		const std::array<Vec3, 2>& normal = m_pair.a->edges()[edge->index].normal;
+		if (leastB < 0 || coneB.isFacedBy(normal[0], normal[1], leastB)) m_facingA.push_back(edge);
+	}
+	if (m_facingA.empty()) return;
+	for (const MovedEdge* edgeB : m_edgesB)
+	{
+		if (leastA >= 0 && !coneA.isFacedBy(edgeB->normal[0], edgeB->normal[1], leastA)) continue;
+		for (const MovedEdge* edgeA : m_facingA)
+			if (mayOverlap || edgeA->box.meets(edgeB->box, m_pair.reach)) edgeOverEdge(*edgeA, *edgeB);
+	}
 }
 
 // What of either node comes near the other in the step: by boxes, and by what lies between the hulls.
@@ -317,14 +351,15 @@ void FacetFinder::edgeOverEdge(const MovedEdge& still, const MovedEdge& moved)
 	const SurfaceEdge& edge = m_pair.a->edges()[still.index];
 	const SurfaceEdge& other = m_pair.b->edges()[moved.index];
 	Vec3 normal = cross(edge.direction, moved.direction);
-	const double sine = length(normal);
-	if (sine < kParallelSine) return;
+	if (dot(normal, edge.inward[0] + edge.inward[1] - moved.inward[0] - moved.inward[1]) < 0) normal = -normal;
+	double arc = std::min(std::min(dot(normal, edge.inward[0]), dot(normal, edge.inward[1])),
+						  std::min(-dot(normal, moved.inward[0]), -dot(normal, moved.inward[1])));
+	const double sineSquared = lengthSquared(normal), mostBeside = kArcSlack + m_turn;
+	if (arc < 0 && arc * arc > mostBeside * mostBeside * sineSquared) return;
+	if (sineSquared < kParallelSine * kParallelSine) return;
+	const double sine = std::sqrt(sineSquared);
 	normal = (1 / sine) * normal;
-	const Vec3 otherIn[2] = {q.aFromB.rotation * other.inward[0], q.aFromB.rotation * other.inward[1]};
-	if (dot(normal, edge.inward[0] + edge.inward[1] - otherIn[0] - otherIn[1]) < 0) normal = -normal;
-	const double arc = std::min(std::min(dot(normal, edge.inward[0]), dot(normal, edge.inward[1])),
-								std::min(-dot(normal, otherIn[0]), -dot(normal, otherIn[1])));
-	if (arc < -kArcSlack - m_turn) return;
+	arc /= sine;
 
 	const Vec3& start = m_pair.a->vertices()[edge.vertex[0]];
 	const double now = dot(normal, start - moved.start);

@@ -32,6 +32,8 @@ private:
 	};
 	void findPair(const Contact& contact);
 	void gather(const Contact& contact, MovedNode& nodeA, MovedNode& nodeB);
+	void verticesOverFaces(const NormalCone& coneA, const NormalCone& coneB);
+	void edgesOverEdges(const NormalCone& coneA, const NormalCone& coneB, bool mayOverlap);
 	double highest(double closing) const;
 	Transform poseAt(double share) const;
 	struct Way  // of a point: where it is, and at the end of the step with and without forces
@@ -74,6 +76,7 @@ private:
 	// Of the pair, those that come near the other node.
 	std::vector<const MovedCorner*> m_cornersA, m_cornersB;
 	std::vector<const MovedEdge*> m_edgesA, m_edgesB;
+	std::vector<const MovedEdge*> m_facingA;  // of these
 	std::vector<std::uint32_t> m_polygonsA, m_polygonsB;
 	std::vector<std::uint32_t> m_table;  // of the facets, by what makes them; open, a power of two
 };

@@ -1,8 +1,30 @@
 // SPDX-License-Identifier: Zlib
 #include "clod/manifold/MovedNode.h"
 
+#include <cmath>
+
 namespace clod
 {
+namespace
+{
+constexpr double kRounding = 1e-6;
+constexpr double kQuarterTurn = 1.5707963;
+}  // namespace
+
+double NormalCone::leastCosine(double slack) const
+{
+	return angle + slack < kQuarterTurn ? std::cos(angle + slack) : -1;
+}
+
+bool NormalCone::isFacedBy(const Vec3& normal0, const Vec3& normal1, double leastCosine) const
+{
+	const double p = -dot(axis, normal0), q = -dot(axis, normal1);
+	if (p >= leastCosine || q >= leastCosine) return true;
+	// Between the two the nearest is where the axis falls onto their plane.
+	const double c = dot(normal0, normal1);
+	return p > q * c && q > p * c && p * p + q * q - 2 * p * q * c >= leastCosine * leastCosine * (1 - c * c);
+}
+
 void MovedNodes::start(const FacetQuestion& question, const std::vector<Contact>& contacts, bool isA)
 {
 	m_question = &question;
@@ -32,7 +54,23 @@ MovedNode& MovedNodes::of(std::uint32_t node)
 	m_boxes.clear();
 	const ContactSurface& surface = body.surface(moved.level);
 	m_isA ? listStill(moved, surface) : move(moved, surface);
+	moved.cone = coneOf(moved, surface);
 	return moved;
+}
+
+NormalCone MovedNodes::coneOf(const MovedNode& moved, const ContactSurface& surface) const
+{
+	NormalCone cone;
+	const Vec3 own = (m_isA ? m_question->a : m_question->b).meanNormalOf(moved.node);
+	if (own == Vec3{} || surface.isCore()) return cone;
+	double lowest = 1;
+	for (const MovedPolygon& polygon : moved.polygons)
+		lowest = std::min(lowest, dot(own, surface.planeOf(polygon.index).normal));
+	for (const MovedEdge& edge : moved.edges)
+		for (const Vec3& normal : surface.edges()[edge.index].normal) lowest = std::min(lowest, dot(own, normal));
+	cone.axis = m_isA ? own : m_question->aFromB.rotation * own;
+	cone.angle = std::acos(std::max(-1.0, lowest)) + kRounding;
+	return cone;
 }
 
 void MovedNodes::place(const ContactSurface& surface, MovedCorner& corner) const
@@ -96,6 +134,11 @@ void MovedNodes::move(MovedNode& moved, const ContactSurface& surface)
 		at.unforcedStart = m_question->aFromBUnforced * from;
 		at.direction = m_question->aFromB.rotation * edge.direction;
 		at.thenDirection = m_question->aFromBThen.rotation * edge.direction;
+		for (std::size_t side = 0; side < 2; ++side)
+		{
+			at.normal[side] = m_question->aFromB.rotation * edge.normal[side];
+			at.inward[side] = m_question->aFromB.rotation * edge.inward[side];
+		}
 		at.box = {at.start, at.start};
 		at.box.add(at.start + kPathReach * (at.thenStart - at.start));
 		at.box.add(at.start + kPathReach * (at.unforcedStart - at.start));

@@ -4,6 +4,7 @@
 // dispatch.
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -51,17 +52,30 @@ struct MovedEdge
 	Box box;
 	std::uint32_t index;
 	Vec3 start{}, direction{}, thenStart{}, thenDirection{}, unforcedStart{};  // frame A; not of A's, which stand still
+	std::array<Vec3, 2> normal{}, inward{};  // of B's, turned into frame A
 };
 struct MovedPolygon
 {
 	Box box;  // of what the node has of it
 	std::uint32_t index;
 };
+// Holds the normals of a node's polygons and of both sides of its edges. Frame A.
+struct NormalCone
+{
+	static constexpr double kAllDirections = 4;
+	Vec3 axis;
+	double angle = kAllDirections;  // between the axis and any of them, at most
+	// Cosine of the angle to the axis of what is within `slack` of one of them; -1: it may lie anywhere.
+	double leastCosine(double slack) const;
+	// May an edge between faces of these normals have one that is opposite to something so near the axis?
+	bool isFacedBy(const Vec3& normal0, const Vec3& normal1, double leastCosine) const;
+};
 struct MovedNode
 {
 	std::uint32_t node = kNone, level = 0;
 	double displaced = 0;  // the farthest that one of its points goes in the step, as predicted; of B's
 	Box box;
+	NormalCone cone;
 	std::vector<MovedCorner> corners;
 	std::vector<MovedEdge> edges;
 	std::vector<MovedPolygon> polygons;
@@ -82,6 +96,7 @@ private:
 	void listStill(MovedNode& moved, const ContactSurface& surface);
 	void move(MovedNode& moved, const ContactSurface& surface);
 	void addPolygons(MovedNode& moved, const ContactSurface& surface) const;
+	NormalCone coneOf(const MovedNode& moved, const ContactSurface& surface) const;
 
 	const FacetQuestion* m_question = nullptr;
 	bool m_isA = false;
