@@ -42,7 +42,9 @@ void FacetFinder::find(const FacetQuestion& question, const std::vector<Contact>
 	m_nodesA.start(question, contacts, true);
 	m_nodesB.start(question, contacts, false);
 	m_motion = question.rules.motion();
-	m_sagitta = 0.125 * kPathReach * length(m_motion.angular) * m_motion.timeStep;
+	const double angle = kPathReach * length(m_motion.angular) * m_motion.timeStep;
+	m_sagitta = 0.125 * angle;
+	m_bend = question.rules.a.angular == Vec3{} ? 0.125 * angle * angle : kFar;
 	// What an impact of that speed may add to the turning, besides.
 	const double speed = length(m_motion.velocity(question.rules.b.center));
 	m_turn = (length(m_motion.angular) + speed / question.length()) * m_motion.timeStep;
@@ -223,13 +225,13 @@ bool FacetFinder::meetsOnArc(double now, double closing, const Vec3& forced, Hei
 // Do features meet on the step's way? meetsOn(move, closing, slack) asks it of a chord, height and meets of the arc
 // (meetsOnArc), where that bulges; `up` is where the height grows, mayHold: against the forces (PointRules::holds).
 template <class MeetsOn, class Height, class Meets>
-bool FacetFinder::meetsOnPath(const Way& way, const Vec3& up, double now, double closing, bool mayHold, MeetsOn meetsOn,
-							  Height height, Meets meets) const
+bool FacetFinder::meetsOnPath(const Way& way, double mostBulge, const Vec3& up, double now, double closing, bool mayHold,
+							  MeetsOn meetsOn, Height height, Meets meets) const
 {
 	const double inner = kInnerShare * m_question->length();
 	const Vec3 move = kPathReach * (along(up, way.unforced, way.then) - way.now);
 	const Vec3 forced = kPathReach * dot(up, way.then - way.unforced) * up;
-	const double bulge = m_sagitta * length(move);
+	const double bulge = std::min(mostBulge, m_sagitta * length(move));
 	if (bulge <= inner ? meetsOn(move, closing, bulge + inner) : meetsOnArc(now, closing, forced, height, meets)) return true;
 	if (forced == Vec3{}) return false;
 	// With the forces whole: a facet that may hold the bodies, or one that is met without them, too.
@@ -303,7 +305,8 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 			place = (vertexIsOfA ? inverse(pose) * own : pose * own) + forced;
 			return dot(face.normal, place) - face.offset;
 		};
-		counts = meetsOnPath({vertex.now, vertex.then, vertex.unforced}, face.normal, now, now - end,
+		const double mostBulge = vertexIsOfA || m_bend == kFar ? kFar : m_bend * length(vertex.now - q.rules.b.center);
+		counts = meetsOnPath({vertex.now, vertex.then, vertex.unforced}, mostBulge, face.normal, now, now - end,
 							 q.rules.holds(normal), meetsOn, height,
 							 [&] { return faces.squaredBeside(polygon, place) <= inner * inner; });
 	}
@@ -413,7 +416,7 @@ void FacetFinder::edgeOverEdge(const MovedEdge& still, const MovedEdge& moved)
 		};
 		const auto meetsTurning = [&](const Vec3& move, double closing, double slack)
 		{ return meetsOn(move, turn, closing, slack); };
-		counts = meetsOnPath({moved.start, moved.thenStart, moved.unforcedStart}, -normal, now, now - end,
+		counts = meetsOnPath({moved.start, moved.thenStart, moved.unforcedStart}, kFar, -normal, now, now - end,
 							 q.rules.holds(normal), meetsTurning, height, meets);
 	}
 	if (!counts && now > 0 && end > q.rules.margin && q.rules.heldReach > 0)

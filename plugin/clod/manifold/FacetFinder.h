@@ -41,8 +41,8 @@ private:
 		Vec3 now, then, unforced;
 	};
 	template <class MeetsOn, class Height, class Meets>
-	bool meetsOnPath(const Way& way, const Vec3& up, double now, double closing, bool mayHold, MeetsOn meetsOn, Height height,
-					 Meets meets) const;
+	bool meetsOnPath(const Way& way, double mostBulge, const Vec3& up, double now, double closing, bool mayHold,
+					 MeetsOn meetsOn, Height height, Meets meets) const;
 	template <class Height, class Meets>
 	bool meetsOnArc(double now, double closing, const Vec3& forced, Height height, Meets meets) const;
 	std::array<Vec3, 2> waysIfHeld(const Vec3& place) const;
@@ -70,6 +70,7 @@ private:
 	Transform m_bFromA;
 	RelativeMotion m_motion;  // of A's material relative to B's
 	double m_sagitta = 0;     // of the arc that a chord of the path stands for, a share of the chord
+	double m_bend = 0;  // sagitta of the arc of a point of B in A, where A does not turn, a share of its distance from B's center
 	double m_turn = 0;  // radians that contacts may turn B relative to A in the step, at most
 	Pair m_pair;
 	MovedNodes m_nodesA, m_nodesB;

@@ -19,6 +19,7 @@ double NormalCone::leastCosine(double slack) const
 bool NormalCone::isFacedBy(const Vec3& normal0, const Vec3& normal1, double leastCosine) const
 {
 	const double p = -dot(axis, normal0), q = -dot(axis, normal1);
+	if (normal0 == Vec3{}) return true;  // of a thin core: it has any
 	if (p >= leastCosine || q >= leastCosine) return true;
 	// Between the two the nearest is where the axis falls onto their plane.
 	const double c = dot(normal0, normal1);

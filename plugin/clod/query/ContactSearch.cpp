@@ -74,15 +74,17 @@ void followMotion(const QueryContext& context, PairCache::State& state)
 	{
 		const double motion = motionBound(state.pose, context.pose, context.radiusA, context.radiusB);
 		const double change = sweepChange(state.pose, state.sweep, context.pose, context.sweep, motion, context.radiusB);
+		const double changeInA =
+			sweepChangeOfParts(state.pose, state.sweep, context.pose, context.sweep, context.radiusB);
 		const double farthest = kFarthestMotion * context.size;
-		state.front.move(motion, change);
+		state.front.move(motion, change, changeInA);
 		state.lastMove += motion + change;
 		state.lastApproach =
 			approachBound(state.pose, state.sweep, context.pose, context.sweep, context.radiusA, context.radiusB);
 		if (!(state.front.motion < farthest)) state.clearFronts();
 		if (state.outline)
 		{
-			state.outline->move(motion, change);
+			state.outline->move(motion, change, changeInA);
 			if (!(state.outline->motion < farthest)) state.outline->clear();
 		}
 	}
@@ -256,7 +258,7 @@ std::optional<double> ContactSearch::traverseBy(const StopRule& rule, double tol
 		cover = answerFrom(answerFromLast, last, tolerance);
 	else if (isWorthValidating(last, front))
 		cover = answerFrom(validateFront, last, tolerance);
-	if (!cover) cover = answerFrom(traverse, {rule, tolerance + ahead, sameRule, limit}, tolerance);
+	if (!cover) cover = answerFrom(traverse, {rule, tolerance + ahead, sameRule, limit, ahead == 0}, tolerance);
 	remember(rule);
 	return cover;
 }
@@ -301,6 +303,10 @@ double ContactSearch::depthInside()
 	const RelativePose& pose = m_context.pose;
 	const Transform aFromB{pose.rotation, pose.translation};
 	const double ofA = m_state.probesA.depthInside(m_context.b, inverse(aFromB), m_result.stats);
+	const bool areFew = m_rule->isOfLeaves() && m_result.contacts.size() <= kFewContacts && m_state.probesB.isOne();
+	if (!(ofA > 0) && areFew && !m_state.probesB.stayOutside(aFromB) &&
+		isOutsideByContacts(m_context, m_result.contacts, m_settings.tolerance))
+		return 0;
 	return std::max(ofA, m_state.probesB.depthInside(m_context.a, aFromB, m_result.stats));
 }
 }  // namespace clod
