@@ -359,7 +359,7 @@ void RigidScene::addAnswers(SceneState& state) const
 	{
 		if (!pair.result) return;
 		state.answers.push_back(
-			{{std::uint32_t(pair.objectA->getUserIndex()), std::uint32_t(pair.objectB->getUserIndex())}, *pair.result});
+			{{std::uint32_t(pair.objectA->getUserIndex()), std::uint32_t(pair.objectB->getUserIndex())}, resultOf(pair)});
 		QueryStats& stats = state.answers.back().result.stats;
 		if (pair.queryMicroseconds == 0) stats.boxTests = stats.hullTests = 0;
 		state.queryMicroseconds += pair.queryMicroseconds;

@@ -66,7 +66,7 @@ struct Touching : BulletWorld
 		context.forEachPair(
 			[&](const PairReport& pair)
 			{
-				answer = {pair.metric,      pair.result->contacts.size(),
+				answer = {pair.metric,      pair.result->pairs.size(),
 						  pair.finestLevel, pair.coarsestLevel,
 						  pair.points,      pair.metricError,
 						  pair.contactError};
@@ -159,7 +159,7 @@ TEST(BulletMetric, TheErrorOfContactsIsOfTheirNodesAndOfNoDepth)
 				[&](const PairReport& pair)
 				{
 					double largest = 0;
-					for (const Contact& contact : pair.result->contacts)
+					for (const Contact& contact : resultOf(pair).contacts)
 					{
 						largest = std::max(largest, certifiedErrorApart(pair.hierarchyA->node(contact.nodeA),
 																		pair.hierarchyB->node(contact.nodeB)));

@@ -48,7 +48,7 @@ struct ByHand
 ByHand byHand(const PairReport& pair)
 {
 	ByHand sums;
-	for (const Contact& contact : pair.result->contacts)
+	for (const AcceptedPair& contact : pair.result->pairs)
 	{
 		const Node &a = pair.hierarchyA->node(contact.nodeA), &b = pair.hierarchyB->node(contact.nodeB);
 		sums.finest = std::min({sums.finest, a.level, b.level});
@@ -67,7 +67,7 @@ TEST(PairReport, LevelsAndErrorAreThoseOfTheContacts)
 	for (const double share : {0.0, 0.01, 0.5, 1.0, 3.0, 10.0})
 	{
 		const PairReport report = scene.with(ContactMetric::deviationShare(share));
-		ASSERT_FALSE(report.result->contacts.empty());
+		ASSERT_FALSE(report.result->pairs.empty());
 		const ByHand expected = byHand(report);
 		EXPECT_EQ(report.finestLevel, expected.finest) << share;
 		EXPECT_EQ(report.coarsestLevel, expected.coarsest) << share;

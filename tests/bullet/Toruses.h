@@ -83,7 +83,7 @@ public:
 				if (!pair.kept)
 					step.tests += std::uint64_t(pair.result->stats.boxTests) + pair.result->stats.hullTests;
 				step.cutShort += pair.result->stats.cutShort;
-				step.contacts += pair.result->contacts.size();
+				step.contacts += pair.result->pairs.size();
 				step.coarsest = std::max(step.coarsest, pair.coarsestLevel);
 				if (pair.result->excess > 0) step.least = std::min(step.least, pair.result->excess), ++step.cut;
 			});

@@ -87,7 +87,7 @@ private:
 				};
 				for (const HeldPoint& held : report.clusters->points()) see(held.point.nodeA, held.point.nodeB);
 				if (level[0] == kNone)
-					for (const Contact& contact : report.result->contacts) see(contact.nodeA, contact.nodeB);
+					for (const AcceptedPair& contact : report.result->pairs) see(contact.nodeA, contact.nodeB);
 			});
 		if (level[0] == kNone) return;
 		answer.knowsSurfaces = true;

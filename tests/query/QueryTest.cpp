@@ -92,6 +92,38 @@ TEST(Query, SweepFindsEveryPairOnTheWay)
 	EXPECT_GT(missedWithout, 50u);  // the brute force sees what a query of the pose alone leaves out
 }
 
+// Whatever a query has known of a pair before it was a contact.
+TEST(Query, ContactsKnownByTheirNodesAreEvaluatedBitForBit)
+{
+	Random random(12);
+	std::size_t contacts = 0;
+	for (const BodyPair& pair : pairs())
+	{
+		GapCache cache(false);
+		Transform pose = poseWithGap(random, pair.a, pair.b, uniform(random, -0.01, 0.02));
+		for (int i = 0; i < 200; ++i)
+		{
+			const double radius = smallerRadius(pair.a, pair.b);
+			pose.translation += 2e-4 * radius * randomDirection(random);
+			Settings settings = exactSettings(0.005 * radius);
+			settings.contactsOnly = i % 4 != 0;
+			if (i % 2) settings.sweep = {0.01 * radius * randomDirection(random), 0.01 * randomDirection(random)};
+			if (i % 3) settings.metric.exact = false;
+			if (i % 3 == 1) settings.metric.maxError = 0.005 * radius;
+			if (i % 3 == 2) settings.metric.weightedDeviation = 0.03 * radius;
+			GapResult result;
+			query(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache, result);
+			std::vector<Contact> known;
+			for (const Contact& contact : result.contacts) known.push_back({contact.nodeA, contact.nodeB, 0, 0, {}, {}, {}});
+			evaluate(*pair.a.hierarchy, *pair.b.hierarchy, pose, known);
+			for (std::size_t k = 0; k < known.size(); ++k)
+				EXPECT_TRUE(sameBits(known[k], result.contacts[k])) << pair.a.name << " " << i << " " << k;
+			contacts += known.size();
+		}
+	}
+	EXPECT_GT(contacts, 1000u);
+}
+
 TEST(Query, PrunesNothingWithinTheTolerance)
 {
 	// Whatever is within the tolerance by brute force over the nodes of each single level is found there too.

@@ -58,7 +58,10 @@ void PairState::ask(const PairPose& pose, const Question& question)
 	const Question* const before = answered();
 	if (before && before->withGap == question.withGap && clod::same(before->aFromB, question.aFromB) &&
 		clod::same(before->settings, question.settings))
+	{
+		contactsOf(m_report, scratch().result.contacts);
 		m_result.stats.boxTests = m_result.stats.hullTests = 0;
+	}
 	else
 		query(pose, question);
 	if (!question.withGap) m_result.minDistance = m_result.errorBound = std::numeric_limits<double>::infinity();
@@ -73,9 +76,7 @@ void PairState::query(const PairPose& pose, const Question& question)
 		signedGap(pose.hierarchyA(), pose.hierarchyB(), pose.aFromB, settings, m_cache, result);
 	else
 		contacts(pose.hierarchyA(), pose.hierarchyB(), pose.aFromB, settings, m_cache.pair, result);
-	m_result.contacts.clear();
-	shrinkRoom(m_result.contacts, result.contacts.size());
-	m_result = result;
+	m_result.hold(result);
 	QueryStats& stats = m_result.stats;
 	if (m_budget) m_budget->spend(std::uint64_t(stats.boxTests) + stats.hullTests, stats.cutShort > 0);
 	stats.boxTests += m_outline.listing;
@@ -85,7 +86,8 @@ void PairState::query(const PairPose& pose, const Question& question)
 // Planes and meshes have no hierarchy: what of them is near is gathered anew.
 void PairState::askPartner(const PairPose& pose)
 {
-	m_result.clear();
+	GapResult& result = scratch().result;
+	result.clear();
 	m_partnerStats = {};
 	m_partnerSurface.reset();
 	const Hierarchy& hierarchy = pose.hierarchyA();
@@ -99,7 +101,7 @@ void PairState::askPartner(const PairPose& pose)
 			normal, offset, inverse(pose.aFromB) * toVec3(hierarchy.asset().sphereCenter), double(hierarchy.asset().radius));
 		const Vec3 inA = pose.aFromB.rotation * normal;
 		scratch().partner.withHalfSpace(hierarchy, inA, offset + dot(inA, pose.aFromB.translation), m_report.metric,
-										pose.tolerance, m_result.contacts, m_partnerStats);
+										pose.tolerance, result.contacts, m_partnerStats);
 	}
 	else
 	{
@@ -115,16 +117,17 @@ void PairState::askPartner(const PairPose& pose)
 		{
 			Triangle inA = triangles[i];
 			for (Vec3& corner : inA) corner = pose.aFromB * corner;
-			scratch().partner.withTriangle(hierarchy, inA, i, m_report.metric, pose.tolerance, m_result.contacts,
+			scratch().partner.withTriangle(hierarchy, inA, i, m_report.metric, pose.tolerance, result.contacts,
 										   m_partnerStats);
 		}
-		if (!m_result.contacts.empty()) 
+		if (!result.contacts.empty())
 			m_partnerSurface = std::make_unique<ContactSurface>(triangles, pose.rules.length);
 	}
-	m_result.errorBound = m_partnerStats.errorBound;
-	m_result.stats.boxTests = m_partnerStats.boxTests;
-	m_result.stats.finestLevel = m_partnerStats.nodes ? m_partnerStats.finestLevel : 0;
-	m_result.stats.coarsestLevel = m_partnerStats.coarsestLevel;
+	result.errorBound = m_partnerStats.errorBound;
+	result.stats.boxTests = m_partnerStats.boxTests;
+	result.stats.finestLevel = m_partnerStats.nodes ? m_partnerStats.finestLevel : 0;
+	result.stats.coarsestLevel = m_partnerStats.coarsestLevel;
+	m_result.hold(result);
 }
 
 // A pair that was apart and is costs no more than it must: nothing is copied, and the clock not read again.
@@ -140,16 +143,18 @@ void PairState::answer(const PairPose& pose, const Question& question)
 		askPartner(pose);
 		goesOn = goesOn && pose.partner == Partner::kPlane;  // a mesh's features are numbered as they are gathered
 	}
+	else
+		contactsOf(m_report, scratch().result.contacts);
 	const Clock::time_point asked = Clock::now();
 	m_report.queryMicroseconds = microsecondsBetween(start, asked);
-	const bool staysEmpty = m_result.contacts.empty() && !m_result.deep && m_clusters.isEmpty();
+	const bool staysEmpty = m_result.pairs.empty() && !m_result.deep && m_clusters.isEmpty();
 	foresee(pose);
 	m_report.candidates = 0;
 	if (!staysEmpty)
 		findPoints(pose, question, goesOn);
 	else
-		m_result.contacts.shrink_to_fit();
-	m_oldAFromB = pose.aFromB;
+		m_result.pairs.shrink_to_fit();
+	m_report.aFromB = pose.aFromB;
 	report(pose);
 	m_report.contactMicroseconds = staysEmpty ? 0 : microsecondsSince(asked);
 	noteAnswered(question);
@@ -172,12 +177,12 @@ void PairState::findPoints(const PairPose& pose, const Question& question, bool 
 	FacetContacts& facets = scratch().facets;
 	ClusterSet &previous = scratch().previous, &next = scratch().next;
 	m_clusters.copyTo(previous);
-	carryWithB(previous, pose.aFromB * inverse(m_oldAFromB));
+	carryWithB(previous, pose.aFromB * inverse(m_report.aFromB));
 	const ContactBody a = contactBody(pose.hierarchyA());
 	const ContactBody b = pose.isOfTwo()      ? contactBody(pose.hierarchyB())
 						  : m_partnerSurface ? contactBody(*m_partnerSurface)
 											 : ContactBody{};
-	facets.find(a, b, pose.aFromB, question.rules, m_result.contacts, m_result.deep, previous, m_facets, goesOn);
+	facets.find(a, b, pose.aFromB, question.rules, scratch().result.contacts, m_result.deep, previous, m_facets, goesOn);
 	m_report.candidates = std::uint32_t(facets.size());
 	m_foreseen.motion = facets.expectedMotion();
 	next.clear();

@@ -53,10 +53,10 @@ double PairState::errorOfContacts(const PairPose& pose) const
 {
 	if (!pose.isOfTwo()) return m_partnerStats.errorBound;
 	double error = 0;
-	for (const Contact& contact : m_result.contacts)
+	for (const AcceptedPair& pair : m_result.pairs)
 	{
-		const Node& a = pose.hierarchyA().node(contact.nodeA);
-		const Node& b = pose.hierarchyB().node(contact.nodeB);
+		const Node& a = pose.hierarchyA().node(pair.nodeA);
+		const Node& b = pose.hierarchyB().node(pair.nodeB);
 		error = std::max(error, certifiedErrorApart(a, b));
 	}
 	return error;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "clod/bullet/PairPose.h"
 
+#include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 #include <BulletCollision/CollisionShapes/btConvexShape.h>
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
 
@@ -92,6 +93,7 @@ void setRules(PairPose& pose, double timeStep, Prediction prediction, double clo
 	rules.a = bodyOf(*pose.a);
 	rules.b = bodyOf(*pose.b);
 	rules.timeStep = timeStep;
+	rules.friction = double(gCalculateCombinedFrictionCallback(pose.a->getCollisionObject(), pose.b->getCollisionObject()));
 	pose.seenMotion = relativeMotion(pose, timeStep);
 	rules.radiusA = double(pose.shapeA->getMargin()) / scale;
 	if (pose.shapeB) rules.radiusB = double(pose.shapeB->getMargin()) / scale;

@@ -30,8 +30,8 @@ bool sameRules(const PointRules& l, const PointRules& r)
 {
 	const auto fields = [](const PointRules& rules)
 	{
-		const auto& [length, resting, margin, radiusA, radiusB, nearest, a, b, timeStep, heldReach, liesAlone] = rules;
-		return std::tuple_cat(std::tie(length, resting, margin, radiusA, radiusB, nearest, timeStep, heldReach, liesAlone),
+		const auto& [length, resting, margin, radiusA, radiusB, nearest, a, b, friction, timeStep, heldReach, liesAlone] = rules;
+		return std::tuple_cat(std::tie(length, resting, margin, radiusA, radiusB, nearest, friction, timeStep, heldReach, liesAlone),
 							  fieldsOf(a), fieldsOf(b));
 	};
 	return fields(l) == fields(r);
@@ -202,7 +202,7 @@ PairState::Question PairState::questionOf(const PairPose& pose)
 void PairState::forget()
 {
 	m_clusters = {};
-	m_result.clear();
+	m_result = {};
 	m_answered.reset();
 	static_cast<DispatchReport&>(m_report) = {};
 }
@@ -233,7 +233,7 @@ void PairState::open(const btCollisionObjectWrapper& body0, const btCollisionObj
 bool PairState::staysOverPlane(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 							   const btDispatcherInfo& info)
 {
-	const bool wasNear = !m_clusters.isEmpty() || !m_result.contacts.empty() || m_report.fast;
+	const bool wasNear = !m_clusters.isEmpty() || !m_result.pairs.empty() || m_report.fast;
 	const bool complains = !m_report.notFinite.empty() || !m_report.metricError.empty();
 	if (wasNear || complains || m_seenB.shape == nullptr || m_isClosestPoints || m_context.m_isSolved) return false;
 	const bool planeIsFirst = body0.getCollisionShape() == m_seenB.shape;

@@ -136,7 +136,6 @@ private:
 	PairMetric m_metric;
 	// From dispatch to dispatch.
 	Seen m_seenA, m_seenB;
-	Transform m_oldAFromB;
 	std::shared_ptr<const ConvexPartner> m_convex;
 	HierarchyPair m_asked;
 	GapCache m_cache{false};  // m_result is the answer
@@ -155,7 +154,7 @@ private:
 	std::unique_ptr<Prepared> m_ahead;  // for the coming process(), if m_isAhead; none where nothing was ever prepared
 	bool m_isAhead = false;
 	FacetMemory m_facets;
-	GapResult m_result;
+	HeldResult m_result;
 	PartnerStats m_partnerStats;
 	std::vector<std::array<int, 2>> m_names;  // part and index of each triangle of a mesh within the tolerance,
 	std::unique_ptr<ContactSurface> m_partnerSurface;  // and the surface they make

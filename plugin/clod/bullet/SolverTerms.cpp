@@ -75,6 +75,9 @@ void setSolverTerms(const ContactPoint& point, const WorldFrame& frame, btManifo
 		written.m_distance1 = btScalar(-kTokenOverlap);
 		setErp(-row / kTokenOverlap, written);
 	}
-	setRestitution(frame, row, written);
+	if (point.isOfMiddle)
+		written.m_combinedRestitution = 0;
+	else
+		setRestitution(frame, row, written);
 }
 }  // namespace clod

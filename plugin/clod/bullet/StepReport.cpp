@@ -3,10 +3,42 @@
 
 #include <algorithm>
 
+#include "clod/collide/Room.h"
 #include "clod/distance/SignedGap.h"
 
 namespace clod
 {
+void HeldResult::hold(const GapResult& result)
+{
+	static_cast<ContactSummary&>(*this) = result;
+	minDistance = result.minDistance;
+	errorBound = result.errorBound;
+	pairs.clear();
+	shrinkRoom(pairs, result.contacts.size());
+	pairs.reserve(result.contacts.size());
+	for (const Contact& contact : result.contacts) pairs.push_back({contact.nodeA, contact.nodeB});
+}
+
+void contactsOf(const PairReport& pair, std::vector<Contact>& contacts)
+{
+	contacts.clear();
+	if (!pair.result) return;
+	for (const AcceptedPair& accepted : pair.result->pairs)
+		contacts.push_back({accepted.nodeA, accepted.nodeB, 0, 0, {}, {}, {}});
+	if (pair.hierarchyA && pair.hierarchyB) evaluate(*pair.hierarchyA, *pair.hierarchyB, pair.aFromB, contacts);
+}
+
+GapResult resultOf(const PairReport& pair)
+{
+	GapResult result;
+	if (!pair.result) return result;
+	static_cast<ContactSummary&>(result) = *pair.result;
+	result.minDistance = pair.result->minDistance;
+	result.errorBound = pair.result->errorBound;
+	contactsOf(pair, result.contacts);
+	return result;
+}
+
 void addTo(StepReport& sum, const PairReport& pair)
 {
 	const bool isWarned =
@@ -20,7 +52,7 @@ void addTo(StepReport& sum, const PairReport& pair)
 	sum.clusters += pair.clusterCount;
 	if (pair.result)
 	{
-		sum.nodePairs += std::uint32_t(pair.result->contacts.size());
+		sum.nodePairs += std::uint32_t(pair.result->pairs.size());
 		sum.front += pair.result->stats.front;
 		sum.hullTests += pair.result->stats.hullTests;
 		sum.pending += pair.result->stats.pending;

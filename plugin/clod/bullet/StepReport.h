@@ -4,17 +4,18 @@
 // Lengths are in the hierarchies' unit (before any shape scaling).
 #pragma once
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
 #include "clod/Export.h"
 #include "clod/query/ContactMetric.h"
+#include "clod/query/Query.h"
 
 class btCollisionObject;
 
 namespace clod
 {
-class Hierarchy;
 struct GapResult;    // distance/SignedGap.h
 class HeldClusters;  // manifold/ContactPoints.h
 
@@ -42,16 +43,30 @@ struct DispatchReport
 	double contactMicroseconds = 0;  // and from there to its points, before they are written
 };
 
+// What lasts of a query's result: of contacts their nodes alone. Against a plane node B is 0, of an engine's own mesh the
+// number of the triangle among those near.
+struct HeldResult : ContactSummary
+{
+	std::vector<AcceptedPair> pairs;
+	double minDistance = std::numeric_limits<double>::infinity(), errorBound = 0;  // as GapResult's
+	void hold(const GapResult& result);
+};
+
 // A pair as of its last dispatch. Valid until the next dispatch.
 struct PairReport : DispatchReport
 {
 	const btCollisionObject* objectA = nullptr;
 	const btCollisionObject* objectB = nullptr;
-	const GapResult* result = nullptr;   // accepted node pairs; empty against a plane or an engine's own mesh
-	const HeldClusters* clusters = nullptr;  // its points; frame A, hierarchy unit
+	const HeldResult* result = nullptr;      // accepted node pairs,
+	const HeldClusters* clusters = nullptr;  // and points; frame A, hierarchy unit:
+	Transform aFromB;                        // of the dispatch that found them
 	std::string notFinite;                 // empty, or what is not finite: the pair then has no contacts
 	std::uint32_t coarsestTests = 0;       // of its last query under a budget, see Outline
 };
+
+// Contacts, evaluated again; those with a plane or an engine's own mesh have nodes only. And all of the result.
+CLOD_API void contactsOf(const PairReport& pair, std::vector<Contact>& contacts);
+CLOD_API GapResult resultOf(const PairReport& pair);
 
 // Sums over all live pairs, each as of its last dispatch.
 struct CLOD_API StepReport

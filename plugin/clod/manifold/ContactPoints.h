@@ -26,6 +26,7 @@ struct ContactPoint
 	double slowOverlap = 0;  // of a penetration, what came with a change of level: it is left at switchSpeed()
 	double idle = 0;         // seconds since a point whose level is no longer asked for carried last
 	std::uint64_t feature = 0;  // the two features that make it, hashed
+	bool isOfMiddle = false;  // no surface is met there: it rebounds from nothing
 	std::uint32_t nodeA = 0, nodeB = 0;
 	std::uint32_t faceA = kNone, faceB = kNone;  // global face indices; kNone where there is none (a plane)
 };
@@ -63,6 +64,7 @@ struct PointRules
 	double radiusA = 0, radiusB = 0;  // that bodies are grown by: round at corners and edges
 	bool nearest = false;  // the nearest points are wanted though bodies are apart, be they corners'
 	PairBody a, b;
+	double friction = 0;  // Coulomb's coefficient
 	double timeStep = 0;  // seconds; 0: nothing is looked ahead for
 	// How far one of the two is looked for on its own way, in case that a third body holds the other: stacks that fall
 	// as one are apart by no motion of theirs until the lowest meets the floor.

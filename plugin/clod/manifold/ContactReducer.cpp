@@ -118,8 +118,11 @@ void ContactReducer::choose()
 							 ? m_candidates[i].weight > m_candidates[j].weight
 							 : i < j;
 			  });
+	// Friction, which nobody has solved for yet, may turn the bodies so that no other row holds them.
+	for (std::uint32_t i = 0; i < m_candidates.size(); ++i)
+		if ((*m_points)[i].isOfMiddle) take(i);
 	for (const std::uint32_t i : m_order)
-		if (m_chosen.size() < kMostPoints && m_candidates[i].apart >= kCarrySpacing) take(i);
+		if (m_chosen.size() < kMostPoints && !m_candidates[i].isChosen && m_candidates[i].apart >= kCarrySpacing) take(i);
 	// Lowest first where nothing is chosen yet.
 	const auto lowest = [&](std::uint32_t i) { return std::min((*m_facets)[i].distance, (*m_facets)[i].then); };
 	while (m_chosen.size() < kMostPoints)

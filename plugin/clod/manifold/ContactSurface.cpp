@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include <xxhash.h>
+
 #include "clod/collide/Triangle.h"
 
 namespace clod
@@ -317,6 +319,49 @@ double ContactSurface::squaredBeside(std::uint32_t polygon, const Vec3& point) c
 		if (foot[u] < from[u] + (foot[v] - from[v]) / along[v] * along[u]) isInside = !isInside;
 	}
 	return isInside ? 0 : best;
+}
+
+std::uint64_t ContactSurface::nameOfVertex(std::uint32_t vertex) const
+{
+	return isSheet() ? XXH3_64bits(&m_vertices[vertex], sizeof(Vec3)) : vertex;
+}
+
+std::uint64_t ContactSurface::nameOfEdge(std::uint32_t edge) const
+{
+	if (!isSheet()) return edge;
+	const SurfaceEdge& e = m_edges[edge];
+	const std::uint64_t names[] = {nameOfVertex(e.vertex[0]), nameOfVertex(e.vertex[1]), e.face[0] % 2};
+	return XXH3_64bits(names, sizeof names);
+}
+
+// Of its first triangle, and by side.
+std::uint64_t ContactSurface::nameOfPolygon(std::uint32_t polygon) const
+{
+	if (!isSheet()) return polygon;
+	const std::uint32_t first = facesOf(polygon)[0];
+	const std::array<std::uint32_t, 3>& v = m_faces[first].vertex;
+	const std::uint64_t names[] = {nameOfVertex(v[0]), nameOfVertex(v[1]), nameOfVertex(v[2]), first % 2};
+	return XXH3_64bits(names, sizeof names);
+}
+
+bool ContactSurface::isAround(std::uint32_t polygon, const Vec3& point, double radius) const
+{
+	if (isHalfSpace()) return true;
+	if (squaredBeside(polygon, point) > 0) return false;
+	const SurfaceFace& plane = planeOf(polygon);
+	const Vec3 foot = point - (dot(plane.normal, point) - plane.offset) * plane.normal;
+	const auto isNear = [&](std::uint32_t start, std::uint32_t end)
+	{
+		const Vec3 &from = m_vertices[start], along = m_vertices[end] - from;
+		const double share = std::max(0.0, std::min(1.0, dot(foot - from, along) / lengthSquared(along)));
+		return lengthSquared(foot - from - share * along) < radius * radius;
+	};
+	const Span<Border> border = borderOf(polygon);
+	for (const Border& side : border)
+		if (isNear(side[0], side[1])) return false;
+	if (!border.empty()) return true;
+	const std::array<std::uint32_t, 3>& v = plane.vertex;
+	return !isNear(v[0], v[1]) && !isNear(v[1], v[2]) && !isNear(v[2], v[0]);
 }
 
 // Of faces as near the first.

@@ -59,6 +59,10 @@ public:
 	// A half space, normal . p <= offset, as seen within `size` of a point: one node, one face.
 	ContactSurface(const Vec3& normal, double offset, const Vec3& near, double size);
 
+	// The same whenever the surface is made: the index; of a sheet, which is gathered anew in every step, where it lies, hashed.
+	std::uint64_t nameOfVertex(std::uint32_t vertex) const;
+	std::uint64_t nameOfEdge(std::uint32_t edge) const;
+	std::uint64_t nameOfPolygon(std::uint32_t polygon) const;
 	const std::vector<Vec3>& vertices() const { return m_vertices; }
 	const std::vector<SurfaceFace>& faces() const { return m_faces; }
 	const std::vector<SurfaceEdge>& edges() const { return m_edges; }
@@ -74,6 +78,8 @@ public:
 	// One that has it; kNone of a core.
 	std::uint32_t faceOfVertex(std::uint32_t vertex) const { return m_faceOfVertex[vertex]; }
 	bool isClosed() const { return m_kind == Kind::kClosed; }
+	bool isSheet() const { return m_kind == Kind::kSheet; }
+	std::uint32_t polygonCount() const { return std::uint32_t(m_firstPolygonFace.size() - 1); }
 	bool isHalfSpace() const { return m_kind == Kind::kHalfSpace; }
 	bool isCore() const { return m_kind == Kind::kCore; }
 	// What a node of this level has: vertices; convex edges, whole, be it only a part of them; polygons, with the corners
@@ -104,6 +110,8 @@ public:
 	const Vec3& centerOf(std::uint32_t polygon) const { return m_polygonCenters[polygon]; }
 	// Squared distance of a point's foot on a polygon's plane from the polygon.
 	double squaredBeside(std::uint32_t polygon, const Vec3& point) const;
+	// Does the polygon hold all of a disc round a point's foot?
+	bool isAround(std::uint32_t polygon, const Vec3& point, double radius) const;
 	// Of the polygon.
 	std::uint32_t nearestFaceOf(std::uint32_t polygon, const Vec3& point) const;
 	// Distance of a point to the surface, negative inside; what is farther than `within` is not looked for (face kNone).

@@ -22,7 +22,8 @@ namespace clod
 {
 inline constexpr double kSameNormal = 0.99995;  // cosine: of one polygon's facets, and of polygons all but in one plane
 
-struct Facet
+// What a facet is, and how far apart its features are: with its contact point, all of it.
+struct FacetRecord
 {
 	enum class Kind : std::uint8_t
 	{
@@ -32,6 +33,8 @@ struct Facet
 		kVertexEdge,
 		kEdgeVertex,
 		kVertexVertex,
+		kMiddleFace,  // the middle of A that it turns about, of a face of B
+		kFaceMiddle,
 		kDeep,  // no facet, but a way out (DeepOverlap.h)
 		kHeld   // of levels no longer asked for: a point of the last step that goes on (LevelSwitch.h)
 	};
@@ -47,20 +50,20 @@ struct Facet
 	bool isThrough = false;  // a vertex that went in through the face, and may be out beyond
 	std::uint32_t levelA, levelB, nodeA, nodeB;
 	std::uint32_t featureA, featureB;  // vertex, edge, or polygon of the level's surface
+	std::uint64_t feature = 0;         // the two, the same in every step (featureOf)
+	double distance;                   // now
+	double then;                       // at the end of the step if nothing intervened, of the same facet
+	// Is it made of two features, which tell of it at any pose?
+	bool hasFeatures() const { return kind != Kind::kDeep && kind != Kind::kHeld; }
+	bool isOfMiddle() const { return kind == Kind::kMiddleFace || kind == Kind::kFaceMiddle; }
+};
+
+struct Facet : FacetRecord
+{
 	Vec3 onA, onB, normal;
-	double distance;        // now
-	double then;            // at the end of the step if nothing intervened, of the same facet
 	double linear;          // what the motion closes by, to first order: negative closes
 	double multiplier = 0;  // of the pair's own solve, an impulse
 	double slowOverlap = 0;  // of what lies below the margin: came with a change of level, and is left slowly
-	// Is it made of two features, which tell of it at any pose?
-	bool hasFeatures() const { return kind != Kind::kDeep && kind != Kind::kHeld; }
-	// What makes it, hashed.
-	std::uint64_t feature() const
-	{
-		return (std::uint64_t(featureA) * 0x9E3779B97F4A7C15u ^ featureB) * 0xD6E8FEB86659FD93u +
-			   (std::uint64_t(kind) << 8 | levelA << 4 | levelB);
-	}
 	double curvature() const { return then - distance - linear; }  // what the first order misses
 };
 
@@ -111,6 +114,21 @@ struct FacetQuestion
 	// How far off its facet a foot may be.
 	double footSlack(double distance) const;
 };
+
+// What makes a facet, hashed: the same in whichever step it is found.
+inline std::uint64_t featureOf(const ContactSurface& a, const ContactSurface& b, const FacetRecord& facet)
+{
+	using Kind = Facet::Kind;
+	const auto nameIn = [&](const ContactSurface& surface, std::uint32_t index, Kind ofVertex, Kind ofPolygon, Kind ofEdge)
+	{
+		if (facet.kind == ofVertex || facet.kind == Kind::kVertexVertex) return surface.nameOfVertex(index);
+		if (facet.kind == ofPolygon) return surface.nameOfPolygon(index);
+		return facet.kind == ofEdge || facet.kind == Kind::kEdgeEdge ? surface.nameOfEdge(index) : index;
+	};
+	std::uint64_t name = nameIn(a, facet.featureA, Kind::kVertexFace, Kind::kFaceVertex, Kind::kEdgeVertex);
+	name = name * 0x9E3779B97F4A7C15u ^ nameIn(b, facet.featureB, Kind::kFaceVertex, Kind::kVertexFace, Kind::kVertexEdge);
+	return name * 0xD6E8FEB86659FD93u + (std::uint64_t(facet.kind) << 8 | facet.levelA << 4 | facet.levelB);
+}
 
 inline constexpr double kFootShare = 1e-3;      // of the length: how far off its facet a foot may be
 inline constexpr double kDeepFootShare = 1e-2;  // and at most where bodies overlap

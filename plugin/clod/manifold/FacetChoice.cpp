@@ -39,7 +39,7 @@ Vec3 deepPoint(const Vec3 (&normal)[4], const double (&offset)[4], const Vec3& s
 }
 }  // namespace
 
-void FacetChoice::choose(const FacetQuestion& question, const std::vector<Facet>& last, const Transform& lastAFromB,
+void FacetChoice::choose(const FacetQuestion& question, const std::vector<FacetRecord>& last, const Transform& lastAFromB,
 						 std::vector<Facet>& facets)
 {
 	m_question = &question;
@@ -108,28 +108,28 @@ void FacetChoice::removeDropped(std::vector<Facet>& facets) const
 	facets.resize(kept, Facet{});
 }
 
-void FacetChoice::knowAgain(const std::vector<Facet>& last, const Transform& lastAFromB, std::vector<Facet>& facets)
+void FacetChoice::knowAgain(const std::vector<FacetRecord>& last, const Transform& lastAFromB, std::vector<Facet>& facets)
 {
 	m_isKnown.assign(facets.size(), 0);
 	const auto isOverlap = [](const Facet& facet) { return facet.reach == Facet::Reach::kOverlap; };
 	if (std::none_of(facets.begin(), facets.end(), isOverlap)) return;
 	m_last.clear();
 	for (std::uint32_t i = 0; i < last.size(); ++i)
-		if (last[i].hasFeatures()) m_last.emplace_back(last[i].feature(), i);
+		if (last[i].hasFeatures()) m_last.emplace_back(last[i].feature, i);
 	std::sort(m_last.begin(), m_last.end());
 	for (std::uint32_t i = 0; i < facets.size() && !m_last.empty(); ++i)
 	{
 		Facet& facet = facets[i];
 		if (!isOverlap(facet)) continue;
-		const auto at = std::lower_bound(m_last.begin(), m_last.end(), std::make_pair(facet.feature(), std::uint32_t(0)));
-		if (at == m_last.end() || at->first != facet.feature()) continue;
+		const auto at = std::lower_bound(m_last.begin(), m_last.end(), std::make_pair(facet.feature, std::uint32_t(0)));
+		if (at == m_last.end() || at->first != facet.feature) continue;
 		m_isKnown[i] = 1;
 		facet.isThrough = wentThrough(facet, last[at->second], lastAFromB);
 	}
 }
 
 // Since the last step, or before: a vertex that is under the face, and came in through it.
-bool FacetChoice::wentThrough(const Facet& facet, const Facet& last, const Transform& lastAFromB) const
+bool FacetChoice::wentThrough(const Facet& facet, const FacetRecord& last, const Transform& lastAFromB) const
 {
 	const FacetQuestion& q = *m_question;
 	const ContactSurface &a = q.a.surface(facet.levelA), &b = q.b.surface(facet.levelB);
@@ -251,7 +251,8 @@ void FacetChoice::dropRidges(std::vector<Facet>& facets)
 	m_isKept.assign(facets.size(), 1);
 	m_order.clear();
 	for (std::uint32_t i = 0; i < facets.size(); ++i)
-		if (facets[i].reach == Facet::Reach::kNear || facets[i].reach == Facet::Reach::kPath) m_order.push_back(i);
+		if ((facets[i].reach == Facet::Reach::kNear || facets[i].reach == Facet::Reach::kPath) && !facets[i].isOfMiddle())
+			m_order.push_back(i);
 	// Crossed last first; ties by what comes first.
 	std::sort(m_order.begin(), m_order.end(),
 			  [&](std::uint32_t i, std::uint32_t j)

@@ -19,14 +19,14 @@ class FacetChoice
 {
 public:
 	// Removes those that are no contacts. last: those that the solver got, at that pose.
-	void choose(const FacetQuestion& question, const std::vector<Facet>& last, const Transform& lastAFromB,
+	void choose(const FacetQuestion& question, const std::vector<FacetRecord>& last, const Transform& lastAFromB,
 				std::vector<Facet>& facets);
 
 private:
 	bool overlapsAt(const Facet& facet, const Vec3& shift) const;
 	Vec3 centerOf(const Facet& facet) const;
-	void knowAgain(const std::vector<Facet>& last, const Transform& lastAFromB, std::vector<Facet>& facets);
-	bool wentThrough(const Facet& facet, const Facet& last, const Transform& lastAFromB) const;
+	void knowAgain(const std::vector<FacetRecord>& last, const Transform& lastAFromB, std::vector<Facet>& facets);
+	bool wentThrough(const Facet& facet, const FacetRecord& last, const Transform& lastAFromB) const;
 	void dropInner(std::vector<Facet>& facets);
 	void dropRidges(std::vector<Facet>& facets);
 	bool isBeyondRidge(const Facet& best, const Vec3& center, const Facet& other) const;

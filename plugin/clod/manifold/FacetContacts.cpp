@@ -28,16 +28,14 @@ void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Trans
 	m_memory = &memory;
 	m_expected = rules.motion();
 	m_facets.clear();
-	if (goesOn) m_facets = memory.reduced;
-	m_facets.erase(std::remove_if(m_facets.begin(), m_facets.end(),
-								  [](const Facet& f) { return !f.hasFeatures(); }),
-				   m_facets.end());
+	if (goesOn) takeUp(previous, rules);
 	m_question = {a,
 				  b,
 				  aFromB,
 				  aFromBAfter(rules.a, rules.b, aFromB, rules.timeStep),
 				  aFromBAfter(withoutForces(rules.a), withoutForces(rules.b), aFromB, rules.timeStep),
 				  rules};
+	if (!goesOn && !contacts.empty()) takeUpWhatIsThrough();
 	m_finder.find(m_question, contacts, m_facets);
 	m_choice.choose(m_question, memory.reduced, memory.aFromB, m_facets);
 	answerDepth(contacts, isDeep, previous);
@@ -45,6 +43,54 @@ void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Trans
 	if (m_facets.empty() && !memory.isDeep()) return memory.forget();
 	m_solve.solve(m_question, m_facets);
 	m_expected = m_solve.motion();
+}
+
+// Those that the solver got last, where they were.
+void FacetContacts::takeUp(const ClusterSet& previous, const PointRules& rules)
+{
+	std::size_t next = 0;
+	for (const ContactCluster& cluster : previous.slots)
+		for (int i = 0; i < cluster.count && next < m_memory->reduced.size(); ++i)
+		{
+			const ContactPoint& point = cluster.points[std::size_t(i)].point;
+			Facet facet{};
+			static_cast<FacetRecord&>(facet) = m_memory->reduced[next++];
+			if (!facet.hasFeatures()) continue;
+			facet.onA = point.pointOnA + rules.radiusA * point.normal;
+			facet.onB = point.pointOnB - rules.radiusB * point.normal;
+			facet.normal = point.normal;
+			facet.slowOverlap = point.slowOverlap;
+			m_facets.push_back(facet);
+		}
+}
+
+// What went in through a face stays its contact until it is out, be it beyond by more than the body is thick there.
+void FacetContacts::takeUpWhatIsThrough()
+{
+	const FacetQuestion& q = m_question;
+	for (const FacetRecord& record : m_memory->reduced)
+	{
+		if (!record.isThrough) continue;
+		const ContactSurface &a = q.a.surface(record.levelA), &b = q.b.surface(record.levelB);
+		const bool isOfA = record.kind == Facet::Kind::kVertexFace;
+		if (b.isSheet() && !isOfA) continue;
+		const ContactSurface& faces = isOfA ? b : a;
+		Facet facet{};
+		static_cast<FacetRecord&>(facet) = record;
+		std::uint32_t& polygon = isOfA ? facet.featureB : facet.featureA;
+		if (faces.isSheet())
+			for (polygon = 0; polygon < faces.polygonCount() && featureOf(a, b, facet) != record.feature;) ++polygon;
+		if (polygon == faces.polygonCount()) continue;
+		const Vec3 place = isOfA ? inverse(q.aFromB) * a.vertices()[facet.featureA] : q.aFromB * b.vertices()[facet.featureB];
+		const SurfaceFace& face = faces.planeOf(polygon);
+		facet.distance = dot(face.normal, place) - face.offset;
+		if (!(facet.distance < 0) || faces.squaredBeside(polygon, place) > 0) continue;
+		facet.reach = Facet::Reach::kOverlap;
+		facet.normal = isOfA ? q.aFromB.rotation * face.normal : -face.normal;
+		facet.onA = isOfA ? a.vertices()[facet.featureA] : place + facet.distance * facet.normal;
+		facet.onB = facet.onA - facet.distance * facet.normal;
+		m_facets.push_back(facet);
+	}
 }
 
 // Bodies overlap, and no facet says how deep: one point with a way out. While it is needed the way stays.
@@ -126,6 +172,8 @@ void FacetContacts::nameFaces(const Facet& facet, const Transform& bFromA, Conta
 			faceA = a.faceOfVertex(facet.featureA);
 			faceB = b.faceOfVertex(facet.featureB);
 			break;
+		case Facet::Kind::kMiddleFace: faceB = b.nearestFaceOf(facet.featureB, bFromA * facet.onB); break;
+		case Facet::Kind::kFaceMiddle: faceA = a.nearestFaceOf(facet.featureA, facet.onA); break;
 		case Facet::Kind::kHeld: break;
 		case Facet::Kind::kDeep:
 			if (b.isCore()) faceB = kNone;
@@ -145,9 +193,10 @@ ContactPoint FacetContacts::pointOf(const Facet& facet) const
 	point.bend = facet.curvature();
 	point.slowOverlap = facet.slowOverlap;
 	if (facet.kind == Facet::Kind::kHeld) return point;
-	point.feature = facet.feature();
+	point.feature = facet.feature;
 	point.nodeA = facet.nodeA;
 	point.nodeB = facet.nodeB;
+	point.isOfMiddle = facet.isOfMiddle();
 	return point;
 }
 }  // namespace clod

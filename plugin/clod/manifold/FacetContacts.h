@@ -18,8 +18,8 @@ namespace clod
 // What of a pair lasts from step to step besides its points; all else is scratch.
 struct FacetMemory
 {
-	std::vector<Facet> reduced;  // those that the solver got,
-	Transform aFromB;            // and where
+	std::vector<FacetRecord> reduced;  // those that the solver got, in the order of its points,
+	Transform aFromB;                  // and where
 	SwitchMemory levels;
 	Vec3 wayOut;                 // while there is a depth that no facet answers: the points say nothing of it but this
 	bool isDeep() const { return wayOut != Vec3{}; }
@@ -49,6 +49,8 @@ public:
 	}
 
 private:
+	void takeUpWhatIsThrough();
+	void takeUp(const ClusterSet& previous, const PointRules& rules);
 	ContactPoint pointOf(const Facet& facet) const;
 	void nameFaces(const Facet& facet, const Transform& bFromA, ContactPoint& point) const;
 	void answerDepth(const std::vector<Contact>& contacts, bool isDeep, const ClusterSet& previous);

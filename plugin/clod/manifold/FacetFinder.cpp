@@ -48,6 +48,7 @@ void FacetFinder::find(const FacetQuestion& question, const std::vector<Contact>
 	// What an impact of that speed may add to the turning, besides.
 	const double speed = length(m_motion.velocity(question.rules.b.center));
 	m_turn = (length(m_motion.angular) + speed / question.length()) * m_motion.timeStep;
+	placeMiddles();
 	for (Facet& facet : facets) facet.linear = dot(m_motion.velocity(facet.onA), facet.normal) * m_motion.timeStep;
 	std::size_t size = kLeastTable;
 	while (size < 4 * (facets.size() + contacts.size())) size *= 2;
@@ -90,9 +91,11 @@ void FacetFinder::add(Facet& facet)
 	if (m_table[slot] != kNone)
 	{
 		Facet& known = (*m_facets)[m_table[slot]];
+		facet.feature = known.feature;
 		if (facet.reach < known.reach) known = facet;
 		return;
 	}
+	facet.feature = featureOf(*m_pair.a, *m_pair.b, facet);
 	m_table[slot] = std::uint32_t(m_facets->size());
 	m_facets->push_back(facet);
 	if (2 * m_facets->size() <= m_table.size()) return;
@@ -112,6 +115,10 @@ void FacetFinder::findPair(const Contact& contact)
 	gather(contact, nodeA, nodeB);
 	verticesOverFaces(nodeA.cone, nodeB.cone);
 	edgesOverEdges(nodeA.cone, nodeB.cone, mayOverlap);
+	if (m_middleA.height > 0)
+		for (const std::uint32_t polygon : m_polygonsB) middleOverFace(m_middleA, polygon, true);
+	if (m_middleB.height > 0)
+		for (const std::uint32_t polygon : m_polygonsA) middleOverFace(m_middleB, polygon, false);
 	if (q.isRound()) findRound();
 }
 

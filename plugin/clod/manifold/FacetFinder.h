@@ -59,6 +59,15 @@ private:
 	void findRound();
 	void vertexOverEdge(const MovedCorner& vertex, const MovedEdge& moved, bool vertexIsOfA);
 	void vertexOverVertex(const MovedCorner& ofA, const MovedCorner& ofB);
+	// MiddleFacets.cpp
+	struct Middle
+	{
+		double height = 0;  // the least of the body about it; none: 0
+		double radius = 0;  // of the body about it
+		Vec3 own, now, then, unforced;  // in its own frame; in the other's, see FacetQuestion
+	};
+	void placeMiddles();
+	void middleOverFace(const Middle& middle, std::uint32_t polygon, bool middleIsOfA);
 	bool isInCone(const MovedCorner& vertex, const Vec3& normal, bool isOfA) const;
 	void addRound(Facet& facet, const Approach& approach, const Vec3& now, const Vec3& then, const Vec3& normal);
 	std::size_t slotOf(const Facet& facet) const;
@@ -72,6 +81,7 @@ private:
 	double m_sagitta = 0;     // of the arc that a chord of the path stands for, a share of the chord
 	double m_bend = 0;  // sagitta of the arc of a point of B in A, where A does not turn, a share of its distance from B's center
 	double m_turn = 0;  // radians that contacts may turn B relative to A in the step, at most
+	Middle m_middleA, m_middleB;
 	Pair m_pair;
 	MovedNodes m_nodesA, m_nodesB;
 	// Of the pair, those that come near the other node.

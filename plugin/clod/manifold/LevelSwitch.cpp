@@ -54,11 +54,11 @@ bool LevelSwitch::isLost(const FacetQuestion& question, const ClusterPoint& old,
 	if (!isAmong(m_asked, facet)) return true;
 	const double unmoved = kUnmovedShare * question.length();
 	if (lengthSquared(old.placeWithB - old.point.pointOnA) > unmoved * unmoved) return false;
-	return std::none_of(found.begin(), found.end(), [&](const Facet& f) { return f.feature() == old.point.feature; });
+	return std::none_of(found.begin(), found.end(), [&](const Facet& f) { return f.feature == old.point.feature; });
 }
 
 void LevelSwitch::apply(const FacetQuestion& question, const std::vector<Contact>& contacts,
-						const std::vector<Facet>& reduced, const ClusterSet& previous, bool stays, SwitchMemory& memory,
+						const std::vector<FacetRecord>& reduced, const ClusterSet& previous, bool stays, SwitchMemory& memory,
 						std::vector<Facet>& facets)
 {
 	m_points.clear();
@@ -84,10 +84,11 @@ void LevelSwitch::apply(const FacetQuestion& question, const std::vector<Contact
 		for (int i = 0; i < cluster.count && next < reduced.size(); ++i)
 		{
 			const ClusterPoint& old = cluster.points[std::size_t(i)];
-			Facet facet = reduced[next++];
+			Facet facet{};
+			static_cast<FacetRecord&>(facet) = reduced[next++];
 			const bool wasHeld = facet.kind == Facet::Kind::kHeld, carried = old.impulse > 0;
 			if (!wasHeld) before = std::max(before, -old.point.height);
-			const bool mayGoOn = facet.kind != Facet::Kind::kDeep && (carried || (wasHeld && old.point.idle < kIdle));
+			const bool mayGoOn = facet.kind != Facet::Kind::kDeep && !old.point.isOfMiddle && (carried || (wasHeld && old.point.idle < kIdle));
 			const bool goesOn = stays ? wasHeld : mayGoOn && isLost(question, old, facet, {facets.data(), found});
 			if (!goesOn || !goOn(question, old, facet)) continue;
 			facets.push_back(facet);

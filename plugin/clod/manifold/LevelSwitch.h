@@ -31,7 +31,7 @@ class LevelSwitch
 public:
 	// Appends to the facets those of `reduced`, which the solver got last, that go on; their points are `previous` (with
 	// carryWithB, and impulses). stays: nothing but the motion of the rules has changed.
-	void apply(const FacetQuestion& question, const std::vector<Contact>& contacts, const std::vector<Facet>& reduced,
+	void apply(const FacetQuestion& question, const std::vector<Contact>& contacts, const std::vector<FacetRecord>& reduced,
 			   const ClusterSet& previous, bool stays, SwitchMemory& memory, std::vector<Facet>& facets);
 	// Of a facet of kind kHeld, as last written.
 	const ContactPoint& pointOf(const Facet& held) const { return m_points[held.featureA]; }

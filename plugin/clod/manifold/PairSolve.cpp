@@ -59,6 +59,17 @@ double distanceAt(const FacetQuestion& question, const Facet& facet, const Trans
 		const SurfaceFace& face = a.planeOf(facet.featureA);
 		return dot(face.normal, aFromB * b.vertices()[facet.featureB]) - face.offset;
 	}
+	if (facet.kind == Facet::Kind::kMiddleFace)
+	{
+		const SurfaceFace& face = b.planeOf(facet.featureB);
+		return dot(face.normal, bFromA * question.rules.a.center) - face.offset - length(question.rules.a.center - facet.onA);
+	}
+	if (facet.kind == Facet::Kind::kFaceMiddle)
+	{
+		const SurfaceFace& face = a.planeOf(facet.featureA);
+		return dot(face.normal, aFromB * (inverse(question.aFromB) * question.rules.b.center)) - face.offset -
+			   length(question.rules.b.center - facet.onB);
+	}
 	if (isOfRound(facet.kind))
 	{
 		const Vec3 between = betweenAt(facet, a, b, aFromB);
@@ -113,6 +124,30 @@ void PairSolve::push(const Row& row, double impulse)
 	m_b.angular -= impulse * row.pushB;
 }
 
+void PairSolve::push(const Facet& facet, const Vec3& impulse)
+{
+	m_a.linear += m_a.inverseMass * impulse;
+	m_a.angular += m_a.inverseInertia * cross(facet.onA - m_a.center, impulse);
+	m_b.linear -= m_b.inverseMass * impulse;
+	m_b.angular -= m_b.inverseInertia * cross(facet.onB - m_b.center, impulse);
+}
+
+// Friction of at most so much, against the sliding.
+void PairSolve::rub(const Facet& facet, double most, Vec3& friction)
+{
+	const Vec3 armA = facet.onA - m_a.center, armB = facet.onB - m_b.center;
+	const Vec3 speed = m_a.linear + cross(m_a.angular, armA) - m_b.linear - cross(m_b.angular, armB);
+	const Vec3 sliding = speed - dot(speed, facet.normal) * facet.normal, along = normalized(sliding);
+	const Vec3 turnA = cross(armA, along), turnB = cross(armB, along);
+	const double inverseMass = m_a.inverseMass + m_b.inverseMass + dot(turnA, m_a.inverseInertia * turnA) +
+							   dot(turnB, m_b.inverseInertia * turnB);
+	Vec3 next = friction - (1 / inverseMass) * sliding;
+	const double size = length(next);
+	if (size > most) next = (most / size) * next;
+	push(facet, next - friction);
+	friction = next;
+}
+
 void PairSolve::sweep(const FacetQuestion& question, const std::vector<Facet>& facets)
 {
 	m_a = question.rules.a;
@@ -123,6 +158,7 @@ void PairSolve::sweep(const FacetQuestion& question, const std::vector<Facet>& f
 		if (multiplier == 0) continue;
 		const Row& row = m_rows[i];
 		push(row, multiplier);
+		push(facets[i], m_frictions[i]);
 	}
 	for (int round = 0; round < kSweeps; ++round)
 	{
@@ -138,9 +174,13 @@ void PairSolve::sweep(const FacetQuestion& question, const std::vector<Facet>& f
 			const double old = m_multipliers[i];
 			m_multipliers[i] = std::max(0.0, old + row.effectiveMass * (wanted - speed));
 			const double impulse = m_multipliers[i] - old;
-			if (impulse == 0) continue;
-			change = std::max(change, std::abs(wanted - speed));
-			push(row, impulse);
+			if (impulse != 0)
+			{
+				change = std::max(change, std::abs(wanted - speed));
+				push(row, impulse);
+			}
+			if (question.rules.friction > 0 && (m_multipliers[i] > 0 || old > 0))
+				rub(facets[i], question.rules.friction * m_multipliers[i], m_frictions[i]);
 		}
 		if (change * question.rules.timeStep < kSettled * question.length()) break;
 	}
@@ -163,6 +203,7 @@ void PairSolve::solve(const FacetQuestion& question, std::vector<Facet>& facets)
 	if (facets.empty() || !canMove) return;
 	m_rows.clear();
 	m_multipliers.assign(facets.size(), 0);
+	m_frictions.assign(facets.size(), Vec3{});
 	for (const Facet& facet : facets)
 	{
 		Row row;

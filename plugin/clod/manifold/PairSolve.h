@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // What a pair's contacts alone would make of the coming step: which of many facets carry (a multiplier each), and where
-// the bodies end, which is where the second order of each facet is taken. A few Gauss-Seidel sweeps without friction.
+// the bodies end, which is where the second order of each facet is taken. A few Gauss-Seidel sweeps, Coulomb's friction in
+// the direction of sliding.
 #pragma once
 #include <vector>
 
@@ -34,8 +35,11 @@ private:
 	};
 	bool isMet(const FacetQuestion& question, const Facet& facet, const Transform& after) const;
 	void push(const Row& row, double impulse);
+	void push(const Facet& facet, const Vec3& impulse);
+	void rub(const Facet& facet, double most, Vec3& friction);
 	void sweep(const FacetQuestion& question, const std::vector<Facet>& facets);
 	std::vector<Row> m_rows;
+	std::vector<Vec3> m_frictions;  // of the facets, impulses
 	std::vector<double> m_multipliers;
 	PairBody m_a, m_b;  // as solved
 	double m_timeStep = 0;

@@ -77,6 +77,18 @@ void contacts(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, c
 	state.hasLast = state.last != nullptr;
 }
 
+void evaluate(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, std::vector<Contact>& contacts)
+{
+	const QueryContext context(a, b, aFromB);
+	for (Contact& contact : contacts)
+	{
+		const HullDistance distance =
+			canonicalDistance(context, contact.nodeA, contact.nodeB, std::numeric_limits<double>::infinity());
+		contact = {contact.nodeA,     contact.nodeB,     distance.lower, distance.upper,
+				   distance.pointOnA, distance.pointOnB, distance.normal};
+	}
+}
+
 Outline outlineCoarsest(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const ContactSettings& settings,
 						PairCache& cache)
 {

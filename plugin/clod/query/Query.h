@@ -46,6 +46,12 @@ struct Contact
 	Vec3 normal;              // unit, from B to A; zero when the hulls overlap
 };
 
+// What tells a contact: the rest of it is a function of the two nodes and the pose, see evaluate().
+struct AcceptedPair
+{
+	std::uint32_t nodeA, nodeB;
+};
+
 struct QueryStats
 {
 	std::uint32_t front = 0;       // leaves of the bounding volume test tree after the query
@@ -70,12 +76,15 @@ struct QueryStats
 	std::uint32_t depthsCutShort = 0;  // searches of a depth that met their limit of cells: the bound may be wider
 };
 
-struct CLOD_API ContactResult
+struct ContactSummary
 {
-	std::vector<Contact> contacts;  // sorted by (nodeA, nodeB)
-	bool deep = false;              // penetration beyond what the contact list can prove
+	bool deep = false;  // penetration beyond what the contact list can prove
 	double excess = 0;  // by which factor the worst contact exceeds the metric without its coarsening; 0: none does
 	QueryStats stats;
+};
+struct CLOD_API ContactResult : ContactSummary
+{
+	std::vector<Contact> contacts;  // sorted by (nodeA, nodeB)
 	void clear();
 };
 
@@ -104,6 +113,9 @@ private:
 // pose is finite and rigid. No allocation once the buffers of cache and result have grown.
 CLOD_API void contacts(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const ContactSettings& settings,
 					   PairCache& cache, ContactResult& result);
+
+// Fills in all but the nodes of contacts that are known by these: bit for bit what contacts() found at that pose.
+CLOD_API void evaluate(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, std::vector<Contact>& contacts);
 
 // What the coarsest valid answer takes: `listing` the pairs that give it was done now, `answering` them takes so many tests
 // at most. A query with a budget at the same pose need not list them again.

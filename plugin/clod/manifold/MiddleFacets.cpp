@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Zlib
+// Facets of bodies that an impact may turn within the step, so that no row at a point of theirs says where they end: the
+// middle about which a body turns stays above a face as wide as the body by the least height that the body has about it,
+// however it turns.
+#include <cmath>
+#include <limits>
+
+#include "clod/collide/ConvexPolyhedron.h"
+#include "clod/manifold/FacetFinder.h"
+
+namespace clod
+{
+namespace
+{
+constexpr double kMostTurn = 0.5;  // radians that a step may turn a body by, and rows at its points do
+constexpr std::size_t kInnerVertices = 32;
+
+// What the hull of a body's finest surface is at least.
+struct InnerHull
+{
+	ConvexPolyhedron inner;
+	double error;
+	explicit InnerHull(const Hierarchy& hierarchy) : error(double(hierarchy.levels()[0].maxSurf))
+	{
+		std::vector<Vec3> points;
+		const Level& level = hierarchy.levels()[0];
+		for (std::uint32_t n = level.firstNode; n < level.firstNode + level.nodeCount; ++n)
+		{
+			const HullView hull = hierarchy.hull(hierarchy.node(n));
+			for (std::uint32_t i = 0; i < hull.count; ++i) points.push_back(hull.vertex(i));
+		}
+		inner = convexPolyhedron(points, kInnerVertices);
+	}
+	// Of the hull about a point, over all directions; negative outside.
+	double leastHeight(const Vec3& center) const
+	{
+		if (inner.triangles.empty()) return 0;
+		double least = std::numeric_limits<double>::infinity();
+		for (const auto& t : inner.triangles)
+		{
+			const Vec3& corner = inner.vertices[t[0]];
+			const Vec3 normal = normalized(cross(inner.vertices[t[1]] - corner, inner.vertices[t[2]] - corner));
+			if (normal != Vec3{}) least = std::min(least, dot(normal, corner - center));
+		}
+		return least - error;
+	}
+};
+}  // namespace
+
+void FacetFinder::placeMiddles()
+{
+	const FacetQuestion& q = *m_question;
+	for (const bool isOfA : {true, false})
+	{
+		Middle& middle = isOfA ? m_middleA : m_middleB;
+		const ContactBody& body = isOfA ? q.a : q.b;
+		const PairBody& moved = isOfA ? q.rules.a : q.rules.b;
+		middle.height = 0;
+		if (m_turn <= kMostTurn || !body.hierarchy || body.hierarchy->isThinCore() || !(moved.inverseMass > 0)) continue;
+		const auto otherFrom = [&](const Transform& aFromB) { return isOfA ? inverse(aFromB) : aFromB; };
+		middle.own = isOfA ? moved.center : m_bFromA * moved.center;
+		middle.height = body.hierarchy->derived<InnerHull>().leastHeight(middle.own);
+		const Asset& asset = body.hierarchy->asset();
+		middle.radius = length(middle.own - toVec3(asset.sphereCenter)) + double(asset.radius);
+		middle.now = otherFrom(q.aFromB) * middle.own;
+		middle.then = otherFrom(q.aFromBThen) * middle.own;
+		middle.unforced = otherFrom(q.aFromBUnforced) * middle.own;
+	}
+}
+
+void FacetFinder::middleOverFace(const Middle& middle, std::uint32_t polygon, bool middleIsOfA)
+{
+	const FacetQuestion& q = *m_question;
+	const ContactSurface& faces = middleIsOfA ? *m_pair.b : *m_pair.a;
+	const SurfaceFace& face = faces.planeOf(polygon);
+	const double now = dot(face.normal, middle.now) - face.offset - middle.height;
+	const double then = dot(face.normal, middle.then) - face.offset - middle.height;
+	const double end = now + kPathReach * (then - now);
+	if (!(now > 0 && end <= q.rules.margin)) return;
+	const Vec3 move = kPathReach * (middle.then - middle.now);
+	if (!faces.isAround(polygon, middle.now + now / (now - end) * move, middle.radius)) return;
+	Facet facet;
+	facet.kind = middleIsOfA ? Facet::Kind::kMiddleFace : Facet::Kind::kFaceMiddle;
+	facet.reach = Facet::Reach::kPath;
+	facet.featureA = middleIsOfA ? kNone : polygon;
+	facet.featureB = middleIsOfA ? polygon : kNone;
+	facet.distance = now;
+	facet.then = then;
+	facet.normal = middleIsOfA ? q.aFromB.rotation * face.normal : -face.normal;
+	if (middleIsOfA)
+	{
+		facet.onA = q.rules.a.center - middle.height * facet.normal;
+		facet.onB = facet.onA - now * facet.normal;
+	}
+	else
+	{
+		facet.onB = q.rules.b.center + middle.height * facet.normal;
+		facet.onA = facet.onB + now * facet.normal;
+	}
+	add(facet);
+}
+}  // namespace clod
