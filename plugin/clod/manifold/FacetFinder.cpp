@@ -125,7 +125,7 @@ void FacetFinder::findPair(const Contact& contact)
 // Corners that are the lowest of their neighbours over no face of such normals are left out at once.
 void FacetFinder::verticesOverFaces(const NormalCone& coneA, const NormalCone& coneB)
 {
-	const auto slackOf = [this](const NormalCone& cone) { return kArcSlack + m_turn + std::min(cone.angle, 2.0); };
+	const auto slackOf = [this](const NormalCone& cone) { return kArcSlack + m_turn + cone.chord(); };
 	if (!m_polygonsB.empty())
 		for (const MovedCorner* corner : m_cornersA)
 		{
@@ -145,8 +145,9 @@ void FacetFinder::verticesOverFaces(const NormalCone& coneA, const NormalCone& c
 // depth, where hulls overlap.
 void FacetFinder::edgesOverEdges(const NormalCone& coneA, const NormalCone& coneB, bool mayOverlap)
 {
-	const double slack = 2 * std::asin(std::min(1.0, kArcSlack + m_turn));
-	const double leastA = coneA.leastCosine(slack), leastB = coneB.leastCosine(slack);
+	// Of twice the angle by which a normal may be beside an edge's arc.
+	const double beside = kArcSlack + m_turn, cosineOfSlack = 1 - 2 * beside * beside;
+	const double leastA = coneA.leastCosine(cosineOfSlack), leastB = coneB.leastCosine(cosineOfSlack);
 	m_facingA.clear();
 	for (const MovedEdge* edge : m_edgesA)
 	{
@@ -154,8 +155,9 @@ void FacetFinder::edgesOverEdges(const NormalCone& coneA, const NormalCone& cone
 		if (leastB < 0 || coneB.isFacedBy(normal[0], normal[1], leastB)) m_facingA.push_back(edge);
 	}
 	if (m_facingA.empty()) return;
-	for (const MovedEdge* edgeB : m_edgesB)
+	for (MovedEdge* edgeB : m_edgesB)
 	{
+		m_nodesB.turn(*m_pair.b, *edgeB);
 		if (leastA >= 0 && !coneA.isFacedBy(edgeB->normal[0], edgeB->normal[1], leastA)) continue;
 		for (const MovedEdge* edgeA : m_facingA)
 			if (mayOverlap || edgeA->box.meets(edgeB->box, m_pair.reach)) edgeOverEdge(*edgeA, *edgeB);
@@ -170,7 +172,7 @@ void FacetFinder::gather(const Contact& contact, MovedNode& nodeA, MovedNode& no
 	const bool isApart = contact.lower > 0 && contact.normal != Vec3{};
 	const double far = reach + kPathReach * nodeB.displaced;
 	const auto gatherOf = [&](MovedNode& node, const Box& other, const Vec3& away, double farthest,
-							  std::vector<const MovedCorner*>& corners, std::vector<const MovedEdge*>& edges,
+							  std::vector<const MovedCorner*>& corners, std::vector<MovedEdge*>& edges,
 							  std::vector<std::uint32_t>& polygons)
 	{
 		const auto isNear = [&](const Box& box)
@@ -184,7 +186,7 @@ void FacetFinder::gather(const Contact& contact, MovedNode& nodeA, MovedNode& no
 			if (!corner.isPlaced) m_nodesA.place(*m_pair.a, corner);
 			corners.push_back(&corner);
 		}
-		for (const MovedEdge& edge : node.edges)
+		for (MovedEdge& edge : node.edges)
 			if (isNear(edge.box)) edges.push_back(&edge);
 		for (const MovedPolygon& polygon : node.polygons)
 			if (isNear(polygon.box)) polygons.push_back(polygon.index);

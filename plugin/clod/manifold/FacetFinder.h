@@ -86,7 +86,7 @@ private:
 	MovedNodes m_nodesA, m_nodesB;
 	// Of the pair, those that come near the other node.
 	std::vector<const MovedCorner*> m_cornersA, m_cornersB;
-	std::vector<const MovedEdge*> m_edgesA, m_edgesB;
+	std::vector<MovedEdge*> m_edgesA, m_edgesB;
 	std::vector<const MovedEdge*> m_facingA;  // of these
 	std::vector<std::uint32_t> m_polygonsA, m_polygonsB;
 	std::vector<std::uint32_t> m_table;  // of the facets, by what makes them; open, a power of two

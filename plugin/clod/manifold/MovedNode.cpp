@@ -7,13 +7,14 @@ namespace clod
 {
 namespace
 {
-constexpr double kRounding = 1e-6;
-constexpr double kQuarterTurn = 1.5707963;
+constexpr double kRounding = 1e-6;  // of axes in float
 }  // namespace
 
-double NormalCone::leastCosine(double slack) const
+double NormalCone::leastCosine(double cosineOfSlack) const
 {
-	return angle + slack < kQuarterTurn ? std::cos(angle + slack) : -1;
+	// Together less than a quarter of a turn.
+	if (!(cosine > 0 && cosineOfSlack > 0 && cosine * cosine + cosineOfSlack * cosineOfSlack > 1)) return -1;
+	return cosine * cosineOfSlack - std::sqrt((1 - cosine * cosine) * (1 - cosineOfSlack * cosineOfSlack));
 }
 
 bool NormalCone::isFacedBy(const Vec3& normal0, const Vec3& normal1, double leastCosine) const
@@ -70,7 +71,7 @@ NormalCone MovedNodes::coneOf(const MovedNode& moved, const ContactSurface& surf
 	for (const MovedEdge& edge : moved.edges)
 		for (const Vec3& normal : surface.edges()[edge.index].normal) lowest = std::min(lowest, dot(own, normal));
 	cone.axis = m_isA ? own : m_question->aFromB.rotation * own;
-	cone.angle = std::acos(std::max(-1.0, lowest)) + kRounding;
+	cone.cosine = std::max(-1.0, lowest - kRounding);
 	return cone;
 }
 
@@ -81,6 +82,18 @@ void MovedNodes::place(const ContactSurface& surface, MovedCorner& corner) const
 	corner.then = m_otherFromThisThen * own;
 	corner.unforced = m_otherFromThisUnforced * own;
 	corner.isPlaced = true;
+}
+
+void MovedNodes::turn(const ContactSurface& surface, MovedEdge& edge) const
+{
+	if (edge.isTurned) return;
+	const SurfaceEdge& own = surface.edges()[edge.index];
+	for (std::size_t side = 0; side < 2; ++side)
+	{
+		edge.normal[side] = m_question->aFromB.rotation * own.normal[side];
+		edge.inward[side] = m_question->aFromB.rotation * own.inward[side];
+	}
+	edge.isTurned = true;
 }
 
 // A stands still in its own frame.
@@ -135,11 +148,6 @@ void MovedNodes::move(MovedNode& moved, const ContactSurface& surface)
 		at.unforcedStart = m_question->aFromBUnforced * from;
 		at.direction = m_question->aFromB.rotation * edge.direction;
 		at.thenDirection = m_question->aFromBThen.rotation * edge.direction;
-		for (std::size_t side = 0; side < 2; ++side)
-		{
-			at.normal[side] = m_question->aFromB.rotation * edge.normal[side];
-			at.inward[side] = m_question->aFromB.rotation * edge.inward[side];
-		}
 		at.box = {at.start, at.start};
 		at.box.add(at.start + kPathReach * (at.thenStart - at.start));
 		at.box.add(at.start + kPathReach * (at.unforcedStart - at.start));

@@ -5,6 +5,7 @@
 #pragma once
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -52,7 +53,8 @@ struct MovedEdge
 	Box box;
 	std::uint32_t index;
 	Vec3 start{}, direction{}, thenStart{}, thenDirection{}, unforcedStart{};  // frame A; not of A's, which stand still
-	std::array<Vec3, 2> normal{}, inward{};  // of B's, turned into frame A
+	bool isTurned = false;
+	std::array<Vec3, 2> normal{}, inward{};  // of B's, in frame A, if turned
 };
 struct MovedPolygon
 {
@@ -62,11 +64,12 @@ struct MovedPolygon
 // Holds the normals of a node's polygons and of both sides of its edges. Frame A.
 struct NormalCone
 {
-	static constexpr double kAllDirections = 4;
 	Vec3 axis;
-	double angle = kAllDirections;  // between the axis and any of them, at most
-	// Cosine of the angle to the axis of what is within `slack` of one of them; -1: it may lie anywhere.
-	double leastCosine(double slack) const;
+	double cosine = -1;  // of the angle between the axis and any of them, at least
+	// The farthest that one of them is from the axis, as vectors.
+	double chord() const { return std::sqrt(std::max(0.0, 2 - 2 * cosine)); }
+	// Cosine of the angle to the axis of what is as near one of them as this cosine says; -1: it may lie anywhere.
+	double leastCosine(double cosineOfSlack) const;
 	// May an edge between faces of these normals have one that is opposite to something so near the axis?
 	bool isFacedBy(const Vec3& normal0, const Vec3& normal1, double leastCosine) const;
 };
@@ -91,6 +94,8 @@ public:
 	MovedNode& of(std::uint32_t node);
 	// Precondition: of such a node, on `surface`.
 	void place(const ContactSurface& surface, MovedCorner& corner) const;
+	// Precondition: of B.
+	void turn(const ContactSurface& surface, MovedEdge& edge) const;
 
 private:
 	void listStill(MovedNode& moved, const ContactSurface& surface);

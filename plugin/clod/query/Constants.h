@@ -15,7 +15,6 @@ inline constexpr double kPlaceRounding = 2e-7;  // of the size: two points kept 
 inline constexpr double kBoundRounding = 3e-7;  // of a bound: three operations in float, and its own conversion
 inline constexpr double kSlackRounding = 1e-6;  // of the tolerance: the float bounds near it that a slack is of
 inline constexpr double kKeptOfSign = 0.999;    // of a distance: so much motion leaves its sign
-inline constexpr std::size_t kFewContacts = 4;  // that their faces are looked at to tell on which side of them a body is
 // Motions of so many sizes are not added up: what comes then would be lost below kSumRounding.
 inline constexpr double kFarthestMotion = 1e5;
 // Evaluations of one hull distance near a limit differ by up to twice the accuracy each way.
@@ -26,8 +25,9 @@ inline constexpr double kWorthMixing = 16;  // times the pairs of nodes that mix
 inline constexpr double kFewer = 0.75;      // of the boxes that meet, for more pairs of nodes
 
 // Fronts of a single piece and input surfaces are made for moves to come (ContactSearch.cpp).
-inline constexpr double kMovesAhead = 8;   // so many as the last one,
-inline constexpr double kMostAhead = 0.5;   // and at most so much of the smaller body
+inline constexpr double kMovesAhead = 4;   // so many as the last one,
+inline constexpr double kMostAhead = 0.25;  // and at most so much of the smaller body;
+inline constexpr double kFartherOfCore = 2;  // of points and segments, which have few pairs
 // Fronts that are validated (FrontValidation.cpp).
 inline constexpr std::uint32_t kFrontBackOff = 15;    // traversals without slack, at most, once bodies move
 inline constexpr std::uint32_t kEntriesADecision = 4;  // of a traversal cost as much as one decision made again

@@ -237,10 +237,11 @@ void ContactSearch::remember(const StopRule& rule)
 // have many times the pairs: where one body is a single piece.
 double ContactSearch::lookAhead(const StopRule& rule, const WorkLimit& limit) const
 {
+	const bool isCore = m_context.a.isThinCore() || m_context.b.isThinCore();
 	const bool isSingle = m_context.a.levels()[0].nodeCount == 1 || m_context.b.levels()[0].nodeCount == 1;
 	if (!isSingle || !rule.isOfLeaves() || limit.isSet() || m_state.front.isLent) return 0;
 	const double radius = double(std::min(m_context.a.asset().radius, m_context.b.asset().radius));
-	return std::min(kMovesAhead * m_state.lastApproach, kMostAhead * radius);
+	return (isCore ? kFartherOfCore : 1) * std::min(kMovesAhead * m_state.lastApproach, kMostAhead * radius);
 }
 
 // None where the limit was met.
@@ -303,10 +304,6 @@ double ContactSearch::depthInside()
 	const RelativePose& pose = m_context.pose;
 	const Transform aFromB{pose.rotation, pose.translation};
 	const double ofA = m_state.probesA.depthInside(m_context.b, inverse(aFromB), m_result.stats);
-	const bool areFew = m_rule->isOfLeaves() && m_result.contacts.size() <= kFewContacts && m_state.probesB.isOne();
-	if (!(ofA > 0) && areFew && !m_state.probesB.stayOutside(aFromB) &&
-		isOutsideByContacts(m_context, m_result.contacts, m_settings.tolerance))
-		return 0;
 	return std::max(ofA, m_state.probesB.depthInside(m_context.a, aFromB, m_result.stats));
 }
 }  // namespace clod

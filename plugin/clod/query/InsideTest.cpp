@@ -81,18 +81,6 @@ void InsideProbes::test(Probe& probe, const Hierarchy& other, const Vec3& place,
 	probe.face = found.face;
 }
 
-// The sign holds until the point has moved by the distance.
-bool InsideProbes::keepsSign(const Probe& probe, const Vec3& place)
-{
-	return probe.distance > 0 && length(place - probe.place) < kKeptOfSign * probe.distance;
-}
-
-bool InsideProbes::stayOutside(const Transform& intoOther) const
-{
-	return std::all_of(m_probes.begin(), m_probes.end(),
-					   [&](const Probe& probe) { return keepsSign(probe, intoOther * probe.point); });
-}
-
 double InsideProbes::depthInside(const Hierarchy& other, const Transform& intoOther, QueryStats& stats)
 {
 	const OrientedBox& around = other.cullBox(other.root());
@@ -104,8 +92,8 @@ double InsideProbes::depthInside(const Hierarchy& other, const Transform& intoOt
 	{
 		const Vec3 place = intoOther * probe.point;
 		if (boxDistance(around, place) > 0) continue;
-		// How deep inside is measured anew.
-		if (keepsSign(probe, place))
+		// The sign holds until the point has moved by the distance; how deep inside is measured anew.
+		if (probe.distance > 0 && length(place - probe.place) < kKeptOfSign * probe.distance)
 		{
 			++stats.skippedBySlack;
 			continue;
@@ -128,30 +116,5 @@ double InsideProbes::distanceOutside(const Hierarchy& other, const Transform& in
 		least = std::min(least, std::max(toBox, probe.distance));
 	}
 	return kKeptOfSign * std::max(0.0, least);
-}
-
-bool isOutsideByContacts(const QueryContext& context, const std::vector<Contact>& contacts, double tolerance)
-{
-	if (contacts.empty()) return false;
-	const Hierarchy& a = context.a;
-	const Vec3& point = std::min_element(contacts.begin(), contacts.end(), [](const Contact& l, const Contact& r)
-										 { return l.lower < r.lower; })
-							->pointOnB;
-	NearestOnTriangle nearest{{}, tolerance * tolerance, 6};
-	std::uint32_t face = kNone;
-	for (const Contact& contact : contacts)
-	{
-		const Node& node = a.node(contact.nodeA);
-		for (std::uint32_t i = 0; i < node.faceCount; ++i)
-		{
-			const NearestOnTriangle here = nearestOnTriangle(triangleOf(a, node, a.faces(node)[i]), point);
-			if (!(here.squared < nearest.squared)) continue;
-			nearest = here;
-			face = node.firstFace + i;
-		}
-	}
-	const double rounding = kPlaceRounding * context.size;
-	return face != kNone && nearest.squared > rounding * rounding &&
-		   dot(point - nearest.point, pseudonormal(a, face, nearest.feature)) > 0;
 }
 }  // namespace clod

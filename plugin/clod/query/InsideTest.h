@@ -16,10 +16,6 @@ public:
 	void prepare(const Hierarchy& hierarchy);
 	void clear() { m_probes.clear(); }
 
-	// Is what the last test found still true of all of them: none is inside `other`? Precondition: prepared.
-	bool stayOutside(const Transform& intoOther) const;
-	bool isOne() const { return m_probes.size() == 1; }
-
 	// The deepest of the probes inside `other`, as a depth > 0; 0 when all of them are outside. intoOther maps the own
 	// body frame into that of `other`.
 	double depthInside(const Hierarchy& other, const Transform& intoOther, QueryStats& stats);
@@ -36,16 +32,11 @@ private:
 		double distance = 0;
 		std::uint32_t face = kNone;
 	};
-	static bool keepsSign(const Probe& probe, const Vec3& place);
 	static void test(Probe& probe, const Hierarchy& other, const Vec3& place, QueryStats& stats);
 	std::vector<Probe> m_probes;   // one a component
 	std::vector<Vec3> m_extremes;  // of the coarsest level that may answer, single components only
 	double m_slack = 0;            // how far an extreme may lie outside the solid
 };
-
-// Is B, which is one component and has no part of A in it, outside A, as its nearest point shows? By the faces of A's nodes
-// in contact, which are leaves: all that are within the tolerance. No proof does not mean inside.
-bool isOutsideByContacts(const QueryContext& context, const std::vector<Contact>& contacts, double tolerance);
 
 // Counts boxes that point queries meet in its lifetime as such.
 class PointBoxes
