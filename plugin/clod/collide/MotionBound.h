@@ -85,11 +85,27 @@ public:
 	double along(const Vec3& direction, const Vec3& center, double radius) const
 	{
 		const Vec3 way = m_turn * center + m_shift;
-		const double rounding = kMotionRounding * (std::abs(way.x) + std::abs(way.y) + std::abs(way.z));
-		return dot(direction, way) + rounding + (1 + kMotionRounding) * m_spread * radius + m_rounding;
+		return dot(direction, way) + spreadOf(way, radius);
+	}
+	// At least so far along it: 1-Lipschitz bounds of the later pose are carried back with it.
+	double leastAlong(const Vec3& direction, const Vec3& center, double radius) const
+	{
+		const Vec3 way = m_turn * center + m_shift;
+		return dot(direction, way) - spreadOf(way, radius);
+	}
+	// Whatever the direction.
+	double farthest(const Vec3& center, double radius) const
+	{
+		const Vec3 way = m_turn * center + m_shift;
+		return length(way) + spreadOf(way, radius);
 	}
 
 private:
+	double spreadOf(const Vec3& way, double radius) const
+	{
+		const double rounding = kMotionRounding * (std::abs(way.x) + std::abs(way.y) + std::abs(way.z));
+		return rounding + (1 + kMotionRounding) * m_spread * radius + m_rounding;
+	}
 	Mat3 m_turn{{{}, {}, {}}};
 	Vec3 m_shift;
 	double m_spread = 0, m_rounding = 0;
@@ -108,5 +124,15 @@ inline double sweepChange(const RelativePose& from, const Sweep& before, const R
 	// The spread of a box changes with the angular part as well, hence twice.
 	return (1 + kMotionRounding) * (length(now.of(to.translation) - before.of(to.translation)) + 2 * turn * radiusB +
 						 length(before.angular) * motion + axes * longest);
+}
+
+// The same along directions fixed to A alone: only B's points count.
+inline double sweepChangeOfParts(const RelativePose& from, const Sweep& before, const RelativePose& to, const Sweep& now,
+								 double radiusB)
+{
+	if (before.isZero() && now.isZero()) return 0;
+	const double moved = length(to.translation - from.translation) + turnBetween(from.rotation, to.rotation) * radiusB;
+	return (1 + kMotionRounding) * (length(now.of(to.translation) - before.of(to.translation)) +
+									2 * length(now.angular - before.angular) * radiusB + length(before.angular) * moved);
 }
 }  // namespace clod

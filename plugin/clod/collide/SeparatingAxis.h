@@ -25,8 +25,8 @@ struct CachedSeparation
 		kNear    // by two points
 	};
 	Kind kind = Kind::kUnknown;
-	float lower = 0;  // apart: a bound of the distance, of the support planes across the axis
-	Float3 onA;       // frame A. apart: the axis, unit, from B to A; near: a point of hull a
+	float lower = 0;  // apart: a bound of the distance, of the support planes across the axis if it is known
+	Float3 onA;       // frame A. apart: the axis, unit, from B to A, or zero: it is not known; near: a point of hull a
 	Float3 onB;       // frame B. near: a point of hull b
 
 	bool isApart() const { return kind == Kind::kApart; }

@@ -42,7 +42,9 @@ void FacetFinder::find(const FacetQuestion& question, const std::vector<Contact>
 	m_nodesA.start(question, contacts, true);
 	m_nodesB.start(question, contacts, false);
 	m_motion = question.rules.motion();
-	m_sagitta = 0.125 * kPathReach * length(m_motion.angular) * m_motion.timeStep;
+	const double angle = kPathReach * length(m_motion.angular) * m_motion.timeStep;
+	m_sagitta = 0.125 * angle;
+	m_bend = question.rules.a.angular == Vec3{} ? 0.125 * angle * angle : kFar;
 	// What an impact of that speed may add to the turning, besides.
 	const double speed = length(m_motion.velocity(question.rules.b.center));
 	m_turn = (length(m_motion.angular) + speed / question.length()) * m_motion.timeStep;
@@ -111,19 +113,55 @@ void FacetFinder::findPair(const Contact& contact)
 	m_pair.reach = q.touching() + q.rules.heldReach + kFootShare * q.length() + m_pair.roam;
 	if (mayOverlap) m_pair.reach += q.a.thicknessOf(contact.nodeA) + q.b.thicknessOf(contact.nodeB);
 	gather(contact, nodeA, nodeB);
-	for (const MovedCorner* corner : m_cornersA)
-		for (const std::uint32_t polygon : m_polygonsB) vertexOverFace(*corner, polygon, true);
-	for (const MovedCorner* corner : m_cornersB)
-		for (const std::uint32_t polygon : m_polygonsA) vertexOverFace(*corner, polygon, false);
-	// Edges may have sunk past each other by any depth.
-	for (const MovedEdge* edgeA : m_edgesA)
-		for (const MovedEdge* edgeB : m_edgesB)
-			if (mayOverlap || edgeA->box.meets(edgeB->box, m_pair.reach)) edgeOverEdge(*edgeA, *edgeB);
+	verticesOverFaces(nodeA.cone, nodeB.cone);
+	edgesOverEdges(nodeA.cone, nodeB.cone, mayOverlap);
 	if (m_middleA.height > 0)
 		for (const std::uint32_t polygon : m_polygonsB) middleOverFace(m_middleA, polygon, true);
 	if (m_middleB.height > 0)
 		for (const std::uint32_t polygon : m_polygonsA) middleOverFace(m_middleB, polygon, false);
 	if (q.isRound()) findRound();
+}
+
+// Corners that are the lowest of their neighbours over no face of such normals are left out at once.
+void FacetFinder::verticesOverFaces(const NormalCone& coneA, const NormalCone& coneB)
+{
+	const auto slackOf = [this](const NormalCone& cone) { return kArcSlack + m_turn + cone.chord(); };
+	if (!m_polygonsB.empty())
+		for (const MovedCorner* corner : m_cornersA)
+		{
+			if (!isLowest(m_pair.a->fan(corner->index), coneB.axis, slackOf(coneB))) continue;
+			for (const std::uint32_t polygon : m_polygonsB) vertexOverFace(*corner, polygon, true);
+		}
+	if (m_polygonsA.empty()) return;
+	const Vec3 up = m_bFromA.rotation * coneA.axis;
+	for (const MovedCorner* corner : m_cornersB)
+	{
+		if (!isLowest(m_pair.b->fan(corner->index), up, slackOf(coneA))) continue;
+		for (const std::uint32_t polygon : m_polygonsA) vertexOverFace(*corner, polygon, false);
+	}
+}
+
+// So are edges none of whose normals is opposite to one of the other node's. They may have sunk past each other by any
+// depth, where hulls overlap.
+void FacetFinder::edgesOverEdges(const NormalCone& coneA, const NormalCone& coneB, bool mayOverlap)
+{
+	// Of twice the angle by which a normal may be beside an edge's arc.
+	const double beside = kArcSlack + m_turn, cosineOfSlack = 1 - 2 * beside * beside;
+	const double leastA = coneA.leastCosine(cosineOfSlack), leastB = coneB.leastCosine(cosineOfSlack);
+	m_facingA.clear();
+	for (const MovedEdge* edge : m_edgesA)
+	{
+		const std::array<Vec3, 2>& normal = m_pair.a->edges()[edge->index].normal;
+		if (leastB < 0 || coneB.isFacedBy(normal[0], normal[1], leastB)) m_facingA.push_back(edge);
+	}
+	if (m_facingA.empty()) return;
+	for (MovedEdge* edgeB : m_edgesB)
+	{
+		m_nodesB.turn(*m_pair.b, *edgeB);
+		if (leastA >= 0 && !coneA.isFacedBy(edgeB->normal[0], edgeB->normal[1], leastA)) continue;
+		for (const MovedEdge* edgeA : m_facingA)
+			if (mayOverlap || edgeA->box.meets(edgeB->box, m_pair.reach)) edgeOverEdge(*edgeA, *edgeB);
+	}
 }
 
 // What of either node comes near the other in the step: by boxes, and by what lies between the hulls.
@@ -134,7 +172,7 @@ void FacetFinder::gather(const Contact& contact, MovedNode& nodeA, MovedNode& no
 	const bool isApart = contact.lower > 0 && contact.normal != Vec3{};
 	const double far = reach + kPathReach * nodeB.displaced;
 	const auto gatherOf = [&](MovedNode& node, const Box& other, const Vec3& away, double farthest,
-							  std::vector<const MovedCorner*>& corners, std::vector<const MovedEdge*>& edges,
+							  std::vector<const MovedCorner*>& corners, std::vector<MovedEdge*>& edges,
 							  std::vector<std::uint32_t>& polygons)
 	{
 		const auto isNear = [&](const Box& box)
@@ -148,7 +186,7 @@ void FacetFinder::gather(const Contact& contact, MovedNode& nodeA, MovedNode& no
 			if (!corner.isPlaced) m_nodesA.place(*m_pair.a, corner);
 			corners.push_back(&corner);
 		}
-		for (const MovedEdge& edge : node.edges)
+		for (MovedEdge& edge : node.edges)
 			if (isNear(edge.box)) edges.push_back(&edge);
 		for (const MovedPolygon& polygon : node.polygons)
 			if (isNear(polygon.box)) polygons.push_back(polygon.index);
@@ -196,13 +234,13 @@ bool FacetFinder::meetsOnArc(double now, double closing, const Vec3& forced, Hei
 // Do features meet on the step's way? meetsOn(move, closing, slack) asks it of a chord, height and meets of the arc
 // (meetsOnArc), where that bulges; `up` is where the height grows, mayHold: against the forces (PointRules::holds).
 template <class MeetsOn, class Height, class Meets>
-bool FacetFinder::meetsOnPath(const Way& way, const Vec3& up, double now, double closing, bool mayHold, MeetsOn meetsOn,
-							  Height height, Meets meets) const
+bool FacetFinder::meetsOnPath(const Way& way, double mostBulge, const Vec3& up, double now, double closing, bool mayHold,
+							  MeetsOn meetsOn, Height height, Meets meets) const
 {
 	const double inner = kInnerShare * m_question->length();
 	const Vec3 move = kPathReach * (along(up, way.unforced, way.then) - way.now);
 	const Vec3 forced = kPathReach * dot(up, way.then - way.unforced) * up;
-	const double bulge = m_sagitta * length(move);
+	const double bulge = std::min(mostBulge, m_sagitta * length(move));
 	if (bulge <= inner ? meetsOn(move, closing, bulge + inner) : meetsOnArc(now, closing, forced, height, meets)) return true;
 	if (forced == Vec3{}) return false;
 	// With the forces whole: a facet that may hold the bodies, or one that is met without them, too.
@@ -276,7 +314,8 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 			place = (vertexIsOfA ? inverse(pose) * own : pose * own) + forced;
 			return dot(face.normal, place) - face.offset;
 		};
-		counts = meetsOnPath({vertex.now, vertex.then, vertex.unforced}, face.normal, now, now - end,
+		const double mostBulge = vertexIsOfA || m_bend == kFar ? kFar : m_bend * length(vertex.now - q.rules.b.center);
+		counts = meetsOnPath({vertex.now, vertex.then, vertex.unforced}, mostBulge, face.normal, now, now - end,
 							 q.rules.holds(normal), meetsOn, height,
 							 [&] { return faces.isOver(polygon, place, inner); });
 	}
@@ -324,14 +363,15 @@ void FacetFinder::edgeOverEdge(const MovedEdge& still, const MovedEdge& moved)
 	const SurfaceEdge& edge = m_pair.a->edges()[still.index];
 	const SurfaceEdge& other = m_pair.b->edges()[moved.index];
 	Vec3 normal = cross(edge.direction, moved.direction);
-	const double sine = length(normal);
-	if (sine < kParallelSine) return;
+	if (dot(normal, edge.inward[0] + edge.inward[1] - moved.inward[0] - moved.inward[1]) < 0) normal = -normal;
+	double arc = std::min(std::min(dot(normal, edge.inward[0]), dot(normal, edge.inward[1])),
+						  std::min(-dot(normal, moved.inward[0]), -dot(normal, moved.inward[1])));
+	const double sineSquared = lengthSquared(normal), mostBeside = kArcSlack + m_turn;
+	if (arc < 0 && arc * arc > mostBeside * mostBeside * sineSquared) return;
+	if (sineSquared < kParallelSine * kParallelSine) return;
+	const double sine = std::sqrt(sineSquared);
 	normal = (1 / sine) * normal;
-	const Vec3 otherIn[2] = {q.aFromB.rotation * other.inward[0], q.aFromB.rotation * other.inward[1]};
-	if (dot(normal, edge.inward[0] + edge.inward[1] - otherIn[0] - otherIn[1]) < 0) normal = -normal;
-	const double arc = std::min(std::min(dot(normal, edge.inward[0]), dot(normal, edge.inward[1])),
-								std::min(-dot(normal, otherIn[0]), -dot(normal, otherIn[1])));
-	if (arc < -kArcSlack - m_turn) return;
+	arc /= sine;
 
 	const Vec3& start = m_pair.a->vertices()[edge.vertex[0]];
 	const double now = dot(normal, start - moved.start);
@@ -385,7 +425,7 @@ void FacetFinder::edgeOverEdge(const MovedEdge& still, const MovedEdge& moved)
 		};
 		const auto meetsTurning = [&](const Vec3& move, double closing, double slack)
 		{ return meetsOn(move, turn, closing, slack); };
-		counts = meetsOnPath({moved.start, moved.thenStart, moved.unforcedStart}, -normal, now, now - end,
+		counts = meetsOnPath({moved.start, moved.thenStart, moved.unforcedStart}, kFar, -normal, now, now - end,
 							 q.rules.holds(normal), meetsTurning, height, meets);
 	}
 	if (!counts && now > 0 && end > q.rules.margin && q.rules.heldReach > 0)

@@ -32,6 +32,8 @@ private:
 	};
 	void findPair(const Contact& contact);
 	void gather(const Contact& contact, MovedNode& nodeA, MovedNode& nodeB);
+	void verticesOverFaces(const NormalCone& coneA, const NormalCone& coneB);
+	void edgesOverEdges(const NormalCone& coneA, const NormalCone& coneB, bool mayOverlap);
 	double highest(double closing) const;
 	Transform poseAt(double share) const;
 	struct Way  // of a point: where it is, and at the end of the step with and without forces
@@ -39,8 +41,8 @@ private:
 		Vec3 now, then, unforced;
 	};
 	template <class MeetsOn, class Height, class Meets>
-	bool meetsOnPath(const Way& way, const Vec3& up, double now, double closing, bool mayHold, MeetsOn meetsOn, Height height,
-					 Meets meets) const;
+	bool meetsOnPath(const Way& way, double mostBulge, const Vec3& up, double now, double closing, bool mayHold,
+					 MeetsOn meetsOn, Height height, Meets meets) const;
 	template <class Height, class Meets>
 	bool meetsOnArc(double now, double closing, const Vec3& forced, Height height, Meets meets) const;
 	std::array<Vec3, 2> waysIfHeld(const Vec3& place) const;
@@ -77,13 +79,15 @@ private:
 	Transform m_bFromA;
 	RelativeMotion m_motion;  // of A's material relative to B's
 	double m_sagitta = 0;     // of the arc that a chord of the path stands for, a share of the chord
+	double m_bend = 0;  // sagitta of the arc of a point of B in A, where A does not turn, a share of its distance from B's center
 	double m_turn = 0;  // radians that contacts may turn B relative to A in the step, at most
 	Middle m_middleA, m_middleB;
 	Pair m_pair;
 	MovedNodes m_nodesA, m_nodesB;
 	// Of the pair, those that come near the other node.
 	std::vector<const MovedCorner*> m_cornersA, m_cornersB;
-	std::vector<const MovedEdge*> m_edgesA, m_edgesB;
+	std::vector<MovedEdge*> m_edgesA, m_edgesB;
+	std::vector<const MovedEdge*> m_facingA;  // of these
 	std::vector<std::uint32_t> m_polygonsA, m_polygonsB;
 	std::vector<std::uint32_t> m_table;  // of the facets, by what makes them; open, a power of two
 };

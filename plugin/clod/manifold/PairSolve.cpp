@@ -10,6 +10,7 @@ namespace
 {
 constexpr int kPasses = 3;
 constexpr int kSweeps = 12;
+constexpr double kSettled = 1e-6;  // of the length: what changes by less is not solved again
 constexpr double kMostTurn = 0.2;  // radians a step: the farther beyond, the less the second order says of an arc
 
 bool isOfRound(Facet::Kind kind)
@@ -181,7 +182,7 @@ void PairSolve::sweep(const FacetQuestion& question, const std::vector<Facet>& f
 			if (question.rules.friction > 0 && (m_multipliers[i] > 0 || old > 0))
 				rub(facets[i], question.rules.friction * m_multipliers[i], m_frictions[i]);
 		}
-		if (change * question.rules.timeStep < 1e-6 * question.length()) break;
+		if (change * question.rules.timeStep < kSettled * question.length()) break;
 	}
 }
 
@@ -223,10 +224,12 @@ void PairSolve::solve(const FacetQuestion& question, std::vector<Facet>& facets)
 		const Transform unforced = aFromBAfter(unforcedA, unforcedB, question.aFromB, rules.timeStep);
 		const bool isTurned =
 			std::any_of(m_multipliers.begin(), m_multipliers.end(), [](double multiplier) { return multiplier != 0; });
+		double change = 0;  // of what the next sweeps would begin with
 		for (std::size_t i = 0; i < facets.size(); ++i)
 		{
 			Facet& facet = facets[i];
 			const Row& row = m_rows[i];
+			const double curvature = facet.curvature();
 			facet.linear = question.rules.timeStep * (dot(row.normal, m_a.linear - m_b.linear) + dot(row.turnA, m_a.angular) -
 											  dot(row.turnB, m_b.angular));
 			facet.then = facet.distance + facet.linear;
@@ -246,8 +249,14 @@ void PairSolve::solve(const FacetQuestion& question, std::vector<Facet>& facets)
 			};
 			if (isTurned && facet.reach == Facet::Reach::kPossible && facet.then < rules.margin &&
 				isMetBy(m_a, m_b, after) && (rules.holds(facet.normal) || isMetBy(unforcedA, unforcedB, unforced)))
+			{
 				facet.reach = Facet::Reach::kPath;
+				change = question.length();
+			}
+			if (facet.reach != Facet::Reach::kPossible)
+				change = std::max(change, std::abs(facet.curvature() - curvature));
 		}
+		if (change < kSettled * question.length()) break;
 	}
 	for (std::size_t i = 0; i < facets.size(); ++i) facets[i].multiplier = m_multipliers[i];
 	removePossible();

@@ -26,7 +26,8 @@ inline constexpr double kFewer = 0.75;      // of the boxes that meet, for more 
 
 // Fronts of a single piece and input surfaces are made for moves to come (ContactSearch.cpp).
 inline constexpr double kMovesAhead = 4;   // so many as the last one,
-inline constexpr double kMostAhead = 0.25;  // and at most so much of the smaller body
+inline constexpr double kMostAhead = 0.25;  // and at most so much of the smaller body;
+inline constexpr double kFartherOfCore = 2;  // of points and segments, which have few pairs
 // Fronts that are validated (FrontValidation.cpp).
 inline constexpr std::uint32_t kFrontBackOff = 15;    // traversals without slack, at most, once bodies move
 inline constexpr std::uint32_t kEntriesADecision = 4;  // of a traversal cost as much as one decision made again

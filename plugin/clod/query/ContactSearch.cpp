@@ -74,15 +74,17 @@ void followMotion(const QueryContext& context, PairCache::State& state)
 	{
 		const double motion = motionBound(state.pose, context.pose, context.radiusA, context.radiusB);
 		const double change = sweepChange(state.pose, state.sweep, context.pose, context.sweep, motion, context.radiusB);
+		const double changeInA =
+			sweepChangeOfParts(state.pose, state.sweep, context.pose, context.sweep, context.radiusB);
 		const double farthest = kFarthestMotion * context.size;
-		state.front.move(motion, change);
+		state.front.move(motion, change, changeInA);
 		state.lastMove += motion + change;
 		state.lastApproach =
 			approachBound(state.pose, state.sweep, context.pose, context.sweep, context.radiusA, context.radiusB);
 		if (!(state.front.motion < farthest)) state.clearFronts();
 		if (state.outline)
 		{
-			state.outline->move(motion, change);
+			state.outline->move(motion, change, changeInA);
 			if (!(state.outline->motion < farthest)) state.outline->clear();
 		}
 	}
@@ -235,10 +237,11 @@ void ContactSearch::remember(const StopRule& rule)
 // have many times the pairs: where one body is a single piece.
 double ContactSearch::lookAhead(const StopRule& rule, const WorkLimit& limit) const
 {
+	const bool isCore = m_context.a.isThinCore() || m_context.b.isThinCore();
 	const bool isSingle = m_context.a.levels()[0].nodeCount == 1 || m_context.b.levels()[0].nodeCount == 1;
 	if (!isSingle || !rule.isOfLeaves() || limit.isSet() || m_state.front.isLent) return 0;
 	const double radius = double(std::min(m_context.a.asset().radius, m_context.b.asset().radius));
-	return std::min(kMovesAhead * m_state.lastApproach, kMostAhead * radius);
+	return (isCore ? kFartherOfCore : 1) * std::min(kMovesAhead * m_state.lastApproach, kMostAhead * radius);
 }
 
 // None where the limit was met.
@@ -256,7 +259,7 @@ std::optional<double> ContactSearch::traverseBy(const StopRule& rule, double tol
 		cover = answerFrom(answerFromLast, last, tolerance);
 	else if (isWorthValidating(last, front))
 		cover = answerFrom(validateFront, last, tolerance);
-	if (!cover) cover = answerFrom(traverse, {rule, tolerance + ahead, sameRule, limit}, tolerance);
+	if (!cover) cover = answerFrom(traverse, {rule, tolerance + ahead, sameRule, limit, ahead == 0}, tolerance);
 	remember(rule);
 	return cover;
 }

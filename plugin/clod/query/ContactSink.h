@@ -46,6 +46,21 @@ public:
 		return forgetsOthers() && m_hulls.isProvenApart(a, b, m_tolerance, cached);
 	}
 
+	// The same of any pair, by a bound that is less than its own.
+	bool skipsAll(double lower) const
+	{
+		return forgetsOthers() && lower > m_tolerance + kEvaluationRoom * (m_context.size + m_tolerance + m_context.longestMove) +
+											   4 * m_context.pose.rounding;
+	}
+
+	// Its culling volumes are so far apart: where that is beyond the tolerance, as of a front that is made for more, its
+	// hulls need not be compared.
+	void noteBoxes(std::uint32_t a, std::uint32_t b, float separation, CachedSeparation& cached) const
+	{
+		if (!forgetsOthers() || !isBeyond(m_context, a, b, double(separation), m_tolerance) || skips(a, b, cached)) return;
+		cached.setApart(double(separation), Vec3{});
+	}
+
 	// An accepted pair within the tolerance by its culling volumes.
 	void answer(std::uint32_t a, std::uint32_t b, CachedSeparation& cached, const HullEvaluations& known = {});
 

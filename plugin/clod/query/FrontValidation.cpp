@@ -50,25 +50,31 @@ private:
 	bool giveAnswers()
 	{
 		if (m_front.slack.answers.empty()) listAnswers();
+		m_nearer = m_change + m_partMotion.farthest(Vec3{}, 2 * m_context.radiusB);
 		for (const std::uint32_t i : m_front.slack.answers)
 		{
 			const FrontEntry& entry = m_front.entries[i];
+			if (isFar(entry))
+			{
+				++m_stats->skippedBySlack;
+				continue;
+			}
 			if (!isAffordable(entry)) return false;
 			CachedSeparation cached = cachedOf(entry, m_front.hulls);
 			const std::uint32_t before = m_stats->hullTests;
 			if (answers(entry, cached) != (entry.state == NodePairState::kAnswer)) return false;
 			if (m_stats->hullTests == before) continue;
 			if (cached.isApart()) m_front.slack.spent += m_stats->hullTests - before;
-			if (entry.hull != kNone) remember(cached, m_front.hulls[entry.hull]);
+			if (entry.hull != kNone) m_front.hulls[entry.hull] = carriedBack(cached, entry.b);
 		}
 		return true;
 	}
-	// Bounds are of the pose of the traversal; an axis, and points of the hulls, serve at any.
-	static void remember(const CachedSeparation& now, CachedSeparation& kept)
+	// By a bound remembered, less what anything of B can have come nearer.
+	bool isFar(const FrontEntry& entry) const
 	{
-		if (now.isApart() && kept.isApart() && toVec3(now.onA) == toVec3(kept.onA)) return;
-		kept = now;
-		if (now.isApart()) kept.lower = -std::numeric_limits<float>::infinity();
+		if (entry.hull == kNone || entry.whileApart) return false;
+		const CachedSeparation& known = m_front.hulls[entry.hull];
+		return known.isApart() && m_sink.skipsAll((1 - 2 * kBoundRounding) * (double(known.lower) - m_nearer));
 	}
 	// Are the decisions of the last traversal on entry i, and on its children, those that it would make now?
 	bool isAsItWas(std::uint32_t i)
@@ -114,6 +120,7 @@ private:
 				  [&](std::uint32_t l, std::uint32_t r)
 				  { return std::tie(entries[l].a, entries[l].b) < std::tie(entries[r].a, entries[r].b); });
 	}
+	double m_nearer = 0;
 };
 }  // namespace
 

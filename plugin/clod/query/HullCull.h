@@ -49,8 +49,9 @@ public:
 			++m_stats.skippedBySlack;
 			return true;
 		}
-		++m_stats.hullTests;
 		const Vec3 axis = toVec3(cached.onA);
+		if (axis == Vec3{}) return false;
+		++m_stats.hullTests;
 		const double lower = sweptSeparationAlong(m_context, a, b, axis);
 		if (!isBeyond(m_context, a, b, lower, limit)) return false;
 		cached.setApart(lower, axis);

@@ -27,6 +27,7 @@ struct TraversalSettings
 	double tolerance = 0;
 	bool sameRule = false;  // the stop rule is that of the cached front: its states hold
 	WorkLimit limit{Budget{}};
+	bool keepsSlack = true;  // for the front to be validated
 };
 
 // Since the last traversal, rounded up.
@@ -69,7 +70,8 @@ protected:
 		std::uint32_t met = 0;                                 // in the traversal before,
 		std::uint32_t old[kBoxLanes];                          // as these entries
 		std::uint32_t near = 0;                                // within the tolerance,
-		float high[kBoxLanes];                                 // by bounds of the separation
+		float high[kBoxLanes];                                 // by bounds of the separation,
+		float low[kBoxLanes];                                  // from below if it was measured: else negative
 		float apart = std::numeric_limits<float>::infinity();  // that of all others exceeds it
 		std::uint32_t all() const { return (1U << count) - 1; }
 		std::uint32_t a(std::uint32_t k) const { return ofChildrenOfA ? children[k] : other; }
@@ -103,6 +105,7 @@ protected:
 		row.count = std::min(kBoxLanes, std::uint32_t(children.size) - slot);
 		row.firstSlot = slot;
 		row.near = row.met = 0;
+		std::fill_n(row.low, kBoxLanes, -1.0F);
 	}
 	Span<std::uint32_t> childrenOf(const FrontEntry& opened) const
 	{
@@ -132,6 +135,7 @@ protected:
 				{
 					row.near |= 1U << child[i];
 					row.high[child[i]] = upperAfter(separations[i], 0);
+					row.low[child[i]] = separations[i];
 				});
 	}
 	CachedSeparation cachedOf(const FrontEntry& old, const std::vector<CachedSeparation>& hulls) const
@@ -140,8 +144,21 @@ protected:
 		CachedSeparation cached = hulls[old.hull];
 		if (!cached.isApart()) return cached;
 		const OrientedBox& box = m_context.b.cullBox(old.b);
-		const double nearer = m_partMotion.along(toVec3(cached.onA), centerOf(box), double(box.radius)) + m_change;
+		const Vec3 axis = toVec3(cached.onA), center = centerOf(box);
+		const double radius = double(box.radius);
+		const double nearer = m_change + (axis == Vec3{} ? m_partMotion.farthest(center, radius)
+														 : m_partMotion.along(axis, center, radius));
 		cached.lower = lowerAfter(cached.lower, float(nearer + kBoundRounding * std::abs(nearer)));
+		return cached;
+	}
+	// As of the last traversal, what was found now: along its axis, which is known.
+	CachedSeparation carriedBack(CachedSeparation cached, std::uint32_t b) const
+	{
+		if (!cached.isApart()) return cached;
+		const OrientedBox& box = m_context.b.cullBox(b);
+		const double nearer =
+			m_change + m_partMotion.leastAlong(toVec3(cached.onA), centerOf(box), double(box.radius));
+		cached.lower = lowerAfter(cached.lower, float(-nearer + kBoundRounding * std::abs(nearer)));
 		return cached;
 	}
 

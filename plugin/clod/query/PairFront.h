@@ -134,7 +134,7 @@ struct PairFront
 	std::vector<CachedSeparation> hulls;
 	double motion = 0;         // accumulated bound of the relative motion and of the sweep's change (MotionBound.h)
 	double motionSince = 0;    // the part of it since the last finished traversal
-	double sweepChangeSince = 0;  // and of that the sweep's
+	double sweepChangeSince = 0;  // of the sweep, since then, along directions fixed to A
 	RelativePose pose;         // of the last finished traversal,
 	Sweep sweep;               // and what moved on from there
 
@@ -161,11 +161,12 @@ struct PairFront
 		slack.ofEntry.shrink_to_fit();
 		slack.answers.shrink_to_fit();
 	}
-	void move(double by, double sweepChange)
+	// change: of the sweep, along any axis; changeInA: along those fixed to A.
+	void move(double by, double change, double changeInA)
 	{
-		motion += by + sweepChange;
-		motionSince += by + sweepChange;
-		sweepChangeSince += sweepChange;
+		motion += by + change;
+		motionSince += by + change;
+		sweepChangeSince += changeInA;
 	}
 	void clear()
 	{

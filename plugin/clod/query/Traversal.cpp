@@ -89,7 +89,7 @@ private:
 	void startSlack()
 	{
 		m_front.slack.clear();
-		m_keepsSlack = !m_front.isLent && m_front.backOff.isOver();
+		m_keepsSlack = m_settings.keepsSlack && !m_front.isLent && m_front.backOff.isOver();
 	}
 
 	void startAtRoots()
@@ -215,15 +215,15 @@ private:
 			++m_front.counts.duplicates;
 		}
 		else
-			slack = decide(entry);
+			slack = decide(entry, row.low[k]);
 		m_front.entries.push_back(entry);
 		if (!m_keepsSlack) return;
 		m_front.slack.ofEntry.push_back(std::numeric_limits<float>::infinity());
 		keepSlack(std::uint32_t(m_front.slack.ofEntry.size() - 1), 0, slack);
 	}
 
-	// What the decision can take, where it is kept.
-	double decide(FrontEntry& entry)
+	// What the decision can take, where it is kept. low: a bound of the boxes' separation.
+	double decide(FrontEntry& entry, float low)
 	{
 		NodePairState before = NodePairState::kSeparated;
 		CachedSeparation cached;
@@ -237,6 +237,7 @@ private:
 		entry.whileApart = acceptance == Acceptance::kWhileApart;
 		if (acceptance != Acceptance::kNo)
 		{
+			m_sink.noteBoxes(entry.a, entry.b, low, cached);
 			if (answers(entry, cached))
 			{
 				entry.state = NodePairState::kAnswer;
