@@ -99,6 +99,7 @@ void LevelSwitch::apply(const FacetQuestion& question, const std::vector<Contact
 	memory.asked = m_asked;
 	for (Facet& facet : facets)
 		if (facet.kind != Facet::Kind::kDeep)
-			facet.slowOverlap = std::max(0.0, std::min(question.rules.margin - facet.distance, memory.overlap));
+			facet.slowOverlap = std::max(0.0, std::min(question.rules.margin - facet.distance,
+													   std::max(facet.slowOverlap, memory.overlap)));
 }
 }  // namespace clod
