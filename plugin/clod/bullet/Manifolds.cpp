@@ -43,6 +43,11 @@ struct Material
 	}
 };
 
+bool isSame(const btManifoldPoint& l, const btManifoldPoint& r)
+{
+	return l.m_localPointA == r.m_localPointA && l.m_localPointB == r.m_localPointB && l.m_normalWorldOnB == r.m_normalWorldOnB;
+}
+
 // Has addContactPoint just these materials for the point, and has nobody changed it since it was written?
 bool isAsWritten(const btManifoldPoint& point, const Material& material, const SolverTerms& terms)
 {
@@ -107,10 +112,10 @@ Vec3 ManifoldSet::impulse() const
 	return sum;
 }
 
-const btManifoldPoint* ManifoldSet::find(const btPersistentManifold& manifold, const btVector3& localPointA)
+const btManifoldPoint* ManifoldSet::find(const btPersistentManifold& manifold, const Slot& slot, std::size_t j)
 {
 	for (int k = 0; k < manifold.getNumContacts(); ++k)
-		if (manifold.getContactPoint(k).m_localPointA == localPointA) return &manifold.getContactPoint(k);
+		if (slot.has(j, manifold.getContactPoint(k))) return &manifold.getContactPoint(k);
 	return nullptr;
 }
 
@@ -119,7 +124,7 @@ void ManifoldSet::readImpulses(HeldClusters& written) const
 	for (std::size_t i = 0; i < m_slots.size(); ++i)
 		for (std::size_t j = 0; j < std::min(std::size_t(m_slots[i].count), std::size_t(written.count(i))); ++j)
 		{
-			const btManifoldPoint* point = find(*m_manifolds[i], m_slots[i].localPointA[j]);
+			const btManifoldPoint* point = find(*m_manifolds[i], m_slots[i], j);
 			written.at(i, j).impulse = point ? double(point->m_appliedImpulse) : 0;
 		}
 }
@@ -167,8 +172,7 @@ bool ManifoldSet::isAsLeft(const WorldFrame& frame, const btManifoldResult& out)
 		for (std::size_t j = 0; j < std::size_t(count); ++j)
 		{
 			const btManifoldPoint& point = m_manifolds[i]->getContactPoint(int(j));
-			if (!(point.m_localPointA == slot.localPointA[j] && point.m_localPointB == slot.localPointB[j] &&
-				  point.m_normalWorldOnB == slot.normal[j] && isAsWritten(point, material, slot.terms[j])))
+			if (!(slot.has(j, point) && isAsWritten(point, material, slot.terms[j])))
 				return false;
 		}
 	}
@@ -226,7 +230,7 @@ bool ManifoldSet::follow(HeldClusters& written, const WorldFrame& frame, btManif
 			for (std::size_t j = 0; j < std::size_t(slot.count); ++j)
 			{
 				btManifoldPoint& point = m_manifolds[i]->getContactPoint(k);
-				if (!(point.m_localPointA == slot.localPointA[j])) continue;
+				if (!slot.has(j, point)) continue;
 				ContactPoint now = written.at(i, j).point;
 				now.height = double(point.m_distance1) / frame.scale;
 				now.slowOverlap = std::max(0.0, std::min(now.slowOverlap, -now.height));
@@ -253,7 +257,7 @@ void ManifoldSet::beginWrite(const HeldClusters& clusters)
 	buffer.found = {};
 	for (std::size_t i = 0; i < m_slots.size(); ++i)
 		for (std::size_t j = 0; j < std::size_t(m_slots[i].count); ++j)
-			if (const btManifoldPoint* point = find(*m_manifolds[i], m_slots[i].localPointA[j]))
+			if (const btManifoldPoint* point = find(*m_manifolds[i], m_slots[i], j))
 			{
 				buffer.old[i * kClusterPoints + j] = *point;
 				buffer.found[i * kClusterPoints + j] = true;
@@ -269,7 +273,7 @@ void ManifoldSet::beginWrite(const HeldClusters& clusters)
 		if (from == kNone || !buffer.found[from]) continue;
 		btPersistentManifold& manifold = *m_manifolds[from / kClusterPoints];
 		for (int k = 0; k < manifold.getNumContacts(); ++k)
-			if (manifold.getContactPoint(k).m_localPointA == buffer.old[from].m_localPointA)
+			if (isSame(manifold.getContactPoint(k), buffer.old[from]))
 				manifold.getContactPoint(k).m_userPersistentData = nullptr;
 	}
 }
@@ -371,7 +375,7 @@ void ManifoldSet::setDistances(btPersistentManifold& manifold, const Slot& slot)
 {
 	for (int k = 0; k < manifold.getNumContacts(); ++k)
 		for (std::size_t i = 0; i < std::size_t(slot.count); ++i)
-			if (manifold.getContactPoint(k).m_localPointA == slot.localPointA[i])
+			if (slot.has(i, manifold.getContactPoint(k)))
 				manifold.getContactPoint(k).m_distance1 = slot.terms[i].distance;
 }
 

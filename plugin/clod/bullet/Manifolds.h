@@ -97,10 +97,16 @@ private:
 		// As written: finds the points again, and tells whether anybody has changed them.
 		std::array<btVector3, kClusterPoints> localPointA, localPointB, normal;
 		std::array<SolverTerms, kClusterPoints> terms;
+		// Is that its point j? A refresh changes none of these. One vertex over two faces is two points.
+		bool has(std::size_t j, const btManifoldPoint& point) const
+		{
+			return point.m_localPointA == localPointA[j] && point.m_localPointB == localPointB[j] &&
+				   point.m_normalWorldOnB == normal[j];
+		}
 	};
 	static void setDistances(btPersistentManifold& manifold, const Slot& slot);
 	// The point of the last write, if it is still there.
-	static const btManifoldPoint* find(const btPersistentManifold& manifold, const btVector3& localPointA);
+	static const btManifoldPoint* find(const btPersistentManifold& manifold, const Slot& slot, std::size_t j);
 	// What points are made from besides clusters and materials.
 	struct Ground
 	{
