@@ -115,6 +115,8 @@ public:
 	{
 		return squaredBeside(polygon, point) <= slack * slack;
 	}
+	// A node of a sheet that has a triangle of the polygon.
+	std::uint32_t sheetNodeOf(std::uint32_t polygon) const { return facesOf(polygon)[0] / 2; }
 	// One in the plane through a point, facing that way; kNone if there is none. size: what tolerances are shares of.
 	std::uint32_t polygonIn(const Vec3& normal, const Vec3& point, double size) const;
 	// Does the polygon hold all of a disc round a point's foot?

@@ -86,6 +86,7 @@ void FacetContacts::takeUpWhatIsThrough(const ClusterSet& previous)
 				polygon = isOfA ? b.polygonIn(lastBFromA.rotation * point.normal, lastBFromA * point.pointOnB, q.length()) : kNone;
 			}
 			if (polygon == kNone) continue;
+			if (b.isSheet()) facet.nodeB = b.sheetNodeOf(polygon);
 			const Vec3 place =
 				isOfA ? inverse(q.aFromB) * a.vertices()[facet.featureA] : q.aFromB * b.vertices()[facet.featureB];
 			const SurfaceFace& face = faces.planeOf(polygon);
