@@ -14,16 +14,21 @@ namespace
 {
 constexpr double kMostTurn = 0.5;  // radians that a step may turn a body by, and rows at its points do
 constexpr std::size_t kInnerVertices = 32;
+constexpr double kInnerError = 0.01;  // of the radius
 
-// What the hull of a body's finest surface is at least.
+// What the hull of a body is at least: of the coarsest level that lies near its surface, less how near.
 struct InnerHull
 {
 	ConvexPolyhedron inner;
 	double error;
-	explicit InnerHull(const Hierarchy& hierarchy) : error(double(hierarchy.levels()[0].maxSurf))
+	explicit InnerHull(const Hierarchy& hierarchy)
 	{
+		std::uint32_t coarsest = 0;
+		const double most = kInnerError * double(hierarchy.asset().radius);
+		while (coarsest < hierarchy.coarsestClodLevel() && double(hierarchy.levels()[coarsest + 1].maxSurf) <= most) ++coarsest;
+		const Level& level = hierarchy.levels()[coarsest];
+		error = double(level.maxSurf);
 		std::vector<Vec3> points;
-		const Level& level = hierarchy.levels()[0];
 		for (std::uint32_t n = level.firstNode; n < level.firstNode + level.nodeCount; ++n)
 		{
 			const HullView hull = hierarchy.hull(hierarchy.node(n));
