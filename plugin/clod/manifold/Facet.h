@@ -20,6 +20,7 @@
 
 namespace clod
 {
+inline constexpr double kAgainst = -0.1;        // cosine of normals that oppose
 inline constexpr double kSameNormal = 0.99995;  // cosine: of one polygon's facets, and of polygons all but in one plane
 
 // What a facet is, and how far apart its features are: with its contact point, all of it.

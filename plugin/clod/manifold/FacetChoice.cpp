@@ -12,7 +12,6 @@ constexpr double kSatisfied = 0.02;       // of its depth: what a facet may lack
 constexpr double kSatisfiedShare = 1e-6;  // of the length, likewise
 constexpr double kBeyond = 1.05;          // times the least shift, and a touch: where overlaps are looked for again
 constexpr double kTie = 1e-3;             // of the length: of heights now and at the end of the step
-constexpr double kAgainst = -0.1;          // cosine of normals that oppose
 constexpr double kSamePlace = 2e-3;       // of the length
 
 // A point deep inside the wedge of four half-spaces through two points: where the smallest distance to them is large.

@@ -9,8 +9,6 @@ namespace clod
 {
 namespace
 {
-constexpr double kAgainst = -0.1;  // cosine to the way out
-
 Vec3 impulseOf(const ClusterSet& set)
 {
 	Vec3 sum;
@@ -68,14 +66,14 @@ void FacetContacts::takeUp(const ClusterSet& previous, const PointRules& rules)
 void FacetContacts::takeUpWhatIsThrough(const ClusterSet& previous)
 {
 	const FacetQuestion& q = m_question;
-	const Transform lastBFromA = inverse(m_memory->aFromB);
 	std::size_t next = 0;
 	for (const ContactCluster& cluster : previous.slots)
 		for (int i = 0; i < cluster.count && next < m_memory->reduced.size(); ++i)
 		{
+			const FacetRecord& record = m_memory->reduced[next++];
+			if (!record.isThrough) continue;
 			Facet facet{};
-			static_cast<FacetRecord&>(facet) = m_memory->reduced[next++];
-			if (!facet.isThrough) continue;
+			static_cast<FacetRecord&>(facet) = record;
 			const ContactSurface &a = q.a.surface(facet.levelA), &b = q.b.surface(facet.levelB);
 			const bool isOfA = facet.kind == Facet::Kind::kVertexFace;
 			const ContactSurface& faces = isOfA ? b : a;
@@ -83,6 +81,7 @@ void FacetContacts::takeUpWhatIsThrough(const ClusterSet& previous)
 			if (b.isSheet())
 			{
 				const ContactPoint& point = cluster.points[std::size_t(i)].point;
+				const Transform lastBFromA = inverse(m_memory->aFromB);
 				polygon = isOfA ? b.polygonIn(lastBFromA.rotation * point.normal, lastBFromA * point.pointOnB, q.length()) : kNone;
 			}
 			if (polygon == kNone) continue;
