@@ -330,10 +330,7 @@ std::vector<Row> engineRows()
 					casesOf({1, 10, 100, 1000, 1e4, 1e6}, ":1"),
 					kRates,
 					{{"overlap", "sizes", {0.01, 2}}, {"energy gained", "m g size", {0.01}}},
-					heavyOnLight,
-					{{"a cube under a thousand times its weight is pressed through the floor at 1/60 s, under "
-					  "ten thousand times at 1/240 s",
-					  [](const Setting& s) { return s.parameter >= (largeSteps(s) ? 1000 : 1e4); }, "overlap"}}});
+					heavyOnLight});
 	rows.push_back({"E5",
 					"a cube of any mass at rest",
 					"height = half the size",
@@ -410,8 +407,8 @@ std::vector<Row> engineRows()
 					kRates,
 					{{"top's height", "m", {0.005, 2}}, {"top aside", "m", {0.005, 2}}, {"speed", "m/s", {0.01, 2}}},
 					towers,
-					{{"under ten others and more cubes sink into the skin, by up to half a millimetre each",
-					  [](const Setting& s) { return s.parameter >= 20; }, "top's height"}}});
+					{{"twenty sink into the skin by up to half a millimetre each, and lean and sway by a quarter of a cube",
+					  [](const Setting& s) { return s.parameter >= 20; }, ""}}});
 	rows.push_back({"E13a",
 					"a cube on a slope a hundredth less steep than slips",
 					"creeps 1e-4 m a minute at most",
