@@ -22,9 +22,10 @@ body { font: 16px/1.5 system-ui, sans-serif; color: #1a1f29; background: #fff; m
 h1 { font-size: 1.6rem; line-height: 1.25; } h2 { font-size: 1.25rem; margin-top: 2.2rem; }
 img, video, svg { width: 100%; height: auto; display: block; background: #fff; }
 figure { margin: 1rem 0; } figcaption { color: #4d5461; font-size: .9rem; }
-.scroll { overflow-x: auto; } table { border-collapse: collapse; width: 100%; font-size: .92rem; }
-caption { text-align: left; color: #4d5461; padding-bottom: .3rem; }
-th, td { text-align: left; padding: .3rem .7rem .3rem 0; border-bottom: 1px solid #d8dce3; vertical-align: top; overflow-wrap: anywhere; min-width: 4.5rem; }
+figure, .scroll { overflow-x: auto; } svg { min-width: 40rem; } table { border-collapse: collapse; width: 100%; font-size: .92rem; }
+caption { color: #4d5461; padding-bottom: .3rem; } caption, figcaption { position: sticky; left: 0; }
+caption { text-align: left; max-width: calc(100vw - 2rem); }
+th, td { text-align: left; padding: .3rem .7rem .3rem 0; border-bottom: 1px solid #d8dce3; vertical-align: top; overflow-wrap: break-word; min-width: 4.5rem; }
 pre { background: #f3f5f8; padding: .8rem; overflow-x: auto; } code { font-family: ui-monospace, monospace; font-size: .9em; }
 th[scope=row] { min-width: 8rem; } small { font-weight: 400; }
 .good { color: #1b6b3a; } .bad { color: #a32020; }

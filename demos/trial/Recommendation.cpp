@@ -18,6 +18,7 @@ constexpr std::size_t kTumble = 10;  // rows before B starts anew: what they cos
 constexpr double kTurn = 0.035;      // radians a row at most: what a rolling body does in a step
 constexpr double kRetreat = 0.08;    // of the radius: clears what turning by kTurn can bring into the other
 constexpr int kMostAdvances = 60, kMostStarts = 1000;
+constexpr std::int64_t kApart = 1000;  // steps before B is elsewhere: no velocity comes of it
 constexpr double kRounding = 1e-6;  // of the radius: hierarchies store floats
 constexpr double kExact = 1e-4;     // of the radius: what rounding and pieces that are convex up to it come to at most
 
@@ -172,13 +173,15 @@ TouchingPoses touchingPoses(const Hierarchy& a, const Hierarchy& b, double toler
 	TouchingPoses poses;
 	Tumbler tumbler(a, b, tolerance, seed);
 	int starts = 0;
+	std::int64_t step = 0;
 	while (poses.rows.size() < count && starts < kMostStarts)
 	{
 		bool touches = tumbler.start();
 		++starts;
+		step += kApart;
 		for (std::size_t i = 0; touches && i < kTumble && poses.rows.size() < count; ++i)
 		{
-			poses.rows.push_back(tumbler.row(std::int64_t(poses.rows.size())));
+			poses.rows.push_back(tumbler.row(step++));
 			const GapResult gap = tumbler.gap();
 			poses.gaps.push_back(gap.minDistance);
 			poses.bounds.push_back(gap.errorBound);
@@ -242,7 +245,7 @@ const LimitRow* cheapestWithin(const std::vector<LimitRow>& limits, double share
 {
 	const LimitRow* best = nullptr;
 	for (const LimitRow& limit : limits)
-		if (limit.share <= share && (!best || limit.tests < best->tests)) best = &limit;
+		if (limit.share <= share && (!best || limit.tests <= best->tests)) best = &limit;  // finer ones come later
 	return best;
 }
 

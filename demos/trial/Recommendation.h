@@ -52,8 +52,8 @@ struct Recommendation
 };
 inline constexpr double kCostSlack = 0.3;
 
-// Of the limits no larger than `share` the one with the fewest tests, of those within `microseconds` the smallest; null
-// where there is none.
+// Of the limits no larger than `share`, coarsest first, the one with the fewest tests, the finest of equals; of those
+// within `microseconds` the smallest; null where there is none.
 const LimitRow* cheapestWithin(const std::vector<LimitRow>& limits, double share);
 const LimitRow* mostAccurateWithin(const std::vector<LimitRow>& limits, double microseconds);
 }  // namespace clod::demo

@@ -37,14 +37,15 @@ struct TrialFrame
 	SceneState state;
 	double stepMicroseconds = 0;  // median over the steps since the last frame
 	double deepest = 0;           // of any vertex of a full mesh in another body
-	double offSurface = 0;        // of the contact point farthest from the full meshes' surfaces; NaN without contacts
+	// How far the worst contact point is off the full meshes' surfaces, as a share of the smaller radius of the two that
+	// touch, as certified limits are; NaN without contacts.
+	double offSurface = 0;
 };
 
 struct TrialRun
 {
 	std::vector<TrialFrame> frames;
-	std::vector<PoseRow> poses;  // of every step and near pair
-	std::string ending;          // why it did not run to the end; empty: it did
+	std::string ending;  // why it did not run to the end; empty: it did
 	double stepMedian = 0, stepP95 = 0;
 	double deepest = 0, offSurfaceMedian = 0, offSurfaceP95 = 0;  // the latter over the frames with contacts
 	double endSpeed = 0;    // of the fastest body's centre over the last tenth of a second, radii a second

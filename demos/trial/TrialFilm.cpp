@@ -87,8 +87,9 @@ private:
 	}
 	std::vector<std::string> lines(const TrialFrame& moment) const
 	{
-		const auto percent = [&](double length) { return fmt::format("{:.2f} %", 100 * length / m_trial.smallest); };
-		return {fmt::format("step {:.2f} ms", moment.stepMicroseconds / 1000), "overlap " + percent(moment.deepest),
+		const auto percent = [](double share) { return fmt::format("{:.2f} %", 100 * share); };
+		return {fmt::format("step {:.2f} ms", moment.stepMicroseconds / 1000),
+				"overlap " + percent(moment.deepest / m_trial.smallest),
 				std::isnan(moment.offSurface) ? std::string("no contact") : "points off by " + percent(moment.offSurface)};
 	}
 

@@ -14,6 +14,7 @@ namespace clod::demo
 namespace
 {
 constexpr double kSmallestPercent = 0.001;  // of errors on a logarithmic axis
+constexpr double kLeastOverlapPercent = 0.01, kSmallestMilliseconds = 0.01;  // on theirs
 
 std::string percent(double share)
 {
@@ -68,8 +69,8 @@ std::string meshesOf(const Trial& trial)
 std::string contendersOf(const Trial& trial)
 {
 	HtmlTable table{
-		"Lengths in % of the smallest radius; overlap and distance from the surface are measured on the full "
-		"meshes, by code that none of the methods uses.",
+		"Overlap is in % of the smallest radius, distance off the surface in % of the smaller radius of the two that "
+		"touch, as certified limits are. Both are measured on the full meshes, by code that none of the methods uses.",
 		{"method", "a step, median", "95 %", "deepest overlap", "points off the surface, median", "95 %", "end"},
 		{}};
 	for (std::size_t i = 0; i < trial.runs.size(); ++i)
@@ -78,8 +79,8 @@ std::string contendersOf(const Trial& trial)
 		table.rows.push_back({fmt::format("{}<br><small>{}</small>", escaped(trial.contenders[i].name),
 										  escaped(trial.contenders[i].setting)),
 							  milliseconds(run.stepMedian), milliseconds(run.stepP95),
-							  percent(run.deepest / trial.smallest), percent(run.offSurfaceMedian / trial.smallest),
-							  percent(run.offSurfaceP95 / trial.smallest), escaped(verdict(run))});
+							  percent(run.deepest / trial.smallest), percent(run.offSurfaceMedian), percent(run.offSurfaceP95),
+							  escaped(verdict(run))});
 	}
 	std::string text = toHtml(table);
 	for (const LeftOut& out : trial.leftOut)
@@ -87,14 +88,17 @@ std::string contendersOf(const Trial& trial)
 	return text;
 }
 
+// Both series span decades: on a linear axis everybody but the worst lies on the ground.
 std::string seriesOf(const Trial& trial, const std::string& title, const std::string& axis, const char* unit,
-					 double (*value)(const TrialFrame&, const Trial&))
+					 double smallest, double (*value)(const TrialFrame&, const Trial&))
 {
 	Plot plot;
 	plot.title = title;
 	plot.description = "The table above has medians and extremes of the same runs.";
 	plot.xAxis = "seconds";
 	plot.yAxis = axis;
+	plot.isYLogarithmic = true;
+	plot.smallestY = smallest;
 	for (std::size_t i = 0; i < trial.runs.size(); ++i)
 	{
 		PlotSeries series{trial.contenders[i].name, trial.contenders[i].color, {}, true};
@@ -120,8 +124,8 @@ std::string filmOf(const Trial& trial, const TrialPictures& pictures)
 		return names;
 	}() +
 							 ". Running: cost of a step, overlap of the full meshes and how far the worst contact "
-							 "point is off their surfaces, in % of "
-							 "the radius. Blue: the hulls that collide.";
+							 "point is off their surfaces, in % of the radius. Red: contact points, seen through the bodies. Blue: the "
+							 "hulls that collide.";
 	if (pictures.files.empty()) return "";
 	const std::string sheet = dataAddress(pictures.files.front(), "image/png");
 	std::string figure = "<figure>";
@@ -150,7 +154,8 @@ std::string tradeoffOf(const Trial& trial)
 	const Tradeoff& tradeoff = trial.tradeoff;
 	if (tradeoff.points.empty()) return "<p>The two meshes were never in contact.</p>\n";
 	Plot plot;
-	plot.title = fmt::format("{} poses of {} in contact.", tradeoff.rows, trial.pair);
+	plot.title = fmt::format("{} poses of {}, tumbling over each other in contact; errors of {:g} % or less are drawn as that.",
+							 tradeoff.rows, trial.pair, kSmallestPercent);
 	plot.description = "The table below the plot has every point.";
 	plot.xAxis = "median time, microseconds (left is faster)";
 	plot.yAxis = "error of the gap, 95 %, in % of the radius";
@@ -188,13 +193,12 @@ std::string recommendationsOf(const Trial& trial)
 	const Recommendation &a = trial.accuracy, &c = trial.cost;
 	if (a.isFound)
 		text += fmt::format(
-			"<h3>For an accuracy of {}</h3><pre><code>shape.setMetric({});</code></pre><p>Certified to {} of the "
-			"smaller "
-			"radius; {:.0f} hulls and boxes compared and {:.0f} us for contacts in the median, {:.0f} us in 95 %. On "
-			"{} "
-			"fresh poses: {}; {}.</p>\n",
-			percent(a.wanted), codeOf(a.chosen.share), limitName(a.chosen.share), a.chosen.tests, a.chosen.microseconds,
-			a.chosen.p95, a.rows,
+			"<h3>For an accuracy of {}</h3><pre><code>shape.setMetric({});</code></pre><p>{}; {:.0f} hulls and boxes "
+			"compared and {:.0f} us for contacts in the median, {:.0f} us in 95 %. On {} fresh poses: {}; {}.</p>\n",
+			percent(a.wanted), codeOf(a.chosen.share),
+			a.chosen.share > 0 ? "Certified to " + limitName(a.chosen.share) + " of the smaller radius"
+							   : std::string("Exact, as nothing coarser is cheaper here"),
+			a.chosen.tests, a.chosen.microseconds, a.chosen.p95, a.rows,
 			outcome(a.keepsAccuracy(), fmt::format("largest error {}, largest certified {}", percent(a.fresh.error),
 												   percent(a.fresh.certified))),
 			outcome(a.keepsCost(), fmt::format("{:.0f} compared in the median", a.fresh.tests)));
@@ -273,8 +277,10 @@ std::string reportPage(const Trial& trial, const TrialPictures& pictures)
 		"inertia, friction, solver and time step; only what collides differs.</p>\n";
 	body += filmOf(trial, pictures) + "<h2>What happened</h2>\n" + contendersOf(trial);
 	body += seriesOf(trial, "Cost of a whole step as the bodies fall, rest and slide.", "milliseconds", "ms",
-					 [](const TrialFrame& f, const Trial&) { return f.stepMicroseconds / 1000; });
-	body += seriesOf(trial, "How deep the full meshes are in each other.", "% of the radius", "%",
+					 kSmallestMilliseconds, [](const TrialFrame& f, const Trial&) { return f.stepMicroseconds / 1000; });
+	body += seriesOf(trial,
+					 fmt::format("How deep the full meshes are in each other; at the bottom: {:g} % or less.", kLeastOverlapPercent),
+					 "% of the smallest radius", "%", kLeastOverlapPercent,
 					 [](const TrialFrame& f, const Trial& t) { return 100 * f.deepest / t.smallest; });
 	body += "<h2>Which setting to take</h2>\n" + recommendationsOf(trial) + limitsOf(trial);
 	body += "<h2>Accuracy against time</h2>\n" + tradeoffOf(trial);
@@ -322,7 +328,7 @@ std::string printable(const Trial& trial)
 			fmt::format("{:<12} a step {:>9}, deepest overlap {:>8} of the radius, points off the surface {:>8}; {}\n",
 						trial.contenders[i].name, milliseconds(trial.runs[i].stepMedian),
 						percent(trial.runs[i].deepest / trial.smallest),
-						percent(trial.runs[i].offSurfaceP95 / trial.smallest), verdict(trial.runs[i]));
+						percent(trial.runs[i].offSurfaceP95), verdict(trial.runs[i]));
 	for (const LeftOut& out : trial.leftOut) text += fmt::format("left out: {}: {}\n", out.what, out.reason);
 	const auto line = [](const Recommendation& r, const std::string& wanted)
 	{

@@ -41,7 +41,7 @@ public:
 		}
 		return deepest;
 	}
-	// Contact points are said to lie on the two surfaces, where those were before the step.
+	// Contact points are said to lie on the two surfaces, where those were before the step. A share: see TrialFrame.
 	double offSurface(const SceneState& before, const std::vector<ScenePoint>& points) const
 	{
 		double farthest = std::nan("");
@@ -50,12 +50,16 @@ public:
 			const Vec3 onA = point.position + point.distance * point.normal;
 			const double off =
 				std::max(distance(before, point.bodies.a, onA), distance(before, point.bodies.b, point.position));
-			farthest = std::fmax(farthest, off);
+			farthest = std::fmax(farthest, off / std::min(radius(point.bodies.a), radius(point.bodies.b)));
 		}
 		return farthest;
 	}
 
 private:
+	double radius(std::uint32_t body) const
+	{
+		return double(m_trial.models[m_trial.scene.info.bodies[body].model]->asset().radius);
+	}
 	std::shared_ptr<const SignedDistance> solid(std::uint32_t body) const
 	{
 		return m_solids[m_trial.scene.info.bodies[body].model];
@@ -129,7 +133,6 @@ TrialRun runContender(const Trial& trial, const Contender& contender, const Soli
 		}
 		steps.push_back(state.stepMicroseconds);
 		sinceFrame.push_back(state.stepMicroseconds);
-		for (const PoseRow& row : posesOf(state)) run.poses.push_back(row);
 		if (step % rules.every == 0)
 		{
 			TrialFrame frame;

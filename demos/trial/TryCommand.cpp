@@ -215,36 +215,25 @@ void runContenders(Trial& trial, const Effort& effort, cli::Progress& progress)
 										  { progress.update("falling: " + contender.name, fraction); }));
 }
 
-// Two bodies that touch for trade-off and recommendations: the first two meshes, or two copies of the only one. Their
-// models, and their rows as those of a pair of bodies 0 and 1.
+// The models that trade-off and recommendations are of: the first two meshes, or two copies of the only one.
 struct TouchingPair
 {
 	HierarchyPointer a, b;
-	std::vector<PoseRow> poses;
 };
 TouchingPair pairOf(Trial& trial)
 {
-	TouchingPair pair{trial.meshes.front().hierarchy, trial.meshes[trial.meshes.size() > 1 ? 1 : 0].hierarchy, {}};
 	trial.pair = trial.meshes.size() > 1 ? trial.meshes[0].name + " and " + trial.meshes[1].name
 										 : "two of " + trial.meshes[0].name;
-	for (PoseRow row : trial.runs.front().poses)
-		if (row.bodyA == 1 && row.bodyB == 2)
-		{
-			row.bodyA = 0;
-			row.bodyB = 1;
-			pair.poses.push_back(row);
-		}
-	return pair;
+	return {trial.meshes.front().hierarchy, trial.meshes[trial.meshes.size() > 1 ? 1 : 0].hierarchy};
 }
 
 void compare(Trial& trial, const TouchingPair& pair, const TouchingPoses& made, const Preparation& preparation,
 			 HierarchyCache& cache, const Effort& effort, cli::Progress& progress)
 {
-	SampleRules rules{trial.tolerance, {trial.scene.info.dt, true}, 0, effort.tradeoffRows, true};
-	const auto sampleOf = [&](const std::vector<PoseRow>& poses)
-	{ return takeSample(pair.a, pair.b, poses, rules, [&](double f) { progress.update("exact answers", f); }); };
-	ExactSample sample = sampleOf(pair.poses);
-	if (sample.exact.empty()) sample = sampleOf(made.rows);  // they never met in the fall
+	// Of a fall most rows are at rest, where every setting of ours costs the same next to nothing.
+	const SampleRules rules{trial.tolerance, {trial.scene.info.dt, true}, 0, effort.tradeoffRows};
+	ExactSample sample =
+		takeSample(pair.a, pair.b, made.rows, rules, [&](double f) { progress.update("exact answers", f); });
 	if (sample.exact.empty()) return;
 	RosterOptions roster;
 	roster.families = {"clod", "clod-dispatch", "gimpact", "vhacd"};

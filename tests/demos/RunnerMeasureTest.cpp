@@ -93,7 +93,7 @@ TEST_F(RunnerCommand, TradeoffMeasuresOursAndWhatBulletHas)
 	needRecording();
 	const std::string inputs = path("cup.obj ") + path("spoon.obj ") + path("poses.csv");
 	const Outcome outcome = bench("tradeoff " + inputs + cache() +
-								  " --rows contact --tolerance 2mm --stride 6 --repeat 1 --quiet --peers-dir " +
+								  " --rows contact --tolerance 2mm --stride 6 --repeat 2 --quiet --peers-dir " +
 								  path("no-peers") + " -o " + path("tradeoff"));
 	ASSERT_EQ(outcome.code, 0) << outcome.err;
 	const std::string csv = readText(path("tradeoff/tradeoff.csv"));

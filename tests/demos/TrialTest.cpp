@@ -100,6 +100,8 @@ TEST(TrialRecommendation, TheCheapestWithinAnAccuracyAndTheMostAccurateWithinACo
 	EXPECT_EQ(cheapestWithin(limits, 1), &limits[0]);
 	EXPECT_EQ(mostAccurateWithin(limits, 5), &limits[2]);
 	EXPECT_EQ(mostAccurateWithin(limits, 0.5), nullptr);
+	limits[3].tests = limits[2].tests;
+	EXPECT_EQ(cheapestWithin(limits, 0.02), &limits[3]) << "of equals the finest";
 }
 
 TEST(TrialRecommendation, SaysWhenItIsNotKept)
@@ -166,6 +168,9 @@ TEST_F(TrialPoses, TouchAndTheirGapsAreTrue)
 	}
 	EXPECT_GT(deep, 5u);
 	EXPECT_LT(deep, 60u);
+	// Rows follow each other; where B starts anew time goes by, or it would have come in one step.
+	const RowClock clock{1.0 / 240, true};
+	for (const double speed : relativeSpeeds(*ball, *ball, poses.rows, clock)) EXPECT_LT(speed, 100);
 	const TouchingPoses again = touchingPoses(*ball, *ball, tolerance, 120, 3, kNoProgress),
 						other = touchingPoses(*ball, *ball, tolerance, 120, 4, kNoProgress);
 	EXPECT_EQ(trajectoryHash(again.rows), trajectoryHash(poses.rows));
@@ -213,8 +218,8 @@ TEST_F(TryCommand, ReportsOnMeshesOfAnyUnit)
 	const json ours = runOf(report, "CLOD"), hull = runOf(report, "convex hull");
 	EXPECT_EQ(ours["bodies_gone"], 0);
 	// The torus falls into the cup, onto whose hull it otherwise falls: that hull's top is far off the surface.
-	EXPECT_LT(ours["points_off_surface"]["p95"].get<double>(), 0.02 * 0.0215);
-	EXPECT_GT(hull["points_off_surface"]["p95"].get<double>(), 0.2 * 0.0215);
+	EXPECT_LE(ours["points_off_surface"]["p95"].get<double>(), 0.005) << "what its limit certifies";
+	EXPECT_GT(hull["points_off_surface"]["p95"].get<double>(), 0.2);
 	EXPECT_LT(ours["deepest"].get<double>(), 0.02 * 0.0215);
 	for (const char* kind : {"for_accuracy", "for_cost"})
 	{
@@ -224,7 +229,7 @@ TEST_F(TryCommand, ReportsOnMeshesOfAnyUnit)
 	const std::string page = readText(path("metres/report.html"));
 	EXPECT_EQ(page.find("http"), std::string::npos) << "the page must need nothing else";
 	EXPECT_EQ(page.find("<script"), std::string::npos);
-	EXPECT_NE(page.find("errorShare"), std::string::npos);
+	EXPECT_NE(page.find("setMetric(clod::ContactMetric::"), std::string::npos);
 	EXPECT_NE(page.find("poses of cup and torus"), std::string::npos) << "the trade-off is of these two";
 	EXPECT_NE(page.find("V-HACD"), std::string::npos) << "where it is missing, the page says what to do";
 
