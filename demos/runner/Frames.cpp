@@ -45,8 +45,7 @@ Result<MeshId> upload(Renderer& renderer, const ModelMesh& mesh)
 PatchLayer patchLayer(const Pose& pose, const Hierarchy& hierarchy, const std::set<std::uint32_t>& nodes,
 					  const ErrorScale& scale, std::size_t body, bool isSeenThrough)
 {
-	const std::size_t shade = 3 * body;  // bodies of one piece, of the same error, can be told apart
-
+	const std::size_t shade = 3 * body;  // bodies of the same error can be told apart
 	PatchLayer layer;
 	layer.worldFromBody = worldFromBody(pose, meshFromBody(hierarchy));
 	layer.isSeenThrough = isSeenThrough;
@@ -100,7 +99,8 @@ std::vector<std::string> figures(const FrameAnswer& answer)
 	return lines;
 }
 
-// Nodes of each body that answered.
+// Nodes of each body that answered; none of a body that is one convex patch, which would be coloured all over, as the
+// floor it lies on would.
 std::vector<std::set<std::uint32_t>> answeringNodes(const FrameSubject& subject, const FrameAnswer& answer)
 {
 	std::vector<std::set<std::uint32_t>> nodes(subject.bodies.size());
@@ -110,6 +110,8 @@ std::vector<std::set<std::uint32_t>> answeringNodes(const FrameSubject& subject,
 			nodes[pair.bodies.a].insert(contact.nodeA);
 			nodes[pair.bodies.b].insert(contact.nodeB);
 		}
+	for (std::size_t body = 0; body < nodes.size(); ++body)
+		if (subject.bodies[body].hierarchy->levels()[0].nodeCount == 1) nodes[body].clear();
 	return nodes;
 }
 

@@ -156,8 +156,8 @@ TEST(RunnerFrames, EveryErrorHasItsColourOnEitherBodyAndInTheLegend)
 
 TEST(RunnerFrames, TheLegendNamesTheErrorsInThePictureOfBothBodies)
 {
-	const HierarchyPointer torus = test::builtBody("torus", 300).hierarchy, ball = test::builtBody("sphere", 108).hierarchy;
-	for (const auto& [a, b] : {std::pair(torus, ball), std::pair(ball, torus)})
+	const HierarchyPointer torus = test::builtBody("torus", 300).hierarchy, cup = test::builtBody("cup", 1200).hierarchy;
+	for (const auto& [a, b] : {std::pair(torus, cup), std::pair(cup, torus)})
 	{
 		const FrameSubject subject = subjectOf(a, b);
 		const ErrorScale scale(subject);
@@ -189,6 +189,21 @@ TEST(RunnerFrames, TheLegendNamesTheErrorsInThePictureOfBothBodies)
 			EXPECT_EQ(scale.stepOf(1.2 * scale.largestOf(step)), std::min(step + 1, scale.steps() - 1));
 		}
 	}
+}
+
+// A plate on a floor was blue on blue.
+TEST(RunnerFrames, ABodyOfOneConvexPatchIsNotColoured)
+{
+	const HierarchyPointer torus = test::builtBody("torus", 300).hierarchy, box = test::builtBody("box", 12).hierarchy;
+	ASSERT_EQ(box->levels()[0].nodeCount, 1u);
+	const FrameSubject boxes = subjectOf(box, box), mixed = subjectOf(torus, box);
+	EXPECT_TRUE(legendOf(boxes, answerAt(*box, 0, *box, 0)).empty());
+	EXPECT_EQ(legendOf(mixed, answerAt(*torus, 0, *box, 0)).size(), 1u);
+	FramePainter painter(mixed);
+	const Image bare = painter.paint(moment(), {}, {}), image = painter.paint(moment(), answerAt(*torus, 0, *box, 0), {});
+	const int middle = image.width / 4;
+	EXPECT_GT(vote(image, bare, 0, middle, 2).pixels, 2000) << "the torus is";
+	EXPECT_EQ(vote(image, bare, middle + 20, 2 * middle, 2).pixels, 0);
 }
 
 TEST(RunnerFrames, FilmsHaveFramesEnough)
