@@ -116,7 +116,7 @@ def fall():
     report = load("try")
     smallest = report["smallest_radius"]
     rows = [[run["method"], run["setting"], f"{run['step_us']['median'] / 1000:.2f}", percent(run["deepest"] / smallest),
-             percent(run["points_off_surface"]["p95"]),
+             percent(run["points_off_share"]["p95"]) if "points_off_share" in run else "not measured",
              run["ending"] or ("fell through" if run["bodies_gone"] else "rests" if run["end_speed_radii_per_s"] < 0.1 else "still moves")]
             for run in report["runs"]]
     return table(["method", "setting", "step, ms", "deepest overlap, % of R", "contact points off the surface, % of R", "end"], rows)

@@ -308,7 +308,7 @@ void addToReport(nlohmann::ordered_json& report, const Trial& trial)
 			 {"frames", run.frames.size()},
 			 {"step_us", {{"median", run.stepMedian}, {"p95", run.stepP95}}},
 			 {"deepest", run.deepest},
-			 {"points_off_surface", {{"median", run.offSurfaceMedian}, {"p95", run.offSurfaceP95}}},
+			 {"points_off_share", {{"median", run.offSurfaceMedian}, {"p95", run.offSurfaceP95}}},
 			 {"end_speed_radii_per_s", run.endSpeed},
 			 {"bodies_gone", run.gone},
 			 {"ending", run.ending}});
