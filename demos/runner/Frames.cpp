@@ -110,8 +110,8 @@ std::vector<std::set<std::uint32_t>> answeringNodes(const FrameSubject& subject,
 			nodes[pair.bodies.a].insert(contact.nodeA);
 			nodes[pair.bodies.b].insert(contact.nodeB);
 		}
-	for (std::size_t body = 0; body < nodes.size(); ++body)
-		if (subject.bodies[body].hierarchy->levels()[0].nodeCount == 1) nodes[body].clear();
+	for (std::size_t i = 0; i < nodes.size(); ++i)
+		if (subject.bodies[i].hierarchy->levels()[0].nodeCount == 1) nodes[i].clear();
 	return nodes;
 }
 
