@@ -3,14 +3,18 @@
 """Plants faults in a copy of the sources, builds and runs the tests of the folder, and prints what survives.
 
 Faults by hand are those of scripts/mutants.txt. Mechanical ones are drawn with a seed from all sources of the product:
-a sign, a comparison, a minimum for a maximum, a statement dropped. The copy is build/mutants, a worktree of HEAD, whose
-tests must pass before anything is planted; one that then takes four times the processor's time counts as caught. One of
-which the compiler makes the same test programs is no fault (trivial compiler equivalence), and is not counted.
+a sign, a comparison, a minimum for a maximum, a statement dropped. The copies are worktrees of HEAD under build/mutants, one
+a job: a fault is one file to compile and one program to run at a time. Tests must pass before anything is planted; one that
+then takes four times the processor's time counts as caught. One of which the compiler makes the same test programs is no
+fault (trivial compiler equivalence), and is not counted.
 """
 import argparse
 import collections
+import concurrent.futures
 import hashlib
+import os
 import pathlib
+import queue
 import random
 import re
 import resource
@@ -21,8 +25,7 @@ import sys
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-TREE = ROOT / "build/mutants"
-BUILD = TREE / "build/release"
+COPIES = ROOT / "build/mutants"
 # The tests of a folder, the quickest first; of what lies in no folder named here, the one above it.
 TESTS = {
     "plugin/clod/collide": ["collide_test", "query_query_test"],
@@ -115,77 +118,84 @@ def folder_of(file):
     return str(folder)
 
 
-def prepare():
-    """The copy at HEAD, configured; with ccache what an earlier run has compiled is not compiled again."""
-    if not TREE.exists():
-        subprocess.run(["git", "worktree", "add", "--detach", TREE, "HEAD"], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
-    subprocess.run(["git", "checkout", "--detach", "--force", subprocess.check_output(["git", "rev-parse", "HEAD"], cwd=ROOT, text=True).strip()],
-                   cwd=TREE, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    options = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
-    options += ["-DCMAKE_EXE_LINKER_FLAGS=-fuse-ld=mold"] if shutil.which("mold") else []
-    subprocess.run(["cmake", "--preset", "release", *options], cwd=TREE, check=True, stdout=subprocess.DEVNULL)
+class Copy:
+    """A worktree of HEAD in which one fault at a time is planted. With ccache nothing is compiled that an earlier run or
+    another copy has compiled: paths in its keys are relative to the copy."""
+
+    def __init__(self, index):
+        self.tree = COPIES / str(index)
+        self.build_folder = self.tree / "build/release"
+        self.environment = {**os.environ, "CCACHE_BASEDIR": str(self.tree), "CCACHE_NOHASHDIR": "1"}
+        self.made = {}  # what its programs are made of
+        if not self.tree.exists():
+            self.git("worktree", "add", "--detach", self.tree, "HEAD", folder=ROOT)
+        head = subprocess.check_output(["git", "rev-parse", "HEAD"], cwd=ROOT, text=True).strip()
+        self.git("checkout", "--detach", "--force", head, folder=self.tree)
+        options = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
+        options += ["-DCMAKE_EXE_LINKER_FLAGS=-fuse-ld=mold"] if shutil.which("mold") else []
+        subprocess.run(["cmake", "--preset", "release", *options], cwd=self.tree, check=True, stdout=subprocess.DEVNULL)
+
+    @staticmethod
+    def git(*words, folder):
+        subprocess.run(["git", *words], cwd=folder, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+    def build(self, targets, jobs=1):
+        return subprocess.run(["nice", "ninja", "-C", self.build_folder, f"-j{jobs}", *targets], stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, text=True, env=self.environment)
+
+    def programs(self, since=0):
+        """What those are made of that were linked since then; some tests run others."""
+        return {path.name: hashlib.sha256(path.read_bytes()).digest() for path in (self.build_folder / "bin").iterdir()
+                if path.stat().st_mtime >= since}
+
+    def run(self, test, seconds):
+        """Whether the test program passes, None where it does not end in its seconds of the processor."""
+        limit = f"--cpu={round(seconds)}:{round(seconds) + 1}"
+        try:
+            done = subprocess.run(["nice", "prlimit", limit, self.build_folder / "bin" / test, "--gtest_brief=1",
+                                   "--gtest_fail_fast"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                                  timeout=WAITING * seconds, cwd=self.build_folder)
+        except subprocess.TimeoutExpired:
+            return None
+        return None if done.returncode in (-signal.SIGXCPU, -signal.SIGKILL) else done.returncode == 0
+
+    def prepare(self, tests, jobs):
+        built = self.build(tests, jobs)
+        if built.returncode != 0:
+            sys.exit("the copy does not build:\n" + built.stdout[-2000:])
+        self.made = self.programs()
 
 
-def build(targets, jobs):
-    return subprocess.run(["nice", "ninja", "-C", BUILD, f"-j{jobs}", *targets], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                          text=True)
-
-
-def programs(since=0):
-    """What those are made of that were linked since then; some tests run others."""
-    return {path.name: hashlib.sha256(path.read_bytes()).digest() for path in (BUILD / "bin").iterdir()
-            if path.stat().st_mtime >= since}
-
-
-def run(test, seconds):
-    """Whether the test program passes, None where it does not end in its seconds; and those of the processor that it took."""
-    def limit():
-        resource.setrlimit(resource.RLIMIT_CPU, (round(seconds), round(seconds) + 1))
-
+def clean_seconds(copy, tests):
+    """What each test takes of the processor without a fault; one that fails there would catch everything."""
     def used():
         usage = resource.getrusage(resource.RUSAGE_CHILDREN)
         return usage.ru_utime + usage.ru_stime
 
-    before = used()
-    try:
-        done = subprocess.run(["nice", BUILD / "bin" / test, "--gtest_brief=1", "--gtest_fail_fast"], stdout=subprocess.DEVNULL,
-                              stderr=subprocess.DEVNULL, timeout=WAITING * seconds, cwd=BUILD, preexec_fn=limit)
-    except subprocess.TimeoutExpired:
-        return None, seconds
-    return None if done.returncode in (-signal.SIGXCPU, -signal.SIGKILL) else done.returncode == 0, used() - before
-
-
-def clean_copy(tests, jobs):
-    """What each test takes on the clean copy, and its programs; one that fails there would catch everything."""
-    built = build(tests, jobs)
-    if built.returncode != 0:
-        sys.exit("the copy does not build:\n" + built.stdout[-2000:])
-    before, clean = programs(), {}
+    seconds = {}
     for test in tests:
-        passes, seconds = run(test, SECONDS)
-        if not passes:  # on a busy machine once more
-            passes, seconds = run(test, SECONDS)
-        if not passes:
+        before = used()
+        if not copy.run(test, SECONDS) and not copy.run(test, SECONDS):  # on a busy machine once more
             sys.exit(f"{test} fails without a fault planted")
-        clean[test] = seconds
-        print(f"clean: {test}: {seconds:.1f} s", flush=True)
-    return clean, before
+        seconds[test] = used() - before
+        print(f"clean: {test}: {seconds[test]:.1f} s", flush=True)
+    return seconds
 
 
-def verdict(mutant, clean, before, jobs):
+def verdict(copy, mutant, clean):
     began = time.time()
-    path = TREE / mutant.file
+    path = copy.tree / mutant.file
     source = path.read_text()
     path.write_text(source[:mutant.start] + mutant.new + source[mutant.start + len(mutant.old):])
     same = True
     try:
         for test in TESTS[folder_of(mutant.file)]:
-            if build([test], jobs).returncode != 0:
+            if copy.build([test]).returncode != 0:
                 return "does not compile"
-            if all(before[name] == made for name, made in programs(began).items()):
+            if all(copy.made[name] == made for name, made in copy.programs(began).items()):
                 continue
             same = False
-            passes, _ = run(test, max(LEAST_SECONDS, SLOWER * clean[test]))
+            passes = copy.run(test, max(LEAST_SECONDS, SLOWER * clean[test]))
             if passes is None:
                 return f"caught by {test}: it does not end"
             if not passes:
@@ -193,6 +203,25 @@ def verdict(mutant, clean, before, jobs):
         return "same programs" if same else "SURVIVED"
     finally:
         path.write_text(source)
+
+
+def verdicts(copies, mutants, clean, deadline):
+    """Of each mutant in turn what became of it and the seconds that took; a job a copy. None: it was not reached."""
+    free = queue.SimpleQueue()
+    for copy in copies:
+        free.put(copy)
+
+    def judge(mutant):
+        if time.monotonic() > deadline:
+            return None
+        copy, began = free.get(), time.monotonic()
+        try:
+            return verdict(copy, mutant, clean), time.monotonic() - began
+        finally:
+            free.put(copy)
+
+    with concurrent.futures.ThreadPoolExecutor(len(copies)) as pool:
+        yield from pool.map(judge, mutants)
 
 
 def main():
@@ -203,9 +232,10 @@ def main():
     parser.add_argument("--only", default="", help="files and sentences that contain this")
     parser.add_argument("--sample", type=int, help="so many of all, drawn with the seed")
     parser.add_argument("--hours", type=float, default=2, help="stop after so long, and say what was not reached [2]")
-    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--jobs", type=int, default=2, help="copies that faults are planted in at once [2]")
     parser.add_argument("--list", action="store_true", help="print them, plant none; exit 1 where one no longer fits (a test)")
     options = parser.parse_args()
+    start = time.monotonic()
     listed, stale = by_hand()
     print("\n".join(stale), end="\n" if stale else "")
     kinds = [("by hand", listed), ("mechanical", mechanical(options.seed, options.mechanical))]
@@ -217,25 +247,31 @@ def main():
         for kind, mutant in mutants:
             print(f"{kind}: {mutant.file}: {mutant.says}")
         sys.exit(1 if stale else 0)
-    prepare()
-    clean, before = clean_copy(sorted({test for _, m in mutants for test in TESTS[folder_of(m.file)]}), options.jobs)
+    tests = sorted({test for _, m in mutants for test in TESTS[folder_of(m.file)]})
+    copies = [Copy(index) for index in range(options.jobs)]
+    copies[0].prepare(tests, options.jobs)
+    clean = clean_seconds(copies[0], tests)
+    for copy in copies[1:]:
+        copy.prepare(tests, options.jobs)
     counts = collections.Counter()
     survivors = []
-    start = time.monotonic()
-    for i, (kind, mutant) in enumerate(mutants):
-        if time.monotonic() - start > 3600 * options.hours:
-            print(f"{len(mutants) - i} not reached in {options.hours} hours")
+    reached = 0
+    planting = time.monotonic()
+    told = verdicts(copies, [m for _, m in mutants], clean, start + 3600 * options.hours)
+    for (kind, mutant), answer in zip(mutants, told):
+        if answer is None:
             break
-        began = time.monotonic()
-        told = verdict(mutant, clean, before, options.jobs)
-        outcome = told.split(" ")[0]
+        reached += 1
+        outcome = answer[0].split(" ")[0]
         why = f", known: {mutant.reason}" if outcome == "SURVIVED" and mutant.reason else ""
-        print(f"{kind}: {mutant.file}: {mutant.says}: {told}{why} ({time.monotonic() - began:.0f} s)", flush=True)
+        print(f"{kind}: {mutant.file}: {mutant.says}: {answer[0]}{why} ({answer[1]:.0f} s)", flush=True)
         counts[kind, outcome] += 1
         if outcome == "SURVIVED":
             survivors.append((kind, mutant))
+    if reached < len(mutants):
+        print(f"{len(mutants) - reached} not reached in {options.hours} hours")
     planted = sum(counts.values())
-    print(f"{planted} planted, {(time.monotonic() - start) / max(1, planted):.0f} s each")
+    print(f"{planted} planted, {(time.monotonic() - planting) / max(1, planted):.0f} s each")
     for kind in ("by hand", "mechanical"):
         caught, survived = counts[kind, "caught"], counts[kind, "SURVIVED"]
         if caught + survived:

@@ -169,9 +169,11 @@ std::vector<ModelMesh> meshesOf(const RunOptions& options, const SceneRunOptions
 	return meshes;
 }
 
+// What the view shows lies lower in the picture, under its words.
 Camera cameraOf(const SceneView& view)
 {
-	return orbitCamera(view.center, view.radius, view.azimuth, view.elevation);
+	constexpr double kRoom = 1.12, kLower = 0.1;  // of the view's radius
+	return orbitCamera(view.center + Vec3{0, kLower * view.radius, 0}, kRoom * view.radius, view.azimuth, view.elevation);
 }
 
 nlohmann::ordered_json paintFrames(const RunOptions& options, const SceneRunOptions& run,
