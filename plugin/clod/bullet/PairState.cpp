@@ -18,7 +18,7 @@ namespace
 {
 constexpr double kAlone = 0.1, kStaysAlone = 0.3;  // of its weight, by which the load may differ
 constexpr std::uint32_t kLongStill = 16;  // dispatches that ask nothing, until what queries remember is given back
-constexpr double kUnseenShare = 1.0 / 16;  // of what a motion is not expected, that may meet what nobody looked at
+constexpr double kSeldomMet = 0.25;  // so little is expected of what nobody looked at: it may be met, but hardly ever is
 constexpr double kStillShare = 3e-4;  // of the length, more than half of the skin: points found so little motion ago serve
 
 // Every field: one more does not compile before it is named here.
@@ -390,13 +390,14 @@ double PairState::surprise() const
 	const auto wayOf = [&](const RelativeMotion& motion)
 	{ return motion.speedWithin(m_foreseen.center, m_foreseen.radius) * dt; };
 	// Whatever is met on a way that short has been near, and a contact, from the start.
-	if (wayOf(now) <= kRestingShare / kSkinShare * m_foreseen.skin) return 0;
+	const double skin = m_foreseen.skin, nearest = kRestingShare / kSkinShare * skin;
+	if (wayOf(now) <= nearest) return 0;
 	const double otherWay = wayOf({now.linear - m_foreseen.motion.linear, now.angular - m_foreseen.motion.angular, dt});
-	if (otherWay > m_foreseen.spare + m_foreseen.skin) return otherWay / m_foreseen.skin;
-	// Of the rows themselves a solver knows the first order, whatever the motion: they miss what turns meanwhile.
+	if (otherWay > m_foreseen.spare + skin) return otherWay / skin;
+	// Of the points themselves a solver knows the first order, whatever the motion: they miss what turns meanwhile.
 	const auto turnOf = [&](const btCollisionObject* body) { return dt * length(solvedMotion(*body).angular); };
-	const double turn = std::max(turnOf(m_report.objectA), turnOf(m_report.objectB));
-	return std::max(kUnseenShare, std::min(1.0, turn)) * otherWay / m_foreseen.skin;
+	const double bent = std::min(1.0, std::max(turnOf(m_report.objectA), turnOf(m_report.objectB))) * otherWay / skin;
+	return otherWay <= nearest + skin ? bent : std::max(bent, 1 + kSeldomMet * (otherWay - nearest) / skin);
 }
 
 void PairState::keepAnswer()
