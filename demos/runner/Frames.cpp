@@ -18,7 +18,7 @@ namespace
 constexpr double kPi = 3.14159265358979323846;
 constexpr int kPanel = kViewImageHeight;  // pixels, each way
 constexpr Color kGlassColor = {0.45f, 0.62f, 0.78f, 0.22f};
-constexpr Color kSolidColor = {0.72f, 0.74f, 0.77f, 1};
+constexpr Color kSolidColors[] = {{0.72f, 0.74f, 0.77f, 1}, {0.58f, 0.57f, 0.55f, 1}};  // neighbours differ
 constexpr Color kContactColor = {0.85f, 0.1f, 0.1f, 1};
 // Arrows point from A to B: the way A pushes B.
 constexpr double kMarkerSpacing = 2.0 / 15;  // of the close-up's radius
@@ -219,7 +219,7 @@ Frame FramePainter::scene(const FrameMoment& moment, const FrameAnswer& answer) 
 	{
 		const FrameBody& body = m_subject.bodies[i];
 		frame.instances.push_back({m_meshes[body.mesh], toTransform(moment.poses[i]),
-								   body.isSeenThrough ? kGlassColor : kSolidColor, body.isSeenThrough});
+								   body.isSeenThrough ? kGlassColor : kSolidColors[i % 2], body.isSeenThrough});
 	}
 	addPatches(frame, moment, answer);
 	return frame;
