@@ -41,7 +41,7 @@ SceneDefinition nestedCups()
 	info.models = {{"tumbler", ""}};
 	for (int i = 0; i < constant::cups; ++i)
 	{
-		info.bodies.push_back({"cup-" + std::to_string(i + 1), 0, true});
+		info.bodies.push_back({"cup-" + std::to_string(i + 1), 0, false});
 		const Vec3 place{0, i * (TUMBLER_PITCH + constant::gap), 0};
 		scene.bodies.push_back({i == 0 ? 0 : constant::mass, turnedAboutY(place, constant::twist * i), {}});
 	}
