@@ -92,6 +92,7 @@ SceneDefinition stacks(int count, const std::string& name, const std::string& su
 	const int stacks = (count + constant::inStack - 1) / constant::inStack;
 	const Grid grid(stacks, constant::leastStacksInRow, constant::stackAcross, constant::stackAlong);
 	SceneDefinition scene = digitsOnFloor(name, summary, stacks, grid.farthest());
+	scene.info.overview = {{0, 0.015, 0}, grid.farthest() + 0.03, 20, 30, -1, ""};
 	for (int i = 0; i < count; ++i)
 	{
 		const int stack = i / constant::inStack, place = i % constant::inStack;
