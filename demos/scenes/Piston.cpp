@@ -37,7 +37,7 @@ std::vector<double> outcomeOf(const SceneState& state)
 SceneDefinition piston()
 {
 	SceneDefinition scene =
-		mechanism("piston", "a turning crank drives a piston in its bore through a rod", constant::friction);
+		mechanism("piston", "a crank set turning drives a piston through a rod, until friction stops it", constant::friction);
 	SceneInfo& info = scene.info;
 	info.models = {{"crank", ""}, {"rod", ""}, {"piston", ""}, {"bore", ""}};
 	info.bodies = {{"crank", 0, false}, {"rod", 1, false}, {"piston", 2, false}, {"bore", 3, true}};
