@@ -382,6 +382,11 @@ TEST(RenderOverlay, LegendScaleBarAndTextStandInTheirCorners)
 	for (const auto& row : touched)
 		for (const size_t corner : row) EXPECT_GT(corner, 500u);
 	EXPECT_EQ(middleTouched, 0u);
+	// Words can be read on any picture: they stand on light panels.
+	std::size_t light = 0;
+	for (int y = 0; y < 100; ++y)
+		for (int x = 0; x < 480; ++x) light += image.at(x, y).r > 0.75f;
+	EXPECT_GT(light, 5000u);
 	EXPECT_GT(countHue(image, Hue::Red), 100u);
 	EXPECT_GT(countHue(image, Hue::Green), 100u);
 	// The scale bar: the longest dark run of a row. 5 cm would be 150 pixels at this scale; a fifth of the width is
