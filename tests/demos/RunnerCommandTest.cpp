@@ -47,6 +47,20 @@ std::string answers(const std::string& csv)
 	return result;
 }
 
+TEST_F(RunnerCommand, EveryCommandHelpsWithAnExample)
+{
+	std::istringstream help(bench("--help").out);
+	std::string line;
+	while (std::getline(help, line) && line != "Subcommands:") continue;
+	int commands = 0;
+	for (; std::getline(help, line) && !line.empty(); ++commands)
+	{
+		const std::string name = line.substr(2, line.find(' ', 2) - 2);
+		EXPECT_NE(bench(name + " --help").out.find("Example: clod-bench " + name), std::string::npos) << name;
+	}
+	EXPECT_GT(commands, 10);
+}
+
 TEST_F(RunnerCommand, ModelWritesTheSameBytesTwice)
 {
 	ASSERT_EQ(bench("model torus --triangles 800 -o " + path("one.obj")).code, 0);
