@@ -250,6 +250,11 @@ TEST_F(TryCommand, NamesTheNextStep)
 	EXPECT_NE(open.err.find("--repair"), std::string::npos) << open.err;
 	ASSERT_TRUE(writeObj(path("torus.obj"), makeModel("torus", 400).value()));
 	EXPECT_EQ(bench("try " + path("torus.obj") + " --quick --quiet -o /proc/none").code, 1);
+	// What is not the mesh's fault is not said to be.
+	const Outcome cache =
+		bench("try " + path("torus.obj") + " --quick --quiet --cache-dir /proc/none -o " + path("cacheless"));
+	EXPECT_EQ(cache.code, 1);
+	EXPECT_EQ(cache.err.find("refused"), std::string::npos) << cache.err;
 }
 }  // namespace
 }  // namespace clod::test
