@@ -9,6 +9,8 @@
 #include <cmath>
 
 #include "cli/Csv.h"
+#include "cli/Failure.h"
+#include "cli/Files.h"
 #include "demos/runner/Gnuplot.h"
 #include "demos/runner/HeapBytes.h"
 #include "demos/runner/Statistics.h"
@@ -81,15 +83,16 @@ Json measureWorld(const SceneDefinition& definition, const std::vector<std::shar
 	const std::unique_ptr<Scene> scene = makeScene(definition, settings);
 	std::vector<double> steps, dispatches;
 	const auto start = std::chrono::steady_clock::now();
-	for (int step = 0; step < options.to; ++step)
+	bool isOver = false;
+	for (int step = 0; step < options.to && !isOver; ++step)
 	{
 		scene->step();
-		if (step < options.from) continue;
+		const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+		isOver = seconds > options.mostSeconds;
+		if (step < options.from && !isOver) continue;
 		const StepTimes times = scene->lastTimes();
 		steps.push_back(times.step);
 		dispatches.push_back(times.dispatch);
-		const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-		if (seconds > options.mostSeconds) break;
 	}
 	const double bytes = heapBytes() - before;
 	const SceneState state = scene->state();
@@ -155,6 +158,14 @@ std::string formatWorldCsv(const std::vector<WorldSweep>& sweeps)
 			for (const auto& [key, value] : row.items()) text += "," + (value.is_boolean() ? (value ? "1" : "0") : cell(value));
 		}
 	return text + "\n";
+}
+
+const Json& WorldRecord::add(Json row)
+{
+	m_sweeps.back().rows.push_back(std::move(row));
+	if (const std::string problem = cli::writeFile(m_csv, formatWorldCsv(m_sweeps)); !problem.empty())
+		throw cli::Failure(cli::ExitCode::failure, problem);
+	return m_sweeps.back().rows.back();
 }
 
 std::string formatWorldTable(const std::vector<WorldSweep>& sweeps)

@@ -21,7 +21,7 @@ struct WorldContender
 struct WorldRunOptions
 {
 	int from = 0, to = 0;     // the steps that are measured
-	double mostSeconds = 60;  // of a run: it then ends with what it has
+	double mostSeconds = 60;  // of a run: it then ends with what it has, at least the step that it is in
 	unsigned threads = 1;
 };
 
@@ -42,6 +42,20 @@ struct WorldSweep
 // title, axis, rows[], growth[]: contender, threads, step_us and bytes as exponents.
 nlohmann::ordered_json toJson(const WorldSweep& sweep);
 std::string formatWorldCsv(const std::vector<WorldSweep>& sweeps);
+// Sweeps as they are measured: what a run has that is ended early is in the file.
+class WorldRecord
+{
+public:
+	explicit WorldRecord(std::string csv) : m_csv(std::move(csv)) {}
+	void begin(const std::string& title, const std::string& axis) { m_sweeps.push_back({title, axis, {}}); }
+	// To the sweep begun last, and the file is written anew. Throws cli::Failure (1) when it cannot be.
+	const nlohmann::ordered_json& add(nlohmann::ordered_json row);
+	const std::vector<WorldSweep>& sweeps() const { return m_sweeps; }
+
+private:
+	std::string m_csv;
+	std::vector<WorldSweep> m_sweeps;
+};
 std::string formatWorldTable(const std::vector<WorldSweep>& sweeps);
 // A column a sweep: step time above, bytes below. False: gnuplot is not installed or failed.
 bool plotWorlds(const std::vector<WorldSweep>& sweeps, const std::string& path);
