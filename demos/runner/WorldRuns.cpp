@@ -78,6 +78,7 @@ Json measureWorld(const SceneDefinition& definition, const std::vector<std::shar
 	settings.metric = contender.metric;
 	settings.dt = definition.info.dt;
 	settings.threads = options.threads;
+	settings.timedBy = options.threads == 1 ? TimedBy::thread : TimedBy::clock;
 	settings.printsWarnings = false;
 	const double before = heapBytes();
 	const std::unique_ptr<Scene> scene = makeScene(definition, settings);

@@ -25,7 +25,7 @@ struct WorldRunOptions
 	unsigned threads = 1;
 };
 
-// One run: bodies (that move), triangles of all; medians of step_us and dispatch_us; bytes (that the heap has grown by since before the world was made; null
+// One run: bodies (that move), triangles of all; medians of step_us and dispatch_us, processor time on one thread; bytes (that the heap has grown by since before the world was made; null
 // where the machine does not tell), pairs, points and levels at the end; how many steps there were time for.
 nlohmann::ordered_json measureWorld(const SceneDefinition& scene, const std::vector<std::shared_ptr<const Hierarchy>>& models,
 									const WorldContender& contender, const WorldRunOptions& options);
