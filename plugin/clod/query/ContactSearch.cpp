@@ -232,14 +232,16 @@ void ContactSearch::remember(const StopRule& rule)
 	m_state.filled = true;
 }
 
-// By how much more than the tolerance a front is made for. Pairs of input surfaces leave no trace unless they are contacts, so
+// By how much more than the tolerance a front is made for. Pairs of base levels leave no trace unless they are contacts, so
 // that such a front has all contacts until the motion has used that up. Of two surfaces that fit into each other it would
-// have many times the pairs: where one body is a single piece.
+// have many times the pairs: where one body is a single piece; of coarse levels, where pairs are opened whose hulls overlap, a
+// point or a segment.
 double ContactSearch::lookAhead(const StopRule& rule, const WorkLimit& limit) const
 {
 	const bool isCore = m_context.a.isThinCore() || m_context.b.isThinCore();
 	const bool isSingle = m_context.a.levels()[0].nodeCount == 1 || m_context.b.levels()[0].nodeCount == 1;
-	if (!isSingle || !rule.isOfLeaves() || limit.isSet() || m_state.front.isLent) return 0;
+	const bool maySee = rule.isOfLeaves() || (isCore && rule.base().isUsed());
+	if (!isSingle || !maySee || limit.isSet() || m_state.front.isLent) return 0;
 	const double radius = double(std::min(m_context.a.asset().radius, m_context.b.asset().radius));
 	return (isCore ? kFartherOfCore : 1) * std::min(kMovesAhead * m_state.lastApproach, kMostAhead * radius);
 }
