@@ -115,7 +115,7 @@ TEST_F(RunnerCommand, TradeoffMeasuresOursAndWhatBulletHas)
 							 method.rfind("decimated-exact,", 0) == 0;
 		EXPECT_GT(microseconds, 0) << method;
 		EXPECT_EQ(rest.at(method) > 0, !isQuery) << method;
-		EXPECT_EQ(cold.at(method) > microseconds, !isQuery) << method;
+		EXPECT_EQ(cold.at(method) > 0, !isQuery) << method;
 		EXPECT_EQ(bytes.at(method) > 500, !isQuery) << method;  // a manifold at least
 		EXPECT_GT(rows.at(method), 0) << method;
 	}

@@ -185,6 +185,7 @@ void PairState::findPoints(const PairPose& pose, const Question& question, bool 
 	facets.find(a, b, pose.aFromB, question.rules, scratch().result.contacts, m_result.deep, previous, m_facets, goesOn);
 	m_report.candidates = std::uint32_t(facets.size());
 	m_foreseen.motion = facets.expectedMotion();
+	m_foreseen.spare = facets.spare();
 	next.clear();
 	facets.reduce(previous, next);
 	for (std::size_t slot = 0; pose.partner != Partner::kClod && slot < next.slots.size(); ++slot)

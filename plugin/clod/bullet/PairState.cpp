@@ -4,6 +4,7 @@
 
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
 
+#include <limits>
 #include <tuple>
 #include <utility>
 
@@ -17,6 +18,7 @@ namespace
 {
 constexpr double kAlone = 0.1, kStaysAlone = 0.3;  // of its weight, by which the load may differ
 constexpr std::uint32_t kLongStill = 16;  // dispatches that ask nothing, until what queries remember is given back
+constexpr double kSeldomMet = 0.25;  // so little is expected of what nobody looked at: it may be met, but hardly ever is
 constexpr double kStillShare = 3e-4;  // of the length, more than half of the skin: points found so little motion ago serve
 
 // Every field: one more does not compile before it is named here.
@@ -376,7 +378,8 @@ void PairState::foresee(const PairPose& pose)
 				  kSkinShare * pose.rules.length,
 				  pose.radius,
 				  pose.center,
-				  pose.rules.motion()};
+				  pose.rules.motion(),
+				  std::numeric_limits<double>::infinity()};
 }
 
 double PairState::surprise() const
@@ -388,8 +391,14 @@ double PairState::surprise() const
 	const auto wayOf = [&](const RelativeMotion& motion)
 	{ return motion.speedWithin(m_foreseen.center, m_foreseen.radius) * dt; };
 	// Whatever is met on a way that short has been near, and a contact, from the start.
-	if (wayOf(now) <= kRestingShare / kSkinShare * m_foreseen.skin) return 0;
-	return wayOf({now.linear - m_foreseen.motion.linear, now.angular - m_foreseen.motion.angular, dt}) / m_foreseen.skin;
+	const double skin = m_foreseen.skin, nearest = kRestingShare / kSkinShare * skin;
+	if (wayOf(now) <= nearest) return 0;
+	const double otherWay = wayOf({now.linear - m_foreseen.motion.linear, now.angular - m_foreseen.motion.angular, dt});
+	if (otherWay > m_foreseen.spare + skin) return otherWay / skin;
+	// Of the points themselves a solver knows the first order, whatever the motion: they miss what turns meanwhile.
+	const auto turnOf = [&](const btCollisionObject* body) { return dt * length(solvedMotion(*body).angular); };
+	const double bent = std::min(1.0, std::max(turnOf(m_report.objectA), turnOf(m_report.objectB))) * otherWay / skin;
+	return otherWay <= nearest + skin ? bent : std::max(bent, 1 + kSeldomMet * (otherWay - nearest) / skin);
 }
 
 void PairState::keepAnswer()

@@ -31,7 +31,7 @@ public:
 
 	void process(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 				 const btDispatcherInfo& info, btManifoldResult& out);
-	// How far the bodies move in the step, as solved, otherwise than the points were found for; in skins.
+	// What the points may miss of the motion as solved, being found for another; in skins.
 	double surprise() const;
 	// The parts of the coming process() that concern nothing but this pair: its question and, under a budget, what the
 	// coarsest answer takes, which is held back then; and the answer, up to its points, before they are written. Other pairs
@@ -67,7 +67,8 @@ private:
 		double scale = 1, timeStep = 0, tolerance = 0;
 		double skin = 1, radius = 0;  // of the smaller body,
 		Vec3 center;                  // frame A
-		RelativeMotion motion;        // of A's material relative to B's
+		RelativeMotion motion;        // of A's material relative to B's,
+		double spare = 0;             // and by how much another may differ before it meets what was looked at and given up
 	};
 	// What a dispatch asks of two shapes of ours: equal questions have equal answers.
 	struct Question

@@ -15,8 +15,8 @@
 
 namespace
 {
-// In skins: what a step in one part may leave of surprise, 0.15 per cent of the smaller radius.
-constexpr double kMostSurprise = 3;
+// In skins: what a step in one part may leave of surprise, 0.4 per cent of the smaller radius.
+constexpr double kMostSurprise = 8;
 
 constexpr btScalar kThrough = btScalar(4e-3);  // of the smaller radius: an impact is over when what was left is passed
 

@@ -2,9 +2,9 @@
 // A discrete dynamics world in which impacts within a step are met within it. A step's contacts are found for the motion
 // that the bodies start with; what an impact then makes of it may lead them into what nobody had looked for, or bend their
 // way otherwise than was reckoned with. So after the solve
-// - the pairs whose bodies move otherwise than expected, and not just a little, are asked again for the motion as solved;
-//   what they find is added to their contacts, the bodies are put back, and the step is solved anew, from the impulses so
-//   far: a further pass;
+// - the pairs whose contacts may miss something of the motion as solved (PairState::surprise) are asked again for that
+//   motion; what they find is added to their contacts, the bodies are put back, and the step is solved anew, from the
+//   impulses so far: a further pass;
 // - where passes do not settle it (a chain that whips round), the step is taken in parts: contacts, solve and motion for
 //   each, passes included.
 // Impact stepping besides ends a part where two bodies first meet, as the paper does: see Stepping.

@@ -10,20 +10,43 @@ namespace clod
 {
 namespace
 {
-Transform movedBy(const PairBody& body, const Transform& pose, double timeStep)
+// By a vector along the axis, as long as the angle. Small angles by series, to 1e-10: this is asked very often.
+Mat3 turnBy(const Vec3& angle)
 {
-	if (body.linear == Vec3{} && body.angular == Vec3{}) return pose;
-	const double angle = timeStep * length(body.angular);
-	const Vec3 axis = normalized(body.angular);
-	const double sine = std::sin(0.5 * angle);
-	const Mat3 turn = rotationFromQuaternion(sine * axis.x, sine * axis.y, sine * axis.z, std::cos(0.5 * angle));
-	return {turn * pose.rotation, body.center + timeStep * body.linear + turn * (pose.translation - body.center)};
+	const Vec3 half = 0.5 * angle;
+	const double squared = lengthSquared(half);
+	double cosine, sineShare;  // sine over angle
+	if (squared < 0.25)
+	{
+		cosine = 1 - squared / 2 * (1 - squared / 12 * (1 - squared / 30 * (1 - squared / 56)));
+		sineShare = 1 - squared / 6 * (1 - squared / 20 * (1 - squared / 42 * (1 - squared / 72)));
+	}
+	else
+	{
+		const double size = std::sqrt(squared);
+		cosine = std::cos(size);
+		sineShare = std::sin(size) / size;
+	}
+	return rotationFromQuaternion(sineShare * half.x, sineShare * half.y, sineShare * half.z, cosine);
 }
 }  // namespace
 
 Transform aFromBAfter(const PairBody& a, const PairBody& b, const Transform& aFromB, double timeStep)
 {
-	return inverse(movedBy(a, Transform{}, timeStep)) * movedBy(b, aFromB, timeStep);
+	Transform after = aFromB;
+	if (b.angular != Vec3{})
+	{
+		const Mat3 turn = turnBy(timeStep * b.angular);
+		after = {turn * aFromB.rotation, b.center + turn * (aFromB.translation - b.center)};
+	}
+	if (a.angular == Vec3{}) after.translation += timeStep * (b.linear - a.linear);
+	else
+	{
+		const Mat3 back = transposed(turnBy(timeStep * a.angular));
+		const Vec3 apart = after.translation - a.center + timeStep * (b.linear - a.linear);
+		after = {back * after.rotation, a.center + back * apart};
+	}
+	return after;
 }
 
 int ClusterSet::pointCount() const

@@ -60,7 +60,7 @@ ContactSurface::ContactSurface(const Vec3& normal, double offset, const Vec3& ne
 	m_polygonFaces = {0};
 	m_firstPolygonFace = {0, 1};
 	m_firstBorder = {0, 0};
-	m_polygonCenters = {foot};
+	m_polygonDiscs = {{foot, std::numeric_limits<double>::infinity()}};
 	listNodes({0}, {{kNone, kNone, kNone}});
 }
 
@@ -293,8 +293,7 @@ std::uint32_t ContactSurface::nearestFaceOf(std::uint32_t polygon, const Vec3& p
 double ContactSurface::squaredBeside(std::uint32_t polygon, const Vec3& point) const
 {
 	const Span<std::uint32_t> faces = facesOf(polygon);
-	const SurfaceFace& plane = m_faces[faces[0]];
-	const Vec3 foot = point - (dot(plane.normal, point) - plane.offset) * plane.normal;
+	const Vec3 foot = footOn(polygon, point);
 	double best = std::numeric_limits<double>::infinity();
 	const Span<Border> border = borderOf(polygon);
 	if (border.empty() || faces.size <= border.size)
@@ -303,7 +302,7 @@ double ContactSurface::squaredBeside(std::uint32_t polygon, const Vec3& point) c
 		return best;
 	}
 	// How often does a ray in the plane cross the border?
-	const Vec3& n = plane.normal;
+	const Vec3& n = planeOf(polygon).normal;
 	const int drop = std::abs(n.x) >= std::abs(n.y) && std::abs(n.x) >= std::abs(n.z) ? 0
 					 : std::abs(n.y) >= std::abs(n.z)                                  ? 1
 																					   : 2;

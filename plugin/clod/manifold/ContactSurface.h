@@ -107,13 +107,20 @@ public:
 		return m_faces[m_polygonFaces[m_firstPolygonFace[polygon]]];
 	}
 	// Mean of a polygon's corners.
-	const Vec3& centerOf(std::uint32_t polygon) const { return m_polygonCenters[polygon]; }
+	const Vec3& centerOf(std::uint32_t polygon) const { return m_polygonDiscs[polygon].center; }
+	Vec3 footOn(std::uint32_t polygon, const Vec3& point) const
+	{
+		const SurfaceFace& plane = planeOf(polygon);
+		return point - (dot(plane.normal, point) - plane.offset) * plane.normal;
+	}
 	// Squared distance of a point's foot on a polygon's plane from the polygon.
 	double squaredBeside(std::uint32_t polygon, const Vec3& point) const;
 	// Within so much?
 	bool isOver(std::uint32_t polygon, const Vec3& point, double slack) const
 	{
-		return squaredBeside(polygon, point) <= slack * slack;
+		const double farthest = m_polygonDiscs[polygon].radius + slack;
+		return lengthSquared(footOn(polygon, point) - centerOf(polygon)) <= farthest * farthest &&
+			   squaredBeside(polygon, point) <= slack * slack;
 	}
 	// A node of a sheet that has a triangle of the polygon.
 	std::uint32_t sheetNodeOf(std::uint32_t polygon) const { return facesOf(polygon)[0] / 2; }
@@ -194,7 +201,12 @@ private:
 	Kind m_kind = Kind::kClosed;
 	std::uint32_t m_firstNode = 0;  // of the level, in the hierarchy
 	std::vector<std::uint32_t> m_polygonFaces, m_firstPolygonFace;
-	std::vector<Vec3> m_polygonCenters;
+	struct Disc  // holds a polygon
+	{
+		Vec3 center;
+		double radius;
+	};
+	std::vector<Disc> m_polygonDiscs;
 	std::vector<Border> m_border;  // of polygons of several faces
 	std::vector<std::uint32_t> m_firstBorder;
 	std::vector<std::uint32_t> m_nodeVertices, m_nodeEdges, m_firstVertexOf, m_firstEdgeOf, m_firstPolygonOf, m_firstFaceOf;

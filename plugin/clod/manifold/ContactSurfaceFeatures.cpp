@@ -236,7 +236,10 @@ void ContactSurface::findBorders()
 		Vec3 center;
 		for (const std::uint32_t f : faces)
 			for (const std::uint32_t v : m_faces[f].vertex) center += (1.0 / double(3 * faces.size)) * m_vertices[v];
-		m_polygonCenters.push_back(center);
+		double squared = 0;
+		for (const std::uint32_t f : faces)
+			for (const std::uint32_t v : m_faces[f].vertex) squared = std::max(squared, lengthSquared(m_vertices[v] - center));
+		m_polygonDiscs.push_back({center, std::sqrt(squared)});
 	}
 }
 

@@ -2,6 +2,7 @@
 #include "clod/manifold/FacetContacts.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "clod/collide/Room.h"
 
@@ -25,6 +26,7 @@ void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Trans
 {
 	m_memory = &memory;
 	m_expected = rules.motion();
+	m_spare = std::numeric_limits<double>::infinity();
 	m_facets.clear();
 	if (goesOn) takeUp(previous, rules);
 	m_question = {a,
@@ -41,6 +43,7 @@ void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Trans
 	if (m_facets.empty() && !memory.isDeep()) return memory.forget();
 	m_solve.solve(m_question, m_facets);
 	m_expected = m_solve.motion();
+	m_spare = m_solve.spare();
 }
 
 // Those that the solver got last, where they were.

@@ -39,6 +39,9 @@ public:
 			  bool goesOn = false);
 	// Of A's material relative to B's, frame A: the coming step's, as these contacts alone would have it.
 	const RelativeMotion& expectedMotion() const { return m_expected; }
+	// By how much another motion may differ from it, at the bodies' farthest points, before it meets facets that are none of
+	// these.
+	double spare() const { return m_spare; }
 	std::size_t size() const { return m_facets.size(); }
 	// Of those found last, the ones a solver gets. previous: with placeWithB (carryWithB), and impulses.
 	void reduce(const ClusterSet& previous, ClusterSet& next);
@@ -64,6 +67,7 @@ private:
 	LevelSwitch m_switch;
 	DeepOverlap m_deep;
 	RelativeMotion m_expected;
+	double m_spare = 0;
 	PairSolve m_solve;
 	ContactReducer m_reducer;
 };

@@ -12,6 +12,7 @@ namespace
 constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr std::size_t kLeastTable = 256;
 constexpr int kArcRounds = 6;  // each by the chord's slope
+constexpr double kArcSpeed = 2;  // times the mean speed on an arc: the most on it
 constexpr double kFlatArc = 0.1;  // of the chord: no point of such an arc is farther away than twice that beyond its ends
 
 // Where something goes in the step as far as a facet is concerned: forces count along its normal, but sideways they may
@@ -48,6 +49,7 @@ void FacetFinder::find(const FacetQuestion& question, const std::vector<Contact>
 	// What an impact of that speed may add to the turning, besides.
 	const double speed = length(m_motion.velocity(question.rules.b.center));
 	m_turn = (length(m_motion.angular) + speed / question.length()) * m_motion.timeStep;
+	m_poses.fill({});
 	placeMiddles();
 	for (Facet& facet : facets) facet.linear = dot(m_motion.velocity(facet.onA), facet.normal) * m_motion.timeStep;
 	std::size_t size = kLeastTable;
@@ -203,30 +205,42 @@ double FacetFinder::highest(double closing) const
 	return m_question->touching() + m_pair.roam + 0.5 * closing;
 }
 
-// Of B in A after a share of the way looked ahead, forces aside.
-Transform FacetFinder::poseAt(double share) const
+// Of B in A after a share of the way looked ahead, forces aside. Those of kArcParts are worked out once.
+Transform FacetFinder::poseAt(double share)
 {
 	const PointRules& rules = m_question->rules;
-	return aFromBAfter(withoutForces(rules.a), withoutForces(rules.b), m_question->aFromB,
-					   kPathReach * share * rules.timeStep);
+	const auto work = [&]
+	{
+		return aFromBAfter(withoutForces(rules.a), withoutForces(rules.b), m_question->aFromB,
+						   kPathReach * share * rules.timeStep);
+	};
+	const double part = kArcParts * share;
+	if (part != std::floor(part)) return work();
+	std::optional<Transform>& pose = m_poses[std::size_t(part)];
+	if (!pose) pose = work();
+	return *pose;
 }
 
 // Where turning bodies bring features to the margin, and where to each other, do they meet there? height(share, forced)
-// puts them there; forced: what forces add to the height by the end.
+// puts them there, and meets(slack) tells whether they are so near each other there; forced: what forces add to the height
+// by the end. way: how far they go.
 template <class Height, class Meets>
-bool FacetFinder::meetsOnArc(double now, double closing, const Vec3& forced, Height height, Meets meets) const
+bool FacetFinder::meetsOnArc(double now, double closing, double way, const Vec3& forced, Height height, Meets meets) const
 {
-	const double near = kInnerShare * m_question->length();
+	const double near = kInnerShare * m_question->length(), wayOfHeight = kArcSpeed * way / closing;
 	const auto heightAt = [&](double share) { return height(share, share * forced); };
 	for (const double level : {m_question->rules.margin, 0.0})
 	{
-		double share = std::max(0.0, std::min(1.0, (now - level) / closing)), above = heightAt(share) - level;
-		for (int round = 0; round < kArcRounds && std::abs(above) > near; ++round)
+		double share = std::round(kArcParts * std::max(0.0, std::min(1.0, (now - level) / closing))) / kArcParts;
+		double above = heightAt(share) - level;
+		for (int round = 0; std::abs(above) > near; ++round)
 		{
-			share = std::max(0.0, std::min(1.0, share + above / closing));
+			const double next = std::max(0.0, std::min(1.0, share + above / closing));
+			if (round == kArcRounds || next == share || !meets(near + wayOfHeight * std::abs(above))) break;
+			share = next;
 			above = heightAt(share) - level;
 		}
-		if (std::abs(above) <= near && meets()) return true;
+		if (std::abs(above) <= near && meets(near)) return true;
 	}
 	return false;
 }
@@ -241,7 +255,8 @@ bool FacetFinder::meetsOnPath(const Way& way, double mostBulge, const Vec3& up, 
 	const Vec3 move = kPathReach * (along(up, way.unforced, way.then) - way.now);
 	const Vec3 forced = kPathReach * dot(up, way.then - way.unforced) * up;
 	const double bulge = std::min(mostBulge, m_sagitta * length(move));
-	if (bulge <= inner ? meetsOn(move, closing, bulge + inner) : meetsOnArc(now, closing, forced, height, meets)) return true;
+	if (bulge <= inner ? meetsOn(move, closing, bulge + inner) : meetsOnArc(now, closing, length(move), forced, height, meets))
+		return true;
 	if (forced == Vec3{}) return false;
 	// With the forces whole: a facet that may hold the bodies, or one that is met without them, too.
 	const Vec3 toUnforced = kPathReach * (way.unforced - way.now);
@@ -279,12 +294,10 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 
 	const Vec3 up = vertexIsOfA ? normal : m_bFromA.rotation * face.normal;
 	if (!isLowest(vertices.fan(vertex.index), up, kArcSlack + m_turn)) return;
-	const Vec3 foot = vertex.now - now * face.normal;
 	// No way that is looked at below leads over the face.
-	const double beside = faces.squaredBeside(polygon, foot);
 	const double farthest = kPathReach * std::max(length(vertex.then - vertex.now), length(vertex.unforced - vertex.now));
 	const double ways = (1 + 2 * m_sagitta) * farthest + q.rules.heldReach + m_pair.roam + q.footSlack(now);
-	if (m_sagitta < kFlatArc && beside > ways * ways) return;
+	if (m_sagitta < kFlatArc && !faces.isOver(polygon, vertex.now, ways)) return;
 	const double touch = 2 * kInnerShare * q.length();
 	Facet facet;
 	facet.reach = now >= -touch ? Facet::Reach::kNear : Facet::Reach::kOverlap;
@@ -297,15 +310,13 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 	bool counts = false;
 	if (now <= q.touching())
 	{
-		const double slack = q.footSlack(now);
 		// What has sunk in stays a contact while the step's turning may make it the lowest.
 		counts = (facet.reach == Facet::Reach::kOverlap || isLowest(vertices.fan(vertex.index), up, kArcSlack)) &&
-				 beside <= slack * slack;
+				 faces.isOver(polygon, vertex.now, q.footSlack(now));
 	}
 	if (!counts && now > 0 && end <= q.rules.margin && end < now)
 	{
 		facet.reach = Facet::Reach::kPath;
-		const double inner = kInnerShare * q.length();
 		const Vec3& own = vertices.vertices()[vertex.index];
 		Vec3 place;
 		const auto height = [&](double share, const Vec3& forced)
@@ -317,7 +328,7 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 		const double mostBulge = vertexIsOfA || m_bend == kFar ? kFar : m_bend * length(vertex.now - q.rules.b.center);
 		counts = meetsOnPath({vertex.now, vertex.then, vertex.unforced}, mostBulge, face.normal, now, now - end,
 							 q.rules.holds(normal), meetsOn, height,
-							 [&] { return faces.isOver(polygon, place, inner); });
+							 [&](double slack) { return faces.isOver(polygon, place, slack); });
 	}
 	if (!counts && now > 0 && end > q.rules.margin && q.rules.heldReach > 0)
 	{
@@ -405,7 +416,6 @@ void FacetFinder::edgeOverEdge(const MovedEdge& still, const MovedEdge& moved)
 	if (!counts && now > 0 && end <= q.rules.margin && end < now)
 	{
 		facet.reach = Facet::Reach::kPath;
-		const double inner = kInnerShare * q.length();
 		const Vec3 turn = kPathReach * (moved.thenDirection - moved.direction);
 		Vec3 place, direction;
 		const auto height = [&](double share, const Vec3& forced)
@@ -415,11 +425,12 @@ void FacetFinder::edgeOverEdge(const MovedEdge& still, const MovedEdge& moved)
 			direction = pose.rotation * other.direction;
 			return distanceOfLines(start, edge.direction, place, direction, normal);
 		};
-		const auto meets = [&]
+		const auto meets = [&](double slack)
 		{
-			if (length(cross(edge.direction, direction)) < kParallelSine) return false;
+			const double squared = lengthSquared(cross(edge.direction, direction));
+			if (squared < kParallelSine * kParallelSine) return false;
 			const LinesCrossing there = crossingOf(start, edge.direction, place, direction);
-			if (!isWithin(there.alongA, edge.length, inner) || !isWithin(there.alongB, other.length, inner)) return false;
+			if (!isWithin(there.alongA, edge.length, slack) || !isWithin(there.alongB, other.length, slack)) return false;
 			at = there;
 			return true;
 		};

@@ -35,7 +35,7 @@ private:
 	void verticesOverFaces(const NormalCone& coneA, const NormalCone& coneB);
 	void edgesOverEdges(const NormalCone& coneA, const NormalCone& coneB, bool mayOverlap);
 	double highest(double closing) const;
-	Transform poseAt(double share) const;
+	Transform poseAt(double share);
 	struct Way  // of a point: where it is, and at the end of the step with and without forces
 	{
 		Vec3 now, then, unforced;
@@ -44,7 +44,7 @@ private:
 	bool meetsOnPath(const Way& way, double mostBulge, const Vec3& up, double now, double closing, bool mayHold,
 					 MeetsOn meetsOn, Height height, Meets meets) const;
 	template <class Height, class Meets>
-	bool meetsOnArc(double now, double closing, const Vec3& forced, Height height, Meets meets) const;
+	bool meetsOnArc(double now, double closing, double way, const Vec3& forced, Height height, Meets meets) const;
 	std::array<Vec3, 2> waysIfHeld(const Vec3& place) const;
 	void vertexOverFace(const MovedCorner& vertex, std::uint32_t polygon, bool vertexIsOfA);
 	void edgeOverEdge(const MovedEdge& still, const MovedEdge& moved);
@@ -74,6 +74,8 @@ private:
 	void add(Facet& facet);
 	void tabulate(std::size_t size);
 
+	static constexpr int kArcParts = 8;  // a power of two: arcs are looked at there first
+
 	const FacetQuestion* m_question = nullptr;
 	std::vector<Facet>* m_facets = nullptr;
 	Transform m_bFromA;
@@ -81,6 +83,7 @@ private:
 	double m_sagitta = 0;     // of the arc that a chord of the path stands for, a share of the chord
 	double m_bend = 0;  // sagitta of the arc of a point of B in A, where A does not turn, a share of its distance from B's center
 	double m_turn = 0;  // radians that contacts may turn B relative to A in the step, at most
+	std::array<std::optional<Transform>, kArcParts + 1> m_poses;
 	Middle m_middleA, m_middleB;
 	Pair m_pair;
 	MovedNodes m_nodesA, m_nodesB;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace clod
 {
@@ -82,38 +83,35 @@ double distanceAt(const FacetQuestion& question, const Facet& facet, const Trans
 
 }  // namespace
 
-// At that pose: is what it is made of over each other?
-bool PairSolve::isMet(const FacetQuestion& q, const Facet& facet, const Transform& after) const
+// At that pose: how far is what it is made of from being over each other?
+PairSolve::Beside PairSolve::besideAt(const FacetQuestion& q, const Facet& facet, const Transform& after) const
 {
 	const Transform back = inverse(after);
 	const ContactSurface &a = q.a.surface(facet.levelA), &b = q.b.surface(facet.levelB);
-	const double slack = kInnerShare * q.length();
 	if (facet.kind == Facet::Kind::kVertexFace)
-		return b.isOver(facet.featureB, back * a.vertices()[facet.featureA], slack);
+		return {std::sqrt(b.squaredBeside(facet.featureB, back * a.vertices()[facet.featureA]))};
 	if (facet.kind == Facet::Kind::kFaceVertex)
-		return a.isOver(facet.featureA, after * b.vertices()[facet.featureB], slack);
-	if (facet.kind == Facet::Kind::kVertexVertex) return true;
-	const auto isOver = [slack](const SurfaceEdge& edge, const Vec3& start, const Vec3& point)
-	{
-		const double along = dot(edge.direction, point - start);
-		return along >= -slack && along <= edge.length + slack;
-	};
+		return {std::sqrt(a.squaredBeside(facet.featureA, after * b.vertices()[facet.featureB]))};
+	if (facet.kind == Facet::Kind::kVertexVertex) return {0};
+	const auto beyond = [](const SurfaceEdge& edge, double along) { return std::max(-along, along - edge.length); };
 	if (facet.kind == Facet::Kind::kVertexEdge)
 	{
 		const SurfaceEdge& k = b.edges()[facet.featureB];
-		return isOver(k, b.vertices()[k.vertex[0]], back * a.vertices()[facet.featureA]);
+		return {beyond(k, dot(k.direction, back * a.vertices()[facet.featureA] - b.vertices()[k.vertex[0]]))};
 	}
 	if (facet.kind == Facet::Kind::kEdgeVertex)
 	{
 		const SurfaceEdge& e = a.edges()[facet.featureA];
-		return isOver(e, a.vertices()[e.vertex[0]], after * b.vertices()[facet.featureB]);
+		return {beyond(e, dot(e.direction, after * b.vertices()[facet.featureB] - a.vertices()[e.vertex[0]]))};
 	}
 	const SurfaceEdge &e = a.edges()[facet.featureA], &k = b.edges()[facet.featureB];
 	const Vec3 direction = after.rotation * k.direction;
-	if (length(cross(e.direction, direction)) < kParallelSine) return false;
+	const double sine = length(cross(e.direction, direction));
+	if (sine < kParallelSine) return {std::numeric_limits<double>::infinity(), 0};
 	const LinesCrossing at =
 		crossingOf(a.vertices()[e.vertex[0]], e.direction, after * b.vertices()[k.vertex[0]], direction);
-	return at.alongA >= -slack && at.alongA <= e.length + slack && at.alongB >= -slack && at.alongB <= k.length + slack;
+	const double distance = std::max(beyond(e, at.alongA), beyond(k, at.alongB));
+	return {distance, sine * distance};
 }
 
 void PairSolve::push(const Row& row, double impulse)
@@ -199,6 +197,7 @@ void PairSolve::solve(const FacetQuestion& question, std::vector<Facet>& facets)
 	m_a = rules.a;
 	m_b = rules.b;
 	m_timeStep = rules.timeStep;
+	m_spare = std::numeric_limits<double>::infinity();
 	if (!canMove) removePossible();
 	if (facets.empty() || !canMove) return;
 	m_rows.clear();
@@ -242,11 +241,10 @@ void PairSolve::solve(const FacetQuestion& question, std::vector<Facet>& facets)
 			// Where it comes within the margin, or at the end. As long as nothing turns the motion, all that it meets is on the
 			// path.
 			const double enters = std::max(0.0, facet.distance - rules.margin) / (facet.distance - facet.then);
+			const auto isMet = [&](const Transform& pose)
+			{ return besideAt(question, facet, pose).distance <= kInnerShare * question.length(); };
 			const auto isMetBy = [&](const PairBody& a, const PairBody& b, const Transform& end)
-			{
-				return isMet(question, facet, aFromBAfter(a, b, question.aFromB, enters * rules.timeStep)) ||
-					   isMet(question, facet, end);
-			};
+			{ return isMet(aFromBAfter(a, b, question.aFromB, enters * rules.timeStep)) || isMet(end); };
 			if (isTurned && facet.reach == Facet::Reach::kPossible && facet.then < rules.margin &&
 				isMetBy(m_a, m_b, after) && (rules.holds(facet.normal) || isMetBy(unforcedA, unforcedB, unforced)))
 			{
@@ -258,7 +256,15 @@ void PairSolve::solve(const FacetQuestion& question, std::vector<Facet>& facets)
 		}
 		if (change < kSettled * question.length()) break;
 	}
-	for (std::size_t i = 0; i < facets.size(); ++i) facets[i].multiplier = m_multipliers[i];
+	const Transform after = aFromBAfter(m_a, m_b, question.aFromB, rules.timeStep);
+	for (std::size_t i = 0; i < facets.size(); ++i)
+	{
+		const Facet& facet = facets[i];
+		facets[i].multiplier = m_multipliers[i];
+		if (facet.reach == Facet::Reach::kPossible)
+			m_spare = std::min(m_spare, facet.then > rules.margin ? facet.then - rules.margin
+																	: besideAt(question, facet, after).way);
+	}
 	removePossible();
 }
 }  // namespace clod

@@ -25,6 +25,8 @@ public:
 	void solve(const FacetQuestion& question, std::vector<Facet>& facets);
 	// Of A's material relative to B's, as solved last.
 	RelativeMotion motion() const { return motionBetween(m_a, m_b, m_timeStep); }
+	// How much farther than solved the bodies have to move to meet one of the facets removed, to first order.
+	double spare() const { return m_spare; }
 
 private:
 	struct Row
@@ -33,7 +35,12 @@ private:
 		Vec3 pushA, pushB;          // change of angular velocity of a unit impulse
 		double effectiveMass;
 	};
-	bool isMet(const FacetQuestion& question, const Facet& facet, const Transform& after) const;
+	struct Beside
+	{
+		double distance;        // in the facet, along edges
+		double way = distance;  // that features have to go, at least
+	};
+	Beside besideAt(const FacetQuestion& question, const Facet& facet, const Transform& after) const;
 	void push(const Row& row, double impulse);
 	void push(const Facet& facet, const Vec3& impulse);
 	void rub(const Facet& facet, double most, Vec3& friction);
@@ -42,6 +49,6 @@ private:
 	std::vector<Vec3> m_frictions;  // of the facets, impulses
 	std::vector<double> m_multipliers;
 	PairBody m_a, m_b;  // as solved
-	double m_timeStep = 0;
+	double m_timeStep = 0, m_spare = 0;
 };
 }  // namespace clod
