@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "cli/Csv.h"
@@ -83,13 +82,12 @@ Json measureWorld(const SceneDefinition& definition, const std::vector<std::shar
 	const double before = heapBytes();
 	const std::unique_ptr<Scene> scene = makeScene(definition, settings);
 	std::vector<double> steps, dispatches;
-	const auto start = std::chrono::steady_clock::now();
+	const Stopwatch watch(settings.timedBy);
 	bool isOver = false;
 	for (int step = 0; step < options.to && !isOver; ++step)
 	{
 		scene->step();
-		const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-		isOver = seconds > options.mostSeconds;
+		isOver = watch.microseconds() > 1e6 * options.mostSeconds;
 		if (step < options.from && !isOver) continue;
 		const StepTimes times = scene->lastTimes();
 		steps.push_back(times.step);

@@ -21,7 +21,7 @@ struct WorldContender
 struct WorldRunOptions
 {
 	int from = 0, to = 0;     // the steps that are measured
-	double mostSeconds = 60;  // of a run: it then ends with what it has, at least the step that it is in
+	double mostSeconds = 60;  // of a run, timed as its steps: it then ends with what it has, at least the step that it is in
 	unsigned threads = 1;
 };
 
