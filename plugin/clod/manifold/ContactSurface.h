@@ -118,9 +118,11 @@ public:
 	// Within so much?
 	bool isOver(std::uint32_t polygon, const Vec3& point, double slack) const
 	{
-		const double farthest = m_polygonDiscs[polygon].radius + slack;
-		return lengthSquared(footOn(polygon, point) - centerOf(polygon)) <= farthest * farthest &&
-			   squaredBeside(polygon, point) <= slack * slack;
+		const Disc& disc = m_polygonDiscs[polygon];
+		const double fromCenter = lengthSquared(footOn(polygon, point) - disc.center);
+		const double farthest = slack + disc.radius, sure = slack - disc.radius;
+		if (fromCenter > farthest * farthest) return false;
+		return (sure > 0 && fromCenter <= sure * sure) || squaredBeside(polygon, point) <= slack * slack;
 	}
 	// A node of a sheet that has a triangle of the polygon.
 	std::uint32_t sheetNodeOf(std::uint32_t polygon) const { return facesOf(polygon)[0] / 2; }

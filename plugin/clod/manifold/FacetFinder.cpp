@@ -13,6 +13,7 @@ constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr std::size_t kLeastTable = 256;
 constexpr int kArcRounds = 6;  // each by the chord's slope
 constexpr double kArcSpeed = 2;  // times the mean speed on an arc: the most on it
+constexpr double kRoamShare = 0.25;  // of the farthest way of the step: so far from a way's middle contacts may lead
 constexpr double kFlatArc = 0.1;  // of the chord: no point of such an arc is farther away than twice that beyond its ends
 
 // Where something goes in the step as far as a facet is concerned: forces count along its normal, but sideways they may
@@ -110,7 +111,7 @@ void FacetFinder::findPair(const Contact& contact)
 	MovedNode &nodeA = m_nodesA.of(contact.nodeA), &nodeB = m_nodesB.of(contact.nodeB);
 	const bool mayOverlap = contact.upper <= 0;
 	m_pair = {&q.a.surface(nodeA.level), &q.b.surface(nodeB.level), contact.nodeA, contact.nodeB, nodeA.level, nodeB.level};
-	m_pair.roam = 0.5 * nodeB.displaced;
+	m_pair.roam = kRoamShare * nodeB.displaced;
 	m_pair.deepest = mayOverlap ? kFar : 2 * kInnerShare * q.length();
 	m_pair.reach = q.touching() + q.rules.heldReach + kFootShare * q.length() + m_pair.roam;
 	if (mayOverlap) m_pair.reach += q.a.thicknessOf(contact.nodeA) + q.b.thicknessOf(contact.nodeB);

@@ -26,7 +26,7 @@ private:
 	{
 		const ContactSurface *a, *b;
 		std::uint32_t nodeA, nodeB, levelA, levelB;
-		double roam = 0;     // half of what the step's motion displaces at most: so far from its middle contacts may lead
+		double roam = 0;     // how far from the middle of the step's way contacts may lead
 		double deepest = 0;  // overlaps beyond are not looked for
 		double reach = 0;    // how far apart features may be
 	};
