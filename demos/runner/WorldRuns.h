@@ -26,7 +26,8 @@ struct WorldRunOptions
 };
 
 // One run: bodies (that move), triangles of all; medians of step_us and dispatch_us, processor time on one thread; bytes (that the heap has grown by since before the world was made; null
-// where the machine does not tell), pairs, points and levels at the end; how many steps there were time for.
+// where the machine does not tell), pairs, points and levels at the end; how many steps there were time for; began_only: time was up
+// before the first that was to be measured, whose growth is not told.
 nlohmann::ordered_json measureWorld(const SceneDefinition& scene, const std::vector<std::shared_ptr<const Hierarchy>>& models,
 									const WorldContender& contender, const WorldRunOptions& options);
 

@@ -87,6 +87,14 @@ TEST(RunnerRows, AWorldEndsInTime)
 	run.mostSeconds = 0;
 	const auto ended = measureWorld(scene, {cube}, {"ours", {}, {}}, run);
 	EXPECT_EQ(ended["steps"], 1);
+	WorldSweep sweep{"cubes", "bodies", {}};
+	for (auto row : {whole, whole, ended})
+	{
+		row["bodies"] = 10 + 10 * sweep.rows.size();
+		row["step_us"] = row["began_only"] ? 1 : 10 * row["bodies"].get<int>();
+		sweep.rows.push_back(row);
+	}
+	EXPECT_NEAR(toJson(sweep)["growth"][0]["step_us"], 1, 1e-9);  // of the two that were measured
 	EXPECT_NEAR(last, 0.5, 0.6);
 }
 
