@@ -248,8 +248,9 @@ TEST(Memory, OfAPairIsWhatItsContactsTake)
 		EXPECT_EQ(report.pairs, unsigned(Digits::kPairs)) << name;
 		EXPECT_GT(apart, 0) << name;
 		EXPECT_LE(apart, 5 << 10) << name;
-		// While they move a front of base levels is not kept.
-		EXPECT_LE(touching, (metric.weightedDeviationShare < kOff ? (isFlat ? 73 : 28) : 16) << 10) << name;
+		// While they move a front of base levels is not kept. Bullet's places are twice as long in double.
+		const int most = sizeof(btScalar) > sizeof(float) ? 18 : 16;
+		EXPECT_LE(touching, (metric.weightedDeviationShare < kOff ? (isFlat ? 73 : 28) : most) << 10) << name;
 	}
 }
 
