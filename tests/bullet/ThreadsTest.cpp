@@ -189,7 +189,7 @@ TEST(Threads, GiveTheSamePassesAndKeptPoints)
 	EXPECT_GT(boxes.parts, 10);
 	EXPECT_GT(boxes.kept, 10);
 	const Counts digits = run(1, 80, test::body("number8", 600).hierarchy);
-	EXPECT_GT(digits.askedAgain, 20);
+	EXPECT_GT(digits.askedAgain, 10);
 	for (const unsigned threads : {2U, 3U}) EXPECT_TRUE(run(threads, 300) == boxes) << threads;
 	EXPECT_TRUE(run(3, 80, test::body("number8", 600).hierarchy) == digits);
 }

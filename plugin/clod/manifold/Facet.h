@@ -68,6 +68,15 @@ struct Facet : FacetRecord
 	double curvature() const { return then - distance - linear; }  // what the first order misses
 };
 
+// Of each point that a solver got last, with what it was made of: each(old, record).
+template <class Each>
+void forEachReduced(const ClusterSet& points, const std::vector<FacetRecord>& records, Each each)
+{
+	auto record = records.begin();
+	for (const ContactCluster& cluster : points.slots)
+		for (std::size_t i = 0; i < std::size_t(cluster.count) && record != records.end(); ++i) each(cluster.points[i], *record++);
+}
+
 // A body of a pair: the surfaces of a hierarchy's levels, or the one surface of what has none.
 struct ContactBody
 {

@@ -124,7 +124,7 @@ void FacetChoice::knowAgain(const std::vector<FacetRecord>& last, const Transfor
 		if (!isOverlap(facet)) continue;
 		const auto at = std::lower_bound(m_last.begin(), m_last.end(), std::make_pair(facet.feature, std::uint32_t(0)));
 		const bool isKnown = at != m_last.end() && at->first == facet.feature;
-		facet.isThrough = facet.isThrough || wentThrough(facet, isKnown ? &last[at->second] : nullptr, lastAFromB);
+		facet.isThrough = facet.isThrough || wentThrough(facet, isKnown ? &last[at->second] : nullptr, last, lastAFromB);
 		m_isKnown[i] = isKnown || facet.isThrough;
 	}
 }
@@ -152,7 +152,8 @@ void FacetChoice::dropWhatHoldsThrough(std::vector<Facet>& facets)
 }
 
 // Since the last step, or before: a vertex that is under the face, and came in through it.
-bool FacetChoice::wentThrough(const Facet& facet, const FacetRecord* last, const Transform& lastAFromB) const
+bool FacetChoice::wentThrough(const Facet& facet, const FacetRecord* known, const std::vector<FacetRecord>& last,
+							  const Transform& lastAFromB) const
 {
 	const FacetQuestion& q = *m_question;
 	const ContactSurface &a = q.a.surface(facet.levelA), &b = q.b.surface(facet.levelB);
@@ -165,11 +166,18 @@ bool FacetChoice::wentThrough(const Facet& facet, const FacetRecord* last, const
 	const Vec3 now = placeBy(q.aFromB);
 	const auto isOver = [&](const Vec3& point) { return faces.isOver(polygon, point, kInnerShare * q.length()); };
 	if (!isOver(now)) return false;
-	if (last && last->isThrough) return true;
+	if (known && known->isThrough) return true;
+	// On its way back from beyond the far side, and out again before.
+	const auto isOfVertex = [&](const FacetRecord& record)
+	{
+		return record.isThrough && record.kind == facet.kind &&
+			   (isOfA ? record.featureA == facet.featureA : record.featureB == facet.featureB);
+	};
+	if (!(isOfA ? a : b).isSheet() && std::any_of(last.begin(), last.end(), isOfVertex)) return false;
 	const Vec3 before = placeBy(lastAFromB);
 	const SurfaceFace& face = faces.planeOf(polygon);
 	const double height = dot(face.normal, before) - face.offset;
-	if (height < 0) return last && facet.distance < height;
+	if (height < 0) return known && facet.distance < height;
 	const double share = height / (height - facet.distance);
 	return isOver(before + share * (now - before));
 }

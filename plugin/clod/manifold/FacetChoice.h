@@ -26,7 +26,8 @@ private:
 	bool overlapsAt(const Facet& facet, const Vec3& shift) const;
 	Vec3 centerOf(const Facet& facet) const;
 	void knowAgain(const std::vector<FacetRecord>& last, const Transform& lastAFromB, std::vector<Facet>& facets);
-	bool wentThrough(const Facet& facet, const FacetRecord* last, const Transform& lastAFromB) const;
+	bool wentThrough(const Facet& facet, const FacetRecord* known, const std::vector<FacetRecord>& last,
+					 const Transform& lastAFromB) const;
 	void dropWhatHoldsThrough(std::vector<Facet>& facets);
 	void dropInner(std::vector<Facet>& facets);
 	void dropRidges(std::vector<Facet>& facets);

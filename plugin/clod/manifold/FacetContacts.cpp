@@ -49,58 +49,57 @@ void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Trans
 // Those that the solver got last, where they were.
 void FacetContacts::takeUp(const ClusterSet& previous, const PointRules& rules)
 {
-	std::size_t next = 0;
-	for (const ContactCluster& cluster : previous.slots)
-		for (int i = 0; i < cluster.count && next < m_memory->reduced.size(); ++i)
-		{
-			const ContactPoint& point = cluster.points[std::size_t(i)].point;
-			Facet facet{};
-			static_cast<FacetRecord&>(facet) = m_memory->reduced[next++];
-			if (!facet.hasFeatures()) continue;
-			facet.onA = point.pointOnA + rules.radiusA * point.normal;
-			facet.onB = point.pointOnB - rules.radiusB * point.normal;
-			facet.normal = point.normal;
-			facet.slowOverlap = point.slowOverlap;
-			m_facets.push_back(facet);
-		}
+	forEachReduced(previous, m_memory->reduced,
+				   [&](const ClusterPoint& old, const FacetRecord& record)
+				   {
+					   if (!record.hasFeatures()) return;
+					   const ContactPoint& point = old.point;
+					   Facet facet{};
+					   static_cast<FacetRecord&>(facet) = record;
+					   facet.onA = point.pointOnA + rules.radiusA * point.normal;
+					   facet.onB = point.pointOnB - rules.radiusB * point.normal;
+					   facet.normal = point.normal;
+					   facet.slowOverlap = point.slowOverlap;
+					   m_facets.push_back(facet);
+				   });
 }
 
 // What went in through a face stays its contact until it is out, be it beyond by more than the body is thick there.
 void FacetContacts::takeUpWhatIsThrough(const ClusterSet& previous)
 {
+	forEachReduced(previous, m_memory->reduced,
+				   [&](const ClusterPoint& old, const FacetRecord& record)
+				   {
+					   if (record.isThrough) takeUpThrough(old.point, record);
+				   });
+}
+
+void FacetContacts::takeUpThrough(const ContactPoint& point, const FacetRecord& record)
+{
 	const FacetQuestion& q = m_question;
-	std::size_t next = 0;
-	for (const ContactCluster& cluster : previous.slots)
-		for (int i = 0; i < cluster.count && next < m_memory->reduced.size(); ++i)
-		{
-			const FacetRecord& record = m_memory->reduced[next++];
-			if (!record.isThrough) continue;
-			Facet facet{};
-			static_cast<FacetRecord&>(facet) = record;
-			const ContactSurface &a = q.a.surface(facet.levelA), &b = q.b.surface(facet.levelB);
-			const bool isOfA = facet.kind == Facet::Kind::kVertexFace;
-			const ContactSurface& faces = isOfA ? b : a;
-			std::uint32_t& polygon = isOfA ? facet.featureB : facet.featureA;
-			if (b.isSheet())
-			{
-				const ContactPoint& point = cluster.points[std::size_t(i)].point;
-				const Transform lastBFromA = inverse(m_memory->aFromB);
-				polygon = isOfA ? b.polygonIn(lastBFromA.rotation * point.normal, lastBFromA * point.pointOnB, q.length()) : kNone;
-			}
-			if (polygon == kNone) continue;
-			if (b.isSheet()) facet.nodeB = b.sheetNodeOf(polygon);
-			const Vec3 place =
-				isOfA ? inverse(q.aFromB) * a.vertices()[facet.featureA] : q.aFromB * b.vertices()[facet.featureB];
-			const SurfaceFace& face = faces.planeOf(polygon);
-			facet.distance = dot(face.normal, place) - face.offset;
-			if (!(facet.distance < 0) || !faces.isOver(polygon, place, kInnerShare * q.length())) continue;
-			facet.feature = featureOf(a, b, facet);
-			facet.reach = Facet::Reach::kOverlap;
-			facet.normal = isOfA ? q.aFromB.rotation * face.normal : -face.normal;
-			facet.onA = isOfA ? a.vertices()[facet.featureA] : place + facet.distance * facet.normal;
-			facet.onB = facet.onA - facet.distance * facet.normal;
-			m_facets.push_back(facet);
-		}
+	Facet facet{};
+	static_cast<FacetRecord&>(facet) = record;
+	const ContactSurface &a = q.a.surface(facet.levelA), &b = q.b.surface(facet.levelB);
+	const bool isOfA = facet.kind == Facet::Kind::kVertexFace;
+	const ContactSurface& faces = isOfA ? b : a;
+	std::uint32_t& polygon = isOfA ? facet.featureB : facet.featureA;
+	if (b.isSheet())
+	{
+		const Transform lastBFromA = inverse(m_memory->aFromB);
+		polygon = isOfA ? b.polygonIn(lastBFromA.rotation * point.normal, lastBFromA * point.pointOnB, q.length()) : kNone;
+	}
+	if (polygon == kNone) return;
+	if (b.isSheet()) facet.nodeB = b.sheetNodeOf(polygon);
+	const Vec3 place = isOfA ? inverse(q.aFromB) * a.vertices()[facet.featureA] : q.aFromB * b.vertices()[facet.featureB];
+	const SurfaceFace& face = faces.planeOf(polygon);
+	facet.distance = dot(face.normal, place) - face.offset;
+	if (!(facet.distance < 0) || !faces.isOver(polygon, place, kInnerShare * q.length())) return;
+	facet.feature = featureOf(a, b, facet);
+	facet.reach = Facet::Reach::kOverlap;
+	facet.normal = isOfA ? q.aFromB.rotation * face.normal : -face.normal;
+	facet.onA = isOfA ? a.vertices()[facet.featureA] : place + facet.distance * facet.normal;
+	facet.onB = facet.onA - facet.distance * facet.normal;
+	m_facets.push_back(facet);
 }
 
 // Bodies overlap, and no facet says how deep: one point with a way out. While it is needed the way stays.

@@ -53,6 +53,7 @@ public:
 
 private:
 	void takeUpWhatIsThrough(const ClusterSet& previous);
+	void takeUpThrough(const ContactPoint& point, const FacetRecord& record);
 	void takeUp(const ClusterSet& previous, const PointRules& rules);
 	ContactPoint pointOf(const Facet& facet) const;
 	void nameFaces(const Facet& facet, const Transform& bFromA, ContactPoint& point) const;

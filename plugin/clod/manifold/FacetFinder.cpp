@@ -203,7 +203,7 @@ void FacetFinder::gather(const Contact& contact, MovedNode& nodeA, MovedNode& no
 // Of facets that contacts may lead to, when their motion as predicted closes by so much.
 double FacetFinder::highest(double closing) const
 {
-	return m_question->touching() + m_pair.roam + 0.5 * closing;
+	return m_question->touching() + m_pair.roam + (1 - kRoamShare) * closing;
 }
 
 // Of B in A after a share of the way looked ahead, forces aside. Those of kArcParts are worked out once.

@@ -79,21 +79,20 @@ void LevelSwitch::apply(const FacetQuestion& question, const std::vector<Contact
 	}
 	const std::size_t found = facets.size();
 	double before = 0;
-	std::size_t next = 0;
-	for (const ContactCluster& cluster : previous.slots)
-		for (int i = 0; i < cluster.count && next < reduced.size(); ++i)
-		{
-			const ClusterPoint& old = cluster.points[std::size_t(i)];
-			Facet facet{};
-			static_cast<FacetRecord&>(facet) = reduced[next++];
-			const bool wasHeld = facet.kind == Facet::Kind::kHeld, carried = old.impulse > 0;
-			if (!wasHeld) before = std::max(before, -old.point.height);
-			const bool mayGoOn = facet.kind != Facet::Kind::kDeep && !old.point.isOfMiddle && (carried || (wasHeld && old.point.idle < kIdle));
-			const bool goesOn = stays ? wasHeld : mayGoOn && isLost(question, old, facet, {facets.data(), found});
-			if (!goesOn || !goOn(question, old, facet)) continue;
-			facets.push_back(facet);
-			m_points.back().idle = carried ? 0 : old.point.idle + (stays ? 0 : question.rules.timeStep);
-		}
+	forEachReduced(previous, reduced,
+				   [&](const ClusterPoint& old, const FacetRecord& record)
+				   {
+					   Facet facet{};
+					   static_cast<FacetRecord&>(facet) = record;
+					   const bool wasHeld = facet.kind == Facet::Kind::kHeld, carried = old.impulse > 0;
+					   if (!wasHeld) before = std::max(before, -old.point.height);
+					   const bool mayGoOn = facet.kind != Facet::Kind::kDeep && !old.point.isOfMiddle &&
+											(carried || (wasHeld && old.point.idle < kIdle));
+					   const bool goesOn = stays ? wasHeld : mayGoOn && isLost(question, old, facet, {facets.data(), found});
+					   if (!goesOn || !goOn(question, old, facet)) return;
+					   facets.push_back(facet);
+					   m_points.back().idle = carried ? 0 : old.point.idle + (stays ? 0 : question.rules.timeStep);
+				   });
 	memory.goesOn = !m_points.empty();
 	if (!stays) memory.overlap = std::min(deepest, std::max(memory.overlap, fresh - before));
 	memory.asked = m_asked;
