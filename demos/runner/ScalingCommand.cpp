@@ -153,8 +153,8 @@ WorldRunOptions runOf(const ScalingCommandOptions& options, int from, int to)
 }
 
 // Whoever took all the time there was for a run is not asked for more bodies.
-std::vector<WorldSweep> measureBodies(const ScalingCommandOptions& options, HierarchyCache& cache, Contenders& contenders,
-									  cli::Progress& progress)
+void measureBodies(const ScalingCommandOptions& options, HierarchyCache& cache, Contenders& contenders,
+				   cli::Progress& progress, WorldRecord& record)
 {
 	struct Kind
 	{
@@ -166,10 +166,9 @@ std::vector<WorldSweep> measureBodies(const ScalingCommandOptions& options, Hier
 						  {Arrangement::heap, "heap", 120, 216},
 						  {Arrangement::field, "sparse field", 24, 72}};
 	const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
-	std::vector<WorldSweep> sweeps;
 	for (const Kind& kind : kinds)
 	{
-		WorldSweep sweep{kind.title, "bodies", {}};
+		record.begin(kind.title, "bodies");
 		std::set<std::string> ended;
 		for (const int count : options.bodies)
 		{
@@ -182,22 +181,20 @@ std::vector<WorldSweep> measureBodies(const ScalingCommandOptions& options, Hier
 				progress.update(fmt::format("{}: {} bodies, {}", kind.title, count, contender.name), 0);
 				WorldRunOptions run = runOf(options, kind.from, kind.to);
 				run.threads = threads;
-				sweep.rows.push_back(measureWorld(scene, models, contender, run));
-				if (sweep.rows.back()["steps"].get<int>() < run.to - run.from) ended.insert(name);
+				const nlohmann::ordered_json& row = record.add(measureWorld(scene, models, contender, run));
+				if (row["steps"].get<int>() < run.to - run.from) ended.insert(name);
 			};
 			for (const WorldContender& contender : contenders.of(scene, models, {})) measure(contender, 1);
 			for (unsigned threads = 2; threads <= cores; ++threads)
 				measure({"0.5 % (default)", ContactMetric::errorShare(0.005), {}}, threads);
 		}
-		sweeps.push_back(std::move(sweep));
 	}
-	return sweeps;
 }
 
-WorldSweep measureTriangles(const ScalingCommandOptions& options, HierarchyCache& cache, Contenders& contenders,
-							cli::Progress& progress)
+void measureTriangles(const ScalingCommandOptions& options, HierarchyCache& cache, Contenders& contenders,
+					  cli::Progress& progress, WorldRecord& record)
 {
-	WorldSweep sweep{options.scene, "triangles", {}};
+	record.begin(options.scene, "triangles");
 	const SceneDefinition* scene = nullptr;
 	for (const SceneDefinition& each : sceneDefinitions())
 		if (each.info.name == options.scene) scene = &each;
@@ -207,10 +204,9 @@ WorldSweep measureTriangles(const ScalingCommandOptions& options, HierarchyCache
 		for (const WorldContender& contender : contenders.of(*scene, models, {resolution, false}))
 		{
 			progress.update(fmt::format("{}: resolution {}, {}", options.scene, resolution, contender.name), 0);
-			sweep.rows.push_back(measureWorld(*scene, models, contender, runOf(options, 100, 400)));
+			record.add(measureWorld(*scene, models, contender, runOf(options, 100, 400)));
 		}
 	}
-	return sweep;
 }
 
 void runScaling(ScalingCommandOptions options)
@@ -238,9 +234,10 @@ void runScaling(ScalingCommandOptions options)
 	const Preparation preparation({options.peerDirectory.empty() ? defaultPeerDirectory() : options.peerDirectory},
 								  cache.directory().empty() ? "" : cache.directory() + "/peers", 10 * options.mostSeconds);
 	Contenders contenders(preparation, leftOut);
-	std::vector<WorldSweep> sweeps;
-	if (options.has("bodies")) sweeps = measureBodies(options, cache, contenders, progress);
-	if (options.has("worlds")) sweeps.push_back(measureTriangles(options, cache, contenders, progress));
+	WorldRecord record(base + "-worlds.csv");
+	if (options.has("bodies")) measureBodies(options, cache, contenders, progress, record);
+	if (options.has("worlds")) measureTriangles(options, cache, contenders, progress, record);
+	const std::vector<WorldSweep>& sweeps = record.sweeps();
 	progress.finish();
 	if (!sweeps.empty())
 	{
@@ -248,7 +245,6 @@ void runScaling(ScalingCommandOptions options)
 		for (const WorldSweep& sweep : sweeps) report["worlds"].push_back(toJson(sweep));
 		report["left_out"] = leftOut;
 		table += formatWorldTable(sweeps);
-		writeText(base + "-worlds.csv", formatWorldCsv(sweeps));
 		plotted = plotWorlds(sweeps, base + "-worlds.png") && plotted;
 	}
 	for (const auto& each : leftOut)

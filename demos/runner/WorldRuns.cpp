@@ -5,10 +5,11 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "cli/Csv.h"
+#include "cli/Failure.h"
+#include "cli/Files.h"
 #include "demos/runner/Gnuplot.h"
 #include "demos/runner/HeapBytes.h"
 #include "demos/runner/Statistics.h"
@@ -41,6 +42,13 @@ std::vector<std::pair<std::string, std::vector<Json>>> linesOf(const std::vector
 	return lines;
 }
 
+// Those that came to the steps that were to be measured: others are of worlds that have only begun.
+std::vector<Json> measured(std::vector<Json> rows)
+{
+	rows.erase(std::remove_if(rows.begin(), rows.end(), [](const Json& row) { return row.contains("began_only") && row["began_only"]; }), rows.end());
+	return rows;
+}
+
 std::string cell(const Json& value)
 {
 	return value.is_null() ? "" : value.is_string() ? cli::quotedField(value.get<std::string>()) : fmt::format("{:.6g}", value.get<double>());
@@ -53,7 +61,7 @@ std::string panel(std::size_t sweep, const WorldSweep& figures, const char* memb
 	for (const auto& [name, rows] : linesOf(figures.rows))
 	{
 		std::string points;
-		for (const Json& row : rows)
+		for (const Json& row : measured(rows))
 			if (!row[member].is_null())
 				points += fmt::format("{} {}\n", row[figures.axis].get<double>(), scale * row[member].get<double>());
 		if (points.empty()) continue;
@@ -76,20 +84,22 @@ Json measureWorld(const SceneDefinition& definition, const std::vector<std::shar
 	settings.metric = contender.metric;
 	settings.dt = definition.info.dt;
 	settings.threads = options.threads;
+	settings.timedBy = options.threads == 1 ? TimedBy::thread : TimedBy::clock;
 	settings.printsWarnings = false;
 	const double before = heapBytes();
 	const std::unique_ptr<Scene> scene = makeScene(definition, settings);
 	std::vector<double> steps, dispatches;
-	const auto start = std::chrono::steady_clock::now();
-	for (int step = 0; step < options.to; ++step)
+	const Stopwatch watch(settings.timedBy);
+	bool isOver = false, hasOnlyBegun = false;
+	for (int step = 0; step < options.to && !isOver; ++step)
 	{
 		scene->step();
-		if (step < options.from) continue;
+		isOver = watch.microseconds() > 1e6 * options.mostSeconds;
+		hasOnlyBegun = step < options.from;
+		if (hasOnlyBegun && !isOver) continue;
 		const StepTimes times = scene->lastTimes();
 		steps.push_back(times.step);
 		dispatches.push_back(times.dispatch);
-		const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-		if (seconds > options.mostSeconds) break;
 	}
 	const double bytes = heapBytes() - before;
 	const SceneState state = scene->state();
@@ -107,7 +117,8 @@ Json measureWorld(const SceneDefinition& definition, const std::vector<std::shar
 				{"points", state.points.size()},
 				{"finest_level", nullptr},
 				{"coarsest_level", nullptr},
-				{"in_place", state.inPlace}};
+				{"in_place", state.inPlace},
+				{"began_only", hasOnlyBegun}};
 	double triangles = 0;
 	for (const SceneBody& body : definition.info.bodies) triangles += models[body.model]->asset().triangleCount;
 	row["triangles"] = triangles;
@@ -134,7 +145,8 @@ Json toJson(const WorldSweep& sweep)
 	Json json = {{"title", sweep.title}, {"axis", sweep.axis}, {"rows", sweep.rows}, {"growth", Json::array()}};
 	for (const auto& [name, rows] : linesOf(sweep.rows))
 	{
-		const double time = growthExponent(rows, sweep.axis, "step_us"), bytes = growthExponent(rows, sweep.axis, "bytes");
+		const double time = growthExponent(measured(rows), sweep.axis, "step_us"),
+					 bytes = growthExponent(measured(rows), sweep.axis, "bytes");
 		json["growth"].push_back({{"contender", name},
 								  {"step_us", std::isnan(time) ? Json() : Json(time)},
 								  {"bytes", std::isnan(bytes) ? Json() : Json(bytes)}});
@@ -157,6 +169,14 @@ std::string formatWorldCsv(const std::vector<WorldSweep>& sweeps)
 	return text + "\n";
 }
 
+const Json& WorldRecord::add(Json row)
+{
+	m_sweeps.back().rows.push_back(std::move(row));
+	if (const std::string problem = cli::writeFile(m_csv, formatWorldCsv(m_sweeps)); !problem.empty())
+		throw cli::Failure(cli::ExitCode::failure, problem);
+	return m_sweeps.back().rows.back();
+}
+
 std::string formatWorldTable(const std::vector<WorldSweep>& sweeps)
 {
 	std::string text;
@@ -168,15 +188,16 @@ std::string formatWorldTable(const std::vector<WorldSweep>& sweeps)
 		{
 			for (const Json& row : rows)
 				text += fmt::format(
-					"{:<26}{:>10.0f}{:>8}{:>12.1f}{:>12.1f}{:>10}{:>8}{:>9}{:>9}\n", name, row[sweep.axis].get<double>(),
+					"{:<26}{:>10.0f}{:>8}{:>12.1f}{:>12.1f}{:>10}{:>8}{:>9}{:>9}{}\n", name, row[sweep.axis].get<double>(),
 					row["steps"].get<int>(), row["step_us"].get<double>(), row["dispatch_us"].get<double>(),
 					row["bytes"].is_null() ? "-" : fmt::format("{:.2f}", 1e-6 * row["bytes"].get<double>()),
 					row["pairs"].get<int>(), row["points"].get<int>(),
 					row["finest_level"].is_null()
 						? "-"
-						: fmt::format("{} to {}", row["finest_level"].get<int>(), row["coarsest_level"].get<int>()));
-			const double time = growthExponent(rows, sweep.axis, "step_us"),
-						 bytes = growthExponent(rows, sweep.axis, "bytes");
+						: fmt::format("{} to {}", row["finest_level"].get<int>(), row["coarsest_level"].get<int>()),
+					row["began_only"] ? "  only begun" : "");
+			const double time = growthExponent(measured(rows), sweep.axis, "step_us"),
+						 bytes = growthExponent(measured(rows), sweep.axis, "bytes");
 			if (!std::isnan(time))
 				text += fmt::format("{:<26}  grows with {} to the {:.2f}, bytes to the {:.2f}\n", "", sweep.axis, time, bytes);
 		}

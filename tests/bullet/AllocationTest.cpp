@@ -248,16 +248,18 @@ TEST(Memory, OfAPairIsWhatItsContactsTake)
 		EXPECT_EQ(report.pairs, unsigned(Digits::kPairs)) << name;
 		EXPECT_GT(apart, 0) << name;
 		EXPECT_LE(apart, 5 << 10) << name;
-		EXPECT_LE(touching, (isFlat ? 73 : 28) << 10) << name;
+		// While they move a front of base levels is not kept. Bullet's places are twice as long in double.
+		const int most = sizeof(btScalar) > sizeof(float) ? 18 : 16;
+		EXPECT_LE(touching, (metric.weightedDeviationShare < kOff ? (isFlat ? 73 : 28) : most) << 10) << name;
 	}
 }
 
 // A pair that keeps its points asks nothing: what queries remember is given back, and taken again by one that asks.
 TEST(Memory, OfAPairThatKeepsItsPointsIsGivenBack)
 {
-	for (const ContactMetric& metric : {ContactMetric::exactly(), ContactMetric::deviationShare(0.035)})
+	MovingTorus scene(ContactMetric::deviationShare(0.035));
+	for (int round = 0; round < 2; ++round)
 	{
-		MovingTorus scene(metric);
 		scene.swing();
 		const long asking = scene.hold(1), keeping = scene.hold(40);
 		EXPECT_EQ(scene.context.lastStep().keptPairs, 1u);

@@ -118,7 +118,8 @@ TEST(WrittenPoints, NameTheFaceAndTheLevelOfEachBodyThatTheyLieOn)
 
 TEST(WrittenPoints, OutsideSeesAPlantedFault)
 {
-	const Hierarchy& hierarchy = *cube();
+	const std::shared_ptr<const Hierarchy> owner = cube();
+	const Hierarchy& hierarchy = *owner;
 	const Face& face = hierarchy.faces()[0];
 	const Node& node = hierarchy.node(0);
 	const HullView hull = hierarchy.hull(node);

@@ -11,6 +11,8 @@
 #include "demos/runner/Replay.h"
 #include "demos/runner/Statistics.h"
 #include "demos/runner/WorldRuns.h"
+#include "demos/scenes/SceneDefinition.h"
+#include "tests/support/Files.h"
 
 namespace
 {
@@ -36,6 +38,64 @@ TEST(RunnerRows, GrowthIsTheExponentOfAPower)
 	EXPECT_TRUE(std::isnan(growthExponent(rows, "bodies", "bytes")));
 	rows.resize(1);
 	EXPECT_TRUE(std::isnan(growthExponent(rows, "bodies", "step_us")));
+}
+
+TEST(RunnerRows, AWorldIsInItsFileOnceMeasured)
+{
+	const clod::test::TemporaryFolder folder;
+	const std::string path = folder.file("worlds.csv");
+	WorldRecord record(path);
+	std::string expected = "sweep,bodies,step_us";
+	for (const char* title : {"heap", "field"})
+	{
+		record.begin(title, "bodies");
+		for (const int bodies : {10, 30})
+		{
+			record.add({{"bodies", bodies}, {"step_us", 5 * bodies}});
+			expected += "\n\"" + std::string(title) + "\"," + std::to_string(bodies) + "," + std::to_string(5 * bodies);
+			std::ifstream file(path);
+			EXPECT_EQ(std::string(std::istreambuf_iterator<char>(file), {}), expected + "\n");
+		}
+	}
+}
+
+// In the step that time is up in, measured or not.
+TEST(RunnerRows, AWorldEndsInTime)
+{
+	double last = 0;
+	SceneDefinition scene;
+	scene.info.name = "turning cube";
+	scene.info.models.resize(1);
+	scene.info.bodies.resize(1);
+	scene.info.dt = 0.5;
+	scene.gravity = steadyGravity;
+	scene.inPlace = [](std::size_t, const clod::Vec3&) { return true; };
+	BodyDefinition body;
+	body.course = [&last](double time)
+	{
+		last = time;
+		return turnedAboutY({}, time);
+	};
+	scene.bodies = {body};
+	const auto cube = clod::Hierarchy::load(CLOD_FIXTURES "/cube.clod").value();
+	WorldRunOptions run;
+	run.from = 20;
+	run.to = 40;
+	const auto whole = measureWorld(scene, {cube}, {"ours", {}, {}}, run);
+	EXPECT_EQ(whole["steps"], 20);
+	EXPECT_NEAR(last, 0.5 * run.to, 0.6);
+	run.mostSeconds = 0;
+	const auto ended = measureWorld(scene, {cube}, {"ours", {}, {}}, run);
+	EXPECT_EQ(ended["steps"], 1);
+	WorldSweep sweep{"cubes", "bodies", {}};
+	for (auto row : {whole, whole, ended})
+	{
+		row["bodies"] = 10 + 10 * sweep.rows.size();
+		row["step_us"] = row["began_only"] ? 1 : 10 * row["bodies"].get<int>();
+		sweep.rows.push_back(row);
+	}
+	EXPECT_NEAR(toJson(sweep)["growth"][0]["step_us"], 1, 1e-9);  // of the two that were measured
+	EXPECT_NEAR(last, 0.5, 0.6);
 }
 
 // Looked at eight times a swing, trembling, and not about zero.

@@ -51,6 +51,7 @@ WorldFrame worldFrame(const PairPose& pose, double pushSpeed, bool aIsFirst, dou
 	frame.pushSpeed = pushSpeed * pose.rules.length * frame.scale;
 	frame.switchSpeed = switchSpeed(pose.rules) * frame.scale;
 	frame.breakingThreshold = kBreakingShare * pose.rules.length * frame.scale + closestPoints;
+	frame.motion = pose.motion * frame.scale;
 	return frame;
 }
 }  // namespace

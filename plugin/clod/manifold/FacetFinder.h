@@ -55,7 +55,7 @@ private:
 		double share;  // of the way ahead, where it counts
 		Vec3 between;  // there
 	};
-	std::optional<Approach> approach(const Vec3& now, const Vec3& then) const;
+	std::optional<Approach> approach(const Vec3& now, const Vec3& then, const Vec3& unforced) const;
 	void findRound();
 	void vertexOverEdge(const MovedCorner& vertex, const MovedEdge& moved, bool vertexIsOfA);
 	void vertexOverVertex(const MovedCorner& ofA, const MovedCorner& ofB);

@@ -7,6 +7,26 @@
 
 namespace clod
 {
+namespace
+{
+constexpr double kKeptOfMargin = 0.5;  // nearer than this share of it features have no direction to speak of
+
+// The features are `now` from each other, and move on by `ahead`: the share of the way at which they are nearest.
+double nearestShare(const Vec3& now, const Vec3& ahead)
+{
+	const double squared = lengthSquared(ahead);
+	return squared > 0 ? std::max(0.0, std::min(1.0, -dot(now, ahead) / squared)) : 0;
+}
+// The direction nearest to `there` along which `now` is no nearer than the margin. Precondition: it is farther away than that.
+Vec3 towards(const Vec3& there, const Vec3& now, double margin)
+{
+	if (dot(there, now) >= margin * length(there)) return there;
+	const double cosine = margin / length(now);
+	const Vec3 from = normalized(now), aside = normalized(there - dot(there, from) * from);
+	return cosine * from + std::sqrt(1 - cosine * cosine) * aside;
+}
+}  // namespace
+
 void FacetFinder::findRound()
 {
 	for (const MovedCorner* corner : m_cornersA)
@@ -20,17 +40,23 @@ void FacetFinder::findRound()
 			if (ofA->box.meets(ofB->box, m_pair.reach)) vertexOverVertex(*ofA, *ofB);
 }
 
-// Of two features that are so far apart now and at the end of the step. Between is all but straight.
-std::optional<FacetFinder::Approach> FacetFinder::approach(const Vec3& now, const Vec3& then) const
+// Of two features that are so far apart now and at the end of the step, with forces and without. Between is all but straight.
+// What moves past but for the forces may be held by whom is not known here (a ball that rolls from one body onto the next that
+// lies flush): it is led by as little as need be, the direction is that where they come nearest.
+std::optional<FacetFinder::Approach> FacetFinder::approach(const Vec3& now, const Vec3& then, const Vec3& unforced) const
 {
 	const FacetQuestion& q = *m_question;
 	if (lengthSquared(now) <= q.touching() * q.touching()) return Approach{Facet::Reach::kNear, 0, now};
-	const Vec3 ahead = kPathReach * (then - now);
+	const Vec3 ahead = kPathReach * (then - now), aheadUnforced = kPathReach * (unforced - now);
 	const double squared = lengthSquared(ahead), along = dot(now, ahead);
-	const double nearest = squared > 0 ? std::max(0.0, std::min(1.0, -along / squared)) : 0;
+	const double nearest = nearestShare(now, ahead);
 	const double least = lengthSquared(now + nearest * ahead), margin = q.rules.margin;
 	if (nearest > 0 && least <= margin * margin)
 	{
+		const double past = std::max(0.0, margin - 2 * kInnerShare * q.length()), kept = kKeptOfMargin * margin;
+		const Vec3 there = now + nearest * ahead, unforcedThere = now + nearestShare(now, aheadUnforced) * aheadUnforced;
+		if (lengthSquared(unforcedThere) >= past * past && least > kept * kept)
+			return Approach{Facet::Reach::kPath, kPathReach * nearest, towards(there, now, margin)};
 		const double root = std::sqrt(std::max(0.0, along * along - squared * (lengthSquared(now) - margin * margin)));
 		const double first = std::max(0.0, (-along - root) / squared);
 		return Approach{Facet::Reach::kPath, kPathReach * first, now + first * ahead};
@@ -70,7 +96,9 @@ void FacetFinder::vertexOverEdge(const MovedCorner& vertex, const MovedEdge& mov
 	const double sign = vertexIsOfA ? 1 : -1;
 	const Vec3 now = sign * fromLine(start, direction, place);
 	const Vec3 then = sign * fromLine(startThen, directionThen, placeThen);
-	const std::optional<Approach> met = approach(now, then);
+	const Vec3 unforced = sign * (vertexIsOfA ? fromLine(moved.unforcedStart, directionThen, place)
+											  : fromLine(start, direction, vertex.unforced));
+	const std::optional<Approach> met = approach(now, then, unforced);
 	if (!met) return;
 	const double alongNow = dot(direction, place - start);
 	const double alongThen = dot(directionThen, placeThen - startThen);
@@ -96,7 +124,7 @@ void FacetFinder::vertexOverVertex(const MovedCorner& ofA, const MovedCorner& of
 {
 	const Vec3& place = m_pair.a->vertices()[ofA.index];
 	const Vec3 now = place - ofB.now, then = place - ofB.then;
-	const std::optional<Approach> met = approach(now, then);
+	const std::optional<Approach> met = approach(now, then, place - ofB.unforced);
 	if (!met) return;
 	const Vec3 normal = normalized(met->between);
 	if (normal == Vec3{} || !isInCone(ofA, normal, true) || !isInCone(ofB, normal, false)) return;

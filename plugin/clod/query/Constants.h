@@ -28,6 +28,9 @@ inline constexpr double kFewer = 0.75;      // of the boxes that meet, for more 
 inline constexpr double kMovesAhead = 4;   // so many as the last one,
 inline constexpr double kMostAhead = 0.25;  // and at most so much of the smaller body;
 inline constexpr double kFartherOfCore = 2;  // of points and segments, which have few pairs
+// No front of base levels is kept after a query that moved by more than such a share of the tolerance, and so many more.
+inline constexpr double kMovingShare = 0.25;
+inline constexpr std::uint32_t kCalm = 64;
 // Fronts that are validated (FrontValidation.cpp).
 inline constexpr std::uint32_t kFrontBackOff = 15;    // traversals without slack, at most, once bodies move
 inline constexpr std::uint32_t kEntriesADecision = 4;  // of a traversal cost as much as one decision made again

@@ -151,23 +151,33 @@ void ContactSearch::finish(bool isNothingNear)
 	if (isNothingNear && m_result.stats.cutShort == 0)
 		m_state.separation.seek(m_context, *m_rule, m_settings, m_gap, m_state.lastMove,
 								{m_state.nearest, m_state.probesA, m_state.probesB, m_result.stats, m_limit});
-	m_state.lastMove = 0;
 	countQuiet(isNothingNear);
+	m_state.lastMove = 0;
 }
 
-// Memory follows contact: a pair that has long found nothing keeps no front.
+// Memory follows contact: a pair that has long found nothing keeps no front, nor does one whose next will be another.
 void ContactSearch::countQuiet(bool isNothingNear)
 {
 	PairFront& front = m_state.front;
-	const bool wasMade = front.isLent && front.entries.capacity() > 0;  // by this query
-	if (wasMade) isNothingNear ? handBack(front) : keep(front);
+	m_state.calmFor = m_state.lastMove > kMovingShare * m_settings.tolerance ? 0 : std::min(m_state.calmFor + 1, kCalm);
+	const bool isOfNoUse = isMovingOn(), wasMade = front.isLent && front.entries.capacity() > 0;  // by this query
+	if (wasMade) isNothingNear || isOfNoUse ? handBack(front) : keep(front);
 	m_state.quietFor = isNothingNear ? std::min(m_state.quietFor + 1, kParted) : 0;
-	if (m_state.quietFor == kParted && !front.isLent)
-	{
-		front.giveBack();
-		m_state.outline.reset();
-	}
-	front.isLent = m_state.quietFor == kParted;
+	if (m_state.quietFor == kParted && !front.isLent) m_state.outline.reset();
+	const bool willBeLent = m_state.quietFor == kParted || isOfNoUse;
+	if (willBeLent && !front.isLent) front.giveBack();
+	front.isLent = willBeLent;
+}
+
+// Of one level of each body, walked in no more time without a front than with that of bodies that have moved so far.
+bool ContactSearch::isMovingOn() const
+{
+	return m_rule && m_rule->base().isUsed() && !m_limit.isSet() && !isOfSinglePiece() && m_state.calmFor < kCalm;
+}
+
+bool ContactSearch::isOfSinglePiece() const
+{
+	return m_context.a.levels()[0].nodeCount == 1 || m_context.b.levels()[0].nodeCount == 1;
 }
 
 void ContactSearch::tellExcess()
@@ -232,14 +242,15 @@ void ContactSearch::remember(const StopRule& rule)
 	m_state.filled = true;
 }
 
-// By how much more than the tolerance a front is made for. Pairs of input surfaces leave no trace unless they are contacts, so
+// By how much more than the tolerance a front is made for. Pairs of base levels leave no trace unless they are contacts, so
 // that such a front has all contacts until the motion has used that up. Of two surfaces that fit into each other it would
-// have many times the pairs: where one body is a single piece.
+// have many times the pairs: where one body is a single piece; of coarse levels, where pairs are opened whose hulls overlap, a
+// point or a segment.
 double ContactSearch::lookAhead(const StopRule& rule, const WorkLimit& limit) const
 {
 	const bool isCore = m_context.a.isThinCore() || m_context.b.isThinCore();
-	const bool isSingle = m_context.a.levels()[0].nodeCount == 1 || m_context.b.levels()[0].nodeCount == 1;
-	if (!isSingle || !rule.isOfLeaves() || limit.isSet() || m_state.front.isLent) return 0;
+	const bool maySee = rule.isOfLeaves() || (isCore && rule.base().isUsed());
+	if (!isOfSinglePiece() || !maySee || limit.isSet() || m_state.front.isLent) return 0;
 	const double radius = double(std::min(m_context.a.asset().radius, m_context.b.asset().radius));
 	return (isCore ? kFartherOfCore : 1) * std::min(kMovesAhead * m_state.lastApproach, kMostAhead * radius);
 }

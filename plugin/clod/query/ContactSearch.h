@@ -56,6 +56,8 @@ private:
 	double answerCoarsest(double tolerance);
 	void remember(const StopRule& rule);
 	void countQuiet(bool isNothingNear);
+	bool isMovingOn() const;
+	bool isOfSinglePiece() const;
 	double lookAhead(const StopRule& rule, const WorkLimit& limit) const;
 	std::optional<double> traverseBy(const StopRule& rule, double tolerance, const WorkLimit& limit);
 	void tellExcess();

@@ -64,6 +64,8 @@ public:
 	// An accepted pair within the tolerance by its culling volumes.
 	void answer(std::uint32_t a, std::uint32_t b, CachedSeparation& cached, const HullEvaluations& known = {});
 
+	double tolerance() const { return m_tolerance; }  // a front may be made for more
+
 	// An accepted pair that is no contact leaves no trace.
 	bool forgetsOthers() const { return m_covers == Covers::kBounded; }
 

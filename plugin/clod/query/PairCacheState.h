@@ -25,6 +25,7 @@ struct PairCache::State
 	PairFront front;
 	std::unique_ptr<PairFront> outline;  // of the coarsest valid answer, its pairs listed only; where there are budgets
 	std::uint32_t quietFor = 0;  // queries that found nothing, one after the other
+	std::uint32_t calmFor = kCalm;  // queries that moved by little, one after the other
 	double lastMove = 0;  // of front.motion, what came since the last query
 	double lastApproach = 0;  // approachBound since then
 	SeparationCache separation;

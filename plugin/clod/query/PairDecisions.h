@@ -199,7 +199,7 @@ protected:
 	bool answers(const FrontEntry& entry, CachedSeparation& cached)
 	{
 		HullEvaluations known;
-		if (entry.whileApart && !m_hulls.areApart(entry.a, entry.b, m_settings.tolerance, cached, known)) return false;
+		if (entry.whileApart && !m_hulls.areApart(entry.a, entry.b, m_sink.tolerance(), cached, known)) return false;
 		m_sink.answer(entry.a, entry.b, cached, known);
 		return true;
 	}
