@@ -215,10 +215,12 @@ void PairSolve::solve(const FacetQuestion& question, std::vector<Facet>& facets)
 								 dot(row.pushB, row.turnB));
 		m_rows.push_back(row);
 	}
+	Transform after;
 	for (int pass = 0; pass < kPasses; ++pass)
 	{
 		sweep(question, facets);
-		const Transform after = aFromBAfter(m_a, m_b, question.aFromB, question.rules.timeStep), back = inverse(after);
+		after = aFromBAfter(m_a, m_b, question.aFromB, rules.timeStep);
+		const Transform back = inverse(after);
 		const PairBody unforcedA = withoutForces(m_a), unforcedB = withoutForces(m_b);
 		const Transform unforced = aFromBAfter(unforcedA, unforcedB, question.aFromB, rules.timeStep);
 		const bool isTurned =
@@ -256,7 +258,6 @@ void PairSolve::solve(const FacetQuestion& question, std::vector<Facet>& facets)
 		}
 		if (change < kSettled * question.length()) break;
 	}
-	const Transform after = aFromBAfter(m_a, m_b, question.aFromB, rules.timeStep);
 	for (std::size_t i = 0; i < facets.size(); ++i)
 	{
 		const Facet& facet = facets[i];
