@@ -52,7 +52,7 @@ constexpr double LINK_WIRE = 0.0025, LINK_BEND = 0.006, LINK_HALF_STRAIGHT = 0.0
 constexpr double CHAIN_PITCH = 2 * (LINK_HALF_STRAIGHT + LINK_BEND - LINK_WIRE);
 
 // voussoirN: one of N stones of a half circle of an arch about the z axis, the one at the top.
-constexpr double ARCH_INSIDE = 0.085, ARCH_OUTSIDE = 0.115, ARCH_DEPTH = 0.030, ARCH_JOINT = 0.00001;
+constexpr double ARCH_INSIDE = 8.5, ARCH_OUTSIDE = 11.5, ARCH_DEPTH = 3, ARCH_JOINT = 0.001;
 
 // wedgeN: an edge of N degrees along z through the origin, the body below it.
 constexpr double WEDGE_HEIGHT = 0.020, WEDGE_LENGTH = 0.040;
