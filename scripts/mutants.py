@@ -4,14 +4,16 @@
 
 Faults by hand are those of scripts/mutants.txt. Mechanical ones are drawn with a seed from all sources of the product:
 a sign, a comparison, a minimum for a maximum, a statement dropped. The copies are worktrees of HEAD under build/mutants, one
-a job: a fault is one file to compile and one program to run at a time. Tests must pass before anything is planted; one that
-then takes four times the processor's time counts as caught. One of which the compiler makes the same test programs is no
-fault (trivial compiler equivalence), and is not counted.
+a job: a fault is one file to compile and one program to link at a time. Of all programs the quick cases run first, then the
+slow ones of all of them, each alone, up to the first that fails. Tests must pass before anything is planted; what then takes
+four times the processor's time counts as caught. A fault of which the compiler makes the same test programs is none (trivial
+compiler equivalence), and is not counted.
 """
 import argparse
 import collections
 import concurrent.futures
 import hashlib
+import json
 import os
 import pathlib
 import queue
@@ -28,11 +30,12 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 COPIES = ROOT / "build/mutants"
 # The tests of a folder, the quickest first; of what lies in no folder named here, the one above it.
 TESTS = {
-    "plugin/clod/collide": ["collide_test", "query_query_test"],
-    "plugin/clod/hierarchy": ["hierarchy_file_test", "distance_test"],
+    "plugin/clod/collide": ["collide_test", "manifold_test", "query_query_test", "distance_test"],
+    "plugin/clod/hierarchy": ["hierarchy_file_test", "bullet_shape_test", "distance_test"],
     "plugin/clod/distance": ["distance_test", "query_query_test"],
     "plugin/clod/query": ["query_metric_test", "query_query_test", "query_budget_test", "distance_test", "bullet_report_test"],
-    "plugin/clod/manifold": ["manifold_test", "bullet_report_test", "bullet_contact_test", "bullet_motion_test"],
+    "plugin/clod/manifold": ["manifold_test", "bullet_report_test", "bullet_contact_test", "oracle_test", "bullet_convex_test",
+                             "bullet_world_test", "bullet_motion_test", "bullet_metric_test"],
     "plugin/clod/schedule": ["bullet_threads_test", "bullet_metric_test"],
     "plugin/clod/bullet": ["bullet_shape_test", "bullet_registration_test", "bullet_contact_test", "bullet_report_test",
                            "bullet_metric_test", "bullet_motion_test", "bullet_facilities_test", "bullet_convex_test",
@@ -49,7 +52,7 @@ TESTS = {
     "demos/models": ["ModelsTest"],
     "demos/render": ["RenderTest"],
     "demos/peers": ["PeersTest", "PlacedBodiesTest", "RunnerMeasureTest"],
-    "demos/scenes": ["SceneFileTest", "ReplayPosesTest", "RunnerCommandTest"],
+    "demos/scenes": ["SceneFileTest", "ReplayPosesTest", "RunnerCommandTest", "MechanismsTest"],
     "demos/paper": ["PaperQueryTest"],
     "demos/extremes": ["ExtremesTest"],
     "demos/trial": ["TrialTest"],
@@ -57,10 +60,12 @@ TESTS = {
                      "RunnerScriptedTest"],
 }
 SECONDS = 600  # of one test program on the clean copy
+SLOW = 1  # seconds of a test case that runs alone, behind the quick ones of all programs of the folder
 SLOWER, LEAST_SECONDS = 4, 10  # a mutant's may take so many times the processor's time, and so much in any case
 WAITING = 10  # times as long by the clock: tests that wait, processes that they start, a busy machine
 
 Mutant = collections.namedtuple("Mutant", "file says old new start reason")  # start: of old in the file
+Run = collections.namedtuple("Run", "test filter seconds")  # of a program's cases, and the processor's seconds without a fault
 
 
 def by_hand():
@@ -148,12 +153,12 @@ class Copy:
         return {path.name: hashlib.sha256(path.read_bytes()).digest() for path in (self.build_folder / "bin").iterdir()
                 if path.stat().st_mtime >= since}
 
-    def run(self, test, seconds):
+    def run(self, test, seconds, *options):
         """Whether the test program passes, None where it does not end in its seconds of the processor."""
         limit = f"--cpu={round(seconds)}:{round(seconds) + 1}"
         try:
             done = subprocess.run(["nice", "prlimit", limit, self.build_folder / "bin" / test, "--gtest_brief=1",
-                                   "--gtest_fail_fast"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                                   "--gtest_fail_fast", *options], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
                                   timeout=WAITING * seconds, cwd=self.build_folder)
         except subprocess.TimeoutExpired:
             return None
@@ -166,20 +171,34 @@ class Copy:
         self.made = self.programs()
 
 
-def clean_seconds(copy, tests):
-    """What each test takes of the processor without a fault; one that fails there would catch everything."""
+def runs_of(copy, test):
+    """A test program's quick cases as one run and its slow ones as a run each, by seconds. What fails without a fault would
+    catch everything."""
     def used():
         usage = resource.getrusage(resource.RUSAGE_CHILDREN)
         return usage.ru_utime + usage.ru_stime
 
-    seconds = {}
-    for test in tests:
+    report = copy.build_folder / "cases.json"
+    for _ in range(2):  # on a busy machine once more
         before = used()
-        if not copy.run(test, SECONDS) and not copy.run(test, SECONDS):  # on a busy machine once more
-            sys.exit(f"{test} fails without a fault planted")
-        seconds[test] = used() - before
-        print(f"clean: {test}: {seconds[test]:.1f} s", flush=True)
-    return seconds
+        if copy.run(test, SECONDS, f"--gtest_output=json:{report}"):
+            break
+    else:
+        sys.exit(f"{test} fails without a fault planted")
+    seconds = used() - before
+    told = [(f"{case['classname']}.{case['name']}", float(case["time"].rstrip("s")))
+            for suite in json.loads(report.read_text())["testsuites"] for case in suite["testsuite"]]
+    scale = seconds / max(1e-9, sum(time for _, time in told))  # they are told by the clock
+    slow = sorted((Run(test, name, scale * time) for name, time in told if scale * time > SLOW), key=lambda run: run.seconds)
+    quick = Run(test, "-" + ":".join(run.filter for run in slow), seconds - sum(run.seconds for run in slow))
+    print(f"clean: {test}: {seconds:.1f} s, {len(slow)} slow cases", flush=True)
+    return ([quick] if len(slow) < len(told) else []) + slow
+
+
+def in_order(runs):
+    """Of all the tests of a folder: quick cases, then slow ones."""
+    return [run for run in runs if run.filter.startswith("-")] + sorted(
+        (run for run in runs if not run.filter.startswith("-")), key=lambda run: run.seconds)
 
 
 def verdict(copy, mutant, clean):
@@ -187,20 +206,21 @@ def verdict(copy, mutant, clean):
     path = copy.tree / mutant.file
     source = path.read_text()
     path.write_text(source[:mutant.start] + mutant.new + source[mutant.start + len(mutant.old):])
-    same = True
+    differs = {}  # of each program linked so far, whether the fault is in it
     try:
-        for test in TESTS[folder_of(mutant.file)]:
-            if copy.build([test]).returncode != 0:
-                return "does not compile"
-            if all(copy.made[name] == made for name, made in copy.programs(began).items()):
+        for test, chosen, seconds in in_order([run for test in TESTS[folder_of(mutant.file)] for run in clean[test]]):
+            if test not in differs:
+                if copy.build([test]).returncode != 0:
+                    return "does not compile"
+                differs[test] = any(copy.made[name] != made for name, made in copy.programs(began).items())
+            if not differs[test]:
                 continue
-            same = False
-            passes = copy.run(test, max(LEAST_SECONDS, SLOWER * clean[test]))
+            passes = copy.run(test, max(LEAST_SECONDS, SLOWER * seconds), f"--gtest_filter={chosen}")
             if passes is None:
                 return f"caught by {test}: it does not end"
             if not passes:
                 return f"caught by {test}"
-        return "same programs" if same else "SURVIVED"
+        return "SURVIVED" if any(differs.values()) else "same programs"
     finally:
         path.write_text(source)
 
@@ -250,7 +270,7 @@ def main():
     tests = sorted({test for _, m in mutants for test in TESTS[folder_of(m.file)]})
     copies = [Copy(index) for index in range(options.jobs)]
     copies[0].prepare(tests, options.jobs)
-    clean = clean_seconds(copies[0], tests)
+    clean = {test: runs_of(copies[0], test) for test in tests}
     for copy in copies[1:]:
         copy.prepare(tests, options.jobs)
     counts = collections.Counter()
