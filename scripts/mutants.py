@@ -123,6 +123,16 @@ def folder_of(file):
     return str(folder)
 
 
+def head():
+    return subprocess.check_output(["git", "rev-parse", "HEAD"], cwd=ROOT, text=True).strip()
+
+
+def used():
+    """Seconds of the processor, of what was run and has ended."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
+
+
 class Copy:
     """A worktree of HEAD in which one fault at a time is planted. With ccache nothing is compiled that an earlier run or
     another copy has compiled: paths in its keys are relative to the copy."""
@@ -134,8 +144,7 @@ class Copy:
         self.made = {}  # what its programs are made of
         if not self.tree.exists():
             self.git("worktree", "add", "--detach", self.tree, "HEAD", folder=ROOT)
-        head = subprocess.check_output(["git", "rev-parse", "HEAD"], cwd=ROOT, text=True).strip()
-        self.git("checkout", "--detach", "--force", head, folder=self.tree)
+        self.git("checkout", "--detach", "--force", head(), folder=self.tree)
         options = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
         options += ["-DCMAKE_EXE_LINKER_FLAGS=-fuse-ld=mold"] if shutil.which("mold") else []
         subprocess.run(["cmake", "--preset", "release", *options], cwd=self.tree, check=True, stdout=subprocess.DEVNULL)
@@ -145,7 +154,7 @@ class Copy:
         subprocess.run(["git", *words], cwd=folder, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
     def build(self, targets, jobs=1):
-        return subprocess.run(["nice", "ninja", "-C", self.build_folder, f"-j{jobs}", *targets], stdout=subprocess.PIPE,
+        return subprocess.run(["ninja", "-C", self.build_folder, f"-j{jobs}", *targets], stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT, text=True, env=self.environment)
 
     def programs(self, since=0):
@@ -157,7 +166,7 @@ class Copy:
         """Whether the test program passes, None where it does not end in its seconds of the processor."""
         limit = f"--cpu={round(seconds)}:{round(seconds) + 1}"
         try:
-            done = subprocess.run(["nice", "prlimit", limit, self.build_folder / "bin" / test, "--gtest_brief=1",
+            done = subprocess.run(["prlimit", limit, self.build_folder / "bin" / test, "--gtest_brief=1",
                                    "--gtest_fail_fast", *options], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
                                   timeout=WAITING * seconds, cwd=self.build_folder)
         except subprocess.TimeoutExpired:
@@ -174,10 +183,6 @@ class Copy:
 def runs_of(copy, test):
     """A test program's quick cases as one run and its slow ones as a run each, by seconds. What fails without a fault would
     catch everything."""
-    def used():
-        usage = resource.getrusage(resource.RUSAGE_CHILDREN)
-        return usage.ru_utime + usage.ru_stime
-
     report = copy.build_folder / "cases.json"
     for _ in range(2):  # on a busy machine once more
         before = used()
@@ -193,6 +198,17 @@ def runs_of(copy, test):
     quick = Run(test, "-" + ":".join(run.filter for run in slow), seconds - sum(run.seconds for run in slow))
     print(f"clean: {test}: {seconds:.1f} s, {len(slow)} slow cases", flush=True)
     return ([quick] if len(slow) < len(told) else []) + slow
+
+
+def clean_runs(copy, tests):
+    """Of each test its runs; what an earlier start at this commit measured is not measured again."""
+    kept = COPIES / f"clean-{head()}.json"
+    runs = {test: [Run(*run) for run in runs] for test, runs in json.loads(kept.read_text()).items()} if kept.exists() else {}
+    for test in tests:
+        if test not in runs:
+            runs[test] = runs_of(copy, test)
+            kept.write_text(json.dumps(runs))
+    return runs
 
 
 def in_order(runs):
@@ -251,6 +267,7 @@ def main():
     parser.add_argument("--kind", choices=["by hand", "mechanical"], help="no others")
     parser.add_argument("--only", default="", help="files and sentences that contain this")
     parser.add_argument("--sample", type=int, help="so many of all, drawn with the seed")
+    parser.add_argument("--shard", default="1/1", help="i/n: each nth of them from the ith on, in copies of its own [1/1]")
     parser.add_argument("--hours", type=float, default=2, help="stop after so long, and say what was not reached [2]")
     parser.add_argument("--jobs", type=int, default=2, help="copies that faults are planted in at once [2]")
     parser.add_argument("--list", action="store_true", help="print them, plant none; exit 1 where one no longer fits (a test)")
@@ -263,20 +280,22 @@ def main():
                if options.kind in (None, kind) and options.only in m.file + ": " + m.says]
     if options.sample:
         mutants = random.Random(options.seed).sample(mutants, min(options.sample, len(mutants)))
+    shard, shards = (int(number) for number in options.shard.split("/"))
+    mutants = mutants[shard - 1::shards]
     if options.list:
         for kind, mutant in mutants:
             print(f"{kind}: {mutant.file}: {mutant.says}")
         sys.exit(1 if stale else 0)
     tests = sorted({test for _, m in mutants for test in TESTS[folder_of(m.file)]})
-    copies = [Copy(index) for index in range(options.jobs)]
+    copies = [Copy(index + options.jobs * (shard - 1)) for index in range(options.jobs)]
     copies[0].prepare(tests, options.jobs)
-    clean = {test: runs_of(copies[0], test) for test in tests}
+    clean = clean_runs(copies[0], tests)
     for copy in copies[1:]:
         copy.prepare(tests, options.jobs)
     counts = collections.Counter()
     survivors = []
     reached = 0
-    planting = time.monotonic()
+    planting, before = time.monotonic(), used()
     told = verdicts(copies, [m for _, m in mutants], clean, start + 3600 * options.hours)
     for (kind, mutant), answer in zip(mutants, told):
         if answer is None:
@@ -291,7 +310,8 @@ def main():
     if reached < len(mutants):
         print(f"{len(mutants) - reached} not reached in {options.hours} hours")
     planted = sum(counts.values())
-    print(f"{planted} planted, {(time.monotonic() - planting) / max(1, planted):.0f} s each")
+    print(f"{planted} planted, {(time.monotonic() - planting) / max(1, planted):.0f} s each, of the processor "
+          f"{(used() - before) / max(1, planted):.0f} s")
     for kind in ("by hand", "mechanical"):
         caught, survived = counts[kind, "caught"], counts[kind, "SURVIVED"]
         if caught + survived:
