@@ -90,16 +90,19 @@ SWAPS = [(r"(?<=\w) \+ (?=\w)", " - "), (r"(?<=\w) - (?=\w)", " + "), (r" < (?=[
          (r" && ", " || ")]
 DROPPED = re.compile(r"(?m)^\t+(?:\+\+|--)?[\w.>\[\]-]+(?: [-+*/|&]?= [^;\n]+|\([^;\n]*\)|)?;$")
 
-NO_FAULT = re.compile(r"\breserve\(|\bshrink_to_fit\(")  # dropped: the same answers
+# Dropped: the same answers.
+NO_FAULT = re.compile(r"\breserve\(|\bshrink_to_fit\(|\breport\(progress|\bprogress\(|\bprogress\.update\(")
 
 
 def mechanical(seed, count):
-    """Candidates of every file, of which `count` are drawn, as many a folder as there are lines in it."""
-    candidates = []
+    """Candidates of every file, of which `count` are drawn, as many a folder as there are lines in it; the same ones as long
+    as their lines stay as they are."""
+    candidates, sources = [], {}
     for folder in TESTS:
         for path in sorted((ROOT / folder).glob("*.cpp")) + sorted((ROOT / folder).glob("*.h")):
             source = path.read_text()
             name = str(path.relative_to(ROOT))
+            sources[name] = source
             code = re.sub(r"//.*|\"(?:\\.|[^\"\\\n])*\"|^#.*|template.*|^\w.*\(.*\)( const)?$", lambda m: " " * len(m.group()), source,
                           flags=re.M)
             for pattern, new in SWAPS:
@@ -113,7 +116,16 @@ def mechanical(seed, count):
                     line = source.count("\n", 0, m.start()) + 1
                     candidates.append(Mutant(name, f"line {line} dropped: {source[m.start():m.end()].strip()}",
                                              source[m.start():m.end()], "", m.start(), ""))
-    return random.Random(seed).sample(candidates, min(count, len(candidates)))
+    seen = collections.Counter()
+
+    def lot(mutant):
+        source = sources[mutant.file]
+        begin, end = source.rfind("\n", 0, mutant.start) + 1, source.find("\n", mutant.start + 1)
+        words = f"{seed} {mutant.file} {source[begin:end].strip()} {mutant.start - begin} {mutant.new}"
+        seen[words] += 1
+        return hashlib.sha256(f"{words} {seen[words]}".encode()).digest()
+
+    return sorted(candidates, key=lot)[:count]
 
 
 def folder_of(file):
