@@ -53,7 +53,7 @@ TESTS = {
     "demos/models": ["ModelsTest"],
     "demos/render": ["RenderTest"],
     "demos/peers": ["PeersTest", "PlacedBodiesTest", "RunnerMeasureTest"],
-    "demos/scenes": ["SceneFileTest", "ReplayPosesTest", "RunnerCommandTest", "MechanismsTest"],
+    "demos/scenes": ["SceneListTest", "SceneFileTest", "ReplayPosesTest", "RunnerCommandTest", "MechanismsTest"],
     "demos/paper": ["PaperQueryTest"],
     "demos/extremes": ["ExtremesTest"],
     "demos/trial": ["TrialTest"],
