@@ -70,8 +70,9 @@ Run = collections.namedtuple("Run", "test filter seconds")  # of a program's cas
 
 
 def by_hand():
-    """Those of scripts/mutants.txt, and a sentence for each that no longer fits the sources."""
-    mutants, stale = [], []
+    """Those of scripts/mutants.txt, why mechanical ones may survive, by file, line and mutant, and a sentence for each that
+    no longer fits the sources."""
+    mutants, known, stale = [], {}, []
     text = (ROOT / "scripts/mutants.txt").read_text()
     for block in re.split(r"\n\n+", re.sub(r"(?m)^#.*\n", "", text).strip()):
         head, old, new = block.split("\n")
@@ -79,11 +80,16 @@ def by_hand():
         says, _, reason = says.partition(" | ")
         source = (ROOT / file).read_text()
         old, new = old[2:], new[2:]
+        if says == "mechanical":
+            known[file, old.strip(), new.strip()] = reason
+            if old not in source:
+                stale.append(f"stale: {file}: no line {old.strip()}; keep scripts/mutants.txt up")
+            continue
         if source.count(old) != 1:
             stale.append(f"stale: {file}: {says}: the text is there {source.count(old)} times, not once; keep scripts/mutants.txt up")
             continue
         mutants.append(Mutant(file, says, old, new, source.index(old), reason))
-    return mutants, stale
+    return mutants, known, stale
 
 
 SWAPS = [(r"(?<=\w) \+ (?=\w)", " - "), (r"(?<=\w) - (?=\w)", " + "), (r" < (?=[\w(*])", " >= "), (r" > (?=[\w(*])", " <= "),
@@ -95,7 +101,14 @@ DROPPED = re.compile(r"(?m)^\t+(?:\+\+|--)?[\w.>\[\]-]+(?: [-+*/|&]?= [^;\n]+|\(
 NO_FAULT = re.compile(r"\breserve\(|\bshrink_to_fit\(|\breport\(progress|\bprogress\(|\bprogress\.update\(")
 
 
-def mechanical(seed, count):
+def line_of(mutant, source):
+    """The line it is in, before and after."""
+    start = mutant.start + len(mutant.old) - len(mutant.old.lstrip())
+    begin, end = source.rfind("\n", 0, start) + 1, source.find("\n", start)
+    return source[begin:end], source[begin:mutant.start] + mutant.new + source[mutant.start + len(mutant.old):end]
+
+
+def mechanical(seed, count, known):
     """Candidates of every file, of which `count` are drawn, as many a folder as there are lines in it; the same ones as long
     as their lines stay as they are."""
     candidates, sources = [], {}
@@ -126,7 +139,11 @@ def mechanical(seed, count):
         seen[words] += 1
         return hashlib.sha256(f"{words} {seen[words]}".encode()).digest()
 
-    return sorted(candidates, key=lot)[:count]
+    def with_reason(mutant):
+        before, after = line_of(mutant, sources[mutant.file])
+        return mutant._replace(reason=known.get((mutant.file, before.strip(), after.strip()), ""))
+
+    return [with_reason(mutant) for mutant in sorted(candidates, key=lot)[:count]]
 
 
 def folder_of(file):
@@ -286,9 +303,9 @@ def main():
     parser.add_argument("--list", action="store_true", help="print them, plant none; exit 1 where one no longer fits (a test)")
     options = parser.parse_args()
     start = time.monotonic()
-    listed, stale = by_hand()
+    listed, known, stale = by_hand()
     print("\n".join(stale), end="\n" if stale else "")
-    kinds = [("by hand", listed), ("mechanical", mechanical(options.seed, options.mechanical))]
+    kinds = [("by hand", listed), ("mechanical", mechanical(options.seed, options.mechanical, known))]
     mutants = [(kind, m) for kind, list_ in kinds for m in list_
                if options.kind in (None, kind) and options.only in m.file + ": " + m.says]
     if options.sample:
