@@ -295,7 +295,7 @@ def main():
     parser.add_argument("--mechanical", type=int, default=200, help="how many are drawn [200]")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--kind", choices=["by hand", "mechanical"], help="no others")
-    parser.add_argument("--only", default="", help="files and sentences that contain this")
+    parser.add_argument("--only", nargs="+", default=[""], help="files and sentences that contain one of these")
     parser.add_argument("--sample", type=int, help="so many of all, drawn with the seed")
     parser.add_argument("--shard", default="1/1", help="i/n: each nth of them from the ith on, in copies of its own [1/1]")
     parser.add_argument("--hours", type=float, default=2, help="stop after so long, and say what was not reached [2]")
@@ -307,7 +307,7 @@ def main():
     print("\n".join(stale), end="\n" if stale else "")
     kinds = [("by hand", listed), ("mechanical", mechanical(options.seed, options.mechanical, known))]
     mutants = [(kind, m) for kind, list_ in kinds for m in list_
-               if options.kind in (None, kind) and options.only in m.file + ": " + m.says]
+               if options.kind in (None, kind) and any(only in m.file + ": " + m.says for only in options.only)]
     if options.sample:
         mutants = random.Random(options.seed).sample(mutants, min(options.sample, len(mutants)))
     shard, shards = (int(number) for number in options.shard.split("/"))
