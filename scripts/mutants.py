@@ -4,14 +4,16 @@
 
 Faults by hand are those of scripts/mutants.txt. Mechanical ones are drawn with a seed from all sources of the product:
 a sign, a comparison, a minimum for a maximum, a statement dropped. The copies are worktrees of HEAD under build/mutants, one
-a job: a fault is one file to compile and one program to run at a time. Tests must pass before anything is planted; one that
-then takes four times the processor's time counts as caught. One of which the compiler makes the same test programs is no
-fault (trivial compiler equivalence), and is not counted.
+a job: a fault is one file to compile and one program to link at a time. Of all programs the quick cases run first, then the
+slow ones of all of them, each alone, up to the first that fails. Tests must pass before anything is planted; what then takes
+four times the processor's time counts as caught. A fault of which the compiler makes the same test programs is none (trivial
+compiler equivalence), and is not counted.
 """
 import argparse
 import collections
 import concurrent.futures
 import hashlib
+import json
 import os
 import pathlib
 import queue
@@ -28,11 +30,13 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 COPIES = ROOT / "build/mutants"
 # The tests of a folder, the quickest first; of what lies in no folder named here, the one above it.
 TESTS = {
-    "plugin/clod/collide": ["collide_test", "query_query_test"],
-    "plugin/clod/hierarchy": ["hierarchy_file_test", "distance_test"],
+    "plugin/clod/collide": ["collide_test", "manifold_test", "query_query_test", "distance_test"],
+    "plugin/clod/hierarchy": ["hierarchy_file_test", "bullet_shape_test", "distance_test"],
     "plugin/clod/distance": ["distance_test", "query_query_test"],
-    "plugin/clod/query": ["query_metric_test", "query_query_test", "query_budget_test", "distance_test", "bullet_report_test"],
-    "plugin/clod/manifold": ["manifold_test", "bullet_report_test", "bullet_contact_test", "bullet_motion_test"],
+    "plugin/clod/query": ["query_metric_test", "query_query_test", "query_budget_test", "hierarchy_file_test", "distance_test",
+                           "bullet_report_test"],
+    "plugin/clod/manifold": ["manifold_test", "bullet_report_test", "bullet_contact_test", "oracle_test", "bullet_convex_test",
+                             "bullet_world_test", "bullet_motion_test", "bullet_metric_test"],
     "plugin/clod/schedule": ["bullet_threads_test", "bullet_metric_test"],
     "plugin/clod/bullet": ["bullet_shape_test", "bullet_registration_test", "bullet_contact_test", "bullet_report_test",
                            "bullet_metric_test", "bullet_motion_test", "bullet_facilities_test", "bullet_convex_test",
@@ -49,7 +53,7 @@ TESTS = {
     "demos/models": ["ModelsTest"],
     "demos/render": ["RenderTest"],
     "demos/peers": ["PeersTest", "PlacedBodiesTest", "RunnerMeasureTest"],
-    "demos/scenes": ["SceneFileTest", "ReplayPosesTest", "RunnerCommandTest"],
+    "demos/scenes": ["SceneListTest", "SceneFileTest", "ReplayPosesTest", "RunnerCommandTest", "MechanismsTest"],
     "demos/paper": ["PaperQueryTest"],
     "demos/extremes": ["ExtremesTest"],
     "demos/trial": ["TrialTest"],
@@ -57,15 +61,18 @@ TESTS = {
                      "RunnerScriptedTest"],
 }
 SECONDS = 600  # of one test program on the clean copy
+SLOW = 1  # seconds of a test case that runs alone, behind the quick ones of all programs of the folder
 SLOWER, LEAST_SECONDS = 4, 10  # a mutant's may take so many times the processor's time, and so much in any case
 WAITING = 10  # times as long by the clock: tests that wait, processes that they start, a busy machine
 
 Mutant = collections.namedtuple("Mutant", "file says old new start reason")  # start: of old in the file
+Run = collections.namedtuple("Run", "test filter seconds")  # of a program's cases, and the processor's seconds without a fault
 
 
 def by_hand():
-    """Those of scripts/mutants.txt, and a sentence for each that no longer fits the sources."""
-    mutants, stale = [], []
+    """Those of scripts/mutants.txt, why mechanical ones may survive, by file, line and mutant, and a sentence for each that
+    no longer fits the sources."""
+    mutants, known, stale = [], {}, []
     text = (ROOT / "scripts/mutants.txt").read_text()
     for block in re.split(r"\n\n+", re.sub(r"(?m)^#.*\n", "", text).strip()):
         head, old, new = block.split("\n")
@@ -73,11 +80,16 @@ def by_hand():
         says, _, reason = says.partition(" | ")
         source = (ROOT / file).read_text()
         old, new = old[2:], new[2:]
+        if says == "mechanical":
+            known[file, old.strip(), new.strip()] = reason
+            if old not in source:
+                stale.append(f"stale: {file}: no line {old.strip()}; keep scripts/mutants.txt up")
+            continue
         if source.count(old) != 1:
             stale.append(f"stale: {file}: {says}: the text is there {source.count(old)} times, not once; keep scripts/mutants.txt up")
             continue
         mutants.append(Mutant(file, says, old, new, source.index(old), reason))
-    return mutants, stale
+    return mutants, known, stale
 
 
 SWAPS = [(r"(?<=\w) \+ (?=\w)", " - "), (r"(?<=\w) - (?=\w)", " + "), (r" < (?=[\w(*])", " >= "), (r" > (?=[\w(*])", " <= "),
@@ -85,16 +97,26 @@ SWAPS = [(r"(?<=\w) \+ (?=\w)", " - "), (r"(?<=\w) - (?=\w)", " + "), (r" < (?=[
          (r" && ", " || ")]
 DROPPED = re.compile(r"(?m)^\t+(?:\+\+|--)?[\w.>\[\]-]+(?: [-+*/|&]?= [^;\n]+|\([^;\n]*\)|)?;$")
 
-NO_FAULT = re.compile(r"\breserve\(|\bshrink_to_fit\(")  # dropped: the same answers
+# Dropped: the same answers.
+NO_FAULT = re.compile(r"\breserve\(|\bshrink_to_fit\(|\breport\(progress|\bprogress\(|\bprogress\.update\(")
 
 
-def mechanical(seed, count):
-    """Candidates of every file, of which `count` are drawn, as many a folder as there are lines in it."""
-    candidates = []
+def line_of(mutant, source):
+    """The line it is in, before and after."""
+    start = mutant.start + len(mutant.old) - len(mutant.old.lstrip())
+    begin, end = source.rfind("\n", 0, start) + 1, source.find("\n", start)
+    return source[begin:end], source[begin:mutant.start] + mutant.new + source[mutant.start + len(mutant.old):end]
+
+
+def mechanical(seed, count, known):
+    """Candidates of every file, of which `count` are drawn, as many a folder as there are lines in it; the same ones as long
+    as their lines stay as they are."""
+    candidates, sources = [], {}
     for folder in TESTS:
         for path in sorted((ROOT / folder).glob("*.cpp")) + sorted((ROOT / folder).glob("*.h")):
             source = path.read_text()
             name = str(path.relative_to(ROOT))
+            sources[name] = source
             code = re.sub(r"//.*|\"(?:\\.|[^\"\\\n])*\"|^#.*|template.*|^\w.*\(.*\)( const)?$", lambda m: " " * len(m.group()), source,
                           flags=re.M)
             for pattern, new in SWAPS:
@@ -108,7 +130,20 @@ def mechanical(seed, count):
                     line = source.count("\n", 0, m.start()) + 1
                     candidates.append(Mutant(name, f"line {line} dropped: {source[m.start():m.end()].strip()}",
                                              source[m.start():m.end()], "", m.start(), ""))
-    return random.Random(seed).sample(candidates, min(count, len(candidates)))
+    seen = collections.Counter()
+
+    def lot(mutant):
+        source = sources[mutant.file]
+        begin, end = source.rfind("\n", 0, mutant.start) + 1, source.find("\n", mutant.start + 1)
+        words = f"{seed} {mutant.file} {source[begin:end].strip()} {mutant.start - begin} {mutant.new}"
+        seen[words] += 1
+        return hashlib.sha256(f"{words} {seen[words]}".encode()).digest()
+
+    def with_reason(mutant):
+        before, after = line_of(mutant, sources[mutant.file])
+        return mutant._replace(reason=known.get((mutant.file, before.strip(), after.strip()), ""))
+
+    return [with_reason(mutant) for mutant in sorted(candidates, key=lot)[:count]]
 
 
 def folder_of(file):
@@ -116,6 +151,16 @@ def folder_of(file):
     while str(folder) not in TESTS and folder != folder.parent:
         folder = folder.parent
     return str(folder)
+
+
+def head():
+    return subprocess.check_output(["git", "rev-parse", "HEAD"], cwd=ROOT, text=True).strip()
+
+
+def used():
+    """Seconds of the processor, of what was run and has ended."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
 
 
 class Copy:
@@ -129,8 +174,7 @@ class Copy:
         self.made = {}  # what its programs are made of
         if not self.tree.exists():
             self.git("worktree", "add", "--detach", self.tree, "HEAD", folder=ROOT)
-        head = subprocess.check_output(["git", "rev-parse", "HEAD"], cwd=ROOT, text=True).strip()
-        self.git("checkout", "--detach", "--force", head, folder=self.tree)
+        self.git("checkout", "--detach", "--force", head(), folder=self.tree)
         options = ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] if shutil.which("ccache") else []
         options += ["-DCMAKE_EXE_LINKER_FLAGS=-fuse-ld=mold"] if shutil.which("mold") else []
         subprocess.run(["cmake", "--preset", "release", *options], cwd=self.tree, check=True, stdout=subprocess.DEVNULL)
@@ -140,7 +184,7 @@ class Copy:
         subprocess.run(["git", *words], cwd=folder, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
     def build(self, targets, jobs=1):
-        return subprocess.run(["nice", "ninja", "-C", self.build_folder, f"-j{jobs}", *targets], stdout=subprocess.PIPE,
+        return subprocess.run(["ninja", "-C", self.build_folder, f"-j{jobs}", *targets], stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT, text=True, env=self.environment)
 
     def programs(self, since=0):
@@ -148,12 +192,12 @@ class Copy:
         return {path.name: hashlib.sha256(path.read_bytes()).digest() for path in (self.build_folder / "bin").iterdir()
                 if path.stat().st_mtime >= since}
 
-    def run(self, test, seconds):
+    def run(self, test, seconds, *options):
         """Whether the test program passes, None where it does not end in its seconds of the processor."""
         limit = f"--cpu={round(seconds)}:{round(seconds) + 1}"
         try:
-            done = subprocess.run(["nice", "prlimit", limit, self.build_folder / "bin" / test, "--gtest_brief=1",
-                                   "--gtest_fail_fast"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+            done = subprocess.run(["prlimit", limit, self.build_folder / "bin" / test, "--gtest_brief=1",
+                                   "--gtest_fail_fast", *options], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
                                   timeout=WAITING * seconds, cwd=self.build_folder)
         except subprocess.TimeoutExpired:
             return None
@@ -166,20 +210,41 @@ class Copy:
         self.made = self.programs()
 
 
-def clean_seconds(copy, tests):
-    """What each test takes of the processor without a fault; one that fails there would catch everything."""
-    def used():
-        usage = resource.getrusage(resource.RUSAGE_CHILDREN)
-        return usage.ru_utime + usage.ru_stime
-
-    seconds = {}
-    for test in tests:
+def runs_of(copy, test):
+    """A test program's quick cases as one run and its slow ones as a run each, by seconds. What fails without a fault would
+    catch everything."""
+    report = copy.build_folder / "cases.json"
+    for _ in range(2):  # on a busy machine once more
         before = used()
-        if not copy.run(test, SECONDS) and not copy.run(test, SECONDS):  # on a busy machine once more
-            sys.exit(f"{test} fails without a fault planted")
-        seconds[test] = used() - before
-        print(f"clean: {test}: {seconds[test]:.1f} s", flush=True)
-    return seconds
+        if copy.run(test, SECONDS, f"--gtest_output=json:{report}"):
+            break
+    else:
+        sys.exit(f"{test} fails without a fault planted")
+    seconds = used() - before
+    told = [(f"{case['classname']}.{case['name']}", float(case["time"].rstrip("s")))
+            for suite in json.loads(report.read_text())["testsuites"] for case in suite["testsuite"]]
+    scale = seconds / max(1e-9, sum(time for _, time in told))  # they are told by the clock
+    slow = sorted((Run(test, name, scale * time) for name, time in told if scale * time > SLOW), key=lambda run: run.seconds)
+    quick = Run(test, "-" + ":".join(run.filter for run in slow), seconds - sum(run.seconds for run in slow))
+    print(f"clean: {test}: {seconds:.1f} s, {len(slow)} slow cases", flush=True)
+    return ([quick] if len(slow) < len(told) else []) + slow
+
+
+def clean_runs(copy, tests):
+    """Of each test its runs; what an earlier start at this commit measured is not measured again."""
+    kept = COPIES / f"clean-{head()}.json"
+    runs = {test: [Run(*run) for run in runs] for test, runs in json.loads(kept.read_text()).items()} if kept.exists() else {}
+    for test in tests:
+        if test not in runs:
+            runs[test] = runs_of(copy, test)
+            kept.write_text(json.dumps(runs))
+    return runs
+
+
+def in_order(runs):
+    """Of all the tests of a folder: quick cases, then slow ones."""
+    return [run for run in runs if run.filter.startswith("-")] + sorted(
+        (run for run in runs if not run.filter.startswith("-")), key=lambda run: run.seconds)
 
 
 def verdict(copy, mutant, clean):
@@ -187,20 +252,21 @@ def verdict(copy, mutant, clean):
     path = copy.tree / mutant.file
     source = path.read_text()
     path.write_text(source[:mutant.start] + mutant.new + source[mutant.start + len(mutant.old):])
-    same = True
+    differs = {}  # of each program linked so far, whether the fault is in it
     try:
-        for test in TESTS[folder_of(mutant.file)]:
-            if copy.build([test]).returncode != 0:
-                return "does not compile"
-            if all(copy.made[name] == made for name, made in copy.programs(began).items()):
+        for test, chosen, seconds in in_order([run for test in TESTS[folder_of(mutant.file)] for run in clean[test]]):
+            if test not in differs:
+                if copy.build([test]).returncode != 0:
+                    return "does not compile"
+                differs[test] = any(copy.made[name] != made for name, made in copy.programs(began).items())
+            if not differs[test]:
                 continue
-            same = False
-            passes = copy.run(test, max(LEAST_SECONDS, SLOWER * clean[test]))
+            passes = copy.run(test, max(LEAST_SECONDS, SLOWER * seconds), f"--gtest_filter={chosen}")
             if passes is None:
                 return f"caught by {test}: it does not end"
             if not passes:
                 return f"caught by {test}"
-        return "same programs" if same else "SURVIVED"
+        return "SURVIVED" if any(differs.values()) else "same programs"
     finally:
         path.write_text(source)
 
@@ -229,34 +295,37 @@ def main():
     parser.add_argument("--mechanical", type=int, default=200, help="how many are drawn [200]")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--kind", choices=["by hand", "mechanical"], help="no others")
-    parser.add_argument("--only", default="", help="files and sentences that contain this")
+    parser.add_argument("--only", nargs="+", default=[""], help="files and sentences that contain one of these")
     parser.add_argument("--sample", type=int, help="so many of all, drawn with the seed")
+    parser.add_argument("--shard", default="1/1", help="i/n: each nth of them from the ith on, in copies of its own [1/1]")
     parser.add_argument("--hours", type=float, default=2, help="stop after so long, and say what was not reached [2]")
     parser.add_argument("--jobs", type=int, default=2, help="copies that faults are planted in at once [2]")
     parser.add_argument("--list", action="store_true", help="print them, plant none; exit 1 where one no longer fits (a test)")
     options = parser.parse_args()
     start = time.monotonic()
-    listed, stale = by_hand()
+    listed, known, stale = by_hand()
     print("\n".join(stale), end="\n" if stale else "")
-    kinds = [("by hand", listed), ("mechanical", mechanical(options.seed, options.mechanical))]
+    kinds = [("by hand", listed), ("mechanical", mechanical(options.seed, options.mechanical, known))]
     mutants = [(kind, m) for kind, list_ in kinds for m in list_
-               if options.kind in (None, kind) and options.only in m.file + ": " + m.says]
+               if options.kind in (None, kind) and any(only in m.file + ": " + m.says for only in options.only)]
     if options.sample:
         mutants = random.Random(options.seed).sample(mutants, min(options.sample, len(mutants)))
+    shard, shards = (int(number) for number in options.shard.split("/"))
+    mutants = mutants[shard - 1::shards]
     if options.list:
         for kind, mutant in mutants:
             print(f"{kind}: {mutant.file}: {mutant.says}")
         sys.exit(1 if stale else 0)
     tests = sorted({test for _, m in mutants for test in TESTS[folder_of(m.file)]})
-    copies = [Copy(index) for index in range(options.jobs)]
+    copies = [Copy(index + options.jobs * (shard - 1)) for index in range(options.jobs)]
     copies[0].prepare(tests, options.jobs)
-    clean = clean_seconds(copies[0], tests)
+    clean = clean_runs(copies[0], tests)
     for copy in copies[1:]:
         copy.prepare(tests, options.jobs)
     counts = collections.Counter()
     survivors = []
     reached = 0
-    planting = time.monotonic()
+    planting, before = time.monotonic(), used()
     told = verdicts(copies, [m for _, m in mutants], clean, start + 3600 * options.hours)
     for (kind, mutant), answer in zip(mutants, told):
         if answer is None:
@@ -271,7 +340,8 @@ def main():
     if reached < len(mutants):
         print(f"{len(mutants) - reached} not reached in {options.hours} hours")
     planted = sum(counts.values())
-    print(f"{planted} planted, {(time.monotonic() - planting) / max(1, planted):.0f} s each")
+    print(f"{planted} planted, {(time.monotonic() - planting) / max(1, planted):.0f} s each, of the processor "
+          f"{(used() - before) / max(1, planted):.0f} s")
     for kind in ("by hand", "mechanical"):
         caught, survived = counts[kind, "caught"], counts[kind, "SURVIVED"]
         if caught + survived:

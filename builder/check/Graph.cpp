@@ -99,7 +99,7 @@ Invariant derived(const Subject& s)
 	{
 		const Node& n = s.h.node(i);
 		bool sound = n.deviation == std::max({n.cover, n.protrude, n.surf}) && n.contactArea > 0 && n.reach >= n.cover;
-		if (s.isContact(i) && n.level > 0 && n.resolution > 0)
+		if (n.resolution > 0)
 		{
 			// f = s / r^2, or the largest of the children where monotony raised it.
 			const double own = double(n.deviation) / (double(n.resolution) * double(n.resolution));

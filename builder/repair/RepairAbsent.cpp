@@ -13,8 +13,7 @@ namespace
 {
 	throw std::runtime_error(
 		"this clod-build was configured with -DCLOD_BUILD_REPAIR=OFF (as scripts/demo does, to build sooner): no "
-		"--repair "
-		"and no --wrap. Configure with -DCLOD_BUILD_REPAIR=ON and build again");
+		"--repair and no --wrap\n  Try: cmake --preset release -DCLOD_BUILD_REPAIR=ON && cmake --build --preset release");
 }
 }  // namespace
 

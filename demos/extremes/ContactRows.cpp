@@ -293,8 +293,7 @@ std::vector<Row> contactRows()
 					kRates,
 					{{"creep", "R/minute", {1e-4}}},
 					spoonCreeps,
-					{{"at 1/60 s and on levels coarser than exact it can creep by some hundredths of a radius a minute",
-					  [](const Setting& s) { return largeSteps(s) || s.collider != Collider::exact; }, ""}},
+					{},
 					true});
 	rows.push_back(
 		{"C13",

@@ -154,7 +154,8 @@ std::string tradeoffOf(const Trial& trial)
 	const Tradeoff& tradeoff = trial.tradeoff;
 	if (tradeoff.points.empty()) return "<p>The two meshes were never in contact.</p>\n";
 	Plot plot;
-	plot.title = fmt::format("{} poses of {}, tumbling over each other in contact; errors of {:g} % or less are drawn as that.",
+	plot.title = fmt::format("{} poses of {}, tumbling over each other in contact; errors of {:g} % or less are drawn as "
+							 "that. Who leaves open how deep an overlap is has times in the table alone.",
 							 tradeoff.rows, trial.pair, kSmallestPercent);
 	plot.description = "The table below the plot has every point.";
 	plot.xAxis = "median time, microseconds (left is faster)";
@@ -166,18 +167,20 @@ std::string tradeoffOf(const Trial& trial)
 	for (const FamilyLook& look : kLooks)
 	{
 		PlotSeries series{look.name, look.color, {}, false};
+		bool leavesOpen = false;
 		for (const TradeoffPoint& p : tradeoff.points)
 		{
 			if (p.info.family != look.family) continue;
 			const double error = p.accuracy.gapP95 / tradeoff.radius;
+			leavesOpen |= !std::isfinite(error);
 			series.points.push_back(
 				{p.median, 100 * error,
 				 fmt::format("{}, {}: {:.1f} us, error {}", look.name, p.info.setting, p.median, percent(error))});
 			table.rows.push_back({look.name, escaped(p.info.setting), fmt::format("{:.1f}", p.median),
 								  fmt::format("{:.1f}", p.p95), percent(p.accuracy.gapMedian / tradeoff.radius),
-								  percent(error)});
+								  std::isfinite(error) ? percent(error) : "left open"});
 		}
-		if (!series.points.empty()) plot.series.push_back(std::move(series));
+		if (!series.points.empty() && !leavesOpen) plot.series.push_back(std::move(series));
 	}
 	return toSvg(plot) + "<details><summary>As a table</summary>" + toHtml(table) + "</details>\n";
 }

@@ -63,6 +63,31 @@ TEST(AssembleSphere, ContainsEveryPointToTheLastBit)
 	}
 }
 
+// From its centre every way leads away from some point of it: there is none smaller (the largest distance is convex).
+TEST(AssembleSphere, IsTheSmallest)
+{
+	std::mt19937_64 random(2);
+	std::uniform_real_distribution<double> where(-1, 1);
+	const auto drawn = [&]
+	{
+		const double x = where(random), y = where(random);
+		return Vec3{x, y, where(random)};
+	};
+	for (int cloud = 0; cloud < 200; ++cloud)
+	{
+		std::vector<Vec3> points;
+		for (int i = 0; i < 4 + cloud % 20; ++i) points.push_back(drawn());
+		const Sphere s = boundingSphere(points);
+		for (int way = 0; way < 100; ++way)
+		{
+			const Vec3 center = s.center + 1e-3 * normalized(drawn());
+			double farthest = 0;
+			for (const Vec3& p : points) farthest = std::max(farthest, length(p - center));
+			ASSERT_GT(farthest, s.radius * (1 - 1e-6)) << cloud;
+		}
+	}
+}
+
 // What lies in a thin wall goes to the side that is turned its way, though the other is nearer; but not to one more than
 // twice as far.
 TEST(AssembleNearest, AFaceGoesToThePatchTurnedItsWay)

@@ -374,6 +374,7 @@ TEST_F(Cli, FilesAppearWholeOrNotAtAll)
 	EXPECT_EQ(filesBesides("p"), 1u);
 	EXPECT_EQ(cli::writeFile("/dev/null", std::string("x")), "");
 	EXPECT_TRUE(fs::is_character_file("/dev/null"));
+	EXPECT_NE(cli::writeFile("/dev/full", std::string("x")), "") << "no room is left there";
 }
 
 TEST(CliLength, IsReadAsWritten)

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "builder/intake/Intake.h"
@@ -122,7 +123,7 @@ std::string asStlText()
 	return text + "endsolid some name\n";
 }
 
-std::string asGlb()
+std::string asGlb(const std::function<void(nlohmann::json&)>& change = {})
 {
 	std::string data;
 	for (const Vec3& v : solid().vertices)
@@ -144,6 +145,7 @@ std::string asGlb()
 		 {{{"buffer", 0}, {"byteOffset", 0}, {"byteLength", positions}},
 		  {{"buffer", 0}, {"byteOffset", positions}, {"byteLength", data.size() - positions}}}},
 		{"buffers", {{{"byteLength", data.size()}}}}};
+	if (change) change(scene);
 	std::string json = scene.dump();
 	json.resize((json.size() + 3) / 4 * 4, ' ');
 	std::string file = "glTF";
@@ -218,6 +220,34 @@ TEST(IntakeFormats, TruncatedFilesAreRefused)
 			catch (const builder::Refused&)
 			{
 			}
+}
+
+TEST(IntakeFormats, GltfNodesOnlyMove)
+{
+	const std::string moved = asGlb(
+		[](nlohmann::json& scene)
+		{
+			scene["nodes"] = {{{"children", {1}}, {"translation", {1, 2, 3}}}, {{"mesh", 0}}};
+		});
+	const builder::Intake found = builder::intake(builder::parseGltf(moved, ".")),
+						  expected = builder::intake(builder::parseGltf(asGlb(), "."));
+	EXPECT_EQ(found.mesh.triangles, expected.mesh.triangles);
+	EXPECT_NEAR(length(found.meshFromBody - expected.meshFromBody - Vec3{1, 2, 3}), 0, 1e-6);
+}
+
+TEST(IntakeFormats, GltfWithAnyNumberBeyondWhatThereIsIsRefused)
+{
+	for (const char* number :
+		 {"/scene", "/scenes/0/nodes/0", "/nodes/0/mesh", "/meshes/0/primitives/0/indices",
+		  "/meshes/0/primitives/0/attributes/POSITION", "/accessors/0/bufferView", "/accessors/1/bufferView",
+		  "/accessors/0/count", "/accessors/1/count", "/accessors/0/componentType", "/bufferViews/0/buffer",
+		  "/bufferViews/1/byteOffset", "/bufferViews/1/byteLength", "/buffers/0/byteLength"})
+		for (const int wrong : {7, 99, 100000, 2147483647})
+		{
+			const std::string bytes =
+				asGlb([&](nlohmann::json& scene) { scene[nlohmann::json::json_pointer(number)] = wrong; });
+			EXPECT_THROW(builder::intake(builder::parseGltf(bytes, ".")), builder::Refused) << number << ' ' << wrong;
+		}
 }
 
 TEST(IntakeFormats, CountsBeyondTheFileAreRefusedBeforeAnythingIsAllocated)

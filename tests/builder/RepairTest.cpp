@@ -98,6 +98,8 @@ const Case kCases[] = {
 	 1.125 * kTetrahedron, 1e-6},
 	{"FilledCavity", tetrahedron(0, 3, 1) + tetrahedron(0, 0.5, 5), "turned to bound cavities", 26.875 * kTetrahedron,
 	 1e-5},
+	{"FilledCavityAndAnotherSolid", tetrahedron(0, 3, 1) + tetrahedron(0, 0.5, 5) + tetrahedron(9, 1, 9),
+	 "1 components inside others turned", 27.875 * kTetrahedron, 1e-5},
 	{"NoLid", kVertices + kBottom + kSides, "1 holes closed with 2 faces (the longest: 4 edges, 4 around)", 1, 0.52},
 	{"Cracks", cracked(), "sewn", 1, 2e-5},
 	{"TJunction", "v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0 0 2\nv 1 0 0\nf 1 3 2\nf 1 4 3\nf 2 3 4\nf 1 5 4\nf 5 2 4\n",

@@ -39,6 +39,14 @@ const std::vector<Kind>& kinds()
 	static const std::vector<Kind> all = {
 		{"box", [] { return std::make_unique<btBoxShape>(btVector3(btScalar(0.5), btScalar(0.3), btScalar(0.4))); }, 0.3, 0},
 		{"hull", [] { return hullOfCube(0.4); }, 0.44, 0},
+		{"sheet",
+		 []
+		 {
+			 auto sheet = std::make_unique<btConvexHullShape>();
+			 for (int i = 0; i < 4; ++i) sheet->addPoint(btVector3(btScalar((i & 1) - 0.5), 0, btScalar((i >> 1) - 0.5)));
+			 return sheet;
+		 },
+		 0.04, 0},
 		{"sphere", [] { return std::make_unique<btSphereShape>(btScalar(0.5)); }, 0.5, 0},
 		{"capsule", [] { return std::make_unique<btCapsuleShapeX>(btScalar(0.3), btScalar(0.8)); }, 0.3, 0},
 		{"spheres",

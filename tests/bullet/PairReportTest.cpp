@@ -87,6 +87,7 @@ TEST(PairReport, LevelsAgainstAPlaneAreThoseOfThePoints)
 	{
 		const PairReport report = scene.with(ContactMetric::deviationShare(share));
 		ASSERT_GT(report.points, 0u);
+		EXPECT_GT(report.result->stats.boxTests, 0u);
 		EXPECT_LE(report.finestLevel, report.coarsestLevel);
 		for (const HeldPoint& held : report.clusters->points())
 		{

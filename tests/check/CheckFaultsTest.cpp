@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <set>
 
 #include "builder/Lod.h"
 #include "builder/check/Check.h"
@@ -141,6 +142,12 @@ const Fault kFaults[] = {
 		 c.asset.storageTolerance *= 1e-4f;
 	 },
 	 "face-records|edges-convex|faces-on-hull|no-foreign-face|load"},
+	{"PatchesMoreConvexThanTheyAre",  // a coarse level's are said to be as convex as rounding allows
+	 [](HierarchyContent& c)
+	 {
+		 for (Level& level : c.levels) level.patchTolerance = std::min(level.patchTolerance, c.levels[0].patchTolerance);
+	 },
+	 "edges-convex"},
 	{"NeighbourWrong", [](HierarchyContent& c) { std::swap(c.faces[0].neighbour[0], c.faces[0].neighbour[1]); },
 	 "load"},
 	{"WindingFlipped", [](HierarchyContent& c) { std::swap(c.faces[0].vertex[0], c.faces[0].vertex[1]); }, "load"},
@@ -249,6 +256,20 @@ TEST(Check, LevelZeroIsComparedWithTheGivenMesh)
 	EXPECT_EQ(broken(), "");
 	given.vertices[7].x += 1e-3;
 	EXPECT_EQ(broken(), "equals-mesh");
+}
+
+// Each proof by itself: reflex edges, corners above their faces, and faces in the hull of another patch's.
+TEST(Check, ConvexityIsProvedInEveryWay)
+{
+	HierarchyContent content = soundContent();
+	for (Level& level : content.levels)
+		level.patchTolerance = std::min(level.patchTolerance, content.levels[0].patchTolerance);
+	const auto hierarchy = Hierarchy::fromBytes(encode(content));
+	ASSERT_TRUE(hierarchy) << hierarchy.error();
+	std::set<std::string> broken;
+	for (const check::Invariant& invariant : check::checkHierarchy(*hierarchy.value(), {}))
+		if (invariant.violations > 0 && invariant.worst > 0) broken.insert(invariant.name);
+	EXPECT_EQ(broken, (std::set<std::string>{"edges-convex", "faces-on-hull", "no-foreign-face"}));
 }
 
 TEST_P(PlantedFault, IsFound)

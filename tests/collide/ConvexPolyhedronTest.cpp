@@ -56,6 +56,7 @@ TEST(ConvexPolyhedron, HoldsAllPointsWithCornersAmongThem)
 		}
 		const ConvexPolyhedron hull = convexPolyhedron(points, 65535);
 		EXPECT_LE(farthestOut(hull, points), 1e-6 * scale) << round;
+		EXPECT_LE(farthestOut(hull, points), hull.error + 1e-12 * scale) << round;
 		EXPECT_LE(hull.error, 1e-6 * scale) << round;
 		for (const Vec3& v : hull.vertices) EXPECT_NE(std::find(points.begin(), points.end(), v), points.end());
 		// A planted fault: without one of its corners a hull does not hold it.
@@ -64,6 +65,31 @@ TEST(ConvexPolyhedron, HoldsAllPointsWithCornersAmongThem)
 		if (flat < 1) continue;
 		EXPECT_GT(farthestOut(convexPolyhedron(fewer, 65535), points), 1e-6 * scale) << round;
 	}
+}
+
+// Faces of many points each, all but flat: what rounding keeps out is within the error told.
+TEST(ConvexPolyhedron, WhatIsLeftOutIsWithinTheError)
+{
+	Random random(9);
+	int leftOut = 0;
+	for (int round = 0; round < 60; ++round)
+	{
+		const Mat3 turn = randomRotation(random);
+		const double noise = std::pow(10.0, -9 + round % 5);
+		std::vector<Vec3> points;
+		for (int i = 0; i < 150; ++i)
+		{
+			Vec3 p{uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1)};
+			if (round % 2 == 0) p[i % 3] = (i % 2 ? 1 : -1) + noise * uniform(random, -1, 1);
+			p.z *= round % 3 == 0 ? 1 : 4e-6;
+			points.push_back(toVec3(toFloat3(turn * p)));
+		}
+		const ConvexPolyhedron hull = convexPolyhedron(points, 65535);
+		const double out = farthestOut(hull, points);
+		EXPECT_LE(out, hull.error + 1e-12) << round;
+		leftOut += out > 1e-10;
+	}
+	EXPECT_GT(leftOut, 20);
 }
 
 TEST(ConvexPolyhedron, PointsOfACubeAddNothingButItsCorners)
@@ -114,6 +140,8 @@ TEST(ConvexPolyhedron, RoundBodiesAreAsNearAsCertified)
 		EXPECT_LT(hull.error, 0.5 * last);
 		last = hull.error;
 	}
-	EXPECT_LE(convexPolyhedron(ball, 0.05, 10000).error, 0.05);
+	const ConvexPolyhedron enough = convexPolyhedron(ball, 0.05, 10000);
+	EXPECT_LE(enough.error, 0.05);
+	EXPECT_GT(enough.error, 0.02) << enough.vertices.size() << " corners are more than that takes";
 }
 }  // namespace clod::test

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <regex>
 #include <set>
 #include <sstream>
 
@@ -284,6 +285,17 @@ TEST_F(Extremes, TheCommandWritesEverything)
 	EXPECT_EQ(map.compare(0, 4, "<svg"), 0);
 	EXPECT_NE(map.find("overlap"), std::string::npos);
 	EXPECT_EQ(map.substr(map.size() - 7), "</svg>\n");
+	// Its page holds all of it, with room beside.
+	const auto largest = [&map](const char* number)
+	{
+		double most = 0;
+		const std::regex pattern(std::string("[ ]") + number + "=\"([0-9.]+)\"");
+		for (std::sregex_iterator i(map.begin(), map.end(), pattern), end; i != end; ++i)
+			most = std::max(most, std::stod((*i)[1]));
+		return most;
+	};
+	EXPECT_GT(largest("width"), largest("x"));
+	EXPECT_GT(largest("height"), largest("y") + 10);
 }
 
 // Alone, again, and after another row of the same process.

@@ -2,6 +2,7 @@
 // The benchmark models: counts, topology, triangle quality, size, fit; and each measure failing on a planted fault.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -157,6 +158,70 @@ TEST(Models, VolumesMeetTheClosedForms)
 		else
 			EXPECT_NEAR(coarse / fine, 4, 0.25) << name;
 		EXPECT_NEAR(fine, 0, 0.01 * exact) << name;
+	}
+}
+
+// What results were measured on: volume, surface, and how far vertices are from the origin in the mean, in metres.
+TEST(Models, AreThoseOfTheResults)
+{
+	static const std::map<std::string, std::array<double, 3>> expected = {
+		{"cup", {7.766615e-05, 0.05113453, 0.05562573}},
+		{"spoon", {3.551442e-06, 0.004408569, 0.07445073}},
+		{"spiral", {3.9021e-05, 0.01453913, 0.1173625}},
+		{"torus", {1.099319e-05, 0.00418355, 0.01608707}},
+		{"bowl", {5.434568e-05, 0.03719491, 0.0412937}},
+		{"number0", {6.292386e-07, 0.0006178162, 0.006976343}},
+		{"number1", {4.646788e-07, 0.0004598096, 0.00674177}},
+		{"number2", {5.772636e-07, 0.0005807581, 0.007358853}},
+		{"number3", {5.61984e-07, 0.0005631261, 0.006921344}},
+		{"number4", {5.646214e-07, 0.0005214085, 0.005904317}},
+		{"number5", {5.948956e-07, 0.0005986353, 0.00699887}},
+		{"number6", {6.318955e-07, 0.0005935696, 0.006606013}},
+		{"number7", {4.314033e-07, 0.0004412172, 0.007099993}},
+		{"number8", {7.370813e-07, 0.0006800794, 0.0068196}},
+		{"number9", {6.317579e-07, 0.0005937051, 0.006585022}},
+		{"bolt", {5.02593e-06, 0.002786042, 0.02382054}},
+		{"nut", {1.356244e-06, 0.00122725, 0.007466604}},
+		{"slab", {0.0008, 0.096, 0.08423344}},
+		{"floor", {0.0008, 0.096, 0.08767261}},
+		{"box", {8e-06, 0.0024, 0.01286664}},
+		{"sphere", {4.143774e-06, 0.001250086, 0.01}},
+		{"smooth-torus", {1.07265e-05, 0.003646447, 0.0160863}},
+		{"pin", {0.006887052, 0.299803, 0.122889}},
+		{"arm", {0.03681576, 1.100293, 0.3620177}},
+		{"arm-with-pin", {0.04185356, 1.250672, 0.6045473}},
+		{"crank", {0.0375968, 1.145284, 0.2934638}},
+		{"rod", {0.02720438, 0.9315795, 0.4622842}},
+		{"piston", {0.1250376, 1.790358, 0.3605678}},
+		{"bore", {0.059328, 2.17536, 0.4115625}},
+		{"rack", {3.081499e-05, 0.01275553, 0.04319219}},
+		{"pinion", {9.790911e-06, 0.004322766, 0.01767188}},
+		{"chain-link", {1.327323e-06, 0.001084596, 0.01047616}},
+		{"tumbler", {1.701074e-05, 0.02162017, 0.03647357}},
+		{"dish", {3.156355e-05, 0.02185366, 0.06177644}},
+		{"plate", {8.481137e-06, 0.006219558, 0.02848287}},
+		{"peg", {3.397419e-06, 0.00194866, 0.01049334}},
+		{"block", {1.2e-05, 0.0032, 0.0200778}},
+		{"socket", {2.56158e-05, 0.007944, 0.02263666}},
+		{"wedge20", {2.821232e-06, 0.002047867, 0.01718194}},
+		{"wedge30", {4.287187e-06, 0.00229952, 0.01791648}},
+		{"wedge40", {5.823524e-06, 0.002576213, 0.0183867}},
+		{"wedge50", {7.460923e-06, 0.002884543, 0.01914425}},
+		{"wedge60", {9.237604e-06, 0.003233162, 0.0198564}},
+		{"wedge70", {1.120332e-05, 0.003633737, 0.02059888}},
+		{"wedge80", {1.342559e-05, 0.004102491, 0.02133157}},
+		{"wedge90", {1.6e-05, 0.004662742, 0.0223257}},
+		{"voussoir25", {1.127103e-05, 0.003304289, 0.1009546}},
+		{"voussoir101", {2.78999e-06, 0.002172021, 0.1007135}}};
+	for (const std::string& name : allNames())
+	{
+		const ModelMesh& mesh = built(name);
+		double area = 0, away = 0;
+		for (const auto& t : mesh.triangles)
+			area += 0.5 * length(cross(mesh.vertices[t[1]] - mesh.vertices[t[0]], mesh.vertices[t[2]] - mesh.vertices[t[0]]));
+		for (const Vec3& v : mesh.vertices) away += length(v) / double(mesh.vertices.size());
+		const std::array<double, 3> found = {volume(mesh), area, away};
+		for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(found[i] / expected.at(name)[i], 1, 1e-5) << name << ' ' << i;
 	}
 }
 

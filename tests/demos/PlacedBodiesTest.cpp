@@ -151,6 +151,37 @@ TEST(PlacedBodies, TimesFitTheThreadsOwnClock)
 	}
 }
 
+// Four cubes in a row, a fifth that comes to each and between them.
+TEST(PlacedBodies, EveryPieceOfACompoundIsThere)
+{
+	const auto cube = [](double x)
+	{
+		ModelMesh mesh;
+		for (int i = 0; i < 8; ++i)
+			mesh.vertices.push_back({x + 0.01 * (i & 1), 0.01 * (i >> 1 & 1), 0.01 * (i >> 2)});
+		return mesh;
+	};
+	PairFrame frame;
+	frame.tolerance = 0.001;
+	const PeerPointer peer = compounds({}, {cube(0), cube(0.1), cube(0.2), cube(0.3)}, {cube(0)}, frame);
+	EXPECT_EQ(peer->info().sizeA, 4u);
+	PoseSample sample;
+	sample.tolerance = frame.tolerance;
+	std::vector<PoseRow> poses(7);
+	for (std::size_t i = 0; i < poses.size(); ++i)
+	{
+		poses[i].b.position = {0.05 * double(i), 0.0105, 0};
+		sample.rows.push_back(recordedRow(poses, i, {sample.dt}));
+	}
+	const std::vector<PeerAnswer> answers = peer->pass(sample.atRest());
+	ASSERT_EQ(answers.size(), poses.size());
+	for (std::size_t i = 0; i < answers.size(); ++i)
+		if (i % 2 == 0)
+			EXPECT_NEAR(answers[i].gap, 0.0005, 1e-4) << i;
+		else
+			EXPECT_TRUE(answers[i].contacts.empty()) << i;
+}
+
 TEST(PlacedBodies, AsManyRowsAreMeasuredAsThereAreUpToThoseAskedFor)
 {
 	const HierarchyPointer box = test::builtBody("box", 12).hierarchy;

@@ -6,8 +6,10 @@
 #include <cstdio>
 #include <map>
 
+#include "clod/collide/ConvexPolyhedron.h"
 #include "clod/distance/DepthSearch.h"
 #include "clod/distance/Penetration.h"
+#include "clod/hierarchy/ConvexPiece.h"
 #include "clod/query/StopRule.h"
 #include "tests/query/Questions.h"
 #include "tests/query/TriangleGap.h"
@@ -303,5 +305,37 @@ TEST(Certificate, ADepthKnownRoughlyIsStillBounded)
 			rough += bound.upper > 1.1 * bound.lower;
 		}
 	EXPECT_GT(rough, 30);
+}
+
+// A convex body is one leaf, of as many faces as it has. Its depth is that of the search that knows no leaves, and takes
+// few points where faces lie flat on each other.
+TEST(Certificate, ConvexBodiesOfManyFacesAreOneLeaf)
+{
+	Random random(82);
+	std::vector<Vec3> prism, pebble;
+	for (int i = 0; i < 200; ++i)
+		prism.push_back({std::cos(0.0314 * i), std::sin(0.0314 * i), i % 2 == 0 ? -0.4 : 0.4});
+	for (int i = 0; i < 300; ++i) pebble.push_back(randomDirection(random));
+	std::vector<Body> bodies;
+	for (const auto& points : {prism, pebble})
+		bodies.push_back(bodyOf("convex", convexPiece(convexPolyhedron(points, 65535), 0).value()));
+	DepthAccuracy fine;
+	fine.relative = 1e-4;
+	PenetrationScratch scratch;
+	for (int i = 0; i < 24; ++i)
+	{
+		const BodyPair pair{bodies[0], bodies[std::size_t(i % 2)]};
+		Transform pose = poseWithGap(random, pair.a, pair.b, -uniform(random, 0.001, 0.2));
+		if (i % 6 == 0) pose = {randomRotation(random, 1e-3), {0.1, 0.2, 0.795}};
+		const GapResult result = fresh(pair, pose, exactSettings(0.5));
+		QueryStats stats;
+		const DepthBound truth =
+			wholePenetration(QueryContext(*pair.a.hierarchy, *pair.b.hierarchy, pose), fine, scratch, stats);
+		ASSERT_FALSE(result.deep) << i;
+		EXPECT_LE(result.minDistance - result.errorBound, -truth.lower + 1e-9) << i;
+		EXPECT_GE(result.minDistance + result.errorBound, -truth.upper - 1e-9) << i;
+		EXPECT_LE(result.errorBound, 0.01 * std::abs(result.minDistance)) << i;
+		EXPECT_LT(result.stats.pointQueries, i % 6 == 0 ? 1000u : 20000u) << i;
+	}
 }
 }  // namespace

@@ -31,6 +31,7 @@ struct Roof
 		return {{{0, -side, 0}, {0, side, 0}, {side, 0, -100 * std::tan(kSlope)}}};
 	}
 	static bool crossesNothing(std::uint32_t, const Triangle&) { return false; }
+	static double below(std::uint32_t, const Triangle&) { return std::numeric_limits<double>::infinity(); }
 	static std::uint32_t across(std::uint32_t face, int edge) { return edge == 0 ? 1 - face : kNone; }
 };
 

@@ -178,6 +178,14 @@ TEST_F(CoarseLevels, TellWhereTheMetricAsksForFiner)
 	}
 	tight.maxError = double(whole().asset().radius);
 	EXPECT_EQ(levelsError(*coarse, coarse.get(), tight), "");
+	// It takes what is missing and what is too much, whichever is more, of both bodies.
+	const double cover = 2 * double(coarse->levels()[0].maxCover), protrude = 2 * double(coarse->levels()[0].maxProtrude);
+	ASSERT_GT(std::abs(cover - protrude), 1e-3 * cover);
+	for (const double share : {0.01, 0.5, 0.99})
+	{
+		tight.maxError = share * cover + (1 - share) * protrude;
+		EXPECT_NE(levelsError(*coarse, coarse.get(), tight), "") << share;
+	}
 }
 
 // Of the gap nothing is claimed.

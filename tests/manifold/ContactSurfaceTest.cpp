@@ -135,6 +135,24 @@ TEST(ContactSurface, AHalfSpaceIsOneFaceWithoutEnd)
 }
 
 // Of a polygon of few triangles or many, one by one or through the tree: what looking at all of them says.
+// Of faces that lie in one plane but for rounding, and of those the one that is largest says how it lies.
+TEST(ContactSurface, APolygonIsOnePlane)
+{
+	for (const char* name : {"cup-3000", "plate", "number8-600"})
+	{
+		const ContactSurface& surface = body(name).hierarchy->derived<ContactSurfaces>().level(0);
+		std::size_t several = 0;
+		for (std::uint32_t polygon = 0; polygon < surface.polygonCount(); ++polygon)
+			for (const std::uint32_t face : surface.facesOf(polygon))
+			{
+				EXPECT_EQ(surface.faces()[face].normal, surface.planeOf(polygon).normal) << name;
+				EXPECT_EQ(surface.faces()[face].offset, surface.planeOf(polygon).offset) << name;
+				several += face != surface.facesOf(polygon)[0];
+			}
+		EXPECT_GT(several, 5u) << name;
+	}
+}
+
 TEST(ContactSurface, TheNearestTriangleOfAPolygonIsFoundAmongMany)
 {
 	Random random(9);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <limits>
 #include <set>
@@ -51,6 +52,28 @@ TEST(BoxSeparation, IsALowerBoundAndLipschitz)
 			EXPECT_LE(std::abs(separation(there) - before), motion + change + here.boxes.roundingOfTwo());
 		}
 	}
+}
+
+// Two cubes of edge 2 whose centres are 5 apart, one of which comes nearer, goes, or passes by.
+TEST(BoxSeparation, IsThatOfTheNearestTimeOfTheStep)
+{
+	const float root = std::sqrt(3.0f);
+	const OrientedBox cube{{0, 0, 0}, root, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {1, 1, 1}};
+	for (int axis = 0; axis < 3; ++axis)
+		for (const double side : {-1.0, 1.0})
+			for (const double way : {0.0, 0.5, 2.9})
+				for (const bool isNearing : {true, false})
+				{
+					Transform pose;
+					pose.translation[axis] = 5 * side;
+					Sweep sweep;
+					sweep.linear[axis] = (isNearing ? -side : side) * way;
+					sweep.linear[(axis + 1) % 3] = 0.3 * way;
+					const BoxFrame frame(RelativePose(pose, root), sweep, 10);
+					const double truth = 3 - (isNearing ? way : 0);
+					EXPECT_LE(boxSeparation(frame, cube, cube), truth);
+					EXPECT_GT(boxSeparation(frame, cube, cube), truth - 1e-4) << axis << ' ' << side << ' ' << way;
+				}
 }
 
 // Limits within rounding of the distance: GJK may stop beyond what it was told, and the pair not be apart all the same.

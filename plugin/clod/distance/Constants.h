@@ -2,6 +2,7 @@
 // The numbers that gaps and depths are searched and proved with. What the tuned ones buy: docs/tried.md, "Constants".
 #pragma once
 #include <cstddef>
+#include <cstdint>
 
 namespace clod
 {
@@ -27,6 +28,8 @@ inline constexpr double kScratch = 1e-3;
 inline constexpr double kSliver = 1e-5;
 // Of the length of a unit normal, so that nothing looks farther along it than it is.
 inline constexpr double kBelowUnit = 1 - 1e-9;
+// Faces of a leaf are scanned one by one up to so many.
+inline constexpr std::uint32_t kFacesInBall = 12;
 // Hull distances are followed so far beyond the best, that the axis still tells at the next pose.
 inline constexpr double kBeyondBest = 1.1;
 }  // namespace clod

@@ -8,7 +8,8 @@
 //       cut cells down to the depth's own size all along every edge.
 //   (2) depth on T <= depth(v) + max over w of |v - w| for each v, as sd is 1-Lipschitz;
 //   (3) depth(v) of a corner is reached;
-//   (4) a triangle that crosses nothing of the surface is outside where one of its corners is.
+//   (4) a triangle that crosses nothing of the surface is outside where its corners are;
+//   (5) depth on T <= max over v of how far v is below a plane that the whole surface is below.
 // Cells are halved across their longest edge, or cut where the depths below two faces cross, until the largest upper
 // bound exceeds the best depth by no more than the accuracy asked for. (2) removes what is outside without looking at
 // it twice.
@@ -58,7 +59,7 @@ struct DepthAccuracy
 // Surface: DepthSample sample(group, point, hint); hint: a face that may be near, kNone;
 //          Triangle triangle(face); faces are numbered by the surface; bool crossesNothing(group, triangle): (4), false
 //          where that is not seen; std::uint32_t across(face, edge): the face beyond an edge, kNone where it is not
-//          known.
+//          known; double below(face, triangle): (5) for a plane along a face, infinity where there is none.
 template <class Surface>
 class DepthSearch
 {
@@ -233,9 +234,11 @@ private:
 		double upper = nearCorners(cell);
 		cell.face = kNone;
 		const bool isOutside =
-			std::any_of(cell.corner, cell.corner + 3, [](const DepthSample& c) { return c.depth <= 0; });
+			std::all_of(cell.corner, cell.corner + 3, [](const DepthSample& c) { return c.depth <= 0; });
 		if (isOutside && upper > threshold() && m_surface.crossesNothing(cell.group, cell.triangle))
 			upper = std::min(upper, 0.0);
+		for (int i = 0; i < 3 && upper > threshold(); ++i)
+			upper = std::min(upper, m_surface.below(cell.corner[i].face, cell.triangle));
 		// (1') at a corner is no less than its distance from the nearest face.
 		const double least = std::max({cell.corner[0].distance, cell.corner[1].distance, cell.corner[2].distance});
 		for (int i = 0; i < 3 && upper > threshold() && least < threshold(); ++i)

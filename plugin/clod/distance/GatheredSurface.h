@@ -14,10 +14,18 @@ struct GatheredFace
 {
 	Triangle triangle;
 	Vec3 normal;  // all but unit
-	double top;   // the node's thickened hull is nowhere higher above center, along normal
+	double top;   // the node's thickened hull is nowhere higher above center, along normal; < 0: not yet asked for
 	Vec3 center;
 	double radius;  // of the sphere round center that encloses the triangle
 	std::uint32_t face;
+};
+
+// A ball that holds some faces, a node of a binary tree over those of a slot: a convex body is one leaf of any size.
+struct FaceBall
+{
+	Vec3 center;
+	double radius;
+	std::uint32_t first, count;  // into ContactSide::inBalls; count 0: the ball's halves are the next one and `first`
 };
 
 // One body's side of the contact list.
@@ -29,9 +37,9 @@ struct ContactSide
 		std::uint32_t firstPartner, partnerCount;  // into partners
 		std::uint32_t firstFace, faceCount;        // into faces, once gathered
 		std::uint32_t nearest;                     // contact with the smallest distance
-		Vec3 center;                               // of a ball that holds the faces, once gathered
-		double radius;
-		bool gathered, overlaps;  // overlaps: some partner's hull
+		std::uint32_t ball;                        // of all the faces, once gathered
+		std::uint32_t apart;                       // a face that something was above
+		bool gathered, overlaps;                   // overlaps: some partner's hull
 	};
 	const Hierarchy* hierarchy = nullptr;
 	std::vector<Slot> slots;              // ascending by node
@@ -39,8 +47,13 @@ struct ContactSide
 	std::vector<double> apart;            // how far at least the hulls of a partner are apart; 0: they overlap
 	std::vector<std::uint32_t> order;     // contacts ascending by this side's node
 	std::vector<GatheredFace> faces;
+	std::vector<FaceBall> balls;
+	std::vector<std::uint32_t> inBalls;  // faces, those of a ball together
 
 	void gather(Slot& slot);
+
+private:
+	std::uint32_t addBall(std::uint32_t first, std::uint32_t count);
 };
 
 // Fills both sides from pairs of leaves sorted by (nodeA, nodeB).
@@ -59,20 +72,22 @@ public:
 	// A point that looks inside by the tolerance or more may only be far from the few faces gathered: the input surface
 	// decides, and gives the distance.
 	SignedDistance signedDistance(std::uint32_t group, const Vec3& point, std::uint32_t hint);
-	DepthSample sample(std::uint32_t group, const Vec3& point, std::uint32_t hint)
-	{
-		const SignedDistance near = signedDistance(group, point, hint);
-		return {-near.distance, std::abs(near.distance), near.face};
-	}
+	// Outside by more than the tolerance it may be farther than it is said to be.
+	DepthSample sample(std::uint32_t group, const Vec3& point, std::uint32_t hint);
 	// The triangle crosses no hull of the other side.
 	bool crossesNothing(std::uint32_t group, const Triangle& triangle);
 	const Triangle& triangle(std::uint32_t face) const { return m_other.faces[face].triangle; }
 	// Only faces of slots that were gathered.
 	std::uint32_t across(std::uint32_t face, int edge) const;
+	// Of a body that is a single leaf: its hull holds all of it.
+	double below(std::uint32_t face, const Triangle& triangle);
 
 private:
-	void scan(ContactSide::Slot& slot, const Vec3& point);
-	double above(ContactSide::Slot& slot, const Triangle& triangle);
+	void scan(std::uint32_t ball, const Vec3& point);
+	bool isAbove(ContactSide::Slot& slot, const Triangle& triangle);
+	bool isAbove(const ContactSide::Slot& slot, GatheredFace& face, const Triangle& triangle);
+	double topOf(const ContactSide::Slot& slot, GatheredFace& face);
+	bool isSingleLeaf() const { return m_other.hierarchy->node(m_other.hierarchy->root()).childCount == 0; }
 	void meet(std::uint32_t face, const Vec3& point);
 
 	const ContactSide& m_own;

@@ -110,6 +110,7 @@ public:
 		return {-near.distance, std::abs(near.distance), near.face};
 	}
 	static bool crossesNothing(std::uint32_t, const Triangle&) { return false; }
+	static double below(std::uint32_t, const Triangle&) { return std::numeric_limits<double>::infinity(); }
 	Triangle triangle(std::uint32_t face) const
 	{
 		return triangleOf(m_hierarchy, m_hierarchy.node(ownerOf(m_hierarchy, face)), m_hierarchy.faces()[face]);
