@@ -72,10 +72,11 @@ TEST(BudgetControl, EnoughIsNoCoarseningAtAll)
 	BudgetControl control;
 	EXPECT_EQ(run(control, {5000, 20, 0.5}, {6100, kOff}, 500, 0.2).most, 1);
 	// Nor is a rare step that is cut short.
+	BudgetControl other;
 	for (int i = 0; i < 500; ++i)
 	{
-		EXPECT_EQ(control.coarsening({1000, kOff}), 1);
-		control.observe({i % 25 == 0 ? 1000.0 : 600, 1, 0, i % 25 == 0});
+		EXPECT_EQ(other.coarsening({1000, kOff}), 1);
+		other.observe({i % 25 == 12 ? 1000.0 : 600, 1, 0, i % 25 == 12});
 	}
 }
 
