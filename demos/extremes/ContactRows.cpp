@@ -211,7 +211,7 @@ std::vector<Row> contactRows()
 					 {"energy left", "share", {0.2, 1}},
 					 {"energy gained", "share", {0.02}}},
 					armOnPin,
-					{{"a deviation above the play lets the pin out", coarseLevels, "pin off its axis"}},
+					{},
 					true});
 	rows.push_back({"C2",
 					"wedges of 20 to 90 degrees, edge on edge, crossed",
@@ -307,7 +307,7 @@ std::vector<Row> contactRows()
 		  {"off the thread", "degrees", {15}},
 		  {"off the axis", "of the play", {1.5}}},
 		 nutOnBolt,
-		 {{"at 1/60 s it leaves the thread", largeSteps, ""}, {"a deviation above the play jams it", coarseLevels, ""}},
+		 {{"at 1/60 s it leaves the thread", largeSteps, ""}},
 		 true});
 	return rows;
 }

@@ -160,6 +160,17 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Mechanisms, testing::ValuesIn(kScenes),
 							 return name;
 						 });
 
+// A level that keeps the metric, but deviates by more than the play, would jam the joint.
+TEST(MechanismLevels, AThresholdAboveThePlayLeavesAPendulumItsSwing)
+{
+	const SceneDefinition& definition = definitionOf("pendulum");
+	SceneSettings settings = settingsOf(definition.info);
+	settings.metric = ContactMetric::deviationShare(0.035);
+	const auto scene = makeScene(definition, settings);
+	for (int step = 0; step < 720; ++step) scene->step();
+	EXPECT_GT(scene->state().outcome[0], 0.9);  // of its energy
+}
+
 // A body moved by its own play into its neighbour is seen.
 TEST(MechanismChecks, SeePlantedOverlaps)
 {

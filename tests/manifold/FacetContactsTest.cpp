@@ -51,7 +51,8 @@ struct Pair
 		FacetContacts facets;
 		FacetMemory memory;
 		ClusterSet none, set;
-		facets.find(contactBody(*a), contactBody(*b), aFromB, rules, result.contacts, result.deep, none, memory);
+		facets.find(contactBody(*a), contactBody(*b), aFromB, rules, result.contacts, none, memory);
+		facets.settle(result.contacts, result.deep, none, memory);
 		facets.reduce(none, set);
 		std::vector<ContactPoint> points;
 		for (const ContactCluster& cluster : set.slots)
@@ -323,14 +324,59 @@ TEST(FacetContacts, AHalfSpaceHoldsCornersAtAnyDepth)
 	ClusterSet none, set;
 	PointRules rules;
 	rules.resting = 1e-3;
+	const std::vector<Contact> contacts{{0, 0, 0, 0, {}, {}, {}}};
 	const Transform aFromB = at({0, 0.1, 0});  // the ground is 0.6 over the box's lower side
 	facets.find(contactBody(*box), contactBody(ground), aFromB, rules,
-				{{0, 0, 0, 0, {}, {}, {}}}, false, none, memory);
+				contacts, none, memory);
+	facets.settle(contacts, false, none, memory);
 	facets.reduce(none, set);
 	int deep = 0;
 	for (const ContactCluster& cluster : set.slots)
 		for (int i = 0; i < cluster.count; ++i)
 			deep += std::abs(cluster.points[std::size_t(i)].point.height + 0.6) < 1e-6 ? 1 : 0;
 	EXPECT_GT(deep, 0);
+}
+
+// Of all directions, sampled: is one off every facet?
+TEST(FacetContacts, ABodyIsHeldBetweenFacetsThatLeaveNoWayOut)
+{
+	Random random(11);
+	const auto direction = [&]
+	{ return normalized({uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1)}); };
+	std::vector<Vec3> ways;
+	for (int i = 0; i < 4000; ++i) ways.push_back(direction());
+	FacetQuestion question;
+	int held = 0, free = 0;
+	for (int i = 0; i < 400; ++i)
+	{
+		std::vector<Facet> facets(std::size_t(1 + i % 6));
+		const Vec3 middle = direction();
+		for (Facet& facet : facets)
+		{
+			facet.kind = Facet::Kind::kVertexFace;
+			facet.distance = -1e-3;
+			facet.normal = normalized(direction() + uniform(random, 0, 1.5) * middle);
+		}
+		double best = -1;  // sine
+		for (const Vec3& way : ways)
+		{
+			double least = 1;
+			for (const Facet& facet : facets) least = std::min(least, dot(facet.normal, way));
+			best = std::max(best, least);
+		}
+		Facet far = facets[0];
+		far.distance = 1;
+		far.normal = -far.normal;
+		facets.push_back(far);  // does not touch
+		const bool isFree = best > 0.225, isHeld = best < 0.17;  // what was sampled is a little less than the best
+		if (isFree || isHeld)
+		{
+			EXPECT_EQ(isHeldBetween(question, facets), isHeld) << i;
+		}
+		(isFree ? free : held) += 1;
+	}
+	EXPECT_GT(held, 40);
+	EXPECT_GT(free, 40);
+	EXPECT_FALSE(isHeldBetween(question, {}));
 }
 }  // namespace clod::test

@@ -36,6 +36,8 @@ struct TriangleSink : btTriangleCallback
 	}
 };
 
+constexpr double kStricter = 0.25;
+
 // What a thread needs while it answers a pair.
 struct Scratch
 {
@@ -130,8 +132,26 @@ void PairState::askPartner(const PairPose& pose)
 	m_result.hold(result);
 }
 
+// Where a body is held between its contacts, and they err, they are asked for with a quarter of that error: the play is
+// about as small as the margins, and what errs by more jams. For as long as the pair is near: what is coarser would jam again.
+bool PairState::refineHeld(const PairPose& pose, Question& question)
+{
+	const bool canMove = pose.rules.a.inverseMass > 0 || pose.rules.b.inverseMass > 0;
+	const bool isCoarse = pose.hierarchyA().isCoarse() || (pose.isOfTwo() && pose.hierarchyB().isCoarse());
+	Metric& metric = question.settings.metric;
+	if (pose.prediction != Prediction::kFree || !canMove || isCoarse || metric.coarsening > 1) return false;
+	const double stricter = kStricter * errorOfContacts(pose);
+	if (m_result.stats.coarsestLevel == 0 || !(stricter < metric.maxError) || !scratch().facets.holdBetween()) return false;
+	metric.maxError = m_report.metric.maxError = m_heldError = stricter;
+	if (pose.isOfTwo())
+		ask(pose, question);
+	else
+		askPartner(pose);
+	return true;
+}
+
 // A pair that was apart and is costs no more than it must: nothing is copied, and the clock not read again.
-void PairState::answer(const PairPose& pose, const Question& question)
+void PairState::answer(const PairPose& pose, Question& question)
 {
 	const Clock::time_point start = Clock::now();
 	bool goesOn = pose.prediction == Prediction::kSolved && m_followed == 0;
@@ -172,17 +192,24 @@ void PairState::noteAnswered(const Question& question)
 		m_answered = std::make_unique<Question>(question);
 }
 
-void PairState::findPoints(const PairPose& pose, const Question& question, bool goesOn)
+ContactBody PairState::bodyB(const PairPose& pose) const
+{
+	if (pose.isOfTwo()) return contactBody(pose.hierarchyB());
+	return m_partnerSurface ? contactBody(*m_partnerSurface) : ContactBody{};
+}
+
+void PairState::findPoints(const PairPose& pose, Question& question, bool goesOn)
 {
 	FacetContacts& facets = scratch().facets;
 	ClusterSet &previous = scratch().previous, &next = scratch().next;
 	m_clusters.copyTo(previous);
 	carryWithB(previous, pose.aFromB * inverse(m_report.aFromB));
 	const ContactBody a = contactBody(pose.hierarchyA());
-	const ContactBody b = pose.isOfTwo()      ? contactBody(pose.hierarchyB())
-						  : m_partnerSurface ? contactBody(*m_partnerSurface)
-											 : ContactBody{};
-	facets.find(a, b, pose.aFromB, question.rules, scratch().result.contacts, m_result.deep, previous, m_facets, goesOn);
+	const std::vector<Contact>& contacts = scratch().result.contacts;
+	do
+		facets.find(a, bodyB(pose), pose.aFromB, question.rules, contacts, previous, m_facets, goesOn);
+	while (refineHeld(pose, question));
+	facets.settle(contacts, m_result.deep, previous, m_facets, goesOn);
 	m_report.candidates = std::uint32_t(facets.size());
 	m_foreseen.motion = facets.expectedMotion();
 	m_foreseen.spare = facets.spare();

@@ -127,6 +127,7 @@ void PairState::noticeShapes(const PairPose& pose)
 	m_clusters = {};
 	m_answered.reset();
 	m_facets.forget();
+	m_heldError = kOff;
 	m_seenA = a;
 	m_seenB = b;
 	m_convex = pose.convex;
@@ -157,6 +158,7 @@ PairPose PairState::begin(const btCollisionObjectWrapper& body0, const btCollisi
 	m_report.motion = pose.motion;
 	m_report.tolerance = pose.tolerance;
 	m_report.metric = m_metric.resolve(m_context, pose);
+	m_report.metric.maxError = std::min(m_report.metric.maxError, m_heldError);
 	m_report.metricError = m_metric.error();
 	const std::string badBudget = m_budget ? budgetError(m_context.budget) : std::string();
 	if (!badBudget.empty()) sayOnce(16, "the budget cannot be used: " + badBudget);
@@ -206,6 +208,7 @@ void PairState::forget()
 {
 	m_clusters = {};
 	m_result = {};
+	m_heldError = kOff;
 	m_answered.reset();
 	static_cast<DispatchReport&>(m_report) = {};
 }

@@ -115,9 +115,11 @@ private:
 	void query(const PairPose& pose, const Question& question);  // outlined, if there is a budget
 	void askPartner(const PairPose& pose);
 	// Points.
-	void answer(const PairPose& pose, const Question& question);
+	void answer(const PairPose& pose, Question& question);
 	void foresee(const PairPose& pose);
-	void findPoints(const PairPose& pose, const Question& question, bool goesOn);
+	void findPoints(const PairPose& pose, Question& question, bool goesOn);
+	ContactBody bodyB(const PairPose& pose) const;
+	bool refineHeld(const PairPose& pose, Question& question);
 	void namePartnerFace(const PairPose& pose, ContactPoint& point);
 	void keepAnswer();
 	bool follow(const PairPose& pose, const WorldFrame& frame, btManifoldResult& out);
@@ -151,6 +153,7 @@ private:
 	StepBudget* const m_budget;         // null: answers in full, whatever the budget
 	std::uint64_t m_step = 0;           // of the budget, that this pair was last in,
 	std::uint32_t m_held = 0;           // what is held back of it for this pair
+	double m_heldError = kOff;          // that contacts may have since a body was found held between them (HeldBetween.h)
 	Outline m_outline;                  // of the coming process(), or the last
 	std::unique_ptr<Prepared> m_ahead;  // for the coming process(), if m_isAhead; none where nothing was ever prepared
 	bool m_isAhead = false;

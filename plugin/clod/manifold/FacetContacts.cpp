@@ -21,23 +21,30 @@ Vec3 impulseOf(const ClusterSet& set)
 }  // namespace
 
 void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Transform& aFromB, const PointRules& rules,
-						 const std::vector<Contact>& contacts, bool isDeep, const ClusterSet& previous, FacetMemory& memory,
+						 const std::vector<Contact>& contacts, const ClusterSet& previous, const FacetMemory& memory,
 						 bool goesOn)
 {
-	m_memory = &memory;
-	m_expected = rules.motion();
-	m_spare = std::numeric_limits<double>::infinity();
 	m_facets.clear();
-	if (goesOn) takeUp(previous, rules);
 	m_question = {a,
 				  b,
 				  aFromB,
 				  aFromBAfter(rules.a, rules.b, aFromB, rules.timeStep),
 				  aFromBAfter(withoutForces(rules.a), withoutForces(rules.b), aFromB, rules.timeStep),
 				  rules};
-	if (!goesOn && !contacts.empty()) takeUpWhatIsThrough(previous);
+	if (goesOn)
+		takeUp(previous, memory);
+	else if (!contacts.empty())
+		takeUpWhatIsThrough(previous, memory);
 	m_finder.find(m_question, contacts, m_facets);
 	m_choice.choose(m_question, memory.reduced, memory.aFromB, m_facets);
+}
+
+void FacetContacts::settle(const std::vector<Contact>& contacts, bool isDeep, const ClusterSet& previous,
+						   FacetMemory& memory, bool goesOn)
+{
+	m_memory = &memory;
+	m_expected = m_question.rules.motion();
+	m_spare = std::numeric_limits<double>::infinity();
 	answerDepth(contacts, isDeep, previous);
 	m_switch.apply(m_question, contacts, memory.reduced, previous, goesOn, memory.levels, m_facets);
 	if (m_facets.empty() && !memory.isDeep()) return memory.forget();
@@ -47,9 +54,10 @@ void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Trans
 }
 
 // Those that the solver got last, where they were.
-void FacetContacts::takeUp(const ClusterSet& previous, const PointRules& rules)
+void FacetContacts::takeUp(const ClusterSet& previous, const FacetMemory& memory)
 {
-	forEachReduced(previous, m_memory->reduced,
+	const PointRules& rules = m_question.rules;
+	forEachReduced(previous, memory.reduced,
 				   [&](const ClusterPoint& old, const FacetRecord& record)
 				   {
 					   if (!record.hasFeatures()) return;
@@ -65,16 +73,16 @@ void FacetContacts::takeUp(const ClusterSet& previous, const PointRules& rules)
 }
 
 // What went in through a face stays its contact until it is out, be it beyond by more than the body is thick there.
-void FacetContacts::takeUpWhatIsThrough(const ClusterSet& previous)
+void FacetContacts::takeUpWhatIsThrough(const ClusterSet& previous, const FacetMemory& memory)
 {
-	forEachReduced(previous, m_memory->reduced,
+	forEachReduced(previous, memory.reduced,
 				   [&](const ClusterPoint& old, const FacetRecord& record)
 				   {
-					   if (record.isThrough) takeUpThrough(old.point, record);
+					   if (record.isThrough) takeUpThrough(old.point, record, memory.aFromB);
 				   });
 }
 
-void FacetContacts::takeUpThrough(const ContactPoint& point, const FacetRecord& record)
+void FacetContacts::takeUpThrough(const ContactPoint& point, const FacetRecord& record, const Transform& lastAFromB)
 {
 	const FacetQuestion& q = m_question;
 	Facet facet{};
@@ -85,7 +93,7 @@ void FacetContacts::takeUpThrough(const ContactPoint& point, const FacetRecord& 
 	std::uint32_t& polygon = isOfA ? facet.featureB : facet.featureA;
 	if (b.isSheet())
 	{
-		const Transform lastBFromA = inverse(m_memory->aFromB);
+		const Transform lastBFromA = inverse(lastAFromB);
 		polygon = isOfA ? b.polygonIn(lastBFromA.rotation * point.normal, lastBFromA * point.pointOnB, q.length()) : kNone;
 	}
 	if (polygon == kNone) return;

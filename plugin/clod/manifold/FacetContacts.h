@@ -10,6 +10,7 @@
 #include "clod/manifold/DeepOverlap.h"
 #include "clod/manifold/FacetChoice.h"
 #include "clod/manifold/FacetFinder.h"
+#include "clod/manifold/HeldBetween.h"
 #include "clod/manifold/LevelSwitch.h"
 #include "clod/manifold/PairSolve.h"
 
@@ -31,12 +32,17 @@ struct FacetMemory
 class CLOD_API FacetContacts
 {
 public:
-	// All facets of the accepted pairs that are contacts. isDeep: one body is known to be inside the other. goesOn: those
-	// that the solver got last stay, as nothing but the motion of the rules has changed. The memory is the pair's, and needed
-	// until reduce().
+	// The facets of the accepted pairs. goesOn: those that the solver got last stay, as nothing but the motion of the rules
+	// has changed.
 	void find(const ContactBody& a, const ContactBody& b, const Transform& aFromB, const PointRules& rules,
-			  const std::vector<Contact>& contacts, bool isDeep, const ClusterSet& previous, FacetMemory& memory,
+			  const std::vector<Contact>& contacts, const ClusterSet& previous, const FacetMemory& memory,
 			  bool goesOn = false);
+	// Of those found last: would they hold the bodies however they move?
+	bool holdBetween() const { return isHeldBetween(m_question, m_facets); }
+	// Makes contacts of those found last. isDeep: one body is known to be inside the other. The memory is the pair's, and
+	// needed until reduce().
+	void settle(const std::vector<Contact>& contacts, bool isDeep, const ClusterSet& previous, FacetMemory& memory,
+				bool goesOn = false);
 	// Of A's material relative to B's, frame A: the coming step's, as these contacts alone would have it.
 	const RelativeMotion& expectedMotion() const { return m_expected; }
 	// By how much another motion may differ from it, at the bodies' farthest points, before it meets facets that are none of
@@ -52,9 +58,9 @@ public:
 	}
 
 private:
-	void takeUpWhatIsThrough(const ClusterSet& previous);
-	void takeUpThrough(const ContactPoint& point, const FacetRecord& record);
-	void takeUp(const ClusterSet& previous, const PointRules& rules);
+	void takeUpWhatIsThrough(const ClusterSet& previous, const FacetMemory& memory);
+	void takeUpThrough(const ContactPoint& point, const FacetRecord& record, const Transform& lastAFromB);
+	void takeUp(const ClusterSet& previous, const FacetMemory& memory);
 	ContactPoint pointOf(const Facet& facet) const;
 	void nameFaces(const Facet& facet, const Transform& bFromA, ContactPoint& point) const;
 	void answerDepth(const std::vector<Contact>& contacts, bool isDeep, const ClusterSet& previous);
