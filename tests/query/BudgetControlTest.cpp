@@ -67,15 +67,48 @@ TEST(BudgetControl, FindsTheFactorThatFits)
 			}
 }
 
+// Levels that differ by a factor of two in cost, and the first step at a factor takes half as much again: what is cut short
+// then is not too dear.
+TEST(BudgetControl, AFirstStepMayCostMore)
+{
+	BudgetControl control;
+	double before = 0;
+	int fits = 0;
+	for (int i = 0; i < 1000; ++i)
+	{
+		const double factor = control.coarsening({1000, kOff}), level = std::floor(std::log2(factor));
+		const double wanted = 3600 / std::exp2(level) * (factor == before ? 1 : 1.5);
+		before = factor;
+		control.observe({std::min(wanted, 1000.0), 1, 0, wanted > 1000});
+		fits += i >= 200 && level == 2 && wanted <= 1000;
+	}
+	EXPECT_GT(fits, 700);
+}
+
+// Where bodies meet all factors cost more, and as little as before when they part.
+TEST(BudgetControl, APeakIsSoonForgotten)
+{
+	BudgetControl control;
+	for (int i = 0; i < 200; ++i)
+	{
+		const bool isPeak = i >= 100 && i < 130;
+		const double factor = control.coarsening({1000, kOff}), wanted = (isPeak ? 3000 : 500) * std::pow(factor, -0.5);
+		control.observe({std::min(wanted, 1000.0), 1, 0, wanted > 1000});
+		EXPECT_TRUE(i != 129 || factor > 4) << factor;
+		EXPECT_TRUE((i >= 100 && i < 145) || factor == 1) << factor << " in step " << i;
+	}
+}
+
 TEST(BudgetControl, EnoughIsNoCoarseningAtAll)
 {
 	BudgetControl control;
 	EXPECT_EQ(run(control, {5000, 20, 0.5}, {6100, kOff}, 500, 0.2).most, 1);
 	// Nor is a rare step that is cut short.
+	BudgetControl other;
 	for (int i = 0; i < 500; ++i)
 	{
-		EXPECT_EQ(control.coarsening({1000, kOff}), 1);
-		control.observe({i % 25 == 0 ? 1000.0 : 600, 1, 0, i % 25 == 0});
+		EXPECT_EQ(other.coarsening({1000, kOff}), 1);
+		other.observe({i % 25 == 12 ? 1000.0 : 600, 1, 0, i % 25 == 12});
 	}
 }
 

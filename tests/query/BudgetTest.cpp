@@ -166,6 +166,10 @@ TEST(Budget, CutsShortToTheCoarsestAnswerOrChangesNothing)
 		settings.contactsOnly = true;  // the search of a depth is not in the budget
 		const GapResult expected = fresh(pair, pose, settings), coarsest = fresh(pair, pose, coarser(settings, kOff));
 		const double least = double(testsOf(fresh(pair, pose, with(settings, 0))));
+		GapCache cache;
+		const Outline outline = outlineCoarsest(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache.pair);
+		// Nothing is held back but the coarsest answer, and what one more answer may take.
+		const double enough = double(testsOf(fresh(pair, pose, with(settings, 1e9)))) + outline.answering + 6;
 		for (double tests = 1; tests < 1e5; tests *= 1.7)
 		{
 			const GapResult result = fresh(pair, pose, with(settings, std::floor(tests)));
@@ -173,7 +177,7 @@ TEST(Budget, CutsShortToTheCoarsestAnswerOrChangesNothing)
 			EXPECT_EQ(difference(result, isCut ? coarsest : expected), "") << tests;
 			// The search for what the bodies may move is part of the budget, and left out where it does not fit.
 			EXPECT_LE(double(testsOf(result)), std::max(std::floor(tests), least)) << tests;
-			EXPECT_FALSE(isCut && tests > 1.3 * double(testsOf(expected)) + least + 64) << tests;
+			EXPECT_FALSE(isCut && tests > enough) << tests;
 			cut += isCut, whole += !isCut;
 			early += isCut && tests > double(testsOf(expected));
 		}

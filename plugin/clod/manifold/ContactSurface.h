@@ -184,11 +184,21 @@ private:
 	void mergePolygons(double size);
 	bool isBorderCorner(const SurfaceFace& face, std::size_t corner) const;
 	void findFans();
-	void findTriangleEdges(std::vector<SurfaceEdge>& edges) const;
+	struct TriangleEdge
+	{
+		std::array<std::uint32_t, 2> vertex, face;
+	};
+	std::vector<TriangleEdge> triangleEdges() const;
+	SurfaceEdge edgeOf(const TriangleEdge& part) const;
 	void findEdges(const std::vector<std::uint32_t>& firstFaceOfNode);
 	void findBorders();
-	void findBorder(std::uint32_t polygon, Span<std::uint32_t> faces, std::vector<std::uint32_t>& next,
-					std::vector<std::uint32_t>& starts);
+	struct BorderBuffers
+	{
+		std::vector<std::uint32_t> next;  // kNone for all vertices before and after
+		std::vector<std::uint32_t> starts, straightInto;
+		std::vector<Border> sides;
+	};
+	void findBorder(std::uint32_t polygon, Span<std::uint32_t> faces, BorderBuffers& buffers);
 	void listNodes(const std::vector<std::uint32_t>& firstFaceOfNode,
 				   const std::vector<std::array<std::uint32_t, 3>>& edgeOf);
 	void buildTree() const;

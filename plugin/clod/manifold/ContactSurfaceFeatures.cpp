@@ -51,19 +51,18 @@ struct EdgeEnds
 // Faces are added to the plane of the polygon's largest face.
 void ContactSurface::mergePolygons(double size)
 {
-	std::vector<std::uint32_t> bySize(m_faces.size());
-	std::vector<double> area(m_faces.size());
+	std::vector<std::pair<double, std::uint32_t>> bySize(m_faces.size());  // largest first
 	for (std::uint32_t f = 0; f < m_faces.size(); ++f)
 	{
-		bySize[f] = f;
 		const std::array<std::uint32_t, 3>& v = m_faces[f].vertex;
-		area[f] = length(cross(m_vertices[v[1]] - m_vertices[v[0]], m_vertices[v[2]] - m_vertices[v[0]]));
+		bySize[f] = {-length(cross(m_vertices[v[1]] - m_vertices[v[0]], m_vertices[v[2]] - m_vertices[v[0]])), f};
 		m_faces[f].polygon = kNone;
 	}
-	std::sort(bySize.begin(), bySize.end(),
-			  [&](std::uint32_t i, std::uint32_t j) { return area[i] != area[j] ? area[i] > area[j] : i < j; });
+	std::sort(bySize.begin(), bySize.end());
+	m_firstPolygonFace.reserve(m_faces.size() + 1);
+	m_polygonFaces.reserve(m_faces.size());
 	std::vector<std::uint32_t> open;
-	for (const std::uint32_t seed : bySize)
+	for (const auto& [area, seed] : bySize)
 	{
 		if (m_faces[seed].polygon != kNone) continue;
 		const Vec3 normal = m_faces[seed].normal;
@@ -141,32 +140,40 @@ void ContactSurface::findFans()
 }
 
 // Between two triangles of different polygons, by both.
-void ContactSurface::findTriangleEdges(std::vector<SurfaceEdge>& edges) const
+std::vector<ContactSurface::TriangleEdge> ContactSurface::triangleEdges() const
 {
+	std::vector<TriangleEdge> edges;
+	edges.reserve(3 * m_faces.size() / 2);
 	for (std::uint32_t f = 0; f < m_faces.size(); ++f)
 		for (std::size_t i = 0; i < 3; ++i)
 		{
 			const SurfaceFace& face = m_faces[f];
 			const std::uint32_t g = face.neighbour[i];
 			if (g < f || face.polygon == m_faces[g].polygon) continue;
-			SurfaceEdge edge;
-			edge.vertex = {face.vertex[i], face.vertex[(i + 1) % 3]};
-			edge.face = {f, g};
-			const Vec3 along = m_vertices[edge.vertex[1]] - m_vertices[edge.vertex[0]];
-			edge.length = length(along);
-			edge.direction = normalized(along);
-			edge.normal = {face.normal, m_faces[g].normal};
-			edge.inward = {normalized(cross(edge.normal[0], edge.direction)),
-						   normalized(cross(edge.direction, edge.normal[1]))};
-			edges.push_back(edge);
+			edges.push_back({{face.vertex[i], face.vertex[(i + 1) % 3]}, {f, g}});
 		}
+	return edges;
+}
+
+SurfaceEdge ContactSurface::edgeOf(const TriangleEdge& part) const
+{
+	SurfaceEdge edge;
+	edge.vertex = part.vertex;
+	edge.face = part.face;
+	const Vec3 along = m_vertices[edge.vertex[1]] - m_vertices[edge.vertex[0]];
+	edge.length = length(along);
+	edge.direction = normalized(along);
+	edge.normal = {m_faces[part.face[0]].normal, m_faces[part.face[1]].normal};
+	edge.inward = {normalized(cross(edge.normal[0], edge.direction)), normalized(cross(edge.direction, edge.normal[1]))};
+	return edge;
 }
 
 // Edges of triangles that go on straight are one; reflex ones are no features. Corners lie at an edge's ends only.
 void ContactSurface::findEdges(const std::vector<std::uint32_t>& firstFaceOfNode)
 {
-	std::vector<SurfaceEdge> parts;
-	findTriangleEdges(parts);
+	const std::vector<TriangleEdge> parts = triangleEdges();
+	const auto directionOf = [this](const TriangleEdge& part)
+	{ return normalized(m_vertices[part.vertex[1]] - m_vertices[part.vertex[0]]); };
 	std::vector<EdgeEnds> ends(m_vertices.size());
 	for (std::uint32_t e = 0; e < parts.size(); ++e)
 		for (const std::uint32_t v : parts[e].vertex)
@@ -177,21 +184,23 @@ void ContactSurface::findEdges(const std::vector<std::uint32_t>& firstFaceOfNode
 	for (std::uint32_t v = 0; v < m_vertices.size(); ++v)
 	{
 		if (ends[v].count != 2) continue;
-		const SurfaceEdge &one = parts[ends[v].edge[0]], &other = parts[ends[v].edge[1]];
+		const TriangleEdge &one = parts[ends[v].edge[0]], &other = parts[ends[v].edge[1]];
 		const bool samePolygons = m_faces[one.face[0]].polygon + m_faces[one.face[1]].polygon ==
 								  m_faces[other.face[0]].polygon + m_faces[other.face[1]].polygon;
-		ends[v].isStraight = samePolygons && length(cross(one.direction, other.direction)) < kStraight &&
+		ends[v].isStraight = samePolygons && length(cross(directionOf(one), directionOf(other))) < kStraight &&
 							 one.vertex[0] + one.vertex[1] - v != other.vertex[0] + other.vertex[1] - v;
 		if (ends[v].isStraight) m_isCorner[v] = 0;
 	}
-	std::vector<std::array<std::uint32_t, 3>> edgeOf(m_faces.size(), {kNone, kNone, kNone});
+	std::vector<std::array<std::uint32_t, 3>> edgeOfSide(m_faces.size(), {kNone, kNone, kNone});
 	std::vector<char> isUsed(parts.size(), 0);
+	m_edges.reserve(parts.size());
 	for (std::uint32_t first = 0; first < parts.size(); ++first)
 	{
-		SurfaceEdge edge = parts[first];
+		if (isUsed[first]) continue;
+		SurfaceEdge edge = edgeOf(parts[first]);
 		// Convex: the second face falls away from the first one's plane, or is its back.
 		const bool isBorder = m_kind == Kind::kSheet && edge.face[0] / 2 == edge.face[1] / 2;
-		if (isUsed[first] || (!isBorder && dot(edge.normal[0], edge.inward[1]) > -kFlatEdge)) continue;
+		if (!isBorder && dot(edge.normal[0], edge.inward[1]) > -kFlatEdge) continue;
 		const std::uint32_t index = std::uint32_t(m_edges.size());
 		const auto use = [&](std::uint32_t part)
 		{
@@ -202,7 +211,7 @@ void ContactSurface::findEdges(const std::vector<std::uint32_t>& firstFaceOfNode
 					const std::uint32_t v = m_faces[f].vertex[i], w = m_faces[f].vertex[(i + 1) % 3];
 					if (std::min(v, w) == std::min(parts[part].vertex[0], parts[part].vertex[1]) &&
 						std::max(v, w) == std::max(parts[part].vertex[0], parts[part].vertex[1]))
-						edgeOf[f][i] = index;
+						edgeOfSide[f][i] = index;
 				}
 		};
 		use(first);
@@ -218,20 +227,23 @@ void ContactSurface::findEdges(const std::vector<std::uint32_t>& firstFaceOfNode
 		edge.length = length(m_vertices[edge.vertex[1]] - m_vertices[edge.vertex[0]]);
 		m_edges.push_back(edge);
 	}
-	listNodes(firstFaceOfNode, edgeOf);
+	m_edges.shrink_to_fit();
+	listNodes(firstFaceOfNode, edgeOfSide);
 }
 
 // Of each polygon, straight sides as one.
 void ContactSurface::findBorders()
 {
 	const std::size_t polygons = m_firstPolygonFace.size() - 1;
-	std::vector<std::uint32_t> next(m_vertices.size(), kNone);
-	std::vector<std::uint32_t> starts;
+	BorderBuffers buffers;
+	buffers.next.assign(m_vertices.size(), kNone);
 	m_firstBorder.assign(1, 0);
+	m_firstBorder.reserve(polygons + 1);
+	m_polygonDiscs.reserve(polygons);
 	for (std::uint32_t p = 0; p < polygons; ++p)
 	{
 		const Span<std::uint32_t> faces = facesOf(p);
-		if (faces.size > 1) findBorder(p, faces, next, starts);
+		if (faces.size > 1) findBorder(p, faces, buffers);
 		m_firstBorder.push_back(std::uint32_t(m_border.size()));
 		Vec3 center;
 		for (const std::uint32_t f : faces)
@@ -243,12 +255,14 @@ void ContactSurface::findBorders()
 	}
 }
 
-// next, starts: buffers; next is kNone for all before and after. A vertex that the border meets twice ends its sides.
-void ContactSurface::findBorder(std::uint32_t polygon, Span<std::uint32_t> faces, std::vector<std::uint32_t>& next,
-								std::vector<std::uint32_t>& starts)
+// A vertex that the border meets twice ends its sides.
+void ContactSurface::findBorder(std::uint32_t polygon, Span<std::uint32_t> faces, BorderBuffers& buffers)
 {
 	constexpr std::uint32_t kTwice = kNone - 1;
+	auto& [next, starts, straightInto, sides] = buffers;
 	starts.clear();
+	straightInto.clear();
+	sides.clear();
 	const std::size_t first = m_border.size();
 	for (const std::uint32_t f : faces)
 		for (std::size_t i = 0; i < 3; ++i)
@@ -259,7 +273,7 @@ void ContactSurface::findBorder(std::uint32_t polygon, Span<std::uint32_t> faces
 			next[from] = next[from] == kNone ? to : kTwice;
 			starts.push_back(from);
 		}
-	const auto goesOnStraight = [&](const Border& side)
+	const auto goesOnStraight = [this, &next = buffers.next](const Border& side)
 	{
 		const std::uint32_t end = next[side[1]];
 		if (end == kTwice || end == kNone || end == side[0]) return false;
@@ -267,8 +281,6 @@ void ContactSurface::findBorder(std::uint32_t polygon, Span<std::uint32_t> faces
 		return dot(here, there) > 0 && length(cross(here, there)) < kStraight * length(here) * length(there);
 	};
 	// Sides that another one goes on as are dropped, those before them made longer.
-	std::vector<Border> sides;
-	std::vector<std::uint32_t> straightInto;
 	for (std::size_t i = first; i < m_border.size(); ++i)
 		if (goesOnStraight(m_border[i])) straightInto.push_back(m_border[i][1]);
 	std::sort(straightInto.begin(), straightInto.end());
@@ -290,8 +302,10 @@ void ContactSurface::listNodes(const std::vector<std::uint32_t>& firstFaceOfNode
 {
 	m_firstFaceOf = firstFaceOfNode;
 	m_firstFaceOf.push_back(std::uint32_t(m_faces.size()));
+	m_polygonCorners.reserve(3 * m_faces.size());
 	std::vector<std::uint32_t> vertices, edges;
 	std::vector<std::array<std::uint32_t, 2>> polygons;  // polygon, face
+	std::vector<std::uint16_t> placeInNode(m_vertices.size());
 	const auto sortUnique = [](std::vector<std::uint32_t>& list)
 	{
 		std::sort(list.begin(), list.end());
@@ -313,17 +327,16 @@ void ContactSurface::listNodes(const std::vector<std::uint32_t>& firstFaceOfNode
 			polygons.push_back({m_faces[f].polygon, f});
 		}
 		sortUnique(vertices);
+		for (std::size_t i = 0; i < vertices.size(); ++i) placeInNode[vertices[i]] = std::uint16_t(i);
 		sortUnique(edges);
-		std::sort(polygons.begin(), polygons.end());
+		if (!std::is_sorted(polygons.begin(), polygons.end())) std::sort(polygons.begin(), polygons.end());
 		m_nodeVertices.insert(m_nodeVertices.end(), vertices.begin(), vertices.end());
 		m_nodeEdges.insert(m_nodeEdges.end(), edges.begin(), edges.end());
 		for (const auto& [polygon, face] : polygons)
 		{
 			if (m_nodePolygons.size() == m_firstPolygonOf.back() || m_nodePolygons.back().polygon != polygon)
 				m_nodePolygons.push_back({polygon, std::uint32_t(m_polygonCorners.size()), 0});
-			for (const std::uint32_t v : m_faces[face].vertex)
-				m_polygonCorners.push_back(
-					std::uint16_t(std::lower_bound(vertices.begin(), vertices.end(), v) - vertices.begin()));
+			for (const std::uint32_t v : m_faces[face].vertex) m_polygonCorners.push_back(placeInNode[v]);
 			m_nodePolygons.back().cornerCount += 3;
 		}
 	}

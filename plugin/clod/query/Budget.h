@@ -33,10 +33,11 @@ public:
 	// For what comes when it is spent.
 	void holdBack(std::uint64_t tests) { m_budget.tests -= double(tests); }
 	// May so many tests have been done, and is there time left?
-	bool allows(std::uint64_t tests) const
+	bool allows(std::uint64_t tests) const { return allowsTests(tests) && hasTime(); }
+	bool allowsTests(std::uint64_t tests) const { return double(tests) <= m_budget.tests; }
+	bool hasTime() const
 	{
-		return double(tests) <= m_budget.tests &&
-			   (!(m_budget.microseconds < kOff) || microsecondsSince(m_start) < m_budget.microseconds);
+		return !(m_budget.microseconds < kOff) || microsecondsSince(m_start) < m_budget.microseconds;
 	}
 
 private:

@@ -3,16 +3,16 @@
 // up ends where all pairs have s*/s0 below one factor: this factor is what is looked for, and fronts, levels and caches
 // then work under a budget as without one.
 //
-// The factor goes up when a step went over the budget, and slowly down while steps fit in, so that about one in
-// twenty goes over where the budget binds, and a single one changes nothing. What goes over is cut off by the query
-// (ContactSettings::budget).
+// The finest factor is taken that is expected to fit in (CostCurve.h). What goes over is cut off by the query
+// (ContactSettings::budget). The first step at another factor costs more, as fronts are made anew: where it was cut, the
+// next goes on with them, and says what the factor costs.
 //
 // Based on: Otaduy & Lin 2003, sec. 3.3 and 5.2 ("constant frame-rate"); Hubbard 1994 (time-critical collision
 // detection).
 #pragma once
 #include "clod/Export.h"
-#include "clod/query/BackOff.h"
 #include "clod/query/Budget.h"
+#include "clod/query/CostCurve.h"
 
 namespace clod
 {
@@ -32,15 +32,12 @@ public:
 	void observe(const StepCost& cost);
 
 private:
-	void refine(const Budget& budget);
-	void change(double notches);
+	int finestThatFits() const;
 
 	Budget m_budget;
-	double m_notch = 0;        // of the factor: kNotches double it
-	StepCost m_peak;           // of the last steps, as they would cost now; the latest counts most
-	bool m_isKnown = false;
-	double m_failed = -1;      // the notch of a step that went over the budget; -1: none
-	int m_overs = 0, m_fits = 0;  // steps over the budget one after the other, and steps at m_failed that were not
-	BackOff m_backOff{127};    // steps until the next attempt to be finer
+	CostCurve m_tests, m_microseconds;  // each known only of steps that it was limited in
+	int m_notch = 0;                    // of the factor
+	bool m_isNew = false;               // another than in the step before
+	bool m_goesOn = false;              // as it was new and cut short
 };
 }  // namespace clod

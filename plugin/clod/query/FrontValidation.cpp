@@ -41,8 +41,10 @@ private:
 	{
 		const std::uint32_t testsBefore = m_stats->boxTests + m_stats->hullTests;
 		for (std::uint32_t i = 0; i < m_front.slack.ofEntry.size(); ++i)
-			if (!(m_moved < m_front.slack.ofEntry[i]) && (!isAffordable(m_front.entries[i]) || !isAsItWas(i)))
-				return false;
+		{
+			if (m_moved < m_front.slack.ofEntry[i]) continue;
+			if (!hasTime() || !isAffordable(mostTestsOfDecisions(m_front.entries[i])) || !isAsItWas(i)) return false;
+		}
 		m_front.slack.spent += m_stats->boxTests + m_stats->hullTests - testsBefore;
 		return true;
 	}
@@ -59,7 +61,7 @@ private:
 				++m_stats->skippedBySlack;
 				continue;
 			}
-			if (!isAffordable(entry)) return false;
+			if (!hasTime() || !isAffordable(mostTestsOfAnswer())) return false;
 			CachedSeparation cached = cachedOf(entry, m_front.hulls);
 			const std::uint32_t before = m_stats->hullTests;
 			if (answers(entry, cached) != (entry.state == NodePairState::kAnswer)) return false;
@@ -75,6 +77,11 @@ private:
 		if (entry.hull == kNone || entry.whileApart) return false;
 		const CachedSeparation& known = m_front.hulls[entry.hull];
 		return known.isApart() && m_sink.skipsAll((1 - 2 * kBoundRounding) * (double(known.lower) - m_nearer));
+	}
+	// On an entry and its children: boxes, and hulls that cull.
+	std::uint64_t mostTestsOfDecisions(const FrontEntry& entry) const
+	{
+		return 1 + mostTestsOfAnswer() + (isOpen(entry.state) ? childrenOf(entry).size : 0);
 	}
 	// Are the decisions of the last traversal on entry i, and on its children, those that it would make now?
 	bool isAsItWas(std::uint32_t i)

@@ -168,14 +168,13 @@ protected:
 	{
 		return (m_context.longestMove > 0 ? 3 : 2) + (m_settings.rule.dependsOnHulls() ? 2 : 0);
 	}
-	// The decisions on an entry, and its children's answers, are within the limit.
-	bool isAffordable(const FrontEntry& entry) const
+	// So many tests more are within the limit.
+	bool isAffordable(std::uint64_t tests) const
 	{
-		if (!m_settings.limit.isSet()) return true;
-		const std::uint64_t children = isOpen(entry.state) ? childrenOf(entry).size : 0;
-		return m_settings.limit.allows(m_stats->boxTests + m_stats->hullTests + 1 + mostTestsOfAnswer() +
-									   children * (1 + mostTestsOfAnswer()));
+		const std::uint64_t spent = m_stats->boxTests + m_stats->hullTests;
+		return !m_settings.limit.isSet() || m_settings.limit.allowsTests(spent + tests);
 	}
+	bool hasTime() const { return !m_settings.limit.isSet() || m_settings.limit.hasTime(); }
 
 	bool cullsByHulls(const FrontEntry& entry) const
 	{

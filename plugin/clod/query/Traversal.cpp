@@ -39,7 +39,7 @@ public:
 	// Where the budget ends it, what was decided stays for the next traversal by the same rule.
 	bool run()
 	{
-		if (!isAffordable(FrontEntry{}))
+		if (!hasTime() || !isAffordable(1 + mostTestsOfAnswer()))
 		{
 			if (!m_settings.sameRule) m_front.clear();
 			return false;
@@ -77,8 +77,7 @@ private:
 		for (std::uint32_t i = 0; i < m_front.entries.size(); ++i)
 		{
 			if (!isOpen(m_front.entries[i].state)) continue;
-			if (!isAffordable(m_front.entries[i])) return false;
-			open(i);
+			if (!hasTime() || !open(i)) return false;
 		}
 		m_front.counts.touchedFinestLevel = std::min(levelOf(m_context.a, m_finestA), levelOf(m_context.b, m_finestB));
 		m_front.tolerance = m_settings.tolerance;
@@ -117,7 +116,8 @@ private:
 			if (m_keepsSlack) keepSlack(0, 0, slackOf(row, 1));
 		}
 	}
-	void open(std::uint32_t index)
+	// False where the limit was met: it is as if it had not been tried.
+	bool open(std::uint32_t index)
 	{
 		const FrontEntry pair = m_front.entries[index];
 		Row row = rowOf(pair);
@@ -138,6 +138,7 @@ private:
 		if (!stillApart)
 			for (const std::uint32_t child : children) __builtin_prefetch(&side.cullBox(child));
 		const std::uint32_t first = std::uint32_t(m_front.entries.size());
+		const std::size_t firstHull = m_front.hulls.size();
 		std::uint32_t& finest = row.ofChildrenOfA ? m_finestA : m_finestB;
 		for (const std::uint32_t child : children) finest = std::min(finest, child);
 		if (!m_settings.rule.isOfLeaves()) m_previous.visited.reserve(children.size);
@@ -150,9 +151,21 @@ private:
 				row.met |= 1U << k;
 				row.old[k] = old;
 			}
-			examine(row, stillApart);
+			bool isMet = !isAffordable(row.count);
+			if (!isMet) examine(row, stillApart);
 			const std::uint32_t firstOfRow = std::uint32_t(m_front.entries.size());
-			forEach(row.near, [&](std::uint32_t k) { visit(row, k); });
+			forEach(row.near,
+					[&](std::uint32_t k)
+					{
+						isMet = isMet || !isAffordable(mostTestsOfAnswer());
+						if (!isMet) visit(row, k);
+					});
+			if (isMet)
+			{
+				m_front.entries.resize(first);
+				m_front.hulls.resize(firstHull);
+				return false;
+			}
 			if (!m_keepsSlack) continue;
 			const Kept kept = keptOf(firstOfRow, std::uint32_t(m_front.entries.size()), slot);
 			keepSlack(index, 0, slackOf(row, row.near & ~kept.traceless));
@@ -162,6 +175,7 @@ private:
 		opened.childCount = std::uint16_t(m_front.entries.size() - first);
 		m_front.counts.leaves += std::uint32_t(children.size) - opened.childCount;
 		opened.apart = row.apart;
+		return true;
 	}
 
 	// Which pairs of a row are near, from cached bounds where they prove it; othersAreFar: those not met before are.
