@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "clod/query/BudgetControl.h"
+#include "clod/schedule/BudgetControl.h"
 #include "clod/query/ContactMetric.h"
 #include "clod/distance/SignedGap.h"
 #include "cli/Length.h"

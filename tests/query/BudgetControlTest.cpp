@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "clod/query/BudgetControl.h"
+#include "clod/schedule/BudgetControl.h"
 #include "tests/query/Bodies.h"
 
 namespace

@@ -6,7 +6,7 @@
 #include <atomic>
 
 #include "clod/Export.h"
-#include "clod/query/BudgetControl.h"
+#include "clod/schedule/BudgetControl.h"
 
 namespace clod
 {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "clod/query/CostCurve.h"
+#include "clod/schedule/CostCurve.h"
 
 #include <algorithm>
 #include <cmath>

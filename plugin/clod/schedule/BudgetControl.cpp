@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "clod/query/BudgetControl.h"
+#include "clod/schedule/BudgetControl.h"
 
 #include <algorithm>
 #include <cmath>

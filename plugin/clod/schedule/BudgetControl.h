@@ -12,7 +12,7 @@
 #pragma once
 #include "clod/Export.h"
 #include "clod/query/Budget.h"
-#include "clod/query/CostCurve.h"
+#include "clod/schedule/CostCurve.h"
 
 namespace clod
 {
