@@ -36,7 +36,7 @@ struct TriangleSink : btTriangleCallback
 	}
 };
 
-constexpr double kStricter = 0.25;
+constexpr double kStricter = 0.25;  // of the error of contacts that hold a body between them
 
 // What a thread needs while it answers a pair.
 struct Scratch
@@ -136,12 +136,13 @@ void PairState::askPartner(const PairPose& pose)
 // about as small as the margins, and what errs by more jams. For as long as the pair is near: what is coarser would jam again.
 bool PairState::refineHeld(const PairPose& pose, Question& question)
 {
+	if (m_result.stats.coarsestLevel == 0) return false;
 	const bool canMove = pose.rules.a.inverseMass > 0 || pose.rules.b.inverseMass > 0;
 	const bool isCoarse = pose.hierarchyA().isCoarse() || (pose.isOfTwo() && pose.hierarchyB().isCoarse());
 	Metric& metric = question.settings.metric;
 	if (pose.prediction != Prediction::kFree || !canMove || isCoarse || metric.coarsening > 1) return false;
 	const double stricter = kStricter * errorOfContacts(pose);
-	if (m_result.stats.coarsestLevel == 0 || !(stricter < metric.maxError) || !scratch().facets.holdBetween()) return false;
+	if (!(stricter < metric.maxError) || !scratch().facets.holdBetween()) return false;
 	metric.maxError = m_report.metric.maxError = m_heldError = stricter;
 	if (pose.isOfTwo())
 		ask(pose, question);
