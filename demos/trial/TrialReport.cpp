@@ -50,7 +50,7 @@ std::string verdict(const TrialRun& run)
 std::string meshesOf(const Trial& trial)
 {
 	HtmlTable table{"Lengths are the files' own unit.",
-					{"mesh", "triangles", "radius", "levels", "file", "built in", "what was done to it"},
+					{"mesh", "triangles", "radius", "levels", "in memory", "built in", "what was done to it"},
 					{}};
 	for (const TrialMesh& mesh : trial.meshes)
 	{
