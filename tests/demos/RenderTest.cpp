@@ -301,6 +301,14 @@ TEST(RenderColors, LevelsGrowBrighterAndDiffer)
 	const Color only = levelColor(0, 1);
 	EXPECT_FLOAT_EQ(only.r, levelColor(0, 5).r);
 	EXPECT_NE(variedByIndex(only, 1).r, variedByIndex(only, 2).r);
+	// Shades of a colour: neither black nor white, and never far from it.
+	for (const float channel : {0.0f, 0.5f, 1.0f})
+		for (std::size_t index = 0; index < 200; ++index)
+		{
+			const float shade = variedByIndex({channel, channel, channel, 1}, index).r;
+			EXPECT_NEAR(shade, channel, 0.1201f) << index;
+			EXPECT_TRUE(shade >= 0 && shade <= 1) << index << " of " << channel << ": " << shade;
+		}
 }
 
 TEST(RenderImages, ReducedAndResizedKeepTheMean)

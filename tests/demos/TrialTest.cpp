@@ -268,6 +268,7 @@ TEST_F(TryCommand, ReportsOnMeshesOfAnyUnit)
 	const std::string page = readText(path("metres/report.html"));
 	EXPECT_EQ(page.find("http"), std::string::npos) << "the page must need nothing else";
 	EXPECT_EQ(page.find("<script"), std::string::npos);
+	EXPECT_EQ(page.find("<title></title>"), std::string::npos) << "every plot says what it shows";
 	EXPECT_NE(page.find("setMetric(clod::ContactMetric::"), std::string::npos);
 	EXPECT_NE(page.find("poses of cup and torus"), std::string::npos) << "the trade-off is of these two";
 	EXPECT_NE(page.find("V-HACD"), std::string::npos) << "where it is missing, the page says what to do";
