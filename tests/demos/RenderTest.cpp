@@ -253,6 +253,22 @@ TEST_F(RenderTest, GroundIsAlikeRoundAnyPlaceOfItsGrid)
 	EXPECT_LT(differingPixels(renderer->render(frame), here), size_t(WIDTH * HEIGHT / 100));
 }
 
+// So that patches can be found in the legend, whatever the light.
+TEST_F(RenderTest, APatchIsNearerToItsColourThanABody)
+{
+	const Color color{0.3f, 0.6f, 0.5f, 1};
+	const auto difference = [&]
+	{
+		const Color seen = renderer->render(frame).at(WIDTH / 2, HEIGHT / 2);
+		return std::fabs(seen.r - color.r) + std::fabs(seen.g - color.g) + std::fabs(seen.b - color.b);
+	};
+	add(square(0.1, 0), color);
+	const float ofBody = difference();
+	EXPECT_GT(ofBody, 0.05f);
+	frame.patches.push_back({{}, squarePatch(0.1, 0, color), true});
+	EXPECT_LT(difference(), 0.6f * ofBody);
+}
+
 TEST_F(RenderTest, SameFrameSameBytes)
 {
 	frame.camera = orbitCamera({0, 0.02, 0}, 0.12, 30, 25);
