@@ -63,7 +63,7 @@ TESTS = {
 SECONDS = 600  # of one test program on the clean copy
 SLOW = 1  # seconds of a test case that runs alone, behind the quick ones of all programs of the folder
 SLOWER, LEAST_SECONDS = 4, 10  # a mutant's may take so many times the processor's time, and so much in any case
-WAITING = 10  # times as long by the clock: tests that wait, processes that they start, a busy machine
+WAITING = 40  # times as long by the clock: tests that wait, processes that they start, a busy machine
 
 Mutant = collections.namedtuple("Mutant", "file says old new start reason")  # start: of old in the file
 Run = collections.namedtuple("Run", "test filter seconds")  # of a program's cases, and the processor's seconds without a fault

@@ -269,6 +269,25 @@ TEST_F(RenderTest, APatchIsNearerToItsColourThanABody)
 	EXPECT_LT(difference(), 0.6f * ofBody);
 }
 
+// A ridge of 20 degrees along x: smooth shading goes on over it, flat shading does not; a crease stays one.
+TEST_F(RenderTest, SmoothShadingGoesOnOverAShallowRidge)
+{
+	const auto changeOverAFace = [&](double fall, Shading shading)
+	{
+		const RenderMesh ridge = {{{-0.2, 0, 0}, {0.2, 0, 0}, {0.2, 0.2, -fall}, {-0.2, 0.2, -fall}, {-0.2, -0.2, -fall}, {0.2, -0.2, -fall}},
+								  {{0, 1, 2}, {0, 2, 3}, {4, 5, 1}, {4, 1, 0}},
+								  {}};
+		const auto id = renderer->addMesh(ridge, shading);
+		EXPECT_TRUE(id) << id.error();
+		frame.instances = {{id.value(), {}, {0.5f, 0.5f, 0.5f, 1}, false}};
+		const Image image = renderer->render(frame);
+		return std::fabs(image.at(WIDTH / 2, HEIGHT / 2 + 4).g - image.at(WIDTH / 2, HEIGHT / 2 + 60).g);
+	};
+	EXPECT_LT(changeOverAFace(0.035, Shading::Flat), 0.008f);
+	EXPECT_GT(changeOverAFace(0.035, Shading::Smooth), 0.02f);
+	EXPECT_LT(changeOverAFace(0.2, Shading::Smooth), 0.02f);
+}
+
 TEST_F(RenderTest, SameFrameSameBytes)
 {
 	frame.camera = orbitCamera({0, 0.02, 0}, 0.12, 30, 25);
