@@ -16,7 +16,7 @@ constexpr int links = 10;
 constexpr double mass = 0.01, friction = 0.3;
 constexpr double slant = kPi / 4;  // of the chain at the start, below the horizontal
 constexpr double slack = 0.00015;  // of a joint at the start
-constexpr int steps = 1200;
+constexpr int steps = 1200, iterations = 200;  // of the solver: nine joints in a row
 }  // namespace constant
 
 // How far the middles of the wires of each joint's two ends are apart beyond the wire's thickness, at most: 0 where all
@@ -54,6 +54,7 @@ SceneDefinition chain()
 	info.tolerance = 0.01 * LINK_HALF_STRAIGHT;
 	info.thinnerWall = 2 * LINK_WIRE;
 	info.steps = constant::steps;
+	scene.world.solverIterations = constant::iterations;
 	info.overview = {{0.03, -0.10, 0}, 0.18, 10, 8, -1, ""};
 	info.closeUp = {{0, 0, 0}, 0.035, 30, 20, 1, "close-up of the second link"};
 	info.outcome = {{"widest_joint_gap", "m"}, {"narrowest_joint_gap", "m"}};

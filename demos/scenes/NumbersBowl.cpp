@@ -86,6 +86,7 @@ SceneDefinition numbersBowl()
 	for (int i = 0; i < constant::digits * constant::copies; ++i)
 		scene.bodies.push_back({constant::digitMass, digitStart(i, random), {}});
 	scene.gravity = steadyGravity;
+	scene.world.warmstartingFactor = kWarmstartingOfPiles;
 	scene.inPlace = [](std::size_t, const Vec3& center)
 	{ return center.y > constant::wall && std::hypot(center.x, center.z) < constant::rimRadius; };
 	scene.constants = {{"digits", constant::digits * constant::copies, ""},

@@ -42,6 +42,7 @@ SceneDefinition digitsOnFloor(const std::string& name, const std::string& summar
 	info.thinnerWall = constant::stroke;
 	info.steps = constant::steps;
 	scene.world.solverIterations = constant::iterations;
+	scene.world.warmstartingFactor = kWarmstartingOfPiles;
 	info.overview = {{0, 0.03, 0}, 0.11, 20, 30, -1, ""};
 	info.closeUp = {{0, 0.02, 0}, 0.045, 20, 30, -1, "close-up"};
 	scene.inPlace = [reach](std::size_t, const Vec3& center)

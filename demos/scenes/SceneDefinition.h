@@ -20,6 +20,8 @@ struct Material
 	double restitution = 0;
 };
 
+inline constexpr double kWarmstartingOfPiles = 0.98;  // see WorldSettings
+
 // Of the world, and of every body in it that has no material of its own.
 struct WorldConstants : Material
 {

@@ -345,13 +345,14 @@ void ManifoldSet::writePoint(const HeldPoint& held, const WorldFrame& frame, btM
 	Scratch& buffer = scratch();
 	btManifoldPoint& fresh = buffer.fresh[std::size_t(m_freshCount++)];
 	fresh = m_target->getContactPoint(place);
-	setSolverTerms(point, frame, fresh);
 	m_target->getContactPoint(place).m_userPersistentData = nullptr;
 	const std::uint32_t from = held.previous;
-	if (from == kNone || !buffer.found[from]) return;
+	const bool goesOn = from != kNone && buffer.found[from];
+	fresh.m_appliedImpulse = goesOn ? buffer.old[from].m_appliedImpulse : 0;
+	setSolverTerms(point, frame, fresh);
+	if (!goesOn) return;
 	const btManifoldPoint& old = buffer.old[from];
 	if (!fresh.m_userPersistentData) fresh.m_userPersistentData = old.m_userPersistentData;
-	fresh.m_appliedImpulse = old.m_appliedImpulse;
 	fresh.m_prevRHS = old.m_prevRHS;
 	fresh.m_appliedImpulseLateral1 = old.m_appliedImpulseLateral1;
 	fresh.m_appliedImpulseLateral2 = old.m_appliedImpulseLateral2;

@@ -50,6 +50,7 @@ WorldFrame worldFrame(const PairPose& pose, double pushSpeed, bool aIsFirst, dou
 	frame.timeStep = pose.rules.timeStep;
 	frame.pushSpeed = pushSpeed * pose.rules.length * frame.scale;
 	frame.switchSpeed = switchSpeed(pose.rules) * frame.scale;
+	frame.restingGap = kSkinShare * pose.rules.length * frame.scale;
 	frame.breakingThreshold = kBreakingShare * pose.rules.length * frame.scale + closestPoints;
 	frame.motion = pose.motion * frame.scale;
 	return frame;

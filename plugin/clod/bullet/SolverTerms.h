@@ -5,6 +5,11 @@
 //   v_n dt >= -d * ERP            overlapping: of velocities where d is above the split threshold, else of positions.
 // Ours is v_n dt >= -(d + bend), with what a turning body's path misses of its tangent (PairSolve.h). Where that asks for
 // a speed of parting it is written as a token overlap with an ERP of its own, which velocities have to meet.
+//
+// A point that carries closes a fiftieth of a small gap a step, not all of it. Iterations leave a pile's slowest modes all
+// but untouched: they keep 1 - s of their error, and what they leave is momentum and, by warm starting with w, impulse.
+// With rows that close a share b of the gap their errors go by the roots of x^3 + (s + 1 - w) x^2 + s x + s b, which grow
+// unless s + 1 - w > b: piles tremble with b = 1.
 #pragma once
 #include <BulletCollision/NarrowPhaseCollision/btManifoldPoint.h>
 
@@ -17,6 +22,6 @@ struct WorldFrame;
 // An overlap that stands for a speed of parting, world length: nearer to none than the split threshold of configureWorld.
 inline constexpr double kTokenOverlap = 1e-7;
 
-// Sets distance, ERP and restitution of a point that Bullet has combined the materials of.
+// Sets distance, ERP and restitution of a point that Bullet has combined the materials of, and that has last step's impulse.
 void setSolverTerms(const ContactPoint& point, const WorldFrame& frame, btManifoldPoint& written);
 }  // namespace clod
