@@ -12,6 +12,7 @@
 #include "builder/cli/Commands.h"
 #include "builder/intake/ReadMesh.h"
 #include "builder/library/Asset.h"
+#include "clod/hierarchy/PackedFile.h"
 #include "cli/Files.h"
 #include "cli/Length.h"
 #include "cli/MeshPath.h"
@@ -224,14 +225,15 @@ nlohmann::ordered_json buildOne(const BuildOptions& options, const Soup* part = 
 	const Result<std::shared_ptr<const Hierarchy>> hierarchy = Hierarchy::fromBytes(encode(content));
 	if (!hierarchy)
 		throw Failure(ExitCode::failure, "the result is not sound, nothing is written: " + hierarchy.error());
-	const std::string error = cli::writeFile(options.output, hierarchy.value()->bytes());
+	const std::vector<std::byte> file = pack(hierarchy.value()->bytes());
+	const std::string error = cli::writeFile(options.output, file);
 	if (!error.empty()) throw Failure(ExitCode::failure, error);
 	const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 	const Hierarchy& built = *hierarchy.value();
 	if (options.textOnStdout())
 		fmt::print("{}{}built in {:.1f} s: {}\n", repairAsText(repaired, options, built.asset().radius),
-				   describeAsText(built), seconds, options.output);
-	nlohmann::ordered_json report = describe(built, seconds);
+				   describeAsText(built, file.size()), seconds, options.output);
+	nlohmann::ordered_json report = describe(built, file.size(), seconds);
 	report["cavities"] = solid.cavityCount;
 	if (options.repair || options.wrap)
 		report["repair"] = {{"changes", repaired.changes},

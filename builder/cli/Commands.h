@@ -33,8 +33,8 @@ std::shared_ptr<const Hierarchy> loadHierarchy(const std::string& path);
 
 // What `info` knows: the report, and the same as text. buildSeconds < 0: not known (files do not carry it, so that
 // every run writes the same bytes).
-nlohmann::ordered_json describe(const Hierarchy& hierarchy, double buildSeconds);
-std::string describeAsText(const Hierarchy& hierarchy);
+nlohmann::ordered_json describe(const Hierarchy& hierarchy, std::uint64_t fileBytes, double buildSeconds);
+std::string describeAsText(const Hierarchy& hierarchy, std::uint64_t fileBytes);
 
 // Writes a report and ends the program with a failure where that is impossible.
 void writeReport(const std::string& path, const nlohmann::ordered_json& report);

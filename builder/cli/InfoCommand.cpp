@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 
 #include "builder/cli/Commands.h"
 #include "builder/cli/PieceCounts.h"
@@ -35,7 +36,7 @@ std::size_t contactLevelCount(const Hierarchy& hierarchy)
 	return std::size_t(std::count_if(hierarchy.levels().begin(), hierarchy.levels().end(), isContactLevel));
 }
 
-// What the records of some nodes take in the file.
+// What the records of some nodes take in memory.
 struct Bytes
 {
 	std::size_t nodes = 0, boxes = 0, children = 0, faces = 0, vertices = 0;
@@ -76,8 +77,9 @@ nlohmann::ordered_json describeLevel(const Hierarchy& hierarchy, std::size_t ind
 void run(const InfoOptions& options)
 {
 	const auto hierarchy = loadHierarchy(options.file);
-	if (!options.json.empty()) writeReport(options.json, describe(*hierarchy, -1));
-	if (options.textOnStdout()) fmt::print("{}", describeAsText(*hierarchy));
+	const std::uint64_t fileBytes = std::filesystem::file_size(options.file);
+	if (!options.json.empty()) writeReport(options.json, describe(*hierarchy, fileBytes, -1));
+	if (options.textOnStdout()) fmt::print("{}", describeAsText(*hierarchy, fileBytes));
 }
 }  // namespace
 
@@ -111,7 +113,7 @@ void writeReport(const std::string& path, const nlohmann::ordered_json& report)
 	if (!error.empty()) throw Failure(ExitCode::failure, error);
 }
 
-nlohmann::ordered_json describe(const Hierarchy& hierarchy, double buildSeconds)
+nlohmann::ordered_json describe(const Hierarchy& hierarchy, std::uint64_t fileBytes, double buildSeconds)
 {
 	const Asset& a = hierarchy.asset();
 	nlohmann::ordered_json report = {{"schema", 1}, {"triangles", a.triangleCount}};
@@ -124,8 +126,9 @@ nlohmann::ordered_json describe(const Hierarchy& hierarchy, double buildSeconds)
 		report["pieces_within"].push_back(
 			{{"error", count.error}, {"level", count.level}, {"pieces", count.pieces}, {"mixed_levels", count.mixed}});
 	const Bytes parts = bytesOf(hierarchy, 0, std::uint32_t(hierarchy.nodes().size));
-	report["bytes"] = hierarchy.bytes().size();
-	report["bytes_per_triangle"] = double(hierarchy.bytes().size()) / double(a.triangleCount);
+	report["bytes"] = fileBytes;
+	report["bytes_per_triangle"] = double(fileBytes) / double(a.triangleCount);
+	report["memory_bytes"] = hierarchy.bytes().size();
 	report["bytes_by_part"] = {{"nodes", parts.nodes},
 							   {"culling_boxes", parts.boxes},
 							   {"children", parts.children},
@@ -146,7 +149,7 @@ nlohmann::ordered_json describe(const Hierarchy& hierarchy, double buildSeconds)
 	return report;
 }
 
-std::string describeAsText(const Hierarchy& hierarchy)
+std::string describeAsText(const Hierarchy& hierarchy, std::uint64_t fileBytes)
 {
 	const Asset& a = hierarchy.asset();
 	std::string text = fmt::format("{:>5} {:>10} {:>9} {:>11} {:>11} {:>11} {:>11}  {}\n", "level", "triangles",
@@ -159,8 +162,8 @@ std::string describeAsText(const Hierarchy& hierarchy)
 							isContactLevel(level) ? "yes" : "no");
 	}
 	text += fmt::format("{} levels, {} of them for contact; {} triangles, {} nodes, {} bytes{}\n",
-						hierarchy.levels().size, contactLevelCount(hierarchy), a.triangleCount, hierarchy.nodes().size,
-						hierarchy.bytes().size(), hierarchy.isPaperBuild() ? "; built with --paper" : "");
+						hierarchy.levels().size, contactLevelCount(hierarchy), a.triangleCount, hierarchy.nodes().size, fileBytes,
+						hierarchy.isPaperBuild() ? "; built with --paper" : "");
 	const Bytes parts = bytesOf(hierarchy, 0, std::uint32_t(hierarchy.nodes().size));
 	text += "pieces within a certified error, of one level (of mixed levels):";
 	for (const PieceCount& count : pieceCounts(hierarchy))
@@ -168,10 +171,10 @@ std::string describeAsText(const Hierarchy& hierarchy)
 				(count.error < kErrorShares.back() ? "," : "\n");
 	const auto each = [&a](std::size_t bytes) { return double(bytes) / double(a.triangleCount); };
 	text += fmt::format(
-		"bytes a triangle: {:.1f} = nodes {:.1f} + culling boxes {:.1f} + children {:.1f} + faces {:.1f} + hull "
+		"bytes a triangle: {:.1f}; in memory {:.1f} = nodes {:.1f} + culling boxes {:.1f} + children {:.1f} + faces {:.1f} + hull "
 		"vertices "
 		"{:.1f} + rest\n",
-		each(hierarchy.bytes().size()), each(parts.nodes), each(parts.boxes), each(parts.children), each(parts.faces),
+		each(fileBytes), each(hierarchy.bytes().size()), each(parts.nodes), each(parts.boxes), each(parts.children), each(parts.faces),
 		each(parts.vertices));
 	text += fmt::format("radius {:.6g}, volume {:.6g}, centre of mass ({:.6g}, {:.6g}, {:.6g}), thinnest wall {:.4g}\n",
 						a.radius, a.volume, a.meshFromBody[0], a.meshFromBody[1], a.meshFromBody[2], a.thinnestWall);

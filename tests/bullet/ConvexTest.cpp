@@ -255,6 +255,41 @@ TEST(Convex, DetailedBodiesRestOnThem)
 		}
 }
 
+// A body that turns meets no more of itself on a wide box, or on one piece of ours, than on a plane, though their far corners
+// turn fast as seen from it.
+TEST(Convex, WhatTurnsMeetsAWideBoxAsItMeetsAPlane)
+{
+	const std::shared_ptr<const Hierarchy> torus = body("torus-900").hierarchy;
+	const auto pairsMet = [&](int ground)
+	{
+		BulletWorld scene;
+		scene.timeStep = 1.0 / 60;
+		scene.context.worldMetric = ContactMetric::exactly();
+		if (ground == 0)
+			scene.addBody(scene.add(std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), btScalar(0))), 0, {});
+		else if (ground == 1)
+			scene.addBody(scene.add(std::make_unique<btBoxShape>(btVector3(4, 1, 4))), 0, {0, -1, 0});
+		else
+			scene.addBody(scene.addShape(patchHierarchy(boxMesh({8, 2, 8}, {1, 1, 1}, 2))), 0, {0, -1, 0});
+		btClodShape& shape = scene.addShape(torus);
+		const btScalar scale = btScalar(1 / double(torus->asset().radius));
+		shape.setLocalScaling(btVector3(scale, scale, scale));
+		btRigidBody& moving = scene.addBody(shape, 1, {0, 1.1, 0}, btQuaternion(btVector3(1, 0, 0), btScalar(0.4)));
+		moving.setAngularVelocity(btVector3(4, 0, 3));
+		std::uint32_t met = 0;
+		for (int i = 0; i < 40; ++i)
+		{
+			scene.step();
+			met += scene.context.lastStep().nodePairs;
+		}
+		return met;
+	};
+	const std::uint32_t onPlane = pairsMet(0);
+	EXPECT_GT(onPlane, 100u);
+	EXPECT_LT(pairsMet(1), onPlane);
+	EXPECT_LT(pairsMet(2), onPlane);
+}
+
 // A ball dropped into a cup comes to rest on its bottom, as far off as bodies rest.
 TEST(Convex, ABallRestsInACup)
 {

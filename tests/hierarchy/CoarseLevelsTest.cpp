@@ -7,6 +7,7 @@
 #include <cstring>
 #include <functional>
 
+#include "clod/hierarchy/PackedFile.h"
 #include "clod/distance/SignedGap.h"
 #include "clod/hierarchy/HierarchyFormat.h"
 #include "clod/hierarchy/ScaledHierarchy.h"
@@ -23,7 +24,8 @@ const Hierarchy& whole()
 	return *body("torus", 900).hierarchy;
 }
 
-class CoarseLevels : public testing::Test
+// Of a file as it is, and of a packed one.
+class CoarseLevels : public testing::TestWithParam<bool>
 {
 protected:
 	Result<std::shared_ptr<const Hierarchy>> load(std::uint32_t finest) { return Hierarchy::load(m_file, finest); }
@@ -34,9 +36,13 @@ protected:
 		return result ? "" : result.error();
 	}
 
+	static std::vector<std::byte> stored(const std::vector<std::byte>& block) { return GetParam() ? pack(block) : block; }
+
 	TemporaryFolder m_folder;
-	std::string m_file = m_folder.fileOf("torus.clod", whole().bytes());
+	std::string m_file = m_folder.fileOf("torus.clod", stored(whole().bytes()));
 };
+INSTANTIATE_TEST_SUITE_P(Stored, CoarseLevels, testing::Bool(),
+						 [](const auto& stored) { return std::string(stored.param ? "packed" : "asItIs"); });
 
 template <class T>
 bool sameBytes(const T& l, const T& r)
@@ -44,7 +50,7 @@ bool sameBytes(const T& l, const T& r)
 	return std::memcmp(&l, &r, sizeof(T)) == 0;
 }
 
-TEST_F(CoarseLevels, AreTheRecordsOfTheWhole)
+TEST_P(CoarseLevels, AreTheRecordsOfTheWhole)
 {
 	ASSERT_GE(whole().coarsestClodLevel(), 2u);
 	EXPECT_EQ(load(0).value()->bytes(), whole().bytes());
@@ -80,13 +86,13 @@ TEST_F(CoarseLevels, AreTheRecordsOfTheWhole)
 	}
 }
 
-TEST_F(CoarseLevels, AreRefusedWhereTheFileHasNoneSuchOrIsDamaged)
+TEST_P(CoarseLevels, AreRefusedWhereTheFileHasNoneSuchOrIsDamaged)
 {
 	const std::uint32_t none = whole().coarsestClodLevel() + 1;
 	EXPECT_NE(load(none).error().find("level " + std::to_string(none) + " is asked for"), std::string::npos) << load(none).error();
 	EXPECT_FALSE(load(kNone));
 	EXPECT_NE(Hierarchy::load(m_file + ".none", 1).error().find("no such file"), std::string::npos);
-	const std::vector<std::byte> bytes = whole().bytes();
+	const std::vector<std::byte> bytes = stored(whole().bytes());
 	for (std::size_t i = 0; i < bytes.size(); i += 97)
 	{
 		std::vector<std::byte> damaged = bytes;
@@ -98,13 +104,13 @@ TEST_F(CoarseLevels, AreRefusedWhereTheFileHasNoneSuchOrIsDamaged)
 }
 
 // What a program finds in sections whose hashes are right.
-TEST_F(CoarseLevels, AreHeldToTheRulesOfAWhole)
+TEST_P(CoarseLevels, AreHeldToTheRulesOfAWhole)
 {
 	const auto refusalOf = [&](const std::function<void(HierarchyContent&)>& spoil)
 	{
 		HierarchyContent content = contentOf(whole());
 		spoil(content);
-		return refusal(encode(content), 1);
+		return refusal(stored(encode(content)), 1);
 	};
 	EXPECT_EQ(refusalOf([](HierarchyContent&) {}), "");
 	const std::uint32_t first = whole().levels()[1].firstNode;
@@ -134,7 +140,7 @@ ContactResult contactsOf(const Hierarchy& hierarchy, const Metric& metric)
 	return result;
 }
 
-TEST_F(CoarseLevels, AnswerAsTheWholeWhereTheMetricAsksForNoFiner)
+TEST_P(CoarseLevels, AnswerAsTheWholeWhereTheMetricAsksForNoFiner)
 {
 	const auto coarse = load(1).value();
 	const std::uint32_t first = whole().levels()[1].firstNode;
@@ -155,7 +161,7 @@ TEST_F(CoarseLevels, AnswerAsTheWholeWhereTheMetricAsksForNoFiner)
 	EXPECT_EQ(levelsError(whole(), &whole(), metric), "");
 }
 
-TEST_F(CoarseLevels, TellWhereTheMetricAsksForFiner)
+TEST_P(CoarseLevels, TellWhereTheMetricAsksForFiner)
 {
 	const auto coarse = load(1).value();
 	Metric exact, tight, deviation;
@@ -189,7 +195,7 @@ TEST_F(CoarseLevels, TellWhereTheMetricAsksForFiner)
 }
 
 // Of the gap nothing is claimed.
-TEST_F(CoarseLevels, ProveNoGap)
+TEST_P(CoarseLevels, ProveNoGap)
 {
 	const auto coarse = load(1).value();
 	GapSettings settings;
@@ -205,7 +211,7 @@ TEST_F(CoarseLevels, ProveNoGap)
 	EXPECT_TRUE(std::isfinite(result.errorBound));
 }
 
-TEST_F(CoarseLevels, AreScaledAsWhatTheyAre)
+TEST_P(CoarseLevels, AreScaledAsWhatTheyAre)
 {
 	const auto coarse = load(1).value();
 	for (const Vec3& scale : {Vec3{2, 2, 2}, Vec3{1, 1.5, 0.7}})

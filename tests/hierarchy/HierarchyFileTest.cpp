@@ -120,10 +120,10 @@ TEST(HierarchyFile, OtherVersionsAndByteOrdersAreNamed)
 	ASSERT_EQ(bytes[offsetof(FileHeader, version)], std::byte(1));
 	bytes[offsetof(FileHeader, version)] = std::byte(0);
 	setHeaderHash(bytes);
-	EXPECT_EQ(refusal(bytes), "format version 0; this library reads version 1: build it again from its mesh");
-	bytes[offsetof(FileHeader, version)] = std::byte(2);
+	EXPECT_EQ(refusal(bytes), "format version 0; this library reads versions 1 and 2: build it again from its mesh");
+	bytes[offsetof(FileHeader, version)] = std::byte(3);
 	setHeaderHash(bytes);
-	EXPECT_EQ(refusal(bytes), "format version 2; this library reads version 1: a newer library is needed");
+	EXPECT_EQ(refusal(bytes), "format version 3; this library reads versions 1 and 2: a newer library is needed");
 	bytes = encode(box());
 	std::swap(bytes[offsetof(FileHeader, endianMark)], bytes[offsetof(FileHeader, endianMark) + 3]);
 	EXPECT_NE(refusal(bytes).find("byte order"), std::string::npos);

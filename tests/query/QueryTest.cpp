@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "clod/distance/SurfaceDistance.h"
+#include "clod/hierarchy/ConvexPiece.h"
 #include "clod/query/QueryContext.h"
 #include "clod/query/StopRule.h"
 #include "tests/query/Questions.h"
@@ -122,6 +123,86 @@ TEST(Query, ContactsKnownByTheirNodesAreEvaluatedBitForBit)
 		}
 	}
 	EXPECT_GT(contacts, 1000u);
+}
+
+// The same question asked of the bodies in the other order: all of it is seen from the other frame.
+ContactSettings seenFromB(const ContactSettings& settings, const Transform& aFromB, const OwnThreshold& ownInB)
+{
+	ContactSettings other = settings;
+	const Transform bFromA = inverse(aFromB);
+	const auto inB = [&](const Vec3& direction) { return bFromA.rotation * direction; };
+	const Vec3 originOfB = aFromB.translation;  // moves with B: how, as A's frame has it
+	const Vec3 ofB = settings.sweep.linear + cross(settings.sweep.angular, originOfB);
+	other.sweep = {-inB(ofB), -inB(settings.sweep.angular)};
+	const VelocityThreshold& velocity = settings.metric.velocity;
+	other.metric.velocity.linear = -inB(velocity.linear + cross(velocity.angular, originOfB));
+	other.metric.velocity.angular = -inB(velocity.angular);
+	other.metric.view.eye = bFromA * settings.metric.view.eye;
+	if (settings.metric.own) other.metric.own = &ownInB;
+	return other;
+}
+
+// A piece larger than the other body is looked at from its own frame. Nothing of that is seen from outside: not in
+// thresholds that depend on the place, nor in the order of bodies, nor in what is cached.
+TEST(Query, ALargePieceIsAskedAsTheOtherBodyWouldBe)
+{
+	Random random(13);
+	const Hierarchy& a = *body("torus", 900).hierarchy;
+	const double radius = double(a.asset().radius);
+	std::vector<Vec3> corners;
+	for (int i = 0; i < 8; ++i)
+		corners.push_back(4 * radius * Vec3{(i & 1) ? 1.0 : -1.0, (i & 2) ? 0.2 : -0.2, (i & 4) ? 1.0 : -1.0});
+	const auto piece = convexPiece(convexPolyhedron(corners, 8), 0).value();
+	PairCache cache;
+	std::size_t contactsFound = 0;
+	Transform pose{randomRotation(random), {0, 0, 0}};
+	for (int i = 0; i < 300; ++i)
+	{
+		if (i % 20 == 0) pose.rotation = randomRotation(random);
+		pose.translation = -radius * (pose.rotation * Vec3{2, 1.7 - 0.02 * (i % 20), 1});
+		ContactSettings settings;
+		settings.tolerance = 0.01 * radius;
+		settings.sweep = {0.02 * radius * randomDirection(random), 0.05 * randomDirection(random)};
+		const Vec3 eye = radius * randomDirection(random);
+		const OwnThreshold own = [&](const Place& place) { return 0.1 * std::max(0.0, length(place.center - eye) - place.radius); };
+		const OwnThreshold ownInB = [&](const Place& place) { return own({pose * place.center, place.radius}); };
+		if (i % 5 == 0) settings.metric.exact = true;
+		if (i % 5 == 1) settings.metric.maxError = 0.02 * radius;
+		if (i % 5 == 2) settings.metric.own = &own;
+		if (i % 5 == 3) settings.metric.velocity = {0.05, 0.001 * radius, radius * randomDirection(random), randomDirection(random)};
+		if (i % 5 == 4) settings.metric.view = {2, eye, 0.005, 0.001 * radius};
+		const ContactSettings other = seenFromB(settings, pose, ownInB);
+		ContactResult result, cached, reverse;
+		PairCache none, noneReverse;
+		contacts(a, *piece, pose, settings, none, result);
+		contacts(a, *piece, pose, settings, cache, cached);
+		contacts(*piece, a, inverse(pose), other, noneReverse, reverse);
+		ASSERT_EQ(result.contacts.size(), cached.contacts.size()) << i;
+		ASSERT_EQ(result.contacts.size(), reverse.contacts.size()) << i;
+		std::vector<Contact> known = result.contacts;
+		for (Contact& contact : known) contact = {contact.nodeA, contact.nodeB, 0, 0, {}, {}, {}};
+		evaluate(a, *piece, pose, known);
+		for (std::size_t k = 0; k < known.size(); ++k)
+		{
+			const Contact &ours = result.contacts[k], &theirs = reverse.contacts[k];
+			EXPECT_TRUE(sameBits(ours, cached.contacts[k])) << i << " " << k;
+			EXPECT_TRUE(sameBits(ours, known[k])) << i << " " << k;
+			EXPECT_TRUE(ours.nodeA == theirs.nodeB && ours.nodeB == theirs.nodeA) << i << " " << k;
+			EXPECT_LT(length(ours.pointOnA - pose * theirs.pointOnB), 1e-9 * radius) << i << " " << k;
+			EXPECT_LT(length(ours.pointOnB - pose * theirs.pointOnA), 1e-9 * radius) << i << " " << k;
+			EXPECT_LT(length(ours.normal + pose.rotation * theirs.normal), 1e-9) << i << " " << k;
+		}
+		contactsFound += known.size();
+		// Listed before, the coarsest answer is not listed again.
+		settings.budget.tests = 1e6;
+		PairCache listed, notListed;
+		const Outline coarsest = outlineCoarsest(a, *piece, pose, settings, listed);
+		contacts(a, *piece, pose, settings, listed, result);
+		contacts(a, *piece, pose, settings, notListed, reverse);
+		EXPECT_EQ(result.stats.boxTests + result.stats.hullTests + coarsest.listing,
+				  reverse.stats.boxTests + reverse.stats.hullTests) << i;
+	}
+	EXPECT_GT(contactsFound, 500u);
 }
 
 TEST(Query, PrunesNothingWithinTheTolerance)

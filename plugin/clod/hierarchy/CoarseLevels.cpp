@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: Zlib
-// A hierarchy of a file's coarse levels alone. The file is read through once, as the checksums are of whole sections;
-// what is finer is dropped as it comes, what is kept is numbered anew and held to the same rules.
+// A hierarchy of a file's coarse levels alone. The file is read through once, as the checksums are of whole sections, a
+// packed one at once and then unpacked section by section; what is finer is dropped as it comes, what is kept is numbered
+// anew and held to the same rules.
 #include <algorithm>
 #include <cstring>
 #include <fstream>
 #include <memory>
+#include <optional>
 
 #include <xxhash.h>
 
 #include "clod/hierarchy/Hierarchy.h"
 #include "clod/hierarchy/HierarchyFormat.h"
+#include "clod/hierarchy/PackedFile.h"
 
 namespace clod
 {
@@ -21,8 +24,14 @@ constexpr std::size_t kChunk = 1 << 16;  // bytes read at once
 class SectionReader
 {
 public:
-	SectionReader(std::ifstream& stream, const SectionEntry* table)
-		: m_stream(stream), m_table(table), m_hash(XXH3_createState(), &XXH3_freeState), m_chunk(kChunk)
+	// packed: what follows the start of a packed file, which the stream then is not asked for.
+	SectionReader(std::ifstream& stream, const std::optional<std::vector<std::byte>>& packed, const SectionEntry* table)
+		: m_stream(stream),
+		  m_table(table),
+		  m_isPacked(packed.has_value()),
+		  m_packed(m_isPacked ? packed->data() : nullptr, m_isPacked ? packed->data() + packed->size() : nullptr, table),
+		  m_hash(XXH3_createState(), &XXH3_freeState),
+		  m_chunk(kChunk)
 	{
 		m_stream.seekg(std::streamoff(kFileStartBytes));
 	}
@@ -37,6 +46,7 @@ public:
 		kept.resize(std::size_t(entry.count - first));
 		std::byte* to = reinterpret_cast<std::byte*>(kept.data());
 		std::uint64_t dropped = first * sizeof(T);
+		if (m_isPacked) return unpack(section, dropped, to);
 		while (m_at < entry.offset)
 		{
 			const std::size_t size = take(entry.offset - m_at);
@@ -60,6 +70,20 @@ public:
 	}
 
 private:
+	// Of one section at once.
+	std::string unpack(Section section, std::uint64_t dropped, std::byte* to)
+	{
+		const SectionEntry& entry = m_table[std::uint32_t(section)];
+		const std::size_t size = std::size_t(entry.count * entry.stride), skip = std::size_t(dropped);
+		std::vector<std::byte> records(size);
+		if (!m_packed.read(records.data()))
+			return std::string("damaged (section ") + sectionName(section) + " cannot be unpacked)";
+		if (XXH3_64bits(records.data(), size) != entry.hash)
+			return std::string("damaged (checksum of section ") + sectionName(section) + ")";
+		if (size > skip) std::memcpy(to, records.data() + skip, size - skip);
+		if (std::uint32_t(section) + 1 == kSectionCount && !m_packed.isAtEnd()) return "bytes follow the last section";
+		return "";
+	}
 	std::size_t take(std::uint64_t wanted)
 	{
 		const std::size_t size = std::size_t(std::min<std::uint64_t>(wanted, kChunk));
@@ -71,6 +95,8 @@ private:
 
 	std::ifstream& m_stream;
 	const SectionEntry* m_table;
+	const bool m_isPacked;
+	PackedSections m_packed;
 	std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> m_hash;
 	std::vector<std::byte> m_chunk;
 	std::uint64_t m_at = kFileStartBytes;
@@ -140,10 +166,11 @@ std::string readNodes(SectionReader& reader, Coarse& coarse, std::uint32_t& firs
 }
 
 // Precondition: the file's start is sound. The first problem, or empty.
-std::string readCoarse(std::ifstream& stream, const SectionEntry* table, Coarse& coarse)
+std::string readCoarse(std::ifstream& stream, const std::optional<std::vector<std::byte>>& packed, const SectionEntry* table,
+					   Coarse& coarse)
 {
 	HierarchyContent& kept = coarse.content;
-	SectionReader reader(stream, table);
+	SectionReader reader(stream, packed, table);
 	if (reader.countOf(Section::asset) != 1 || reader.countOf(Section::cullBoxes) != reader.countOf(Section::nodes))
 		return "records of its sections do not belong together";
 	if (reader.countOf(Section::hullX) != reader.countOf(Section::hullY) ||
@@ -183,11 +210,19 @@ Result<std::shared_ptr<const Hierarchy>> Hierarchy::load(const std::string& path
 	if (!problem.empty()) return refused(problem);
 	SectionEntry table[kSectionCount];
 	std::memcpy(table, start.data() + sizeof(FileHeader), sizeof table);
+	std::optional<std::vector<std::byte>> packed;
+	if (isPacked(start))
+	{
+		packed.emplace(std::size_t(size.value() - kFileStartBytes));
+		stream.read(reinterpret_cast<char*>(packed->data()), std::streamsize(packed->size()));
+		problem = stream ? checkPacked(start, packed->data(), packed->size()) : "cannot be read to its end";
+		if (!problem.empty()) return refused(problem);
+	}
 	Coarse coarse;
 	// Where what is coarser has children below the level they are loaded, too.
 	for (coarse.finest = finest; coarse.finest > 0; coarse = Coarse{{}, coarse.finest - 1})
 	{
-		problem = readCoarse(stream, table, coarse);
+		problem = readCoarse(stream, packed, table, coarse);
 		if (!problem.empty()) return refused(problem);
 		if (!coarse.isWhole) continue;
 		std::shared_ptr<const Hierarchy> hierarchy = fromOwnBytes(encode(coarse.content), coarse.finest);

@@ -15,9 +15,6 @@ namespace clod
 {
 namespace
 {
-// Larger files are refused before anything is allocated.
-constexpr std::uint64_t kMaxFileBytes = std::uint64_t(1) << 32;
-
 Error fileError(const std::string& path, const std::string& what)
 {
 	return Error{path + ": " + what};
@@ -52,8 +49,8 @@ Result<std::uint64_t> openFile(const std::string& path, std::ifstream& stream)
 	if (status.type() != std::filesystem::file_type::regular) return fileError(path, "is not a regular file");
 	const std::uint64_t size = std::filesystem::file_size(path, code);
 	if (code) return fileError(path, "has no readable size: " + code.message());
-	if (size > kMaxFileBytes)
-		return fileError(path, "is " + std::to_string(size) + " bytes; the limit is " + std::to_string(kMaxFileBytes));
+	if (size > kMostBytes)
+		return fileError(path, "is " + std::to_string(size) + " bytes; the limit is " + std::to_string(kMostBytes));
 	stream.open(path, std::ios::binary);
 	if (!stream) return fileError(path, "cannot be opened for reading");
 	return size;

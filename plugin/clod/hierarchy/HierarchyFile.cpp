@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Writer and reader of the .clod block (HierarchyFormat.h). Nothing of the input is trusted: sizes are compared by
+// Writer and reader of the block (HierarchyFormat.h), and of files that are packed (PackedFile.h). Nothing of the input is trusted: sizes are compared by
 // division with the bytes that remain, hashes are compared before a record is looked at, then validate() runs.
 #include <algorithm>
 #include <cstring>
@@ -9,6 +9,7 @@
 
 #include "clod/hierarchy/Hierarchy.h"
 #include "clod/hierarchy/HierarchyFormat.h"
+#include "clod/hierarchy/PackedFile.h"
 
 namespace clod
 {
@@ -52,21 +53,22 @@ std::string checkHeader(const FileHeader& header, std::uint64_t fileBytes)
 {
 	if (std::memcmp(header.magic, kFileMagic, sizeof kFileMagic) != 0) return "not a .clod file (wrong first bytes)";
 	if (header.endianMark != kEndianMark) return "written with another byte order";
-	if (header.version != kFileVersion)
-		return "format version " + number(header.version) + "; this library reads version " + number(kFileVersion) +
+	if (header.version != kFileVersion && header.version != kPackedVersion)
+		return "format version " + number(header.version) + "; this library reads versions " + number(kFileVersion) + " and " +
+			   number(kPackedVersion) +
 			   (header.version < kFileVersion ? ": build it again from its mesh" : ": a newer library is needed");
 	if (header.headerBytes != sizeof(FileHeader)) return "header size " + number(header.headerBytes) + " is not 64";
 	if (header.fileBytes != fileBytes)
 		return "header says " + number(header.fileBytes) + " bytes, the file has " + number(fileBytes);
 	if (header.sectionCount != kSectionCount || header.tableOffset != sizeof(FileHeader))
 		return "section table of " + number(header.sectionCount) + " entries at " + number(header.tableOffset);
-	for (std::uint32_t word : header.padding)
-		if (word != 0) return "header padding is not zero";
+	const bool isZero = std::all_of(header.padding, header.padding + 2, [](std::uint32_t word) { return word == 0; });
+	if (!isZero || (header.version == kFileVersion && header.packedHash != 0)) return "header padding is not zero";
 	return "";
 }
 
 // Offsets follow from counts; the running offset never exceeds fileBytes, so no sum here can overflow.
-std::string checkTable(const SectionEntry* table, std::uint64_t fileBytes)
+std::string checkTable(const SectionEntry* table, std::uint64_t fileBytes, bool isWhole)
 {
 	std::uint64_t end = kFileStartBytes;
 	for (std::uint32_t i = 0; i < kSectionCount; ++i)
@@ -80,7 +82,7 @@ std::string checkTable(const SectionEntry* table, std::uint64_t fileBytes)
 		if (entry.count >= kNone) return name + ": " + number(entry.count) + " records are too many";
 		end = entry.offset + entry.count * entry.stride;
 	}
-	if (end != fileBytes) return number(fileBytes - end) + " bytes follow the last section";
+	if (isWhole && end != fileBytes) return number(fileBytes - end) + " bytes follow the last section";
 	return "";
 }
 
@@ -106,7 +108,35 @@ std::string checkFileStart(const std::vector<std::byte>& start, std::uint64_t fi
 	if (header.headerHash != hashOfStart(start.data())) return "damaged (checksum of the header)";
 	SectionEntry table[kSectionCount];
 	std::memcpy(table, start.data() + sizeof header, sizeof table);
-	return checkTable(table, fileBytes);
+	if (header.version == kFileVersion) return checkTable(table, fileBytes, true);
+	return checkTable(table, std::min(kMostUnpacked * fileBytes, kMostBytes), false);
+}
+
+bool isPacked(const std::vector<std::byte>& start)
+{
+	FileHeader header;
+	std::memcpy(&header, start.data(), sizeof header);
+	return header.version == kPackedVersion;
+}
+
+void finishHeader(std::uint32_t version, std::vector<std::byte>& bytes)
+{
+	FileHeader header;
+	std::memcpy(&header, bytes.data(), sizeof header);
+	header.version = version;
+	header.fileBytes = bytes.size();
+	header.packedHash =
+		version == kPackedVersion ? XXH3_64bits(bytes.data() + kFileStartBytes, bytes.size() - kFileStartBytes) : 0;
+	std::memcpy(bytes.data(), &header, sizeof header);
+	header.headerHash = hashOfStart(bytes.data());
+	std::memcpy(bytes.data(), &header, sizeof header);
+}
+
+std::string checkPacked(const std::vector<std::byte>& start, const std::byte* packed, std::size_t size)
+{
+	FileHeader header;
+	std::memcpy(&header, start.data(), sizeof header);
+	return XXH3_64bits(packed, size) == header.packedHash ? "" : "damaged (checksum of the packed sections)";
 }
 
 // Builds the object over the block; the only writer of Hierarchy's members.
@@ -168,6 +198,14 @@ struct HierarchyReader
 	{
 		std::string problem = checkFileStart(startOf(bytes), bytes.size());
 		if (!problem.empty()) return Error{problem};
+		if (isPacked(bytes))
+		{
+			problem = checkPacked(bytes, bytes.data() + kFileStartBytes, bytes.size() - kFileStartBytes);
+			if (!problem.empty()) return Error{problem};
+			Result<std::vector<std::byte>> block = unpack(bytes);
+			if (!block) return Error{block.error()};
+			bytes = std::move(block.value());
+		}
 		SectionEntry table[kSectionCount];
 		std::memcpy(table, bytes.data() + sizeof(FileHeader), sizeof table);
 		problem = checkSections(bytes, table);
@@ -228,16 +266,13 @@ std::vector<std::byte> encode(const HierarchyContent& content)
 	std::vector<std::byte> bytes(std::size_t(end), std::byte(0));
 	FileHeader header{};
 	std::memcpy(header.magic, kFileMagic, sizeof kFileMagic);
-	header.version = kFileVersion;
 	header.endianMark = kEndianMark;
 	header.headerBytes = sizeof(FileHeader);
 	header.sectionCount = kSectionCount;
-	header.fileBytes = end;
 	header.tableOffset = sizeof(FileHeader);
 	std::memcpy(bytes.data(), &header, sizeof header);
 	std::memcpy(bytes.data() + sizeof header, table, sizeof table);
-	header.headerHash = hashOfStart(bytes.data());
-	std::memcpy(bytes.data(), &header, sizeof header);
+	finishHeader(kFileVersion, bytes);
 	for (std::uint32_t i = 0; i < kSectionCount; ++i)
 		if (counts[i] > 0) std::memcpy(bytes.data() + table[i].offset, sources[i], counts[i] * kStrides[i]);
 	return bytes;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// The frame of a .clod file, version 1: header, section table, sections.
+// The frame of a hierarchy's block, which is a .clod file of version 1: header, section table, sections. Files are written
+// packed, as version 2 (PackedFile.h), and unpacked to this.
 //
 //   [header 64 bytes][table: kSectionCount entries of 32 bytes][zero padding][section][zero padding][section]...
 //
@@ -22,6 +23,8 @@ inline constexpr char kFileMagic[8] = {'C', 'L', 'O', 'D', 'f', 'i', 'l', 'e'};
 inline constexpr std::uint32_t kFileVersion = 1;
 inline constexpr std::uint32_t kEndianMark = 0x04030201u;
 inline constexpr std::uint64_t kSectionAlignment = 64;
+// Larger files, and blocks of packed ones, are refused before anything is allocated.
+inline constexpr std::uint64_t kMostBytes = std::uint64_t(1) << 32;
 
 enum class Section : std::uint32_t
 {
@@ -48,7 +51,8 @@ struct FileHeader
 	std::uint64_t fileBytes;
 	std::uint64_t tableOffset;
 	std::uint64_t headerHash;  // of header and table, with this field zero
-	std::uint32_t padding[4];
+	std::uint64_t packedHash;  // of all that follows the table of a packed file; else 0
+	std::uint32_t padding[2];
 };
 static_assert(sizeof(FileHeader) == 64);
 
@@ -65,9 +69,14 @@ static_assert(sizeof(SectionEntry) == 32);
 inline constexpr std::uint64_t kFileStartBytes = sizeof(FileHeader) + kSectionCount * sizeof(SectionEntry);
 
 // Checks header and table (the first kFileStartBytes of a file of fileBytes bytes); empty = sound. After it every
-// section lies inside the file.
+// section lies inside the file, or, of a packed one, inside a block that it can hold.
 std::string checkFileStart(const std::vector<std::byte>& start, std::uint64_t fileBytes);
 const char* sectionName(Section section);
+bool isPacked(const std::vector<std::byte>& start);
+// As a file of the version has them, whole as it is: size and hashes.
+void finishHeader(std::uint32_t version, std::vector<std::byte>& bytes);
+// Of a packed file: empty where what follows its table is what was written.
+std::string checkPacked(const std::vector<std::byte>& start, const std::byte* packed, std::size_t size);
 
 // Opens a regular file that is no larger than any of ours: its size.
 Result<std::uint64_t> openFile(const std::string& path, std::ifstream& stream);

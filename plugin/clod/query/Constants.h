@@ -24,6 +24,9 @@ inline constexpr double kEvaluationRoom = 10 * kHullDistanceAccuracy;
 inline constexpr double kWorthMixing = 16;  // times the pairs of nodes that mixed levels would need
 inline constexpr double kFewer = 0.75;      // of the boxes that meet, for more pairs of nodes
 
+// Pieces of the body that is asked as A (Query.cpp): a box or a floor against a detailed body, not two detailed ones.
+inline constexpr double kMuchLarger = 4;
+
 // Fronts of a single piece and input surfaces are made for moves to come (ContactSearch.cpp).
 inline constexpr double kMovesAhead = 4;   // so many as the last one,
 inline constexpr double kMostAhead = 0.25;  // and at most so much of the smaller body;

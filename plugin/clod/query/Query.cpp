@@ -2,9 +2,13 @@
 // The entry point: when the last result still holds, and which settings can be used.
 #include "clod/query/Query.h"
 
+#include <algorithm>
+#include <cmath>
 #include <string>
 #include <tuple>
+#include <utility>
 
+#include "clod/query/Constants.h"
 #include "clod/query/ContactSearch.h"
 
 namespace clod
@@ -54,8 +58,62 @@ bool same(const Transform& l, const Transform& r)
 	return l.translation == r.translation;
 }
 
-void contacts(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const ContactSettings& settings,
-			  PairCache& cache, ContactResult& result)
+namespace
+{
+// About as large as a piece of the finest level.
+double pieceOf(const Hierarchy& hierarchy)
+{
+	return hierarchy.originRadius() / std::sqrt(double(std::max(1U, hierarchy.levels()[0].nodeCount)));
+}
+
+// A body of much larger pieces, a box or a floor, is asked as body A: what turns are then the other's small nodes, and no
+// corners far from any contact.
+bool isAskedFromB(const Hierarchy& a, const Hierarchy& b)
+{
+	return pieceOf(b) > kMuchLarger * pieceOf(a);
+}
+
+// The settings of the other way round. Lives as long as the query.
+class ExchangedSettings
+{
+public:
+	ExchangedSettings(const ContactSettings& settings, const Transform& aFromB, const Transform& bFromA) : m_settings(settings)
+	{
+		const Mat3& turn = bFromA.rotation;
+		m_settings.sweep = {-(turn * settings.sweep.of(aFromB.translation)), -(turn * settings.sweep.angular)};
+		Metric& metric = m_settings.metric;
+		const VelocityThreshold& velocity = settings.metric.velocity;  // it has no sign
+		metric.velocity.linear = turn * (velocity.linear + cross(velocity.angular, aFromB.translation));
+		metric.velocity.angular = turn * velocity.angular;
+		metric.view.eye = bFromA * settings.metric.view.eye;
+		if (!metric.own) return;
+		m_own = [&own = *settings.metric.own, &aFromB](const Place& place)
+		{ return own({aFromB * place.center, place.radius}); };
+		metric.own = &m_own;
+	}
+	ExchangedSettings(const ExchangedSettings&) = delete;
+	ExchangedSettings& operator=(const ExchangedSettings&) = delete;
+	const ContactSettings& get() const { return m_settings; }
+
+private:
+	ContactSettings m_settings;
+	OwnThreshold m_own;
+};
+
+void exchange(std::vector<Contact>& contacts, const Transform& aFromB)
+{
+	for (Contact& contact : contacts)
+	{
+		std::swap(contact.nodeA, contact.nodeB);
+		const Vec3 onA = aFromB * contact.pointOnB;
+		contact.pointOnB = aFromB * contact.pointOnA;
+		contact.pointOnA = onA;
+		contact.normal = -(aFromB.rotation * contact.normal);
+	}
+}
+
+void contactsInOrder(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const ContactSettings& settings,
+					 PairCache& cache, ContactResult& result)
 {
 	PairCache::State& state = cache.state();
 	if (isSamePose(a, b, aFromB, state) && state.hasLast && answersAgain(settings, *state.last, state))
@@ -77,7 +135,7 @@ void contacts(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, c
 	state.hasLast = state.last != nullptr;
 }
 
-void evaluate(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, std::vector<Contact>& contacts)
+void evaluateInOrder(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, std::vector<Contact>& contacts)
 {
 	const QueryContext context(a, b, aFromB);
 	for (Contact& contact : contacts)
@@ -89,14 +147,40 @@ void evaluate(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, s
 	}
 }
 
-Outline outlineCoarsest(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const ContactSettings& settings,
-						PairCache& cache)
+Outline outlineInOrder(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const ContactSettings& settings,
+					   PairCache::State& state)
 {
-	PairCache::State& state = cache.state();
 	const QueryContext context(a, b, aFromB, settings.sweep);
 	followMotion(context, state);
 	if (state.separation.holds(context, settings, {})) return {};
 	return outline(context, settings, settings.tolerance, state);
+}
+}  // namespace
+
+void contacts(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const ContactSettings& settings,
+			  PairCache& cache, ContactResult& result)
+{
+	if (!isAskedFromB(a, b)) return contactsInOrder(a, b, aFromB, settings, cache, result);
+	const Transform bFromA = inverse(aFromB);
+	contactsInOrder(b, a, bFromA, ExchangedSettings(settings, aFromB, bFromA).get(), cache, result);
+	exchange(result.contacts, aFromB);
+}
+
+void evaluate(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, std::vector<Contact>& contacts)
+{
+	if (!isAskedFromB(a, b)) return evaluateInOrder(a, b, aFromB, contacts);
+	const Transform bFromA = inverse(aFromB);
+	exchange(contacts, bFromA);
+	evaluateInOrder(b, a, bFromA, contacts);
+	exchange(contacts, aFromB);
+}
+
+Outline outlineCoarsest(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const ContactSettings& settings,
+						PairCache& cache)
+{
+	if (!isAskedFromB(a, b)) return outlineInOrder(a, b, aFromB, settings, cache.state());
+	const Transform bFromA = inverse(aFromB);
+	return outlineInOrder(b, a, bFromA, ExchangedSettings(settings, aFromB, bFromA).get(), cache.state());
 }
 
 std::string levelsError(const Hierarchy& a, const Hierarchy* b, const Metric& metric)

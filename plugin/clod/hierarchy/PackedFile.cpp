@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Zlib
+#include "clod/hierarchy/PackedFile.h"
+
+#include <algorithm>
+#include <cstring>
+#include <iterator>
+
+#include "clod/hierarchy/Layout.h"
+
+namespace clod
+{
+namespace
+{
+constexpr std::uint32_t kGroup = 16;  // values
+constexpr std::uint32_t kMostBits = 32;
+
+enum class Predictor : std::uint8_t
+{
+	kBefore,
+	kNumber,  // of the record: indices of what lies beside it
+	kNone,
+	count
+};
+
+struct Column
+{
+	std::uint32_t offset, bytes;
+};
+// Pairs of short numbers are columns of their own.
+bool areShorts(Section section, std::uint32_t offset)
+{
+	if (section == Section::nodes) return offset == offsetof(Node, childCount);
+	return section == Section::faces && offset < offsetof(Face, neighbour);
+}
+std::vector<Column> columnsOf(const SectionEntry& entry)
+{
+	std::vector<Column> columns;
+	for (std::uint32_t offset = 0; offset < entry.stride; offset += 4)
+	{
+		const bool shorts = areShorts(Section(entry.kind), offset);
+		columns.push_back({offset, shorts ? 2U : 4U});
+		if (shorts) columns.push_back({offset + 2, 2});
+	}
+	return columns;
+}
+
+std::uint32_t zigzag(std::uint32_t difference)
+{
+	return difference << 1 ^ (0U - (difference >> 31));
+}
+std::uint32_t unzigzag(std::uint32_t coded)
+{
+	return coded >> 1 ^ (0U - (coded & 1));
+}
+
+// As a difference of whole numbers of the column's width.
+std::uint32_t code(std::uint32_t value, std::uint32_t predicted, std::uint32_t bytes)
+{
+	const std::uint32_t difference = value - predicted;
+	return zigzag(bytes == 2 ? std::uint32_t(std::int32_t(std::int16_t(difference))) : difference);
+}
+
+constexpr std::uint32_t bytesOf(std::uint32_t bits, std::uint32_t count)
+{
+	return (bits * count + 7) / 8;
+}
+constexpr std::uint32_t bytesOfWhole(std::uint32_t bits)
+{
+	return bytesOf(bits, kGroup);
+}
+
+void packGroup(const std::uint32_t (&codes)[kGroup], std::uint32_t count, std::vector<std::byte>& packed)
+{
+	std::uint32_t all = 0, bits = 0, kept = 0;
+	for (std::uint32_t i = 0; i < count; ++i) all |= codes[i];
+	while (bits < kMostBits && all >> bits != 0) ++bits;
+	packed.push_back(std::byte(bits));
+	std::uint64_t pending = 0;
+	for (std::uint32_t i = 0; i < count; ++i)
+	{
+		pending |= std::uint64_t(codes[i]) << kept;
+		for (kept += bits; kept >= 8; kept -= 8, pending >>= 8) packed.push_back(std::byte(pending & 0xFF));
+	}
+	if (kept > 0) packed.push_back(std::byte(pending & 0xFF));
+}
+
+std::vector<std::byte> packedBy(Predictor predictor, const std::vector<std::uint32_t>& values, std::uint32_t bytes)
+{
+	std::vector<std::byte> packed{std::byte(predictor)};
+	std::uint32_t before = 0;
+	for (std::size_t first = 0; first < values.size(); first += kGroup)
+	{
+		std::uint32_t codes[kGroup];
+		const std::size_t end = std::min<std::size_t>(values.size(), first + kGroup);
+		for (std::size_t i = first; i < end; ++i)
+		{
+			const std::uint32_t predicted = predictor == Predictor::kBefore ? before : std::uint32_t(i);
+			codes[i - first] = predictor == Predictor::kNone ? values[i] : code(values[i], predicted, bytes);
+			before = values[i];
+		}
+		packGroup(codes, std::uint32_t(end - first), packed);
+	}
+	return packed;
+}
+
+void packColumn(const std::byte* records, const SectionEntry& entry, const Column& column, std::vector<std::byte>& packed)
+{
+	std::vector<std::uint32_t> values(std::size_t(entry.count), 0);
+	for (std::size_t i = 0; i < values.size(); ++i)
+		std::memcpy(&values[i], records + i * entry.stride + column.offset, column.bytes);
+	std::vector<std::byte> least;
+	for (std::uint8_t p = 0; p < std::uint8_t(Predictor::count); ++p)
+	{
+		std::vector<std::byte> other = packedBy(Predictor(p), values, column.bytes);
+		if (p == 0 || other.size() < least.size()) least = std::move(other);
+	}
+	packed.insert(packed.end(), least.begin(), least.end());
+}
+
+// `size` bytes are the group's, which may have fewer codes than others; `left` may be read.
+void unpackGroup(const std::byte* from, std::size_t size, std::size_t left, std::uint32_t bits, std::uint32_t (&codes)[kGroup])
+{
+	if (bits == 0)
+	{
+		std::fill(std::begin(codes), std::end(codes), 0U);
+		return;
+	}
+	std::byte copy[bytesOfWhole(kMostBits) + sizeof(std::uint64_t)];
+	if (left < bytesOfWhole(bits) + sizeof(std::uint64_t))
+	{
+		std::memset(copy, 0, sizeof copy);
+		std::memcpy(copy, from, size);
+		from = copy;
+	}
+	const std::uint64_t mask = (std::uint64_t(1) << bits) - 1;
+	for (std::uint32_t i = 0; i < kGroup; ++i)
+	{
+		std::uint64_t word;
+		std::memcpy(&word, from + i * bits / 8, sizeof word);
+		codes[i] = std::uint32_t(word >> (i * bits % 8) & mask);
+	}
+}
+
+// Where it ends; null: it does not fit.
+template <class Value, Predictor predictor>
+const std::byte* unpackBy(const std::byte* at, const std::byte* end, const SectionEntry& entry, std::byte* to)
+{
+	std::uint32_t before = 0;
+	std::uint32_t codes[kGroup];
+	for (std::uint32_t first = 0; first < entry.count; first += kGroup)
+	{
+		if (at == end) return nullptr;
+		const std::uint32_t bits = std::uint32_t(*at++), count = std::min(kGroup, std::uint32_t(entry.count) - first);
+		const std::size_t size = bytesOf(bits, count), left = std::size_t(end - at);
+		if (bits > kMostBits || left < size) return nullptr;
+		unpackGroup(at, size, left, bits, codes);
+		at += size;
+		for (std::uint32_t i = 0; i < count; ++i, to += entry.stride)
+		{
+			std::uint32_t value = codes[i];
+			if constexpr (predictor == Predictor::kBefore) value = before += unzigzag(value);
+			if constexpr (predictor == Predictor::kNumber) value = first + i + unzigzag(value);
+			const Value stored = Value(value);
+			std::memcpy(to, &stored, sizeof stored);
+		}
+	}
+	return at;
+}
+
+template <class Value>
+const std::byte* unpackColumn(const std::byte* at, const std::byte* end, const SectionEntry& entry, std::byte* to)
+{
+	if (at == end) return nullptr;
+	switch (Predictor(*at))
+	{
+		case Predictor::kBefore: return unpackBy<Value, Predictor::kBefore>(at + 1, end, entry, to);
+		case Predictor::kNumber: return unpackBy<Value, Predictor::kNumber>(at + 1, end, entry, to);
+		case Predictor::kNone: return unpackBy<Value, Predictor::kNone>(at + 1, end, entry, to);
+		default: return nullptr;
+	}
+}
+}  // namespace
+
+bool PackedSections::read(std::byte* records)
+{
+	const SectionEntry& entry = *m_next++;
+	for (const Column& column : columnsOf(entry))
+	{
+		if (entry.count == 0) continue;
+		const auto unpackOne = column.bytes == 2 ? unpackColumn<std::uint16_t> : unpackColumn<std::uint32_t>;
+		const std::byte* const next = unpackOne(m_at, m_end, entry, records + column.offset);
+		if (!next) return false;
+		m_at = next;
+	}
+	return true;
+}
+
+std::vector<std::byte> pack(const std::vector<std::byte>& block)
+{
+	std::vector<std::byte> packed(block.begin(), block.begin() + std::ptrdiff_t(kFileStartBytes));
+	SectionEntry table[kSectionCount];
+	std::memcpy(table, block.data() + sizeof(FileHeader), sizeof table);
+	for (const SectionEntry& entry : table)
+		for (const Column& column : columnsOf(entry))
+			if (entry.count > 0) packColumn(block.data() + entry.offset, entry, column, packed);
+	finishHeader(kPackedVersion, packed);
+	return packed;
+}
+
+Result<std::vector<std::byte>> unpack(const std::vector<std::byte>& file)
+{
+	SectionEntry table[kSectionCount];
+	std::memcpy(table, file.data() + sizeof(FileHeader), sizeof table);
+	const SectionEntry& last = table[kSectionCount - 1];
+	std::vector<std::byte> block(std::size_t(last.offset + last.count * last.stride), std::byte(0));
+	std::copy(file.begin(), file.begin() + std::ptrdiff_t(kFileStartBytes), block.begin());
+	PackedSections sections(file.data() + kFileStartBytes, file.data() + file.size(), table);
+	for (std::uint32_t i = 0; i < kSectionCount; ++i)
+		if (!sections.read(block.data() + table[i].offset))
+			return Error{std::string("damaged (section ") + sectionName(Section(i)) + " cannot be unpacked)"};
+	if (!sections.isAtEnd()) return Error{"bytes follow the last section"};
+	finishHeader(kFileVersion, block);
+	return block;
+}
+}  // namespace clod

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Zlib
+// A .clod file as it is stored, version 2: header and section table are those of the block (HierarchyFormat.h), offsets and
+// hashes of sections included, but for the header's version, bytes and hashes; then all sections, packed. Unpacked it is the
+// block again, bit for bit, so that nothing that was proved is another.
+//
+// A section's records are packed column by column (of 2 or 4 bytes), a column as
+//   [predictor: 1 byte][group][group]...     of 16 values: [bits: 1 byte, 0..32][differences of so many bits]
+// a difference being that to the value before or to the record's number, zigzag, or the value itself, whichever is least.
+// Groups end on whole bytes; the last one has the values that are left.
+//
+// Based on: Lemire & Boytsov 2015, "Decoding billions of integers per second through vectorization" (binary packing);
+// Kapoulkine, meshoptimizer's vertex codec (records as columns, differences, zigzag).
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "clod/Export.h"
+#include "clod/hierarchy/HierarchyFormat.h"
+
+namespace clod
+{
+inline constexpr std::uint32_t kPackedVersion = 2;
+// A group of zeros is a byte of 16 values: no block is larger, times its file, than this.
+inline constexpr std::uint64_t kMostUnpacked = 64;
+
+// Precondition: a block, as encode() writes it. Same block, same bytes.
+CLOD_API std::vector<std::byte> pack(const std::vector<std::byte>& block);
+
+// Section after section, in the file's order. Nothing is trusted but the table, which is checked.
+class PackedSections
+{
+public:
+	PackedSections(const std::byte* begin, const std::byte* end, const SectionEntry* table)
+		: m_at(begin), m_end(end), m_next(table)
+	{
+	}
+	// The next section's records. Room: their bytes. False: the file ends before, or has more bits than a value.
+	bool read(std::byte* records);
+	bool isAtEnd() const { return m_at == m_end; }
+
+private:
+	const std::byte* m_at;
+	const std::byte* m_end;
+	const SectionEntry* m_next;
+};
+
+// The block of a packed file. Precondition: checkFileStart() and checkPacked() have found nothing.
+Result<std::vector<std::byte>> unpack(const std::vector<std::byte>& file);
+}  // namespace clod
