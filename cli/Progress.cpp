@@ -13,6 +13,7 @@ namespace
 {
 constexpr int kBarWidth = 30;
 constexpr std::chrono::milliseconds kRedraw{100};
+constexpr std::chrono::seconds kSignOfLife{30};  // of a phase that lasts, where nothing is drawn
 
 double seconds(std::chrono::steady_clock::duration d)
 {
@@ -38,54 +39,52 @@ void Progress::update(const std::string& phase, double fraction)
 	if (m_quiet) return;
 	const std::lock_guard<std::mutex> lock(m_mutex);
 	const Clock::time_point now = Clock::now();
-	if (phase != m_phase)
+	const bool isNew = phase != m_phase;
+	if (isNew)
 	{
-		finishLine();
+		endPhase(now);
 		m_phase = phase;
-		m_start = now;
-		m_lastDrawn = {};
-		m_lastTenth = -1;
+		m_start = m_lastSaid = now;
+		if (!m_terminal) say(phase + ": ");
 	}
-	fraction = std::clamp(fraction, 0.0, 1.0);
-	if (m_terminal)
-		drawBar(fraction, now);
-	else
-		printLine(fraction, now);
+	m_fraction = std::clamp(fraction, 0.0, 1.0);
+	if (m_terminal && (isNew || m_fraction == 1 || now - m_lastSaid >= kRedraw)) drawBar(now);
+	if (!m_terminal && now - m_lastSaid >= kSignOfLife) sayHowFar(now);
 }
 
-void Progress::drawBar(double fraction, Clock::time_point now)
+void Progress::say(const std::string& text)
 {
-	if (fraction < 1 && now - m_lastDrawn < kRedraw) return;
-	m_lastDrawn = now;
-	const int filled = int(fraction * kBarWidth);
+	fmt::print(m_stream, "{}", text);
+	std::fflush(m_stream);
+}
+
+void Progress::drawBar(Clock::time_point now)
+{
+	m_lastSaid = now;
+	const int filled = int(m_fraction * kBarWidth);
 	const double elapsed = seconds(now - m_start);
-	const std::string tail = fraction < 1 ? timeLeft(elapsed, fraction) : fmt::format("{:.1f} s", elapsed);
-	fmt::print(m_stream, "\r{:<24} [{:#<{}}{:.<{}}] {:3.0f} %  {:<20}", m_phase, "", filled, "", kBarWidth - filled,
-			   100 * fraction, tail);
-	std::fflush(m_stream);
-	m_lineOpen = true;
+	const std::string tail = m_fraction < 1 ? timeLeft(elapsed, m_fraction) : fmt::format("{:.1f} s", elapsed);
+	say(fmt::format("\r{:<24} [{:#<{}}{:.<{}}] {:3.0f} %  {:<20}", m_phase, "", filled, "", kBarWidth - filled,
+					100 * m_fraction, tail));
 }
 
-void Progress::printLine(double fraction, Clock::time_point now)
+void Progress::sayHowFar(Clock::time_point now)
 {
-	const int tenth = int(10 * fraction + 1e-9);
-	if (tenth <= m_lastTenth) return;
-	m_lastTenth = tenth;
-	const std::string left = fraction < 1 ? timeLeft(seconds(now - m_start), fraction) : "";
-	fmt::print(m_stream, "{}: {} %  {:.1f} s{}{}\n", m_phase, 10 * tenth, seconds(now - m_start),
-			   left.empty() ? "" : ", ", left);
-	std::fflush(m_stream);
+	m_lastSaid = now;
+	const std::string left = timeLeft(seconds(now - m_start), m_fraction);
+	say(fmt::format("{:.0f} %{}{}; ", 100 * m_fraction, left.empty() ? "" : ", ", left));
 }
 
-void Progress::finishLine()
+void Progress::endPhase(Clock::time_point now)
 {
-	if (m_lineOpen) fmt::print(m_stream, "\n");
-	m_lineOpen = false;
+	if (m_phase.empty()) return;
+	say(m_terminal ? "\n" : fmt::format("{:.1f} s\n", seconds(now - m_start)));
+	m_phase.clear();
 }
 
 void Progress::finish()
 {
 	const std::lock_guard<std::mutex> lock(m_mutex);
-	finishLine();
+	endPhase(Clock::now());
 }
 }  // namespace clod::cli

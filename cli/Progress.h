@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Progress on stderr: a bar with the time left when stderr is a terminal, else a line every 10 %.
+// Progress on stderr: a bar with the time left when stderr is a terminal; else a line a phase, with its time at the end and
+// how far it is every half minute.
 #pragma once
 #include <chrono>
 #include <cstdio>
@@ -18,23 +19,22 @@ public:
 	Progress& operator=(const Progress&) = delete;
 	~Progress() { finish(); }
 	void update(const std::string& phase, double fraction);
-	// Ends the current line; later output starts at the left margin.
+	// Ends the current phase; later output starts at the left margin.
 	void finish();
 
 private:
 	using Clock = std::chrono::steady_clock;
-	void finishLine();
-	void drawBar(double fraction, Clock::time_point now);
-	void printLine(double fraction, Clock::time_point now);
+	void say(const std::string& text);
+	void drawBar(Clock::time_point now);
+	void sayHowFar(Clock::time_point now);
+	void endPhase(Clock::time_point now);
 
 	std::mutex m_mutex;
 	std::FILE* m_stream;
 	bool m_terminal = false;
 	bool m_quiet = false;
-	std::string m_phase;
-	Clock::time_point m_start;
-	Clock::time_point m_lastDrawn;
-	int m_lastTenth = -1;
-	bool m_lineOpen = false;
+	std::string m_phase;  // none: empty
+	double m_fraction = 0;
+	Clock::time_point m_start, m_lastSaid;  // of the phase
 };
 }  // namespace clod::cli

@@ -72,17 +72,18 @@ private:
 	bool hasChain(std::uint32_t leaf, const Triangle& piece, const Demand& demand, double given) const
 	{
 		if (demand.box && !inBox(leaf, piece, given)) return false;
-		std::vector<std::uint32_t> open = {leaf}, seen;
+		std::vector<std::uint32_t> open = {leaf}, seen = {leaf};
 		while (!open.empty())
 		{
 			const std::uint32_t node = open.back();
 			open.pop_back();
+			if (node != leaf && !isLink(node, piece, demand, given)) continue;
 			if (node == m_s.h.root()) return true;
 			for (const std::uint32_t parent : m_s.parents[node])
 			{
 				if (std::find(seen.begin(), seen.end(), parent) != seen.end()) continue;
 				seen.push_back(parent);
-				if (isLink(parent, piece, demand, given)) open.push_back(parent);
+				open.push_back(parent);
 			}
 		}
 		return false;

@@ -12,10 +12,20 @@ namespace clod::check
 {
 namespace
 {
+// At most four points.
+struct Simplex
+{
+	std::array<Vec3, 4> points;
+	std::size_t size = 0;
+	Simplex() = default;
+	Simplex(std::initializer_list<Vec3> given) : size(given.size()) { std::copy(given.begin(), given.end(), points.begin()); }
+	const Vec3& operator[](std::size_t i) const { return points[i]; }
+};
+
 // The point nearest to the origin on the hull of at most four points, and which of them carry it.
 struct Carrier
 {
-	std::vector<Vec3> points;
+	Simplex points;
 	Vec3 nearest;
 };
 
@@ -27,29 +37,29 @@ Vec3 nearestOnSegment(const Vec3& a, const Vec3& b)
 }
 
 // Tries every face of the simplex; a tetrahedron that holds the origin gives zero.
-Carrier reduce(const std::vector<Vec3>& points)
+Carrier reduce(const Simplex& points)
 {
 	Carrier best{{points[0]}, points[0]};
-	const auto consider = [&](std::vector<Vec3> carrier, const Vec3& nearest)
+	const auto consider = [&](const Simplex& carrier, const Vec3& nearest)
 	{
-		if (lengthSquared(nearest) < lengthSquared(best.nearest)) best = {std::move(carrier), nearest};
+		if (lengthSquared(nearest) < lengthSquared(best.nearest)) best = {carrier, nearest};
 	};
-	for (std::size_t i = 0; i < points.size(); ++i)
+	for (std::size_t i = 0; i < points.size; ++i)
 	{
 		consider({points[i]}, points[i]);
-		for (std::size_t j = i + 1; j < points.size(); ++j)
+		for (std::size_t j = i + 1; j < points.size; ++j)
 		{
 			consider({points[i], points[j]}, nearestOnSegment(points[i], points[j]));
-			for (std::size_t k = j + 1; k < points.size(); ++k)
+			for (std::size_t k = j + 1; k < points.size; ++k)
 				consider({points[i], points[j], points[k]}, nearestOn({points[i], points[j], points[k]}, Vec3{}));
 		}
 	}
-	if (points.size() < 4) return best;
+	if (points.size < 4) return best;
 	const double whole = dot(points[1] - points[0], cross(points[2] - points[0], points[3] - points[0]));
 	bool inside = whole != 0;
 	for (std::size_t i = 0; i < 4; ++i)
 	{
-		std::array<Vec3, 4> replaced = {points[0], points[1], points[2], points[3]};
+		std::array<Vec3, 4> replaced = points.points;
 		replaced[i] = Vec3{};
 		const double part = dot(replaced[1] - replaced[0], cross(replaced[2] - replaced[0], replaced[3] - replaced[0]));
 		if (part * whole < 0) inside = false;
@@ -104,12 +114,12 @@ HullDescent descend(const std::vector<Vec3>& points, std::size_t start, const Ve
 			support = i;
 		}
 		if (upper - least / upper <= tolerance) return {upper, true};
-		std::vector<Vec3> simplex = carrier.points;
-		if (simplex.size() == 4) return {upper, false};
-		simplex.push_back(points[support] - p);
-		Carrier next = reduce(simplex);
+		Simplex simplex = carrier.points;
+		if (simplex.size == 4) return {upper, false};
+		simplex.points[simplex.size++] = points[support] - p;
+		const Carrier next = reduce(simplex);
 		if (lengthSquared(next.nearest) >= lengthSquared(x)) return {upper, false};
-		carrier = std::move(next);
+		carrier = next;
 	}
 	return {length(carrier.nearest), false};
 }
@@ -118,7 +128,10 @@ HullDescent descend(const std::vector<Vec3>& points, std::size_t start, const Ve
 // Sutherland and Hodgman's clipping against one plane.
 void keepBelow(std::vector<Vec3>& polygon, const Vec3& normal, double offset)
 {
+	const auto isAbove = [&](const Vec3& p) { return dot(normal, p) > offset; };
+	if (std::none_of(polygon.begin(), polygon.end(), isAbove)) return;
 	std::vector<Vec3> kept;
+	kept.reserve(polygon.size() + 1);
 	for (std::size_t i = 0; i < polygon.size(); ++i)
 	{
 		const Vec3& p = polygon[i];
@@ -289,8 +302,9 @@ std::vector<std::uint32_t> TriangleTree::overlapping(const Box& box) const
 		}
 		for (std::uint32_t i = cell.begin; i < cell.end; ++i)
 		{
-			const Triangle& t = m_triangles[m_order[i]];
-			if (boxOf({t[0], t[1], t[2]}).overlaps(box)) found.push_back(m_order[i]);
+			Box own;
+			for (const Vec3& p : m_triangles[m_order[i]]) own.add(p);
+			if (own.overlaps(box)) found.push_back(m_order[i]);
 		}
 	}
 	std::sort(found.begin(), found.end());

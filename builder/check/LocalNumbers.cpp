@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "builder/check/Rounding.h"
@@ -22,7 +23,7 @@ constexpr double kScaledArea = 2;
 constexpr double kRadius = 1e-5;     // the stored radius may exceed the one that caps were cut at
 constexpr double kFacing = 0.2;      // faces turned farther from the contact normal end a contact area
 constexpr double kCapShare = 0.25;   // of the radius
-constexpr int kSides = 64;           // of the polygons that stand for discs here
+constexpr std::size_t kSides = 64;           // of the polygons that stand for discs here
 const double kPi = std::acos(-1.0);
 
 Vec3 areaVector(const Triangle& t)
@@ -103,10 +104,20 @@ void curvature(const Subject& s, std::uint32_t i, Tally& tally)
 	tally.add(i, sound ? 0 : 1, fmt::format("node {}: curvature {:.9g} is {:.9g}", i, double(n.curvature), sum / area));
 }
 
+// Cosine and sine of the directions of the sides.
+std::array<std::pair<double, double>, kSides> sideDirections()
+{
+	std::array<std::pair<double, double>, kSides> sides;
+	for (std::size_t k = 0; k < kSides; ++k)
+		sides[k] = {std::cos(2 * kPi * double(k) / kSides), std::sin(2 * kPi * double(k) / kSides)};
+	return sides;
+}
+
 // Area along the face's normal of the surface that hangs together with it in a slab, delta to either side of the point,
 // and a polygon round the point whose sides lie `side` away.
 double touchedArea(const Subject& s, std::uint32_t start, const Vec3& origin, double delta, double side)
 {
+	static const auto sides = sideDirections();
 	const Vec3 normal = normalized(areaVector(s.triangle(start)));
 	const Vec3 u = normalized(cross(normal, std::abs(normal.x) < 0.5 ? Vec3{1, 0, 0} : Vec3{0, 0, 1}));
 	const Vec3 v = cross(normal, u);
@@ -120,8 +131,8 @@ double touchedArea(const Subject& s, std::uint32_t start, const Vec3& origin, do
 		keepBelow(polygon, -normal, delta);
 		double farthest = 0;
 		for (const Vec3& p : polygon) farthest = std::max(farthest, length(p));
-		for (int k = 0; k < kSides && farthest > side && !polygon.empty(); ++k)
-			keepBelow(polygon, std::cos(2 * kPi * k / kSides) * u + std::sin(2 * kPi * k / kSides) * v, side);
+		for (std::size_t k = 0; k < kSides && farthest > side && !polygon.empty(); ++k)
+			keepBelow(polygon, sides[k].first * u + sides[k].second * v, side);
 		if (polygon.empty()) continue;
 		Vec3 area;
 		for (std::size_t k = 2; k < polygon.size(); ++k)

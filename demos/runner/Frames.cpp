@@ -26,9 +26,8 @@ constexpr std::size_t kLargestMarkers = 40, kCrowd = 100;
 // Ground lines a decade under the picture's size; where they fade.
 constexpr double kGridShare = 0.1, kFadeShare = 4.2;
 constexpr double kExactShare = 1e-5;  // of the smallest radius: errors that small have one colour
-constexpr const char* kFootnote =
-	"Coloured: the surface patches that answered, by certified error. Red: contact points, and which way the one body "
-	"pushes the other.";
+constexpr const char* kColorsMean = "Coloured: the surface patches that answered, by certified error. ";
+constexpr const char* kArrowsMean = "Red: contact points, and which way the one body pushes the other.";
 
 constexpr Color kGhostColor = {0.5f, 0.55f, 0.65f, 0.12f};
 // Of an exploded picture: between bodies, of what it shows; between a body's patches, of the way to their middle.
@@ -237,7 +236,7 @@ Image FramePainter::overview(const FrameMoment& moment, const FrameAnswer& answe
 	text.lines = lines;
 	text.footer =
 		fmt::format("step {} of {}, t = {:.3f} s", moment.step, m_subject.steps, double(moment.step) * m_subject.dt);
-	text.footnote = kFootnote;
+	text.footnote = (legendOf(m_subject, answer).empty() ? "" : kColorsMean) + std::string(kArrowsMean);
 	drawOverlay(image, text);
 	return image;
 }

@@ -151,11 +151,11 @@ private:
 	Mat3 m_rotation;
 };
 
-template <class Value>
-double over(const std::vector<ReplayRow>& rows, double p, const Value& value)
+template <class Row, class Value>
+double over(const std::vector<Row>& rows, double p, const Value& value)
 {
 	std::vector<double> values;
-	for (const ReplayRow& row : rows) values.push_back(value(row));
+	for (const Row& row : rows) values.push_back(value(row));
 	return quantile(std::move(values), p);
 }
 
@@ -193,11 +193,16 @@ TouchingPoses touchingPoses(const Hierarchy& a, const Hierarchy& b, double toler
 	return poses;
 }
 
+ContactMetric limitMetric(double share)
+{
+	return share > 0 ? ContactMetric::errorShare(share) : ContactMetric::exactly();
+}
+
 LimitRow measureLimit(const Hierarchy& a, const Hierarchy& b, double share, double tolerance,
 					  const TouchingPoses& poses)
 {
 	ReplayOptions options;
-	options.metric = share > 0 ? ContactMetric::errorShare(share) : ContactMetric::exactly();
+	options.metric = limitMetric(share);
 	options.tolerance.value = tolerance;
 	if (share == 0) options.gapError = cli::Length{0, false, "0"};  // as a certified limit asks for the gap, too
 	PairQueries queries({&a, &b}, options);
@@ -214,11 +219,20 @@ LimitRow measureLimit(const Hierarchy& a, const Hierarchy& b, double share, doub
 		limit.broken += error > rows.back().errorBound + poses.bounds[i] + kRounding * radius;
 	}
 	limit.tests = over(rows, 0.5, [](const ReplayRow& row) { return double(row.tests()); });
-	limit.microseconds = over(rows, 0.5, [](const ReplayRow& row) { return row.queryMicroseconds; });
-	limit.p95 = over(rows, 0.95, [](const ReplayRow& row) { return row.queryMicroseconds; });
-	limit.gapMicroseconds = over(rows, 0.5, [](const ReplayRow& row) { return row.gapMicroseconds; });
 	limit.contacts = over(rows, 0.5, [](const ReplayRow& row) { return double(row.contacts); });
 	return limit;
+}
+
+void timeLimit(LimitRow& limit, Peer& dispatch, double tolerance, const TouchingPoses& poses, const RowClock& clock)
+{
+	PoseSample sample;
+	sample.dt = clock.dt;
+	sample.tolerance = tolerance;
+	for (std::size_t i = 0; i < poses.rows.size(); ++i) sample.rows.push_back(recordedRow(poses.rows, i, clock));
+	const std::vector<PeerAnswer> answers = dispatch.pass(sample);
+	const auto time = [](const PeerAnswer& answer) { return answer.microseconds; };
+	limit.microseconds = over(answers, 0.5, time);
+	limit.p95 = over(answers, 0.95, time);
 }
 
 std::vector<double> limitShares(double own)

@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "clod/hierarchy/Hierarchy.h"
+#include "clod/query/ContactMetric.h"
+#include "demos/peers/Peer.h"
 #include "demos/scenes/Poses.h"
 
 namespace clod::demo
@@ -29,12 +31,15 @@ struct LimitRow
 	double error = 0;                  // the largest true error of a row's gap
 	std::size_t broken = 0;            // rows whose error is larger than their own bound
 	double tests = 0;                  // hulls and boxes compared, median
-	double microseconds = 0, p95 = 0;  // of a row's contacts
+	double microseconds = 0, p95 = 0;  // of the pair's whole dispatch in Bullet: what a step pays for it
 	double contacts = 0;               // touching pairs of patches, median
-	double gapMicroseconds = 0;        // of contacts, gap and certificate, median
 };
+ContactMetric limitMetric(double share);
+// All but the times.
 LimitRow measureLimit(const Hierarchy& a, const Hierarchy& b, double share, double tolerance,
 					  const TouchingPoses& poses);
+// The times: `dispatch` is asked once at every pose, in order.
+void timeLimit(LimitRow& limit, Peer& dispatch, double tolerance, const TouchingPoses& poses, const RowClock& clock);
 // Those that are tried: from 10 % of the radius down to exact, and the caller's own; coarsest first.
 std::vector<double> limitShares(double own);
 

@@ -14,6 +14,8 @@ namespace clod::demo
 namespace
 {
 constexpr double kSmallestPercent = 0.001;  // of errors on a logarithmic axis
+constexpr const char* kWhatATimeIs =
+	"A time is what a step pays for the pair in Bullet: contacts and their points, without the solver.";
 constexpr double kLeastOverlapPercent = 0.01, kSmallestMilliseconds = 0.01;  // on theirs
 
 std::string percent(double share)
@@ -143,11 +145,10 @@ struct FamilyLook
 {
 	const char *family, *name, *color;
 };
-constexpr FamilyLook kLooks[] = {{"clod", "CLOD, contacts", "#56B4E9"},
-								 {"clod-dispatch", "CLOD in Bullet, a dispatch", "#000000"},
-								 {"gimpact", "GImpact, a dispatch", "#D55E00"},
-								 {"vhacd", "V-HACD hulls, a dispatch", "#009E73"},
-								 {"hull", "convex hulls, a dispatch", "#0072B2"}};
+constexpr FamilyLook kLooks[] = {{"clod-dispatch", "CLOD", "#000000"},
+								 {"gimpact", "GImpact", "#D55E00"},
+								 {"vhacd", "V-HACD hulls", "#009E73"},
+								 {"hull", "convex hulls", "#0072B2"}};
 
 std::string tradeoffOf(const Trial& trial)
 {
@@ -157,8 +158,8 @@ std::string tradeoffOf(const Trial& trial)
 	plot.title = fmt::format("{} poses of {}, tumbling over each other in contact; errors of {:g} % or less are drawn as "
 							 "that. Who leaves open how deep an overlap is has times in the table alone.",
 							 tradeoff.rows, trial.pair, kSmallestPercent);
-	plot.description = "The table below the plot has every point.";
-	plot.xAxis = "median time, microseconds (left is faster)";
+	plot.description = std::string("The table below the plot has every point. ") + kWhatATimeIs;
+	plot.xAxis = "median time of a step for the pair, microseconds (left is faster)";
 	plot.yAxis = "error of the gap, 95 %, in % of the radius";
 	plot.isXLogarithmic = plot.isYLogarithmic = true;
 	plot.smallestY = kSmallestPercent;
@@ -197,7 +198,7 @@ std::string recommendationsOf(const Trial& trial)
 	if (a.isFound)
 		text += fmt::format(
 			"<h3>For an accuracy of {}</h3><pre><code>shape.setMetric({});</code></pre><p>{}; {:.0f} hulls and boxes "
-			"compared and {:.0f} us for contacts in the median, {:.0f} us in 95 %. On {} fresh poses: {}; {}.</p>\n",
+			"compared and {:.0f} us a step in the median, {:.0f} us in 95 %. On {} fresh poses: {}; {}.</p>\n",
 			percent(a.wanted), codeOf(a.chosen.share),
 			a.chosen.share > 0 ? "Certified to " + limitName(a.chosen.share) + " of the smaller radius"
 							   : std::string("Exact, as nothing coarser is cheaper here"),
@@ -205,7 +206,7 @@ std::string recommendationsOf(const Trial& trial)
 			outcome(a.keepsAccuracy(), fmt::format("largest error {}, largest certified {}", percent(a.fresh.error),
 												   percent(a.fresh.certified))),
 			outcome(a.keepsCost(), fmt::format("{:.0f} compared in the median", a.fresh.tests)));
-	text += fmt::format("<h3>For a cost of {:g} us a pair</h3>", c.wanted);
+	text += fmt::format("<h3>For a cost of {:g} us a step</h3>", c.wanted);
 	if (!c.isFound) return text + "<p>No setting is so cheap here: see the cheapest in the table below.</p>\n";
 	return text + fmt::format(
 					  "<pre><code>shape.setMetric({});</code></pre><p>{:.0f} us in the median where it was chosen, "
@@ -220,17 +221,14 @@ std::string recommendationsOf(const Trial& trial)
 std::string limitsOf(const Trial& trial)
 {
 	HtmlTable table{
-		fmt::format("Every certified limit on {} poses of {} about to touch. The gap costs more where hulls "
-					"overlap; a simulation does not ask for it.",
-					trial.poses, trial.pair),
-		{"limit", "largest true error", "largest certified", "hulls and boxes compared", "contacts, us", "95 %",
-		 "with the gap, us", "touching pairs of patches"},
+		fmt::format("Every certified limit on {} poses of {} about to touch. {}", trial.poses, trial.pair, kWhatATimeIs),
+		{"limit", "largest true error", "largest certified", "hulls and boxes compared", "a step, us", "95 %",
+		 "touching pairs of patches"},
 		{}};
 	for (const LimitRow& limit : trial.limits)
 		table.rows.push_back({limitName(limit.share), percent(limit.error), percent(limit.certified),
 							  fmt::format("{:.0f}", limit.tests), fmt::format("{:.1f}", limit.microseconds),
-							  fmt::format("{:.1f}", limit.p95), fmt::format("{:.1f}", limit.gapMicroseconds),
-							  fmt::format("{:.0f}", limit.contacts)});
+							  fmt::format("{:.1f}", limit.p95), fmt::format("{:.0f}", limit.contacts)});
 	return "<details><summary>All settings</summary>" + toHtml(table) + "</details>\n";
 }
 
@@ -258,8 +256,7 @@ nlohmann::ordered_json toJson(const LimitRow& limit)
 			{"largest_certified", limit.certified},
 			{"broken", limit.broken},
 			{"tests", limit.tests},
-			{"contacts_us", {{"median", limit.microseconds}, {"p95", limit.p95}}},
-			{"gap_us", limit.gapMicroseconds}};
+			{"dispatch_us", {{"median", limit.microseconds}, {"p95", limit.p95}}}};
 }
 
 nlohmann::ordered_json toJson(const Recommendation& r)
@@ -342,7 +339,7 @@ std::string printable(const Trial& trial)
 				"the accuracy holds, but {:.2g} times the hulls and boxes are compared than where it was chosen",
 				r.fresh.tests / r.chosen.tests);
 		if (!r.keepsAccuracy()) kept = "DOES NOT HOLD";
-		return fmt::format("for {}: {}; on {} fresh poses error {}, {:.0f} us a pair: {}\n", wanted,
+		return fmt::format("for {}: {}; on {} fresh poses error {}, {:.0f} us a step: {}\n", wanted,
 						   codeOf(r.chosen.share), r.rows, percent(r.fresh.error), r.fresh.microseconds, kept);
 	};
 	return text + line(trial.accuracy, "an accuracy of " + percent(trial.accuracy.wanted)) +

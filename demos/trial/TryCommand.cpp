@@ -14,6 +14,7 @@
 #include "cli/Files.h"
 #include "cli/MeshPath.h"
 #include "cli/Progress.h"
+#include "demos/peers/BulletPeers.h"
 #include "demos/peers/PeerShapes.h"
 #include "demos/peers/Roster.h"
 #include "demos/runner/Commands.h"
@@ -227,19 +228,29 @@ TouchingPair pairOf(Trial& trial)
 	return {trial.meshes.front().hierarchy, trial.meshes[trial.meshes.size() > 1 ? 1 : 0].hierarchy};
 }
 
+PairFrame frameOf(const Trial& trial, const TouchingPair& pair)
+{
+	return pairFrame(*pair.a, *pair.b, trial.scene.info.worldScale, trial.tolerance);
+}
+
+RowClock clockOf(const Trial& trial)
+{
+	return {trial.scene.info.dt, true};
+}
+
 void compare(Trial& trial, const TouchingPair& pair, const TouchingPoses& made, const Preparation& preparation,
 			 HierarchyCache& cache, const Effort& effort, cli::Progress& progress)
 {
 	// Of a fall most rows are at rest, where every setting of ours costs the same next to nothing.
-	const SampleRules rules{trial.tolerance, {trial.scene.info.dt, true}, 0, effort.tradeoffRows};
+	const SampleRules rules{trial.tolerance, clockOf(trial), 0, effort.tradeoffRows};
 	ExactSample sample =
 		takeSample(pair.a, pair.b, made.rows, rules, [&](double f) { progress.update("exact answers", f); });
 	if (sample.exact.empty()) return;
 	RosterOptions roster;
-	roster.families = {"clod", "clod-dispatch", "gimpact", "vhacd"};
+	roster.families = {"clod-dispatch", "gimpact", "vhacd"};
 	roster.hullCounts = {kPeerHulls};
 	roster.decimations = 1;
-	roster.frame = pairFrame(*pair.a, *pair.b, trial.scene.info.worldScale, trial.tolerance);
+	roster.frame = frameOf(trial, pair);
 	Roster all = makeRoster({pair.a, pair.b, std::nan("")}, cache, preparation, roster,
 							[&](const std::string& phase, double fraction) { progress.update(phase, fraction); });
 	PeerInfo hull;
@@ -262,11 +273,20 @@ void recommend(Trial& trial, const TouchingPair& pair, const TouchingPoses& choo
 	trial.accuracy.wanted = accuracy.inMeshUnit(radius) / radius;
 	trial.cost.wanted = options.cost;
 	trial.poses = choosing.rows.size();
+	const auto measured = [&](double share, const TouchingPoses& poses)
+	{
+		LimitRow limit = measureLimit(*pair.a, *pair.b, share, trial.tolerance, poses);
+		Threshold threshold;
+		threshold.metric = limitMetric(share);
+		timeLimit(limit, *clodDispatch({}, pair.a, pair.b, threshold, frameOf(trial, pair)), trial.tolerance, poses,
+				  clockOf(trial));
+		return limit;
+	};
 	const std::vector<double> shares = limitShares(trial.accuracy.wanted);
 	for (std::size_t i = 0; i < shares.size(); ++i)
 	{
 		progress.update("settings", double(i) / double(shares.size()));
-		trial.limits.push_back(measureLimit(*pair.a, *pair.b, shares[i], trial.tolerance, choosing));
+		trial.limits.push_back(measured(shares[i], choosing));
 	}
 	const TouchingPoses fresh = touchingPoses(*pair.a, *pair.b, trial.tolerance, effort.fresh, options.common.seed,
 											  [&](double f) { progress.update("fresh poses", f); });
@@ -276,7 +296,7 @@ void recommend(Trial& trial, const TouchingPair& pair, const TouchingPoses& choo
 		if (!recommendation.isFound) return;
 		recommendation.chosen = *limit;
 		recommendation.rows = fresh.rows.size();
-		recommendation.fresh = measureLimit(*pair.a, *pair.b, limit->share, trial.tolerance, fresh);
+		recommendation.fresh = measured(limit->share, fresh);
 	};
 	check(trial.accuracy, cheapestWithin(trial.limits, trial.accuracy.wanted));
 	progress.update("checking on fresh poses", 0.5);
@@ -358,7 +378,7 @@ void addTryCommand(CLI::App& program)
 	command->add_flag("--quick", options->quick, "Three minutes instead of all poses and passes");
 	command->add_flag("--no-film", options->noFilm, "No pictures, which take most of the time");
 	cli::addLength(*command, "--accuracy", options->accuracy, "What the recommended setting has to keep [0.5%]");
-	command->add_option("--cost-us", options->cost, "Microseconds that a touching pair may cost")
+	command->add_option("--cost-us", options->cost, "Microseconds that a touching pair may cost a step: its contacts and their points, not the solver")
 		->type_name("US")
 		->check(between(0.1, 1e7))
 		->capture_default_str();

@@ -107,6 +107,10 @@ TEST(AssembleNearest, AFaceGoesToThePatchTurnedItsWay)
 	EXPECT_NEAR(top.distance, 0.06, 1e-8);  // floats
 	EXPECT_EQ(bottom.patch, 1u);
 	EXPECT_EQ(nearest.at({0.2, -0.04, 0.1}, {0, 1, 0}).patch, 1u);
+	// A patch that no face is nearest to is given a piece at its middle, on its own side.
+	Vec3 normal;
+	EXPECT_LT(length(nearest.middleOf(0, normal) - Vec3{0, 0.05, 0}), 0.2);  // middles are those of balls round faces
+	EXPECT_LT(length(normalized(normal) - Vec3{0, 1, 0}), 1e-6);
 }
 
 TEST(AssembleDistance, AgreesWithABoxAndNeverUnderestimates)

@@ -5,7 +5,9 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -16,6 +18,7 @@
 #include "cli/Files.h"
 #include "cli/Length.h"
 #include "cli/MeshPath.h"
+#include "cli/Progress.h"
 #include "cli/Suggestion.h"
 #include "tests/builder/ObjText.h"
 #include "tests/support/ChildProgram.h"
@@ -384,6 +387,49 @@ TEST(CliLength, IsReadAsWritten)
 	EXPECT_EQ(cli::parseLength("1%").value().inMeshUnit(7), 0.07);
 	for (const char* bad : {"", "mm", "1 mm", "-1mm", "nan", "inf", "1parsec", "1,5mm", "0x1"})
 		EXPECT_FALSE(bool(cli::parseLength(bad))) << bad;
+}
+
+// What is written where no terminal is: a line a phase, however often it is told.
+class CliProgress : public ::testing::Test
+{
+protected:
+	std::string said(bool terminal) const
+	{
+		std::FILE* const stream = std::fopen(m_folder.file("said").c_str(), "w");
+		{
+			cli::Progress progress(stream, terminal);
+			for (int i = 0; i <= 1000; ++i) progress.update("first", i / 1000.0);
+			progress.update("second", 0.3);
+			progress.finish();
+			progress.finish();
+			std::fputs("other words\n", stream);
+		}
+		std::fclose(stream);
+		return readText(m_folder.file("said"));
+	}
+
+private:
+	TemporaryFolder m_folder;
+};
+
+TEST_F(CliProgress, IsALineAPhaseInALog)
+{
+	const std::string text = said(false);
+	EXPECT_EQ(text.rfind("first: ", 0), 0u) << text;
+	EXPECT_NE(text.find(" s\nsecond: "), std::string::npos) << text;
+	EXPECT_NE(text.find(" s\nother words\n"), std::string::npos) << text;
+	EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 3) << text;
+}
+
+TEST_F(CliProgress, IsABarOnATerminal)
+{
+	const std::string text = said(true);
+	EXPECT_EQ(text.rfind("\rfirst ", 0), 0u) << text;
+	EXPECT_NE(text.find("[##############################] 100 %"), std::string::npos) << text;
+	EXPECT_NE(text.find("[#########.....................]  30 %"), std::string::npos) << text;
+	EXPECT_NE(text.find("\nother words\n"), std::string::npos) << "it starts at the left margin";
+	EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 3) << text;
+	EXPECT_LE(std::count(text.begin(), text.end(), '\r'), 10) << "drawn at most so often a second";
 }
 
 TEST(CliSuggestion, FindsTheNearest)

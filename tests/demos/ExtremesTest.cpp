@@ -275,6 +275,12 @@ TEST_F(Extremes, TheCommandWritesEverything)
 			if (cell["verdict"] != "not applicable") isSomething[cell["quantity"]] |= cell["value"] != 0;
 		for (const auto& [quantity, is] : isSomething)
 			EXPECT_TRUE(is || mayBeNothing.count(quantity)) << row["id"] << ": " << quantity;
+		const auto isOfOurs = [](const json& cell)
+		{
+			const std::string collider = cell["collider"];
+			return cell["verdict"] != "not applicable" && (collider == "exact" || collider == "0.5 %" || collider == "3.5 %");
+		};
+		EXPECT_TRUE(std::any_of(row["cells"].begin(), row["cells"].end(), isOfOurs)) << row["id"] << " says nothing of ours";
 	}
 	for (const char* verdict : {"holds", "as Bullet", "limit", "outside"})
 		EXPECT_EQ(report["counts"][verdict], counts[verdict]) << verdict;
@@ -284,6 +290,9 @@ TEST_F(Extremes, TheCommandWritesEverything)
 	const std::string map = readText(path("first/extremes.svg"));
 	EXPECT_EQ(map.compare(0, 4, "<svg"), 0);
 	EXPECT_NE(map.find("overlap"), std::string::npos);
+	const std::regex share(">0[.][0-9][0-9]( [*])?</text>");
+	EXPECT_GT(std::distance(std::sregex_iterator(map.begin(), map.end(), share), std::sregex_iterator()), 5)
+		<< "cells tell which share of its bound each reading is";
 	EXPECT_EQ(map.substr(map.size() - 7), "</svg>\n");
 	// Its page holds all of it, with room beside.
 	const auto largest = [&map](const char* number)

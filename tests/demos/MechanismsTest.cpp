@@ -171,6 +171,18 @@ TEST(MechanismLevels, AThresholdAboveThePlayLeavesAPendulumItsSwing)
 	EXPECT_GT(scene->state().outcome[0], 0.9);  // of its energy
 }
 
+// Dry stones carry each other: nothing gives by more than half of a joint's millimetre.
+TEST(MechanismArch, Stands)
+{
+	const SceneDefinition& definition = definitionOf("arch");
+	const auto scene = makeScene(definition, settingsOf(definition.info));
+	for (int step = 0; step < 60; ++step) scene->step();
+	const std::vector<double> outcome = scene->state().outcome;
+	EXPECT_LT(outcome[0], 0.0005) << "sliding";
+	EXPECT_GT(outcome[2], 0.0005) << "joint";
+	EXPECT_LT(std::fabs(outcome[3]), 0.0005) << "drop of the crown";
+}
+
 // A body moved by its own play into its neighbour is seen.
 TEST(MechanismChecks, SeePlantedOverlaps)
 {

@@ -253,6 +253,41 @@ TEST_F(RenderTest, GroundIsAlikeRoundAnyPlaceOfItsGrid)
 	EXPECT_LT(differingPixels(renderer->render(frame), here), size_t(WIDTH * HEIGHT / 100));
 }
 
+// So that patches can be found in the legend, whatever the light.
+TEST_F(RenderTest, APatchIsNearerToItsColourThanABody)
+{
+	const Color color{0.3f, 0.6f, 0.5f, 1};
+	const auto difference = [&]
+	{
+		const Color seen = renderer->render(frame).at(WIDTH / 2, HEIGHT / 2);
+		return std::fabs(seen.r - color.r) + std::fabs(seen.g - color.g) + std::fabs(seen.b - color.b);
+	};
+	add(square(0.1, 0), color);
+	const float ofBody = difference();
+	EXPECT_GT(ofBody, 0.05f);
+	frame.patches.push_back({{}, squarePatch(0.1, 0, color), true});
+	EXPECT_LT(difference(), 0.6f * ofBody);
+}
+
+// A ridge of 20 degrees along x: smooth shading goes on over it, flat shading does not; a crease stays one.
+TEST_F(RenderTest, SmoothShadingGoesOnOverAShallowRidge)
+{
+	const auto changeOverAFace = [&](double fall, Shading shading)
+	{
+		const RenderMesh ridge = {{{-0.2, 0, 0}, {0.2, 0, 0}, {0.2, 0.2, -fall}, {-0.2, 0.2, -fall}, {-0.2, -0.2, -fall}, {0.2, -0.2, -fall}},
+								  {{0, 1, 2}, {0, 2, 3}, {4, 5, 1}, {4, 1, 0}},
+								  {}};
+		const auto id = renderer->addMesh(ridge, shading);
+		EXPECT_TRUE(id) << id.error();
+		frame.instances = {{id.value(), {}, {0.5f, 0.5f, 0.5f, 1}, false}};
+		const Image image = renderer->render(frame);
+		return std::fabs(image.at(WIDTH / 2, HEIGHT / 2 + 4).g - image.at(WIDTH / 2, HEIGHT / 2 + 60).g);
+	};
+	EXPECT_LT(changeOverAFace(0.035, Shading::Flat), 0.008f);
+	EXPECT_GT(changeOverAFace(0.035, Shading::Smooth), 0.02f);
+	EXPECT_LT(changeOverAFace(0.2, Shading::Smooth), 0.02f);
+}
+
 TEST_F(RenderTest, SameFrameSameBytes)
 {
 	frame.camera = orbitCamera({0, 0.02, 0}, 0.12, 30, 25);
@@ -301,6 +336,14 @@ TEST(RenderColors, LevelsGrowBrighterAndDiffer)
 	const Color only = levelColor(0, 1);
 	EXPECT_FLOAT_EQ(only.r, levelColor(0, 5).r);
 	EXPECT_NE(variedByIndex(only, 1).r, variedByIndex(only, 2).r);
+	// Shades of a colour: neither black nor white, and never far from it.
+	for (const float channel : {0.0f, 0.5f, 1.0f})
+		for (std::size_t index = 0; index < 200; ++index)
+		{
+			const float shade = variedByIndex({channel, channel, channel, 1}, index).r;
+			EXPECT_NEAR(shade, channel, 0.1201f) << index;
+			EXPECT_TRUE(shade >= 0 && shade <= 1) << index << " of " << channel << ": " << shade;
+		}
 }
 
 TEST(RenderImages, ReducedAndResizedKeepTheMean)

@@ -193,6 +193,43 @@ TEST_F(TrialPoses, ALimitIsMeasuredAgainstTheExactGaps)
 	EXPECT_EQ(measureLimit(*torus, *torus, 0.05, tolerance, poses).broken, 1u);
 }
 
+// Answers with the times that it is told, and remembers what it was asked.
+class KnownTimes : public Peer
+{
+public:
+	explicit KnownTimes(std::vector<double> times) : Peer({}), m_times(std::move(times)) {}
+	std::vector<PeerAnswer> pass(const PoseSample& sample) override
+	{
+		asked = sample;
+		std::vector<PeerAnswer> answers(m_times.size());
+		for (std::size_t i = 0; i < answers.size(); ++i) answers[i].microseconds = m_times[i];
+		return answers;
+	}
+	PoseSample asked;
+
+private:
+	std::vector<double> m_times;
+};
+
+TEST(TrialLimit, IsTimedOnceAtEveryPoseInMotion)
+{
+	TouchingPoses poses;
+	poses.rows.resize(3);
+	for (int i = 0; i < 3; ++i) poses.rows[std::size_t(i)].step = i == 2 ? 1000 : i;
+	poses.rows[1].b.position = {1, 0, 0};
+	KnownTimes dispatch({7, 1, 3});
+	LimitRow limit;
+	timeLimit(limit, dispatch, 0.5, poses, {0.25, true});
+	EXPECT_EQ(limit.microseconds, 3);
+	EXPECT_NEAR(limit.p95, 6.6, 0.41);
+	ASSERT_EQ(dispatch.asked.measured(), 3u);
+	EXPECT_EQ(dispatch.asked.tolerance, 0.5);
+	EXPECT_EQ(dispatch.asked.dt, 0.25);
+	EXPECT_EQ(dispatch.asked.rows[1].before.b.position, Vec3{});
+	EXPECT_EQ(dispatch.asked.rows[1].seconds, 0.25);
+	EXPECT_GT(dispatch.asked.rows[2].seconds, 100) << "elsewhere, not fast";
+}
+
 class TryCommand : public RunnerCommand
 {
 protected:
@@ -226,10 +263,12 @@ TEST_F(TryCommand, ReportsOnMeshesOfAnyUnit)
 	{
 		EXPECT_TRUE(report[kind]["keeps_accuracy"]) << report[kind];
 		EXPECT_TRUE(report[kind]["keeps_cost"]) << report[kind];
+		EXPECT_GT(report[kind]["fresh"]["dispatch_us"]["median"].get<double>(), 0.1);
 	}
 	const std::string page = readText(path("metres/report.html"));
 	EXPECT_EQ(page.find("http"), std::string::npos) << "the page must need nothing else";
 	EXPECT_EQ(page.find("<script"), std::string::npos);
+	EXPECT_EQ(page.find("<title></title>"), std::string::npos) << "every plot says what it shows";
 	EXPECT_NE(page.find("setMetric(clod::ContactMetric::"), std::string::npos);
 	EXPECT_NE(page.find("poses of cup and torus"), std::string::npos) << "the trade-off is of these two";
 	EXPECT_NE(page.find("V-HACD"), std::string::npos) << "where it is missing, the page says what to do";

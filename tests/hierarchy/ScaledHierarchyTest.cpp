@@ -121,6 +121,10 @@ TEST(ScaledHierarchy, BoundsAreNoLessThanProvedAndHardlyMore)
 			}
 			EXPECT_LE(double(b.thickness), largest * double(a.thickness));
 			EXPECT_GE(double(b.thickness), 0.999 * smallest * double(a.thickness) - rounding);
+			// Nor is a box larger than the image of the one before.
+			const auto &boxBefore = from.cullBox(i).half, &boxAfter = to->cullBox(i).half;
+			for (int k = 0; smallest == largest && k < 3; ++k)
+				EXPECT_LE(double(boxAfter[k]), 1.001 * largest * double(boxBefore[k]) + 100 * rounding);
 		}
 	}
 }

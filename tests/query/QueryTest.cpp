@@ -238,15 +238,16 @@ TEST(Query, PrunesNothingWithinTheTolerance)
 		}
 }
 
-TEST(Query, LargerThresholdNeverOpensMore)
+TEST(Query, LargerThresholdNeverOpensMoreNorLooksAtFinerLevels)
 {
 	Random random(10);
+	std::uint32_t coarsest = 0;
 	for (const BodyPair& pair : pairs())
 		for (int i = 0; i < 6; ++i)
 		{
 			const double radius = smallerRadius(pair.a, pair.b);
 			const Transform pose = poseWithGap(random, pair.a, pair.b, stratifiedGap(random, i));
-			std::uint32_t opened = kNone;
+			std::uint32_t opened = kNone, touched = 0;
 			for (double s0 = 1e-5; s0 < 10; s0 *= 2)
 			{
 				Settings settings;
@@ -255,8 +256,15 @@ TEST(Query, LargerThresholdNeverOpensMore)
 				const GapResult result = fresh(pair, pose, settings);
 				EXPECT_LE(result.stats.frontInner, opened);
 				opened = result.stats.frontInner;
+				const std::uint32_t finest = result.stats.touchedFinestLevel;
+				EXPECT_GE(finest, touched);
+				for (const Contact& contact : result.contacts)
+					EXPECT_LE(finest, std::min(pair.a.hierarchy->node(contact.nodeA).level, pair.b.hierarchy->node(contact.nodeB).level));
+				touched = finest;
 			}
+			coarsest = std::max(coarsest, touched);
 		}
+	EXPECT_GT(coarsest, 0u);
 }
 
 TEST(Query, OneBodyInsideTheOtherIsNeverApart)
