@@ -15,7 +15,7 @@ namespace
 constexpr double kDepthStep = 1.0 / 240;  // s: a step in which kTakenBackShare of a depth is taken back; as much a second
 										  // in longer ones,
 constexpr double kMostDepthShare = 0.6;   // but no more than this
-constexpr double kClosedShare = 0.07;     // of a gap within WorldFrame::restingGap: what a point that carries closes a step
+constexpr double kClosedShare = 0.02;     // of a gap within WorldFrame::restingGap: what a point that carries closes a step
 
 // A rebound of e v, whatever share of the step is left when the bodies touch, and with what pulls them together in the
 // step: speed is what they close with now, `pull` what they gain a second, distance what they have to go.
