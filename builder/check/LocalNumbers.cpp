@@ -23,7 +23,7 @@ constexpr double kScaledArea = 2;
 constexpr double kRadius = 1e-5;     // the stored radius may exceed the one that caps were cut at
 constexpr double kFacing = 0.2;      // faces turned farther from the contact normal end a contact area
 constexpr double kCapShare = 0.25;   // of the radius
-constexpr std::size_t kSides = 64;           // of the polygons that stand for discs here
+constexpr std::size_t kSides = 64;   // of the polygons that stand for discs here
 const double kPi = std::acos(-1.0);
 
 Vec3 areaVector(const Triangle& t)

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "clod/schedule/BudgetControl.h"
-#include "clod/query/ContactMetric.h"
 #include "clod/distance/SignedGap.h"
+#include "clod/query/ContactMetric.h"
+#include "clod/schedule/BudgetControl.h"
 #include "cli/Length.h"
 #include "demos/runner/Motion.h"
 #include "demos/scenes/CameraPath.h"
