@@ -77,6 +77,23 @@ TEST(ContactReducer, WhatCarriedComesBeforeWhatIsLower)
 	EXPECT_EQ(next.slots[0].points[0].impulse, 5);
 }
 
+TEST(ContactReducer, TheDeepestIsAmongThemHoweverManyCarry)
+{
+	std::vector<Facet> facets;
+	for (int i = 0; i < 40; ++i)
+	{
+		facets.push_back(facetAt({0.1 * i, 0, 0}));
+		facets.back().multiplier = 1 + i;
+	}
+	facets.push_back(facetAt({-1, 0, 0}, -0.01));
+	const ClusterSet next = reduced(facets, 0);
+	int deep = 0;
+	for (const ContactCluster& cluster : next.slots)
+		for (int i = 0; i < cluster.count; ++i) deep += cluster.points[std::size_t(i)].point.pointOnA.x < 0;
+	EXPECT_EQ(deep, 1);
+	EXPECT_EQ(next.pointCount(), kMaxClusters * kClusterPoints);
+}
+
 TEST(PairSolve, AnImpulseBesideBothCentresTurnsBothBodies)
 {
 	FacetQuestion question{};

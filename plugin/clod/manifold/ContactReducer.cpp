@@ -121,8 +121,16 @@ void ContactReducer::choose()
 	// Friction, which nobody has solved for yet, may turn the bodies so that no other row holds them.
 	for (std::uint32_t i = 0; i < m_candidates.size(); ++i)
 		if ((*m_points)[i].isOfMiddle) take(i);
-	for (const std::uint32_t i : m_order)
-		if (m_chosen.size() < kMostPoints && !m_candidates[i].isChosen && m_candidates[i].apart >= kCarrySpacing) take(i);
+	// What is deepest tells how deep the bodies are, whoever carries.
+	std::uint32_t deepest = kNone;
+	for (std::uint32_t i = 0; i < m_candidates.size(); ++i)
+		if (m_isNeeded[i] && (*m_facets)[i].distance < (deepest == kNone ? 0 : (*m_facets)[deepest].distance)) deepest = i;
+	const auto takeApart = [&](std::uint32_t i, std::uint32_t most)
+	{
+		if (m_chosen.size() < most && !m_candidates[i].isChosen && m_candidates[i].apart >= kCarrySpacing) take(i);
+	};
+	for (const std::uint32_t i : m_order) takeApart(i, deepest == kNone ? kMostPoints : kMostPoints - 1);
+	if (deepest != kNone) takeApart(deepest, kMostPoints);
 	// Lowest first where nothing is chosen yet.
 	const auto lowest = [&](std::uint32_t i) { return std::min((*m_facets)[i].distance, (*m_facets)[i].then); };
 	while (m_chosen.size() < kMostPoints)

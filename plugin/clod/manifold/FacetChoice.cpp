@@ -17,8 +17,8 @@ constexpr double kSamePlace = 2e-3;       // of the length
 // A point deep inside the wedge of four half-spaces through two points: where the smallest distance to them is large.
 Vec3 deepPoint(const Vec3 (&normal)[4], const double (&offset)[4], const Vec3& start, double size)
 {
-	Vec3 point = start;
-	double step = 0.5 * size;
+	Vec3 point = start, best = start;
+	double step = 0.5 * size, least = 1e300;
 	for (int round = 0; round < 24; ++round)
 	{
 		int worst = 0;
@@ -32,10 +32,15 @@ Vec3 deepPoint(const Vec3 (&normal)[4], const double (&offset)[4], const Vec3& s
 				worst = i;
 			}
 		}
+		if (highest < least)
+		{
+			least = highest;
+			best = point;
+		}
 		point -= step * normal[worst];
 		step *= 0.85;
 	}
-	return point;
+	return best;
 }
 }  // namespace
 
