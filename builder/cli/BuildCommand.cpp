@@ -88,7 +88,7 @@ std::string nextStep(Reason reason, const BuildOptions& options)
 		case Reason::noSuchPart:
 			return "\n  Try: clod-build parts " + cli::shellWord(cli::meshPath(options.mesh).file);
 		case Reason::limit:
-			return options.repair ? command("--wrap 2%") : "";
+			return options.repair || options.wrap ? command("--wrap 2%") : "";
 		case Reason::unreadable:
 		case Reason::syntax:
 		{

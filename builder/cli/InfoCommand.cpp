@@ -12,6 +12,7 @@
 #include "builder/cli/Commands.h"
 #include "builder/cli/PieceCounts.h"
 #include "cli/Files.h"
+#include "cli/MeshPath.h"
 #include "cli/Program.h"
 
 namespace clod::builder
@@ -103,8 +104,14 @@ void addFileFrame(CLI::App& command, FileFrame& frame)
 std::shared_ptr<const Hierarchy> loadHierarchy(const std::string& path)
 {
 	const auto hierarchy = Hierarchy::load(path);
-	if (!hierarchy) throw Failure(ExitCode::badInput, path + ": " + hierarchy.error());
-	return hierarchy.value();
+	if (hierarchy) return hierarchy.value();
+	std::string told = hierarchy.error();
+	std::filesystem::path built = path;
+	built.replace_extension(".clod");
+	std::error_code error;
+	if (built != path && std::filesystem::is_regular_file(path, error))
+		told += fmt::format("\n  Try: clod-build build {} -o {}", cli::shellWord(path), cli::shellWord(built.string()));
+	throw Failure(ExitCode::badInput, told);
 }
 
 void writeReport(const std::string& path, const nlohmann::ordered_json& report)

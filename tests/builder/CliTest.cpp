@@ -275,7 +275,7 @@ TEST_F(Cli, RepairSaysWhatItDidAndHowFarItMoved)
 				   "--json", path("a.json")}),
 			  0)
 		<< err();
-	EXPECT_NE(out().find("repair: 1 holes closed with 2 faces"), std::string::npos) << out();
+	EXPECT_NE(out().find("repair: 1 hole closed with 2 faces"), std::string::npos) << out();
 	EXPECT_NE(out().find("certified"), std::string::npos) << out();
 	const auto repair = nlohmann::json::parse(readText(path("a.json")))["repair"];
 	EXPECT_EQ(repair["changes"].size(), 1u) << repair;
