@@ -117,7 +117,7 @@ constexpr double kRoomRadius = 5;
 
 void nameUnit(const BuildOptions& options, double radius)
 {
-	if (options.quiet || !options.frame.unit.empty() || radius <= kRoomRadius) return;
+	if (options.quiet || options.withoutAdvice || !options.frame.unit.empty() || radius <= kRoomRadius) return;
 	fmt::print(
 		stderr,
 		"{}: its radius is {:.4g} of its own unit, which looks like millimetres; `--unit mm` makes metres of it\n",

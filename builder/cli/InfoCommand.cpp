@@ -172,9 +172,9 @@ std::string describeAsText(const Hierarchy& hierarchy, std::uint64_t fileBytes)
 						hierarchy.levels().size, contactLevelCount(hierarchy), a.triangleCount, hierarchy.nodes().size, fileBytes,
 						hierarchy.isPaperBuild() ? "; built with --paper" : "");
 	const Bytes parts = bytesOf(hierarchy, 0, std::uint32_t(hierarchy.nodes().size));
-	text += "pieces within a certified error, of one level (of mixed levels):";
+	text += "convex pieces for a certified share of the radius (levels mixed):";
 	for (const PieceCount& count : pieceCounts(hierarchy))
-		text += fmt::format(" {:g} % of the radius {} ({})", 100 * count.error, count.pieces, count.mixed) +
+		text += fmt::format(" {:g} %: {} ({})", 100 * count.error, count.pieces, count.mixed) +
 				(count.error < kErrorShares.back() ? "," : "\n");
 	const auto each = [&a](std::size_t bytes) { return double(bytes) / double(a.triangleCount); };
 	text += fmt::format(

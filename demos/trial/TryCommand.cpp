@@ -270,7 +270,7 @@ void recommend(Trial& trial, const TouchingPair& pair, const TouchingPoses& choo
 {
 	const double radius = smallerRadius(*pair.a, *pair.b);
 	const cli::Length accuracy = options.accuracy.value_or(cli::Length{kDefaultAccuracy, true, "0.5%"});
-	trial.accuracy.wanted = accuracy.inMeshUnit(radius) / radius;
+	trial.accuracy.wanted = trial.accuracy.accuracy = accuracy.inMeshUnit(radius) / radius;
 	trial.cost.wanted = options.cost;
 	trial.poses = choosing.rows.size();
 	const auto measured = [&](double share, const TouchingPoses& poses)
