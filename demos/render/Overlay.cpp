@@ -8,6 +8,8 @@
 #include <memory>
 #include <sstream>
 
+#include "demos/render/MetricLength.h"
+
 namespace clod::demo
 {
 namespace
@@ -197,10 +199,10 @@ void drawLegend(Canvas& canvas, const Image& image, const OverlayText& text, dou
 	}
 }
 
-// The largest of 1, 2, 5 x 10^k mm that is at most a fifth of the picture wide.
-double scaleBarMillimetres(double pixelsPerMetre, int width)
+// Metres: the largest of 1, 2, 5 x 10^k that is at most a fifth of the picture wide.
+double scaleBarLength(double pixelsPerMetre, int width)
 {
-	const double limit = 0.2 * width / pixelsPerMetre * 1000;
+	const double limit = 0.2 * width / pixelsPerMetre;
 	const double decade = std::pow(10.0, std::floor(std::log10(limit)));
 	for (const double step : {5.0, 2.0})
 		if (step * decade <= limit) return step * decade;
@@ -210,9 +212,8 @@ double scaleBarMillimetres(double pixelsPerMetre, int width)
 void drawScaleBar(Canvas& canvas, const Image& image, double pixelsPerMetre, double scale)
 {
 	if (!(pixelsPerMetre > 0)) return;
-	const double mm = scaleBarMillimetres(pixelsPerMetre, image.width), bar = mm / 1000 * pixelsPerMetre;
-	char label[32];
-	std::snprintf(label, sizeof label, "%g mm", mm);
+	const double metres = scaleBarLength(pixelsPerMetre, image.width), bar = metres * pixelsPerMetre;
+	const std::string label = metricLength(metres);
 	const Font font = {13 * scale, Weight::Normal};
 	const double labelWidth = canvas.textWidth(label, font), width = std::max(bar, labelWidth) + 2 * PAD * scale;
 	const double height = 36 * scale, x = image.width - width - PAD * scale, y = image.height - height - PAD * scale;

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "demos/render/MetricLength.h"
 #include "demos/render/Overlay.h"
 #include "tests/support/Files.h"
 
@@ -399,6 +400,14 @@ TEST(RenderImages, PngFilesHoldThePictureAndItsText)
 	EXPECT_FALSE(writePng(path, image));
 	EXPECT_FALSE(writePng(path, Image()));
 	EXPECT_FALSE(std::filesystem::exists(path));
+}
+
+TEST(RenderOverlay, UnitsFollowTheSizeOfALength)
+{
+	for (const auto& [metres, words] : {std::pair(0.0, "0 mm"), std::pair(3e-4, "0.3 mm"), std::pair(-2.5e-3, "-2.5 mm"),
+										std::pair(0.03, "3 cm"), std::pair(-0.5, "-50 cm"), std::pair(20.0, "20 m")})
+		EXPECT_EQ(metricLength(metres), words);
+	EXPECT_EQ(metricLength(1.2345e-3, 2), "1.2 mm");
 }
 
 TEST(RenderOverlay, LegendScaleBarAndTextStandInTheirCorners)
