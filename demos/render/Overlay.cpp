@@ -178,9 +178,10 @@ double rowsHeight(const std::vector<TextRow>& rows, double scale)
 	return height;
 }
 
-void drawLegend(Canvas& canvas, const Image& image, const OverlayText& text, double scale)
+// In the upper right corner. Returns the width that it takes from what stands on the left.
+double drawLegend(Canvas& canvas, const Image& image, const OverlayText& text, double scale)
 {
-	if (text.legend.empty()) return;
+	if (text.legend.empty()) return 0;
 	const Font head = {13 * scale, Weight::Bold}, body = {13 * scale, Weight::Normal};
 	const double swatch = 13 * scale, rowHeight = 19 * scale;
 	double width = canvas.textWidth(text.legendTitle, head);
@@ -197,6 +198,7 @@ void drawLegend(Canvas& canvas, const Image& image, const OverlayText& text, dou
 		canvas.box(x + PAD * scale, base - 0.85 * swatch, swatch, swatch, e.color);
 		canvas.text(e.label, x + PAD * scale + swatch + 8 * scale, base, body, INK);
 	}
+	return width + PAD * scale;
 }
 
 // Metres: the largest of 1, 2, 5 x 10^k that is at most a fifth of the picture wide.
@@ -235,14 +237,13 @@ void drawOverlay(Image& image, const OverlayText& text)
 	if (!text.subtitle.empty()) head.push_back({text.subtitle, {13 * scale, Weight::Normal}, PALE_INK});
 	for (const std::string& line : text.lines) head.push_back({line, {14 * scale, Weight::Normal}, INK});
 	const double width = image.width - 4 * PAD * scale;
-	head = wrapped(canvas, head, width);
+	head = wrapped(canvas, head, width - drawLegend(canvas, image, text, scale));
 	drawRows(canvas, head, PAD * scale, PAD * scale, scale);
 	std::vector<TextRow> foot;
 	if (!text.footnote.empty()) foot.push_back({text.footnote, {12 * scale, Weight::Normal}, PALE_INK});
 	if (!text.footer.empty()) foot.push_back({text.footer, {14 * scale, Weight::Bold}, INK});
 	foot = wrapped(canvas, foot, width);
 	drawRows(canvas, foot, PAD * scale, image.height - PAD * scale - rowsHeight(foot, scale), scale);
-	drawLegend(canvas, image, text, scale);
 	drawScaleBar(canvas, image, text.pixelsPerMetre, scale);
 }
 

@@ -410,6 +410,27 @@ TEST(RenderOverlay, UnitsFollowTheSizeOfALength)
 	EXPECT_EQ(metricLength(1.2345e-3, 2), "1.2 mm");
 }
 
+TEST(RenderOverlay, ALongTitleKeepsClearOfTheLegend)
+{
+	OverlayText text;
+	text.legendTitle = "Certified error of the patches";
+	text.legend = {{RED, "exact"}, {GREEN, "up to 1 mm"}};
+	const Image plain(720, 720, {0.5f, 0.5f, 0.5f, 1});
+	Image without = plain, with = plain;
+	drawOverlay(without, text);
+	text.title = "close-up of the near spoon from below, through the wall of its cup";
+	drawOverlay(with, text);
+	std::size_t ofLegend = 0, changed = 0;
+	for (std::size_t i = 0; i < plain.rgba.size(); ++i)
+		if (without.rgba[i] != plain.rgba[i])
+		{
+			++ofLegend;
+			changed += with.rgba[i] != without.rgba[i] ? 1 : 0;
+		}
+	EXPECT_GT(ofLegend, 10000u);
+	EXPECT_EQ(changed, 0u);
+}
+
 TEST(RenderOverlay, LegendScaleBarAndTextStandInTheirCorners)
 {
 	const Image plain(960, 720, {0.5f, 0.5f, 0.5f, 1});
