@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Lengths in pictures: in millimetres, centimetres or metres, as their size suggests.
+// Lengths in pictures: in micrometres to metres, as their size suggests.
 #pragma once
 #include <cmath>
 #include <cstdio>
@@ -9,11 +9,16 @@ namespace clod::demo
 {
 inline std::string metricLength(double metres, int digits = 4)
 {
-	const double size = std::fabs(metres);
-	const bool isMetres = size >= 1, isCentimetres = size >= 0.01;
+	struct Unit
+	{
+		double least, perMetre;
+		const char* name;
+	};
+	constexpr Unit kUnits[] = {{1, 1, "m"}, {0.01, 1e2, "cm"}, {1e-5, 1e3, "mm"}, {0, 1e6, "µm"}};
+	const Unit* unit = kUnits;
+	while (std::fabs(metres) < unit->least) ++unit;
 	char text[32];
-	std::snprintf(text, sizeof text, "%.*g %s", digits, metres * (isMetres ? 1 : isCentimetres ? 100 : 1000),
-				  isMetres ? "m" : isCentimetres ? "cm" : "mm");
+	std::snprintf(text, sizeof text, "%.*g %s", digits, metres * unit->perMetre, unit->name);
 	return text;
 }
 }  // namespace clod::demo

@@ -75,7 +75,8 @@ std::string gapInWords(const ReplayRow& row)
 {
 	if (!std::isfinite(row.minDistance)) return "not in contact";
 	if (!std::isfinite(row.errorBound)) return "overlapping; the depth is not proved";
-	return "gap " + metricLength(row.minDistance, 2) + ", certified to within " + metricLength(row.errorBound, 2);
+	const std::string size = metricLength(std::fabs(row.minDistance), 2);
+	return (row.minDistance < 0 ? "overlap " : "gap ") + size + ", certified to within " + metricLength(row.errorBound, 2);
 }
 
 std::vector<std::string> figures(const FrameAnswer& answer)

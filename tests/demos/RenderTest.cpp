@@ -404,7 +404,7 @@ TEST(RenderImages, PngFilesHoldThePictureAndItsText)
 
 TEST(RenderOverlay, UnitsFollowTheSizeOfALength)
 {
-	for (const auto& [metres, words] : {std::pair(0.0, "0 mm"), std::pair(3e-4, "0.3 mm"), std::pair(-2.5e-3, "-2.5 mm"),
+	for (const auto& [metres, words] : {std::pair(0.0, "0 µm"), std::pair(3e-7, "0.3 µm"), std::pair(3e-4, "0.3 mm"), std::pair(-2.5e-3, "-2.5 mm"),
 										std::pair(0.03, "3 cm"), std::pair(-0.5, "-50 cm"), std::pair(20.0, "20 m")})
 		EXPECT_EQ(metricLength(metres), words);
 	EXPECT_EQ(metricLength(1.2345e-3, 2), "1.2 mm");

@@ -176,7 +176,7 @@ TEST(RunnerFrames, TheLegendNamesTheErrorsInThePictureOfBothBodies)
 						{
 							const std::string length = legend[k].label.substr(std::string("up to ").size());
 							const std::string unit = length.substr(length.find(' ') + 1);
-							return std::atof(length.c_str()) * (unit == "m" ? 1 : unit == "cm" ? 0.01 : 0.001) * (1 + 1e-9);
+							return std::atof(length.c_str()) * (unit == "m" ? 1 : unit == "cm" ? 1e-2 : unit == "mm" ? 1e-3 : 1e-6) * (1 + 1e-9);
 						};
 						while (entry < legend.size() && says(entry) < error) ++entry;
 						ASSERT_LT(entry, legend.size()) << error;
