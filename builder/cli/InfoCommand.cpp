@@ -178,10 +178,10 @@ std::string describeAsText(const Hierarchy& hierarchy, std::uint64_t fileBytes)
 				(count.error < kErrorShares.back() ? "," : "\n");
 	const auto each = [&a](std::size_t bytes) { return double(bytes) / double(a.triangleCount); };
 	text += fmt::format(
-		"bytes a triangle: {:.1f}; in memory {:.1f} = nodes {:.1f} + culling boxes {:.1f} + children {:.1f} + faces {:.1f} + hull "
-		"vertices "
-		"{:.1f} + rest\n",
-		each(fileBytes), each(hierarchy.bytes().size()), each(parts.nodes), each(parts.boxes), each(parts.children), each(parts.faces),
+		"bytes a triangle: {:.1f}; in memory {:.1f} = nodes {:.1f} + culling boxes {:.1f} + children {:.1f} + faces {:.1f} + "
+		"hull vertices {:.1f} + rest\n",
+		each(fileBytes), each(hierarchy.bytes().size()), each(parts.nodes), each(parts.boxes), each(parts.children),
+		each(parts.faces),
 		each(parts.vertices));
 	text += fmt::format("radius {:.6g}, volume {:.6g}, centre of mass ({:.6g}, {:.6g}, {:.6g}), thinnest wall {:.4g}\n",
 						a.radius, a.volume, a.meshFromBody[0], a.meshFromBody[1], a.meshFromBody[2], a.thinnestWall);

@@ -88,8 +88,10 @@ std::vector<std::string> figures(const FrameAnswer& answer)
 	const auto counted = [](std::size_t count, const char* what)
 	{ return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s"); };
 	const std::string touching = counted(row.contacts, "touching patch pair");
-	lines.push_back(answer.pairs.size() == 1 ? touching : touching + ", " + counted(answer.pairs.size(), "pair") + " of bodies");
-	lines.push_back(fmt::format("query: {} hulls and boxes compared, {:.0f} µs by the clock", row.tests(), row.queryMicroseconds));
+	const std::string ofPairs = ", " + counted(answer.pairs.size(), "pair") + " of bodies";
+	lines.push_back(touching + (answer.pairs.size() == 1 ? "" : ofPairs));
+	lines.push_back(fmt::format("query: {} hulls and boxes compared, {:.0f} µs by the clock", row.tests(),
+								row.queryMicroseconds));
 	return lines;
 }
 

@@ -297,7 +297,8 @@ void recommend(Trial& trial, const TouchingPair& pair, const TouchingPoses& choo
 		progress.update("settings", double(i) / double(shares.size()));
 		trial.limits.push_back(measured(shares[i], choosing));
 	}
-	const TouchingPoses fresh = touchingPoses(*pair.a, *pair.b, trial.tolerance, posesOf(pair, effort.fresh), options.common.seed,
+	const TouchingPoses fresh = touchingPoses(*pair.a, *pair.b, trial.tolerance, posesOf(pair, effort.fresh),
+											  options.common.seed,
 											  [&](double f) { progress.update("fresh poses", f); });
 	const auto check = [&](Recommendation& recommendation, const LimitRow* limit)
 	{
@@ -342,7 +343,8 @@ void runTry(const TryOptions& options)
 	addContenders(trial, preparation, [&](const std::string& phase, double f) { progress.update(phase, f); });
 	runContenders(trial, effort, progress);
 	const TouchingPair pair = pairOf(trial);
-	const TouchingPoses choosing = touchingPoses(*pair.a, *pair.b, trial.tolerance, posesOf(pair, effort.choosing), kChoosingSeed,
+	const TouchingPoses choosing = touchingPoses(*pair.a, *pair.b, trial.tolerance, posesOf(pair, effort.choosing),
+												 kChoosingSeed,
 												 [&](double f) { progress.update("poses in touch", f); });
 	recommend(trial, pair, choosing, options, effort, progress);
 	compare(trial, pair, choosing, preparation, cache, effort, progress);
@@ -387,7 +389,9 @@ void addTryCommand(CLI::App& program)
 	command->add_flag("--quick", options->quick, "Three minutes instead of all poses and passes");
 	command->add_flag("--no-film", options->noFilm, "No pictures, which take most of the time");
 	cli::addLength(*command, "--accuracy", options->accuracy, "What the recommended setting has to keep [0.5%]");
-	command->add_option("--cost-us", options->cost, "Microseconds that a touching pair may cost a step: its contacts and their points, not the solver")
+	command
+		->add_option("--cost-us", options->cost,
+					 "Microseconds that a touching pair may cost a step: its contacts and their points, not the solver")
 		->type_name("US")
 		->check(between(0.1, 1e7))
 		->capture_default_str();

@@ -85,7 +85,7 @@ struct Case
 const double kTetrahedron = 8.0 / 3;  // of tetrahedron(x, 1, ...)
 const Case kCases[] = {
 	{"Sound", kCube, "", 1, 0},
-	{"FaceWithoutArea", kCube + "f 1 1 2\n", "1 faces without area dropped (the first: face 6)", 1, 1e-6},
+	{"FaceWithoutArea", kCube + "f 1 1 2\n", "1 face dropped, without area (the first: face 6)", 1, 1e-6},
 	{"RepeatedFace", kCube + "f 1 4 3 2\n", "2 faces dropped that repeat another one (the first: face 6)", 1, 1e-6},
 	{"EveryFaceTwice", kCube + kBottom + kTop + kSides, "12 faces dropped that repeat", 1, 1e-6},
 	{"EveryFaceBothWays", kCube + "f 1 2 3 4\nf 8 7 6 5\nf 5 6 2 1\nf 6 7 3 2\nf 7 8 4 3\nf 8 5 1 4\n",
