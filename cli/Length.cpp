@@ -40,9 +40,9 @@ Result<Length> parseLength(const std::string& text)
 	return Error{fmt::format("'{}' has the unknown unit '{}'; use um, mm, cm, m or %", text, suffix)};
 }
 
-std::string describe(const Length& length, double radius, double factor, const std::string& unit)
+std::string describe(const Length& length, double radius, const std::function<std::string(double)>& inWords)
 {
-	const auto said = [&](double value) { return fmt::format("{:.4g}{}", factor * value, unit); };
+	const auto said = [&](double value) { return inWords ? inWords(value) : fmt::format("{:.4g}", value); };
 	if (length.shareOfRadius)
 		return fmt::format("{} of the radius {} = {}", length.text, said(radius), said(length.inMeshUnit(radius)));
 	return fmt::format("{} = {} ({:.3g} % of the radius {})", length.text, said(length.value),

@@ -2,6 +2,7 @@
 // Lengths on the command line: `0.0005` (the mesh's own unit), `0.5mm`, `2cm`, `1m` (the unit then being the metre), or
 // `1%` of the bounding radius (of the smaller one where two bodies meet).
 #pragma once
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -26,9 +27,8 @@ struct Length
 // Finite and >= 0; anything else is an error naming the text. `inf` is not a length.
 Result<Length> parseLength(const std::string& text);
 
-// How the length was understood: "1% of the radius 0.04 = 0.0004".
-// In `unit`s, of which the mesh's own is `factor`.
-std::string describe(const Length& length, double radius, double factor = 1, const std::string& unit = "");
+// How the length was understood: "1% of the radius 0.04 = 0.0004", lengths as `inWords` puts them, else in the mesh's unit.
+std::string describe(const Length& length, double radius, const std::function<std::string(double)>& inWords = {});
 
 // An option taking a length; left empty when absent.
 CLI::Option* addLength(CLI::App& command, const std::string& name, std::optional<Length>& value,

@@ -25,6 +25,7 @@ import os
 import pathlib
 import re
 import shlex
+import shutil
 import statistics
 import subprocess
 import sys
@@ -136,8 +137,11 @@ def main():
     if options.list:
         bench = [] if options.bench == parser.get_default("bench") else ["--bench", options.bench]
         for job in mine:
-            print(shlex.join(["scripts/sweep", str(options.sweep), "-o", str(options.output), *bench, "--only", job["name"]]))
+            print(shlex.join([str(ROOT / "scripts/sweep"), str(options.sweep.resolve()), "-o", str(options.output.resolve()), *bench,
+                              "--only", job["name"]]))
         return
+    if not shutil.which(options.bench):
+        sys.exit(f"{options.bench} is not there: build it (README.md), or name another with --bench")
     failed = []
     for i, job in enumerate(mine):
         print(f"{i + 1} of {len(mine)}: {job['name']}", file=sys.stderr, flush=True)

@@ -88,7 +88,7 @@ std::string nextStep(Reason reason, const BuildOptions& options)
 		case Reason::noSuchPart:
 			return "\n  Try: clod-build parts " + cli::shellWord(cli::meshPath(options.mesh).file);
 		case Reason::limit:
-			return options.repair ? command("--wrap 2%") : "";
+			return options.repair || options.wrap ? command("--wrap 2%") : "";
 		case Reason::unreadable:
 		case Reason::syntax:
 		{
@@ -117,7 +117,7 @@ constexpr double kRoomRadius = 5;
 
 void nameUnit(const BuildOptions& options, double radius)
 {
-	if (options.quiet || !options.frame.unit.empty() || radius <= kRoomRadius) return;
+	if (options.quiet || options.withoutAdvice || !options.frame.unit.empty() || radius <= kRoomRadius) return;
 	fmt::print(
 		stderr,
 		"{}: its radius is {:.4g} of its own unit, which looks like millimetres; `--unit mm` makes metres of it\n",

@@ -12,6 +12,7 @@
 #include "builder/cli/Commands.h"
 #include "builder/cli/PieceCounts.h"
 #include "cli/Files.h"
+#include "cli/MeshPath.h"
 #include "cli/Program.h"
 
 namespace clod::builder
@@ -103,8 +104,14 @@ void addFileFrame(CLI::App& command, FileFrame& frame)
 std::shared_ptr<const Hierarchy> loadHierarchy(const std::string& path)
 {
 	const auto hierarchy = Hierarchy::load(path);
-	if (!hierarchy) throw Failure(ExitCode::badInput, path + ": " + hierarchy.error());
-	return hierarchy.value();
+	if (hierarchy) return hierarchy.value();
+	std::string told = hierarchy.error();
+	std::filesystem::path built = path;
+	built.replace_extension(".clod");
+	std::error_code error;
+	if (built != path && std::filesystem::is_regular_file(path, error))
+		told += fmt::format("\n  Try: clod-build build {} -o {}", cli::shellWord(path), cli::shellWord(built.string()));
+	throw Failure(ExitCode::badInput, told);
 }
 
 void writeReport(const std::string& path, const nlohmann::ordered_json& report)
@@ -165,16 +172,16 @@ std::string describeAsText(const Hierarchy& hierarchy, std::uint64_t fileBytes)
 						hierarchy.levels().size, contactLevelCount(hierarchy), a.triangleCount, hierarchy.nodes().size, fileBytes,
 						hierarchy.isPaperBuild() ? "; built with --paper" : "");
 	const Bytes parts = bytesOf(hierarchy, 0, std::uint32_t(hierarchy.nodes().size));
-	text += "pieces within a certified error, of one level (of mixed levels):";
+	text += "convex pieces for a certified share of the radius (levels mixed):";
 	for (const PieceCount& count : pieceCounts(hierarchy))
-		text += fmt::format(" {:g} % of the radius {} ({})", 100 * count.error, count.pieces, count.mixed) +
+		text += fmt::format(" {:g} %: {} ({})", 100 * count.error, count.pieces, count.mixed) +
 				(count.error < kErrorShares.back() ? "," : "\n");
 	const auto each = [&a](std::size_t bytes) { return double(bytes) / double(a.triangleCount); };
 	text += fmt::format(
-		"bytes a triangle: {:.1f}; in memory {:.1f} = nodes {:.1f} + culling boxes {:.1f} + children {:.1f} + faces {:.1f} + hull "
-		"vertices "
-		"{:.1f} + rest\n",
-		each(fileBytes), each(hierarchy.bytes().size()), each(parts.nodes), each(parts.boxes), each(parts.children), each(parts.faces),
+		"bytes a triangle: {:.1f}; in memory {:.1f} = nodes {:.1f} + culling boxes {:.1f} + children {:.1f} + faces {:.1f} + "
+		"hull vertices {:.1f} + rest\n",
+		each(fileBytes), each(hierarchy.bytes().size()), each(parts.nodes), each(parts.boxes), each(parts.children),
+		each(parts.faces),
 		each(parts.vertices));
 	text += fmt::format("radius {:.6g}, volume {:.6g}, centre of mass ({:.6g}, {:.6g}, {:.6g}), thinnest wall {:.4g}\n",
 						a.radius, a.volume, a.meshFromBody[0], a.meshFromBody[1], a.meshFromBody[2], a.thinnestWall);

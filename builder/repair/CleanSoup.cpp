@@ -148,9 +148,9 @@ WeldedMesh usableFaces(const Soup& soup, Changes& changes)
 		}
 		if (kept == 0) noArea.add(polygon);
 	}
-	notFinite.tell(changes, "faces dropped for coordinates that are not finite");
-	noArea.tell(changes, "faces without area dropped");
-	fans.tell(changes, "crossed polygons cut into fans");
+	notFinite.tell(changes, "dropped for coordinates that are not finite");
+	noArea.tell(changes, "dropped, without area");
+	fans.tell(changes, "cut into fans", "crossed polygon", "crossed polygons");
 	if (usable.polygonCount() == 0) throw Refused(Reason::empty, "no face of the mesh has an area");
 	WeldedMesh mesh = weldAndTriangulate(usable);
 	for (std::uint32_t& polygon : mesh.polygonInFile) polygon = polygonInFile[polygon];
@@ -195,8 +195,8 @@ void dropRepeatedFaces(WeldedMesh& mesh, Changes& changes)
 		for (const std::uint32_t i : members)
 			if (!keep[i]) tally.add(mesh.polygonInFile[i]);
 	}
-	repeated.tell(changes, "faces dropped that repeat another one");
-	pairs.tell(changes, "faces dropped that face both ways (walls between touching parts)");
+	repeated.tell(changes, "dropped that repeat another one");
+	pairs.tell(changes, "dropped that face both ways (walls between touching parts)");
 	keepFaces(mesh, keep);
 }
 }  // namespace clod::builder

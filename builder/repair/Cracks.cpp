@@ -103,8 +103,8 @@ void sewCracks(WeldedMesh& mesh, double tolerance, Changes& changes)
 		keep.push_back(t[0] != t[1] && t[1] != t[2] && t[2] != t[0]);
 	}
 	keepFaces(mesh, keep);
-	changes.push_back(fmt::format("{} vertices on open edges sewn to others at most {:.3g} away (the first: vertex {})",
-								  sewn, farthest, first));
+	changes.push_back(fmt::format("{} on open edges sewn to others at most {:.3g} away (the first: vertex {})",
+								  counted(sewn, "vertex", "vertices"), farthest, first));
 }
 
 void splitAtTJunctions(WeldedMesh& mesh, double tolerance, Changes& changes)
@@ -115,6 +115,6 @@ void splitAtTJunctions(WeldedMesh& mesh, double tolerance, Changes& changes)
 		before = split.count;
 		splitOnce(mesh, tolerance, split);
 	}
-	split.tell(changes, "faces split where corners of others lie on their open edges");
+	split.tell(changes, "split where corners of others lie on their open edges");
 }
 }  // namespace clod::builder

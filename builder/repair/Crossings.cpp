@@ -98,7 +98,7 @@ bool uniteComponents(SurfaceMesh& surface, const FacePairs& pairs, Changes& chan
 		CGAL::copy_face_graph(whole, result);
 	}
 	surface = std::move(result);
-	changes.push_back(fmt::format("{} components united with others that they cross", united));
+	changes.push_back(counted(united, "component", "components") + " united with others that cross them");
 	return true;
 }
 }  // namespace
@@ -113,7 +113,7 @@ bool removeCrossings(SurfaceMesh& surface, Changes& changes)
 	{
 		pmp::experimental::remove_self_intersections(surface, CGAL::parameters::preserve_genus(false));
 		surface.collect_garbage();
-		changes.push_back(fmt::format("{} pairs of faces of one component that cross cut out and filled", within));
+		changes.push_back(counted(within, "crossing pair", "crossing pairs") + " of faces of one component cut out and filled");
 		pairs = crossings(surface);
 		if (pairs.empty()) return true;
 		if (crossingWithin(pairs, numberComponents(surface, count)) > 0) return false;

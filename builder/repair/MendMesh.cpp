@@ -46,8 +46,8 @@ SurfaceMesh orient(const WeldedMesh& mesh, Changes& changes)
 	std::vector<std::size_t> turned;
 	pmp::orient_polygon_soup(points, polygons, CGAL::parameters::visitor(TurnedFaces(turned)));
 	if (!turned.empty())
-		changes.push_back(fmt::format("{} faces turned to agree with their neighbours (the first: face {})",
-									  turned.size(),
+		changes.push_back(fmt::format("{} turned to agree with their neighbours (the first: face {})",
+									  counted(turned.size(), "face", "faces"),
 									  mesh.polygonInFile[*std::min_element(turned.begin(), turned.end())]));
 	SurfaceMesh surface;
 	pmp::polygon_soup_to_polygon_mesh(points, polygons, surface);
@@ -76,8 +76,9 @@ void fillHoles(SurfaceMesh& surface, Changes& changes)
 		if (around > longest) std::tie(longest, longestEdges) = std::make_pair(around, edges);
 	}
 	if (filled > 0)
-		changes.push_back(fmt::format("{} holes closed with {} faces (the longest: {} edges, {:.4g} around)", filled,
-									  faces, longestEdges, longest));
+		changes.push_back(fmt::format("{} closed with {} (the longest: {}, {:.4g} around)",
+									  counted(filled, "hole", "holes"), counted(faces, "face", "faces"),
+									  counted(longestEdges, "edge", "edges"), longest));
 }
 
 // CGAL's own repair of faces that exact arithmetic finds without area.
@@ -88,7 +89,7 @@ void dropDegenerate(SurfaceMesh& surface, Changes& changes)
 	if (count == 0) return;
 	pmp::remove_degenerate_faces(surface);
 	surface.collect_garbage();
-	changes.push_back(fmt::format("{} slivers without area taken out by flips and collapses", count));
+	changes.push_back(counted(count, "sliver", "slivers") + " without area taken out by flips and collapses");
 }
 
 using FaceComponent = SurfaceMesh::Property_map<Face, std::size_t>;
@@ -149,7 +150,8 @@ void dropFlat(SurfaceMesh& surface, Changes& changes)
 	{
 		pmp::remove_connected_components(surface, flat, componentOf);
 		surface.collect_garbage();
-		changes.push_back(fmt::format("{} components dropped that enclose nothing ({} faces)", flat.size(), faces));
+		changes.push_back(fmt::format("{} ({}) of no volume dropped",
+									  counted(flat.size(), "component", "components"), counted(faces, "face", "faces")));
 	}
 	surface.remove_property_map(componentOf);
 }
@@ -183,7 +185,8 @@ void moveApart(SurfaceMesh& surface, Changes& changes)
 	for (const auto& [v, p] : moves) surface.point(v) = p;
 	if (!moves.empty())
 		changes.push_back(
-			fmt::format("{} vertices where surfaces only touch moved apart, at most {:.3g}", moves.size(), most));
+			fmt::format("{} where surfaces only touch moved apart, at most {:.3g}",
+						counted(moves.size(), "vertex", "vertices"), most));
 }
 
 // Outward, or round a cavity inward: by nesting, whatever the file said.
@@ -207,8 +210,8 @@ void turnByNesting(SurfaceMesh& surface, Changes& changes)
 		outward += before[i].volume < 0 && after[i].volume > 0 ? 1 : 0;
 		inward += before[i].volume > 0 && after[i].volume < 0 ? 1 : 0;
 	}
-	if (outward > 0) changes.push_back(fmt::format("{} components that were inside out turned outward", outward));
-	if (inward > 0) changes.push_back(fmt::format("{} components inside others turned to bound cavities", inward));
+	if (outward > 0) changes.push_back(counted(outward, "component", "components") + " turned outward, inside out before");
+	if (inward > 0) changes.push_back(counted(inward, "component", "components") + " inside others turned to bound cavities");
 	surface.remove_property_map(componentOf);
 }
 

@@ -31,7 +31,7 @@ int main(int argc, char** argv)
 	}
 	clod::configureWorld(world);  // iterations, friction and soft corrections, recommended
 
-	// Bullet's constants suit bodies of about one unit, so this scene makes the model's radius 1, and gravity with it.
+	// Bullet's constants suit bodies of about one unit, so the model falls as if its radius were 1 m.
 	const btScalar scale = btScalar(1 / model.value()->asset().radius);
 	world.setGravity(btVector3(0, btScalar(-9.81), 0));
 	btClodShape shape(model.value());

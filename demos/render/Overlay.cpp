@@ -8,6 +8,8 @@
 #include <memory>
 #include <sstream>
 
+#include "demos/render/MetricLength.h"
+
 namespace clod::demo
 {
 namespace
@@ -176,9 +178,10 @@ double rowsHeight(const std::vector<TextRow>& rows, double scale)
 	return height;
 }
 
-void drawLegend(Canvas& canvas, const Image& image, const OverlayText& text, double scale)
+// In the upper right corner. Returns the width that it takes from what stands on the left.
+double drawLegend(Canvas& canvas, const Image& image, const OverlayText& text, double scale)
 {
-	if (text.legend.empty()) return;
+	if (text.legend.empty()) return 0;
 	const Font head = {13 * scale, Weight::Bold}, body = {13 * scale, Weight::Normal};
 	const double swatch = 13 * scale, rowHeight = 19 * scale;
 	double width = canvas.textWidth(text.legendTitle, head);
@@ -195,12 +198,13 @@ void drawLegend(Canvas& canvas, const Image& image, const OverlayText& text, dou
 		canvas.box(x + PAD * scale, base - 0.85 * swatch, swatch, swatch, e.color);
 		canvas.text(e.label, x + PAD * scale + swatch + 8 * scale, base, body, INK);
 	}
+	return width + PAD * scale;
 }
 
-// The largest of 1, 2, 5 x 10^k mm that is at most a fifth of the picture wide.
-double scaleBarMillimetres(double pixelsPerMetre, int width)
+// Metres: the largest of 1, 2, 5 x 10^k that is at most a fifth of the picture wide.
+double scaleBarLength(double pixelsPerMetre, int width)
 {
-	const double limit = 0.2 * width / pixelsPerMetre * 1000;
+	const double limit = 0.2 * width / pixelsPerMetre;
 	const double decade = std::pow(10.0, std::floor(std::log10(limit)));
 	for (const double step : {5.0, 2.0})
 		if (step * decade <= limit) return step * decade;
@@ -210,9 +214,8 @@ double scaleBarMillimetres(double pixelsPerMetre, int width)
 void drawScaleBar(Canvas& canvas, const Image& image, double pixelsPerMetre, double scale)
 {
 	if (!(pixelsPerMetre > 0)) return;
-	const double mm = scaleBarMillimetres(pixelsPerMetre, image.width), bar = mm / 1000 * pixelsPerMetre;
-	char label[32];
-	std::snprintf(label, sizeof label, "%g mm", mm);
+	const double metres = scaleBarLength(pixelsPerMetre, image.width), bar = metres * pixelsPerMetre;
+	const std::string label = metricLength(metres);
 	const Font font = {13 * scale, Weight::Normal};
 	const double labelWidth = canvas.textWidth(label, font), width = std::max(bar, labelWidth) + 2 * PAD * scale;
 	const double height = 36 * scale, x = image.width - width - PAD * scale, y = image.height - height - PAD * scale;
@@ -234,14 +237,13 @@ void drawOverlay(Image& image, const OverlayText& text)
 	if (!text.subtitle.empty()) head.push_back({text.subtitle, {13 * scale, Weight::Normal}, PALE_INK});
 	for (const std::string& line : text.lines) head.push_back({line, {14 * scale, Weight::Normal}, INK});
 	const double width = image.width - 4 * PAD * scale;
-	head = wrapped(canvas, head, width);
+	head = wrapped(canvas, head, width - drawLegend(canvas, image, text, scale));
 	drawRows(canvas, head, PAD * scale, PAD * scale, scale);
 	std::vector<TextRow> foot;
 	if (!text.footnote.empty()) foot.push_back({text.footnote, {12 * scale, Weight::Normal}, PALE_INK});
 	if (!text.footer.empty()) foot.push_back({text.footer, {14 * scale, Weight::Bold}, INK});
 	foot = wrapped(canvas, foot, width);
 	drawRows(canvas, foot, PAD * scale, image.height - PAD * scale - rowsHeight(foot, scale), scale);
-	drawLegend(canvas, image, text, scale);
 	drawScaleBar(canvas, image, text.pixelsPerMetre, scale);
 }
 

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "cli/Failure.h"
+#include "demos/render/MetricLength.h"
 
 namespace clod::demo
 {
@@ -70,18 +71,12 @@ Camera overviewAt(const FrameSubject& subject, std::int64_t step)
 	return camera;
 }
 
-std::string millimetres(double metres)
-{
-	if (!std::isfinite(metres)) return "unknown";
-	const double mm = 1000 * metres;
-	return fmt::format("{:.2g} mm", mm);
-}
-
 std::string gapInWords(const ReplayRow& row)
 {
 	if (!std::isfinite(row.minDistance)) return "not in contact";
 	if (!std::isfinite(row.errorBound)) return "overlapping; the depth is not proved";
-	return "gap " + millimetres(row.minDistance) + ", certified to within " + millimetres(row.errorBound);
+	const std::string size = metricLength(std::fabs(row.minDistance), 2);
+	return (row.minDistance < 0 ? "overlap " : "gap ") + size + ", certified to within " + metricLength(row.errorBound, 2);
 }
 
 std::vector<std::string> figures(const FrameAnswer& answer)
@@ -93,8 +88,10 @@ std::vector<std::string> figures(const FrameAnswer& answer)
 	const auto counted = [](std::size_t count, const char* what)
 	{ return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s"); };
 	const std::string touching = counted(row.contacts, "touching patch pair");
-	lines.push_back(answer.pairs.size() == 1 ? touching : touching + ", " + counted(answer.pairs.size(), "pair") + " of bodies");
-	lines.push_back(fmt::format("query {:.0f} µs, front of {}", row.queryMicroseconds, counted(row.stats.front, "pair")));
+	const std::string ofPairs = ", " + counted(answer.pairs.size(), "pair") + " of bodies";
+	lines.push_back(touching + (answer.pairs.size() == 1 ? "" : ofPairs));
+	lines.push_back(fmt::format("query: {} hulls and boxes compared, {:.0f} µs by the clock", row.tests(),
+								row.queryMicroseconds));
 	return lines;
 }
 
@@ -164,7 +161,7 @@ std::vector<LegendEntry> legendOf(const FrameSubject& subject, const FrameAnswer
 			used.insert(scale.stepOf(double(subject.bodies[body].hierarchy->node(node).deviation)));
 	std::vector<LegendEntry> entries;
 	for (const int step : used)
-		entries.push_back({scale.color(step), fmt::format("up to {:g} mm", 1000 * scale.largestOf(step))});
+		entries.push_back({scale.color(step), "up to " + metricLength(scale.largestOf(step))});
 	return entries;
 }
 

@@ -182,7 +182,7 @@ HierarchyPointer HierarchyCache::open(const std::string& path, const BuildOption
 	if (extension == ".clod")
 	{
 		Result<HierarchyPointer> hierarchy = Hierarchy::load(path);
-		if (!hierarchy) throw Failure(ExitCode::badInput, path + ": " + hierarchy.error());
+		if (!hierarchy) throw Failure(ExitCode::badInput, hierarchy.error());
 		if (options.scale != 1)
 			throw Failure(ExitCode::usage,
 						  fmt::format("{}: a .clod file has its size; build the mesh again with `clod-build build MESH "

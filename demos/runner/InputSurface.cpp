@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// From the patches of level 0 back to one mesh.
+// From the patches of a level back to one mesh.
 #include "demos/runner/InputSurface.h"
 
 #include <map>
@@ -8,8 +8,13 @@ namespace clod::demo
 {
 ModelMesh inputSurface(const Hierarchy& hierarchy)
 {
+	return levelSurface(hierarchy, 0);
+}
+
+ModelMesh levelSurface(const Hierarchy& hierarchy, std::uint32_t index)
+{
 	const double(&origin)[3] = hierarchy.asset().meshFromBody;
-	const Level& level = hierarchy.levels()[0];
+	const Level& level = hierarchy.levels()[index];
 	std::map<std::array<float, 3>, std::uint32_t> indexOf;
 	ModelMesh mesh;
 	for (std::uint32_t n = level.firstNode; n < level.firstNode + level.nodeCount; ++n)

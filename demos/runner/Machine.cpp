@@ -36,7 +36,7 @@ nlohmann::ordered_json machine()
 	return {{"processor", processor()},
 			{"cores", std::thread::hardware_concurrency()},
 			{"governor", firstLine("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor")},
-			{"compiler", __VERSION__},
+			{"compiler", cli::compilerName()},
 #ifdef NDEBUG
 			{"assertions", false},
 #else

@@ -193,7 +193,7 @@ nlohmann::ordered_json paintFrames(const RunOptions& options, const SceneRunOpti
 	subject.steps = run.steps;
 	subject.dt = run.scene.dt;
 	const double smallest = smallestRadius(run.scene.models);
-	std::string selection = describeInMillimetres(options.selection, smallest);
+	std::string selection = describeMetric(options.selection, smallest);
 	// Shares are of a pair's own smaller radius.
 	const auto larger = std::count_if(info.bodies.begin(), info.bodies.end(), [&](const SceneBody& body)
 									  { return double(run.scene.models[body.model]->asset().radius) > 1.01 * smallest; });

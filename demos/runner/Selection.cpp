@@ -15,6 +15,7 @@
 
 #include "cli/Failure.h"
 #include "cli/Program.h"
+#include "demos/render/MetricLength.h"
 
 namespace clod::demo
 {
@@ -214,9 +215,10 @@ std::string describe(const Selection& selection, double radius)
 	return inWords(selection, [&](const cli::Length& length) { return cli::describe(length, radius); });
 }
 
-std::string describeInMillimetres(const Selection& selection, double radius)
+std::string describeMetric(const Selection& selection, double radius)
 {
-	return inWords(selection, [&](const cli::Length& length) { return cli::describe(length, radius, 1000, " mm"); });
+	return inWords(selection, [&](const cli::Length& length)
+				   { return cli::describe(length, radius, [](double metres) { return metricLength(metres); }); });
 }
 
 // As on the command line.

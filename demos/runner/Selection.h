@@ -52,7 +52,7 @@ ContactMetric toMetric(const Selection& selection);
 // of the way to the target.
 std::optional<CameraPath> toCameraPath(const Selection& selection, std::int64_t steps);
 std::string describe(const Selection& selection, double radius);
-// The same of meshes in metres, in millimetres.
-std::string describeInMillimetres(const Selection& selection, double radius);
+// The same of meshes in metres, for pictures (MetricLength.h).
+std::string describeMetric(const Selection& selection, double radius);
 nlohmann::ordered_json toJson(const Selection& selection, double radius);
 }  // namespace clod::demo

@@ -41,7 +41,7 @@ SceneDefinition nestedCups()
 	info.models = {{"tumbler", ""}};
 	for (int i = 0; i < constant::cups; ++i)
 	{
-		info.bodies.push_back({"cup-" + std::to_string(i + 1), 0, false});
+		info.bodies.push_back({"cup-" + std::to_string(i + 1), 0, true});
 		const Vec3 place{0, i * (TUMBLER_PITCH + constant::gap), 0};
 		scene.bodies.push_back({i == 0 ? 0 : constant::mass, turnedAboutY(place, constant::twist * i), {}});
 	}
@@ -49,7 +49,7 @@ SceneDefinition nestedCups()
 	info.thinnerWall = TUMBLER_WALL;
 	info.steps = constant::steps;
 	info.overview = {{0, 0.07, 0}, 0.10, 20, 15, -1, ""};
-	info.closeUp = {{0, 0.03, 0}, 0.045, 20, 10, 1, "close-up of the second cup"};
+	info.closeUp = {{0, 0.03, 0}, 0.045, 20, 10, 1, "close-up of the second cup, through them all"};
 	info.hasGround = true;
 	info.outcome = {{"least_over_seat", "m"}, {"most_over_seat", "m"}};
 	scene.inPlace = [](std::size_t, const Vec3& center) { return std::hypot(center.x, center.z) < TUMBLER_FOOT; };

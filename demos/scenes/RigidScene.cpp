@@ -113,7 +113,7 @@ void RigidScene::setUpSolver()
 {
 	WorldSettings settings;
 	settings.solverIterations = m_definition.world.solverIterations;
-	settings.warmstartingFactor = m_definition.world.warmstartingFactor;
+	settings.warmstartingFactor = m_definition.world.warmstartingFactor.value_or(settings.warmstartingFactor);
 	const Result<int> registered = setUpWorld(m_bullet->world, m_bullet->context, settings);
 	if (!registered) throw std::runtime_error(registered.error());
 	m_bullet->world.setMostPasses(m_settings.passes);

@@ -28,7 +28,7 @@ struct WorldConstants : Material
 	double margin = 0;
 	double linearDamping = 0, angularDamping = 0.5;
 	int solverIterations = 30;
-	double warmstartingFactor = 0.85;
+	std::optional<double> warmstartingFactor;  // else that of WorldSettings
 };
 
 // Holds a body to the world, or to an earlier body, where both are at the start. What it joins may touch.

@@ -41,7 +41,7 @@ SceneInfo describe()
 	info.dt = 1.0 / 960;  // it reaches 1 m/s: 4 mm a 240th of a second, half its tube
 	info.steps = 1440;
 	info.worldScale = 100;
-	info.overview = {{0, 0.118, 0}, 0.135, 20, 12, -1, ""};
+	info.overview = {{0, 0.126, 0}, 0.175, 20, 12, -1, ""};
 	info.closeUp = {{0, 0, 0}, 0.030, 20, 25, 1, "close-up, through the torus"};
 	return info;
 }

@@ -247,7 +247,8 @@ std::vector<double> limitShares(double own)
 
 bool Recommendation::keepsAccuracy() const
 {
-	return fresh.broken == 0 && fresh.certified <= (chosen.share > 0 ? chosen.share + kRounding : kExact);
+	if (fresh.broken > 0 || !(fresh.certified <= std::max(accuracy, kExact) + kRounding)) return false;
+	return chosen.share > 0 ? fresh.certified <= chosen.share + kRounding : fresh.error <= kExact;
 }
 
 bool Recommendation::keepsCost() const

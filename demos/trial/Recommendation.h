@@ -47,10 +47,12 @@ std::vector<double> limitShares(double own);
 struct Recommendation
 {
 	bool isFound = false;
-	double wanted = 0;  // a share of the smaller radius, or microseconds
+	double wanted = 0;    // a share of the smaller radius, or microseconds
+	double accuracy = 1;  // the share of the smaller radius that answers have to be certified to, whatever was chosen
 	LimitRow chosen, fresh;
 	std::size_t rows = 0;  // fresh
-	// No row errs by more than its bound, and none is certified to more than the limit (exact has rounding alone).
+	// No row errs by more than its bound, and none is certified to more than the limit. Exact contacts have no limit of
+	// their own: their gap errs by rounding alone, and of deep overlaps is certified as far as the search came.
 	bool keepsAccuracy() const;
 	// The median row compares as many hulls and boxes as where the limit was chosen, to kCostSlack.
 	bool keepsCost() const;

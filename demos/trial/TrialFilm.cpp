@@ -10,6 +10,7 @@
 #include "demos/render/Overlay.h"
 #include "demos/render/Renderer.h"
 #include "demos/runner/Film.h"
+#include "demos/runner/InputSurface.h"
 #include "demos/runner/Replay.h"
 
 namespace clod::demo
@@ -22,9 +23,21 @@ constexpr double kFollow = 0.1;    // of the way to what it should see the camer
 constexpr double kRoom = 1.15;     // round what a picture shows: its words
 constexpr double kFadeRadii = 12;  // of the ground, from the middle of the picture
 constexpr std::size_t kMostMarkers = 200;
+// Of larger meshes a level is drawn whose error, a share of the radius, is a fraction of a pixel.
+constexpr std::uint32_t kManyTriangles = 50000;
+constexpr double kUnseen = 0.002;
 constexpr Color kBodyColors[] = {{0.80f, 0.68f, 0.45f, 1}, {0.50f, 0.66f, 0.78f, 1}, {0.62f, 0.73f, 0.53f, 1}};
 constexpr Color kHullColor = {0.35f, 0.35f, 0.75f, 0.16f};
 constexpr Color kContactColor = {0.85f, 0.1f, 0.1f, 1};
+
+ModelMesh drawnSurface(const Hierarchy& hierarchy)
+{
+	std::uint32_t level = 0;
+	if (hierarchy.asset().triangleCount > kManyTriangles)
+		for (std::uint32_t next = 1; next <= hierarchy.coarsestClodLevel(); ++next)
+			if (double(hierarchy.levels()[next].maxDeviation) <= kUnseen * double(hierarchy.asset().radius)) level = next;
+	return levelSurface(hierarchy, level);
+}
 
 class TrialPainter
 {
@@ -34,7 +47,7 @@ public:
 		auto renderer = Renderer::create(rules.width, rules.width * 3 / 4, rules.supersampling);
 		if (!renderer) throw cli::Failure(cli::ExitCode::failure, renderer.error());
 		m_renderer = std::move(renderer.value());
-		for (const ModelMesh& surface : trial.surfaces) m_meshes.push_back(upload(surface));
+		for (const HierarchyPointer& model : trial.models) m_meshes.push_back(upload(drawnSurface(*model)));
 		m_hulls.resize(trial.contenders.size());
 		for (std::size_t i = 0; i < trial.contenders.size(); ++i)
 			for (const std::vector<ModelMesh>& hulls : trial.contenders[i].drawn)

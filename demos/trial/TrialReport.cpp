@@ -330,10 +330,10 @@ std::string printable(const Trial& trial)
 						percent(trial.runs[i].deepest / trial.smallest),
 						percent(trial.runs[i].offSurfaceP95), verdict(trial.runs[i]));
 	for (const LeftOut& out : trial.leftOut) text += fmt::format("left out: {}: {}\n", out.what, out.reason);
-	const auto line = [](const Recommendation& r, const std::string& wanted)
+	const auto line = [](const Recommendation& r, const std::string& wanted, const std::string& holds)
 	{
 		if (!r.isFound) return fmt::format("for {}: no setting is so cheap\n", wanted);
-		std::string kept = "holds";
+		std::string kept = holds;
 		if (!r.keepsCost())
 			kept = fmt::format(
 				"the accuracy holds, but {:.2g} times the hulls and boxes are compared than where it was chosen",
@@ -342,7 +342,8 @@ std::string printable(const Trial& trial)
 		return fmt::format("for {}: {}; on {} fresh poses error {}, {:.0f} us a step: {}\n", wanted,
 						   codeOf(r.chosen.share), r.rows, percent(r.fresh.error), r.fresh.microseconds, kept);
 	};
-	return text + line(trial.accuracy, "an accuracy of " + percent(trial.accuracy.wanted)) +
-		   line(trial.cost, fmt::format("a cost of {:g} us", trial.cost.wanted));
+	return text + line(trial.accuracy, "an accuracy of " + percent(trial.accuracy.wanted), "holds") +
+		   line(trial.cost, fmt::format("a cost of {:g} us", trial.cost.wanted),
+				fmt::format("holds to {:.0f} %", 100 * kCostSlack));
 }
 }  // namespace clod::demo

@@ -53,6 +53,9 @@ struct Effort
 	FilmRules film;
 	double mostSeconds;  // of a contender
 };
+// Poses are fewer for two bodies of more triangles together, as each takes so much longer; at least a fifth.
+constexpr double kManyTriangles = 1e5;
+constexpr std::size_t kFewestShare = 5;
 constexpr Effort kFull = {2000, 10000, 100, 3, {640, 2, 30}, 600};
 constexpr Effort kQuick = {1000, 1000, 24, 1, {480, 1, 30}, 25};
 
@@ -228,6 +231,12 @@ TouchingPair pairOf(Trial& trial)
 	return {trial.meshes.front().hierarchy, trial.meshes[trial.meshes.size() > 1 ? 1 : 0].hierarchy};
 }
 
+std::size_t posesOf(const TouchingPair& pair, std::size_t usual)
+{
+	const double triangles = double(pair.a->asset().triangleCount) + double(pair.b->asset().triangleCount);
+	return std::max(usual / kFewestShare, std::size_t(double(usual) * std::min(1.0, kManyTriangles / triangles)));
+}
+
 PairFrame frameOf(const Trial& trial, const TouchingPair& pair)
 {
 	return pairFrame(*pair.a, *pair.b, trial.scene.info.worldScale, trial.tolerance);
@@ -270,7 +279,7 @@ void recommend(Trial& trial, const TouchingPair& pair, const TouchingPoses& choo
 {
 	const double radius = smallerRadius(*pair.a, *pair.b);
 	const cli::Length accuracy = options.accuracy.value_or(cli::Length{kDefaultAccuracy, true, "0.5%"});
-	trial.accuracy.wanted = accuracy.inMeshUnit(radius) / radius;
+	trial.accuracy.wanted = trial.accuracy.accuracy = accuracy.inMeshUnit(radius) / radius;
 	trial.cost.wanted = options.cost;
 	trial.poses = choosing.rows.size();
 	const auto measured = [&](double share, const TouchingPoses& poses)
@@ -288,7 +297,8 @@ void recommend(Trial& trial, const TouchingPair& pair, const TouchingPoses& choo
 		progress.update("settings", double(i) / double(shares.size()));
 		trial.limits.push_back(measured(shares[i], choosing));
 	}
-	const TouchingPoses fresh = touchingPoses(*pair.a, *pair.b, trial.tolerance, effort.fresh, options.common.seed,
+	const TouchingPoses fresh = touchingPoses(*pair.a, *pair.b, trial.tolerance, posesOf(pair, effort.fresh),
+											  options.common.seed,
 											  [&](double f) { progress.update("fresh poses", f); });
 	const auto check = [&](Recommendation& recommendation, const LimitRow* limit)
 	{
@@ -333,7 +343,8 @@ void runTry(const TryOptions& options)
 	addContenders(trial, preparation, [&](const std::string& phase, double f) { progress.update(phase, f); });
 	runContenders(trial, effort, progress);
 	const TouchingPair pair = pairOf(trial);
-	const TouchingPoses choosing = touchingPoses(*pair.a, *pair.b, trial.tolerance, effort.choosing, kChoosingSeed,
+	const TouchingPoses choosing = touchingPoses(*pair.a, *pair.b, trial.tolerance, posesOf(pair, effort.choosing),
+												 kChoosingSeed,
 												 [&](double f) { progress.update("poses in touch", f); });
 	recommend(trial, pair, choosing, options, effort, progress);
 	compare(trial, pair, choosing, preparation, cache, effort, progress);
@@ -378,7 +389,9 @@ void addTryCommand(CLI::App& program)
 	command->add_flag("--quick", options->quick, "Three minutes instead of all poses and passes");
 	command->add_flag("--no-film", options->noFilm, "No pictures, which take most of the time");
 	cli::addLength(*command, "--accuracy", options->accuracy, "What the recommended setting has to keep [0.5%]");
-	command->add_option("--cost-us", options->cost, "Microseconds that a touching pair may cost a step: its contacts and their points, not the solver")
+	command
+		->add_option("--cost-us", options->cost,
+					 "Microseconds that a touching pair may cost a step: its contacts and their points, not the solver")
 		->type_name("US")
 		->check(between(0.1, 1e7))
 		->capture_default_str();

@@ -242,7 +242,7 @@ TEST_F(Cli, UsageErrorsNameTheNearestMatch)
 	EXPECT_NE(out().find("Example:"), std::string::npos);
 	EXPECT_EQ(run({"--version"}), 0);
 	EXPECT_NE(out().find("GPL-3.0-or-later"), std::string::npos);
-	for (const char* told : {"(commit ", "precision double", "kernels ", "file format 1"})
+	for (const char* told : {"(commit ", "precision double", "kernels ", "file format 2", "compiler "})
 		EXPECT_NE(out().find(told), std::string::npos) << told << " in\n" << out();
 	setenv("CLOD_NO_AVX2", "1", 1);
 	EXPECT_EQ(run({"--version"}), 0);
@@ -275,7 +275,7 @@ TEST_F(Cli, RepairSaysWhatItDidAndHowFarItMoved)
 				   "--json", path("a.json")}),
 			  0)
 		<< err();
-	EXPECT_NE(out().find("repair: 1 holes closed with 2 faces"), std::string::npos) << out();
+	EXPECT_NE(out().find("repair: 1 hole closed with 2 faces"), std::string::npos) << out();
 	EXPECT_NE(out().find("certified"), std::string::npos) << out();
 	const auto repair = nlohmann::json::parse(readText(path("a.json")))["repair"];
 	EXPECT_EQ(repair["changes"].size(), 1u) << repair;

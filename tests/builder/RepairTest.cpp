@@ -85,7 +85,7 @@ struct Case
 const double kTetrahedron = 8.0 / 3;  // of tetrahedron(x, 1, ...)
 const Case kCases[] = {
 	{"Sound", kCube, "", 1, 0},
-	{"FaceWithoutArea", kCube + "f 1 1 2\n", "1 faces without area dropped (the first: face 6)", 1, 1e-6},
+	{"FaceWithoutArea", kCube + "f 1 1 2\n", "1 face dropped, without area (the first: face 6)", 1, 1e-6},
 	{"RepeatedFace", kCube + "f 1 4 3 2\n", "2 faces dropped that repeat another one (the first: face 6)", 1, 1e-6},
 	{"EveryFaceTwice", kCube + kBottom + kTop + kSides, "12 faces dropped that repeat", 1, 1e-6},
 	{"EveryFaceBothWays", kCube + "f 1 2 3 4\nf 8 7 6 5\nf 5 6 2 1\nf 6 7 3 2\nf 7 8 4 3\nf 8 5 1 4\n",
@@ -94,16 +94,16 @@ const Case kCases[] = {
 	{"EdgeInCommon", kAcross, "moved apart", 2, 2e-3},
 	{"OneFaceTurned", replaced(kCube, "f 5 6 7 8", "f 8 7 6 5"), "2 faces turned to agree", 1, 1e-6},
 	{"InsideOut", tetrahedron(0, 1, 1, true), "turned outward", kTetrahedron, 1e-6},
-	{"OneComponentInsideOut", tetrahedron(0, 1, 1) + tetrahedron(5, 0.5, 5, true), "1 components that were inside out",
+	{"OneComponentInsideOut", tetrahedron(0, 1, 1) + tetrahedron(5, 0.5, 5, true), "1 component turned outward",
 	 1.125 * kTetrahedron, 1e-6},
 	{"FilledCavity", tetrahedron(0, 3, 1) + tetrahedron(0, 0.5, 5), "turned to bound cavities", 26.875 * kTetrahedron,
 	 1e-5},
 	{"FilledCavityAndAnotherSolid", tetrahedron(0, 3, 1) + tetrahedron(0, 0.5, 5) + tetrahedron(9, 1, 9),
-	 "1 components inside others turned", 27.875 * kTetrahedron, 1e-5},
-	{"NoLid", kVertices + kBottom + kSides, "1 holes closed with 2 faces (the longest: 4 edges, 4 around)", 1, 0.52},
+	 "1 component inside others turned", 27.875 * kTetrahedron, 1e-5},
+	{"NoLid", kVertices + kBottom + kSides, "1 hole closed with 2 faces (the longest: 4 edges, 4 around)", 1, 0.52},
 	{"Cracks", cracked(), "sewn", 1, 2e-5},
 	{"TJunction", "v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0 0 2\nv 1 0 0\nf 1 3 2\nf 1 4 3\nf 2 3 4\nf 1 5 4\nf 5 2 4\n",
-	 "1 faces split", 4.0 / 3, 1e-4},
+	 "1 face split", 4.0 / 3, 1e-4},
 	{"BowTie", tetrahedron(0, 1, 1) + "v 3 1 1\nv 3 3 1\nv 3 1 3\nf 1 6 5\nf 1 5 7\nf 1 7 6\nf 5 6 7\n", "moved apart",
 	 kTetrahedron + 4.0 / 3, 2e-3},
 	{"TwoThatCross",
@@ -111,10 +111,10 @@ const Case kCases[] = {
 		 "v .5 .5 .5\nv 1.5 .5 .5\nv 1.5 1.5 .5\nv .5 1.5 .5\nv .5 .5 1.5\nv 1.5 .5 1.5\nv 1.5 1.5 "
 		 "1.5\nv .5 1.5 1.5\n" +
 		 cubeFaces({9, 10, 11, 12, 13, 14, 15, 16}),
-	 "1 components united", 1.875, 0.51},
-	{"LooseTriangle", kCube + "v 3 0 0\nv 4 0 0\nv 3 1 0\nf 9 10 11\n", "1 components dropped that enclose nothing", 1,
+	 "1 component united", 1.875, 0.51},
+	{"LooseTriangle", kCube + "v 3 0 0\nv 4 0 0\nv 3 1 0\nf 9 10 11\n", "1 component (2 faces) of no volume dropped", 1,
 	 3.1},
-	{"NoNumber", kCube + "v 5 nan 5\nf 1 2 9\n", "1 faces dropped for coordinates", 1, 1e-6},
+	{"NoNumber", kCube + "v 5 nan 5\nf 1 2 9\n", "1 face dropped for coordinates", 1, 1e-6},
 };
 
 class RepairCase : public ::testing::TestWithParam<Case>
@@ -162,7 +162,7 @@ TEST(Repair, CutsOutCrossingsWithinAComponent)
 		if (v.x == 0 && v.y == 0 && v.z > 0) v.z = -0.08;
 	EXPECT_THROW(builder::intake(builder::parseObj(objText(plate))), builder::Refused);
 	const Repaired result = repaired(objText(plate));
-	EXPECT_NE(joined(result.changes).find("of one component that cross cut out"), std::string::npos)
+	EXPECT_NE(joined(result.changes).find("of faces of one component cut out"), std::string::npos)
 		<< joined(result.changes);
 	EXPECT_NEAR(volumeOf(result.solid.mesh), 0.1, 0.01);
 	EXPECT_LE(result.moved(), 0.13);

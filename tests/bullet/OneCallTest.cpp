@@ -171,4 +171,26 @@ TEST(Messages, AForgottenRegistrationIsToldOf)
 	GTEST_FLAG_SET(death_test_style, "threadsafe");
 	EXPECT_EXIT(forget(), testing::ExitedWithCode(0), "no dispatcher was registered");
 }
+
+TEST(Context, SaysWhenItsWorldOutlivesIt)
+{
+	const auto forget = [](bool isFirst)
+	{
+		auto context = std::make_unique<Context>();
+		PlainWorld scene;
+		(void)btClodCollisionAlgorithm::registerAlgorithm(&scene.dispatcher, context.get());
+		btClodShape shape(cube());
+		btRigidBody a(btRigidBody::btRigidBodyConstructionInfo(0, nullptr, &shape)),
+			b(btRigidBody::btRigidBodyConstructionInfo(1, nullptr, &shape));
+		for (btRigidBody* body : {&a, &b}) scene.world.addRigidBody(body);
+		scene.world.stepSimulation(btScalar(0.01), 0);
+		if (!isFirst)
+			for (btRigidBody* body : {&a, &b}) scene.world.removeRigidBody(body);
+		context.reset();
+		std::exit(0);
+	};
+	GTEST_FLAG_SET(death_test_style, "threadsafe");
+	EXPECT_EXIT(forget(true), testing::ExitedWithCode(0), "has to outlive the world");
+	EXPECT_EXIT(forget(false), testing::ExitedWithCode(0), "^$");
+}
 }  // namespace clod::test

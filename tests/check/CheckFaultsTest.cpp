@@ -272,6 +272,31 @@ TEST(Check, ConvexityIsProvedInEveryWay)
 	EXPECT_EQ(broken, (std::set<std::string>{"edges-convex", "faces-on-hull", "no-foreign-face"}));
 }
 
+// A ball with a dimple at either pole, all between them one patch: convex along its edges and on its hull, which the
+// dimples are in.
+TEST(Check, APatchWhoseHullHoldsAnothersFacesIsFound)
+{
+	builder::Lod lod = trianglePatches(sphereMesh(1, 12, 6));
+	const auto last = std::uint32_t(lod.mesh.vertices.size() - 1);
+	lod.mesh.vertices[0].y = 0.25;
+	lod.mesh.vertices[last].y = -0.25;
+	lod.patchCount = 1;
+	for (std::size_t i = 0; i < lod.mesh.triangles.size(); ++i)
+	{
+		const auto& t = lod.mesh.triangles[i];
+		const bool isOfDimple = std::count(t.begin(), t.end(), 0u) + std::count(t.begin(), t.end(), last) > 0;
+		lod.patchOfTriangle[i] = isOfDimple ? lod.patchCount++ : 0;
+	}
+	lod.patchResolution.resize(lod.patchCount);
+	lod.patchTolerance = 1e-6;
+	const auto hierarchy = Hierarchy::fromBytes(encode(builder::assembleHierarchy({{lod}}, builder::BuildConfig{}, nullptr)));
+	ASSERT_TRUE(hierarchy) << hierarchy.error();
+	std::set<std::string> broken;
+	for (const check::Invariant& invariant : check::checkHierarchy(*hierarchy.value(), {}))
+		if (invariant.violations > 0) broken.insert(invariant.name);
+	EXPECT_EQ(broken, std::set<std::string>{"no-foreign-face"});
+}
+
 TEST_P(PlantedFault, IsFound)
 {
 	HierarchyContent content = soundContent();

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "demos/render/MetricLength.h"
 #include "demos/render/Overlay.h"
 #include "tests/support/Files.h"
 
@@ -399,6 +400,35 @@ TEST(RenderImages, PngFilesHoldThePictureAndItsText)
 	EXPECT_FALSE(writePng(path, image));
 	EXPECT_FALSE(writePng(path, Image()));
 	EXPECT_FALSE(std::filesystem::exists(path));
+}
+
+TEST(RenderOverlay, UnitsFollowTheSizeOfALength)
+{
+	for (const auto& [metres, words] : {std::pair(0.0, "0 µm"), std::pair(3e-7, "0.3 µm"), std::pair(3e-4, "0.3 mm"), std::pair(-2.5e-3, "-2.5 mm"),
+										std::pair(0.03, "3 cm"), std::pair(-0.5, "-50 cm"), std::pair(20.0, "20 m")})
+		EXPECT_EQ(metricLength(metres), words);
+	EXPECT_EQ(metricLength(1.2345e-3, 2), "1.2 mm");
+}
+
+TEST(RenderOverlay, ALongTitleKeepsClearOfTheLegend)
+{
+	OverlayText text;
+	text.legendTitle = "Certified error of the patches";
+	text.legend = {{RED, "exact"}, {GREEN, "up to 1 mm"}};
+	const Image plain(720, 720, {0.5f, 0.5f, 0.5f, 1});
+	Image without = plain, with = plain;
+	drawOverlay(without, text);
+	text.title = "close-up of the near spoon from below, through the wall of its cup";
+	drawOverlay(with, text);
+	std::size_t ofLegend = 0, changed = 0;
+	for (std::size_t i = 0; i < plain.rgba.size(); ++i)
+		if (without.rgba[i] != plain.rgba[i])
+		{
+			++ofLegend;
+			changed += with.rgba[i] != without.rgba[i] ? 1 : 0;
+		}
+	EXPECT_GT(ofLegend, 10000u);
+	EXPECT_EQ(changed, 0u);
 }
 
 TEST(RenderOverlay, LegendScaleBarAndTextStandInTheirCorners)

@@ -170,13 +170,17 @@ TEST(RunnerFrames, TheLegendNamesTheErrorsInThePictureOfBothBodies)
 				for (const auto& [h, level] : {std::pair(a, levelA), std::pair(b, levelB)})
 					for (std::uint32_t i = 0; i < h->levels()[level].nodeCount; ++i)
 					{
-						const double mm = 1000 * double(h->node(h->levels()[level].firstNode + i).deviation);
+						const double error = double(h->node(h->levels()[level].firstNode + i).deviation);
 						std::size_t entry = 0;
 						const auto says = [&](std::size_t k)
-						{ return std::atof(legend[k].label.substr(std::string("up to ").size()).c_str()); };
-						while (entry < legend.size() && says(entry) < mm) ++entry;
-						ASSERT_LT(entry, legend.size()) << mm;
-						EXPECT_TRUE(entry == 0 || says(entry) < 3.4 * mm) << mm << legend[entry].label;
+						{
+							const std::string length = legend[k].label.substr(std::string("up to ").size());
+							const std::string unit = length.substr(length.find(' ') + 1);
+							return std::atof(length.c_str()) * (unit == "m" ? 1 : unit == "cm" ? 1e-2 : unit == "mm" ? 1e-3 : 1e-6) * (1 + 1e-9);
+						};
+						while (entry < legend.size() && says(entry) < error) ++entry;
+						ASSERT_LT(entry, legend.size()) << error;
+						EXPECT_TRUE(entry == 0 || says(entry) < 3.4 * error) << error << legend[entry].label;
 						used.insert(entry);
 					}
 				EXPECT_EQ(used.size(), legend.size());

@@ -56,9 +56,14 @@ def main():
         listed = run("--list").stdout.splitlines()
         assert len(listed) == 12 and len(set(listed)) == 12
         (out / "runs/b-x-2.json").unlink()
-        line = next(line for line in listed if line.endswith("b-x-2"))  # as GNU parallel runs it, from the project's folder
-        assert subprocess.run(line, shell=True, cwd=pathlib.Path(sys.argv[1]).resolve().parent.parent, capture_output=True).returncode == 0
+        line = next(line for line in listed if line.endswith("b-x-2"))  # as GNU parallel runs it, from anywhere
+        assert subprocess.run(line, shell=True, cwd="/", capture_output=True).returncode == 0
         assert len(runs()) == 19 and (out / "runs/b-x-2.json").exists(), "with the same clod-bench"
+        wrapper = pathlib.Path(sys.argv[1]).resolve().with_suffix("")  # files are named from where the user stands
+        command = [wrapper, "sweep.json", "-o", "there", "--bench", bench, "--only", "a-x-0"]
+        assert subprocess.run(command, cwd=folder, capture_output=True).returncode == 0 and (folder / "there/runs/a-x-0.json").exists()
+        lacking = run("--only", "a-x-1", "--bench", "/nowhere/clod-bench")
+        assert lacking.returncode == 1 and "/nowhere/clod-bench is not there" in lacking.stderr, lacking.stderr
         assert run("--only", "a-x-1").returncode == 0 and run("--only", "a-x-9").returncode == 1
         sweep.write_text(json.dumps({"scenes": ["a"], "settings": {"x": [], "x ": []}, "sedes": [1]}))
         assert "has to be an object" in run().stderr

@@ -128,6 +128,10 @@ TEST(TrialRecommendation, SaysWhenItIsNotKept)
 	EXPECT_TRUE(r.keepsAccuracy());
 	r.fresh.certified = r.fresh.error = 1e-3;
 	EXPECT_FALSE(r.keepsAccuracy());
+	r.fresh.error = 0;  // a gap that is right, and known to be so to a thousandth
+	EXPECT_TRUE(r.keepsAccuracy());
+	r.accuracy = 1e-3 / 2;
+	EXPECT_FALSE(r.keepsAccuracy());
 }
 
 class TrialPoses : public testing::Test

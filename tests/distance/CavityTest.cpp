@@ -195,4 +195,25 @@ TEST(Cavity, WhatLiesDeepInTheSolidMeetsNoHullAndIsInsideAllTheSame)
 	EXPECT_EQ(counts.overlapping, 16);
 	EXPECT_EQ(counts.deep, 16 * 2 * 2 * 6);
 }
+
+// Outside, inside, a little farther with what was found before, through the surface, outside again.
+TEST(Cavity, ContactsAloneTellOfWhatLiesDeepToo)
+{
+	const Body &box = body("cavity-bubbles"), &cube = body("cavity-bubbles-cube");
+	Settings settings = exactSettings(1e-5);
+	settings.contactsOnly = true;
+	for (const BodyPair& pair : {BodyPair{box, cube}, BodyPair{cube, box}})
+	{
+		GapCache cache;
+		for (const double x : {0.06, 0.02, 0.0201, kBoxHalf, 0.06})
+		{
+			const Transform boxFromCube{Mat3{}, {x, 0.02, -0.02}};
+			GapResult result;
+			query(*pair.a.hierarchy, *pair.b.hierarchy, &pair.a == &box ? boxFromCube : inverse(boxFromCube), settings,
+				  cache, result);
+			EXPECT_EQ(result.deep, x < 0.03) << pair.a.name << " first, at " << x;
+			EXPECT_EQ(result.contacts.empty(), x != kBoxHalf) << pair.a.name << " first, at " << x;
+		}
+	}
+}
 }  // namespace

@@ -33,7 +33,11 @@ void Context::noteRegistration()
 }
 
 Context::Context() : warn([](const std::string& message) { std::fprintf(stderr, "clod: %s\n", message.c_str()); }) {}
-Context::~Context() = default;
+Context::~Context()
+{
+	if (!m_pairs.empty() && warn)
+		warn("a Context is destroyed before the pairs of its world, which go on to use it: it has to outlive the world");
+}
 
 void Context::add(PairState* pair)
 {
