@@ -5,7 +5,6 @@
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <btBulletDynamicsCommon.h>
 #include <clod/bullet/ConfigureWorld.h>
-#include <clod/bullet/btClodCollisionAlgorithm.h>
 #include <clod/bullet/btClodDispatcher.h>
 #include <clod/bullet/btClodDynamicsWorld.h>
 #include <clod/bullet/btClodShape.h>
@@ -79,8 +78,6 @@ RigidScene::RigidScene(const SceneDefinition& definition, const SceneSettings& s
 	Bullet& bullet = *m_bullet;
 	// Before ours, which GImpact's would overwrite.
 	if (!settings.shapes.empty()) btGImpactCollisionAlgorithm::registerAlgorithm(&bullet.dispatcher);
-	const Result<int> registered = btClodCollisionAlgorithm::registerAlgorithm(&bullet.dispatcher, &bullet.context);
-	if (!registered) throw std::runtime_error(registered.error());
 	bullet.context.worldMetric = settings.metric;
 	bullet.context.budget = settings.budget;
 	if (!settings.printsWarnings) bullet.context.warn = nullptr;
@@ -117,7 +114,8 @@ void RigidScene::setUpSolver()
 	WorldSettings settings;
 	settings.solverIterations = m_definition.world.solverIterations;
 	settings.warmstartingFactor = m_definition.world.warmstartingFactor;
-	configureWorld(m_bullet->world, settings);
+	const Result<int> registered = setUpWorld(m_bullet->world, m_bullet->context, settings);
+	if (!registered) throw std::runtime_error(registered.error());
 	m_bullet->world.setMostPasses(m_settings.passes);
 	m_bullet->world.setMostParts(m_settings.parts);
 	if (m_settings.atImpacts) m_bullet->world.setStepping(btClodDynamicsWorld::Stepping::kImpacts);

@@ -125,6 +125,18 @@ void* countedForBullet(std::size_t size)
 }
 }  // namespace
 
+// What the first contact would have to make of the surface.
+TEST(Dispatch, ContactsOfAPreparedShapeFindTheirSurfaceMade)
+{
+	const auto hierarchy = test::body("torus", 900).hierarchy;
+	const long before = bytes;
+	btClodShape(hierarchy).prepareContacts();
+	const long made = bytes - before;
+	EXPECT_GT(made, 100 * 900);
+	const MovingTorus pair(ContactMetric::exactly());
+	EXPECT_LT(bytes - before - made, made / 2);
+}
+
 TEST(Dispatch, SteadyStepsAllocateNothing)
 {
 	// Without alignment of our own: Bullet puts an aligned block into one of these.

@@ -132,11 +132,14 @@ TEST(Still, WhatIsPushedMovesAsIfNothingHadBeenKept)
 // step's impulses it is kept up.
 TEST(Still, ATowerStopsThoughItsSolvesDoNotEnd)
 {
-	for (const auto& [digits, iterations] : {std::pair(10, 20), {20, WorldSettings().solverIterations}})
+	for (const auto& [digits, iterations, warmstarting] :
+		 {std::tuple(10, 20, 0.98), {20, WorldSettings().solverIterations, 0.98}, {10, 20, WorldSettings().warmstartingFactor}})
 	{
 		Heap heap;
-		heap.world.getSolverInfo().m_numIterations = iterations;
-		heap.world.getSolverInfo().m_warmstartingFactor = btScalar(0.98);
+		WorldSettings settings;
+		settings.solverIterations = iterations;
+		settings.warmstartingFactor = warmstarting;
+		ASSERT_TRUE(setUpWorld(heap.world, heap.context, settings));
 		for (int i = 0; i < digits; ++i)
 		{
 			btRigidBody& digit = heap.drop("number8-600", {});

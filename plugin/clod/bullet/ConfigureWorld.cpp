@@ -27,7 +27,11 @@ Result<int> setUpWorld(btDynamicsWorld& world, Context& context, const WorldSett
 {
 	Result<int> registered = btClodCollisionAlgorithm::registerAlgorithm(
 		dynamic_cast<btCollisionDispatcher*>(world.getDispatcher()), &context);
-	if (registered) configureWorld(world, settings);
+	if (registered)
+	{
+		configureWorld(world, settings);
+		context.closedShare = std::max(0.0, 1 - settings.warmstartingFactor);
+	}
 	return registered;
 }
 

@@ -66,6 +66,9 @@ public:
 	// Bodies that overlap are moved apart no faster than this, in radii of the smaller body a second: a depth is taken
 	// back at once where it is small, and never thrown out where it is large.
 	double pushSpeed = 3;
+	// Of a gap within the skin, what a point that carries closes a step: 1 less WorldSettings::warmstartingFactor or less
+	// (SolverTerms.h), which setUpWorld sees to. 1: all of it; piles tremble.
+	double closedShare = 0.15;
 	// Receives each warning once a pair and cause, with the bodies' world indices, user indices and files, and of each
 	// cause the first kMostMessages; prints to stderr by default; empty = silent (lastStep() has it still). Called during
 	// a dispatch, by one thread at a time. It may ask this context for lastStep() and its pairs,

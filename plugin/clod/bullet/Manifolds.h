@@ -31,7 +31,8 @@ struct WorldFrame
 	double timeStep = 0;           // 0: points are for the poses as they are
 	double pushSpeed = 0;           // at which an overlap is left at most, world lengths a second,
 	double switchSpeed = 0;         // and one that came with a change of level
-	double restingGap = 0;          // world length: gaps up to it close slowly where points carry, see SolverTerms.h
+	double restingGap = 0;          // world length: where points carry, gaps up to it close slowly, by
+	double closedShare = 1;         // this of them a step (SolverTerms.h)
 };
 
 // What is set of a point besides what its place and the materials make of it.

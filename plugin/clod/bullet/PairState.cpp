@@ -39,7 +39,7 @@ bool sameRules(const PointRules& l, const PointRules& r)
 	return fields(l) == fields(r);
 }
 
-WorldFrame worldFrame(const PairPose& pose, double pushSpeed, bool aIsFirst, double closestPoints)
+WorldFrame worldFrame(const PairPose& pose, const Context& context, bool aIsFirst, double closestPoints)
 {
 	WorldFrame frame;
 	frame.a = pose.a;
@@ -48,9 +48,10 @@ WorldFrame worldFrame(const PairPose& pose, double pushSpeed, bool aIsFirst, dou
 	frame.worldFromA = pose.worldFromA;
 	frame.scale = pose.scale();
 	frame.timeStep = pose.rules.timeStep;
-	frame.pushSpeed = pushSpeed * pose.rules.length * frame.scale;
+	frame.pushSpeed = context.pushSpeed * pose.rules.length * frame.scale;
 	frame.switchSpeed = switchSpeed(pose.rules) * frame.scale;
 	frame.restingGap = kSkinShare * pose.rules.length * frame.scale;
+	frame.closedShare = std::min(1.0, std::max(0.0, context.closedShare));
 	frame.breakingThreshold = kBreakingShare * pose.rules.length * frame.scale + closestPoints;
 	frame.motion = pose.motion * frame.scale;
 	return frame;
@@ -349,7 +350,7 @@ void PairState::process(const btCollisionObjectWrapper& body0, const btCollision
 		m_manifolds.write(m_clusters, {}, [](const ContactPoint&, std::uint32_t&, std::uint32_t&) {}, out);
 		return;
 	}
-	const WorldFrame frame = worldFrame(pose, m_context.pushSpeed, now.aIsFirst, closestPoints);
+	const WorldFrame frame = worldFrame(pose, m_context, now.aIsFirst, closestPoints);
 	if (now.isKept)
 	{
 		keepAnswer();

@@ -15,7 +15,6 @@ namespace
 constexpr double kDepthStep = 1.0 / 240;  // s: a step in which kTakenBackShare of a depth is taken back; as much a second
 										  // in longer ones,
 constexpr double kMostDepthShare = 0.6;   // but no more than this
-constexpr double kClosedShare = 0.02;     // of a gap within WorldFrame::restingGap: what a point that carries closes a step
 
 // A rebound of e v, whatever share of the step is left when the bodies touch, and with what pulls them together in the
 // step: speed is what they close with now, `pull` what they gain a second, distance what they have to go.
@@ -61,7 +60,7 @@ void setSolverTerms(const ContactPoint& point, const WorldFrame& frame, btManifo
 	if (row > 0 && written.m_appliedImpulse > 0)
 	{
 		const double near = std::min(row, frame.restingGap);
-		row -= near - std::max(kClosedShare * near, std::min(near, frame.switchSpeed * dt));
+		row -= near - std::max(frame.closedShare * near, std::min(near, frame.switchSpeed * dt));
 	}
 	// Positions leave an overlap by more than the path bends into it, or velocities have to answer for both: at most twice
 	// what the bend itself asks for.

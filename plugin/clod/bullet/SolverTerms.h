@@ -6,10 +6,10 @@
 // Ours is v_n dt >= -(d + bend), with what a turning body's path misses of its tangent (PairSolve.h). Where that asks for
 // a speed of parting it is written as a token overlap with an ERP of its own, which velocities have to meet.
 //
-// A point that carries closes a fiftieth of a small gap a step, not all of it. Iterations leave a pile's slowest modes all
+// A point that carries closes a share b of a small gap a step, not all of it. Iterations leave a pile's slowest modes all
 // but untouched: they keep 1 - s of their error, and what they leave is momentum and, by warm starting with w, impulse.
-// With rows that close a share b of the gap their errors go by the roots of x^3 + (s + 1 - w) x^2 + s x + s b, which grow
-// unless s + 1 - w > b: piles tremble with b = 1.
+// Their errors go by the roots of x^3 + (s + 1 - w) x^2 + s x + s b, which grow unless s + 1 - w > b: piles tremble with
+// b = 1, and with b = 1 - w nothing grows, whatever s. Less than that leaves what has landed askew to creep.
 #pragma once
 #include <BulletCollision/NarrowPhaseCollision/btManifoldPoint.h>
 

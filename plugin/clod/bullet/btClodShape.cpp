@@ -17,6 +17,7 @@
 
 #include "clod/hierarchy/ScaledHierarchy.h"
 #include "clod/manifold/ContactPoints.h"
+#include "clod/manifold/ContactSurface.h"
 #include "clod/query/TraversalTables.h"
 
 namespace
@@ -180,6 +181,12 @@ std::shared_ptr<const Hierarchy> btClodShape::inWorldLengths() const
 	clod::Result<std::shared_ptr<const Hierarchy>> derived = clod::scaledHierarchy(*m_hierarchy, {m_scale, m_scale, m_scale});
 	if (derived) m_inWorldLengths = derived.value();
 	return m_inWorldLengths;
+}
+
+void btClodShape::prepareContacts(std::uint32_t finest) const
+{
+	const clod::ContactSurfaces& surfaces = m_hierarchy->derived<clod::ContactSurfaces>();
+	for (std::uint32_t level = finest; level <= m_hierarchy->coarsestClodLevel(); ++level) surfaces.level(level);
 }
 
 btTransform btClodShape::meshFromBody() const
