@@ -226,6 +226,21 @@ TEST(BulletBudget, ACoarseAnswerEndsWithItsBudget)
 	}
 }
 
+// An answer that is finer than a smaller budget buys costs nothing while the bodies lie still.
+TEST(BulletBudget, AFinerAnswerStaysWhileNothingMoves)
+{
+	Toruses scene(true);
+	scene.run(60, 1e9);
+	const Toruses::Step full = scene.detect(1e9);
+	ASSERT_EQ(full.excess, 0);
+	const Toruses::Step tight = scene.detect(300);
+	EXPECT_EQ(tight.excess, 0);
+	EXPECT_EQ(tight.contacts, full.contacts);
+	EXPECT_EQ(tight.tests, 0U);
+	scene.run(1, 300);
+	EXPECT_GT(scene.look().excess, 0);
+}
+
 TEST(BulletBudget, OneThatCannotBeUsedIsSaidAndNotUsed)
 {
 	Toruses scene(true);

@@ -85,6 +85,54 @@ TEST(BudgetControl, AFirstStepMayCostMore)
 	EXPECT_GT(fits, 700);
 }
 
+// A hundred pairs that are cheap once answered at a factor: fewer are cut in each step, until none is. Where they stay dear
+// as many are cut as before, and it does not end.
+TEST(BudgetControl, GoesOnWhileFewerPairsAreCut)
+{
+	for (const bool ends : {true, false})
+	{
+		BudgetControl control;
+		double before = 0, finest = kOff;
+		int known = 0;
+		for (int i = 0; i < 200; ++i)
+		{
+			const double factor = control.coarsening({1000, kOff});
+			known = factor == before && (ends || known == 0) ? known : 0;  // pairs
+			before = factor;
+			const double ofNew = 50 / factor, ofKnown = 5 / factor;
+			const int most = int((1000 - known * ofKnown) / ofNew), fresh = std::min(100 - known, most);
+			StepCost cost;
+			cost.answered = std::uint32_t(known + fresh);
+			cost.cut = 100 - cost.answered;
+			cost.tests = cost.cut > 0 ? 1000 : known * ofKnown + fresh * ofNew;
+			cost.microseconds = 1;
+			known += fresh;
+			control.observe(cost);
+			if (i >= 150) finest = std::min(finest, cost.cut > 0 ? kOff : factor);
+		}
+		EXPECT_LT(finest, ends ? 2 : 10);
+		EXPECT_GT(finest, ends ? 0 : 4);
+	}
+}
+
+// Of 33 pairs one was answered, twice: all would have cost some 30 times the budget. Factors a little coarser need not be
+// tried.
+TEST(BudgetControl, KnowsByThePairsAnsweredWhatAllWouldCost)
+{
+	BudgetControl control;
+	StepCost cost;
+	cost.tests = 1000;
+	cost.ofCut = 100;
+	cost.answered = 1;
+	cost.cut = 32;
+	for (int i = 0; i < 2; ++i)
+	{
+		EXPECT_EQ(control.coarsening({1000, kOff}), 1);
+		control.observe(cost);
+	}
+	EXPECT_GT(control.coarsening({1000, kOff}), 4);
+}
+
 // Where bodies meet all factors cost more, and as little as before when they part.
 TEST(BudgetControl, APeakIsSoonForgotten)
 {

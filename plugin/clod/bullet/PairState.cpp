@@ -232,8 +232,13 @@ void PairState::open(const btCollisionObjectWrapper& body0, const btCollisionObj
 	if (next.pose.isAsked())
 	{
 		next.question = questionOf(next.pose);
+		double& coarsening = next.question.settings.metric.coarsening;
+		const double asked = coarsening;
+		// What is finer than a budget buys now costs nothing. Where it buys nothing, answers are the coarsest.
+		if (answered() && asked < kOff) coarsening = std::min(asked, answered()->settings.metric.coarsening);
 		next.isKept = next.pose.isOfTwo() && answered() && same(*answered(), next.question);
 		next.isStill = !next.isKept && isStill(next.pose, next.question);
+		if (!next.isKept && !next.isStill) coarsening = asked;
 	}
 }
 
@@ -290,7 +295,7 @@ void PairState::outline(Prepared& prepared)
 		return;
 	m_outline =
 		outlineCoarsest(pose.hierarchyA(), pose.hierarchyB(), pose.aFromB, prepared.question.settings, m_cache.pair);
-	m_budget->spend(m_outline.listing, false);
+	m_budget->list(m_outline.listing);
 }
 
 void PairState::expect(StepBudget& budget)
@@ -410,7 +415,8 @@ void PairState::keepAnswer()
 {
 	m_report.queryMicroseconds = m_report.contactMicroseconds = 0;
 	const QueryStats& stats = m_result.stats;
-	if (m_budget && m_report.hierarchyB) m_budget->keep(std::uint64_t(stats.boxTests) + stats.hullTests);
+	if (m_budget && m_report.hierarchyB)
+		m_budget->keep(std::uint64_t(stats.boxTests) + stats.hullTests, answered()->settings.metric.coarsening);
 }
 
 void PairState::write(const PairPose& pose, const WorldFrame& frame, btManifoldResult& out)

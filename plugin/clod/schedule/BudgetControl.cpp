@@ -12,7 +12,15 @@ constexpr int kCoarsest = CostCurve::kNotches - 1;  // nothing but the coarsest 
 // Logarithms of costs: what the first step at another notch takes more, and what must be left for a change beside the
 // spread of costs. To stay where steps were over lately the spread must be left, elsewhere nothing.
 constexpr double kOfFirst = 0.2, kRoomToChange = 0.05;
-constexpr int kHopeless = 3;  // failures: what is cut at once again is not gone on with
+constexpr double kProgress = 0.8;  // of the pairs cut in the step before: so few must be cut for this to come to an end
+constexpr int kHopeless = 3;       // failures: what is cut at once again is not gone on with
+
+// Of what was spent: had those that were cut cost as much as the others. Halfway: of these some were new, and cost less again.
+double ofAll(const StepCost& cost)
+{
+	if (!(cost.tests > 0)) return 1;
+	return std::sqrt((cost.tests - cost.ofCut) / cost.tests * (1 + double(cost.cut) / cost.answered));
+}
 }  // namespace
 
 double BudgetControl::coarsening(const Budget& budget)
@@ -47,15 +55,18 @@ int BudgetControl::finestThatFits() const
 void BudgetControl::observe(const StepCost& cost)
 {
 	const bool mayFit = std::max(m_tests.failures(m_notch), m_microseconds.failures(m_notch)) < kHopeless;
-	m_goesOn = cost.isCut && m_isNew && mayFit && m_notch < kCoarsest;
+	const bool comesToAnEnd = m_isNew || (m_goesOn && cost.answered > 0 && cost.cut <= kProgress * m_cut);
+	m_cut = cost.cut;
+	m_goesOn = cost.cut > 0 && comesToAnEnd && mayFit && m_notch < kCoarsest;
 	if (m_goesOn) return;
 	const double ofTests = cost.tests / m_budget.tests, ofTime = cost.microseconds / m_budget.microseconds;
-	if ((cost.isCut || ofTests > 1 || ofTime > 1) && m_notch < kCoarsest)
+	if ((cost.cut > 0 || ofTests > 1 || ofTime > 1) && m_notch < kCoarsest)
 	{
+		const double all = cost.answered > 0 ? ofAll(cost) : 1;
 		if (ofTests >= ofTime)
-			m_tests.exceed(m_notch, std::max(m_budget.tests, cost.tests));
+			m_tests.exceed(m_notch, std::max(m_budget.tests, all * cost.tests));
 		else
-			m_microseconds.exceed(m_notch, std::max(m_budget.microseconds, cost.microseconds));
+			m_microseconds.exceed(m_notch, std::max(m_budget.microseconds, all * cost.microseconds));
 		return;
 	}
 	const double share = m_isNew ? std::exp(-kOfFirst) : 1, tests = cost.tests + cost.keptTests;

@@ -5,7 +5,8 @@
 //
 // The finest factor is taken that is expected to fit in (CostCurve.h). What goes over is cut off by the query
 // (ContactSettings::budget). The first step at another factor costs more, as fronts are made anew: where it was cut, the
-// next goes on with them, and says what the factor costs.
+// next go on with them while each cuts off fewer pairs, and say what the factor costs: had those that were cut off cost as
+// much as the others.
 //
 // Based on: Otaduy & Lin 2003, sec. 3.3 and 5.2 ("constant frame-rate"); Hubbard 1994 (time-critical collision
 // detection).
@@ -20,7 +21,8 @@ struct StepCost
 {
 	double tests = 0, microseconds = 0;
 	double keptTests = 0;  // what pairs that had nothing to answer took when they last had: bodies that lie still may move
-	bool isCut = false;  // the budget was spent before all was answered
+	std::uint32_t cut = 0, answered = 0;  // pairs for which not enough was left; and those within the budget
+	double ofCut = 0;                     // tests that the former took
 };
 
 class CLOD_API BudgetControl
@@ -38,6 +40,7 @@ private:
 	CostCurve m_tests, m_microseconds;  // each known only of steps that it was limited in
 	int m_notch = 0;                    // of the factor
 	bool m_isNew = false;               // another than in the step before
-	bool m_goesOn = false;              // as it was new and cut short
+	bool m_goesOn = true;               // as it was new and cut short, and comes to an end: the first step is new
+	std::uint32_t m_cut = ~0U;          // pairs in the step before
 };
 }  // namespace clod

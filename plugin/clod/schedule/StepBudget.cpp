@@ -11,14 +11,15 @@ void StepBudget::begin(const Budget& budget)
 	m_coarsening = m_control.coarsening(budget);
 	m_start = Clock::now();
 	m_tests = m_keptTests = m_held = 0;
-	m_isCut = false;
+	m_cut = m_answered = 0;
+	m_ofCut = 0;
 	++m_step;
 }
 
 void StepBudget::end()
 {
 	const double tests = double(m_tests.load()), microseconds = microsecondsSince(m_start);
-	m_control.observe({tests, microseconds, double(m_keptTests.load()), m_isCut});
+	m_control.observe({tests, microseconds, double(m_keptTests.load()), m_cut, m_answered, double(m_ofCut.load())});
 	if (tests > 0) m_microsecondsATest = microseconds / tests;
 }
 
@@ -37,6 +38,7 @@ Budget StepBudget::next(std::uint32_t held)
 void StepBudget::spend(std::uint64_t tests, bool isCut)
 {
 	m_tests += tests;
-	if (isCut) m_isCut = true;
+	if (isCut) m_ofCut += tests;
+	++(isCut ? m_cut : m_answered);
 }
 }  // namespace clod

@@ -3,6 +3,7 @@
 // is left to each query before it gives its coarsest answer instead. What the coarsest answers still to come take is held
 // back: a step never exceeds its tests unless these alone do. Several threads may spend at once.
 #pragma once
+#include <algorithm>
 #include <atomic>
 
 #include "clod/Export.h"
@@ -28,9 +29,13 @@ public:
 	void release(std::uint32_t tests) { m_held -= tests; }
 	// Of a pair for which so much was held.
 	Budget next(std::uint32_t held);
+	void list(std::uint64_t tests) { m_tests += tests; }  // of its coarsest answer
 	void spend(std::uint64_t tests, bool isCut);
-	// Of one that keeps its answer.
-	void keep(std::uint64_t tests) { m_keptTests += tests; }
+	// Of one that keeps its answer, of a factor that may be finer: with this step's it would take less.
+	void keep(std::uint64_t tests, double coarsening)
+	{
+		m_keptTests += std::uint64_t(double(tests) * std::min(1.0, coarsening / m_coarsening));
+	}
 
 private:
 	BudgetControl m_control;
@@ -41,6 +46,7 @@ private:
 	double m_microsecondsATest = 0;  // of the last step
 	std::atomic<std::uint64_t> m_tests{0}, m_keptTests{0};
 	std::atomic<std::uint64_t> m_held{0};
-	std::atomic<bool> m_isCut{false};
+	std::atomic<std::uint32_t> m_answered{0}, m_cut{0};
+	std::atomic<std::uint64_t> m_ofCut{0};
 };
 }  // namespace clod
