@@ -143,7 +143,7 @@ inline std::uint64_t featureOf(const ContactSurface& a, const ContactSurface& b,
 inline constexpr double kFootShare = 1e-3;      // of the length: how far off its facet a foot may be
 inline constexpr double kDeepFootShare = 1e-2;  // and at most where bodies overlap
 inline constexpr double kArcSlack = 0.01;       // radians: of cones and arcs
-inline constexpr double kInnerShare = 1e-4;     // of the length: overlaps below twice this are touch
+inline constexpr double kInnerShare = 1e-4;     // of the length: overlaps below it are touch
 inline constexpr double kParallelSine = 1e-3;   // edges that cross at less have no normal of their own
 
 inline double FacetQuestion::footSlack(double distance) const

@@ -112,7 +112,7 @@ void FacetFinder::findPair(const Contact& contact)
 	const bool mayOverlap = contact.upper <= 0;
 	m_pair = {&q.a.surface(nodeA.level), &q.b.surface(nodeB.level), contact.nodeA, contact.nodeB, nodeA.level, nodeB.level};
 	m_pair.roam = kRoamShare * nodeB.displaced;
-	m_pair.deepest = mayOverlap ? kFar : 2 * kInnerShare * q.length();
+	m_pair.deepest = mayOverlap ? kFar : kInnerShare * q.length();
 	m_pair.reach = q.touching() + q.rules.heldReach + kFootShare * q.length() + m_pair.roam;
 	if (mayOverlap) m_pair.reach += q.a.thicknessOf(contact.nodeA) + q.b.thicknessOf(contact.nodeB);
 	gather(contact, nodeA, nodeB);
@@ -299,7 +299,7 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 	const double farthest = kPathReach * std::max(length(vertex.then - vertex.now), length(vertex.unforced - vertex.now));
 	const double ways = (1 + 2 * m_sagitta) * farthest + q.rules.heldReach + m_pair.roam + q.footSlack(now);
 	if (m_sagitta < kFlatArc && !faces.isOver(polygon, vertex.now, ways)) return;
-	const double touch = 2 * kInnerShare * q.length();
+	const double touch = kInnerShare * q.length();
 	Facet facet;
 	facet.reach = now >= -touch ? Facet::Reach::kNear : Facet::Reach::kOverlap;
 	const auto meetsOn = [&](const Vec3& move, double closing, double slack)
@@ -394,7 +394,7 @@ void FacetFinder::edgeOverEdge(const MovedEdge& still, const MovedEdge& moved)
 
 	LinesCrossing at = crossingOf(start, edge.direction, moved.start, moved.direction);
 	Facet facet;
-	facet.reach = now >= -2 * kInnerShare * q.length() ? Facet::Reach::kNear : Facet::Reach::kOverlap;
+	facet.reach = now >= -kInnerShare * q.length() ? Facet::Reach::kNear : Facet::Reach::kOverlap;
 	const auto meetsOn = [&](const Vec3& move, const Vec3& turn, double closing, double slack)
 	{
 		for (const double share : {std::max(0.0, (now - q.rules.margin) / closing), std::min(1.0, now / closing)})

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace clod
 {
@@ -13,6 +14,8 @@ constexpr int kCoarsest = CostCurve::kNotches - 1;  // nothing but the coarsest 
 // spread of costs. To stay where steps were over lately the spread must be left, elsewhere nothing.
 constexpr double kOfFirst = 0.2, kRoomToChange = 0.05;
 constexpr double kProgress = 0.8;  // of the pairs cut in the step before: so few must be cut for this to come to an end
+// Steps in which nothing finer is tried: times those in which a change cut some pairs after its first, and at most.
+constexpr int kSettled = 3, kMostSettled = 10;
 constexpr int kHopeless = 3;       // failures: what is cut at once again is not gone on with
 
 // Of what was spent: had those that were cut cost as much as the others. Halfway: of these some were new, and cost less again.
@@ -25,13 +28,14 @@ double ofAll(const StepCost& cost)
 
 double BudgetControl::coarsening(const Budget& budget)
 {
+	if (budget.tests != m_budget.tests || budget.microseconds != m_budget.microseconds) m_settled = 0;
 	m_budget = budget;
 	const int before = m_notch;
 	const bool isNothing = budget.tests == 0 || budget.microseconds == 0;
 	if (isNothing || !budget.isLimited())
 		m_notch = isNothing ? kCoarsest : 0;
 	else if (!m_goesOn)
-		m_notch = finestThatFits();
+		m_notch = m_settled > 0 ? std::max(m_notch, finestThatFits()) : finestThatFits();
 	m_isNew = m_notch != before;
 	return m_notch < kCoarsest ? std::exp2(m_notch / CostCurve::kNotchesAnOctave) : kOff;
 }
@@ -54,6 +58,10 @@ int BudgetControl::finestThatFits() const
 
 void BudgetControl::observe(const StepCost& cost)
 {
+	if (cost.cut > 0)
+		m_cutSteps += cost.answered > 0 ? 1 : 0;
+	else
+		m_settled = std::max(m_settled - 1, std::min(kMostSettled, kSettled * (std::exchange(m_cutSteps, 0) - 1)));
 	const bool mayFit = std::max(m_tests.failures(m_notch), m_microseconds.failures(m_notch)) < kHopeless;
 	const bool comesToAnEnd = m_isNew || (m_goesOn && cost.answered > 0 && cost.cut <= kProgress * m_cut);
 	m_cut = cost.cut;

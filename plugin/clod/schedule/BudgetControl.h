@@ -42,5 +42,7 @@ private:
 	bool m_isNew = false;               // another than in the step before
 	bool m_goesOn = true;               // as it was new and cut short, and comes to an end: the first step is new
 	std::uint32_t m_cut = ~0U;          // pairs in the step before
+	int m_cutSteps = 0;                 // in a row, until now, of some pairs
+	int m_settled = 0;                  // steps to come in which nothing finer is tried
 };
 }  // namespace clod
