@@ -76,12 +76,11 @@ private:
 		const SectionEntry& entry = m_table[std::uint32_t(section)];
 		const std::size_t size = std::size_t(entry.count * entry.stride), skip = std::size_t(dropped);
 		std::vector<std::byte> records(size);
-		if (!m_packed.read(records.data()))
-			return std::string("damaged (section ") + sectionName(section) + " cannot be unpacked)";
+		const std::string problem = m_packed.read(records.data());
+		if (!problem.empty()) return problem;
 		if (XXH3_64bits(records.data(), size) != entry.hash)
 			return std::string("damaged (checksum of section ") + sectionName(section) + ")";
 		if (size > skip) std::memcpy(to, records.data() + skip, size - skip);
-		if (std::uint32_t(section) + 1 == kSectionCount && !m_packed.isAtEnd()) return "bytes follow the last section";
 		return "";
 	}
 	std::size_t take(std::uint64_t wanted)

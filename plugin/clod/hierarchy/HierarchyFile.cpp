@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Writer and reader of the block (HierarchyFormat.h), and of files that are packed (PackedFile.h). Nothing of the input is
-// trusted: sizes are compared by division with the bytes that remain, hashes are compared before a record is looked at, then validate() runs.
+// trusted: sizes are compared by division with the bytes that remain, hashes are compared before a record is looked at,
+// then validate() runs.
 #include <algorithm>
 #include <cstring>
 #include <limits>

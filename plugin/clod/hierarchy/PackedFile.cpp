@@ -181,18 +181,19 @@ const std::byte* unpackColumn(const std::byte* at, const std::byte* end, const S
 }
 }  // namespace
 
-bool PackedSections::read(std::byte* records)
+std::string PackedSections::read(std::byte* records)
 {
-	const SectionEntry& entry = *m_next++;
+	const Section section = Section(m_next);
+	const SectionEntry& entry = m_table[m_next++];
 	for (const Column& column : columnsOf(entry))
 	{
 		if (entry.count == 0) continue;
 		const auto unpackOne = column.bytes == 2 ? unpackColumn<std::uint16_t> : unpackColumn<std::uint32_t>;
 		const std::byte* const next = unpackOne(m_at, m_end, entry, records + column.offset);
-		if (!next) return false;
+		if (!next) return std::string("damaged (section ") + sectionName(section) + " cannot be unpacked)";
 		m_at = next;
 	}
-	return true;
+	return m_next == kSectionCount && m_at != m_end ? "bytes follow the last section" : "";
 }
 
 std::vector<std::byte> pack(const std::vector<std::byte>& block)
@@ -215,10 +216,11 @@ Result<std::vector<std::byte>> unpack(const std::vector<std::byte>& file)
 	std::vector<std::byte> block(std::size_t(last.offset + last.count * last.stride), std::byte(0));
 	std::copy(file.begin(), file.begin() + std::ptrdiff_t(kFileStartBytes), block.begin());
 	PackedSections sections(file.data() + kFileStartBytes, file.data() + file.size(), table);
-	for (std::uint32_t i = 0; i < kSectionCount; ++i)
-		if (!sections.read(block.data() + table[i].offset))
-			return Error{std::string("damaged (section ") + sectionName(Section(i)) + " cannot be unpacked)"};
-	if (!sections.isAtEnd()) return Error{"bytes follow the last section"};
+	for (const SectionEntry& entry : table)
+	{
+		const std::string problem = sections.read(block.data() + entry.offset);
+		if (!problem.empty()) return Error{problem};
+	}
 	finishHeader(kFileVersion, block);
 	return block;
 }

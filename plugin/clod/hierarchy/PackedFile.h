@@ -33,17 +33,18 @@ class PackedSections
 {
 public:
 	PackedSections(const std::byte* begin, const std::byte* end, const SectionEntry* table)
-		: m_at(begin), m_end(end), m_next(table)
+		: m_at(begin), m_end(end), m_table(table)
 	{
 	}
-	// The next section's records. Room: their bytes. False: the file ends before, or has more bits than a value.
-	bool read(std::byte* records);
-	bool isAtEnd() const { return m_at == m_end; }
+	// The next section's records. Room: their bytes. Empty, or what is wrong: the file ends before, or has more bits than a
+	// value, or goes on after the last.
+	std::string read(std::byte* records);
 
 private:
 	const std::byte* m_at;
 	const std::byte* m_end;
-	const SectionEntry* m_next;
+	const SectionEntry* m_table;
+	std::uint32_t m_next = 0;
 };
 
 // The block of a packed file. Precondition: checkFileStart() and checkPacked() have found nothing.
