@@ -236,10 +236,11 @@ void PairSolve::solve(const FacetQuestion& question, std::vector<Facet>& facets)
 			facet.then = facet.distance + facet.linear;
 			if (!facet.hasFeatures()) continue;
 			facet.then = distanceAt(question, facet, after, back);
-			// A normal turns no faster than the bodies, but that of two edges all but parallel, and of a round corner.
+			// A normal turns no faster than the bodies, but that of two edges all but parallel, and, away from what goes by, of a
+			// round corner.
 			const double most = bendBound(question.rules, facet);
-			if (!isOfRound(facet.kind))
-				facet.then = facet.distance + facet.linear + std::max(-most, std::min(most, facet.curvature()));
+			const double bent = std::max(-most, isOfRound(facet.kind) ? facet.curvature() : std::min(most, facet.curvature()));
+			facet.then = facet.distance + facet.linear + bent;
 			// Where it comes within the margin, or at the end. As long as nothing turns the motion, all that it meets is on the
 			// path.
 			const double enters = std::max(0.0, facet.distance - rules.margin) / (facet.distance - facet.then);
