@@ -173,6 +173,40 @@ TEST_P(AtRate, FastBallsStopAtAThinWall)
 			EXPECT_EQ(shotsThrough(GetParam(), wall, speed, 6), 0) << wall << ", " << speed << " m/s";
 }
 
+// Two balls on a rod, as children of a compound: Bullet's own asks only what lies over each other where it is now.
+TEST_P(AtRate, FastCompoundsStopAtAThinWall)
+{
+	for (const char* kind : {"ours", "plane", "mesh", "compound"})
+		for (const bool hasTree : {true, false})
+			for (int i = 0; i < 10; ++i)
+			{
+				SceneWorld world(GetParam(), 0);
+				btClodShape& ball = world.addShape(patchHierarchy(ballMesh(0.05, 1)));
+				btCompoundShape& rod = world.add(std::make_unique<btCompoundShape>(hasTree));
+				for (const double x : {-0.06, 0.06})
+					rod.addChildShape(btTransform(btQuaternion::getIdentity(), btVector3(btScalar(x), 0, 0)), &ball);
+				std::unique_ptr<Wall> wall;
+				if (std::string(kind) != "compound")
+					wall = std::make_unique<Wall>(world, kind);
+				else
+				{
+					btCompoundShape& walls = world.add(std::make_unique<btCompoundShape>(hasTree));
+					btClodShape& plate = world.addShape(patchHierarchy(boxMesh({0.02, 2, 4}, {1, 2, 4}, 1)));
+					for (const double y : {-1.0, 1.0})
+						walls.addChildShape(btTransform(btQuaternion::getIdentity(), btVector3(0, btScalar(y), 0)), &plate);
+					world.addBody(walls, 0, {});
+				}
+				btRigidBody& body = world.addBody(rod, 1, {-1 - 0.037 * i, 0.03 * i, 0.02 * i});
+				const double speed = 20 * std::pow(15.0, i / 9.0);
+				body.setLinearVelocity(btVector3(btScalar(speed), 0, 0));
+				body.setAngularVelocity(btVector3(btScalar(i), btScalar(2 * i), 3));
+				const btVector3& at = body.getWorldTransform().getOrigin();
+				for (int k = 0; k < int(2.5 / speed * GetParam()) + 10 && std::max(std::abs(at.y()), std::abs(at.z())) < 1.8; ++k)
+					world.step();
+				EXPECT_LT(at.x(), 0.01) << kind << ", " << speed << " m/s, tree " << hasTree;
+			}
+}
+
 // Past the wall's upper edge on the side that it comes from, 2 mm off it, level or climbing, and turning.
 TEST_P(AtRate, WhatJustMissesIsNotDeflected)
 {

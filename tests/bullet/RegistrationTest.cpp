@@ -4,6 +4,7 @@
 #include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
 #include <gtest/gtest.h>
 
+#include "clod/bullet/btClodCompoundAlgorithm.h"
 #include "tests/bullet/BulletWorld.h"
 #include "tests/bullet/PatchHierarchy.h"
 
@@ -61,14 +62,37 @@ TEST(Registration, TakesConvexAndConcavePartnersInBothTablesAndOrders)
 	}
 }
 
-TEST(Registration, LeavesEmptyAndCompoundToBullet)
+// Of compounds those that have to do with ours are.
+TEST(Registration, LeavesEmptyAndOtherCompoundsToBullet)
 {
 	BulletWorld scene;
-	const btClodShape& shape = scene.addShape(patchHierarchy(ballMesh(1, 1)));
-	const btBoxShape box(btVector3(1, 1, 1));
+	btClodShape& shape = scene.addShape(patchHierarchy(ballMesh(1, 1)));
+	btBoxShape box(btVector3(1, 1, 1));
 	const btEmptyShape empty;
-	btCompoundShape compound;
-	compound.addChildShape(btTransform::getIdentity(), const_cast<btBoxShape*>(&box));
+	btCompoundShape compound, withOurs, outer;
+	compound.addChildShape(btTransform::getIdentity(), &box);
+	withOurs.addChildShape(btTransform::getIdentity(), &shape);
+	outer.addChildShape(btTransform::getIdentity(), &withOurs);
+	const btCollisionObject object;
+	const auto isOursOfCompounds = [&](const btCollisionShape& a, const btCollisionShape& b)
+	{
+		const btCollisionObjectWrapper body0(nullptr, &a, &object, object.getWorldTransform(), -1, -1);
+		const btCollisionObjectWrapper body1(nullptr, &b, &object, object.getWorldTransform(), -1, -1);
+		btCollisionAlgorithm* found = scene.dispatcher.findAlgorithm(&body0, &body1, nullptr, BT_CONTACT_POINT_ALGORITHMS);
+		const bool isOne = dynamic_cast<btClodCompoundAlgorithm*>(found) != nullptr;
+		found->~btCollisionAlgorithm();
+		scene.dispatcher.freeCollisionAlgorithm(found);
+		return isOne;
+	};
+	const std::initializer_list<const btCollisionShape*> others = {&box, &compound};
+	for (const btCollisionShape* other : others)
+	{
+		EXPECT_FALSE(isOursOfCompounds(compound, *other)) << other->getName();
+		EXPECT_FALSE(isOursOfCompounds(*other, compound)) << other->getName();
+		EXPECT_TRUE(isOursOfCompounds(withOurs, *other)) << other->getName();
+		EXPECT_TRUE(isOursOfCompounds(*other, outer)) << other->getName();
+	}
+	EXPECT_TRUE(isOursOfCompounds(shape, compound));
 	for (const btCollisionShape* partner : std::initializer_list<const btCollisionShape*>{&empty, &compound})
 	{
 		EXPECT_FALSE(isOurs(scene.dispatcher, shape, *partner, BT_CONTACT_POINT_ALGORITHMS)) << partner->getName();

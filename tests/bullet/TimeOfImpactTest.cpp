@@ -132,6 +132,34 @@ TEST(TimeOfImpact, OfABoxAndConvexShapes)
 		}
 }
 
+// A child goes with its body, and meets where it is: 8 are between the faces of these two, or 9 to a box alone.
+TEST(TimeOfImpact, OfChildrenOfCompounds)
+{
+	for (const bool isOfTwo : {true, false})
+		for (const bool isNested : {true, false})
+		{
+			Flight flight;
+			btClodShape& box = flight.scene.addShape(patchHierarchy(boxMesh({1, 1, 1}, {2, 2, 2}, 1)));
+			auto& behind = flight.scene.add(std::make_unique<btCompoundShape>());
+			auto& inner = flight.scene.add(std::make_unique<btCompoundShape>());
+			auto& outer = flight.scene.add(std::make_unique<btCompoundShape>());
+			behind.addChildShape(at(-1, 0, 0), &box);
+			behind.addChildShape(at(-1, 7, 0), &box);
+			inner.addChildShape(at(1, 0, 0), &box);
+			outer.addChildShape(at(0, 0, 0), isNested ? static_cast<btCollisionShape*>(&inner) : &box);
+			flight.first = &flight.scene.addBody(outer, 1, {isNested ? 0.0 : 1.0, 0, 0});
+			flight.second = isOfTwo ? &flight.scene.addBody(behind, 1, {11, 0, 0}) : &flight.scene.addBody(box, 1, {11, 0, 0});
+			flight.scene.world.getDispatchInfo().m_timeStep = 1;
+			const double start = isNested ? 0 : 1, apart = isOfTwo ? 8 : 9;
+			EXPECT_NEAR(flight.timeOfImpact(at(start + 20, 0, 0), at(11 - 20, 0, 0)), apart / 40, 2e-3) << isOfTwo << isNested;
+			EXPECT_EQ(flight.timeOfImpact(at(start - 20, 0, 0), at(11 + 20, 0, 0)), 1) << isOfTwo << isNested;
+			// Half a turn about its own middle carries a child to the other side.
+			if (!isNested) continue;
+			EXPECT_EQ(flight.timeOfImpact(at(apart + 1.5, 0, 0, 3), at(11, 0, 0)), 1) << isOfTwo;
+			EXPECT_LT(flight.timeOfImpact(at(apart + 1.5, 0, 0), at(11, 0, 0)), 1) << isOfTwo;
+		}
+}
+
 TEST(TimeOfImpact, WhatTouchesAlreadyIsLeftToItsContacts)
 {
 	Flight flight;

@@ -8,6 +8,8 @@
 
 #include "clod/hierarchy/ConvexPiece.h"
 #include "clod/manifold/FacetContacts.h"
+#include "clod/manifold/LevelSwitch.h"
+#include "clod/manifold/PairSolve.h"
 #include "clod/query/Query.h"
 #include "tests/bullet/PatchHierarchy.h"
 #include "tests/query/Bodies.h"
@@ -378,5 +380,74 @@ TEST(FacetContacts, ABodyIsHeldBetweenFacetsThatLeaveNoWayOut)
 	EXPECT_GT(held, 40);
 	EXPECT_GT(free, 40);
 	EXPECT_FALSE(isHeldBetween(question, {}));
+}
+
+// A corner that a step of fast turning carries round another to its far side has not been pushed through it: what its row
+// asks of velocities is no more than turning bends a way by.
+TEST(PairSolve, CornersThatGoRoundEachOtherAskForNoSpeed)
+{
+	const HierarchyPointer cube = cubeOf();
+	for (const double turn : {0.1, 1.0, 2.5, 3.0})
+	{
+		FacetQuestion question{contactBody(*cube), contactBody(*cube), at({0, 0, 0}), {}, {}, {}};
+		PointRules& rules = question.rules;
+		rules.length = std::sqrt(0.75);
+		rules.timeStep = 1.0 / 60;
+		for (PairBody* body : {&rules.a, &rules.b})
+		{
+			body->inverseMass = 1;
+			body->inverseInertia = Mat3{};
+		}
+		rules.b.angular = {0, 0, turn / rules.timeStep};
+		Facet facet{};
+		facet.kind = Facet::Kind::kVertexVertex;
+		const ContactSurface& surface = question.a.surface(0);
+		for (std::uint32_t v = 0; v < surface.vertices().size(); ++v)
+		{
+			if (length(surface.vertices()[v] - Vec3{0.5, 0.5, 0.5}) < 1e-6) facet.featureA = v;
+			if (length(surface.vertices()[v] - Vec3{0.5, 0.5, -0.5}) < 1e-6) facet.featureB = v;
+		}
+		// B's corner is below A's, and moves beside it; it ends beyond.
+		question.aFromB.translation = rules.b.center = {0.1, 0, 0.9};
+		facet.onA = {0.5, 0.5, 0.5};
+		facet.onB = question.aFromB * Vec3{0.5, 0.5, -0.5};
+		facet.normal = normalized(facet.onA - facet.onB);
+		facet.distance = length(facet.onA - facet.onB);
+		std::vector<Facet> facets = {facet};
+		PairSolve solve;
+		solve.solve(question, facets);
+		ASSERT_EQ(facets.size(), 1u);
+		EXPECT_GE(facets[0].curvature(), -std::min(turn, 0.04 / turn) * 2 * turn) << turn;
+	}
+}
+
+// Its features are a held point's no longer: none of them is looked up as what had gone in through a face.
+TEST(LevelSwitch, WhatIsHeldHasGoneInThroughNothing)
+{
+	const HierarchyPointer cube = cubeOf();
+	const Transform pose = at({0, 2, 0});
+	FacetQuestion question{contactBody(*cube), contactBody(*cube), pose, pose, pose, {}};
+	question.rules.length = 1;
+	question.rules.timeStep = 1.0 / 240;
+	FacetRecord record{};
+	record.kind = Facet::Kind::kVertexFace;
+	record.isThrough = true;
+	record.levelA = 1;
+	ClusterSet previous;
+	previous.slots[0].count = 1;
+	ClusterPoint& old = previous.slots[0].points[0];
+	old.impulse = 1;
+	old.point.normal = {0, -1, 0};
+	old.point.pointOnA = old.point.pointOnB = old.placeWithB = {0, 1, 0};
+	std::vector<Contact> contacts(1);
+	contacts[0].nodeA = contacts[0].nodeB = 0;
+	SwitchMemory memory;
+	memory.asked = {{1, 0}};
+	std::vector<Facet> facets;
+	LevelSwitch levels;
+	levels.apply(question, contacts, {record}, previous, false, memory, facets);
+	ASSERT_EQ(facets.size(), 1u);
+	EXPECT_EQ(facets[0].kind, Facet::Kind::kHeld);
+	EXPECT_FALSE(facets[0].isThrough);
 }
 }  // namespace clod::test

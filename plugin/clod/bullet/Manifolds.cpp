@@ -28,13 +28,6 @@ int childOf(const btCollisionObjectWrapper& wrapper)
 	return childOr(-1, wrapper);
 }
 
-// A compound refreshes the points of all its children before any of them is asked: what has moved on by more than the threshold
-// is dropped then, and its impulse with it.
-double driftInCompound(const WorldFrame& frame)
-{
-	return frame.a->m_parent || frame.b->m_parent ? kPathReach * frame.motion : 0;
-}
-
 // What Bullet makes of the two bodies' materials, the same for all their points.
 struct Material
 {
@@ -308,7 +301,7 @@ bool ManifoldSet::openSlot(std::size_t index, HeldClusters& clusters, const Worl
 	double highest = 0;
 	for (std::size_t i = 0; i < clusters.count(index); ++i) highest = std::max(highest, clusters.at(index, i).point.height);
 	Slot& slot = m_slots[index];
-	slot.breakingThreshold = btScalar(frame.breakingThreshold + 1.01 * highest * frame.scale + driftInCompound(frame));
+	slot.breakingThreshold = btScalar(frame.breakingThreshold + 1.01 * highest * frame.scale);
 	slot.restitution = Material(out).restitution;
 	m_target->setContactBreakingThreshold(slot.breakingThreshold);
 	m_wasEmpty = m_target->getNumContacts() == 0;

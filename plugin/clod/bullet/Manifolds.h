@@ -27,7 +27,6 @@ struct WorldFrame
 	double scale = 1;      // world lengths a hierarchy unit
 	std::uint32_t levelA = 0, levelB = 0;
 	double breakingThreshold = 0;  // world length
-	double motion = 0;             // of the step, at most: the same
 	double timeStep = 0;           // 0: points are for the poses as they are
 	double pushSpeed = 0;           // at which an overlap is left at most, world lengths a second,
 	double switchSpeed = 0;         // and one that came with a change of level

@@ -53,7 +53,6 @@ WorldFrame worldFrame(const PairPose& pose, const Context& context, bool aIsFirs
 	frame.restingGap = kSkinShare * pose.rules.length * frame.scale;
 	frame.closedShare = std::min(1.0, std::max(0.0, context.closedShare));
 	frame.breakingThreshold = kBreakingShare * pose.rules.length * frame.scale + closestPoints;
-	frame.motion = pose.motion * frame.scale;
 	return frame;
 }
 }  // namespace

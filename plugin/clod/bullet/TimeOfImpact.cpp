@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "clod/bullet/BodyState.h"
 
@@ -16,31 +17,34 @@ namespace
 constexpr double kNear = 1e-3;  // of the smaller radius: nearer is met
 constexpr int kMostSteps = 64;  // each covers what the gap allows; the last ones creep along a grazing way
 
-// A body's way, turning evenly about an axis through its origin.
+// A body's way, turning evenly about an axis through its origin; of a compound's child, which goes with it.
 struct Way
 {
 	btTransform from;
+	std::optional<Transform> child;  // in the body
 	btVector3 linear, axis;
 	btScalar angle = 0;
 
-	explicit Way(const btCollisionObject& object) : from(object.getWorldTransform())
+	explicit Way(const btCollisionObjectWrapper& body) : from(body.getCollisionObject()->getWorldTransform())
 	{
-		const btTransform& to = object.getInterpolationWorldTransform();
+		if (body.m_parent) child = inverse(toTransform(from)) * toTransform(body.getWorldTransform());
+		const btTransform& to = body.getCollisionObject()->getInterpolationWorldTransform();
 		linear = to.getOrigin() - from.getOrigin();
 		btTransformUtil::calculateDiffAxisAngle(from, to, axis, angle);
 	}
 	Transform at(double share) const
 	{
 		const btQuaternion turn(axis, angle * btScalar(share));
-		return toTransform(btTransform(turn * from.getRotation(), from.getOrigin() + btScalar(share) * linear));
+		const Transform body = toTransform(btTransform(turn * from.getRotation(), from.getOrigin() + btScalar(share) * linear));
+		return child ? body * *child : body;
+	}
+	// Of all the hierarchy's points, the farthest from the origin that it turns about; world length.
+	double reachOf(const Hierarchy& hierarchy, double scale) const
+	{
+		return (length(toVec3(hierarchy.asset().sphereCenter)) + double(hierarchy.asset().radius)) * scale +
+			   (child ? length(child->translation) : 0);
 	}
 };
-
-// Of all its points, the farthest from the origin that it turns about; world length.
-double reachOf(const Hierarchy& hierarchy, double scale)
-{
-	return (length(toVec3(hierarchy.asset().sphereCenter)) + double(hierarchy.asset().radius)) * scale;
-}
 
 double gapToPlane(const Hierarchy& hierarchy, const Vec3& normal, double offset)
 {
@@ -55,14 +59,14 @@ double timeOfImpact(const PairPose& pose, GapCache& cache, GapResult& result)
 {
 	if (!pose.isOfTwo() && pose.partner != Partner::kPlane) return 1;
 	const double scale = pose.scale();
-	const Way wayA(*pose.a->getCollisionObject()), wayB(*pose.b->getCollisionObject());
-	double turned = std::abs(double(wayA.angle)) * reachOf(pose.hierarchyA(), scale);
-	if (pose.isOfTwo()) turned += std::abs(double(wayB.angle)) * reachOf(pose.hierarchyB(), scale);
+	const Way wayA(*pose.a), wayB(*pose.b);
+	double turned = std::abs(double(wayA.angle)) * wayA.reachOf(pose.hierarchyA(), scale);
+	if (pose.isOfTwo()) turned += std::abs(double(wayB.angle)) * wayB.reachOf(pose.hierarchyB(), scale);
 	// A plane reaches as far as the body that it might meet.
 	else if (wayB.angle != 0)
 		turned += std::abs(double(wayB.angle)) *
 				  (double((wayA.from.getOrigin() - wayB.from.getOrigin()).length()) + double(wayA.linear.length()) +
-				   reachOf(pose.hierarchyA(), scale));
+				   wayA.reachOf(pose.hierarchyA(), scale));
 	const double bound = double((wayA.linear - wayB.linear).length()) + turned;
 	const double near = kNear * pose.rules.length * scale;
 	GapSettings settings;

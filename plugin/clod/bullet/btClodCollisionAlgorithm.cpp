@@ -8,6 +8,7 @@
 #include <new>
 
 #include "clod/bullet/PairState.h"
+#include "clod/bullet/btClodCompoundAlgorithm.h"
 
 namespace
 {
@@ -76,7 +77,13 @@ btScalar btClodCollisionAlgorithm::calculateTimeOfImpact(btCollisionObject* body
 {
 	const btCollisionObjectWrapper first(nullptr, body0->getCollisionShape(), body0, body0->getWorldTransform(), -1, -1);
 	const btCollisionObjectWrapper second(nullptr, body1->getCollisionShape(), body1, body1->getWorldTransform(), -1, -1);
-	return btScalar(m_state->timeOfImpact(first, second, info));
+	return timeOfImpact(first, second, info);
+}
+
+btScalar btClodCollisionAlgorithm::timeOfImpact(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+												const btDispatcherInfo& info)
+{
+	return btScalar(m_state->timeOfImpact(body0, body1, info));
 }
 
 void btClodCollisionAlgorithm::outline(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
@@ -103,6 +110,14 @@ clod::Result<int> btClodCollisionAlgorithm::registerAlgorithm(btCollisionDispatc
 	if (!reason.empty()) return clod::Error{reason};
 	auto contacts = std::make_unique<CreateFunction>(*context, false);
 	auto closestPoints = std::make_unique<CreateFunction>(*context, true);
+	auto compounds = btClodCompoundAlgorithm::createFunction(*dispatcher);
+	for (int type = 0; type < MAX_BROADPHASE_COLLISION_TYPES; ++type)
+	{
+		if (type != COMPOUND_SHAPE_PROXYTYPE && (!takesOver(type))) continue;
+		dispatcher->registerCollisionCreateFunc(COMPOUND_SHAPE_PROXYTYPE, type, compounds.get());
+		dispatcher->registerCollisionCreateFunc(type, COMPOUND_SHAPE_PROXYTYPE, compounds.get());
+	}
+	context->m_createFunctions.push_back(std::move(compounds));
 	int count = 0;
 	for (int type = 0; type < MAX_BROADPHASE_COLLISION_TYPES; ++type)
 	{

@@ -22,8 +22,8 @@ class CLOD_API btClodCollisionAlgorithm : public btActivatingCollisionAlgorithm
 {
 public:
 	// Registers shape type `shapeType` against itself, static planes and Bullet's convex and concave shapes, in both
-	// dispatch tables and both orders. Compounds and soft bodies keep Bullet's entries, which call ours or
-	// processAllTriangles. Call before the first pair exists and after any other registration; the context must outlive
+	// dispatch tables and both orders, and compounds that have such a child or meet one (btClodCompoundAlgorithm.h). Soft
+	// bodies keep Bullet's entries, which call processAllTriangles. Call before the first pair exists and after any other registration; the context must outlive
 	// the dispatcher's pairs. Several dispatchers may share one context. Value: how many pairs of types were set.
 	static clod::Result<int> registerAlgorithm(btCollisionDispatcher* dispatcher, clod::Context* context,
 											   int shapeType = FAST_CONCAVE_MESH_PROXYTYPE);
@@ -38,6 +38,8 @@ public:
 	// over a step by themselves.
 	btScalar calculateTimeOfImpact(btCollisionObject* body0, btCollisionObject* body1, const btDispatcherInfo& info,
 								   btManifoldResult* out) override;
+	btScalar timeOfImpact(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+						  const btDispatcherInfo& info);
 	// See PairState.h.
 	void outline(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 				 const btDispatcherInfo& info);

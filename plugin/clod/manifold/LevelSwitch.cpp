@@ -31,6 +31,7 @@ bool LevelSwitch::goOn(const FacetQuestion& question, const ClusterPoint& old, F
 	if (lengthSquared(point.pointOnA - onB - gap * point.normal) > most * most) return false;
 	const double height = gap + rules.radiusA + rules.radiusB - rules.margin;
 	facet.kind = Facet::Kind::kHeld;
+	facet.isThrough = false;  // of a face that is there no longer
 	facet.reach = Facet::Reach::kNear;
 	facet.featureA = facet.featureB = std::uint32_t(m_points.size());
 	facet.normal = point.normal;

@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: Zlib
+#include "clod/bullet/btClodCompoundAlgorithm.h"
+
+#include <BulletCollision/BroadphaseCollision/btDbvt.h>
+#include <BulletCollision/CollisionDispatch/btCollisionConfiguration.h>
+#include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
+#include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
+#include <BulletCollision/CollisionDispatch/btCompoundCollisionAlgorithm.h>
+#include <BulletCollision/CollisionDispatch/btCompoundCompoundCollisionAlgorithm.h>
+#include <BulletCollision/CollisionDispatch/btManifoldResult.h>
+#include <BulletCollision/CollisionShapes/btCompoundShape.h>
+#include <LinearMath/btAabbUtil2.h>
+#include <LinearMath/btQuickprof.h>
+#include <LinearMath/btTransformUtil.h>
+
+#include <algorithm>
+#include <new>
+#include <vector>
+
+#include "clod/bullet/btClodCollisionAlgorithm.h"
+
+namespace
+{
+using Wrapper = btCollisionObjectWrapper;
+
+const btCompoundShape* compoundOf(const btCollisionShape& shape)
+{
+	return shape.isCompound() ? static_cast<const btCompoundShape*>(&shape) : nullptr;
+}
+
+bool hasClod(const btCollisionShape& shape)
+{
+	const btCompoundShape* compound = compoundOf(shape);
+	if (!compound) return dynamic_cast<const btClodShape*>(&shape) != nullptr;
+	for (int i = 0; i < compound->getNumChildShapes(); ++i)
+		if (hasClod(*compound->getChildShape(i))) return true;
+	return false;
+}
+
+struct CreateFunction : btCollisionAlgorithmCreateFunc
+{
+	btCollisionConfiguration& others;
+	explicit CreateFunction(btCollisionConfiguration& configuration) : others(configuration) {}
+	btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info, const Wrapper* body0,
+												   const Wrapper* body1) override
+	{
+		const btCollisionShape &shape0 = *body0->getCollisionShape(), &shape1 = *body1->getCollisionShape();
+		if (!hasClod(shape0) && !hasClod(shape1))
+			return others.getCollisionAlgorithmCreateFunc(shape0.getShapeType(), shape1.getShapeType())
+				->CreateCollisionAlgorithm(info, body0, body1);
+		void* memory = info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(btClodCompoundAlgorithm));
+		return new (memory) btClodCompoundAlgorithm(info, body0, body1);
+	}
+};
+
+struct Bounds
+{
+	btVector3 low, high;
+	void add(const Bounds& other)
+	{
+		low.setMin(other.low);
+		high.setMax(other.high);
+	}
+	bool meets(const Bounds& other) const { return TestAabbAgainstAabb2(low, high, other.low, other.high); }
+};
+
+// A body of the pair, and where the step carries it.
+class Side
+{
+public:
+	Side(const Wrapper& body, const btDispatcherInfo& info, btScalar reach)
+		: m_body(body), m_reach(reach, reach, reach), m_compound(compoundOf(*body.getCollisionShape()))
+	{
+		const btCollisionObject& object = *body.getCollisionObject();
+		m_moves = info.m_timeStep > 0 && !object.isStaticObject();
+		if (!m_moves) return;
+		btTransform then = object.getInterpolationWorldTransform();
+		if (object.isKinematicObject())
+			btTransformUtil::integrateTransform(object.getWorldTransform(), object.getInterpolationLinearVelocity(),
+												object.getInterpolationAngularVelocity(), info.m_timeStep, then);
+		m_then = body.getWorldTransform();
+		if (body.m_parent)
+			m_then = then * (object.getWorldTransform().inverse() * m_then);
+		else
+			m_then = then;
+	}
+	const Wrapper& body() const { return m_body; }
+	const btCompoundShape* compound() const { return m_compound; }
+	const btCollisionShape& shapeOf(int child) const
+	{
+		return m_compound ? *m_compound->getChildShape(child) : *m_body.getCollisionShape();
+	}
+	btTransform poseOf(int child) const
+	{
+		return m_compound ? m_body.getWorldTransform() * m_compound->getChildTransform(child) : m_body.getWorldTransform();
+	}
+	// A wrapper keeps a reference to the pose. A body that is no compound is its only child.
+	Wrapper childAt(const btTransform& pose, int child) const
+	{
+		if (!m_compound)
+			return {m_body.m_parent, m_body.m_shape, m_body.getCollisionObject(), pose, m_body.m_partId, m_body.m_index};
+		return {&m_body, m_compound->getChildShape(child), m_body.getCollisionObject(), pose, -1, child};
+	}
+	Bounds whole() const { return over(*m_body.getCollisionShape(), btTransform::getIdentity()); }
+	Bounds boundsOf(int child) const
+	{
+		return over(shapeOf(child), m_compound ? m_compound->getChildTransform(child) : btTransform::getIdentity());
+	}
+	// Children that may come into the bounds, ascending.
+	void list(const Bounds& other, std::vector<int>& children) const
+	{
+		children.clear();
+		if (!m_compound)
+			children.push_back(0);
+		else if (const btDbvt* tree = m_compound->getDynamicAabbTree())
+		{
+			struct Collect : btDbvt::ICollide
+			{
+				std::vector<int>& found;
+				explicit Collect(std::vector<int>& f) : found(f) {}
+				void Process(const btDbvtNode* leaf) override { found.push_back(leaf->dataAsInt); }
+			} collect(children);
+			Bounds local = inFrame(other, m_body.getWorldTransform());
+			if (m_moves) local.add(inFrame(other, m_then));
+			const btDbvtVolume volume = btDbvtVolume::FromMM(local.low, local.high);
+			tree->collideTV(tree->m_root, volume, collect);
+			std::sort(children.begin(), children.end());
+		}
+		else
+			for (int i = 0; i < m_compound->getNumChildShapes(); ++i) children.push_back(i);
+	}
+
+private:
+	static Bounds inFrame(const Bounds& bounds, const btTransform& frame)
+	{
+		Bounds local;
+		btTransformAabb(bounds.low, bounds.high, 0, frame.inverse(), local.low, local.high);
+		return local;
+	}
+	Bounds at(const btCollisionShape& shape, const btTransform& pose) const
+	{
+		Bounds bounds;
+		shape.getAabb(pose, bounds.low, bounds.high);
+		return {bounds.low - m_reach, bounds.high + m_reach};
+	}
+	Bounds over(const btCollisionShape& shape, const btTransform& child) const
+	{
+		Bounds bounds = at(shape, m_body.getWorldTransform() * child);
+		if (m_moves) bounds.add(at(shape, m_then * child));
+		return bounds;
+	}
+	const Wrapper& m_body;
+	btVector3 m_reach;
+	const btCompoundShape* m_compound;
+	btTransform m_then;
+	bool m_moves = false;
+};
+
+// Does a program's own filter let these two meet? Bullet's, of compounds.
+bool isLetThrough(const Side& side0, const Side& side1, int child0, int child1)
+{
+	const btCollisionShape &shape0 = side0.shapeOf(child0), &shape1 = side1.shapeOf(child1);
+	if (side0.compound() && side1.compound())
+		return !gCompoundCompoundChildShapePairCallback || gCompoundCompoundChildShapePairCallback(&shape0, &shape1);
+	if (!gCompoundChildShapePairCallback) return true;
+	return side0.compound() ? gCompoundChildShapePairCallback(&shape0, &shape1) : gCompoundChildShapePairCallback(&shape1, &shape0);
+}
+
+// While it lives, contacts are told of a child.
+class ToldOf
+{
+public:
+	ToldOf(btManifoldResult& out, const Side& side, const Wrapper& child, int index)
+		: m_out(out), m_isFirst(out.getBody0Internal() == side.body().getCollisionObject()), m_is(side.compound() != nullptr)
+	{
+		if (!m_is) return;
+		m_before = m_isFirst ? out.getBody0Wrap() : out.getBody1Wrap();
+		set(&child);
+		m_isFirst ? out.setShapeIdentifiersA(-1, index) : out.setShapeIdentifiersB(-1, index);
+	}
+	~ToldOf()
+	{
+		if (m_is) set(m_before);
+	}
+	ToldOf(const ToldOf&) = delete;
+	ToldOf& operator=(const ToldOf&) = delete;
+
+private:
+	void set(const Wrapper* wrapper) { m_isFirst ? m_out.setBody0Wrap(wrapper) : m_out.setBody1Wrap(wrapper); }
+	btManifoldResult& m_out;
+	const Wrapper* m_before = nullptr;
+	bool m_isFirst, m_is;
+};
+}  // namespace
+
+struct btClodCompoundAlgorithm::Children
+{
+	struct Pair
+	{
+		int child0, child1;
+		const btCollisionShape *shape0, *shape1;
+		btCollisionAlgorithm* algorithm;
+		bool isNear;
+		bool isOf(int c0, int c1) const { return child0 == c0 && child1 == c1; }
+		bool isBefore(int c0, int c1) const { return child0 != c0 ? child0 < c0 : child1 < c1; }
+	};
+	btDispatcher& dispatcher;
+	btPersistentManifold* shared;
+	std::vector<Pair> pairs;  // sorted by children
+	std::vector<int> list0, list1;
+
+	Pair& pairOf(int child0, int child1)
+	{
+		auto at = std::lower_bound(pairs.begin(), pairs.end(), 0, [&](const Pair& pair, int) { return pair.isBefore(child0, child1); });
+		if (at == pairs.end() || !at->isOf(child0, child1)) at = pairs.insert(at, {child0, child1, nullptr, nullptr, nullptr, false});
+		return *at;
+	}
+	void release(Pair& pair)
+	{
+		if (!pair.algorithm) return;
+		pair.algorithm->~btCollisionAlgorithm();
+		dispatcher.freeCollisionAlgorithm(pair.algorithm);
+		pair.algorithm = nullptr;
+	}
+	void listNear(const Side& side0, const Side& side1)
+	{
+		for (Pair& pair : pairs) pair.isNear = false;
+		side0.list(side1.whole(), list0);
+		side1.list(side0.whole(), list1);
+		for (const int child0 : list0)
+		{
+			const Bounds bounds = side0.boundsOf(child0);
+			for (const int child1 : list1)
+			{
+				if (!bounds.meets(side1.boundsOf(child1)) || !isLetThrough(side0, side1, child0, child1)) continue;
+				Pair& pair = pairOf(child0, child1);
+				pair.isNear = true;
+				const btCollisionShape &shape0 = side0.shapeOf(child0), &shape1 = side1.shapeOf(child1);
+				if (pair.shape0 != &shape0 || pair.shape1 != &shape1) release(pair);
+				pair.shape0 = &shape0;
+				pair.shape1 = &shape1;
+			}
+		}
+		for (Pair& pair : pairs)
+			if (!pair.isNear) release(pair);
+		pairs.erase(std::remove_if(pairs.begin(), pairs.end(), [](const Pair& pair) { return !pair.isNear; }), pairs.end());
+	}
+	// visit(pair, body0, body1): the children as bodies, a body that is no compound as it is.
+	template <class Visit>
+	void forEachNear(const Side& side0, const Side& side1, Visit visit)
+	{
+		listNear(side0, side1);
+		for (Pair& pair : pairs)
+		{
+			const btTransform pose0 = side0.poseOf(pair.child0), pose1 = side1.poseOf(pair.child1);
+			const Wrapper child0 = side0.childAt(pose0, pair.child0), child1 = side1.childAt(pose1, pair.child1);
+			if (!pair.algorithm)
+				pair.algorithm = dispatcher.findAlgorithm(&child0, &child1, shared, BT_CONTACT_POINT_ALGORITHMS);
+			visit(pair, child0, child1);
+		}
+	}
+};
+
+std::unique_ptr<btCollisionAlgorithmCreateFunc> btClodCompoundAlgorithm::createFunction(btCollisionDispatcher& dispatcher)
+{
+	return std::make_unique<CreateFunction>(*dispatcher.getCollisionConfiguration());
+}
+
+btClodCompoundAlgorithm::btClodCompoundAlgorithm(const btCollisionAlgorithmConstructionInfo& info, const Wrapper* body0,
+												 const Wrapper* body1)
+	: btActivatingCollisionAlgorithm(info, body0, body1),
+	  m_children(new Children{*info.m_dispatcher1, info.m_manifold, {}, {}, {}})
+{
+}
+
+btClodCompoundAlgorithm::~btClodCompoundAlgorithm()
+{
+	for (Children::Pair& pair : m_children->pairs) m_children->release(pair);
+}
+
+void btClodCompoundAlgorithm::processCollision(const Wrapper* body0, const Wrapper* body1, const btDispatcherInfo& info,
+											   btManifoldResult* out)
+{
+	BT_PROFILE("btClodCompoundAlgorithm::processCollision");
+	const Side side0(*body0, info, out->m_closestPointDistanceThreshold), side1(*body1, info, 0);
+	m_children->forEachNear(side0, side1,
+							[&](const Children::Pair& pair, const Wrapper& child0, const Wrapper& child1)
+							{
+								const ToldOf told0(*out, side0, child0, pair.child0), told1(*out, side1, child1, pair.child1);
+								pair.algorithm->processCollision(&child0, &child1, info, out);
+							});
+}
+
+btScalar btClodCompoundAlgorithm::calculateTimeOfImpact(btCollisionObject* body0, btCollisionObject* body1,
+														const btDispatcherInfo& info, btManifoldResult*)
+{
+	const Wrapper first(nullptr, body0->getCollisionShape(), body0, body0->getWorldTransform(), -1, -1);
+	const Wrapper second(nullptr, body1->getCollisionShape(), body1, body1->getWorldTransform(), -1, -1);
+	return timeOfImpact(first, second, info);
+}
+
+btScalar btClodCompoundAlgorithm::timeOfImpact(const Wrapper& body0, const Wrapper& body1, const btDispatcherInfo& info)
+{
+	btScalar first = 1;
+	m_children->forEachNear(Side(body0, info, 0), Side(body1, info, 0),
+							[&](const Children::Pair& pair, const Wrapper& child0, const Wrapper& child1)
+							{
+								if (auto* ours = dynamic_cast<btClodCollisionAlgorithm*>(pair.algorithm))
+									first = btMin(first, ours->timeOfImpact(child0, child1, info));
+								else if (auto* nested = dynamic_cast<btClodCompoundAlgorithm*>(pair.algorithm))
+									first = btMin(first, nested->timeOfImpact(child0, child1, info));
+							});
+	return first;
+}
+
+void btClodCompoundAlgorithm::getAllContactManifolds(btManifoldArray& manifolds)
+{
+	for (const Children::Pair& pair : m_children->pairs)
+		if (pair.algorithm) pair.algorithm->getAllContactManifolds(manifolds);
+}
