@@ -276,6 +276,32 @@ TEST(Facilities, CompoundsOfConvexShapesAndOfOursRest)
 	}
 }
 
+// A child is added, made another or taken away while the compound lies on its others.
+TEST(Facilities, EditsOfACompoundAreNoticed)
+{
+	BulletWorld scene;
+	auto& compound = scene.add(std::make_unique<btCompoundShape>());
+	btClodShape &part = scene.addShape(cube()), &larger = scene.addShape(cube());
+	larger.setLocalScaling(vector(2, 2, 2));
+	compound.addChildShape(at(-1.2, 0, 0), &part);
+	compound.addChildShape(at(1.2, 0, 0), &part);
+	scene.addBody(scene.addShape(slab()), 0, {0, -0.5, 0});
+	btRigidBody& body = scene.addBody(compound, 1, {0, 0.55, 0});
+	body.setAngularFactor(0);
+	scene.step(240);
+	EXPECT_NEAR(heightOf(body), 0.5, 2e-3);
+	compound.addChildShape(at(0, -0.5, 0), &part);
+	scene.step(480);
+	EXPECT_NEAR(heightOf(body), 1, 5e-3);
+	compound.removeChildShapeByIndex(2);
+	compound.addChildShape(at(0, -0.5, 0), &larger);
+	scene.step(480);
+	EXPECT_NEAR(heightOf(body), 1.5, 5e-3);
+	compound.removeChildShape(&larger);
+	scene.step(480);
+	EXPECT_NEAR(heightOf(body), 0.5, 2e-3);
+}
+
 // Against Bullet's own mesh, and without a look at what the sweep does not pass.
 TEST(Facilities, SweepsHitWhatTheyHitOfAMesh)
 {

@@ -14,6 +14,7 @@
 #include <LinearMath/btTransformUtil.h>
 
 #include <algorithm>
+#include <array>
 #include <new>
 #include <vector>
 
@@ -64,6 +65,14 @@ struct Bounds
 	bool meets(const Bounds& other) const { return TestAabbAgainstAabb2(low, high, other.low, other.high); }
 };
 
+btScalar turnBetween(const btTransform& from, const btTransform& to)
+{
+	btVector3 axis;
+	btScalar angle = 0;
+	btTransformUtil::calculateDiffAxisAngle(from, to, axis, angle);
+	return angle;
+}
+
 // A body of the pair, and where the step carries it.
 class Side
 {
@@ -78,14 +87,13 @@ public:
 		if (object.isKinematicObject())
 			btTransformUtil::integrateTransform(object.getWorldTransform(), object.getInterpolationLinearVelocity(),
 												object.getInterpolationAngularVelocity(), info.m_timeStep, then);
-		m_then = body.getWorldTransform();
-		if (body.m_parent)
-			m_then = then * (object.getWorldTransform().inverse() * m_then);
-		else
-			m_then = then;
+		m_then = body.m_parent ? then * (object.getWorldTransform().inverse() * body.getWorldTransform()) : then;
+		m_bend = 1 - btCos(btScalar(0.5) * turnBetween(body.getWorldTransform(), m_then));
 	}
 	const Wrapper& body() const { return m_body; }
 	const btCompoundShape* compound() const { return m_compound; }
+	// Of the children.
+	int revision() const { return m_compound ? m_compound->getUpdateRevision() : 0; }
 	const btCollisionShape& shapeOf(int child) const
 	{
 		return m_compound ? *m_compound->getChildShape(child) : *m_body.getCollisionShape();
@@ -143,16 +151,23 @@ private:
 		shape.getAabb(pose, bounds.low, bounds.high);
 		return {bounds.low - m_reach, bounds.high + m_reach};
 	}
+	// Between its ends a way bends outwards by the sagitta of the farthest point's arc.
 	Bounds over(const btCollisionShape& shape, const btTransform& child) const
 	{
 		Bounds bounds = at(shape, m_body.getWorldTransform() * child);
-		if (m_moves) bounds.add(at(shape, m_then * child));
-		return bounds;
+		if (!m_moves) return bounds;
+		bounds.add(at(shape, m_then * child));
+		btVector3 center;
+		btScalar radius = 0;
+		shape.getBoundingSphere(center, radius);
+		const btScalar bend = m_bend * ((child * center).length() + radius);
+		return {bounds.low - btVector3(bend, bend, bend), bounds.high + btVector3(bend, bend, bend)};
 	}
 	const Wrapper& m_body;
 	btVector3 m_reach;
 	const btCompoundShape* m_compound;
 	btTransform m_then;
+	btScalar m_bend = 0;  // of a way, a share of its radius
 	bool m_moves = false;
 };
 
@@ -163,7 +178,8 @@ bool isLetThrough(const Side& side0, const Side& side1, int child0, int child1)
 	if (side0.compound() && side1.compound())
 		return !gCompoundCompoundChildShapePairCallback || gCompoundCompoundChildShapePairCallback(&shape0, &shape1);
 	if (!gCompoundChildShapePairCallback) return true;
-	return side0.compound() ? gCompoundChildShapePairCallback(&shape0, &shape1) : gCompoundChildShapePairCallback(&shape1, &shape0);
+	return side0.compound() ? gCompoundChildShapePairCallback(&shape0, &shape1)
+							: gCompoundChildShapePairCallback(&shape1, &shape0);
 }
 
 // While it lives, contacts are told of a child.
@@ -198,7 +214,8 @@ struct btClodCompoundAlgorithm::Children
 	struct Pair
 	{
 		int child0, child1;
-		const btCollisionShape *shape0, *shape1;
+		const btCollisionShape *shape0, *shape1;  // now,
+		const btCollisionShape *asked0, *asked1;  // and those that the algorithm is of
 		btCollisionAlgorithm* algorithm;
 		bool isNear;
 		bool isOf(int c0, int c1) const { return child0 == c0 && child1 == c1; }
@@ -208,12 +225,14 @@ struct btClodCompoundAlgorithm::Children
 	btPersistentManifold* shared;
 	std::vector<Pair> pairs;  // sorted by children
 	std::vector<int> list0, list1;
+	std::array<int, 2> revisions{};
 
 	Pair& pairOf(int child0, int child1)
 	{
-		auto at = std::lower_bound(pairs.begin(), pairs.end(), 0, [&](const Pair& pair, int) { return pair.isBefore(child0, child1); });
-		if (at == pairs.end() || !at->isOf(child0, child1)) at = pairs.insert(at, {child0, child1, nullptr, nullptr, nullptr, false});
-		return *at;
+		const auto at = std::lower_bound(pairs.begin(), pairs.end(), 0,
+										 [&](const Pair& pair, int) { return pair.isBefore(child0, child1); });
+		if (at != pairs.end() && at->isOf(child0, child1)) return *at;
+		return *pairs.insert(at, {child0, child1, nullptr, nullptr, nullptr, nullptr, nullptr, false});
 	}
 	void release(Pair& pair)
 	{
@@ -224,7 +243,13 @@ struct btClodCompoundAlgorithm::Children
 	}
 	void listNear(const Side& side0, const Side& side1)
 	{
-		for (Pair& pair : pairs) pair.isNear = false;
+		const std::array<int, 2> now{side0.revision(), side1.revision()};
+		for (Pair& pair : pairs)
+		{
+			pair.isNear = false;
+			if (now != revisions) pair.asked0 = nullptr;
+		}
+		revisions = now;
 		side0.list(side1.whole(), list0);
 		side1.list(side0.whole(), list1);
 		for (const int child0 : list0)
@@ -235,27 +260,34 @@ struct btClodCompoundAlgorithm::Children
 				if (!bounds.meets(side1.boundsOf(child1)) || !isLetThrough(side0, side1, child0, child1)) continue;
 				Pair& pair = pairOf(child0, child1);
 				pair.isNear = true;
-				const btCollisionShape &shape0 = side0.shapeOf(child0), &shape1 = side1.shapeOf(child1);
-				if (pair.shape0 != &shape0 || pair.shape1 != &shape1) release(pair);
-				pair.shape0 = &shape0;
-				pair.shape1 = &shape1;
+				pair.shape0 = &side0.shapeOf(child0);
+				pair.shape1 = &side1.shapeOf(child1);
 			}
 		}
+	}
+	// What is no longer near, or was of other shapes, as where these are gone in Bullet's turn: the order of manifolds, which
+	// solvers see, depends on it.
+	void releaseOthers()
+	{
 		for (Pair& pair : pairs)
-			if (!pair.isNear) release(pair);
+			if (!pair.isNear || pair.shape0 != pair.asked0 || pair.shape1 != pair.asked1) release(pair);
 		pairs.erase(std::remove_if(pairs.begin(), pairs.end(), [](const Pair& pair) { return !pair.isNear; }), pairs.end());
 	}
 	// visit(pair, body0, body1): the children as bodies, a body that is no compound as it is.
 	template <class Visit>
 	void forEachNear(const Side& side0, const Side& side1, Visit visit)
 	{
-		listNear(side0, side1);
 		for (Pair& pair : pairs)
 		{
+			if (!pair.isNear || (pair.algorithm && (pair.shape0 != pair.asked0 || pair.shape1 != pair.asked1))) continue;
 			const btTransform pose0 = side0.poseOf(pair.child0), pose1 = side1.poseOf(pair.child1);
 			const Wrapper child0 = side0.childAt(pose0, pair.child0), child1 = side1.childAt(pose1, pair.child1);
 			if (!pair.algorithm)
+			{
 				pair.algorithm = dispatcher.findAlgorithm(&child0, &child1, shared, BT_CONTACT_POINT_ALGORITHMS);
+				pair.asked0 = pair.shape0;
+				pair.asked1 = pair.shape1;
+			}
 			visit(pair, child0, child1);
 		}
 	}
@@ -269,7 +301,7 @@ std::unique_ptr<btCollisionAlgorithmCreateFunc> btClodCompoundAlgorithm::createF
 btClodCompoundAlgorithm::btClodCompoundAlgorithm(const btCollisionAlgorithmConstructionInfo& info, const Wrapper* body0,
 												 const Wrapper* body1)
 	: btActivatingCollisionAlgorithm(info, body0, body1),
-	  m_children(new Children{*info.m_dispatcher1, info.m_manifold, {}, {}, {}})
+	  m_children(new Children{*info.m_dispatcher1, info.m_manifold, {}, {}, {}, {}})
 {
 }
 
@@ -283,6 +315,8 @@ void btClodCompoundAlgorithm::processCollision(const Wrapper* body0, const Wrapp
 {
 	BT_PROFILE("btClodCompoundAlgorithm::processCollision");
 	const Side side0(*body0, info, out->m_closestPointDistanceThreshold), side1(*body1, info, 0);
+	m_children->listNear(side0, side1);
+	m_children->releaseOthers();
 	m_children->forEachNear(side0, side1,
 							[&](const Children::Pair& pair, const Wrapper& child0, const Wrapper& child1)
 							{
@@ -302,15 +336,25 @@ btScalar btClodCompoundAlgorithm::calculateTimeOfImpact(btCollisionObject* body0
 btScalar btClodCompoundAlgorithm::timeOfImpact(const Wrapper& body0, const Wrapper& body1, const btDispatcherInfo& info)
 {
 	btScalar first = 1;
-	m_children->forEachNear(Side(body0, info, 0), Side(body1, info, 0),
-							[&](const Children::Pair& pair, const Wrapper& child0, const Wrapper& child1)
-							{
-								if (auto* ours = dynamic_cast<btClodCollisionAlgorithm*>(pair.algorithm))
-									first = btMin(first, ours->timeOfImpact(child0, child1, info));
-								else if (auto* nested = dynamic_cast<btClodCompoundAlgorithm*>(pair.algorithm))
-									first = btMin(first, nested->timeOfImpact(child0, child1, info));
-							});
+	forEachChild(body0, body1, info,
+				 [&](btCollisionAlgorithm& algorithm, const Wrapper& child0, const Wrapper& child1)
+				 {
+					 if (auto* ours = dynamic_cast<btClodCollisionAlgorithm*>(&algorithm))
+						 first = btMin(first, ours->timeOfImpact(child0, child1, info));
+					 else if (auto* nested = dynamic_cast<btClodCompoundAlgorithm*>(&algorithm))
+						 first = btMin(first, nested->timeOfImpact(child0, child1, info));
+				 });
 	return first;
+}
+
+void btClodCompoundAlgorithm::forEachChild(const Wrapper& body0, const Wrapper& body1, const btDispatcherInfo& info,
+										   const Visit& visit)
+{
+	const Side side0(body0, info, 0), side1(body1, info, 0);
+	m_children->listNear(side0, side1);
+	m_children->forEachNear(side0, side1,
+							[&](const Children::Pair& pair, const Wrapper& child0, const Wrapper& child1)
+							{ visit(*pair.algorithm, child0, child1); });
 }
 
 void btClodCompoundAlgorithm::getAllContactManifolds(btManifoldArray& manifolds)

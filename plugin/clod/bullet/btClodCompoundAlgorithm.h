@@ -5,6 +5,7 @@
 #pragma once
 #include <BulletCollision/CollisionDispatch/btActivatingCollisionAlgorithm.h>
 
+#include <functional>
 #include <memory>
 
 #include "clod/Export.h"
@@ -29,6 +30,10 @@ public:
 								   btManifoldResult* out) override;
 	btScalar timeOfImpact(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 						  const btDispatcherInfo& info);
+	// visit(algorithm, body0, body1): of all children that the next dispatch will ask, as bodies of their own.
+	using Visit = std::function<void(btCollisionAlgorithm&, const btCollisionObjectWrapper&, const btCollisionObjectWrapper&)>;
+	void forEachChild(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, const btDispatcherInfo& info,
+					  const Visit& visit);
 	void getAllContactManifolds(btManifoldArray& manifolds) override;
 
 private:

@@ -11,6 +11,7 @@
 #include "clod/bullet/Context.h"
 #include "clod/bullet/PairState.h"
 #include "clod/bullet/btClodCollisionAlgorithm.h"
+#include "clod/bullet/btClodCompoundAlgorithm.h"
 #include "clod/schedule/StepBudget.h"
 #include "clod/schedule/ThreadPool.h"
 
@@ -24,11 +25,6 @@ btCollisionObjectWrapper wrapped(const btCollisionObject* object)
 {
 	return {nullptr, object->getCollisionShape(), object, object->getWorldTransform(), -1, -1};
 }
-btClodCollisionAlgorithm* oursOf(const btBroadphasePair& pair)
-{
-	return dynamic_cast<btClodCollisionAlgorithm*>(pair.m_algorithm);
-}
-
 bool isClod(const btCollisionShape& shape)
 {
 	return dynamic_cast<const btClodShape*>(&shape) != nullptr;
@@ -41,14 +37,50 @@ bool isShared(const btCollisionShape& shape)
 	return isClod(shape) || type == STATIC_PLANE_PROXYTYPE || type == TRIANGLE_MESH_SHAPE_PROXYTYPE ||
 		   type == SCALED_TRIANGLE_MESH_SHAPE_PROXYTYPE || type == TERRAIN_SHAPE_PROXYTYPE;
 }
+// Of compounds and shapes of ours; who is asked at last is looked at again.
+bool mayBeOurs(const btCollisionShape& shape0, const btCollisionShape& shape1)
+{
+	const auto mayBe = [](const btCollisionShape& shape) { return shape.isCompound() || isClod(shape); };
+	const auto mayMeet = [](const btCollisionShape& shape) { return shape.isCompound() || isShared(shape); };
+	return (mayBe(shape0) || mayBe(shape1)) && mayMeet(shape0) && mayMeet(shape1);
+}
 }  // namespace
 
 struct btClodDispatcher::Step
 {
+	// A body, or a compound's child, as it was listed.
+	struct Side
+	{
+		const btCollisionObject* object;
+		const btCollisionShape* shape;
+		btTransform pose;
+		int child;
+		bool isChild;
+		explicit Side(const btCollisionObjectWrapper& body)
+			: object(body.getCollisionObject()),
+			  shape(body.getCollisionShape()),
+			  pose(body.getWorldTransform()),
+			  child(body.m_index),
+			  isChild(body.m_parent != nullptr)
+		{
+		}
+		btCollisionObjectWrapper in(const btCollisionObjectWrapper& whole) const
+		{
+			return {isChild ? &whole : nullptr, shape, object, pose, -1, child};
+		}
+	};
 	struct Job
 	{
 		btClodCollisionAlgorithm* algorithm;
-		const btCollisionObject *object0, *object1;
+		Side side0, side1;
+		// act(body0, body1)
+		template <class Act>
+		void with(Act act) const
+		{
+			const btCollisionObjectWrapper whole0 = wrapped(side0.object), whole1 = wrapped(side1.object);
+			const btCollisionObjectWrapper body0 = side0.in(whole0), body1 = side1.in(whole1);
+			act(body0, body1);
+		}
 	};
 	clod::StepBudget budget;
 	std::unique_ptr<clod::ThreadPool> pool = std::make_unique<clod::ThreadPool>(1);
@@ -112,7 +144,8 @@ void btClodDispatcher::outline(const btDispatcherInfo& info)
 	const auto outlineOne = [&](std::uint32_t i)
 	{
 		const Step::Job& job = m_step->jobs[i];
-		job.algorithm->outline(wrapped(job.object0), wrapped(job.object1), info);
+		job.with([&](const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1)
+				 { job.algorithm->outline(body0, body1, info); });
 	};
 	if (m_step->budget.isLimited()) m_step->pool->run(std::uint32_t(m_step->jobs.size()), outlineOne);
 }
@@ -125,7 +158,8 @@ void btClodDispatcher::prepare(const btDispatcherInfo& info)
 	const auto prepareOne = [&](std::uint32_t i)
 	{
 		const Step::Job& job = m_step->jobs[i];
-		job.algorithm->prepare(wrapped(job.object0), wrapped(job.object1), info);
+		job.with([&](const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1)
+				 { job.algorithm->prepare(body0, body1, info); });
 	};
 	m_step->pool->run(std::uint32_t(m_step->jobs.size()), prepareOne);
 }
@@ -137,14 +171,23 @@ void btClodDispatcher::listJobs(const std::vector<btBroadphasePair*>& pairs, con
 	if ((threads() == 1 && !m_step->budget.isLimited()) || info.m_dispatchFunc != btDispatcherInfo::DISPATCH_DISCRETE ||
 		getNearCallback() != &btCollisionDispatcher::defaultNearCallback)
 		return;
+	const auto listOne = [&](btCollisionAlgorithm& algorithm, const btCollisionObjectWrapper& body0,
+							 const btCollisionObjectWrapper& body1)
+	{
+		const btCollisionShape &shape0 = *body0.getCollisionShape(), &shape1 = *body1.getCollisionShape();
+		if (!isShared(shape0) || !isShared(shape1)) return;
+		if (auto* ours = dynamic_cast<btClodCollisionAlgorithm*>(&algorithm))
+			m_step->jobs.push_back({ours, Step::Side(body0), Step::Side(body1)});
+	};
 	for (btBroadphasePair* pair : pairs)
 	{
 		btCollisionObject *object0 = objectOf(pair->m_pProxy0), *object1 = objectOf(pair->m_pProxy1);
-		const btCollisionShape &shape0 = *object0->getCollisionShape(), &shape1 = *object1->getCollisionShape();
-		if (!isShared(shape0) || !isShared(shape1) || !(isClod(shape0) || isClod(shape1))) continue;
-		if (!needsCollision(object0, object1)) continue;
+		if (!mayBeOurs(*object0->getCollisionShape(), *object1->getCollisionShape()) || !needsCollision(object0, object1)) continue;
 		const btCollisionObjectWrapper body0 = wrapped(object0), body1 = wrapped(object1);
 		if (!pair->m_algorithm) pair->m_algorithm = findAlgorithm(&body0, &body1, nullptr, BT_CONTACT_POINT_ALGORITHMS);
-		if (btClodCollisionAlgorithm* algorithm = oursOf(*pair)) m_step->jobs.push_back({algorithm, object0, object1});
+		if (auto* compound = dynamic_cast<btClodCompoundAlgorithm*>(pair->m_algorithm))
+			compound->forEachChild(body0, body1, info, listOne);
+		else if (pair->m_algorithm)
+			listOne(*pair->m_algorithm, body0, body1);
 	}
 }

@@ -4,13 +4,13 @@
 //
 // Threads. Queries and contact points of pairs with a btClodShape concern nothing but the pair: they are made on
 // a pool of our own, whatever Bullet was built with, and then written by Bullet's dispatch in Bullet's order. The
-// same bits for any number of threads, clock budgets excepted. One pair after the other as before are met: shapes
-// inside compounds; shapes that are not known to be read by several threads (a program's own, GImpact); pairs whose budget is
+// same bits for any number of threads, clock budgets excepted. One pair after the other as before are met: compounds
+// within compounds; shapes that are not known to be read by several threads (a program's own, GImpact); pairs whose budget is
 // counted in tests, as what is left to one is what those before it took; and all, where the program has set a near
 // callback of its own, or continuous dispatch.
 //
 // Budgets. Of tests: what the coarsest answers take is found first and held back, so a step exceeds its budget only where
-// they alone do (those of children of compounds, and of all pairs with a near callback of a program's own, are held back
+// they alone do (those of compounds within compounds, and of all pairs with a near callback of a program's own, are held back
 // as they were in the step before); repeats bit for bit. Of time: compared with a clock (StepBudget.h), of the whole dispatch. Continuous dispatch is not budgeted.
 #pragma once
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
