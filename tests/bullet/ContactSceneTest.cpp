@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "clod/bullet/ConfigureWorld.h"
 #include "tests/bullet/BulletWorld.h"
@@ -205,6 +206,85 @@ TEST_P(AtRate, FastCompoundsStopAtAThinWall)
 					world.step();
 				EXPECT_LT(at.x(), 0.01) << kind << ", " << speed << " m/s, tree " << hasTree;
 			}
+}
+
+namespace
+{
+// By contactPairTest; zero of what is apart.
+double overlapOf(BulletWorld& world, btRigidBody& a, btRigidBody& b)
+{
+	struct Deepest : btCollisionWorld::ContactResultCallback
+	{
+		double depth = 0;
+		btScalar addSingleResult(btManifoldPoint& point, const btCollisionObjectWrapper*, int, int,
+								 const btCollisionObjectWrapper*, int, int) override
+		{
+			depth = std::max(depth, -double(point.getDistance()));
+			return 0;
+		}
+	} deepest;
+	world.world.contactPairTest(&a, &b, deepest);
+	return deepest.depth;
+}
+}  // namespace
+
+// Sides and ends of round bodies that a step turns by half a radian: what faces the other body is another part then.
+TEST_P(AtRate, RoundBodiesMeetWhatTheyTurnInto)
+{
+	std::mt19937_64 random(11);
+	const auto some = [&](double least, double most)
+	{ return btScalar(least + (most - least) * double(random() >> 11) / double(std::uint64_t(1) << 53)); };
+	const auto direction = [&]
+	{
+		const btScalar x = some(-1, 1), y = some(-1, 1), z = some(-1, 1);
+		return btVector3(x, y, z).normalized();
+	};
+	const auto cube = patchHierarchy(boxMesh({0.23, 0.23, 0.23}, {2, 2, 2}, 1));
+	int met = 0;
+	for (int i = 0; i < 3000; ++i)
+	{
+		SceneWorld world(GetParam(), 0);
+		btRigidBody& still = world.addBody(world.addShape(cube), 0, {});
+		const btVector3 centers[] = {btVector3(btScalar(-0.1), 0, 0), btVector3(btScalar(0.1), 0, 0)};
+		const btScalar radii[] = {btScalar(0.06), btScalar(0.04)};
+		btCollisionShape& shape = i % 4 != 0 ? world.add(std::unique_ptr<btCollisionShape>(new btCapsuleShape(btScalar(0.05), btScalar(0.2))))
+											 : world.add(std::unique_ptr<btCollisionShape>(new btMultiSphereShape(centers, radii, 2)));
+		const btVector3 away = direction(), place = some(0.12, 0.35) * away;
+		btRigidBody& body = world.addBody(shape, 1, {double(place.x()), double(place.y()), double(place.z())},
+										  btQuaternion(direction(), some(0, kPi)));
+		body.setDamping(0, 0);
+		body.setLinearVelocity(some(-3, 0) * away);
+		body.setAngularVelocity(some(15, 30) * direction());
+		if (overlapOf(world, still, body) > 0) continue;
+		world.step();
+		met += world.contacts() > 0 ? 1 : 0;
+		ASSERT_LT(overlapOf(world, still, body), 0.015) << "case " << i;
+	}
+	EXPECT_GT(met, 30);
+}
+
+// A plate through a corner or an edge of a cube has no corner of either inside the other.
+TEST_P(AtRate, WhatReachesThroughIsMovedOut)
+{
+	for (int i = 0; i < 24; ++i)
+	{
+		SceneWorld world(GetParam(), 0);
+		btRigidBody& cube = world.put(boxMesh({1, 1, 1}, {1, 1, 1}, 1), 1, {});
+		const btVector3 axis(btScalar(std::sin(2.1 * i)), btScalar(std::cos(1.3 * i)), btScalar(std::sin(0.7 * i + 1)));
+		const double out = 0.35 + 0.01 * i;
+		btRigidBody& plate = world.put(boxMesh({2, 2, 0.03}, {1, 1, 1}, 1), 1, {out, out * std::cos(0.4 * i), out * std::sin(0.5 * i)},
+									   btQuaternion(axis.normalized(), btScalar(0.3 * i)));
+		const double before = overlapOf(world, cube, plate);
+		EXPECT_GT(before, 0) << i;
+		double fastest = 0;
+		for (int k = 0; k < int(GetParam()); ++k)
+		{
+			world.step();
+			fastest = std::max(fastest, double((cube.getLinearVelocity() - plate.getLinearVelocity()).length()));
+		}
+		EXPECT_LT(overlapOf(world, cube, plate), 0.1 * before) << i;
+		EXPECT_LT(fastest, world.context.pushSpeed) << i;
+	}
 }
 
 // Past the wall's upper edge on the side that it comes from, 2 mm off it, level or climbing, and turning.

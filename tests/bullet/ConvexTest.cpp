@@ -333,6 +333,45 @@ TEST(Convex, BallsOnFlatGroundDoNotRollOff)
 }
 
 // Radii and dimensions may change while a pair lives.
+// Radii below Bullet's margin too, which its own support takes off all of them: over a flat ground the distance is that of the
+// lowest sphere.
+TEST(Convex, SpheresOfAnyRadiiAreAsFarAsTheLowest)
+{
+	Random random(31);
+	const btVector3 places[3] = {btVector3(btScalar(-0.2), 0, 0), btVector3(btScalar(0.2), 0, 0),
+								 btVector3(0, btScalar(0.2), btScalar(0.04))};
+	for (const double size : {0.3, 1.0, 4.0})
+		for (const bool isEqual : {true, false})
+		{
+			btScalar radii[3] = {btScalar(0.06), btScalar(0.1), btScalar(0.03)};
+			if (isEqual) radii[1] = radii[2] = radii[0];
+			BulletWorld scene;
+			scene.context.worldMetric = ContactMetric::exactly();
+			btRigidBody& ground = scene.addBody(scene.addShape(patchHierarchy(boxMesh({9, 1, 9}, {1, 1, 1}, 1))), 0, {0, -0.5, 0});
+			auto& shape = scene.add(std::make_unique<btMultiSphereShape>(places, radii, 3));
+			shape.setLocalScaling(btVector3(btScalar(size), btScalar(size), btScalar(size)));
+			btRigidBody& body = scene.addBody(shape, 1, {});
+			for (int pose = 0; pose < 40; ++pose)
+			{
+				const Mat3 turn = randomRotation(random);
+				const double height = uniform(random, 0.35, 0.5) * size;
+				double expected = std::numeric_limits<double>::infinity();
+				for (std::size_t i = 0; i < 3; ++i)
+				{
+					const Vec3 place{double(places[i].x()), double(places[i].y()), double(places[i].z())};
+					expected = std::min(expected, height + size * (dot(turn.row[1], place) - double(radii[i])));
+				}
+				btMatrix3x3 basis;
+				for (int i = 0; i < 3; ++i)
+					basis[i].setValue(btScalar(turn.row[i].x), btScalar(turn.row[i].y), btScalar(turn.row[i].z));
+				body.setWorldTransform(btTransform(basis, btVector3(0, btScalar(height), 0)));
+				Closest nearest(size);
+				scene.world.contactPairTest(&ground, &body, nearest);
+				EXPECT_NEAR(nearest.least, expected, 0.004 * size) << size << ", equal " << isEqual << ", pose " << pose;
+			}
+		}
+}
+
 TEST(Convex, ShapesThatChangeAreSeen)
 {
 	BulletWorld scene;

@@ -361,22 +361,23 @@ TEST(Facilities, SweepsLookAtTheirOwnWayOnly)
 	EXPECT_LT(along.triangles, 260);  // of 800 on that side: patches of eight along the diagonal
 }
 
-// Two cubes in any overlap, one wholly inside the other too: contactPairTest has a point, and below zero. The oracle is the
-// separating axes of boxes.
+// A cube and a box in any overlap, one wholly inside the other, or a plate through a corner, too: contactPairTest has a point,
+// and below zero. The oracle is the separating axes of boxes.
 TEST(Facilities, ContactPairTestKnowsOverlapsOfAnyDepth)
 {
 	Random random(23);
-	const auto ours = cube();
+	const auto ours = patchHierarchy(boxMesh({1, 1, 1}, {1, 1, 1}, 1));  // few corners, and none in between
 	int overlapping = 0;
 	for (int round = 0; round < 300; ++round)
 	{
 		const double size = round % 3 == 0 ? 0.3 : 1;
+		const btVector3 extent = round % 3 == 1 ? vector(1.7, 0.02, 1.3) : vector(size, size, size);
 		BulletWorld scene;
 		btRigidBody& a = scene.addBody(scene.addShape(ours), 1, {});
 		const bool isConvex = round % 2 == 0;
 		btClodShape& second = scene.addShape(ours);
-		second.setLocalScaling(vector(size, size, size));
-		auto& box = scene.add(std::make_unique<btBoxShape>(vector(0.5 * size, 0.5 * size, 0.5 * size)));
+		second.setLocalScaling(extent);
+		auto& box = scene.add(std::make_unique<btBoxShape>(btScalar(0.5) * extent));
 		btRigidBody& b = scene.addBody(isConvex ? static_cast<btCollisionShape&>(box) : second, 1, {});
 		const btTransform pose = randomPose(random, 1.3);
 		b.setWorldTransform(pose);
@@ -396,14 +397,15 @@ TEST(Facilities, ContactPairTestKnowsOverlapsOfAnyDepth)
 		for (const btVector3& axis : axes)
 		{
 			double reach = 0.5 * double(axis.absolute().dot(vector(1, 1, 1)));
-			for (int j = 0; j < 3; ++j) reach += 0.5 * size * std::abs(double(axis.dot(pose.getBasis().getColumn(j))));
+			for (int j = 0; j < 3; ++j)
+				reach += 0.5 * double(extent[j]) * std::abs(double(axis.dot(pose.getBasis().getColumn(j))));
 			least = std::min(least, reach - std::abs(double(axis.dot(pose.getOrigin()))));
 		}
 		if (std::abs(least) < 2e-3) continue;
 		Touches touches;
 		scene.world.contactPairTest(&a, &b, touches);
 		const bool overlaps = touches.points > 0 && touches.deepest < 0;
-		EXPECT_EQ(overlaps, least > 0) << round << " by " << least << ", size " << size << (isConvex ? ", box" : "");
+		EXPECT_EQ(overlaps, least > 0) << round << " by " << least << ", extent " << extent.x() << ", " << extent.y() << (isConvex ? ", box" : "");
 		overlapping += least > 0 ? 1 : 0;
 	}
 	EXPECT_GT(overlapping, 100);

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "clod/bullet/BodyState.h"
 #include "clod/hierarchy/ConvexPiece.h"
@@ -35,8 +36,28 @@ struct Description
 	double error = 0;
 };
 
-Vec3 coreSupport(const btConvexShape& shape, const Vec3& direction)
+// Of what is left of spheres when the least is taken off all: Bullet takes off the margin, be it more than a sphere has.
+Vec3 coreSupport(const btMultiSphereShape& shape, double radius, const Vec3& direction)
 {
+	const Vec3 scaling = toVec3(shape.getLocalScaling()), unit = normalized(direction);
+	Vec3 best;
+	double farthest = -std::numeric_limits<double>::infinity();
+	for (int i = 0; i < shape.getSphereCount(); ++i)
+	{
+		const Vec3 center = toVec3(shape.getSpherePosition(i));
+		const double left = double(shape.getSphereRadius(i)) * scaling.x - radius;
+		const Vec3 point = Vec3{center.x * scaling.x, center.y * scaling.y, center.z * scaling.z} + left * unit;
+		if (!(dot(point, direction) > farthest)) continue;
+		farthest = dot(point, direction);
+		best = point;
+	}
+	return best;
+}
+
+Vec3 coreSupport(const btConvexShape& shape, double radius, const Vec3& direction)
+{
+	if (shape.getShapeType() == MULTI_SPHERE_SHAPE_PROXYTYPE)
+		return coreSupport(static_cast<const btMultiSphereShape&>(shape), radius, direction);
 	return toVec3(shape.localGetSupportingVertexWithoutMargin(
 		btVector3(btScalar(direction.x), btScalar(direction.y), btScalar(direction.z))));
 }
@@ -83,23 +104,20 @@ void describeCapsule(const btCapsuleShape& shape, Description& description)
 	description.points = {end, -end};
 }
 
-// Where all have one radius: their centres.
-bool describeSpheres(const btMultiSphereShape& shape, Description& description)
+// Grown by the least radius; where all have one their centres are left.
+void describeSpheres(const btMultiSphereShape& shape, Description& description)
 {
 	const Vec3 scaling = toVec3(shape.getLocalScaling());
+	btScalar least = shape.getSphereRadius(0);
+	for (int i = 1; i < shape.getSphereCount(); ++i) least = btMin(least, shape.getSphereRadius(i));
+	description.radius = double(least) * scaling.x;
 	for (int i = 0; i < shape.getSphereCount(); ++i)
 	{
 		const Vec3 p = toVec3(shape.getSpherePosition(i));
 		description.points.push_back({p.x * scaling.x, p.y * scaling.y, p.z * scaling.z});
-		if (shape.getSphereRadius(i) != shape.getSphereRadius(0)) description.isBySupport = true;
+		if (shape.getSphereRadius(i) != least) description.isBySupport = true;
 	}
-	if (description.isBySupport)
-	{
-		description.points.clear();
-		return false;
-	}
-	description.radius = double(shape.getSphereRadius(0)) * scaling.x;
-	return true;
+	if (description.isBySupport) description.points.clear();
 }
 
 void describePolyhedron(const btPolyhedralConvexShape& shape, Description& description)
@@ -129,8 +147,9 @@ Description describe(const btConvexShape& shape)
 		describeCylinder(static_cast<const btCylinderShape&>(shape), description);
 	else if (shape.getShapeType() == CONE_SHAPE_PROXYTYPE)
 		describeCone(static_cast<const btConeShape&>(shape), description);
-	else if (shape.getShapeType() != MULTI_SPHERE_SHAPE_PROXYTYPE ||
-			 !describeSpheres(static_cast<const btMultiSphereShape&>(shape), description))
+	else if (shape.getShapeType() == MULTI_SPHERE_SHAPE_PROXYTYPE)
+		describeSpheres(static_cast<const btMultiSphereShape&>(shape), description);
+	else
 		description.isBySupport = true;
 	std::vector<double>& numbers = description.numbers;
 	numbers = {double(shape.getShapeType()), description.radius};
@@ -139,7 +158,7 @@ Description describe(const btConvexShape& shape)
 		for (int y = -1; y <= 1; ++y)
 			for (int z = -1; z <= 1; ++z)
 			{
-				const Vec3 p = coreSupport(shape, {double(x), double(y), double(z)});
+				const Vec3 p = coreSupport(shape, description.radius, {double(x), double(y), double(z)});
 				numbers.insert(numbers.end(), {p.x, p.y, p.z});
 			}
 	return description;
@@ -170,7 +189,7 @@ void make(const btConvexShape& shape, double unit, const Description& descriptio
 	{
 		double size = 0;
 		for (std::size_t i = 2; i < description.numbers.size(); ++i) size = std::max(size, std::abs(description.numbers[i]));
-		polyhedron = convexPolyhedron([&](const Vec3& d) { return (1 / unit) * coreSupport(shape, d); },
+		polyhedron = convexPolyhedron([&](const Vec3& d) { return (1 / unit) * coreSupport(shape, description.radius, d); },
 									  kCurved * (size + description.radius) / unit, kMostCorners);
 	}
 	else

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "clod/collide/ConvexPolyhedron.h"
+
 namespace clod
 {
 namespace
@@ -11,9 +13,29 @@ namespace
 constexpr double kLeastDepth = 1e-3;   // of the length: less is the facets' business
 constexpr double kOpposing = 0.3;      // cosine to the pair's direction below which a way is not its own
 constexpr double kFar = 1.5;           // times the deepest place's own way: by then a mean way has led out, or is none
+constexpr double kLeastShare = 1e-3;  // of a side, the shortest that is looked for inside
+constexpr double kNotConvex = 0.03;  // of a body's volume, that its hull has more
+constexpr std::size_t kMostHullCorners = 64;
 constexpr std::size_t kMostProbed = 64;
 constexpr std::size_t kMostWays = 64;
 constexpr std::size_t kMostVertices = 256;
+
+// Is a body all but its hull? By volume, of the hull of everything.
+struct Bulk
+{
+	bool isConvex;
+	explicit Bulk(const Hierarchy& hierarchy)
+	{
+		const HullView hull = hierarchy.hull(hierarchy.node(hierarchy.root()));
+		std::vector<Vec3> points;
+		for (std::uint32_t i = 0; i < hull.count; ++i) points.push_back(hull.vertex(i));
+		const ConvexPolyhedron inner = convexPolyhedron(points, kMostHullCorners);
+		double volume = 0;
+		for (const auto& t : inner.triangles)
+			volume += dot(inner.vertices[t[0]], cross(inner.vertices[t[1]], inner.vertices[t[2]])) / 6;
+		isConvex = volume <= (1 + kNotConvex) * hierarchy.asset().volume;
+	}
+};
 
 // How far A goes along the direction until the hulls of the two surfaces are apart.
 double hullDepth(const ContactSurface& a, const ContactSurface& b, const Transform& aFromB, const Vec3& direction)
@@ -26,8 +48,14 @@ double hullDepth(const ContactSurface& a, const ContactSurface& b, const Transfo
 }
 }  // namespace
 
-// The deepest of the corners and middles of a node's faces inside the other body.
-void DeepOverlap::probe(const FacetQuestion& q, const Contact& contact, bool ofA)
+bool DeepOverlap::areConvex(const FacetQuestion& q)
+{
+	return q.a.hierarchy && q.b.hierarchy && q.a.hierarchy->derived<Bulk>().isConvex && q.b.hierarchy->derived<Bulk>().isConvex;
+}
+
+// The deepest of the corners and middles of a node's faces inside the other body; or, of bodies that reach through each other
+// and have none, of what their sides have inside behind where they cross the other node's faces.
+void DeepOverlap::probe(const FacetQuestion& q, const Contact& contact, bool ofA, bool atCrossings)
 {
 	const std::uint32_t node = ofA ? contact.nodeA : contact.nodeB;
 	const ContactSurface& own = ofA ? q.a.surface(q.a.levelOf(contact.nodeA))
@@ -39,7 +67,7 @@ void DeepOverlap::probe(const FacetQuestion& q, const Contact& contact, bool ofA
 	const std::uint32_t otherNode = ofA ? contact.nodeB : contact.nodeA;
 	const SurfaceFace* const firstFace = other.faces().data() + other.firstFaceOf(otherNode);
 	const SurfaceFace* const lastFace = firstFace + other.faceCountOf(otherNode);
-	const double slack = kLeastDepth * q.length();
+	const double slack = kLeastDepth * q.length(), least = (atCrossings ? kInnerShare : kLeastDepth) * q.length();
 	if (other.isCore()) return;
 	Inside deepest{};
 	const auto look = [&](const Vec3& place, std::uint32_t feature)
@@ -48,11 +76,42 @@ void DeepOverlap::probe(const FacetQuestion& q, const Contact& contact, bool ofA
 		for (const SurfaceFace* face = firstFace; face != lastFace; ++face)
 			if (dot(face->normal, there) > face->offset + slack) return;
 		const ContactSurface::Nearest near = other.nearest(there, std::numeric_limits<double>::infinity());
-		if (near.distance > -kLeastDepth * q.length() || -near.distance <= length(deepest.way)) return;
+		if (near.distance > -least || -near.distance <= length(deepest.way)) return;
 		const Vec3 way = near.point - there;
 		deepest = {ofA ? place : there, ofA ? q.aFromB.rotation * way : -way, contact.nodeA, contact.nodeB, feature, ofA};
 	};
+	// From the crossing on to the side's end, by halves: it may be out again soon.
+	const auto lookBehindCrossings = [&](const Vec3& from, const Vec3& to, std::uint32_t feature)
+	{
+		const Vec3 start = ofA ? bFromA * from : q.aFromB * from, end = ofA ? bFromA * to : q.aFromB * to;
+		for (const SurfaceFace* face = firstFace; face != lastFace; ++face)
+		{
+			const double height = dot(face->normal, start) - face->offset, depth = face->offset - dot(face->normal, end);
+			if (!(height > 0 && depth > 0)) continue;
+			const double crossed = height / (height + depth);
+			const Triangle corners{other.vertices()[face->vertex[0]], other.vertices()[face->vertex[1]],
+								   other.vertices()[face->vertex[2]]};
+			if (nearestOnTriangle(corners, start + crossed * (end - start)).squared > slack * slack) continue;
+			for (double share = 1; share > kLeastShare; share *= 0.5)
+				look(from + (crossed + share * (1 - crossed)) * (to - from), feature);
+		}
+	};
 	const std::uint32_t first = own.firstFaceOf(node);
+	if (atCrossings)
+	{
+		const auto lookBothWays = [&](std::uint32_t from, std::uint32_t to, std::uint32_t feature)
+		{
+			lookBehindCrossings(own.vertices()[from], own.vertices()[to], feature);
+			lookBehindCrossings(own.vertices()[to], own.vertices()[from], feature);
+		};
+		for (std::uint32_t f = first; f < first + own.faceCountOf(node); ++f)
+			for (std::uint32_t i = 0; i < 3; ++i)
+				lookBothWays(own.faces()[f].vertex[i], own.faces()[f].vertex[(i + 1) % 3], 7 * f + 4 + i);
+		for (std::uint32_t e = 0; own.isCore() && e < own.edges().size(); ++e)
+			lookBothWays(own.edges()[e].vertex[0], own.edges()[e].vertex[1], e);
+		if (deepest.way != Vec3{}) m_inside.push_back(deepest);
+		return;
+	}
 	for (std::uint32_t f = first; f < first + own.faceCountOf(node); ++f)
 	{
 		const std::array<std::uint32_t, 3>& v = own.faces()[f].vertex;
@@ -108,7 +167,8 @@ bool DeepOverlap::leadsOut(const FacetQuestion& q, const ContactSurface& a, cons
 	return isFree(a, inverse(moved), b) && isFree(b, moved, a);
 }
 
-Vec3 DeepOverlap::wayOut(const FacetQuestion& q, const std::vector<Contact>& contacts, const Vec3& kept) const
+Vec3 DeepOverlap::wayOut(const FacetQuestion& q, const std::vector<Contact>& contacts, const Vec3& kept,
+						 bool isCrossing) const
 {
 	if (kept != Vec3{}) return kept;
 	Vec3 sum;
@@ -118,8 +178,8 @@ Vec3 DeepOverlap::wayOut(const FacetQuestion& q, const std::vector<Contact>& con
 		sum += inside.way;
 		deepest = std::max(deepest, length(inside.way));
 	}
-	Vec3 best = normalized(sum);
-	// Hulls know nothing of bodies that reach through each other: they are asked only where this leads nowhere.
+	Vec3 best = isCrossing ? Vec3{} : normalized(sum);
+	// Hulls know nothing of bodies that reach into each other: they are asked only where this leads nowhere.
 	const ContactSurface& a = q.a.surface(q.a.levelOf(contacts[0].nodeA));
 	const ContactSurface& b = q.b.surface(q.b.levelOf(contacts[0].nodeB));
 	if (best != Vec3{} && leadsOut(q, a, b, kFar * deepest * best)) return best;
@@ -146,19 +206,25 @@ Vec3 DeepOverlap::find(const FacetQuestion& q, const std::vector<Contact>& conta
 	m_inside.clear();
 	// A half space's facets tell of any depth, and a sheet has no inside.
 	if (q.b.hierarchy == nullptr) return {};
-	std::size_t probed = 0;
-	for (const Contact& contact : contacts)
+	const auto probeAll = [&](bool atCrossings)
 	{
-		if (contact.upper > 0 || probed++ == kMostProbed) continue;
-		probe(q, contact, true);
-		probe(q, contact, false);
-	}
-	const bool isWhole = isDeep && m_inside.empty();
+		std::size_t probed = 0;
+		for (const Contact& contact : contacts)
+		{
+			if (contact.upper > 0 || probed++ >= kMostProbed) continue;
+			probe(q, contact, true, atCrossings);
+			probe(q, contact, false, atCrossings);
+		}
+	};
+	probeAll(false);
+	const bool isWhole = isDeep && m_inside.empty(), isCrossing = !isWhole && m_inside.empty();
+	if (isCrossing) probeAll(true);
 	if (isWhole)
 		for (const bool ofA : {true, false}) probeWhole(q, ofA);
 	if (m_inside.empty()) return {};
+	const bool areHulls = !isWhole && areConvex(q);
 	const auto isShallower = [](const Inside& l, const Inside& r) { return lengthSquared(l.way) < lengthSquared(r.way); };
-	const Vec3 way = !isWhole         ? wayOut(q, contacts, kept)
+	const Vec3 way = !isWhole         ? wayOut(q, contacts, kept, isCrossing || areHulls)
 					 : kept != Vec3{} ? kept
 									  : normalized(std::min_element(m_inside.begin(), m_inside.end(), isShallower)->way);
 	if (way == Vec3{}) return {};
@@ -179,6 +245,14 @@ Vec3 DeepOverlap::find(const FacetQuestion& q, const std::vector<Contact>& conta
 		facet.onB = inside.ofA ? inside.point - facet.distance * normal : inside.point;
 		facets.push_back(facet);
 	};
+	// Of convex bodies their hulls tell how far it is out, be there little of either inside.
+	if (areHulls)
+	{
+		const ContactSurface& a = q.a.surface(q.a.levelOf(m_inside[0].nodeA));
+		const ContactSurface& b = q.b.surface(q.b.levelOf(m_inside[0].nodeB));
+		const double depth = hullDepth(a, b, q.aFromB, way);
+		for (Inside& inside : m_inside) inside.way = depth * way;
+	}
 	const std::size_t before = facets.size();
 	for (const Inside& inside : m_inside)
 		if (dot(inside.way, way) >= kOpposing * length(inside.way)) add(inside, normalized(inside.way));

@@ -18,6 +18,9 @@ public:
 	Vec3 find(const FacetQuestion& question, const std::vector<Contact>& contacts, bool isDeep, const Vec3& kept,
 			  std::vector<Facet>& facets);
 
+	// Are both all but their hulls?
+	static bool areConvex(const FacetQuestion& question);
+
 private:
 	struct Inside
 	{
@@ -25,10 +28,10 @@ private:
 		std::uint32_t nodeA, nodeB, feature;
 		bool ofA;
 	};
-	void probe(const FacetQuestion& question, const Contact& contact, bool ofA);
+	void probe(const FacetQuestion& question, const Contact& contact, bool ofA, bool atCrossings);
 	void probeWhole(const FacetQuestion& question, bool ofA);
 	bool leadsOut(const FacetQuestion& question, const ContactSurface& a, const ContactSurface& b, const Vec3& shift) const;
-	Vec3 wayOut(const FacetQuestion& question, const std::vector<Contact>& contacts, const Vec3& kept) const;
+	Vec3 wayOut(const FacetQuestion& question, const std::vector<Contact>& contacts, const Vec3& kept, bool isCrossing) const;
 	std::vector<Inside> m_inside;
 };
 }  // namespace clod

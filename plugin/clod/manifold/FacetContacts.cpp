@@ -116,8 +116,9 @@ void FacetContacts::answerDepth(const std::vector<Contact>& contacts, bool isDee
 	Vec3& wayOut = m_memory->wayOut;
 	const bool overlap =
 		isDeep || std::any_of(contacts.begin(), contacts.end(), [](const Contact& c) { return c.upper <= 0; });
-	const bool isAnswered =
-		std::any_of(m_facets.begin(), m_facets.end(), [](const Facet& f) { return f.distance < 0; });
+	const bool isOverlapping = std::any_of(m_facets.begin(), m_facets.end(), [](const Facet& f) { return f.distance < 0; });
+	// Convex bodies are held between each other's facets by nothing but having got through.
+	const bool isAnswered = isOverlapping && !(holdBetween() && DeepOverlap::areConvex(m_question));
 	if (!overlap || (isAnswered && wayOut == Vec3{}))
 	{
 		wayOut = {};

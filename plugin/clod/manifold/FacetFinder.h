@@ -68,7 +68,9 @@ private:
 	};
 	void placeMiddles();
 	void middleOverFace(const Middle& middle, std::uint32_t polygon, bool middleIsOfA);
-	bool isInCone(const MovedCorner& vertex, const Vec3& normal, bool isOfA) const;
+	Vec3 intoB(const Approach& met, const Vec3& direction);
+	double coneSlack() const;
+	bool isInCone(const ContactSurface& surface, const MovedCorner& vertex, const Vec3& away) const;
 	void addRound(Facet& facet, const Approach& approach, const Vec3& now, const Vec3& then, const Vec3& normal);
 	std::size_t slotOf(const Facet& facet) const;
 	void add(Facet& facet);

@@ -9,6 +9,7 @@ namespace clod
 {
 namespace
 {
+constexpr double kSlowTurn = 0.125 * kArcSlack;  // a sagitta of the step's way: what turns less is as it is now
 constexpr double kKeptOfMargin = 0.5;  // nearer than this share of it features have no direction to speak of
 
 // The features are `now` from each other, and move on by `ahead`: the share of the way at which they are nearest.
@@ -66,12 +67,23 @@ std::optional<FacetFinder::Approach> FacetFinder::approach(const Vec3& now, cons
 	return {};
 }
 
-// May the vertex touch with this normal, from B to A?
-bool FacetFinder::isInCone(const MovedCorner& vertex, const Vec3& normal, bool isOfA) const
+// In B's frame where they meet: by then it has turned. To half a part of the way, which coneSlack() allows for.
+Vec3 FacetFinder::intoB(const Approach& met, const Vec3& direction)
 {
-	const Vec3 up = isOfA ? normal : -(m_bFromA.rotation * normal);
-	for (const Vec3& d : (isOfA ? m_pair.a : m_pair.b)->fan(vertex.index))
-		if (dot(d, up) < -kArcSlack) return false;
+	if (m_sagitta < kSlowTurn) return m_bFromA.rotation * direction;
+	return transposed(poseAt(std::round(kArcParts * met.share / kPathReach) / kArcParts).rotation) * direction;
+}
+double FacetFinder::coneSlack() const
+{
+	return m_sagitta < kSlowTurn ? kArcSlack : kArcSlack + 0.5 * 8 * m_sagitta / kArcParts;
+}
+
+// May the vertex touch along this direction, out of its body and in its frame?
+bool FacetFinder::isInCone(const ContactSurface& surface, const MovedCorner& vertex, const Vec3& away) const
+{
+	const double slack = coneSlack();
+	for (const Vec3& d : surface.fan(vertex.index))
+		if (dot(d, away) < -slack) return false;
 	return true;
 }
 
@@ -107,9 +119,10 @@ void FacetFinder::vertexOverEdge(const MovedCorner& vertex, const MovedEdge& mov
 														  : m_sagitta * met->share * std::abs(alongThen - alongNow);
 	if (along < -slack || along > edge.length + slack) return;
 	const Vec3 normal = normalized(met->between);
-	if (normal == Vec3{} || !isInCone(vertex, normal, vertexIsOfA)) return;
-	const Vec3 away = vertexIsOfA ? -(m_bFromA.rotation * normal) : normal;
-	if (dot(away, edge.inward[0]) < -kArcSlack || dot(away, edge.inward[1]) < -kArcSlack) return;
+	if (normal == Vec3{}) return;
+	const Vec3 outOfB = -intoB(*met, normal), away = vertexIsOfA ? outOfB : normal;
+	if (!isInCone(vertexIsOfA ? *m_pair.a : *m_pair.b, vertex, vertexIsOfA ? normal : outOfB)) return;
+	if (dot(away, edge.inward[0]) < -coneSlack() || dot(away, edge.inward[1]) < -coneSlack()) return;
 	Facet facet;
 	facet.kind = vertexIsOfA ? Facet::Kind::kVertexEdge : Facet::Kind::kEdgeVertex;
 	facet.featureA = vertexIsOfA ? vertex.index : moved.index;
@@ -127,7 +140,7 @@ void FacetFinder::vertexOverVertex(const MovedCorner& ofA, const MovedCorner& of
 	const std::optional<Approach> met = approach(now, then, place - ofB.unforced);
 	if (!met) return;
 	const Vec3 normal = normalized(met->between);
-	if (normal == Vec3{} || !isInCone(ofA, normal, true) || !isInCone(ofB, normal, false)) return;
+	if (normal == Vec3{} || !isInCone(*m_pair.a, ofA, normal) || !isInCone(*m_pair.b, ofB, -intoB(*met, normal))) return;
 	Facet facet;
 	facet.kind = Facet::Kind::kVertexVertex;
 	facet.featureA = ofA.index;
