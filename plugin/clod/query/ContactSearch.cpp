@@ -140,7 +140,8 @@ ContactSearch::ContactSearch(const Hierarchy& a, const Hierarchy& b, const Trans
 
 void ContactSearch::run(double tolerance)
 {
-	m_largestCover = std::max(traverseFront(tolerance), m_rule->baseCover());
+	const double covered = traverseFront(tolerance);  // which may change the rule
+	m_largestCover = std::max(covered, m_rule->baseCover());
 	sort();
 }
 
