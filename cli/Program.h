@@ -4,6 +4,7 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -29,8 +30,14 @@ struct CommonOptions
 };
 void addQuiet(CLI::App& command, CommonOptions& options);
 void addJson(CLI::App& command, CommonOptions& options);
-void addSeed(CLI::App& command, CommonOptions& options);
+void addSeed(CLI::App& command, CommonOptions& options, const std::string& description = "Seed of everything random");
 void addThreads(CLI::App& command, CommonOptions& options);
+// -o, of a command that writes several files.
+void addFolder(CLI::App& command, std::string& folder, const std::string& files);
+
+// Before minutes are spent on what could not be written: throws Failure for the first of these files that cannot be (1),
+// and where two of them are stdout (2). An empty name is no file.
+void requireWritable(std::initializer_list<std::string> files);
 
 // An option that takes one of `choices`; anything else is a usage error naming the nearest one.
 CLI::Option* addChoice(CLI::App& command, const std::string& name, std::string& value,

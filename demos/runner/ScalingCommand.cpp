@@ -213,6 +213,7 @@ void runScaling(ScalingCommandOptions options)
 {
 	pairScene(options.scene);
 	makeDirectory(options.directory);
+	cli::requireWritable({options.common.json, options.directory + "/scaling.json"});
 	std::sort(options.resolutions.begin(), options.resolutions.end());
 	std::sort(options.bodies.begin(), options.bodies.end());
 	HierarchyCache cache(options.cache, options.common.quiet);
@@ -267,7 +268,7 @@ void addScalingCommand(CLI::App& program)
 		"Example: clod-bench scaling -o out/scaling\n"
 		"         clod-bench scaling bolt-nut --resolutions 0.25,1,4 --only queries -o out/scaling-bolt");
 	command->add_option("SCENE", options->scene, "A scene of two bodies")->capture_default_str();
-	command->add_option("-o", options->directory, "Directory for scaling.csv, .txt, .json and .png, and scaling-worlds.csv and .png")->required();
+	cli::addFolder(*command, options->directory, "scaling.csv, .txt, .json and .png, and scaling-worlds.csv and .png");
 	command->add_option("--resolutions", options->resolutions, "Triangles, as shares of the scene's own counts")
 		->delimiter(',')
 		->type_name("SHARE,...")

@@ -144,7 +144,9 @@ TEST_F(Cli, ExportedSurfaceBuildsAgain)
 		ASSERT_EQ(run({"export", path("a.clod"), "--level", "0", "-o", path(format)}), 0) << err();
 		EXPECT_EQ(run({"check", path("a.clod"), "--mesh", path(format), "--quiet"}), 0) << format << err();
 	}
-	EXPECT_EQ(run({"export", path("a.clod"), "--all-levels", "-o", path("all.ply")}), 0) << err();
+	EXPECT_EQ(run({"export", path("a.clod"), "--all-levels", "-o", path("all.ply"), "--json", path("all.json"), "--quiet"}), 0)
+		<< err();
+	EXPECT_GT(nlohmann::json::parse(readText(path("all.json")))["levels"].size(), 1u);
 	EXPECT_TRUE(fs::exists(path("all.0.ply")));
 }
 
@@ -234,6 +236,11 @@ TEST_F(Cli, UsageErrorsNameTheNearestMatch)
 	EXPECT_EQ(run({"build", path("torus.obj"), "-o", path("a.clod"), "--papr"}), 2);
 	EXPECT_NE(err().find("did you mean --paper?"), std::string::npos) << err();
 	EXPECT_EQ(run({"build", path("torus.obj"), "-o", path("a.clod"), "--threads", "many"}), 2);
+	EXPECT_EQ(run({"build", path("torus.obj"), "-o", path("a.clod"), "--seed", "-1"}), 2);
+	EXPECT_NE(err().find("not a whole number"), std::string::npos) << err();
+	EXPECT_EQ(run({"build", path("torus.obj"), "-o", path("a.clod"), "--wrap", "0"}), 2);
+	EXPECT_EQ(run({"check", path("a.clod"), "--unit", "mm"}), 2);
+	EXPECT_NE(err().find("--mesh"), std::string::npos) << err();
 	EXPECT_EQ(run({"build", path("torus.obj")}), 2);
 	EXPECT_EQ(run({}), 2);
 	EXPECT_FALSE(fs::exists(path("a.clod")));
@@ -329,6 +336,10 @@ TEST_F(Cli, TooLargeIsExitCode5)
 TEST_F(Cli, UnwritableOutputIsExitCode1)
 {
 	EXPECT_EQ(run({"build", path("torus.obj"), "-o", path("no/such/folder/a.clod"), "--quiet"}), 1);
+	EXPECT_EQ(run({"build", path("torus.obj"), "-o", path("a.clod"), "--json", path("no/such/folder/a.json")}), 1);
+	EXPECT_EQ(run({"build", path("torus.obj"), "-o", path("")}), 1);
+	EXPECT_NE(err().find("is a directory"), std::string::npos) << err();
+	EXPECT_FALSE(fs::exists(path("a.clod")));
 }
 
 TEST_F(Cli, ExportRefusesLevelsWithoutASurface)
