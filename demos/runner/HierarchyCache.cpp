@@ -210,7 +210,7 @@ std::vector<ScenePart> partsOf(const std::string& file)
 {
 	if (!cli::isGltf(file)) return {};
 	const cli::PartialFile list(temporaryDirectory() + "/clod-parts.json");  // never committed
-	const int code = runProgram({builderPath(), "parts", file, "--quiet", "--json", list.temporaryPath()});
+	const int code = runProgram({builderPath(), "parts", file, "--quiet", "--json", list.temporaryPath()}, true);
 	if (code == int(ExitCode::badInput)) throw Failure(ExitCode::badInput, file + ": see above");
 	const Result<std::vector<std::byte>> bytes = cli::readFile(list.temporaryPath(), kMeshSizeLimit);
 	if (code != 0 || !bytes) throw Failure(ExitCode::failure, fmt::format("{} parts {} failed", builderPath(), file));
