@@ -145,8 +145,7 @@ void requireWritable(std::initializer_list<std::string> files)
 	}
 }
 
-CLI::Option* addChoice(CLI::App& command, const std::string& name, std::string& value,
-					   const std::vector<std::string>& choices, const std::string& description)
+CLI::Validator oneOf(const std::vector<std::string>& choices)
 {
 	const auto check = [choices](std::string& word) -> std::string
 	{
@@ -154,9 +153,13 @@ CLI::Option* addChoice(CLI::App& command, const std::string& name, std::string& 
 			if (word == choice) return {};
 		return fmt::format("'{}' is not one of {}{}", word, fmt::join(choices, ", "), didYouMean(word, choices));
 	};
-	return command.add_option(name, value, description)
-		->check(CLI::Validator(check, fmt::format("{}", fmt::join(choices, "|")), "choice"))
-		->capture_default_str();
+	return CLI::Validator(check, fmt::format("{}", fmt::join(choices, "|")), "choice");
+}
+
+CLI::Option* addChoice(CLI::App& command, const std::string& name, std::string& value,
+					   const std::vector<std::string>& choices, const std::string& description)
+{
+	return command.add_option(name, value, description)->check(oneOf(choices))->capture_default_str();
 }
 
 void setUpProgram(CLI::App& app, const std::string& precision, const std::string& licence)

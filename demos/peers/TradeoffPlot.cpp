@@ -84,7 +84,8 @@ std::string dataOf(const Tradeoff& tradeoff, const std::vector<TradeoffPoint>& p
 		const std::string& setting = point.info.setting;
 		const bool isEnd = setting == "exact" || setting == "full", isMiddle = setting == "size 3.5 %";
 		if (std::isfinite(value))
-			text += fmt::format("{} {} \"{}\" \"{}\"\n", point.median, value, isEnd ? setting : "", isMiddle ? setting : "");
+			text += fmt::format("{} {} \"{}\" \"{}\"\n", point.median, value, isEnd ? setting : "",
+								isMiddle ? setting : "");
 	}
 	return text;
 }

@@ -286,8 +286,8 @@ Image FramePainter::paintExploded(const FrameMoment& moment, const FrameAnswer& 
 {
 	FrameAnswer answer = all;
 	const auto patchesOf = [&](const PairAnswer& pair) { return patchesShown(m_subject, {"", {pair}, {}}); };
-	answer.pairs = {*std::max_element(all.pairs.begin(), all.pairs.end(),
-									  [&](const PairAnswer& l, const PairAnswer& r) { return patchesOf(l) < patchesOf(r); })};
+	const auto hasFewer = [&](const PairAnswer& l, const PairAnswer& r) { return patchesOf(l) < patchesOf(r); };
+	answer.pairs = {*std::max_element(all.pairs.begin(), all.pairs.end(), hasFewer)};
 	Frame frame;
 	frame.ground.isDrawn = false;
 	const std::vector<std::set<std::uint32_t>> nodes = answeringNodes(m_subject, answer);

@@ -126,7 +126,9 @@ PairSubject anySubject(const PairInput& input, HierarchyCache& cache, cli::Progr
 
 void addPairInput(CLI::App& command, PairInput& input)
 {
-	command.add_option("INPUT", input.words, "A scene, or A B [POSES.csv]; without poses B tumbles over A")->required()->expected(1, 3);
+	command.add_option("INPUT", input.words, "A scene, or A B [POSES.csv]; without poses B tumbles over A")
+		->required()
+		->expected(1, 3);
 	cli::addLength(command, "--tolerance", input.tolerance,
 				   "Contacts up to this gap (default: the scene's, else 1% of the smaller radius)");
 	addResolution(command, input.resolution);

@@ -284,7 +284,7 @@ void addScalingCommand(CLI::App& program)
 					 "queries: replays of SCENE at each resolution; bodies: worlds of digits; worlds: SCENE at each resolution")
 		->delimiter(',')
 		->type_name("PART,...")
-		->check(CLI::IsMember({"queries", "bodies", "worlds"}));
+		->check(cli::oneOf({"queries", "bodies", "worlds"}));
 	command->add_option("--most-seconds", options->mostSeconds, "A run of a world ends then; more bodies are not tried")
 		->type_name("S")
 		->check(between(0.01, 1e6))

@@ -321,8 +321,8 @@ std::string tooFar(const SceneDefinition& scene, const std::vector<std::shared_p
 		const auto why = [&](const std::string& name, const Vec3& place) -> std::string
 		{
 			if (length(place) <= kFarthest * radius) return {};
-			return fmt::format("bodies[{}].{}: {:.3g} times the body's radius ({:.3g}) from the origin; the limit is {:g}", i,
-							   name, length(place) / radius, radius, kFarthest);
+			return fmt::format("bodies[{}].{}: {:.3g} times the body's radius ({:.3g}) from the origin; the limit is {:g}",
+							   i, name, length(place) / radius, radius, kFarthest);
 		};
 		if (const std::string told = why("position", body.start.position); !told.empty()) return told;
 		for (std::size_t k = 0; k < body.joints.size(); ++k)

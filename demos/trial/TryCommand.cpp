@@ -236,7 +236,7 @@ struct TouchingPair
 TouchingPair pairOf(Trial& trial)
 {
 	trial.pair = trial.meshes.size() > 1 ? trial.meshes[0].name + " and " + trial.meshes[1].name
-										 : "two of " + trial.meshes[0].name;
+										 : "two copies of " + trial.meshes[0].name;
 	return {trial.meshes.front().hierarchy, trial.meshes[trial.meshes.size() > 1 ? 1 : 0].hierarchy};
 }
 

@@ -146,6 +146,7 @@ TEST_F(RunnerCommand, UsageErrorsExitWith2AndTheNearestMatch)
 		{"run spoon-cup --csv - --json -", "stdout"},
 		{"run spoon-cup --seed -1", "whole number"},
 		{"levels x.clod -o x.jpg", ".png"},
+		{"scaling -o x --only worlds,bodys", "did you mean bodies"},
 		{"model cup -o x.stl", ".obj"},
 		{"try x.obj --wrap 0 -o x", "positive"},
 		{"tradeoff spoon-cup", "-o"},

@@ -191,9 +191,9 @@ TEST(SceneFile, PicturesLookAtWhatMovesWhateverComesFirst)
 	const std::vector<std::shared_ptr<const Hierarchy>> models = {load("cube.clod"), load("sphere-300.clod")};
 	const auto overviewOf = [&](const char* bodies)
 	{
-		SceneDefinition scene =
-			parseScene(fmt::format(R"({{"models": [{{"name": "cup"}}, {{"name": "torus"}}], "bodies": [{}]}})", bodies), "f.json")
-				.value();
+		const std::string text =
+			fmt::format(R"({{"models": [{{"name": "cup"}}, {{"name": "torus"}}], "bodies": [{}]}})", bodies);
+		SceneDefinition scene = parseScene(text, "f.json").value();
 		fitToModels(scene, models);
 		return scene.info.overview.radius;
 	};
