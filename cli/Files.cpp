@@ -146,6 +146,15 @@ std::string writeFile(const std::string& path, const std::vector<std::byte>& byt
 	return writeFile(path, bytes.data(), bytes.size());
 }
 
+std::string unwritable(const std::string& path)
+{
+	struct stat status = {};
+	if (path == "-" || isDevice(path)) return {};
+	if (stat(path.c_str(), &status) == 0 && S_ISDIR(status.st_mode)) return "cannot write " + path + ": it is a directory";
+	const PartialFile partial(path);  // never committed
+	return writeTo(path, partial.temporaryPath(), O_WRONLY | O_CREAT | O_EXCL, nullptr, 0);
+}
+
 std::string writeJson(const std::string& path, const nlohmann::ordered_json& report)
 {
 	const std::string text = report.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";

@@ -33,6 +33,9 @@ std::string writeFile(const std::string& path, const void* data, std::size_t siz
 std::string writeFile(const std::string& path, const std::string& text);
 std::string writeFile(const std::string& path, const std::vector<std::byte>& bytes);
 
+// Why a file could not be written there, found out without leaving one; empty where it can. "-" is stdout.
+std::string unwritable(const std::string& path);
+
 // "-" writes to stdout. Keys keep their order; non-finite numbers become null.
 std::string writeJson(const std::string& path, const nlohmann::ordered_json& report);
 

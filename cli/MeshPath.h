@@ -22,6 +22,21 @@ inline std::string endingOf(const std::string& file)
 	return ending;
 }
 
+// What the builder reads.
+inline constexpr const char* kMeshEndings[] = {".obj", ".off", ".ply", ".stl", ".gltf", ".glb"};
+
+// Why a file of this name can be no mesh; empty where it can.
+inline std::string notAMesh(const std::string& file)
+{
+	std::string endings;
+	for (const char* const ending : kMeshEndings)
+	{
+		if (endingOf(file) == ending) return {};
+		endings += (endings.empty() ? "" : ", ") + std::string(ending);
+	}
+	return file + " does not end in " + endings;
+}
+
 inline bool isGltf(const std::string& file)
 {
 	const std::string ending = endingOf(file);

@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <charconv>
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -103,9 +105,20 @@ void addJson(CLI::App& command, CommonOptions& options)
 		->type_name("FILE");
 }
 
-void addSeed(CLI::App& command, CommonOptions& options)
+void addSeed(CLI::App& command, CommonOptions& options, const std::string& description)
 {
-	command.add_option("--seed", options.seed, "Seed of everything random")->type_name("N")->capture_default_str();
+	const auto check = [](std::string& text) -> std::string
+	{
+		std::uint64_t seed = 0;
+		const char* const end = text.data() + text.size();
+		const auto parsed = std::from_chars(text.data(), end, seed);
+		const bool isWhole = parsed.ec == std::errc() && parsed.ptr == end;
+		return isWhole ? std::string() : fmt::format("'{}' is not a whole number from 0 to 2^64 - 1", text);
+	};
+	command.add_option("--seed", options.seed, description)
+		->check(CLI::Validator(check, "", "seed"))
+		->type_name("N")
+		->capture_default_str();
 }
 
 void addThreads(CLI::App& command, CommonOptions& options)
@@ -116,8 +129,23 @@ void addThreads(CLI::App& command, CommonOptions& options)
 		->capture_default_str();
 }
 
-CLI::Option* addChoice(CLI::App& command, const std::string& name, std::string& value,
-					   const std::vector<std::string>& choices, const std::string& description)
+void addFolder(CLI::App& command, std::string& folder, const std::string& files)
+{
+	command.add_option("-o,--output", folder, "Folder for " + files)->required()->type_name("DIR");
+}
+
+void requireWritable(std::initializer_list<std::string> files)
+{
+	if (std::count(files.begin(), files.end(), "-") > 1)
+		throw Failure(ExitCode::usage, "two results are to go to stdout (-); name a file for one of them");
+	for (const std::string& file : files)
+	{
+		const std::string problem = file.empty() ? std::string() : unwritable(file);
+		if (!problem.empty()) throw Failure(ExitCode::failure, problem);
+	}
+}
+
+CLI::Validator oneOf(const std::vector<std::string>& choices)
 {
 	const auto check = [choices](std::string& word) -> std::string
 	{
@@ -125,9 +153,13 @@ CLI::Option* addChoice(CLI::App& command, const std::string& name, std::string& 
 			if (word == choice) return {};
 		return fmt::format("'{}' is not one of {}{}", word, fmt::join(choices, ", "), didYouMean(word, choices));
 	};
-	return command.add_option(name, value, description)
-		->check(CLI::Validator(check, fmt::format("{}", fmt::join(choices, "|")), "choice"))
-		->capture_default_str();
+	return CLI::Validator(check, fmt::format("{}", fmt::join(choices, "|")), "choice");
+}
+
+CLI::Option* addChoice(CLI::App& command, const std::string& name, std::string& value,
+					   const std::vector<std::string>& choices, const std::string& description)
+{
+	return command.add_option(name, value, description)->check(oneOf(choices))->capture_default_str();
 }
 
 void setUpProgram(CLI::App& app, const std::string& precision, const std::string& licence)

@@ -4,6 +4,7 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@ namespace CLI
 {
 class App;
 class Option;
+class Validator;
 }  // namespace CLI
 
 namespace clod::cli
@@ -29,10 +31,19 @@ struct CommonOptions
 };
 void addQuiet(CLI::App& command, CommonOptions& options);
 void addJson(CLI::App& command, CommonOptions& options);
-void addSeed(CLI::App& command, CommonOptions& options);
+void addSeed(CLI::App& command, CommonOptions& options,
+			 const std::string& description = "Seed of everything random");
 void addThreads(CLI::App& command, CommonOptions& options);
+// -o, of a command that writes several files.
+void addFolder(CLI::App& command, std::string& folder, const std::string& files);
 
-// An option that takes one of `choices`; anything else is a usage error naming the nearest one.
+// Before minutes are spent on what could not be written: throws Failure for the first of these files that cannot be (1),
+// and where two of them are stdout (2). An empty name is no file.
+void requireWritable(std::initializer_list<std::string> files);
+
+// One of `choices`; anything else is a usage error naming the nearest one.
+CLI::Validator oneOf(const std::vector<std::string>& choices);
+// An option that takes one of them.
 CLI::Option* addChoice(CLI::App& command, const std::string& name, std::string& value,
 					   const std::vector<std::string>& choices, const std::string& description);
 

@@ -45,7 +45,6 @@ void Progress::update(const std::string& phase, double fraction)
 		endPhase(now);
 		m_phase = phase;
 		m_start = m_lastSaid = now;
-		if (!m_terminal) say(phase + ": ");
 	}
 	m_fraction = std::clamp(fraction, 0.0, 1.0);
 	if (m_terminal && (isNew || m_fraction == 1 || now - m_lastSaid >= kRedraw)) drawBar(now);
@@ -72,13 +71,13 @@ void Progress::sayHowFar(Clock::time_point now)
 {
 	m_lastSaid = now;
 	const std::string left = timeLeft(seconds(now - m_start), m_fraction);
-	say(fmt::format("{:.0f} %{}{}; ", 100 * m_fraction, left.empty() ? "" : ", ", left));
+	say(fmt::format("{}: {:.0f} %{}{}\n", m_phase, 100 * m_fraction, left.empty() ? "" : ", ", left));
 }
 
 void Progress::endPhase(Clock::time_point now)
 {
 	if (m_phase.empty()) return;
-	say(m_terminal ? "\n" : fmt::format("{:.1f} s\n", seconds(now - m_start)));
+	say(m_terminal ? "\n" : fmt::format("{}: {:.1f} s\n", m_phase, seconds(now - m_start)));
 	m_phase.clear();
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Progress on stderr: a bar with the time left when stderr is a terminal; else a line a phase, with its time at the end and
-// how far it is every half minute.
+// Progress on stderr: a bar with the time left when stderr is a terminal; else a line a phase when it ends, with its
+// time, and how far it is every half minute. Warnings in between have lines of their own.
 #pragma once
 #include <chrono>
 #include <cstdio>

@@ -112,6 +112,13 @@ def percent(share):
     return "0" if share == 0 else f"{100 * share:.2g}" if share < 0.1 else f"{100 * share:.0f}"
 
 
+def plain(value, least):
+    """Two digits and no powers of ten; what is below the least that matters is told as that."""
+    if 0 < value < least:
+        return f"< {least:g}"
+    return f"{value:.0f}" if value >= 10 else f"{value:.2g}"
+
+
 def fall():
     report = load("try")
     smallest = report["smallest_radius"]
@@ -145,8 +152,8 @@ def scenes():
                 continue
             step, energy = run["step_us"], run["energy"]
             made = (energy["largest"] - energy["initial"]) / max(abs(energy["initial"]), 1e-30)
-            rows.append([scene, SHAPES[shape][0], f"{step['median'] / 1000:.2f} ({step['p95'] / 1000:.2f})",
-                         percent(run["interpenetration"]["share_of_smaller_radius"]), f"{run['end']['largest_speed_radii_per_s']:.2g}",
+            rows.append([scene, SHAPES[shape][0], f"{plain(step['median'] / 1000, 0.001)} ({plain(step['p95'] / 1000, 0.001)})",
+                         percent(run["interpenetration"]["share_of_smaller_radius"]), plain(run["end"]["largest_speed_radii_per_s"], 0.001),
                          percent(max(0, made)), "yes" if run["stays_in_place"] else "NO"])
     return table(["scene", "shapes", "step, ms (95 %)", "deepest overlap, % of R", "speed at the end, radii/s", "energy made, %",
                   "all in place"], rows)
@@ -207,6 +214,7 @@ def plot():
     report = load("tradeoff")
     width, height, left, right, top, bottom = 760, 360, 70, 20, 20, 50
     smallest = 0.001  # %, where smaller errors are drawn
+    named = {"exact": "exact", "max-error 0.5 %": "0.5 %, the default"}
     points = [(name, color, p["us"]["median"], max(smallest, 100 * (p["gap_error"]["p95"] or 0) / report["radius"]), p["setting"])
               for (family, name), color in zip(FAMILIES.items(), ("#000000", "#D55E00", "#009E73", "#CC79A7"))
               for p in report["points"] if p["family"] == family and p["gap_error"]["p95"] is not None]
@@ -220,7 +228,9 @@ def plot():
     parts = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" font-family="sans-serif" font-size="13">',
              "<title>Error against time, spoon in cup</title>", f'<rect width="{width}" height="{height}" fill="white"/>']
     for axis in (0, 1):
-        for tick in (10.0 ** k for k in range(-4, 7)):
+        # Two decades have room for more than whole ones.
+        steps = (1, 2, 5) if highs[axis] / lows[axis] < 1000 else (1,)
+        for tick in (step * 10.0 ** k for k in range(-4, 7) for step in steps):
             if not lows[axis] <= tick <= highs[axis]:
                 continue
             at = place(tick, axis)
@@ -229,10 +239,12 @@ def plot():
                          f'<line x1="{left}" x2="{width - right}" y1="{at:.1f}" y2="{at:.1f}" stroke="#ddd"/>'
                          f'<text x="{left - 6}" y="{at + 4:.1f}" text-anchor="end">{tick:g}</text>')
     parts.append(f'<text x="{width / 2}" y="{height - 8}" text-anchor="middle">a whole collision dispatch, microseconds</text>')
-    parts.append(f'<text transform="translate(16 {height / 2}) rotate(-90)" text-anchor="middle">error (95 %), % of the radius</text>')
+    parts.append(f'<text transform="translate(16 {height / 2}) rotate(-90)" text-anchor="middle">error of the gap (95 %), % of the radius</text>')
     for name, color, x, y, setting in points:
         parts.append(f'<circle cx="{place(x, 0):.1f}" cy="{place(y, 1):.1f}" r="5" fill="{color}">'
                      f"<title>{name}, {setting}: {x:.0f} us, {y:.2g} %</title></circle>")
+        if setting in named:
+            parts.append(f'<text x="{place(x, 0) - 9:.1f}" y="{place(y, 1) + 4:.1f}" text-anchor="end">{named[setting]}</text>')
     for i, (name, color) in enumerate(dict((p[0], p[1]) for p in points).items()):
         parts.append(f'<circle cx="{width - 120}" cy="{top + 14 + 20 * i}" r="5" fill="{color}"/>'
                      f'<text x="{width - 108}" y="{top + 18 + 20 * i}">{name}</text>')

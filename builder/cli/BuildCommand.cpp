@@ -124,14 +124,6 @@ void nameUnit(const BuildOptions& options, double radius)
 		options.mesh, radius);
 }
 
-// Before minutes are spent on what could not be written.
-void checkOutput(const std::string& path)
-{
-	cli::PartialFile file(path);  // never committed
-	const std::string problem = cli::writeFile(file.temporaryPath(), std::string());
-	if (!problem.empty()) throw Failure(ExitCode::failure, problem);
-}
-
 Progress progressOn(cli::Progress& bar)
 {
 	return [&bar](const char* phase, double fraction)
@@ -212,7 +204,7 @@ HierarchyContent buildContent(const Intake& solid, const BuildOptions& options)
 nlohmann::ordered_json buildOne(const BuildOptions& options, const Soup* part = nullptr)
 {
 	const auto start = std::chrono::steady_clock::now();
-	checkOutput(options.output);
+	cli::requireWritable({options.output});
 	const Repaired repaired = part ? mend(*part, options) : readSolid(options);
 	const Intake& solid = repaired.solid;
 	if (!options.quiet && solid.weldedCount + solid.unusedCount > 0 && !options.repair && !options.wrap)
@@ -282,6 +274,8 @@ void buildParts(const BuildOptions& options)
 
 void run(const BuildOptions& options)
 {
+	if (options.wrap && !(options.wrap->value > 0)) throw Failure(ExitCode::usage, "--wrap must be positive");
+	cli::requireWritable({options.json});
 	if (options.parts) return buildParts(options);
 	const nlohmann::ordered_json report = buildOne(options);
 	if (!options.json.empty()) writeReport(options.json, report);

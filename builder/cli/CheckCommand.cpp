@@ -62,6 +62,7 @@ nlohmann::ordered_json describe(const std::vector<check::Invariant>& invariants)
 
 void run(const CheckOptions& options)
 {
+	cli::requireWritable({options.json});
 	const auto hierarchy = loadHierarchy(options.file);
 	check::Options settings;
 	settings.threads = options.threads;
@@ -93,8 +94,10 @@ void addCheckCommand(CLI::App& program)
 	CLI::App& command =
 		*program.add_subcommand("check", "Re-prove every invariant of a .clod file with code of its own");
 	command.add_option("file", options->file, "The .clod file")->required()->type_name("FILE");
-	command.add_option("--mesh", options->mesh, "The mesh it was built from: level 0 must equal it")->type_name("MESH");
-	addFileFrame(command, options->frame);
+	CLI::Option* const mesh =
+		command.add_option("--mesh", options->mesh, "The mesh it was built from: level 0 must equal it");
+	mesh->type_name("MESH");
+	addFileFrame(command, options->frame, mesh);
 	cli::addThreads(command, *options);
 	cli::addJson(command, *options);
 	cli::addQuiet(command, *options);

@@ -12,7 +12,8 @@
 namespace CLI
 {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace clod::builder
 {
@@ -22,8 +23,8 @@ void addCheckCommand(CLI::App& program);
 void addExportCommand(CLI::App& program);
 void addPartsCommand(CLI::App& program);
 
-// --unit, --up and --scale: how a mesh file is to be read.
-void addFileFrame(CLI::App& command, FileFrame& frame);
+// --unit, --up and --scale: how a mesh file is to be read; they make sense with `file` alone, where that is an option.
+void addFileFrame(CLI::App& command, FileFrame& frame, CLI::Option* file = nullptr);
 
 // A glTF scene of at least one part; anything else ends the program with the exit code for bad input.
 Soup readParts(const std::string& path);

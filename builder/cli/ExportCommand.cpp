@@ -2,6 +2,7 @@
 // clod-build export FILE --level K -o OUT
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <filesystem>
 
@@ -9,6 +10,7 @@
 #include "builder/cli/LevelSurface.h"
 #include "cli/Files.h"
 #include "cli/Failure.h"
+#include "cli/Program.h"
 
 namespace clod::builder
 {
@@ -17,7 +19,7 @@ namespace
 using cli::ExitCode;
 using cli::Failure;
 
-struct ExportOptions
+struct ExportOptions : cli::CommonOptions
 {
 	std::string file, output;
 	long long level = 0;
@@ -33,12 +35,16 @@ std::string encodeAs(const std::string& path, const LevelSurface& surface)
 	throw Failure(ExitCode::usage, fmt::format("{} does not end in .ply, .obj or .glb", path));
 }
 
-void exportLevel(const Hierarchy& hierarchy, std::uint32_t level, const std::string& path)
+// Value: what was written, for the report.
+nlohmann::ordered_json exportLevel(const Hierarchy& hierarchy, std::uint32_t level, const std::string& path,
+								   bool textOnStdout)
 {
 	const LevelSurface surface = levelSurface(hierarchy, level);
 	const std::string error = cli::writeFile(path, encodeAs(path, surface));
 	if (!error.empty()) throw Failure(ExitCode::failure, error);
-	fmt::print("level {}: {} triangles in {} patches: {}\n", level, surface.triangles.size(), surface.patchCount, path);
+	if (textOnStdout)
+		fmt::print("level {}: {} triangles in {} patches: {}\n", level, surface.triangles.size(), surface.patchCount, path);
+	return {{"level", level}, {"triangles", surface.triangles.size()}, {"patches", surface.patchCount}, {"file", path}};
 }
 
 // "cup.ply" becomes "cup.3.ply".
@@ -52,16 +58,20 @@ std::string numbered(const std::string& path, std::uint32_t level)
 void run(const ExportOptions& options)
 {
 	encodeAs(options.output, {});  // the ending is checked before anything is read
+	cli::requireWritable({options.json});
 	const auto hierarchy = loadHierarchy(options.file);
 	const std::uint32_t coarsest = hierarchy->coarsestClodLevel();
+	nlohmann::ordered_json report = {{"schema", 1}, {"levels", nlohmann::ordered_json::array()}};
+	const auto write = [&](std::uint32_t level, const std::string& path)
+	{ report["levels"].push_back(exportLevel(*hierarchy, level, path, options.textOnStdout())); };
 	if (options.allLevels)
-		for (std::uint32_t level = 0; level <= coarsest; ++level)
-			exportLevel(*hierarchy, level, numbered(options.output, level));
+		for (std::uint32_t level = 0; level <= coarsest; ++level) write(level, numbered(options.output, level));
 	else if (options.level < 0 || options.level > (long long)(coarsest))
 		throw Failure(ExitCode::usage, fmt::format("--level: {} is not a level with a surface; those are 0 to {}",
 												   options.level, coarsest));
 	else
-		exportLevel(*hierarchy, std::uint32_t(options.level), options.output);
+		write(std::uint32_t(options.level), options.output);
+	if (!options.json.empty()) writeReport(options.json, report);
 }
 }  // namespace
 
@@ -70,13 +80,16 @@ void addExportCommand(CLI::App& program)
 	const auto options = std::make_shared<ExportOptions>();
 	CLI::App& command = *program.add_subcommand("export", "Write the surface of a level, one colour a patch");
 	command.add_option("file", options->file, "The .clod file")->required()->type_name("FILE");
-	CLI::Option* const level = command.add_option("--level", options->level, "0 = the input surface")->type_name("K");
+	CLI::Option* const level =
+		command.add_option("--level", options->level, "0, the default: the input surface")->type_name("K");
 	CLI::Option* const all = command.add_flag("--all-levels", options->allLevels,
 											  "Every contact level; OUT.ply becomes OUT.0.ply, OUT.1.ply, ...");
 	level->excludes(all);
 	command.add_option("-o,--output", options->output, "A .ply, .glb or .obj file, in the mesh's own frame")
 		->required()
 		->type_name("OUT");
+	cli::addJson(command, *options);
+	cli::addQuiet(command, *options);
 	command.footer("Example: clod-build export cup.clod --level 3 -o cup3.ply");
 	command.callback([options] { run(*options); });
 }

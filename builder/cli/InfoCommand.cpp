@@ -84,11 +84,12 @@ void run(const InfoOptions& options)
 }
 }  // namespace
 
-void addFileFrame(CLI::App& command, FileFrame& frame)
+void addFileFrame(CLI::App& command, FileFrame& frame, CLI::Option* file)
 {
-	cli::addChoice(command, "--unit", frame.unit, unitNames(),
-				   "The file's unit of length; the hierarchy is then in metres [as it is]");
-	cli::addChoice(command, "--up", frame.up, upNames(), "The file's axis that points up; it becomes y [y]");
+	CLI::Option* const unit = cli::addChoice(command, "--unit", frame.unit, unitNames(),
+											 "The file's unit of length; the hierarchy is then in metres [as it is]");
+	CLI::Option* const up =
+		cli::addChoice(command, "--up", frame.up, upNames(), "The file's axis that points up; it becomes y [y]");
 	const auto positive = [](std::string& text) -> std::string
 	{
 		double value = 0;
@@ -96,9 +97,10 @@ void addFileFrame(CLI::App& command, FileFrame& frame)
 		const bool good = error == std::errc() && end == text.data() + text.size() && std::isfinite(value) && value > 0;
 		return good ? std::string() : "'" + text + "' is not a positive number";
 	};
-	command.add_option("--scale", frame.scale, "All lengths of the file times this")
-		->check(CLI::Validator(positive, "", "positive"))
-		->type_name("FACTOR");
+	CLI::Option* const scale = command.add_option("--scale", frame.scale, "All lengths of the file times this");
+	scale->check(CLI::Validator(positive, "", "positive"))->type_name("FACTOR");
+	for (CLI::Option* const option : {unit, up, scale})
+		if (file) option->needs(file);
 }
 
 std::shared_ptr<const Hierarchy> loadHierarchy(const std::string& path)
@@ -194,6 +196,7 @@ void addInfoCommand(CLI::App& program)
 	CLI::App& command = *program.add_subcommand("info", "Show the levels and totals of a .clod file");
 	command.add_option("file", options->file, "The .clod file")->required()->type_name("FILE");
 	cli::addJson(command, *options);
+	cli::addQuiet(command, *options);
 	command.footer("Example: clod-build info cup.clod --json -");
 	command.callback([options] { run(*options); });
 }

@@ -32,10 +32,7 @@ std::string readBytes(const std::string& path)
 Soup readFile(const std::string& path)
 {
 	const std::string ending = cli::endingOf(path);
-	if (ending != ".obj" && ending != ".off" && ending != ".ply" && ending != ".stl" && ending != ".gltf" &&
-		ending != ".glb")
-		throw Refused(Reason::unreadable,
-					  fmt::format("{} does not end in .obj, .off, .ply, .stl, .gltf or .glb", path));
+	if (const std::string problem = cli::notAMesh(path); !problem.empty()) throw Refused(Reason::unreadable, problem);
 	const std::string bytes = readBytes(path);
 	if (ending == ".obj") return parseObj(bytes);
 	if (ending == ".off") return parseOff(bytes);

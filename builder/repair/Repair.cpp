@@ -163,7 +163,8 @@ Repaired repair(const Soup& soup, double maxMove, const Progress& progress)
 				const DistanceBracket& farthest =
 					repaired.added.upper > repaired.lost.upper ? repaired.added : repaired.lost;
 				throw Refused(Reason::limit,
-							  fmt::format("the repair would move the surface by {:.4g}, near {}; allowed are {:.4g}",
+							  fmt::format("the repair would move the surface by {:.4g}, near {}; allowed are {:.4g} "
+										  "(--max-move of clod-build)",
 										  repaired.moved(), placeOf(farthest.at), maxMove));
 			}
 			return repaired;

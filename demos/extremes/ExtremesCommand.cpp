@@ -27,6 +27,7 @@ void runExtremes(const ExtremesOptions& options)
 {
 	std::vector<Row> rows = chosenRows(allRows(), options.matrix);
 	makeDirectory(options.directory);
+	cli::requireWritable({options.common.json, options.directory + "/extremes.json"});
 	HierarchyCache cache(options.cache, true);
 	Workshop workshop(cache);
 	cli::Progress progress(options.common.quiet);
@@ -56,7 +57,7 @@ void addExtremesCommand(CLI::App& program)
 	command->footer(
 		"Example: clod-bench extremes -o out/extremes\n"
 		"         clod-bench extremes --only A13 -o out/bowl");
-	command->add_option("-o", options->directory, "Directory for extremes.csv, .txt, .json and .svg")->required();
+	cli::addFolder(*command, options->directory, "extremes.csv, .txt, .json and .svg");
 	command->add_flag("--quick", options->matrix.isQuick, "A minute: some rows, their first case and step");
 	command->add_option("--only", options->matrix.only, "One row, by its id")->type_name("ROW");
 	command

@@ -15,7 +15,8 @@ namespace
 {
 constexpr Collider kAll[] = {Collider::primitive, Collider::mesh, Collider::exact, Collider::standard,
 							 Collider::coarse};
-constexpr double kLine = 17, kCell = 52, kName = 150, kMargin = 16, kWords = 350;
+constexpr double kLine = 17, kCell = 52, kName = 150, kMargin = 16, kWords = 350, kShows = 90;
+constexpr double kLetter = 6.6;  // the widest that letters are in the mean, of the usual size
 
 // Okabe & Ito.
 std::string colorOf(Verdict verdict)
@@ -56,7 +57,7 @@ public:
 	void text(double x, double y, const std::string& words, const char* style = "")
 	{
 		m_body += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" {}>{}</text>\n", x, y, style, escaped(words));
-		grow(x, y);
+		grow(x + (*style ? 0 : kLetter * double(words.size())), y);
 	}
 	void cell(double x, double y, const Summary& summary, const std::string& tip)
 	{
@@ -115,12 +116,17 @@ std::vector<Column> columnsOf(const Row& row)
 	return columns;
 }
 
+std::string headOf(const Row& row)
+{
+	return fmt::format("{}: {}", row.id, row.shows);
+}
+
 // One axis: a block of colliders for each rate, a column for each place. Returns the height below it.
 double drawAxis(Picture& picture, const Matrix& matrix, std::size_t index, double x, double y)
 {
 	const Row& row = matrix.rows[index];
 	picture.text(x, y + 12, row.axis, kBold);
-	picture.text(x + 90, y + 12, fmt::format("{}: {}", row.id, row.shows));
+	picture.text(x + kShows, y + 12, headOf(row));
 	y += kLine + 2;
 	const std::vector<Column> columns = columnsOf(row);
 	for (std::size_t c = 0; c < columns.size(); ++c)
@@ -192,7 +198,7 @@ double drawLegend(Picture& picture, double x, double y)
 	{
 		picture.cell(x, y, verdict, "", words);
 		picture.text(x + kCell + 4, y + 12, words);
-		x += kCell + 24 + 6.3 * double(words.size());
+		x += kCell + 24 + kLetter * double(words.size());
 	}
 	return y + kLine + 12;
 }
@@ -207,7 +213,8 @@ std::string validityMap(const Matrix& matrix)
 	{
 		if (matrix.rows[row].axis.empty()) continue;
 		y = drawAxis(picture, matrix, row, kMargin, y);
-		right = std::max(right, kMargin + kName + double(columnsOf(matrix.rows[row]).size()) * kCell + 90);
+		right = std::max({right, kMargin + kName + double(columnsOf(matrix.rows[row]).size()) * kCell,
+						  kMargin + kShows + kLetter * double(headOf(matrix.rows[row]).size())});
 	}
 	drawRows(picture, matrix, right + 2 * kMargin, top);
 	return picture.whole();

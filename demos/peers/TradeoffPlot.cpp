@@ -73,7 +73,8 @@ std::vector<TradeoffPoint> familyOf(const Tradeoff& tradeoff, const char* family
 	return points;
 }
 
-// Lines of `time value label`; the label is left empty but for the landmarks of a ladder.
+// Lines of `time value label label`: the second is of the ladder's middle, where the first would meet that of its end.
+// Both are left empty but for landmarks.
 std::string dataOf(const Tradeoff& tradeoff, const std::vector<TradeoffPoint>& points, const Panel& panel)
 {
 	std::string text;
@@ -81,8 +82,10 @@ std::string dataOf(const Tradeoff& tradeoff, const std::vector<TradeoffPoint>& p
 	{
 		const double value = panel.value(point, tradeoff.radius);
 		const std::string& setting = point.info.setting;
-		const bool landmark = setting == "exact" || setting == "full" || setting == "size 3.5 %";
-		if (std::isfinite(value)) text += fmt::format("{} {} \"{}\"\n", point.median, value, landmark ? setting : "");
+		const bool isEnd = setting == "exact" || setting == "full", isMiddle = setting == "size 3.5 %";
+		if (std::isfinite(value))
+			text += fmt::format("{} {} \"{}\" \"{}\"\n", point.median, value, isEnd ? setting : "",
+								isMiddle ? setting : "");
 	}
 	return text;
 }
@@ -126,6 +129,8 @@ std::string drawPanel(const Tradeoff& tradeoff, std::size_t index)
 							 plots.empty() ? "plot " : ", \\\n  ", block, look.color, look.marker);
 		plots += fmt::format(", \\\n  {} using 1:2:3 with labels {} font \",11\" tc rgb \"{}\" notitle", block,
 							 look.labels, look.color);
+		plots += fmt::format(", \\\n  {} using 1:2:4 with labels right offset -0.8,0.5 font \",11\" tc rgb \"{}\" notitle",
+							 block, look.color);
 		const std::string front = dataOf(tradeoff, paretoFront(points), panel);
 		if (index != kFrontPanel || front.empty()) continue;
 		text += fmt::format("$front{} << EOD\n{}EOD\n", &look - kLooks, front);
@@ -149,6 +154,11 @@ std::string scriptOf(const Tradeoff& tradeoff, const std::string& title)
 		"set logscale x\nset format \"%g\"\nset xlabel \"median time, microseconds (left is faster)\"\n"
 		"set grid xtics ytics lc rgb \"#dddddd\"\nset xrange [{}:{}]\n",
 		quoted(title), 0.7 * fastest, 2 * slowest);
+	// Two decades have room for more than whole ones.
+	std::string ticks;
+	for (double decade = std::pow(10, std::floor(std::log10(fastest))); decade < 2 * slowest; decade *= 10)
+		ticks += fmt::format("{}{:g}, {:g}, {:g}", ticks.empty() ? "" : ", ", decade, 2 * decade, 5 * decade);
+	if (slowest < 300 * fastest) text += "set xtics (" + ticks + ")\n";
 	for (std::size_t i = 0; i < std::size(kPanels); ++i) text += drawPanel(tradeoff, i);
 	return text + "unset multiplot\n";
 }

@@ -260,31 +260,32 @@ void paste(Image& target, const Image& source, int left, int top)
 
 struct Grid
 {
-	int columns, rows, cellWidth, cellHeight, titleHeight;
+	int columns, rows, cellWidth, cellHeight, titleHeight, captionHeight;
 	int left(int i) const { return GUTTER + (i % columns) * (cellWidth + GUTTER); }
-	int top(int i) const { return titleHeight + GUTTER + (i / columns) * (cellHeight + CAPTION_HEIGHT + GUTTER); }
+	int top(int i) const { return titleHeight + GUTTER + (i / columns) * (cellHeight + captionHeight + GUTTER); }
 	int width() const { return left(columns - 1) + cellWidth + GUTTER; }
-	int height() const { return titleHeight + GUTTER + rows * (cellHeight + CAPTION_HEIGHT + GUTTER); }
+	int height() const { return titleHeight + GUTTER + rows * (cellHeight + captionHeight + GUTTER); }
 };
 
 Image composed(const std::vector<CaptionedImage>& cells, int columns, const std::string& title, bool captionsOnTop)
 {
-	Grid grid = {std::max(1, std::min(columns, int(cells.size()))), 0, 1, 1, title.empty() ? 0 : TITLE_HEIGHT};
+	Grid grid = {std::max(1, std::min(columns, int(cells.size()))), 0, 1, 1, title.empty() ? 0 : TITLE_HEIGHT, 0};
 	grid.rows = (int(cells.size()) + grid.columns - 1) / grid.columns;
 	for (const CaptionedImage& cell : cells)
 	{
 		grid.cellWidth = std::max(grid.cellWidth, cell.image.width);
 		grid.cellHeight = std::max(grid.cellHeight, cell.image.height);
+		if (!cell.caption.empty()) grid.captionHeight = CAPTION_HEIGHT;
 	}
 	Image sheet(grid.width(), grid.height(), PAPER);
 	for (int i = 0; i < int(cells.size()); ++i)
-		paste(sheet, cells[size_t(i)].image, grid.left(i), grid.top(i) + (captionsOnTop ? CAPTION_HEIGHT : 0));
+		paste(sheet, cells[size_t(i)].image, grid.left(i), grid.top(i) + (captionsOnTop ? grid.captionHeight : 0));
 	Canvas canvas(sheet);
 	canvas.text(title, GUTTER, TITLE_HEIGHT - 13, {20, Weight::Bold}, INK);
 	const Font font = {15, captionsOnTop ? Weight::Bold : Weight::Normal};
 	for (int i = 0; i < int(cells.size()); ++i)
 	{
-		const int base = grid.top(i) + (captionsOnTop ? 0 : grid.cellHeight) + CAPTION_HEIGHT - 8;
+		const int base = grid.top(i) + (captionsOnTop ? 0 : grid.cellHeight) + grid.captionHeight - 8;
 		canvas.text(cells[size_t(i)].caption, grid.left(i) + 2, base, font, INK);
 	}
 	return sheet;

@@ -41,6 +41,7 @@ void runBudget(const BudgetCommandOptions& options)
 	if (options.selection.hasQueryOnly())
 		throw Failure(ExitCode::usage, "--paper and --fresh are for replay: a simulation has neither");
 	makeDirectory(options.directory);
+	cli::requireWritable({options.common.json, options.directory + "/budget.json"});
 	HierarchyCache cache(options.cache, options.common.quiet);
 	cli::Progress progress(options.common.quiet);
 	std::vector<SceneUnderBudgets> measured;
@@ -92,7 +93,7 @@ void addBudgetCommand(CLI::App& program)
 		->check(between(0, 1e9))
 		->capture_default_str();
 	command->add_flag("--in-tests", options->areTests, "The budgets are hull and culling tests a step");
-	command->add_option("-o", options->directory, "Directory for budget.csv, .txt, .json and .png")->required();
+	cli::addFolder(*command, options->directory, "budget.csv, .txt, .json and .png");
 	command->add_option("--steps", options->steps, "Steps of each run (default: the scene's)")
 		->type_name("N")
 		->check(CLI::Range(1, 10'000'000));

@@ -85,6 +85,7 @@ std::vector<std::string> figures(const FrameAnswer& answer)
 	std::vector<std::string> lines;
 	lines.push_back("selection: " + answer.selection);
 	lines.push_back(gapInWords(row));
+	if (row.contacts == 0 && row.tests() == 0) return lines;
 	const auto counted = [](std::size_t count, const char* what)
 	{ return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s"); };
 	const std::string touching = counted(row.contacts, "touching patch pair");
@@ -163,6 +164,13 @@ std::vector<LegendEntry> legendOf(const FrameSubject& subject, const FrameAnswer
 	for (const int step : used)
 		entries.push_back({scale.color(step), "up to " + metricLength(scale.largestOf(step))});
 	return entries;
+}
+
+std::size_t patchesShown(const FrameSubject& subject, const FrameAnswer& answer)
+{
+	std::size_t count = 0;
+	for (const std::set<std::uint32_t>& nodes : answeringNodes(subject, answer)) count += nodes.size();
+	return count;
 }
 
 FramePainter::FramePainter(const FrameSubject& subject) : m_subject(subject), m_scale(subject)
@@ -274,8 +282,12 @@ Image FramePainter::paintComparison(const FrameMoment& moment, const FrameAnswer
 					  "");
 }
 
-Image FramePainter::paintExploded(const FrameMoment& moment, const FrameAnswer& answer)
+Image FramePainter::paintExploded(const FrameMoment& moment, const FrameAnswer& all)
 {
+	FrameAnswer answer = all;
+	const auto patchesOf = [&](const PairAnswer& pair) { return patchesShown(m_subject, {"", {pair}, {}}); };
+	const auto hasFewer = [&](const PairAnswer& l, const PairAnswer& r) { return patchesOf(l) < patchesOf(r); };
+	answer.pairs = {*std::max_element(all.pairs.begin(), all.pairs.end(), hasFewer)};
 	Frame frame;
 	frame.ground.isDrawn = false;
 	const std::vector<std::set<std::uint32_t>> nodes = answeringNodes(m_subject, answer);
@@ -296,7 +308,6 @@ Image FramePainter::paintExploded(const FrameMoment& moment, const FrameAnswer& 
 					high[k] = std::max(high[k], at);
 				}
 	}
-	if (bodies.empty()) return m_renderer->render(scene(moment, answer));
 	const Vec3 middle = 0.5 * (low + high);
 	const double size = 0.5 * length(high - low);
 	for (std::size_t i = 0; i < bodies.size(); ++i)

@@ -76,6 +76,9 @@ private:
 // Of the errors that are in the picture, smallest first.
 std::vector<LegendEntry> legendOf(const FrameSubject& subject, const FrameAnswer& answer);
 
+// How many patches its pictures colour.
+std::size_t patchesShown(const FrameSubject& subject, const FrameAnswer& answer);
+
 class FramePainter
 {
 public:
@@ -85,8 +88,8 @@ public:
 	Image paint(const FrameMoment& moment, const FrameAnswer& answer, const std::vector<FrameContact>& contacts);
 	// Overview, then a close-up for each of two answers to the same moment.
 	Image paintComparison(const FrameMoment& moment, const FrameAnswer& left, const FrameAnswer& right);
-	// The patches in contact alone: the two sides pulled apart along the contacts, the patches of a side from each
-	// other.
+	// The patches in contact alone, of the two bodies that have the most (one at least): the two sides pulled apart along
+	// the contacts, the patches of a side from each other.
 	Image paintExploded(const FrameMoment& moment, const FrameAnswer& answer);
 
 private:

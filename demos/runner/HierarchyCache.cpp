@@ -116,14 +116,7 @@ void HierarchyCache::runBuilder(const std::string& meshPath, const std::string& 
 	const int code = runProgram(words, m_quiet);
 	if (code == 0) return;
 	if (code == int(ExitCode::badInput) || code == int(ExitCode::limitReached))
-	{
-		const std::string built = cli::shellWord(cli::nameOf(cli::meshPath(meshPath)) + ".clod");
-		throw Failure(
-			ExitCode(code),
-			fmt::format("{}: the builder refused this mesh (its reason is above)\n  Try: clod-build build {} {} -o "
-						"{}, and {} in its place",
-						meshPath, cli::shellWord(meshPath), options.repair ? "--wrap 2%" : "--repair", built, built));
-	}
+		throw Failure(ExitCode(code), "the builder refused this mesh (its reason is above)");
 	if (code == kProgramMissing) throw Failure(ExitCode::failure, "cannot run " + words[0]);
 	throw Failure(
 		ExitCode::failure,
@@ -139,10 +132,24 @@ HierarchyPointer HierarchyCache::buildInto(const std::string& entry, const MeshS
 		throw Failure(ExitCode::failure, fmt::format("cannot create the cache directory {}: {}",
 													 fs::path(entry).parent_path().string(), error.message()));
 	cli::PartialFile partial(entry);
-	if (mesh.path.empty())
-		runBuilder(TemporaryMesh(mesh).path(), partial.temporaryPath(), options);
-	else
-		runBuilder(mesh.part.empty() ? mesh.path : mesh.path + "#" + mesh.part, partial.temporaryPath(), options);
+	try
+	{
+		if (mesh.path.empty())
+			runBuilder(TemporaryMesh(mesh).path(), partial.temporaryPath(), options);
+		else
+			runBuilder(mesh.part.empty() ? mesh.path : mesh.path + "#" + mesh.part, partial.temporaryPath(), options);
+	}
+	catch (const Failure& failure)
+	{
+		std::string told = mesh.name + ": " + failure.what();
+		if (failure.code() == ExitCode::badInput && !mesh.path.empty())
+		{
+			const std::string built = cli::shellWord(cli::nameOf({mesh.path, mesh.part}) + ".clod");
+			told += fmt::format("\n  Try: clod-build build {} {} -o {}, and {} in its place", cli::shellWord(mesh.name),
+								options.repair ? "--wrap 2%" : "--repair", built, built);
+		}
+		throw Failure(failure.code(), told);
+	}
 	Result<HierarchyPointer> hierarchy = Hierarchy::load(partial.temporaryPath());
 	if (!hierarchy)
 		throw Failure(ExitCode::failure, mesh.name + ": the builder wrote a bad file: " + hierarchy.error());
@@ -192,6 +199,8 @@ HierarchyPointer HierarchyCache::open(const std::string& path, const BuildOption
 			throw Failure(ExitCode::usage, path + ": --paper needs a file built with `clod-build build --paper`");
 		return hierarchy.value();
 	}
+	if (const std::string problem = cli::notAMesh(mesh.file); !problem.empty())
+		throw Failure(ExitCode::badInput, problem + " or .clod");
 	Result<std::vector<std::byte>> bytes = cli::readFile(mesh.file, kMeshSizeLimit);
 	if (!bytes) throw Failure(ExitCode::badInput, bytes.error());
 	return build({path, extension, std::move(bytes.value()), mesh.file, mesh.part}, options);
@@ -201,7 +210,7 @@ std::vector<ScenePart> partsOf(const std::string& file)
 {
 	if (!cli::isGltf(file)) return {};
 	const cli::PartialFile list(temporaryDirectory() + "/clod-parts.json");  // never committed
-	const int code = runProgram({builderPath(), "parts", file, "--quiet", "--json", list.temporaryPath()});
+	const int code = runProgram({builderPath(), "parts", file, "--quiet", "--json", list.temporaryPath()}, true);
 	if (code == int(ExitCode::badInput)) throw Failure(ExitCode::badInput, file + ": see above");
 	const Result<std::vector<std::byte>> bytes = cli::readFile(list.temporaryPath(), kMeshSizeLimit);
 	if (code != 0 || !bytes) throw Failure(ExitCode::failure, fmt::format("{} parts {} failed", builderPath(), file));

@@ -70,6 +70,7 @@ void print(const nlohmann::ordered_json& rows)
 
 void runIdle(const IdleCommandOptions& options)
 {
+	cli::requireWritable({options.common.json});
 	HierarchyCache cache(options.cache, options.common.quiet);
 	cli::Progress progress(options.common.quiet);
 	const PairSubject subject = pairSubject(options.input, cache, progress);

@@ -243,10 +243,12 @@ public:
 				{render(heat.mesh, Shading::Flat, m_camera),
 				 fmt::format("level {}: at most {:.2g} %, certified {}", level, 100 * heat.most, certified(level))});
 		}
+		Image legend(cells.front().image.width, cells.front().image.height, {1, 1, 1, 1});
 		OverlayText text;
 		text.legendTitle = "Off the full mesh, of the radius";
 		text.legend = heatLegend(isUsed);
-		drawOverlay(cells.front().image, text);
+		drawOverlay(legend, text);
+		cells.push_back({std::move(legend), ""});
 		return cells;
 	}
 

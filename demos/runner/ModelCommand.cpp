@@ -49,6 +49,8 @@ ModelMesh makeOrFail(const std::string& name, std::size_t triangles)
 
 void runModel(const ModelOptions& options)
 {
+	if (std::filesystem::path(options.output).extension() != ".obj")
+		throw Failure(ExitCode::usage, options.output + " does not end in .obj");
 	const ModelMesh mesh = makeOrFail(options.name, options.triangles);
 	const Result<std::size_t> bytes = writeObj(options.output, mesh);
 	if (!bytes) throw Failure(ExitCode::failure, bytes.error());

@@ -16,6 +16,7 @@
 #include "demos/runner/SceneModels.h"
 #include "demos/runner/SceneRun.h"
 #include "demos/scenes/Scene.h"
+#include "demos/trial/Recommendation.h"
 
 namespace clod::demo
 {
@@ -25,6 +26,8 @@ using cli::ExitCode;
 using cli::Failure;
 
 constexpr double kDefaultTolerance = 0.01;  // share of the smaller radius
+constexpr std::size_t kTumbledPoses = 1000;
+constexpr std::uint64_t kTumblingSeed = 1;
 constexpr double kBulletRadius = 5;         // bodies are scaled by a power of ten to about this radius for Bullet
 
 BuiltHierarchy buildModel(HierarchyCache& cache, const SceneModel& model, double resolution)
@@ -92,35 +95,40 @@ PairSubject fromScene(const PairInput& input, const SceneInfo& info, HierarchyCa
 			info.worldScale};
 }
 
-PairSubject fromFiles(const PairInput& input, HierarchyCache& cache)
+// Poses that nobody recorded are those of B as it tumbles over A, as `try` has them.
+PairSubject fromFiles(const PairInput& input, HierarchyCache& cache, cli::Progress& progress)
 {
-	Result<std::vector<PoseRow>> poses = readPoses(input.words[2]);
+	const bool isRecorded = input.words.size() == 3;
+	Result<std::vector<PoseRow>> poses = isRecorded ? readPoses(input.words[2]) : std::vector<PoseRow>();
 	if (!poses) throw Failure(ExitCode::badInput, poses.error());
 	const HierarchyPointer a = cache.open(input.words[0], {}), b = cache.open(input.words[1], {});
-	const double radius = smallerRadius(*a, *b);
-	return {input.words[0] + " and " + input.words[1],
+	const double radius = smallerRadius(*a, *b), tolerance = kDefaultTolerance * radius;
+	if (!isRecorded)
+		poses = touchingPoses(*a, *b, input.tolerance ? input.tolerance->inMeshUnit(radius) : tolerance, kTumbledPoses,
+							  kTumblingSeed, [&](double fraction) { progress.update("poses in touch", fraction); })
+					.rows;
+	return {input.words[0] + " and " + input.words[1] + (isRecorded ? "" : ", tumbling over each other"),
 			{a, b, std::nan("")},
 			std::move(poses.value()),
-			kDefaultTolerance * radius,
-			{input.dt > 0 ? input.dt : 1.0 / 240},
+			tolerance,
+			{input.dt > 0 ? input.dt : 1.0 / 240, !isRecorded},
 			std::pow(10.0, std::round(std::log10(kBulletRadius / radius)))};
 }
 
 PairSubject anySubject(const PairInput& input, HierarchyCache& cache, cli::Progress& progress)
 {
-	if (input.words.size() == 3 && !input.bodies.empty())
-		throw Failure(ExitCode::usage, "--pair is for scenes; A B POSES.csv has its two bodies");
-	if (input.words.size() == 3) return fromFiles(input, cache);
-	if (input.words.size() != 1)
-		throw Failure(ExitCode::usage,
-					  "a scene, or A B POSES.csv; poses that nobody recorded are not available in this version");
+	if (input.words.size() > 1 && !input.bodies.empty())
+		throw Failure(ExitCode::usage, "--pair is for scenes; A B [POSES.csv] has its two bodies");
+	if (input.words.size() > 1) return fromFiles(input, cache, progress);
 	return fromScene(input, sceneNamed(input.words[0]), cache, progress);
 }
 }  // namespace
 
 void addPairInput(CLI::App& command, PairInput& input)
 {
-	command.add_option("INPUT", input.words, "A scene, or A B POSES.csv")->required()->expected(1, 3);
+	command.add_option("INPUT", input.words, "A scene, or A B [POSES.csv]; without poses B tumbles over A")
+		->required()
+		->expected(1, 3);
 	cli::addLength(command, "--tolerance", input.tolerance,
 				   "Contacts up to this gap (default: the scene's, else 1% of the smaller radius)");
 	addResolution(command, input.resolution);

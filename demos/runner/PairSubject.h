@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Two bodies at recorded poses, as the commands that compare methods take them: a scene, which is simulated in exact
-// mode, or two models and POSES.csv. Compiled once per Bullet precision.
+// mode, or two models and POSES.csv, or none. Compiled once per Bullet precision.
 #pragma once
 #include <optional>
 #include <string>
@@ -19,7 +19,7 @@ namespace clod::demo
 {
 struct PairInput
 {
-	std::vector<std::string> words;  // SCENE, or A B POSES.csv
+	std::vector<std::string> words;  // SCENE, or A B [POSES.csv]
 	std::optional<cli::Length> tolerance;
 	std::vector<std::string> bodies;  // of a scene of more than two: the names of the pair
 	double resolution = 1;

@@ -131,6 +131,7 @@ nlohmann::ordered_json makeTable1(const PaperCommandOptions& options, HierarchyC
 void runPaper(const PaperCommandOptions& options)
 {
 	makeDirectory(options.directory);
+	cli::requireWritable({options.common.json, options.directory + "/paper.json"});
 	HierarchyCache cache(options.cache, true);
 	cli::Progress progress(options.common.quiet);
 	nlohmann::ordered_json report = startReport("paper");
@@ -169,10 +170,7 @@ void addPaperCommand(CLI::App& program)
 											   "built with --paper), and cost over contact "
 											   "area");
 	command->footer("Example: clod-bench paper -o out/paper");
-	command
-		->add_option("-o", options->directory,
-					 "Directory for table1.txt, figure4.*, area.*, figure5/*.png and paper.json")
-		->required();
+	cli::addFolder(*command, options->directory, "table1.txt, figure4.*, area.*, figure5/*.png and paper.json");
 	cli::addChoice(*command, "--only", options->only, {"table1", "figure4", "area"},
 				   "One of them; Figure 5 comes with Table 1");
 	command->add_flag_callback(

@@ -75,7 +75,7 @@ cli::Length toleranceOf(const ReplayCommandOptions& options, const Subject& subj
 {
 	if (options.tolerance) return *options.tolerance;
 	if (!subject.scene) return {kDefaultTolerance, true, "1%"};
-	return {subject.scene->tolerance, false, number(subject.scene->tolerance)};
+	return {subject.scene->tolerance, false, fmt::format("{:.4g}", subject.scene->tolerance)};
 }
 
 ReplayOptions replayOptions(const ReplayCommandOptions& options, const Subject& subject, std::int64_t lastStep)
@@ -127,6 +127,7 @@ nlohmann::ordered_json summarizeReplay(const Subject& subject, const std::vector
 // Before anything is built.
 void checkUsage(const ReplayCommandOptions& options)
 {
+	cli::requireWritable({options.csv, options.common.json});
 	refuseUnusedCamera(options.selection);
 	refuseClock(options.selection, options.repeat);
 	if (options.peer.empty()) return;

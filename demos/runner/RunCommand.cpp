@@ -10,6 +10,7 @@
 #include <memory>
 #include <random>
 
+#include "cli/MeshPath.h"
 #include "cli/Progress.h"
 #include "demos/peers/PeerShapes.h"
 #include "demos/runner/Commands.h"
@@ -69,7 +70,11 @@ SceneDefinition definitionOf(const RunOptions& options)
 		throw Failure(ExitCode::usage, fmt::format("--model is for the scene drop, not for {}", options.scene));
 	std::vector<SceneModel> models;
 	for (const std::string& file : options.models)
+	{
+		if (!std::filesystem::is_regular_file(cli::meshPath(file).file))
+			throw Failure(ExitCode::badInput, file + ": no such file");
 		models.push_back({std::filesystem::path(file).stem().string(), file});
+	}
 	return drop(models);
 }
 
@@ -116,6 +121,8 @@ SceneRunOptions setUp(const RunOptions& options, SceneDefinition& definition, Hi
 	SceneRunOptions run;
 	run.scene.models = buildModels(definition.info, options.detail(), cache);
 	checkSizes(options, run.scene.models);
+	if (const std::string problem = tooFar(definition, run.scene.models); !problem.empty())
+		throw Failure(ExitCode::badInput, options.scene + ": " + problem);
 	fitToModels(definition, run.scene.models);
 	const SceneInfo& info = run.info = definition.info;
 	run.scene.metric = toMetric(options.selection);
@@ -258,7 +265,11 @@ void print(const RunOptions& options, const nlohmann::ordered_json& report)
 // Before anything is built.
 void checkUsage(const RunOptions& options)
 {
-	if (options.frames.directory.empty()) refuseUnusedCamera(options.selection);
+	if (options.frames.directory.empty())
+		refuseUnusedCamera(options.selection);
+	else
+		makeDirectory(options.frames.directory);
+	cli::requireWritable({options.csv, options.poses, options.common.json});
 	if (options.selection.hasQueryOnly() && options.selection.budget.isLimited())
 		throw Failure(ExitCode::usage,
 					  "--paper and --fresh are of the queries beside a simulation; under a budget the simulation's own "
@@ -376,11 +387,8 @@ void addRunCommand(CLI::App& program)
 	addFrames(*command, options->frames);
 	addSelection(*command, options->selection);
 	addCache(*command, options->cache);
-	command
-		->add_option("--seed", options->common.seed,
-					 "Another start: free bodies up to a thousandth of their radius aside; 0: the scene's")
-		->type_name("N")
-		->capture_default_str();
+	cli::addSeed(*command, options->common,
+				 "Another start: free bodies up to a thousandth of their radius aside; 0: the scene's");
 	cli::addQuiet(*command, options->common);
 	cli::addJson(*command, options->common);
 	command->callback([options] { runRun(*options); });

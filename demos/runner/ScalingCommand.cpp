@@ -213,6 +213,7 @@ void runScaling(ScalingCommandOptions options)
 {
 	pairScene(options.scene);
 	makeDirectory(options.directory);
+	cli::requireWritable({options.common.json, options.directory + "/scaling.json"});
 	std::sort(options.resolutions.begin(), options.resolutions.end());
 	std::sort(options.bodies.begin(), options.bodies.end());
 	HierarchyCache cache(options.cache, options.common.quiet);
@@ -267,7 +268,7 @@ void addScalingCommand(CLI::App& program)
 		"Example: clod-bench scaling -o out/scaling\n"
 		"         clod-bench scaling bolt-nut --resolutions 0.25,1,4 --only queries -o out/scaling-bolt");
 	command->add_option("SCENE", options->scene, "A scene of two bodies")->capture_default_str();
-	command->add_option("-o", options->directory, "Directory for scaling.csv, .txt, .json and .png, and scaling-worlds.csv and .png")->required();
+	cli::addFolder(*command, options->directory, "scaling.csv, .txt, .json and .png, and scaling-worlds.csv and .png");
 	command->add_option("--resolutions", options->resolutions, "Triangles, as shares of the scene's own counts")
 		->delimiter(',')
 		->type_name("SHARE,...")
@@ -283,7 +284,7 @@ void addScalingCommand(CLI::App& program)
 					 "queries: replays of SCENE at each resolution; bodies: worlds of digits; worlds: SCENE at each resolution")
 		->delimiter(',')
 		->type_name("PART,...")
-		->check(CLI::IsMember({"queries", "bodies", "worlds"}));
+		->check(cli::oneOf({"queries", "bodies", "worlds"}));
 	command->add_option("--most-seconds", options->mostSeconds, "A run of a world ends then; more bodies are not tried")
 		->type_name("S")
 		->check(between(0.01, 1e6))

@@ -140,27 +140,26 @@ nlohmann::ordered_json paintScene(const SceneFrameOptions& options, const FrameS
 	const std::size_t count = (run.rows.size() + every - 1) / every;
 	FramePainter painter(subject);
 	FrameFolder folder(options.directory, subject.title, count, 1 / (double(every) * subject.dt));
+	// The frame that shows the most patches in contact.
+	std::size_t most = 0, mostRow = 0;
 	for (std::size_t row = every - 1; folder.frames() < count; row = std::min(row + every, run.rows.size() - 1))
 	{
 		row = std::min(row, run.rows.size() - 1);
 		const SceneState& state = run.rows[row].state;
+		const FrameAnswer answer = answers.at(row);
+		if (const std::size_t patches = patchesShown(subject, answer); patches > most) most = patches, mostRow = row;
 		const Image image = options.compare ? painter.paintComparison(momentOf(state), exact.at(row), other.at(row))
-											: painter.paint(momentOf(state), answers.at(row), pointsOf(state));
+											: painter.paint(momentOf(state), answer, pointsOf(state));
 		folder.add(image, fmt::format("step {}", state.step));
 		progress(double(folder.frames()) / double(count));
 	}
 	std::vector<std::string> files = folder.finish();
-	// Of the moment with the most contacts.
-	const auto most =
-		std::max_element(run.rows.begin(), run.rows.end(),
-						 [](const SceneRow& a, const SceneRow& b) { return a.query.contacts < b.query.contacts; });
-	if (most != run.rows.end() && most->query.contacts > 0)
+	if (most > 0)
 	{
 		files.push_back(options.directory + "/exploded.png");
 		const std::string title = subject.title + ": patches in contact, pulled apart";
 		const Result<std::size_t> written =
-			writePng(files.back(),
-					 painter.paintExploded(momentOf(most->state), answers.at(std::size_t(most - run.rows.begin()))),
+			writePng(files.back(), painter.paintExploded(momentOf(run.rows[mostRow].state), answers.at(mostRow)),
 					 {{"Title", title}});
 		if (!written) throw cli::Failure(cli::ExitCode::failure, written.error());
 	}

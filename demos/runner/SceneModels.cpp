@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "cli/Failure.h"
+#include "cli/MeshPath.h"
 #include "cli/Suggestion.h"
 #include "demos/runner/Commands.h"
 #include "demos/runner/InputSurface.h"
@@ -15,6 +17,8 @@ namespace clod::demo
 std::string sceneError(const std::string& name)
 {
 	if (findScene(name)) return {};
+	if (std::filesystem::is_regular_file(cli::meshPath(name).file))
+		return fmt::format("'{0}' is no scene but a file; of meshes: `clod-bench try {0} -o trial`", cli::shellWord(name));
 	std::vector<std::string> names;
 	for (const SceneInfo& scene : scenes()) names.push_back(scene.name);
 	return fmt::format("unknown scene '{}'{}; `clod-bench list` shows them", name, cli::didYouMean(name, names));

@@ -45,7 +45,8 @@ std::vector<std::string> familiesOf(const std::string& list)
 		const std::string word = list.substr(start, end - start);
 		if (std::find(known.begin(), known.end(), word) == known.end())
 			throw Failure(ExitCode::usage,
-						  fmt::format("--methods: unknown method '{}'{}", word, cli::didYouMean(word, known)));
+						  fmt::format("--methods: unknown method '{}'{}; there are {}", word,
+									  cli::didYouMean(word, known), fmt::join(known, ", ")));
 		families.push_back(word);
 		start = end + 1;
 	}
@@ -122,11 +123,12 @@ void write(const TradeoffOptions& options, const PairSubject& subject, const Tra
 void runTradeoff(const TradeoffOptions& options)
 {
 	checkUsage(options);
+	makeDirectory(options.directory);
+	cli::requireWritable({options.common.json, options.directory + "/tradeoff.json"});
 	HierarchyCache cache(options.cache, options.common.quiet);
 	cli::Progress progress(options.common.quiet);
 	const PairSubject subject = pairSubject(options.input, cache, progress);
 	const double radius = smallerRadius(*subject.models.a, *subject.models.b);
-	makeDirectory(options.directory);
 
 	const SampleRules rules{subject.tolerance, subject.clock, options.stride, options.mostRows,
 							options.rows == "contact"};
@@ -159,8 +161,7 @@ void addTradeoffCommand(CLI::App& program)
 		"A selection is measured as one more setting of clod, clod-gap and clod-dispatch.\n"
 		"scripts/peers sets up the peers that Bullet does not have (CoACD, V-HACD, Coal, decimation).");
 	addPairInput(*command, options->input);
-	command->add_option("-o", options->directory, "Directory for tradeoff.csv, .txt, .json, .png and pareto.csv")
-		->required();
+	cli::addFolder(*command, options->directory, "tradeoff.csv, .txt, .json, .png and pareto.csv");
 	cli::addChoice(*command, "--rows", options->rows, {"moving", "contact"},
 				   "Rows that touch and move, or all that touch");
 	command->add_option("--most-rows", options->mostRows, "So many of them, evenly; all where there are fewer")

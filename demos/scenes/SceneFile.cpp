@@ -8,6 +8,7 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <set>
 
 #include "cli/Files.h"
 #include "cli/MeshPath.h"
@@ -23,10 +24,45 @@ constexpr std::size_t kMostBytes = std::size_t(64) << 20, kMostBodies = 100000;
 constexpr double kToleranceShare = 0.01, kWallShare = 0.05;  // of the smallest radius
 constexpr double kBulletRadius = 5;                          // of the largest body in Bullet's lengths
 constexpr double kLargest = std::numeric_limits<float>::max();
+constexpr double kHeaviest = 1e7;      // float Bullet takes what is much heavier for what stands still
+constexpr double kFarthest = 1e5;      // radii from the origin: float Bullet tells no places apart there
 
 struct Problem
 {
 	std::string sentence;  // element: what is wrong
+};
+
+// Follows the parser: of a member that is written twice JSON readers keep the last, without a word.
+class TwiceWritten
+{
+public:
+	void follow(json::parse_event_t event, const json& value)
+	{
+		const bool opens = event == json::parse_event_t::object_start || event == json::parse_event_t::array_start;
+		if ((opens || event == json::parse_event_t::value) && !m_open.empty()) ++m_open.back().items;
+		if (opens) m_open.push_back({event == json::parse_event_t::array_start, 0, "", {}});
+		if (event == json::parse_event_t::object_end || event == json::parse_event_t::array_end) m_open.pop_back();
+		if (event != json::parse_event_t::key) return;
+		m_open.back().name = value.get<std::string>();
+		if (!m_open.back().names.insert(m_open.back().name).second) throw Problem{place() + ": is written twice"};
+	}
+
+private:
+	struct Open
+	{
+		bool isList;
+		std::size_t items;  // of a list, begun so far
+		std::string name;   // of the member that is read
+		std::set<std::string> names;
+	};
+	std::string place() const
+	{
+		std::string place;
+		for (const Open& open : m_open)
+			place += open.isList ? fmt::format("[{}]", open.items - 1) : (place.empty() ? "" : ".") + open.name;
+		return place;
+	}
+	std::vector<Open> m_open;
 };
 
 // One value of the file and where it is in it.
@@ -67,6 +103,12 @@ public:
 		if (!(value >= low && value <= high)) refuse(fmt::format("has to be a number from {:g} to {:g}", low, high));
 		return value;
 	}
+	int whole(int low, int high) const
+	{
+		const double value = number(low, high);
+		if (value != std::floor(value)) refuse("has to be a whole number");
+		return int(value);
+	}
 	std::string text() const
 	{
 		if (!m_value.is_string()) refuse("has to be text");
@@ -95,6 +137,10 @@ public:
 	void read(const char* name, double& value, double low, double high) const
 	{
 		if (has(name)) value = member(name).number(low, high);
+	}
+	void read(const char* name, int& value, int low, int high) const
+	{
+		if (has(name)) value = member(name).whole(low, high);
 	}
 	void read(const char* name, Vec3& value) const
 	{
@@ -165,7 +211,7 @@ void addBody(SceneDefinition& scene, const Element& element)
 		if (other.name == named.name) element.refuse(fmt::format("another body is called '{}' too", named.name));
 
 	BodyDefinition body;
-	element.read("mass", body.mass, 0, kLargest);
+	element.read("mass", body.mass, 0, kHeaviest);
 	element.read("position", body.start.position);
 	if (element.has("rotation"))
 	{
@@ -194,11 +240,9 @@ void readWorld(SceneDefinition& scene, const Element& element)
 	scene.world.angularDamping = 0;
 	element.read("linear_damping", scene.world.linearDamping, 0, 1);
 	element.read("angular_damping", scene.world.angularDamping, 0, 1);
-	double iterations = scene.world.solverIterations, steps = 1200;
-	element.read("solver_iterations", iterations, 1, 10000);
-	element.read("steps", steps, 1, 10'000'000);
-	scene.world.solverIterations = int(iterations);
-	scene.info.steps = int(steps);
+	scene.info.steps = 1200;
+	element.read("solver_iterations", scene.world.solverIterations, 1, 10'000);
+	element.read("steps", scene.info.steps, 1, 10'000'000);
 	scene.info.dt = 1.0 / 240;
 	element.read("step_seconds", scene.info.dt, 1e-6, 1);
 	scene.info.worldScale = scene.info.overview.radius = 0;  // see fitToModels
@@ -229,6 +273,8 @@ SceneDefinition sceneOf(const Element& element, const std::string& path)
 	if (bodies.size() < 2 || bodies.size() > kMostBodies)
 		element.member("bodies").refuse(fmt::format("has to hold 2 to {} bodies", kMostBodies));
 	for (const Element& body : bodies) addBody(scene, body);
+	if (std::none_of(scene.bodies.begin(), scene.bodies.end(), [](const BodyDefinition& b) { return b.mass > 0; }))
+		element.member("bodies").refuse("none has a mass: nothing would move");
 	scene.info.hasGround = false;
 	scene.inPlace = [](std::size_t, const Vec3&) { return true; };  // a file says nothing of where bodies should end
 	return scene;
@@ -246,12 +292,19 @@ Result<SceneDefinition> parseScene(std::string_view text, const std::string& pat
 {
 	try
 	{
-		const json document = json::parse(text);
+		TwiceWritten members;
+		const json document = json::parse(text,
+										  [&](int, json::parse_event_t event, json& value)
+										  {
+											  members.follow(event, value);
+											  return true;
+										  });
 		return sceneOf(Element(document, ""), path);
 	}
 	catch (const json::exception& problem)
 	{
-		return Error{fmt::format("{}: no JSON: {}", path, problem.what())};
+		const std::string why = problem.what();  // after the library's own number for it
+		return Error{fmt::format("{}: no JSON: {}", path, why.substr(why.find("] ") + 2))};
 	}
 	catch (const Problem& problem)
 	{
@@ -259,17 +312,42 @@ Result<SceneDefinition> parseScene(std::string_view text, const std::string& pat
 	}
 }
 
+std::string tooFar(const SceneDefinition& scene, const std::vector<std::shared_ptr<const Hierarchy>>& models)
+{
+	for (std::size_t i = 0; i < scene.bodies.size(); ++i)
+	{
+		const BodyDefinition& body = scene.bodies[i];
+		const double radius = double(models[scene.info.bodies[i].model]->asset().radius);
+		const auto why = [&](const std::string& name, const Vec3& place) -> std::string
+		{
+			if (length(place) <= kFarthest * radius) return {};
+			return fmt::format("bodies[{}].{}: {:.3g} times the body's radius ({:.3g}) from the origin; the limit is {:g}",
+							   i, name, length(place) / radius, radius, kFarthest);
+		};
+		if (const std::string told = why("position", body.start.position); !told.empty()) return told;
+		for (std::size_t k = 0; k < body.joints.size(); ++k)
+			if (const std::string told = why(fmt::format("joints[{}].point", k), body.joints[k].point); !told.empty())
+				return told;
+	}
+	return {};
+}
+
 void fitToModels(SceneDefinition& scene, const std::vector<std::shared_ptr<const Hierarchy>>& models)
 {
 	SceneInfo& info = scene.info;
 	double largest = 0, smallest = std::numeric_limits<double>::infinity();
-	Vec3 low{smallest, smallest, smallest}, high = -low;
+	for (const SceneBody& body : info.bodies)
+	{
+		const double radius = double(models[body.model]->asset().radius);
+		largest = std::max(largest, radius);
+		smallest = std::min(smallest, radius);
+	}
+	constexpr double kFar = std::numeric_limits<double>::infinity();
+	Vec3 low{kFar, kFar, kFar}, high = -low;
 	for (std::size_t i = 0; i < info.bodies.size(); ++i)
 	{
 		const Asset& asset = models[info.bodies[i].model]->asset();
 		const double radius = double(asset.radius);
-		largest = std::max(largest, radius);
-		smallest = std::min(smallest, radius);
 		const Vec3 center = toTransform(scene.bodies[i].start) *
 							Vec3{asset.meshFromBody[0], asset.meshFromBody[1], asset.meshFromBody[2]};
 		// A static ground may be far larger than what happens on it.

@@ -14,6 +14,9 @@ namespace clod::demo
 Result<SceneDefinition> readScene(const std::string& path);
 Result<SceneDefinition> parseScene(std::string_view text, const std::string& path);
 
+// What lies so far from the origin that Bullet cannot tell places apart: its name in the file and why; else empty.
+std::string tooFar(const SceneDefinition& scene, const std::vector<std::shared_ptr<const Hierarchy>>& models);
+
 // What a file leaves open depends on its models' sizes: tolerance, Bullet's scale, what pictures look at. Leaves what
 // is there as it is.
 void fitToModels(SceneDefinition& scene, const std::vector<std::shared_ptr<const Hierarchy>>& models);

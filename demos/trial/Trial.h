@@ -50,7 +50,7 @@ struct TrialRun
 	double deepest = 0, offSurfaceMedian = 0, offSurfaceP95 = 0;  // the latter over the frames with contacts
 	double endSpeed = 0;    // of the fastest body's centre over the last tenth of a second, radii a second
 	int gone = 0;           // bodies that are not where the scene means them to be, at the end
-	std::size_t worst = 0;  // the frame with the deepest interpenetration
+	std::size_t worst = 0;  // frame, see worstFrame()
 };
 
 struct Trial

@@ -240,9 +240,12 @@ std::string worstOf(const Trial& trial, const TrialPictures& pictures)
 	{
 		if (pictures.worst[i].empty()) continue;
 		const TrialFrame& frame = trial.runs[i].frames[trial.runs[i].worst];
-		const std::string words =
-			fmt::format("{} at {:.2f} s: the meshes overlap by {} of the radius", trial.contenders[i].name,
-						frame.state.time, percent(frame.deepest / trial.smallest));
+		std::string how = "nothing overlaps";
+		if (frame.deepest > 0)
+			how = fmt::format("the meshes overlap by {} of the radius", percent(frame.deepest / trial.smallest));
+		else if (!std::isnan(frame.offSurface))
+			how += fmt::format(", a contact point is off the surface by {} of the radius", percent(frame.offSurface));
+		const std::string words = fmt::format("{} at {:.2f} s: {}", trial.contenders[i].name, frame.state.time, how);
 		text += fmt::format("<figure><img alt='{0}' src='{1}'><figcaption>{0}</figcaption></figure>\n", escaped(words),
 							dataAddress(pictures.worst[i], "image/png"));
 	}

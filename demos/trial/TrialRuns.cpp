@@ -89,12 +89,12 @@ void summarize(TrialRun& run, const Trial& trial, const std::vector<double>& ste
 	run.stepMedian = quantile(steps, 0.5);
 	run.stepP95 = quantile(steps, 0.95);
 	std::vector<double> off;
-	for (std::size_t i = 0; i < run.frames.size(); ++i)
+	for (const TrialFrame& frame : run.frames)
 	{
-		const TrialFrame& frame = run.frames[i];
-		if (frame.deepest > run.deepest) run.deepest = frame.deepest, run.worst = i;
+		run.deepest = std::max(run.deepest, frame.deepest);
 		if (!std::isnan(frame.offSurface)) off.push_back(frame.offSurface);
 	}
+	run.worst = worstFrame(run.frames);
 	run.offSurfaceMedian = quantile(off, 0.5);
 	run.offSurfaceP95 = quantile(off, 0.95);
 	if (run.frames.empty()) return;
@@ -111,6 +111,14 @@ void summarize(TrialRun& run, const Trial& trial, const std::vector<double>& ste
 	}
 }
 }  // namespace
+
+std::size_t worstFrame(const std::vector<TrialFrame>& frames)
+{
+	const auto off = [](const TrialFrame& frame) { return std::fmax(frame.offSurface, 0.0); };  // NaN without contacts
+	const auto isMilder = [&](const TrialFrame& l, const TrialFrame& r)
+	{ return l.deepest != r.deepest ? l.deepest < r.deepest : l.deepest <= 0 && off(l) < off(r); };
+	return std::size_t(std::max_element(frames.begin(), frames.end(), isMilder) - frames.begin());
+}
 
 TrialRun runContender(const Trial& trial, const Contender& contender, const Solids& solids, const TrialRules& rules,
 					  const std::function<void(double)>& progress)

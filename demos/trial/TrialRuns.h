@@ -18,6 +18,9 @@ struct TrialRules
 };
 
 using Solids = std::vector<std::shared_ptr<const SignedDistance>>;  // one a model
+// The deepest interpenetration; where there is none at all, the contact point that is farthest off the surfaces.
+std::size_t worstFrame(const std::vector<TrialFrame>& frames);
+
 TrialRun runContender(const Trial& trial, const Contender& contender, const Solids& solids, const TrialRules& rules,
 					  const std::function<void(double)>& progress);
 }  // namespace clod::demo

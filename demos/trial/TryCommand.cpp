@@ -72,13 +72,17 @@ double secondsSince(Clock::time_point start)
 // Everything that can be wrong before minutes are spent.
 void checkUsage(const TryOptions& options)
 {
+	if (options.wrap && !(options.wrap->value > 0)) throw Failure(ExitCode::usage, "--wrap must be positive");
 	for (const std::string& file : options.files)
-		if (!std::filesystem::is_regular_file(cli::meshPath(file).file))
+	{
+		const std::string path = cli::meshPath(file).file;
+		if (!std::filesystem::is_regular_file(path))
 			throw Failure(ExitCode::badInput, fmt::format("{}: no such file", file));
+		if (const std::string problem = cli::notAMesh(path); !problem.empty() && cli::endingOf(path) != ".clod")
+			throw Failure(ExitCode::badInput, problem + " or .clod");
+	}
 	makeDirectory(options.directory);
-	cli::PartialFile report(options.directory + "/report.html");  // never committed
-	if (const std::string problem = cli::writeFile(report.temporaryPath(), std::string()); !problem.empty())
-		throw Failure(ExitCode::failure, problem);
+	cli::requireWritable({options.directory + "/report.html", options.common.json});
 }
 
 // The same command with another word for meshes that are no sound solids.
@@ -86,7 +90,12 @@ std::string commandWith(const TryOptions& options, const std::string& word)
 {
 	std::string command = "clod-bench try ";
 	for (const std::string& file : options.files) command += cli::shellWord(file) + " ";
-	return command + word + (options.quick ? " --quick -o " : " -o ") + cli::shellWord(options.directory);
+	command += word;
+	if (options.quick) command += " --quick";
+	if (options.noFilm) command += " --no-film";
+	if (options.accuracy) command += " --accuracy " + options.accuracy->text;
+	if (options.cost != TryOptions().cost) command += fmt::format(" --cost-us {:g}", options.cost);
+	return command + " -o " + cli::shellWord(options.directory);
 }
 
 TrialMesh openMesh(const TryOptions& options, const std::string& file, double scale, HierarchyCache& cache)
@@ -227,7 +236,7 @@ struct TouchingPair
 TouchingPair pairOf(Trial& trial)
 {
 	trial.pair = trial.meshes.size() > 1 ? trial.meshes[0].name + " and " + trial.meshes[1].name
-										 : "two of " + trial.meshes[0].name;
+										 : "two copies of " + trial.meshes[0].name;
 	return {trial.meshes.front().hierarchy, trial.meshes[trial.meshes.size() > 1 ? 1 : 0].hierarchy};
 }
 
@@ -381,7 +390,7 @@ void addTryCommand(CLI::App& program)
 		"how\n"
 		"wrong it was, and which setting to take. scripts/peers sets up V-HACD.");
 	command->add_option("MESH", options->files, "One or more mesh or .clod files, of any unit")->required();
-	command->add_option("-o", options->directory, "Directory for report.html, report.json and film/")->required();
+	cli::addFolder(*command, options->directory, "report.html, report.json and film/");
 	CLI::Option* const repair = command->add_flag("--repair", options->repair, "Mend the meshes before they are built");
 	cli::addLength(*command, "--wrap", options->wrap,
 				   "Take watertight wraps round the meshes instead, which close gaps narrower than this")

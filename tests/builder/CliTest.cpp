@@ -144,7 +144,9 @@ TEST_F(Cli, ExportedSurfaceBuildsAgain)
 		ASSERT_EQ(run({"export", path("a.clod"), "--level", "0", "-o", path(format)}), 0) << err();
 		EXPECT_EQ(run({"check", path("a.clod"), "--mesh", path(format), "--quiet"}), 0) << format << err();
 	}
-	EXPECT_EQ(run({"export", path("a.clod"), "--all-levels", "-o", path("all.ply")}), 0) << err();
+	EXPECT_EQ(run({"export", path("a.clod"), "--all-levels", "-o", path("all.ply"), "--json", path("all.json")}), 0)
+		<< err();
+	EXPECT_GT(nlohmann::json::parse(readText(path("all.json")))["levels"].size(), 1u);
 	EXPECT_TRUE(fs::exists(path("all.0.ply")));
 }
 
@@ -234,6 +236,11 @@ TEST_F(Cli, UsageErrorsNameTheNearestMatch)
 	EXPECT_EQ(run({"build", path("torus.obj"), "-o", path("a.clod"), "--papr"}), 2);
 	EXPECT_NE(err().find("did you mean --paper?"), std::string::npos) << err();
 	EXPECT_EQ(run({"build", path("torus.obj"), "-o", path("a.clod"), "--threads", "many"}), 2);
+	EXPECT_EQ(run({"build", path("torus.obj"), "-o", path("a.clod"), "--seed", "-1"}), 2);
+	EXPECT_NE(err().find("not a whole number"), std::string::npos) << err();
+	EXPECT_EQ(run({"build", path("torus.obj"), "-o", path("a.clod"), "--wrap", "0"}), 2);
+	EXPECT_EQ(run({"check", path("a.clod"), "--unit", "mm"}), 2);
+	EXPECT_NE(err().find("--mesh"), std::string::npos) << err();
 	EXPECT_EQ(run({"build", path("torus.obj")}), 2);
 	EXPECT_EQ(run({}), 2);
 	EXPECT_FALSE(fs::exists(path("a.clod")));
@@ -329,6 +336,10 @@ TEST_F(Cli, TooLargeIsExitCode5)
 TEST_F(Cli, UnwritableOutputIsExitCode1)
 {
 	EXPECT_EQ(run({"build", path("torus.obj"), "-o", path("no/such/folder/a.clod"), "--quiet"}), 1);
+	EXPECT_EQ(run({"build", path("torus.obj"), "-o", path("a.clod"), "--json", path("no/such/folder/a.json")}), 1);
+	EXPECT_EQ(run({"build", path("torus.obj"), "-o", path("")}), 1);
+	EXPECT_NE(err().find("is a directory"), std::string::npos) << err();
+	EXPECT_FALSE(fs::exists(path("a.clod")));
 }
 
 TEST_F(Cli, ExportRefusesLevelsWithoutASurface)
@@ -400,6 +411,7 @@ protected:
 			cli::Progress progress(stream, terminal);
 			for (int i = 0; i <= 1000; ++i) progress.update("first", i / 1000.0);
 			progress.update("second", 0.3);
+			if (!terminal) std::fputs("warning\n", stream);
 			progress.finish();
 			progress.finish();
 			std::fputs("other words\n", stream);
@@ -416,9 +428,9 @@ TEST_F(CliProgress, IsALineAPhaseInALog)
 {
 	const std::string text = said(false);
 	EXPECT_EQ(text.rfind("first: ", 0), 0u) << text;
-	EXPECT_NE(text.find(" s\nsecond: "), std::string::npos) << text;
+	EXPECT_NE(text.find(" s\nwarning\nsecond: "), std::string::npos) << text;
 	EXPECT_NE(text.find(" s\nother words\n"), std::string::npos) << text;
-	EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 3) << text;
+	EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 4) << text;
 }
 
 TEST_F(CliProgress, IsABarOnATerminal)

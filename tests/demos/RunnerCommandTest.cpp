@@ -79,6 +79,23 @@ TEST_F(RunnerCommand, ListNamesTheScenes)
 		EXPECT_NE(list.out.find(scene), std::string::npos) << scene;
 }
 
+TEST_F(RunnerCommand, WhatCannotBeWrittenIsToldBeforeAnythingIsBuilt)
+{
+	const std::string aside = path("nodir/x");
+	for (const std::string& words :
+		 {"run spoon-cup --csv " + aside, "run spoon-cup --json " + aside, "run spoon-cup --poses " + aside,
+		  "run spoon-cup --csv " + path(""), "tradeoff spoon-cup -o " + path("results") + " --json " + aside,
+		  "budget -o " + path("results") + " --json " + aside, "scaling -o " + path("results") + " --json " + aside,
+		  "extremes -o " + path("results") + " --json " + aside, "paper -o " + path("results") + " --json " + aside,
+		  "idle spoon-cup --json " + aside, "replay spoon-cup p.csv --csv " + aside,
+		  "levels x.obj -o " + aside + ".png"})
+	{
+		const Outcome outcome = bench(words + cache());
+		EXPECT_EQ(outcome.code, 1) << words << "\n" << outcome.err;
+		EXPECT_EQ(outcome.err.rfind("clod-bench: cannot write ", 0), 0u) << words << "\n" << outcome.err;
+	}
+}
+
 TEST_F(RunnerCommand, UsageErrorsExitWith2AndTheNearestMatch)
 {
 	const std::pair<const char*, const char*> cases[] = {
@@ -125,7 +142,13 @@ TEST_F(RunnerCommand, UsageErrorsExitWith2AndTheNearestMatch)
 		{"tradeoff spoon-cup -o x --size 3.5 --methods gimpact", "names none of them"},
 		{"tradeoff spoon-cup -o x --exact --size 3", "excludes"},
 		{"tradeoff spoon-cub -o x", "did you mean spoon-cup"},
-		{"tradeoff a.obj b.obj -o x", "POSES.csv"},
+		{"tradeoff a.obj b.obj --pair a,b -o x", "POSES.csv"},
+		{"run spoon-cup --csv - --json -", "stdout"},
+		{"run spoon-cup --seed -1", "whole number"},
+		{"levels x.clod -o x.jpg", ".png"},
+		{"scaling -o x --only worlds,bodys", "did you mean bodies"},
+		{"model cup -o x.stl", ".obj"},
+		{"try x.obj --wrap 0 -o x", "positive"},
 		{"tradeoff spoon-cup", "-o"},
 		{"tradeoff spoon-cup -o x --methods gimpakt", "did you mean gimpact"},
 		{"tradeoff mixed-needs -o x --pair near-cup,near-spon", "did you mean near-spoon"},
@@ -139,6 +162,9 @@ TEST_F(RunnerCommand, UsageErrorsExitWith2AndTheNearestMatch)
 		EXPECT_EQ(outcome.code, 2) << words << "\n" << outcome.err;
 		EXPECT_NE(outcome.err.find(part), std::string::npos) << words << "\n" << outcome.err;
 	}
+	const Outcome mesh = bench("run " + file("a.obj", ""));
+	EXPECT_EQ(mesh.code, 2) << mesh.err;
+	EXPECT_NE(mesh.err.find("clod-bench try"), std::string::npos) << mesh.err;
 }
 
 TEST_F(RunnerCommand, BadInputExitsWith3)

@@ -316,7 +316,12 @@ TEST_F(RunnerCommand, IdlePairsAreMeasuredBesideHullsInEveryState)
 			EXPECT_EQ(row["ratio_to_hulls"], 1) << row;
 		}
 	}
-	EXPECT_EQ(bench("idle " + path("cup.obj ") + path("spoon.obj") + cache()).code, 2);
+	// Poses that nobody recorded: of B tumbling over A.
+	const Outcome tumbling = bench("idle " + path("cup.obj ") + path("spoon.obj") + cache() +
+								   " --poses 2 --dispatches 5 --quiet --json " + path("tumbling.json"));
+	EXPECT_EQ(tumbling.code, 0) << tumbling.err;
+	EXPECT_NE(report("tumbling.json")["subject"].get<std::string>().find("tumbling"), std::string::npos);
+	EXPECT_GT(report("tumbling.json")["rows"].size(), 0u);
 	EXPECT_EQ(bench("idle spoon-cub" + cache()).code, 2);
 }
 TEST_F(RunnerCommand, BudgetsAreRunAtTheSamePosesAndLargerOnesLeaveSmallerErrors)

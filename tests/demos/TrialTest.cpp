@@ -11,6 +11,7 @@
 #include "demos/runner/Replay.h"
 #include "demos/trial/Html.h"
 #include "demos/trial/Recommendation.h"
+#include "demos/trial/TrialRuns.h"
 #include "tests/demos/RunnerCommand.h"
 #include "tests/support/Files.h"
 
@@ -87,6 +88,19 @@ TEST(TrialPage, LinearAxesBeginAtZero)
 	EXPECT_NEAR(all.back().first, left, 0.3);
 	EXPECT_NEAR(all.back().second, zeroY, 0.3);
 	EXPECT_NEAR(all.front().second, found.front().second, 0.1);
+}
+
+TEST(TrialRun, TheWorstMomentIsTheDeepestElseTheFarthestOff)
+{
+	std::vector<TrialFrame> frames(4);
+	frames[0].offSurface = std::nan("");
+	frames[1].offSurface = 0.1;
+	frames[2].offSurface = 0.3;
+	frames[3].offSurface = 0.2;
+	EXPECT_EQ(worstFrame(frames), 2u);
+	frames[0].deepest = 1e-3;
+	frames[1].deepest = 2e-3;
+	EXPECT_EQ(worstFrame(frames), 1u);
 }
 
 TEST(TrialRecommendation, TheCheapestWithinAnAccuracyAndTheMostAccurateWithinACost)

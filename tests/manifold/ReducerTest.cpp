@@ -85,11 +85,11 @@ TEST(ContactReducer, TheDeepestIsAmongThemHoweverManyCarry)
 		facets.push_back(facetAt({0.1 * i, 0, 0}));
 		facets.back().multiplier = 1 + i;
 	}
-	facets.push_back(facetAt({-1, 0, 0}, -0.01));
+	facets.push_back(facetAt({2.05, 0.03, 0}, -0.01));  // not the farthest of those that are left
 	const ClusterSet next = reduced(facets, 0);
 	int deep = 0;
 	for (const ContactCluster& cluster : next.slots)
-		for (int i = 0; i < cluster.count; ++i) deep += cluster.points[std::size_t(i)].point.pointOnA.x < 0;
+		for (int i = 0; i < cluster.count; ++i) deep += cluster.points[std::size_t(i)].point.pointOnA.y > 0;
 	EXPECT_EQ(deep, 1);
 	EXPECT_EQ(next.pointCount(), kMaxClusters * kClusterPoints);
 }

@@ -78,11 +78,15 @@ void runPose(const Family& family, const Options& options, const TrialRules& rul
 
 void run(const Options& options)
 {
+	if (options.pose && !(options.csv + options.common.json).empty())
+		throw cli::Failure(cli::ExitCode::usage, "--pose describes one pose on stdout: --csv and --json are of families");
+	cli::requireWritable({options.csv, options.common.json});
+	const bool printsRows = options.csv == "-", printsTable = options.common.textOnStdout() && !printsRows;
 	TrialRules rules;
 	rules.seed = options.common.seed;
 	rules.judge.samples = options.samples;
 	nlohmann::ordered_json rows = nlohmann::ordered_json::array();
-	if (!options.pose && options.common.textOnStdout()) fmt::print("{}", tableHead());
+	if (!options.pose && printsTable) fmt::print("{}", tableHead());
 	for (const Family& family : families())
 	{
 		if (options.family != "all" && options.family != family.name) continue;
@@ -92,12 +96,13 @@ void run(const Options& options)
 			continue;
 		}
 		FamilyResult result = FamilyTrials(family, subjectOf(options), rules).runAll(options.poses);
-		if (options.common.textOnStdout()) fmt::print("{}", tableLine(result));
+		if (printsTable) fmt::print("{}", tableLine(result));
 		std::fflush(stdout);
 		for (const auto& row : rowsOf(result, options.setting)) rows.push_back(row);
-		if (!options.csv.empty()) checked(cli::writeFile(options.csv, csvOf(rows)));  // so far: a run may take hours
+		if (!options.csv.empty() && !printsRows) checked(cli::writeFile(options.csv, csvOf(rows)));  // so far: a run may take hours
 	}
-	if (!options.pose && !options.common.json.empty()) checked(cli::writeJson(options.common.json, rows));
+	if (printsRows) fmt::print("{}", csvOf(rows));
+	if (!options.common.json.empty()) checked(cli::writeJson(options.common.json, rows));
 }
 }  // namespace
 }  // namespace clod::oracle
@@ -109,15 +114,25 @@ int main(int argc, char** argv)
 	oracle::Options options;
 	std::vector<std::string> names = {"all"};
 	for (const oracle::Family& family : oracle::families()) names.push_back(family.name);
+	cli::setUpProgram(app, sizeof(btScalar) == sizeof(float) ? "single (Bullet)" : "double (Bullet)",
+					  "licence GPL-3.0-or-later");
+	app.require_subcommand(0);
 	cli::addChoice(app, "--family", options.family, names, "Family of poses");
 	cli::addChoice(app, "--setting", options.setting, {"exact", "default", "3.5%", "gimpact"},
 				   "Contact levels, or Bullet's GImpact");
-	app.add_option("--poses", options.poses, "Poses a family")->capture_default_str();
-	app.add_option("--samples", options.samples, "Motions a pose and cone")->capture_default_str();
-	app.add_option("--pose", options.pose, "Describe this pose instead");
+	app.add_option("--poses", options.poses, "Poses a family")
+		->type_name("N")
+		->check(CLI::Range(std::size_t(1), std::size_t(100'000'000)))
+		->capture_default_str();
+	app.add_option("--samples", options.samples, "Motions a pose and cone")
+		->type_name("N")
+		->check(CLI::Range(1, 1'000'000))
+		->capture_default_str();
+	app.add_option("--pose", options.pose, "Describe this pose instead")->type_name("INDEX");
 	app.add_option("--hierarchies", options.hierarchies, "Folder that keeps the bodies' hierarchies from run to run")
-		->check(CLI::ExistingDirectory);
-	app.add_option("--csv", options.csv, "File for the rows");
+		->check(CLI::ExistingDirectory)
+		->type_name("DIR");
+	app.add_option("--csv", options.csv, "File for the rows; - is stdout")->type_name("FILE");
 	cli::addJson(app, options.common);
 	cli::addSeed(app, options.common);
 	app.footer("Example: clod-oracle --family wedges-crossed --poses 1000 --setting exact");

@@ -115,6 +115,43 @@ TEST(BudgetControl, GoesOnWhileFewerPairsAreCut)
 	}
 }
 
+// What a change cut off in several steps would be cut off again: however cheap the next steps are, nothing finer is tried
+// in three times as many.
+TEST(BudgetControl, RestsAfterAChangeThatCut)
+{
+	BudgetControl control;
+	double before = 0, settled = 0;
+	int known = 0, cutInARow = 0, rest = 0, rests = 0;
+	for (int i = 0; i < 200; ++i)
+	{
+		const double factor = control.coarsening({1000, kOff});
+		if (rest > 0)
+		{
+			EXPECT_GE(factor, settled) << i;
+		}
+		known = factor == before ? known : 0;  // pairs
+		before = factor;
+		const double ofNew = 180 / factor, ofKnown = 18 / factor;
+		const int fresh = std::min(100 - known, int((1000 - known * ofKnown) / ofNew));
+		StepCost cost;
+		cost.answered = std::uint32_t(known + fresh);
+		cost.cut = 100 - cost.answered;
+		cost.tests = cost.cut > 0 ? 1000 : rest > 0 ? 1 : known * ofKnown + fresh * ofNew;
+		cost.microseconds = 1;
+		known += fresh;
+		control.observe(cost);
+		rest = std::max(0, rest - 1);
+		if (cost.cut == 0 && cutInARow > 1)
+		{
+			rest = std::min(10, 3 * (cutInARow - 1));
+			settled = factor;
+			++rests;
+		}
+		cutInARow = cost.cut > 0 ? cutInARow + 1 : 0;
+	}
+	EXPECT_GT(rests, 0);
+}
+
 // Of 33 pairs one was answered, twice: all would have cost some 30 times the budget. Factors a little coarser need not be
 // tried.
 TEST(BudgetControl, KnowsByThePairsAnsweredWhatAllWouldCost)
