@@ -10,7 +10,7 @@ namespace clod
 namespace
 {
 constexpr double kFar = std::numeric_limits<double>::infinity();
-constexpr std::size_t kLeastTable = 256;
+constexpr std::size_t kLeastTable = 64;
 constexpr int kArcRounds = 6;  // each by the chord's slope
 constexpr double kArcSpeed = 2;  // times the mean speed on an arc: the most on it
 constexpr double kRoamShare = 0.25;  // of the farthest way of the step: so far from a way's middle contacts may lead
