@@ -136,6 +136,8 @@ public:
 	// Precondition: it has faces.
 	Nearest nearest(const Vec3& point, double within) const;
 	bool isInside(const Vec3& point) const;
+	// What the first overlap asks for, ahead.
+	void makeTree() const;
 
 private:
 	enum class Kind
