@@ -108,6 +108,7 @@ public:
 	}
 	// Mean of a polygon's corners.
 	const Vec3& centerOf(std::uint32_t polygon) const { return m_polygonDiscs[polygon].center; }
+	double radiusOf(std::uint32_t polygon) const { return m_polygonDiscs[polygon].radius; }
 	Vec3 footOn(std::uint32_t polygon, const Vec3& point) const
 	{
 		const SurfaceFace& plane = planeOf(polygon);
