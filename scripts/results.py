@@ -4,7 +4,7 @@
 
 results.py measure   runs build/release/bin/clod-bench, or $CLOD_BENCH, and writes demos/results/*.json (half an hour; needs
                      scripts/peers; steps and dispatches are timed by the processor, so that a busy machine does not count)
-results.py measure PART...   of them: spoon-cup, numbers-bowl, pile-heap, tradeoff, try
+results.py measure PART...   of them: spoon-cup, numbers-bowl, pile-heap, tradeoff, try, scaling
 results.py tables    prints demos/results into the documents, between <!-- results NAME --> and <!-- end -->
 results.py check     exit 1 where a document's table is not that of demos/results, or these are of several commits (a test runs this)
 
@@ -95,7 +95,14 @@ def measure_try(folder):
     keep("try", report)
 
 
-PARTS = {**{scene: functools.partial(measure_scene, scene) for scene in SCENES}, "tradeoff": measure_tradeoff, "try": measure_try}
+def measure_scaling(folder):
+    bench("scaling", "--only", "queries", "--resolutions", "0.0625,0.25,1", "-o", folder / "scaling")
+    report = json.loads((folder / "scaling/scaling.json").read_text())
+    keep("scaling", {"machine": report["machine"], "radius": report["radius"], "selections": report["selections"]})
+
+
+PARTS = {**{scene: functools.partial(measure_scene, scene) for scene in SCENES}, "tradeoff": measure_tradeoff, "try": measure_try,
+         "scaling": measure_scaling}
 
 
 def table(head, rows):
@@ -172,6 +179,17 @@ def curve():
                          "-" if error is None else percent(error / report["radius"])])
     return table(["method", "setting", "dispatch, moving, us", "at rest, us", "a new pair, cold, us", "a pair, kB",
                   "gap's error, 95 %, % of R"], rows)
+
+
+def scaling():
+    if not (RESULTS / "scaling.json").exists():
+        return "Not measured: `scripts/results measure scaling`."
+    rows = [[selection["selection"], f"{size['triangles_a'] + size['triangles_b']:,}", f"{size['query_us']['median']:.0f}",
+             f"{size['growth']:.2f}", f"{size['front']:.0f}",
+             *(f"{size[name] / 1e6:.2f}" for name in ("bytes", "loaded_bytes", "alike_bytes"))]
+            for selection in load("scaling")["selections"] for size in selection["sizes"]]
+    return table(["setting", "triangles of both", "query, us", "growth", "pairs in the front", "whole, MB", "levels asked, MB",
+                  "same detail, MB"], rows)
 
 
 def point_of(report, family, setting):
@@ -254,10 +272,12 @@ def plot():
 def commits():
     """Of all that is kept: one, or some figure is older than the others."""
     runs = [run for scene_runs in load("scenes").values() for run in scene_runs.values() if run]
-    return sorted({report["machine"]["commit"] for report in [load("tradeoff"), load("try"), *runs]})
+    kept = [load(name) for name in ("tradeoff", "try", "scaling") if (RESULTS / f"{name}.json").exists()]
+    return sorted({report["machine"]["commit"] for report in [*kept, *runs]})
 
 
-BLOCKS = {"five": five, "fall": fall, "scene": scene, "scenes": scenes, "curve": curve, "about": about}
+BLOCKS = {"five": five, "fall": fall, "scene": scene, "scenes": scenes, "curve": curve, "scaling": scaling,
+          "about": about}
 BLOCK = re.compile(r"<!-- results (\w+) -->\n.*?<!-- end -->", re.S)
 
 

@@ -47,8 +47,8 @@ public:
 		ofA.prepare(m_context.a);
 		ofB.prepare(m_context.b);
 		const Transform aFromB{m_context.pose.rotation, m_context.pose.translation};
-		return std::max(ofA.depthInside(m_context.b, inverse(aFromB), m_result.stats),
-						ofB.depthInside(m_context.a, aFromB, m_result.stats));
+		return std::max(ofA.depthInside(m_context.b, inverse(aFromB), 0, m_result.stats),
+						ofB.depthInside(m_context.a, aFromB, 0, m_result.stats));
 	}
 	bool widenToNearest(double&) override { return false; }
 

@@ -40,24 +40,48 @@ std::vector<double> column(const Rows& rows, const std::vector<bool>& chosen, do
 	return values;
 }
 
-// Of both bodies where the levels that answered in any of the rows are loaded alone, and what is coarser.
-std::size_t loadedBytes(const ScaledPair& pair, const Rows& rows, const std::vector<bool>& chosen)
+// The finest level of A, or of B, that answered in any of the rows.
+std::uint32_t finestAsked(const Hierarchy& hierarchy, bool isA, const Rows& rows, const std::vector<bool>& chosen)
 {
-	std::size_t bytes = 0;
+	std::uint32_t finest = hierarchy.coarsestClodLevel();
+	for (std::size_t i = 0; i < rows.size(); ++i)
+		if (chosen[i]) finest = std::min(finest, isA ? rows[i].finestA : rows[i].finestB);
+	return finest;
+}
+
+// The coarsest level that errs by no more: of the same detail, whatever the mesh.
+std::uint32_t levelWithin(const Hierarchy& hierarchy, float deviation)
+{
+	std::uint32_t level = 0;
+	while (level < hierarchy.coarsestClodLevel() && hierarchy.levels()[level + 1].maxDeviation <= deviation) ++level;
+	return level;
+}
+
+// Where that level and what is coarser are loaded alone.
+std::size_t loadedBytes(const Hierarchy& hierarchy, std::uint32_t finest)
+{
+	const cli::PartialFile file(temporaryDirectory() + "/levels.clod");
+	if (const std::string problem = cli::writeFile(file.temporaryPath(), hierarchy.bytes()); !problem.empty())
+		throw cli::Failure(cli::ExitCode::failure, problem);
+	const auto loaded = Hierarchy::load(file.temporaryPath(), finest);
+	if (!loaded) throw cli::Failure(cli::ExitCode::failure, loaded.error());
+	return loaded.value()->bytes().size();
+}
+
+// smallest: the first pair, and its rows.
+void addLoadedBytes(const ScaledPair& pair, const Rows& rows, const ScaledPair& smallest, const Rows& smallestRows,
+					const std::vector<bool>& chosen, nlohmann::ordered_json& size)
+{
+	std::size_t loaded = 0, alike = 0;
 	for (const bool isA : {true, false})
 	{
-		const Hierarchy* const hierarchy = isA ? pair.a.get() : pair.b.get();
-		std::uint32_t finest = kNone;
-		for (std::size_t i = 0; i < rows.size(); ++i)
-			if (chosen[i]) finest = std::min(finest, isA ? rows[i].finestA : rows[i].finestB);
-		const cli::PartialFile file(temporaryDirectory() + "/levels.clod");
-		if (const std::string problem = cli::writeFile(file.temporaryPath(), hierarchy->bytes()); !problem.empty())
-			throw cli::Failure(cli::ExitCode::failure, problem);
-		const auto loaded = Hierarchy::load(file.temporaryPath(), std::min(finest, hierarchy->coarsestClodLevel()));
-		if (!loaded) throw cli::Failure(cli::ExitCode::failure, loaded.error());
-		bytes += loaded.value()->bytes().size();
+		const Hierarchy &hierarchy = *(isA ? pair.a : pair.b), &least = *(isA ? smallest.a : smallest.b);
+		loaded += loadedBytes(hierarchy, finestAsked(hierarchy, isA, rows, chosen));
+		const float deviation = least.levels()[finestAsked(least, isA, smallestRows, chosen)].maxDeviation;
+		alike += loadedBytes(hierarchy, levelWithin(hierarchy, deviation));
 	}
-	return bytes;
+	size["loaded_bytes"] = loaded;
+	size["alike_bytes"] = alike;
 }
 
 nlohmann::ordered_json describe(const ScaledPair& pair, const Rows& rows, const std::vector<bool>& chosen)
@@ -77,7 +101,6 @@ nlohmann::ordered_json describe(const ScaledPair& pair, const Rows& rows, const 
 		{"finest_level", median([](const ReplayRow& r) { return double(r.stats.finestLevel); })},
 		{"coarsest_level", median([](const ReplayRow& r) { return double(r.stats.coarsestLevel); })},
 		{"error_bound", median([](const ReplayRow& r) { return r.errorBound; })}};
-	size["loaded_bytes"] = loadedBytes(pair, rows, chosen);
 	if (!std::isnan(pair.buildSeconds)) size["build_seconds"] = pair.buildSeconds;
 	return size;
 }
@@ -137,6 +160,7 @@ nlohmann::ordered_json measureScaling(const std::vector<ScaledPair>& pairs, cons
 		for (std::size_t p = 0; p < pairs.size(); ++p)
 		{
 			sizes.push_back(describe(pairs[p], runs[s][p], chosen));
+			addLoadedBytes(pairs[p], runs[s][p], pairs[0], runs[s][0], chosen, sizes[p]);
 			sizes[p]["growth"] =
 				sizes[p]["query_us"]["median"].get<double>() / sizes[0]["query_us"]["median"].get<double>();
 		}
@@ -149,13 +173,13 @@ std::string formatScalingCsv(const nlohmann::ordered_json& selections)
 {
 	std::string text =
 		"selection,resolution,triangles_a,triangles_b,bytes,build_seconds,rows,query_us_median,query_us_q1,query_us_q3,"
-		"query_us_p95,gap_us_median,front,contacts,finest_level,coarsest_level,error_bound,growth,loaded_bytes\n";
+		"query_us_p95,gap_us_median,front,contacts,finest_level,coarsest_level,error_bound,growth,loaded_bytes,alike_bytes\n";
 	for (const auto& selection : selections)
 		for (const auto& size : selection["sizes"])
 		{
 			const auto& us = size["query_us"];
 			text += fmt::format(
-				"{},{},{},{},{},{},{},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{},{},{},{},{},{:.4f},{}\n",
+				"{},{},{},{},{},{},{},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{},{},{},{},{},{:.4f},{},{}\n",
 				selection["selection"].get<std::string>(), number(size["resolution"].get<double>()),
 				size["triangles_a"].get<std::size_t>(), size["triangles_b"].get<std::size_t>(),
 				size["bytes"].get<std::size_t>(),
@@ -164,7 +188,8 @@ std::string formatScalingCsv(const nlohmann::ordered_json& selections)
 				us["q3"].get<double>(), us["p95"].get<double>(), size["gap_us"]["median"].get<double>(),
 				size["front"].get<double>(), size["contacts"].get<double>(), size["finest_level"].get<double>(),
 				size["coarsest_level"].get<double>(), number(size["error_bound"].get<double>()),
-				size["growth"].get<double>(), size["loaded_bytes"].get<std::size_t>());
+				size["growth"].get<double>(), size["loaded_bytes"].get<std::size_t>(),
+				size["alike_bytes"].get<std::size_t>());
 		}
 	return text;
 }
@@ -172,18 +197,20 @@ std::string formatScalingCsv(const nlohmann::ordered_json& selections)
 std::string formatScalingTable(const nlohmann::ordered_json& selections)
 {
 	std::string text =
-		fmt::format("{:<18}{:>10}{:>10}{:>8}{:>11}{:>10}{:>11}{:>9}{:>10}{:>10}{:>10}{:>10}{:>9}\n", "selection", "tris a",
-					"tris b", "rows", "query us", "p95 us", "gap us", "front", "contacts", "levels", "MB", "needed", "growth");
+		fmt::format("{:<18}{:>10}{:>10}{:>8}{:>11}{:>10}{:>11}{:>9}{:>10}{:>10}{:>10}{:>10}{:>10}{:>9}\n", "selection", "tris a",
+					"tris b", "rows", "query us", "p95 us", "gap us", "front", "contacts", "levels", "MB", "needed", "alike",
+					"growth");
 	for (const auto& selection : selections)
 		for (const auto& size : selection["sizes"])
 			text += fmt::format(
-				"{:<18}{:>10}{:>10}{:>8}{:>11.1f}{:>10.1f}{:>11.1f}{:>9.0f}{:>10.0f}{:>10}{:>10.1f}{:>10.2f}{:>9.2f}\n",
+				"{:<18}{:>10}{:>10}{:>8}{:>11.1f}{:>10.1f}{:>11.1f}{:>9.0f}{:>10.0f}{:>10}{:>10.1f}{:>10.2f}{:>10.2f}{:>9.2f}\n",
 				selection["selection"].get<std::string>(), size["triangles_a"].get<std::size_t>(),
 				size["triangles_b"].get<std::size_t>(), size["rows"].get<std::size_t>(),
 				size["query_us"]["median"].get<double>(), size["query_us"]["p95"].get<double>(),
 				size["gap_us"]["median"].get<double>(), size["front"].get<double>(), size["contacts"].get<double>(),
 				fmt::format("{:g} to {:g}", size["finest_level"].get<double>(), size["coarsest_level"].get<double>()),
-				1e-6 * size["bytes"].get<double>(), 1e-6 * size["loaded_bytes"].get<double>(), size["growth"].get<double>());
+				1e-6 * size["bytes"].get<double>(), 1e-6 * size["loaded_bytes"].get<double>(),
+				1e-6 * size["alike_bytes"].get<double>(), size["growth"].get<double>());
 	return text;
 }
 

@@ -249,7 +249,7 @@ TEST_F(Cli, UsageErrorsNameTheNearestMatch)
 	EXPECT_NE(out().find("Example:"), std::string::npos);
 	EXPECT_EQ(run({"--version"}), 0);
 	EXPECT_NE(out().find("GPL-3.0-or-later"), std::string::npos);
-	for (const char* told : {"(commit ", "precision double", "kernels ", "file format 2", "compiler "})
+	for (const char* told : {"(commit ", "precision double", "kernels ", "file format 3", "compiler "})
 		EXPECT_NE(out().find(told), std::string::npos) << told << " in\n" << out();
 	setenv("CLOD_NO_AVX2", "1", 1);
 	EXPECT_EQ(run({"--version"}), 0);

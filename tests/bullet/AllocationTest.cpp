@@ -11,6 +11,7 @@
 
 #include "clod/bullet/btClodCollisionAlgorithm.h"
 #include "clod/bullet/btClodDispatcher.h"
+#include "clod/manifold/ContactSurface.h"
 #include "tests/query/Bodies.h"
 
 #include <btBulletDynamicsCommon.h>
@@ -135,6 +136,11 @@ TEST(Dispatch, ContactsOfAPreparedShapeFindTheirSurfaceMade)
 	EXPECT_GT(made, 100 * 900);
 	const MovingTorus pair(ContactMetric::exactly());
 	EXPECT_LT(bytes - before - made, made / 2);
+	// Nor does the first overlap.
+	const ContactSurface& surface = hierarchy->derived<ContactSurfaces>().level(0);
+	const long known = bytes;
+	surface.isInside({});
+	EXPECT_EQ(bytes, known);
 }
 
 TEST(Dispatch, SteadyStepsAllocateNothing)

@@ -92,7 +92,7 @@ TEST(MotionBound, NoPointOfAPartMovesFartherAlongADirection)
 		const Motion motion = randomMotion(random, 1, 1, 0.3, uniform(random, 0, 0.2));
 		const PartMotion parts(motion.from, motion.to);
 		const Vec3 center = randomVector(random, 0, 0.7), along = randomDirection(random);
-		const double radius = uniform(random, 0, 0.3), bound = parts.along(along, center, radius);
+		const double radius = uniform(random, 0, 0.3), bound = parts.of(center, radius).along(along);
 		for (int k = 0; k < 50; ++k)
 		{
 			const Vec3 point = center + radius * randomDirection(random);

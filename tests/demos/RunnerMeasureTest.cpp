@@ -369,9 +369,12 @@ TEST_F(RunnerCommand, ScalingMeasuresTheSameRowsAtEverySize)
 		EXPECT_LT(sizes[0]["triangles_a"], sizes[1]["triangles_a"]);
 		EXPECT_EQ(sizes[0]["rows"], sizes[1]["rows"]);
 		EXPECT_EQ(sizes[0]["growth"], 1);
+		EXPECT_EQ(sizes[0]["alike_bytes"], sizes[0]["loaded_bytes"]);
 		for (const json& size : sizes)
 		{
 			EXPECT_LE(size["loaded_bytes"], size["bytes"]) << size;
+			EXPECT_LE(size["alike_bytes"], size["bytes"]) << size;
+			EXPECT_TRUE(size["alike_bytes"] == size["bytes"] || selection["selection"] != "exact") << size;
 			const bool isAll = size["loaded_bytes"] == size["bytes"];
 			EXPECT_TRUE(isAll || selection["selection"] != "exact") << size;
 		}

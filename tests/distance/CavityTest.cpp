@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "clod/hierarchy/ScaledHierarchy.h"
 #include "tests/distance/CavityBodies.h"
 #include "tests/query/Questions.h"
 
@@ -213,6 +214,29 @@ TEST(Cavity, ContactsAloneTellOfWhatLiesDeepToo)
 				  cache, result);
 			EXPECT_EQ(result.deep, x < 0.03) << pair.a.name << " first, at " << x;
 			EXPECT_EQ(result.contacts.empty(), x != kBoxHalf) << pair.a.name << " first, at " << x;
+		}
+	}
+}
+
+// A cube in a bubble, then near its wall, then deep in the solid: that it was near keeps it outside no farther than it may.
+TEST(Cavity, WhatWasNearAWallIsFoundInsideAtOnce)
+{
+	const std::shared_ptr<const Hierarchy> box = body("cavity-bubbles").hierarchy,
+										   cube = scaledHierarchy(*body("cavity-bubbles-cube").hierarchy, {0.4, 0.4, 0.4}).value();
+	Settings settings = exactSettings(1e-3);
+	settings.contactsOnly = true;
+	constexpr double kMiddle = kBoxHalf - 2 * kBubble;
+	for (const bool boxIsFirst : {true, false})
+	{
+		GapCache cache;
+		for (const Vec3& place : {Vec3{kMiddle, 0, 0}, Vec3{kMiddle + 5e-4, 0, 0}, Vec3{0.02, 0.02, -0.02}})
+		{
+			const Transform boxFromCube{Mat3{}, place};
+			GapResult result;
+			query(boxIsFirst ? *box : *cube, boxIsFirst ? *cube : *box, boxIsFirst ? boxFromCube : inverse(boxFromCube), settings,
+				  cache, result);
+			EXPECT_EQ(result.deep, place.x == 0.02) << boxIsFirst << " at " << place.x;
+			EXPECT_EQ(result.contacts.empty(), place.x != kMiddle + 5e-4) << boxIsFirst << " at " << place.x;
 		}
 	}
 }

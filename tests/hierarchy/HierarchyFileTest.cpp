@@ -120,10 +120,10 @@ TEST(HierarchyFile, OtherVersionsAndByteOrdersAreNamed)
 	ASSERT_EQ(bytes[offsetof(FileHeader, version)], std::byte(1));
 	bytes[offsetof(FileHeader, version)] = std::byte(0);
 	setHeaderHash(bytes);
-	EXPECT_EQ(refusal(bytes), "format version 0; this library reads versions 1 and 2: build it again from its mesh");
-	bytes[offsetof(FileHeader, version)] = std::byte(3);
+	EXPECT_EQ(refusal(bytes), "format version 0; this library reads versions 1 to 3: build it again from its mesh");
+	bytes[offsetof(FileHeader, version)] = std::byte(4);
 	setHeaderHash(bytes);
-	EXPECT_EQ(refusal(bytes), "format version 3; this library reads versions 1 and 2: a newer library is needed");
+	EXPECT_EQ(refusal(bytes), "format version 4; this library reads versions 1 to 3: a newer library is needed");
 	bytes = encode(box());
 	std::swap(bytes[offsetof(FileHeader, endianMark)], bytes[offsetof(FileHeader, endianMark) + 3]);
 	EXPECT_NE(refusal(bytes).find("byte order"), std::string::npos);
@@ -148,18 +148,22 @@ TEST(BoundGrid, RoundsToTheNextOfThirteenBits)
 	EXPECT_FALSE(isAnchor(0.123456789f, 0.7f));
 }
 
-// A file of version 1 as it was first written (a solid L of 2 x 3 x 1): it can be read as long as version 1 is read.
-TEST(HierarchyFile, ReadsTheFirstFileOfThisVersion)
+// Files of each version as it was first written (a solid L of 2 x 3 x 1): they can be read as long as the version is.
+TEST(HierarchyFile, ReadsTheFirstFilesOfItsVersions)
 {
-	const auto ell = Hierarchy::load(CLOD_FIRST_FILE);
-	ASSERT_TRUE(ell) << ell.error();
-	const Hierarchy& h = *ell.value();
-	EXPECT_EQ(h.contentHash(), 14043706252299576452ull);
-	EXPECT_EQ(h.asset().triangleCount, 20u);
-	EXPECT_NEAR(h.asset().volume, 4, 1e-12);
-	EXPECT_EQ(h.levels()[0].nodeCount, 2u);
-	EXPECT_EQ(h.node(h.root()).vertexCount, 10u);
-	EXPECT_EQ(h.node(h.root()).flags, 0u);
+	for (const char* version : {"1", "2", "3"})
+	{
+		const std::string path = std::string(CLOD_FILE_OF_VERSION) + version + ".clod";
+		const auto ell = Hierarchy::load(path);
+		ASSERT_TRUE(ell) << ell.error();
+		const Hierarchy& h = *ell.value();
+		EXPECT_EQ(h.contentHash(), 14043706252299576452ull);
+		EXPECT_EQ(h.asset().triangleCount, 20u);
+		EXPECT_NEAR(h.asset().volume, 4, 1e-12);
+		EXPECT_EQ(h.levels()[0].nodeCount, 2u);
+		EXPECT_EQ(h.node(h.root()).vertexCount, 10u);
+		EXPECT_EQ(h.node(h.root()).flags, 0u);
+	}
 }
 
 TEST(HierarchyFile, LoadReadsRegularFilesOnly)

@@ -133,9 +133,11 @@ void describePolyhedron(const btPolyhedralConvexShape& shape, Description& descr
 	description.isBySupport = description.points.empty();
 }
 
-Description describe(const btConvexShape& shape)
+void describe(const btConvexShape& shape, Description& description)
 {
-	Description description;
+	description.points.clear();
+	description.isBySupport = false;
+	description.error = 0;
 	description.radius = double(shape.getMargin());
 	if (shape.isPolyhedral())
 		describePolyhedron(static_cast<const btPolyhedralConvexShape&>(shape), description);
@@ -152,7 +154,7 @@ Description describe(const btConvexShape& shape)
 	else
 		description.isBySupport = true;
 	std::vector<double>& numbers = description.numbers;
-	numbers = {double(shape.getShapeType()), description.radius};
+	numbers.assign({double(shape.getShapeType()), description.radius});
 	for (const Vec3& p : description.points) numbers.insert(numbers.end(), {p.x, p.y, p.z});
 	for (int x = -1; description.isBySupport && x <= 1; ++x)
 		for (int y = -1; y <= 1; ++y)
@@ -161,7 +163,6 @@ Description describe(const btConvexShape& shape)
 				const Vec3 p = coreSupport(shape, description.radius, {double(x), double(y), double(z)});
 				numbers.insert(numbers.end(), {p.x, p.y, p.z});
 			}
-	return description;
 }
 
 // What encloses no volume is made a thin solid.
@@ -212,7 +213,8 @@ void make(const btConvexShape& shape, double unit, const Description& descriptio
 std::shared_ptr<const ConvexPartner> ConvexPartners::of(const btConvexShape& shape, double unit,
 														const std::shared_ptr<const ConvexPartner>& known)
 {
-	Description description = describe(shape);
+	thread_local Description description;  // asked once a pair and dispatch: buffers stay
+	describe(shape, description);
 	description.numbers.push_back(unit);
 	if (known && known->shape == description.numbers) return known;
 	ConvexPartner made;

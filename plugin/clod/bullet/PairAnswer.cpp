@@ -214,7 +214,6 @@ void PairState::findPoints(const PairPose& pose, Question& question, bool goesOn
 	m_report.candidates = std::uint32_t(facets.size());
 	m_foreseen.motion = facets.expectedMotion();
 	m_foreseen.spare = facets.spare();
-	next.clear();
 	facets.reduce(previous, next);
 	for (std::size_t slot = 0; pose.partner != Partner::kClod && slot < next.slots.size(); ++slot)
 		for (std::size_t i = 0; i < std::size_t(next.slots[slot].count); ++i)

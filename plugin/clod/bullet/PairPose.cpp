@@ -70,31 +70,27 @@ void chooseHierarchies(PairPose& pose, ConvexPartners& partners, const std::shar
 	pose.asked = inWorld;
 }
 
-RelativeMotion relativeMotion(const PairPose& pose, double timeStep)
-{
-	return relativeMotion(worldMotion(*pose.a->getCollisionObject(), 0), worldMotion(*pose.b->getCollisionObject(), 0),
-						  pose.worldFromA, pose.scale(), timeStep);
-}
-
 // Motion of the step, resting height and margins, and how far apart two bodies may be to need contacts.
 void setRules(PairPose& pose, double timeStep, Prediction prediction, double closestPoints)
 {
-	const auto bodyOf = [&](const btCollisionObjectWrapper& wrapper)
+	const btCollisionObject &objectA = *pose.a->getCollisionObject(), &objectB = *pose.b->getCollisionObject();
+	const RelativeMotion seenA = worldMotion(objectA, 0), seenB = worldMotion(objectB, 0);
+	const auto bodyOf = [&](const btCollisionObject& object, const RelativeMotion& seen)
 	{
-		const btCollisionObject& object = *wrapper.getCollisionObject();
 		if (prediction != Prediction::kSolved)
-			return pairBody(object, pose.worldFromA, pose.scale(), worldMotion(object, timeStep), worldMotion(object, 0));
-		return pairBody(object, pose.worldFromA, pose.scale(), solvedMotion(object), solvedMotion(object));
+			return pairBody(object, pose.worldFromA, pose.scale(), worldMotion(object, timeStep), seen);
+		const RelativeMotion solved = solvedMotion(object);
+		return pairBody(object, pose.worldFromA, pose.scale(), solved, solved);
 	};
 	PointRules& rules = pose.rules;
 	const double scale = pose.scale();
 	rules.length = double(pose.hierarchyA().asset().radius);
 	if (pose.isOfTwo()) rules.length = std::min(rules.length, double(pose.hierarchyB().asset().radius));
-	rules.a = bodyOf(*pose.a);
-	rules.b = bodyOf(*pose.b);
+	rules.a = bodyOf(objectA, seenA);
+	rules.b = bodyOf(objectB, seenB);
 	rules.timeStep = timeStep;
-	rules.friction = double(gCalculateCombinedFrictionCallback(pose.a->getCollisionObject(), pose.b->getCollisionObject()));
-	pose.seenMotion = relativeMotion(pose, timeStep);
+	rules.friction = double(gCalculateCombinedFrictionCallback(&objectA, &objectB));
+	pose.seenMotion = relativeMotion(seenA, seenB, pose.worldFromA, scale, timeStep);
 	rules.radiusA = double(pose.shapeA->getMargin()) / scale;
 	if (pose.shapeB) rules.radiusB = double(pose.shapeB->getMargin()) / scale;
 	if (pose.convex) rules.radiusB = pose.convex->radius;

@@ -186,7 +186,7 @@ std::shared_ptr<const Hierarchy> btClodShape::inWorldLengths() const
 void btClodShape::prepareContacts(std::uint32_t finest) const
 {
 	const clod::ContactSurfaces& surfaces = m_hierarchy->derived<clod::ContactSurfaces>();
-	for (std::uint32_t level = finest; level <= m_hierarchy->coarsestClodLevel(); ++level) surfaces.level(level);
+	for (std::uint32_t level = finest; level <= m_hierarchy->coarsestClodLevel(); ++level) surfaces.level(level).makeTree();
 }
 
 btTransform btClodShape::meshFromBody() const

@@ -97,7 +97,7 @@ public:
 		return m_revision;
 	}
 
-	// What contacts at levels from `finest` on (0: all) need of the surface, made ahead: 0.5 us a triangle of a level, paid by
+	// What contacts at levels from `finest` on (0: all) need of the surface, made ahead: 0.8 us a triangle of a level, paid by
 	// the first contact there otherwise. Not for what is derived where scales differ.
 	void prepareContacts(std::uint32_t finest = 0) const;
 

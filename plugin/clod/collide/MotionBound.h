@@ -81,31 +81,33 @@ public:
 		}
 		m_spread = std::sqrt(0.5 * m_spread);
 	}
-	// Along a unit direction of frame A, to rounding of a float; negative where the whole part moved the other way.
-	double along(const Vec3& direction, const Vec3& center, double radius) const
+	// Of one such part.
+	class Way
 	{
-		const Vec3 way = m_turn * center + m_shift;
-		return dot(direction, way) + spreadOf(way, radius);
-	}
-	// At least so far along it: 1-Lipschitz bounds of the later pose are carried back with it.
-	double leastAlong(const Vec3& direction, const Vec3& center, double radius) const
+	public:
+		Way() = default;
+		// Along a unit direction of frame A, to rounding of a float; negative where the whole part moved the other way.
+		double along(const Vec3& direction) const { return dot(direction, m_middle) + m_spread; }
+		// At least so far along it: 1-Lipschitz bounds of the later pose are carried back with it.
+		double leastAlong(const Vec3& direction) const { return dot(direction, m_middle) - m_spread; }
+		// Whatever the direction.
+		double farthest() const { return length(m_middle) + m_spread; }
+
+	private:
+		friend class PartMotion;
+		Vec3 m_middle;
+		double m_spread = 0;
+	};
+	Way of(const Vec3& center, double radius) const
 	{
-		const Vec3 way = m_turn * center + m_shift;
-		return dot(direction, way) - spreadOf(way, radius);
-	}
-	// Whatever the direction.
-	double farthest(const Vec3& center, double radius) const
-	{
-		const Vec3 way = m_turn * center + m_shift;
-		return length(way) + spreadOf(way, radius);
+		Way way;
+		const Vec3& middle = way.m_middle = m_turn * center + m_shift;
+		const double rounding = kMotionRounding * (std::abs(middle.x) + std::abs(middle.y) + std::abs(middle.z));
+		way.m_spread = rounding + (1 + kMotionRounding) * m_spread * radius + m_rounding;
+		return way;
 	}
 
 private:
-	double spreadOf(const Vec3& way, double radius) const
-	{
-		const double rounding = kMotionRounding * (std::abs(way.x) + std::abs(way.y) + std::abs(way.z));
-		return rounding + (1 + kMotionRounding) * m_spread * radius + m_rounding;
-	}
 	Mat3 m_turn{{{}, {}, {}}};
 	Vec3 m_shift;
 	double m_spread = 0, m_rounding = 0;

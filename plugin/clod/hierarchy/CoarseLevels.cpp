@@ -25,9 +25,11 @@ class SectionReader
 {
 public:
 	// packed: what follows the start of a packed file, which the stream then is not asked for.
-	SectionReader(std::ifstream& stream, const std::optional<std::vector<std::byte>>& packed, const SectionEntry* table)
+	SectionReader(std::ifstream& stream, const std::optional<std::vector<std::byte>>& packed, std::uint32_t version,
+				  const SectionEntry* table)
 		: m_stream(stream),
 		  m_table(table),
+		  m_version(version),
 		  m_isPacked(packed.has_value()),
 		  m_packed(m_isPacked ? packed->data() : nullptr, m_isPacked ? packed->data() + packed->size() : nullptr, table),
 		  m_hash(XXH3_createState(), &XXH3_freeState),
@@ -78,7 +80,10 @@ private:
 		std::vector<std::byte> records(size);
 		const std::string problem = m_packed.read(records.data());
 		if (!problem.empty()) return problem;
-		if (XXH3_64bits(records.data(), size) != entry.hash)
+		if (section == Section::nodes)
+			restoreInward(m_version, reinterpret_cast<Node*>(records.data()), std::size_t(entry.count));
+		// Faces lack their planes still, and corners that these follow from are dropped: the file's own checksum holds them.
+		if (section != Section::faces && XXH3_64bits(records.data(), size) != entry.hash)
 			return std::string("damaged (checksum of section ") + sectionName(section) + ")";
 		if (size > skip) std::memcpy(to, records.data() + skip, size - skip);
 		return "";
@@ -94,6 +99,7 @@ private:
 
 	std::ifstream& m_stream;
 	const SectionEntry* m_table;
+	const std::uint32_t m_version;
 	const bool m_isPacked;
 	PackedSections m_packed;
 	std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> m_hash;
@@ -165,11 +171,11 @@ std::string readNodes(SectionReader& reader, Coarse& coarse, std::uint32_t& firs
 }
 
 // Precondition: the file's start is sound. The first problem, or empty.
-std::string readCoarse(std::ifstream& stream, const std::optional<std::vector<std::byte>>& packed, const SectionEntry* table,
-					   Coarse& coarse)
+std::string readCoarse(std::ifstream& stream, const std::optional<std::vector<std::byte>>& packed, std::uint32_t version,
+					   const SectionEntry* table, Coarse& coarse)
 {
 	HierarchyContent& kept = coarse.content;
-	SectionReader reader(stream, packed, table);
+	SectionReader reader(stream, packed, version, table);
 	if (reader.countOf(Section::asset) != 1 || reader.countOf(Section::cullBoxes) != reader.countOf(Section::nodes))
 		return "records of its sections do not belong together";
 	if (reader.countOf(Section::hullX) != reader.countOf(Section::hullY) ||
@@ -192,7 +198,11 @@ std::string readCoarse(std::ifstream& stream, const std::optional<std::vector<st
 	if (problem.empty()) problem = reader.read(Section::hullX, firstVertex, kept.hullX);
 	if (problem.empty()) problem = reader.read(Section::hullY, firstVertex, kept.hullY);
 	if (problem.empty()) problem = reader.read(Section::hullZ, firstVertex, kept.hullZ);
-	if (problem.empty()) renumber(coarse, firstChild);
+	if (!problem.empty()) return problem;
+	renumber(coarse, firstChild);
+	if (packed)
+		restorePlanes(version, {kept.nodes.data(), kept.nodes.size(), kept.faces.data(), kept.faces.size(), kept.hullX.data(),
+								kept.hullY.data(), kept.hullZ.data(), kept.hullX.size()});
 	return problem;
 }
 }  // namespace
@@ -221,7 +231,7 @@ Result<std::shared_ptr<const Hierarchy>> Hierarchy::load(const std::string& path
 	// Where what is coarser has children below the level they are loaded, too.
 	for (coarse.finest = finest; coarse.finest > 0; coarse = Coarse{{}, coarse.finest - 1})
 	{
-		problem = readCoarse(stream, packed, table, coarse);
+		problem = readCoarse(stream, packed, versionOf(start), table, coarse);
 		if (!problem.empty()) return refused(problem);
 		if (!coarse.isWhole) continue;
 		std::shared_ptr<const Hierarchy> hierarchy = fromOwnBytes(encode(coarse.content), coarse.finest);

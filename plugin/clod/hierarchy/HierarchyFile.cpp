@@ -54,8 +54,8 @@ std::string checkHeader(const FileHeader& header, std::uint64_t fileBytes)
 {
 	if (std::memcmp(header.magic, kFileMagic, sizeof kFileMagic) != 0) return "not a .clod file (wrong first bytes)";
 	if (header.endianMark != kEndianMark) return "written with another byte order";
-	if (header.version != kFileVersion && header.version != kPackedVersion)
-		return "format version " + number(header.version) + "; this library reads versions " + number(kFileVersion) + " and " +
+	if (header.version < kFileVersion || header.version > kPackedVersion)
+		return "format version " + number(header.version) + "; this library reads versions " + number(kFileVersion) + " to " +
 			   number(kPackedVersion) +
 			   (header.version < kFileVersion ? ": build it again from its mesh" : ": a newer library is needed");
 	if (header.headerBytes != sizeof(FileHeader)) return "header size " + number(header.headerBytes) + " is not 64";
@@ -113,11 +113,16 @@ std::string checkFileStart(const std::vector<std::byte>& start, std::uint64_t fi
 	return checkTable(table, std::min(kMostUnpacked * fileBytes, kMostBytes), false);
 }
 
-bool isPacked(const std::vector<std::byte>& start)
+std::uint32_t versionOf(const std::vector<std::byte>& start)
 {
 	FileHeader header;
 	std::memcpy(&header, start.data(), sizeof header);
-	return header.version == kPackedVersion;
+	return header.version;
+}
+
+bool isPacked(const std::vector<std::byte>& start)
+{
+	return versionOf(start) >= kFirstPackedVersion;
 }
 
 void finishHeader(std::uint32_t version, std::vector<std::byte>& bytes)
@@ -127,7 +132,7 @@ void finishHeader(std::uint32_t version, std::vector<std::byte>& bytes)
 	header.version = version;
 	header.fileBytes = bytes.size();
 	header.packedHash =
-		version == kPackedVersion ? XXH3_64bits(bytes.data() + kFileStartBytes, bytes.size() - kFileStartBytes) : 0;
+		version >= kFirstPackedVersion ? XXH3_64bits(bytes.data() + kFileStartBytes, bytes.size() - kFileStartBytes) : 0;
 	std::memcpy(bytes.data(), &header, sizeof header);
 	header.headerHash = hashOfStart(bytes.data());
 	std::memcpy(bytes.data(), &header, sizeof header);

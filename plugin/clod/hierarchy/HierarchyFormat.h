@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // The frame of a hierarchy's block, which is a .clod file of version 1: header, section table, sections. Files are written
-// packed, as version 2 (PackedFile.h), and unpacked to this.
+// packed, as version 3 (PackedFile.h), and unpacked to this.
 //
 //   [header 64 bytes][table: kSectionCount entries of 32 bytes][zero padding][section][zero padding][section]...
 //
@@ -72,6 +72,7 @@ inline constexpr std::uint64_t kFileStartBytes = sizeof(FileHeader) + kSectionCo
 // section lies inside the file, or, of a packed one, inside a block that it can hold.
 std::string checkFileStart(const std::vector<std::byte>& start, std::uint64_t fileBytes);
 const char* sectionName(Section section);
+std::uint32_t versionOf(const std::vector<std::byte>& start);
 bool isPacked(const std::vector<std::byte>& start);
 // As a file of the version has them, whole as it is: size and hashes.
 void finishHeader(std::uint32_t version, std::vector<std::byte>& bytes);

@@ -2,10 +2,12 @@
 #include "clod/hierarchy/PackedFile.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstring>
 #include <iterator>
 
-#include "clod/hierarchy/Layout.h"
+#include "clod/collide/Vector.h"
 
 namespace clod
 {
@@ -179,7 +181,86 @@ const std::byte* unpackColumn(const std::byte* at, const std::byte* end, const S
 		default: return nullptr;
 	}
 }
+
+// value + times * predicted, of their bits. What is not finite has not the same bits on all machines.
+void shift(float& value, double predicted, std::uint32_t times)
+{
+	const float rounded = float(predicted);
+	std::uint32_t bits = 0, of = 0;
+	std::memcpy(&bits, &value, sizeof bits);
+	if (std::isfinite(rounded)) std::memcpy(&of, &rounded, sizeof of);
+	bits += times * of;
+	std::memcpy(&value, &bits, sizeof bits);
+}
+
+double offsetOf(const Face& face, const std::array<Vec3, 3>& corners)
+{
+	const Vec3 normal{double(face.normal[0]), double(face.normal[1]), double(face.normal[2])};
+	return double(roundUp(std::max({dot(normal, corners[0]), dot(normal, corners[1]), dot(normal, corners[2])})));
+}
+
+constexpr std::uint32_t kTake = 0xFFFFFFFFu, kGive = 1;
+
+void shiftPlane(Face& face, const Node& node, const PlaneRecords& records, std::uint32_t times)
+{
+	std::array<Vec3, 3> corners;
+	for (std::size_t i = 0; i < 3; ++i)
+	{
+		const std::size_t v = std::size_t(node.firstVertex) + face.vertex[i];
+		if (v >= records.vertexCount) return;
+		corners[i] = {double(records.x[v]), double(records.y[v]), double(records.z[v])};
+	}
+	const Vec3 normal = normalized(cross(corners[1] - corners[0], corners[2] - corners[0]));
+	// The offset is that of the true normal.
+	if (times == kTake) shift(face.offset, offsetOf(face, corners), times);
+	for (int k = 0; k < 3; ++k) shift(face.normal[k], normal[k], times);
+	if (times == kGive) shift(face.offset, offsetOf(face, corners), times);
+}
+
+void shiftInward(Node* nodes, std::size_t count, std::uint32_t times)
+{
+	for (std::size_t i = 0; i < count; ++i)
+		for (int k = 0; k < 3; ++k) shift(nodes[i].inward[k], -double(nodes[i].meanNormal[k]), times);
+}
+
+// Faces that are no node's, in order, stay as they are: each is looked at once, whatever nodes say.
+void shiftPlanes(const PlaneRecords& records, std::uint32_t times)
+{
+	std::size_t next = 0;
+	for (std::size_t i = 0; i < records.nodeCount; ++i)
+	{
+		const Node& node = records.nodes[i];
+		if (node.firstFace != next || node.faceCount > records.faceCount - next) continue;
+		for (const std::size_t end = next + node.faceCount; next < end; ++next)
+			shiftPlane(records.faces[next], node, records, times);
+	}
+}
+
+Node* nodesOf(std::vector<std::byte>& block, const SectionEntry (&table)[kSectionCount])
+{
+	return reinterpret_cast<Node*>(block.data() + table[std::uint32_t(Section::nodes)].offset);
+}
+
+PlaneRecords planesOf(std::vector<std::byte>& block, const SectionEntry (&table)[kSectionCount])
+{
+	const auto at = [&](Section section) { return block.data() + table[std::uint32_t(section)].offset; };
+	const auto count = [&](Section section) { return std::size_t(table[std::uint32_t(section)].count); };
+	const auto values = [&](Section section) { return reinterpret_cast<const float*>(at(section)); };
+	return {nodesOf(block, table), count(Section::nodes), reinterpret_cast<Face*>(at(Section::faces)), count(Section::faces),
+			values(Section::hullX), values(Section::hullY), values(Section::hullZ),
+			std::min({count(Section::hullX), count(Section::hullY), count(Section::hullZ)})};
+}
 }  // namespace
+
+void restoreInward(std::uint32_t version, Node* nodes, std::size_t count)
+{
+	if (version != kFirstPackedVersion) shiftInward(nodes, count, kGive);
+}
+
+void restorePlanes(std::uint32_t version, const PlaneRecords& records)
+{
+	if (version != kFirstPackedVersion) shiftPlanes(records, kGive);
+}
 
 std::string PackedSections::read(std::byte* records)
 {
@@ -196,11 +277,13 @@ std::string PackedSections::read(std::byte* records)
 	return m_next == kSectionCount && m_at != m_end ? "bytes follow the last section" : "";
 }
 
-std::vector<std::byte> pack(const std::vector<std::byte>& block)
+std::vector<std::byte> pack(std::vector<std::byte> block)
 {
 	std::vector<std::byte> packed(block.begin(), block.begin() + std::ptrdiff_t(kFileStartBytes));
 	SectionEntry table[kSectionCount];
 	std::memcpy(table, block.data() + sizeof(FileHeader), sizeof table);
+	shiftInward(nodesOf(block, table), std::size_t(table[std::uint32_t(Section::nodes)].count), kTake);
+	shiftPlanes(planesOf(block, table), kTake);
 	for (const SectionEntry& entry : table)
 		for (const Column& column : columnsOf(entry))
 			if (entry.count > 0) packColumn(block.data() + entry.offset, entry, column, packed);
@@ -221,6 +304,8 @@ Result<std::vector<std::byte>> unpack(const std::vector<std::byte>& file)
 		const std::string problem = sections.read(block.data() + entry.offset);
 		if (!problem.empty()) return Error{problem};
 	}
+	restoreInward(versionOf(file), nodesOf(block, table), std::size_t(table[std::uint32_t(Section::nodes)].count));
+	restorePlanes(versionOf(file), planesOf(block, table));
 	finishHeader(kFileVersion, block);
 	return block;
 }

@@ -116,7 +116,10 @@ struct ContactCluster
 struct CLOD_API ClusterSet
 {
 	std::array<ContactCluster, kMaxClusters> slots{};
-	void clear() { slots = {}; }
+	void clear()
+	{
+		for (ContactCluster& cluster : slots) cluster.count = 0;
+	}
 	int pointCount() const;
 };
 

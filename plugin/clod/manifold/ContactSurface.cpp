@@ -228,6 +228,11 @@ void ContactSurface::joinSides()
 	}
 }
 
+void ContactSurface::makeTree() const
+{
+	std::call_once(m_treeMade, [this] { buildTree(); });
+}
+
 void ContactSurface::buildTree() const
 {
 	m_order.resize(m_faces.size());
@@ -388,7 +393,7 @@ void ContactSurface::Found::add(std::uint32_t other, const NearestOnTriangle& th
 // The nearest face, of a polygon or (kNone) of all.
 ContactSurface::Found ContactSurface::searchTree(const Vec3& point, double within, std::uint32_t polygon) const
 {
-	std::call_once(m_treeMade, [this] { buildTree(); });
+	makeTree();
 	const auto squaredTo = [&](std::uint32_t box)
 	{
 		double sum = 0;
@@ -436,7 +441,7 @@ bool ContactSurface::isInside(const Vec3& point) const
 {
 	if (m_kind == Kind::kSheet || m_kind == Kind::kCore) return false;
 	if (m_kind == Kind::kHalfSpace) return dot(m_faces[0].normal, point) < m_faces[0].offset;
-	std::call_once(m_treeMade, [this] { buildTree(); });
+	makeTree();
 	for (int k = 0; k < 3; ++k)
 		if (point[k] < m_boxes[0].low[k] || point[k] > m_boxes[0].high[k]) return false;
 	return nearest(point, std::numeric_limits<double>::infinity()).distance < 0;

@@ -108,6 +108,7 @@ public:
 	}
 	// Mean of a polygon's corners.
 	const Vec3& centerOf(std::uint32_t polygon) const { return m_polygonDiscs[polygon].center; }
+	double radiusOf(std::uint32_t polygon) const { return m_polygonDiscs[polygon].radius; }
 	Vec3 footOn(std::uint32_t polygon, const Vec3& point) const
 	{
 		const SurfaceFace& plane = planeOf(polygon);
@@ -136,6 +137,8 @@ public:
 	// Precondition: it has faces.
 	Nearest nearest(const Vec3& point, double within) const;
 	bool isInside(const Vec3& point) const;
+	// What the first overlap asks for, ahead.
+	void makeTree() const;
 
 private:
 	enum class Kind

@@ -10,7 +10,7 @@ namespace clod
 namespace
 {
 constexpr double kFar = std::numeric_limits<double>::infinity();
-constexpr std::size_t kLeastTable = 256;
+constexpr std::size_t kLeastTable = 64;
 constexpr int kArcRounds = 6;  // each by the chord's slope
 constexpr double kArcSpeed = 2;  // times the mean speed on an arc: the most on it
 constexpr double kRoamShare = 0.25;  // of the farthest way of the step: so far from a way's middle contacts may lead
@@ -108,13 +108,20 @@ void FacetFinder::add(Facet& facet)
 void FacetFinder::findPair(const Contact& contact)
 {
 	const FacetQuestion& q = *m_question;
-	MovedNode &nodeA = m_nodesA.of(contact.nodeA), &nodeB = m_nodesB.of(contact.nodeB);
+	MovedNode& nodeB = m_nodesB.of(contact.nodeB);
 	const bool mayOverlap = contact.upper <= 0;
+	const double roam = kRoamShare * nodeB.displaced, beside = kFootShare * q.length() + roam;
+	double reach = q.touching() + q.rules.heldReach + beside;
+	// A facet's features are no farther apart than its height and what a foot is beside either. A ball is high over most of what
+	// is within reach along the axes.
+	const bool isStraight = !mayOverlap && q.b.surface(nodeB.level).isCore();
+	const double straight = isStraight ? reach + 2 * beside : kFar;
+	if (mayOverlap) reach += q.a.thicknessOf(contact.nodeA) + q.b.thicknessOf(contact.nodeB);
+	MovedNode& nodeA = m_nodesA.of(contact.nodeA, m_nodesB.isOne() ? Near{&nodeB.box, reach, straight} : Near{});
 	m_pair = {&q.a.surface(nodeA.level), &q.b.surface(nodeB.level), contact.nodeA, contact.nodeB, nodeA.level, nodeB.level};
-	m_pair.roam = kRoamShare * nodeB.displaced;
+	m_pair.roam = roam;
 	m_pair.deepest = mayOverlap ? kFar : kInnerShare * q.length();
-	m_pair.reach = q.touching() + q.rules.heldReach + kFootShare * q.length() + m_pair.roam;
-	if (mayOverlap) m_pair.reach += q.a.thicknessOf(contact.nodeA) + q.b.thicknessOf(contact.nodeB);
+	m_pair.reach = reach;
 	gather(contact, nodeA, nodeB);
 	verticesOverFaces(nodeA.cone, nodeB.cone);
 	edgesOverEdges(nodeA.cone, nodeB.cone, mayOverlap);

@@ -42,7 +42,7 @@ void MovedNodes::start(const FacetQuestion& question, const std::vector<Contact>
 	for (std::size_t i = 0; i < m_nodes.size(); ++i) m_moved[i].node = kNone;
 }
 
-MovedNode& MovedNodes::of(std::uint32_t node)
+MovedNode& MovedNodes::of(std::uint32_t node, const Near& near)
 {
 	const auto at = std::lower_bound(m_nodes.begin(), m_nodes.end(), node) - m_nodes.begin();
 	MovedNode& moved = m_moved[std::size_t(at)];
@@ -55,7 +55,7 @@ MovedNode& MovedNodes::of(std::uint32_t node)
 	moved.polygons.clear();
 	m_boxes.clear();
 	const ContactSurface& surface = body.surface(moved.level);
-	m_isA ? listStill(moved, surface) : move(moved, surface);
+	m_isA ? listStill(moved, surface, near) : move(moved, surface);
 	moved.cone = coneOf(moved, surface);
 	return moved;
 }
@@ -97,24 +97,34 @@ void MovedNodes::turn(const ContactSurface& surface, MovedEdge& edge) const
 }
 
 // A stands still in its own frame.
-void MovedNodes::listStill(MovedNode& moved, const ContactSurface& surface)
+void MovedNodes::listStill(MovedNode& moved, const ContactSurface& surface, const Near& near)
 {
 	moved.displaced = 0;
-	for (const std::uint32_t v : surface.verticesOf(moved.node))
+	const Span<std::uint32_t> vertices = surface.verticesOf(moved.node);
+	const auto placeOf = [&](std::size_t i) -> const Vec3& { return surface.vertices()[vertices[i]]; };
+	moved.box = {placeOf(0), placeOf(0)};
+	for (const std::uint32_t v : vertices)
 	{
-		const Box box{surface.vertices()[v], surface.vertices()[v]};
-		if (surface.isCorner(v)) moved.corners.push_back({box, v});
-		if (m_boxes.empty()) moved.box = box;
-		moved.box.add(box.low);
-		m_boxes.push_back(box);
+		const Vec3& place = surface.vertices()[v];
+		moved.box.add(place);
+		if (surface.isCorner(v) && near.holds({place, place})) moved.corners.push_back({{place, place}, v});
 	}
-	addPolygons(moved, surface);
+	for (const ContactSurface::NodePolygon& polygon : surface.polygonsOf(moved.node))
+	{
+		const double radius = surface.radiusOf(polygon.polygon);
+		const Vec3 &center = surface.centerOf(polygon.polygon), far{radius, radius, radius};
+		if (!near.holds({center - far, center + far})) continue;
+		const Span<std::uint16_t> corners = surface.cornersOf(polygon);
+		Box box{placeOf(corners[0]), placeOf(corners[0])};
+		for (const std::uint16_t corner : corners) box.add(placeOf(corner));
+		if (near.holds(box)) moved.polygons.push_back({box, polygon.polygon});
+	}
 	for (const std::uint32_t index : surface.edgesOf(moved.node))
 	{
 		const SurfaceEdge& edge = surface.edges()[index];
 		Box box{surface.vertices()[edge.vertex[0]], surface.vertices()[edge.vertex[0]]};
 		box.add(surface.vertices()[edge.vertex[1]]);
-		moved.edges.push_back({box, index});
+		if (near.holds(box)) moved.edges.push_back({box, index});
 	}
 }
 
@@ -165,7 +175,7 @@ void MovedNodes::addPolygons(MovedNode& moved, const ContactSurface& surface) co
 	{
 		const Span<std::uint16_t> corners = surface.cornersOf(polygon);
 		Box box = m_boxes[corners[0]];
-		for (const std::uint16_t corner : corners) m_isA ? box.add(m_boxes[corner].low) : box.add(m_boxes[corner]);
+		for (const std::uint16_t corner : corners) box.add(m_boxes[corner]);
 		moved.polygons.push_back({box, polygon.polygon});
 	}
 }

@@ -33,10 +33,28 @@ struct Box
 		return direction.x * (direction.x > 0 ? low.x : high.x) + direction.y * (direction.y > 0 ? low.y : high.y) +
 			   direction.z * (direction.z > 0 ? low.z : high.z);
 	}
+	double squaredTo(const Box& other) const
+	{
+		const auto out = [](double l, double h, double otherLow, double otherHigh)
+		{ return std::max(0.0, std::max(otherLow - h, l - otherHigh)); };
+		return lengthSquared({out(low.x, high.x, other.low.x, other.high.x), out(low.y, high.y, other.low.y, other.high.y),
+							  out(low.z, high.z, other.low.z, other.high.z)});
+	}
 	bool meets(const Box& other, double reach) const
 	{
 		return low.x <= other.high.x + reach && other.low.x <= high.x + reach && low.y <= other.high.y + reach &&
 			   other.low.y <= high.y + reach && low.z <= other.high.z + reach && other.low.z <= high.z + reach;
+	}
+};
+
+// To a box, if there is one: along the axes, and in a straight line.
+struct Near
+{
+	const Box* box = nullptr;
+	double reach = 0, straight = 0;
+	bool holds(const Box& other) const
+	{
+		return box == nullptr || (other.meets(*box, reach) && other.squaredTo(*box) <= straight * straight);
 	}
 };
 
@@ -90,15 +108,17 @@ class MovedNodes
 public:
 	// The nodes on side A or B of the contacts.
 	void start(const FacetQuestion& question, const std::vector<Contact>& contacts, bool isA);
-	// Precondition: one of them.
-	MovedNode& of(std::uint32_t node);
+	// Is there one alone?
+	bool isOne() const { return m_nodes.size() == 1; }
+	// Precondition: one of them. What comes nowhere so near may be left out.
+	MovedNode& of(std::uint32_t node, const Near& near = {});
 	// Precondition: of such a node, on `surface`.
 	void place(const ContactSurface& surface, MovedCorner& corner) const;
 	// Precondition: of B.
 	void turn(const ContactSurface& surface, MovedEdge& edge) const;
 
 private:
-	void listStill(MovedNode& moved, const ContactSurface& surface);
+	static void listStill(MovedNode& moved, const ContactSurface& surface, const Near& near);
 	void move(MovedNode& moved, const ContactSurface& surface);
 	void addPolygons(MovedNode& moved, const ContactSurface& surface) const;
 	NormalCone coneOf(const MovedNode& moved, const ContactSurface& surface) const;

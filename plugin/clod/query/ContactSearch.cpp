@@ -140,6 +140,7 @@ ContactSearch::ContactSearch(const Hierarchy& a, const Hierarchy& b, const Trans
 
 void ContactSearch::run(double tolerance)
 {
+	m_tolerance = tolerance;
 	const double covered = traverseFront(tolerance);  // which may change the rule
 	m_largestCover = std::max(covered, m_rule->baseCover());
 	sort();
@@ -307,6 +308,19 @@ void ContactSearch::sort()
 					  m_context.b.node(contact.nodeB).childCount == 0;
 }
 
+// Of the two surfaces, by what was found with base levels: what is no contact is farther than the tolerance, but for covers.
+double ContactSearch::leastApart() const
+{
+	if (!m_rule->base().isUsed()) return 0;
+	double apart = m_tolerance - m_rule->baseCover();
+	for (const Contact& contact : m_result.contacts)
+	{
+		const Node &a = m_context.a.node(contact.nodeA), &b = m_context.b.node(contact.nodeB);
+		apart = std::min(apart, contact.lower - double(a.cover) - double(b.cover));
+	}
+	return apart;
+}
+
 double ContactSearch::depthInside()
 {
 	if (rootIsApart()) return 0;
@@ -315,7 +329,8 @@ double ContactSearch::depthInside()
 	m_state.probesB.prepare(m_context.b);
 	const RelativePose& pose = m_context.pose;
 	const Transform aFromB{pose.rotation, pose.translation};
-	const double ofA = m_state.probesA.depthInside(m_context.b, inverse(aFromB), m_result.stats);
-	return std::max(ofA, m_state.probesB.depthInside(m_context.a, aFromB, m_result.stats));
+	const double apart = leastApart();
+	const double ofA = m_state.probesA.depthInside(m_context.b, inverse(aFromB), apart, m_result.stats);
+	return std::max(ofA, m_state.probesB.depthInside(m_context.a, aFromB, apart, m_result.stats));
 }
 }  // namespace clod

@@ -65,6 +65,7 @@ private:
 	std::optional<double> answerFrom(Walk& walk, const TraversalSettings& settings, double tolerance);
 	void sort();
 	bool rootIsApart() const;
+	double leastApart() const;
 	ContactSink::Covers coversOfMixedLevels() const;
 
 	const ContactSettings& m_settings;
@@ -74,6 +75,7 @@ private:
 	WorkLimit m_limit;
 	const QueryContext m_context;
 	std::optional<StopRule> m_rule;
+	double m_tolerance = 0;  // of the last run
 	double m_largestCover = 0;
 	const PairFront* m_answered;  // the front that gave the answers
 	bool m_isStillApart = false, m_isOfInput = true;

@@ -24,6 +24,8 @@ public:
 				QueryStats& stats)
 		: m_context(context),
 		  m_tolerance(tolerance),
+		  m_farForAll(tolerance + kEvaluationRoom * (context.size + tolerance + context.longestMove) +
+					  4 * context.pose.rounding),
 		  m_covers(covers),
 		  m_contacts(contacts),
 		  m_stats(stats),
@@ -49,8 +51,7 @@ public:
 	// The same of any pair, by a bound that is less than its own.
 	bool skipsAll(double lower) const
 	{
-		return forgetsOthers() && lower > m_tolerance + kEvaluationRoom * (m_context.size + m_tolerance + m_context.longestMove) +
-											   4 * m_context.pose.rounding;
+		return forgetsOthers() && lower > m_farForAll;
 	}
 
 	// Its culling volumes are so far apart: where that is beyond the tolerance, as of a front that is made for more, its
@@ -79,6 +80,7 @@ private:
 
 	const QueryContext& m_context;
 	const double m_tolerance;
+	const double m_farForAll;  // beyond the tolerance by the room of any pair
 	const Covers m_covers;
 	std::vector<Contact>& m_contacts;
 	QueryStats& m_stats;

@@ -52,7 +52,7 @@ private:
 	bool giveAnswers()
 	{
 		if (m_front.slack.answers.empty()) listAnswers();
-		m_nearer = m_change + m_partMotion.farthest(Vec3{}, 2 * m_context.radiusB);
+		m_nearer = m_change + m_partMotion.of(Vec3{}, 2 * m_context.radiusB).farthest();
 		for (const std::uint32_t i : m_front.slack.answers)
 		{
 			const FrontEntry& entry = m_front.entries[i];
@@ -71,12 +71,13 @@ private:
 		}
 		return true;
 	}
-	// By a bound remembered, less what anything of B can have come nearer.
+	// By a bound remembered, less what anything of B can have come nearer, or its node.
 	bool isFar(const FrontEntry& entry) const
 	{
 		if (entry.hull == kNone || entry.whileApart) return false;
 		const CachedSeparation& known = m_front.hulls[entry.hull];
-		return known.isApart() && m_sink.skipsAll((1 - 2 * kBoundRounding) * (double(known.lower) - m_nearer));
+		return known.isApart() && (m_sink.skipsAll((1 - 2 * kBoundRounding) * (double(known.lower) - m_nearer)) ||
+								   m_sink.skipsAll(double(lowerNow(known, entry.b))));
 	}
 	// On an entry and its children: boxes, and hulls that cull.
 	std::uint64_t mostTestsOfDecisions(const FrontEntry& entry) const

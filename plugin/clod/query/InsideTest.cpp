@@ -81,8 +81,28 @@ void InsideProbes::test(Probe& probe, const Hierarchy& other, const Vec3& place,
 	probe.face = found.face;
 }
 
-double InsideProbes::depthInside(const Hierarchy& other, const Transform& intoOther, QueryStats& stats)
+// The sign holds until the point has moved by the distance: from where it was tested, or where the surfaces were found apart.
+bool InsideProbes::holds(Probe& probe, const Vec3& place, double apart)
 {
+	const double left = kKeptOfSign * probe.distance - length(place - probe.place);
+	if (!(left > 0)) return false;
+	if (apart > left)
+	{
+		probe.place = place;
+		probe.distance = apart;
+	}
+	return true;
+}
+
+double InsideProbes::depthInside(const Hierarchy& other, const Transform& intoOther, double apart, QueryStats& stats)
+{
+	const bool areOutside = std::all_of(m_probes.begin(), m_probes.end(), [&](Probe& probe)
+										{ return holds(probe, intoOther * probe.point, apart); });
+	if (areOutside)
+	{
+		stats.skippedBySlack += std::uint32_t(m_probes.size());
+		return 0;
+	}
 	const OrientedBox& around = other.cullBox(other.root());
 	// A single body with a point outside everything the other one occupies is not inside it.
 	for (const Vec3& extreme : m_extremes)
@@ -91,14 +111,8 @@ double InsideProbes::depthInside(const Hierarchy& other, const Transform& intoOt
 	for (Probe& probe : m_probes)
 	{
 		const Vec3 place = intoOther * probe.point;
-		if (boxDistance(around, place) > 0) continue;
-		// The sign holds until the point has moved by the distance; how deep inside is measured anew.
-		if (probe.distance > 0 && length(place - probe.place) < kKeptOfSign * probe.distance)
-		{
-			++stats.skippedBySlack;
-			continue;
-		}
-		test(probe, other, place, stats);
+		if (boxDistance(around, place) > 0 || holds(probe, place, apart)) continue;
+		test(probe, other, place, stats);  // how deep inside is measured anew
 		depth = std::max(depth, -probe.distance);
 	}
 	return depth;

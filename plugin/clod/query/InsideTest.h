@@ -17,8 +17,8 @@ public:
 	void clear() { m_probes.clear(); }
 
 	// The deepest of the probes inside `other`, as a depth > 0; 0 when all of them are outside. intoOther maps the own
-	// body frame into that of `other`.
-	double depthInside(const Hierarchy& other, const Transform& intoOther, QueryStats& stats);
+	// body frame into that of `other`. apart: the two surfaces are at least so far from each other, if known.
+	double depthInside(const Hierarchy& other, const Transform& intoOther, double apart, QueryStats& stats);
 
 	// No probe comes to lie inside before it has moved so far, looked at up to `wanted`; 0 where one is already.
 	double distanceOutside(const Hierarchy& other, const Transform& intoOther, double wanted, QueryStats& stats);
@@ -27,11 +27,13 @@ private:
 	struct Probe
 	{
 		Vec3 point;  // a vertex of one component
-		// Of the last test: where it was in the other body, how far from its surface, and the nearest face of that.
+		// Where it was in the other body, and how far outside its surface at least; of the last test the nearest face of that,
+		// and how far exactly, inside as well.
 		Vec3 place = {};
 		double distance = 0;
 		std::uint32_t face = kNone;
 	};
+	static bool holds(Probe& probe, const Vec3& place, double apart);
 	static void test(Probe& probe, const Hierarchy& other, const Vec3& place, QueryStats& stats);
 	std::vector<Probe> m_probes;   // one a component
 	std::vector<Vec3> m_extremes;  // of the coarsest level that may answer, single components only

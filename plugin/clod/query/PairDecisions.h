@@ -142,22 +142,22 @@ protected:
 	{
 		if (old.hull == kNone) return {};
 		CachedSeparation cached = hulls[old.hull];
-		if (!cached.isApart()) return cached;
-		const OrientedBox& box = m_context.b.cullBox(old.b);
-		const Vec3 axis = toVec3(cached.onA), center = centerOf(box);
-		const double radius = double(box.radius);
-		const double nearer = m_change + (axis == Vec3{} ? m_partMotion.farthest(center, radius)
-														 : m_partMotion.along(axis, center, radius));
-		cached.lower = lowerAfter(cached.lower, float(nearer + kBoundRounding * std::abs(nearer)));
+		if (cached.isApart()) cached.lower = lowerNow(cached, old.b);
 		return cached;
+	}
+	// What is left, at this pose, of a bound remembered of a pair with node b.
+	float lowerNow(const CachedSeparation& known, std::uint32_t b) const
+	{
+		const Vec3 axis = toVec3(known.onA);
+		const PartMotion::Way& way = wayOf(b);
+		const double nearer = m_change + (axis == Vec3{} ? way.farthest() : way.along(axis));
+		return lowerAfter(known.lower, float(nearer + kBoundRounding * std::abs(nearer)));
 	}
 	// As of the last traversal, what was found now: along its axis, which is known.
 	CachedSeparation carriedBack(CachedSeparation cached, std::uint32_t b) const
 	{
 		if (!cached.isApart()) return cached;
-		const OrientedBox& box = m_context.b.cullBox(b);
-		const double nearer =
-			m_change + m_partMotion.leastAlong(toVec3(cached.onA), centerOf(box), double(box.radius));
+		const double nearer = m_change + wayOf(b).leastAlong(toVec3(cached.onA));
 		cached.lower = lowerAfter(cached.lower, float(-nearer + kBoundRounding * std::abs(nearer)));
 		return cached;
 	}
@@ -237,6 +237,14 @@ protected:
 		slackOfEntry = std::min(slackOfEntry, lowerAfter(float(slack - kSlackRounding * m_settings.tolerance), -moved));
 	}
 
+	const PartMotion::Way& wayOf(std::uint32_t b) const
+	{
+		if (m_nodeOfWay == b) return m_way;
+		const OrientedBox& box = m_context.b.cullBox(b);
+		m_nodeOfWay = b;
+		return m_way = m_partMotion.of(centerOf(box), double(box.radius));
+	}
+
 	const QueryContext& m_context;
 	const TraversalSettings& m_settings;
 	PairFront& m_front;
@@ -246,6 +254,8 @@ protected:
 	const double m_room;  // for the rounding of two measurements
 	const float m_moved;  // since the cached bounds
 	PartMotion m_partMotion;
+	mutable PartMotion::Way m_way;               // of node
+	mutable std::uint32_t m_nodeOfWay = kNone;  // of B: many a pair has the same as the pair before
 	const double m_change;  // of the sweep, since then
 	QueryStats* m_stats;
 	HullCull m_hulls;
