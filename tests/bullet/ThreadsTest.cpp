@@ -184,13 +184,13 @@ TEST(Threads, GiveTheSamePassesAndKeptPoints)
 		}
 		return counts;
 	};
-	const Counts boxes = run(1, 300);
+	const Counts boxes = run(1, 400);
 	EXPECT_GT(boxes.askedAgain, 100);
 	EXPECT_GT(boxes.parts, 10);
 	EXPECT_GT(boxes.kept, 10);
 	const Counts digits = run(1, 80, test::body("number8", 600).hierarchy);
 	EXPECT_GT(digits.askedAgain, 10);
-	for (const unsigned threads : {2U, 3U}) EXPECT_TRUE(run(threads, 300) == boxes) << threads;
+	for (const unsigned threads : {2U, 3U}) EXPECT_TRUE(run(threads, 400) == boxes) << threads;
 	EXPECT_TRUE(run(3, 80, test::body("number8", 600).hierarchy) == digits);
 }
 
