@@ -16,6 +16,8 @@ constexpr double kFar = 1.5;           // times the deepest place's own way: by 
 constexpr double kLeastShare = 1e-3;  // of a side, the shortest that is looked for inside
 constexpr double kNotConvex = 0.03;  // of a body's volume, that its hull has more
 constexpr std::size_t kMostHullCorners = 64;
+constexpr double kDifferencesError = 1e-4;  // of the length, of the hull of differences,
+constexpr std::size_t kMostDifferences = 128;  // which has so many corners at most
 constexpr std::size_t kMostProbed = 64;
 constexpr std::size_t kMostWays = 64;
 constexpr std::size_t kMostVertices = 256;
@@ -45,6 +47,30 @@ double hullDepth(const ContactSurface& a, const ContactSurface& b, const Transfo
 	const Vec3 there = transposed(aFromB.rotation) * direction;
 	for (const Vec3& v : b.vertices()) highest = std::max(highest, dot(v, there));
 	return highest + dot(aFromB.translation, direction) - lowest;
+}
+
+// The way out of two convex bodies: to the nearest face of the hull of their differences a - b.
+Vec3 shortestWayOut(const FacetQuestion& q, const ContactSurface& a, const ContactSurface& b)
+{
+	const auto farthest = [](const ContactSurface& surface, const Vec3& direction)
+	{
+		const std::vector<Vec3>& v = surface.vertices();
+		return *std::max_element(v.begin(), v.end(), [&](const Vec3& l, const Vec3& r) { return dot(l, direction) < dot(r, direction); });
+	};
+	const auto support = [&](const Vec3& direction)
+	{ return farthest(a, direction) - q.aFromB * farthest(b, -(transposed(q.aFromB.rotation) * direction)); };
+	const ConvexPolyhedron differences = convexPolyhedron(support, kDifferencesError * q.length(), kMostDifferences);
+	Vec3 best;
+	double least = std::numeric_limits<double>::infinity();
+	for (const auto& t : differences.triangles)
+	{
+		const Vec3& corner = differences.vertices[t[0]];
+		const Vec3 normal = normalized(cross(differences.vertices[t[1]] - corner, differences.vertices[t[2]] - corner));
+		if (normal == Vec3{} || dot(normal, corner) >= least) continue;
+		least = dot(normal, corner);
+		best = -normal;
+	}
+	return best;
 }
 }  // namespace
 
@@ -168,9 +194,12 @@ bool DeepOverlap::leadsOut(const FacetQuestion& q, const ContactSurface& a, cons
 }
 
 Vec3 DeepOverlap::wayOut(const FacetQuestion& q, const std::vector<Contact>& contacts, const Vec3& kept,
-						 bool isCrossing) const
+						 bool isCrossing, bool areHulls) const
 {
 	if (kept != Vec3{}) return kept;
+	const ContactSurface& a = q.a.surface(q.a.levelOf(contacts[0].nodeA));
+	const ContactSurface& b = q.b.surface(q.b.levelOf(contacts[0].nodeB));
+	if (areHulls) return shortestWayOut(q, a, b);
 	Vec3 sum;
 	double deepest = 0;
 	for (const Inside& inside : m_inside)
@@ -180,8 +209,6 @@ Vec3 DeepOverlap::wayOut(const FacetQuestion& q, const std::vector<Contact>& con
 	}
 	Vec3 best = isCrossing ? Vec3{} : normalized(sum);
 	// Hulls know nothing of bodies that reach into each other: they are asked only where this leads nowhere.
-	const ContactSurface& a = q.a.surface(q.a.levelOf(contacts[0].nodeA));
-	const ContactSurface& b = q.b.surface(q.b.levelOf(contacts[0].nodeB));
 	if (best != Vec3{} && leadsOut(q, a, b, kFar * deepest * best)) return best;
 	double least = std::numeric_limits<double>::infinity();
 	std::size_t tried = 0;
@@ -224,7 +251,7 @@ Vec3 DeepOverlap::find(const FacetQuestion& q, const std::vector<Contact>& conta
 	if (m_inside.empty()) return {};
 	const bool areHulls = !isWhole && areConvex(q);
 	const auto isShallower = [](const Inside& l, const Inside& r) { return lengthSquared(l.way) < lengthSquared(r.way); };
-	const Vec3 way = !isWhole         ? wayOut(q, contacts, kept, isCrossing || areHulls)
+	const Vec3 way = !isWhole         ? wayOut(q, contacts, kept, isCrossing, areHulls)
 					 : kept != Vec3{} ? kept
 									  : normalized(std::min_element(m_inside.begin(), m_inside.end(), isShallower)->way);
 	if (way == Vec3{}) return {};

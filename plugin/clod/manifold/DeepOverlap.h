@@ -31,7 +31,8 @@ private:
 	void probe(const FacetQuestion& question, const Contact& contact, bool ofA, bool atCrossings);
 	void probeWhole(const FacetQuestion& question, bool ofA);
 	bool leadsOut(const FacetQuestion& question, const ContactSurface& a, const ContactSurface& b, const Vec3& shift) const;
-	Vec3 wayOut(const FacetQuestion& question, const std::vector<Contact>& contacts, const Vec3& kept, bool isCrossing) const;
+	Vec3 wayOut(const FacetQuestion& question, const std::vector<Contact>& contacts, const Vec3& kept, bool isCrossing,
+				bool areHulls) const;
 	std::vector<Inside> m_inside;
 };
 }  // namespace clod
