@@ -36,12 +36,15 @@ SHAPES = {"exact": ("CLOD, exact", ["--exact"]), "default": ("CLOD, the default"
               "bvh-vhacd": "V-HACD; a static tree for what stands still", "hull": "one convex hull"}.items()}}
 FAMILIES = {"clod-dispatch": "CLOD", "gimpact": "GImpact", "vhacd": "V-HACD", "coacd": "CoACD"}
 
+NOT_NUMBERS = "a pose or velocity is not finite"  # as a run says that ends so; all else that fails is no result
+
 
 def bench(*words, codes=(0,)):
     start = time.monotonic()
-    done = subprocess.run([BENCH, *map(str, words), "--quiet"], stdout=subprocess.DEVNULL)
+    done = subprocess.run([BENCH, *map(str, words), "--quiet"], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    print(done.stderr, end="", file=sys.stderr)
     print(f"{time.monotonic() - start:.0f} s: clod-bench", *words, file=sys.stderr, flush=True)
-    if done.returncode not in codes:
+    if done.returncode not in codes or (done.returncode == 1 and NOT_NUMBERS not in done.stderr):
         sys.exit(f"clod-bench ends with {done.returncode}")
     return done.returncode
 
