@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Zlib
-// A depth that no facet answers: bodies overlap so far that what is inside has lost sight of the surface. One direction
-// for the pair, kept from the step before, else the mean way out of what is inside, else the shortest way out of the
-// hulls; and a contact for each place inside whose own way out does not oppose it. A body that is wholly inside, far from
-// any surface, is looked at as a whole.
+// A depth that no facet answers: bodies overlap so far that what is inside has lost sight of the surface, or reach through
+// each other with no corner inside, or, convex, are held by facets on either side of what they got through. One direction for
+// the pair, kept from the step before; else, of convex bodies, the shortest way out (the nearest face of the hull of their
+// differences a - b: some 300 supports), else the mean way out of what is inside, else the shortest out of the hulls along
+// faces' normals. And a contact for each place inside whose own way out does not oppose it. A body that is wholly inside, far
+// from any surface, is looked at as a whole.
 #pragma once
 #include <vector>
 
