@@ -57,7 +57,7 @@ btClodCollisionAlgorithm::btClodCollisionAlgorithm(const btCollisionAlgorithmCon
 												   const btCollisionObjectWrapper* body0,
 												   const btCollisionObjectWrapper* body1, clod::Context& context,
 												   bool isClosestPoints)
-	: btActivatingCollisionAlgorithm(info, body0, body1),
+	: btClodPairAlgorithm(info, body0, body1),
 	  m_state(std::make_unique<clod::PairState>(context, *info.m_dispatcher1, info.m_manifold, isClosestPoints))
 {
 }
@@ -72,8 +72,8 @@ void btClodCollisionAlgorithm::processCollision(const btCollisionObjectWrapper* 
 	m_state->process(*body0, *body1, info, *out);
 }
 
-btScalar btClodCollisionAlgorithm::calculateTimeOfImpact(btCollisionObject* body0, btCollisionObject* body1,
-														 const btDispatcherInfo& info, btManifoldResult*)
+btScalar btClodPairAlgorithm::calculateTimeOfImpact(btCollisionObject* body0, btCollisionObject* body1,
+													const btDispatcherInfo& info, btManifoldResult*)
 {
 	const btCollisionObjectWrapper first(nullptr, body0->getCollisionShape(), body0, body0->getWorldTransform(), -1, -1);
 	const btCollisionObjectWrapper second(nullptr, body1->getCollisionShape(), body1, body1->getWorldTransform(), -1, -1);

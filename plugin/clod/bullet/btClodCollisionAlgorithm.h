@@ -18,7 +18,20 @@ namespace clod
 class PairState;
 }  // namespace clod
 
-class CLOD_API btClodCollisionAlgorithm : public btActivatingCollisionAlgorithm
+// What Bullet asks of a pair of bodies, and a compound of its children: the same of either.
+class CLOD_API btClodPairAlgorithm : public btActivatingCollisionAlgorithm
+{
+public:
+	using btActivatingCollisionAlgorithm::btActivatingCollisionAlgorithm;
+	// Of the two bodies' way to their interpolation transforms (TimeOfImpact.h). Contacts do not need it: they look ahead
+	// over a step by themselves.
+	btScalar calculateTimeOfImpact(btCollisionObject* body0, btCollisionObject* body1, const btDispatcherInfo& info,
+								   btManifoldResult* out) override;
+	virtual btScalar timeOfImpact(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+								  const btDispatcherInfo& info) = 0;
+};
+
+class CLOD_API btClodCollisionAlgorithm : public btClodPairAlgorithm
 {
 public:
 	// Registers shape type `shapeType` against itself, static planes and Bullet's convex and concave shapes, in both
@@ -34,12 +47,8 @@ public:
 
 	void processCollision(const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1,
 						  const btDispatcherInfo& info, btManifoldResult* out) override;
-	// Of the two bodies' way to their interpolation transforms (TimeOfImpact.h). Contacts do not need it: they look ahead
-	// over a step by themselves.
-	btScalar calculateTimeOfImpact(btCollisionObject* body0, btCollisionObject* body1, const btDispatcherInfo& info,
-								   btManifoldResult* out) override;
 	btScalar timeOfImpact(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-						  const btDispatcherInfo& info);
+						  const btDispatcherInfo& info) override;
 	// See PairState.h.
 	void outline(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 				 const btDispatcherInfo& info);

@@ -18,7 +18,6 @@
 #include <new>
 #include <vector>
 
-#include "clod/bullet/btClodCollisionAlgorithm.h"
 
 namespace
 {
@@ -300,7 +299,7 @@ std::unique_ptr<btCollisionAlgorithmCreateFunc> btClodCompoundAlgorithm::createF
 
 btClodCompoundAlgorithm::btClodCompoundAlgorithm(const btCollisionAlgorithmConstructionInfo& info, const Wrapper* body0,
 												 const Wrapper* body1)
-	: btActivatingCollisionAlgorithm(info, body0, body1),
+	: btClodPairAlgorithm(info, body0, body1),
 	  m_children(new Children{*info.m_dispatcher1, info.m_manifold, {}, {}, {}, {}})
 {
 }
@@ -325,24 +324,14 @@ void btClodCompoundAlgorithm::processCollision(const Wrapper* body0, const Wrapp
 							});
 }
 
-btScalar btClodCompoundAlgorithm::calculateTimeOfImpact(btCollisionObject* body0, btCollisionObject* body1,
-														const btDispatcherInfo& info, btManifoldResult*)
-{
-	const Wrapper first(nullptr, body0->getCollisionShape(), body0, body0->getWorldTransform(), -1, -1);
-	const Wrapper second(nullptr, body1->getCollisionShape(), body1, body1->getWorldTransform(), -1, -1);
-	return timeOfImpact(first, second, info);
-}
-
 btScalar btClodCompoundAlgorithm::timeOfImpact(const Wrapper& body0, const Wrapper& body1, const btDispatcherInfo& info)
 {
 	btScalar first = 1;
 	forEachChild(body0, body1, info,
 				 [&](btCollisionAlgorithm& algorithm, const Wrapper& child0, const Wrapper& child1)
 				 {
-					 if (auto* ours = dynamic_cast<btClodCollisionAlgorithm*>(&algorithm))
+					 if (auto* ours = dynamic_cast<btClodPairAlgorithm*>(&algorithm))
 						 first = btMin(first, ours->timeOfImpact(child0, child1, info));
-					 else if (auto* nested = dynamic_cast<btClodCompoundAlgorithm*>(&algorithm))
-						 first = btMin(first, nested->timeOfImpact(child0, child1, info));
 				 });
 	return first;
 }

@@ -3,17 +3,13 @@
 // whose boxes meet where they are now: what crosses a wall within the step is never asked. This one takes their boxes over
 // the step's way, as Bullet's broadphase does for bodies.
 #pragma once
-#include <BulletCollision/CollisionDispatch/btActivatingCollisionAlgorithm.h>
-
 #include <functional>
 #include <memory>
 
 #include "clod/Export.h"
+#include "clod/bullet/btClodCollisionAlgorithm.h"
 
-class btCollisionDispatcher;
-struct btCollisionAlgorithmCreateFunc;
-
-class CLOD_API btClodCompoundAlgorithm : public btActivatingCollisionAlgorithm
+class CLOD_API btClodCompoundAlgorithm : public btClodPairAlgorithm
 {
 public:
 	// Pairs of other compounds go where the dispatcher's configuration sends them.
@@ -25,11 +21,9 @@ public:
 
 	void processCollision(const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1,
 						  const btDispatcherInfo& info, btManifoldResult* out) override;
-	// Of the first child, see btClodCollisionAlgorithm.
-	btScalar calculateTimeOfImpact(btCollisionObject* body0, btCollisionObject* body1, const btDispatcherInfo& info,
-								   btManifoldResult* out) override;
+	// Of the first child.
 	btScalar timeOfImpact(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-						  const btDispatcherInfo& info);
+						  const btDispatcherInfo& info) override;
 	// visit(algorithm, body0, body1): of all children that the next dispatch will ask, as bodies of their own.
 	using Visit = std::function<void(btCollisionAlgorithm&, const btCollisionObjectWrapper&, const btCollisionObjectWrapper&)>;
 	void forEachChild(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, const btDispatcherInfo& info,

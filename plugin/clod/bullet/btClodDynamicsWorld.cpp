@@ -11,7 +11,6 @@
 
 #include "clod/bullet/PairState.h"
 #include "clod/bullet/btClodCollisionAlgorithm.h"
-#include "clod/bullet/btClodCompoundAlgorithm.h"
 #include "clod/bullet/btClodDispatcher.h"
 
 namespace
@@ -174,8 +173,8 @@ btClodDynamicsWorld::Impact btClodDynamicsWorld::firstImpact(btScalar timeStep)
 	btBroadphasePairArray& pairs = getPairCache()->getOverlappingPairArray();
 	for (int i = 0; i < pairs.size(); ++i)
 	{
-		btCollisionAlgorithm* algorithm = pairs[i].m_algorithm;
-		if (!dynamic_cast<btClodCollisionAlgorithm*>(algorithm) && !dynamic_cast<btClodCompoundAlgorithm*>(algorithm)) continue;
+		auto* algorithm = dynamic_cast<btClodPairAlgorithm*>(pairs[i].m_algorithm);
+		if (!algorithm) continue;
 		auto* a = static_cast<btCollisionObject*>(pairs[i].m_pProxy0->m_clientObject);
 		auto* b = static_cast<btCollisionObject*>(pairs[i].m_pProxy1->m_clientObject);
 		if (!(isMoving(*a) || isMoving(*b)) || !getDispatcher()->needsResponse(a, b)) continue;
