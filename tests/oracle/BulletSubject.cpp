@@ -47,6 +47,13 @@ double smallerRadius(const TriangleMesh& a, const TriangleMesh& b)
 	return std::min(radiusOf(a), radiusOf(b));
 }
 
+std::vector<TriangleMesh> surfacesInUse(const Hierarchy& hierarchy, const ContactMetric& metric)
+{
+	std::vector<TriangleMesh> surfaces = levelSurfaces(hierarchy);
+	if (metric.exact) surfaces.resize(1);
+	return surfaces;
+}
+
 class ClodSubject : public BulletSubject
 {
 public:
@@ -57,7 +64,7 @@ public:
 
 private:
 	ClodSubject(const HierarchyPointer& a, const HierarchyPointer& b, const ContactMetric& metric, double skin)
-		: BulletSubject(levelSurfaces(*a), levelSurfaces(*b), skin, skin)
+		: BulletSubject(surfacesInUse(*a, metric), surfacesInUse(*b, metric), skin, skin)
 	{
 		m_context.worldMetric = metric;
 		m_context.warn = nullptr;

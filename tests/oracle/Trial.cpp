@@ -9,6 +9,12 @@ namespace clod::oracle
 namespace
 {
 constexpr int kLevelRounds = 3;  // a pose is made for the surfaces that were in use in the round before
+
+// The last of a body's surfaces is its coarsest.
+std::uint32_t coarser(std::uint32_t surface, const std::vector<TriangleMesh>& surfaces)
+{
+	return std::min<std::uint32_t>(surface + 1, std::uint32_t(surfaces.size()) - 1);
+}
 }
 
 void FamilyResult::add(const Trial& trial, const JudgeRules& rules, std::size_t index)
@@ -61,7 +67,20 @@ std::optional<Trial> FamilyTrials::run(std::size_t index)
 		if (!made) return {};
 		trial.which = *made;
 		trial.answer = subject.answer(made->aFromB, made->motion);
-		if (!trial.answer.knowsSurfaces) break;
+		if (!trial.answer.knowsSurfaces)
+		{
+			// Those in use are coarser, and apart where these touch: they are brought together instead.
+			const std::uint32_t nextA = coarser(surfaceA, subject.surfacesA()), nextB = coarser(surfaceB, subject.surfacesB());
+			if (nextA == surfaceA && nextB == surfaceB)
+			{
+				if (surfaceA == 0 && surfaceB == 0) break;
+				return {};
+			}
+			surfaceA = nextA;
+			surfaceB = nextB;
+			--round;
+			continue;
+		}
 		if (trial.answer.surfaceA == surfaceA && trial.answer.surfaceB == surfaceB) break;
 		surfaceA = trial.answer.surfaceA;
 		surfaceB = trial.answer.surfaceB;
