@@ -203,7 +203,7 @@ TEST(DynamicsWorld, ForcesActOnceAStep)
 	std::vector<btRigidBody*> row;
 	for (int i = 0; i < 7; ++i) row.push_back(&world.put(unitCube(), 1, {i == 0 ? -1.5 : 1.001 * i, 0, 0}));
 	row[0]->setLinearVelocity(btVector3(60, 0, 0));
-	row[0]->setAngularVelocity(btVector3(1, 20, 3));
+	row[0]->setAngularVelocity(btVector3(20, 20, 30));
 	ImpactWorld quiet(true, 60, 9.81);
 	btRigidBody& same = quiet.put(unitCube(), 1, {0, 0, 50});
 	same.setDamping(btScalar(0.1), 0);

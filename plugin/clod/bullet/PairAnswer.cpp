@@ -213,8 +213,8 @@ void PairState::findPoints(const PairPose& pose, Question& question, bool goesOn
 	facets.settle(contacts, m_result.deep, previous, m_facets, goesOn);
 	m_report.candidates = std::uint32_t(facets.size());
 	m_foreseen.motion = facets.expectedMotion();
-	m_foreseen.spare = facets.spare();
 	facets.reduce(previous, next);
+	m_foreseen.spare = facets.spare();
 	for (std::size_t slot = 0; pose.partner != Partner::kClod && slot < next.slots.size(); ++slot)
 		for (std::size_t i = 0; i < std::size_t(next.slots[slot].count); ++i)
 			if (!facets.isHeld(slot, i)) namePartnerFace(pose, next.slots[slot].points[i].point);

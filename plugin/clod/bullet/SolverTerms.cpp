@@ -80,9 +80,9 @@ void setSolverTerms(const ContactPoint& point, const WorldFrame& frame, btManifo
 		written.m_distance1 = btScalar(-kTokenOverlap);
 		setErp(-row / kTokenOverlap, written);
 	}
-	if (point.isOfMiddle)
-		written.m_combinedRestitution = 0;
-	else
+	if (point.rebounds)
 		setRestitution(frame, row, written);
+	else
+		written.m_combinedRestitution = 0;
 }
 }  // namespace clod

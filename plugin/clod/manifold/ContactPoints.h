@@ -26,7 +26,7 @@ struct ContactPoint
 	double slowOverlap = 0;  // of a penetration, what came with a change of level: it is left at switchSpeed()
 	double idle = 0;         // seconds since a point whose level is no longer asked for carried last
 	std::uint64_t feature = 0;  // the two features that make it, hashed
-	bool isOfMiddle = false;  // no surface is met there: it rebounds from nothing
+	bool rebounds = true;  // false: no surface is met there as far as the pair knows
 	std::uint32_t nodeA = 0, nodeB = 0;
 	std::uint32_t faceA = kNone, faceB = kNone;  // global face indices; kNone where there is none (a plane)
 };

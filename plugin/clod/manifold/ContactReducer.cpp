@@ -120,7 +120,7 @@ void ContactReducer::choose()
 			  });
 	// Friction, which nobody has solved for yet, may turn the bodies so that no other row holds them.
 	for (std::uint32_t i = 0; i < m_candidates.size(); ++i)
-		if ((*m_points)[i].isOfMiddle) take(i);
+		if ((*m_facets)[i].isOfMiddle()) take(i);
 	// What is deepest tells how deep the bodies are, whoever carries.
 	std::uint32_t deepest = kNone;
 	for (std::uint32_t i = 0; i < m_candidates.size(); ++i)
@@ -131,7 +131,13 @@ void ContactReducer::choose()
 	};
 	for (const std::uint32_t i : m_order) takeApart(i, deepest == kNone ? kMostPoints : kMostPoints - 1);
 	if (deepest != kNone) takeApart(deepest, kMostPoints);
-	// Lowest first where nothing is chosen yet.
+	spread(false);
+	spread(true);
+}
+
+// Lowest first where nothing is chosen yet; those that only third bodies may lead to once all others are there.
+void ContactReducer::spread(bool withPossible)
+{
 	const auto lowest = [&](std::uint32_t i) { return std::min((*m_facets)[i].distance, (*m_facets)[i].then); };
 	while (m_chosen.size() < kMostPoints)
 	{
@@ -139,9 +145,9 @@ void ContactReducer::choose()
 		for (std::uint32_t i = 0; i < m_candidates.size(); ++i)
 		{
 			if (!m_isNeeded[i] || m_candidates[i].isChosen || m_candidates[i].apart < kSpacing) continue;
+			if (!withPossible && (*m_facets)[i].reach == Facet::Reach::kPossible) continue;
 			if (best == kNone || m_candidates[i].apart > m_candidates[best].apart ||
-				(m_candidates[i].apart == m_candidates[best].apart &&
-				 lowest(i) < lowest(best)))
+				(m_candidates[i].apart == m_candidates[best].apart && lowest(i) < lowest(best)))
 				best = i;
 		}
 		if (best == kNone) return;

@@ -21,6 +21,7 @@ public:
 	// How many points the last reduction made, and of which facet each.
 	std::size_t count() const { return m_chosen.size(); }
 	std::uint32_t facetOf(std::size_t slot, std::size_t index) const { return m_facetOf[slot][index]; }
+	bool isChosen(std::size_t facet) const { return m_candidates[facet].isChosen; }
 
 private:
 	static constexpr std::uint32_t kMostPoints = kMaxClusters * kClusterPoints;
@@ -34,6 +35,7 @@ private:
 	void match(const ClusterSet& previous);
 	void leaveOutWhatOthersSpan();
 	void choose();
+	void spread(bool withPossible);
 	void take(std::uint32_t i);
 	void place(const ClusterSet& previous, ClusterSet& next);
 	double distanceBetween(std::uint32_t i, std::uint32_t j) const;

@@ -44,7 +44,7 @@ struct FacetRecord
 		kNear,
 		kOverlap,
 		kPath,
-		kPossible  // none of these by the motion predicted, but by what contacts may make of it
+		kPossible  // none of these by the motion predicted, but by what contacts, or third bodies, may make of it
 	};
 	Kind kind;
 	Reach reach;

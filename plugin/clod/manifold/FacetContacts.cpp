@@ -142,6 +142,9 @@ void FacetContacts::reduce(const ClusterSet& previous, ClusterSet& next)
 	m_memory->aFromB = m_question.aFromB;
 	for (const Facet& facet : m_facets) m_points.push_back(pointOf(facet));
 	m_reducer.reduce(m_facets, m_points, previous, m_question.rules, next);
+	for (std::size_t i = 0; i < m_facets.size(); ++i)
+		if (m_facets[i].reach == Facet::Reach::kPossible && !m_reducer.isChosen(i))
+			m_spare = std::min(m_spare, m_facets[i].then - m_question.rules.margin);
 	const Transform bFromA = inverse(m_question.aFromB);
 	shrinkRoom(m_memory->reduced, m_reducer.count());
 	m_memory->reduced.reserve(m_reducer.count());
@@ -214,7 +217,7 @@ ContactPoint FacetContacts::pointOf(const Facet& facet) const
 	point.feature = facet.feature;
 	point.nodeA = facet.nodeA;
 	point.nodeB = facet.nodeB;
-	point.isOfMiddle = facet.isOfMiddle();
+	point.rebounds = !facet.isOfMiddle() && facet.reach != Facet::Reach::kPossible;
 	return point;
 }
 }  // namespace clod

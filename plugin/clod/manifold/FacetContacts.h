@@ -45,12 +45,12 @@ public:
 				bool goesOn = false);
 	// Of A's material relative to B's, frame A: the coming step's, as these contacts alone would have it.
 	const RelativeMotion& expectedMotion() const { return m_expected; }
-	// By how much another motion may differ from it, at the bodies' farthest points, before it meets facets that are none of
-	// these.
-	double spare() const { return m_spare; }
 	std::size_t size() const { return m_facets.size(); }
 	// Of those found last, the ones a solver gets. previous: with placeWithB (carryWithB), and impulses.
 	void reduce(const ClusterSet& previous, ClusterSet& next);
+	// By how much another motion may differ from the expected one, at the bodies' farthest points, before it meets facets that
+	// are none of the reduced.
+	double spare() const { return m_spare; }
 	// Does a point of the reduced set go on as it was named?
 	bool isHeld(std::size_t slot, std::size_t point) const
 	{

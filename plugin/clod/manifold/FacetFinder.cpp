@@ -13,7 +13,7 @@ constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr std::size_t kLeastTable = 64;
 constexpr int kArcRounds = 6;  // each by the chord's slope
 constexpr double kArcSpeed = 2;  // times the mean speed on an arc: the most on it
-constexpr double kRoamShare = 0.25;  // of the farthest way of the step: so far from a way's middle contacts may lead
+constexpr double kRoamShare = 0.35;  // of the farthest way of the step: so far from a way's middle contacts may lead
 constexpr double kFlatArc = 0.1;  // of the chord: no point of such an arc is farther away than twice that beyond its ends
 
 // Where something goes in the step as far as a facet is concerned: forces count along its normal, but sideways they may

@@ -55,7 +55,8 @@ bool LevelSwitch::isLost(const FacetQuestion& question, const ClusterPoint& old,
 	if (!isAmong(m_asked, facet)) return true;
 	const double unmoved = kUnmovedShare * question.length();
 	if (lengthSquared(old.placeWithB - old.point.pointOnA) > unmoved * unmoved) return false;
-	return std::none_of(found.begin(), found.end(), [&](const Facet& f) { return f.feature == old.point.feature; });
+	return std::none_of(found.begin(), found.end(), [&](const Facet& f)
+						{ return f.feature == old.point.feature && f.reach != Facet::Reach::kPossible; });
 }
 
 void LevelSwitch::apply(const FacetQuestion& question, const std::vector<Contact>& contacts,
@@ -87,7 +88,7 @@ void LevelSwitch::apply(const FacetQuestion& question, const std::vector<Contact
 					   static_cast<FacetRecord&>(facet) = record;
 					   const bool wasHeld = facet.kind == Facet::Kind::kHeld, carried = old.impulse > 0;
 					   if (!wasHeld) before = std::max(before, -old.point.height);
-					   const bool mayGoOn = facet.kind != Facet::Kind::kDeep && !old.point.isOfMiddle &&
+					   const bool mayGoOn = facet.kind != Facet::Kind::kDeep && !record.isOfMiddle() &&
 											(carried || (wasHeld && old.point.idle < kIdle));
 					   const bool goesOn = stays ? wasHeld : mayGoOn && isLost(question, old, facet, {facets.data(), found});
 					   if (!goesOn || !goOn(question, old, facet)) return;

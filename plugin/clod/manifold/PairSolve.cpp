@@ -186,10 +186,10 @@ void PairSolve::sweep(const FacetQuestion& question, const std::vector<Facet>& f
 
 void PairSolve::solve(const FacetQuestion& question, std::vector<Facet>& facets)
 {
-	const auto removePossible = [&]
+	const auto removePossible = [&](const auto& isGivenUp)
 	{
 		facets.erase(std::remove_if(facets.begin(), facets.end(),
-									[](const Facet& f) { return f.reach == Facet::Reach::kPossible; }),
+									[&](const Facet& f) { return f.reach == Facet::Reach::kPossible && isGivenUp(f); }),
 					 facets.end());
 	};
 	const PointRules& rules = question.rules;
@@ -198,7 +198,7 @@ void PairSolve::solve(const FacetQuestion& question, std::vector<Facet>& facets)
 	m_b = rules.b;
 	m_timeStep = rules.timeStep;
 	m_spare = std::numeric_limits<double>::infinity();
-	if (!canMove) removePossible();
+	if (!canMove) removePossible([](const Facet&) { return true; });
 	if (facets.empty() || !canMove) return;
 	m_rows.clear();
 	m_multipliers.assign(facets.size(), 0);
@@ -259,14 +259,16 @@ void PairSolve::solve(const FacetQuestion& question, std::vector<Facet>& facets)
 		}
 		if (change < kSettled * question.length()) break;
 	}
-	for (std::size_t i = 0; i < facets.size(); ++i)
+	for (std::size_t i = 0; i < facets.size(); ++i) facets[i].multiplier = m_multipliers[i];
+	// A third body may push them onto those that they are no farther beside than above. The planes of others would deflect them.
+	const auto isPassed = [&](const Facet& facet)
 	{
-		const Facet& facet = facets[i];
-		facets[i].multiplier = m_multipliers[i];
-		if (facet.reach == Facet::Reach::kPossible)
-			m_spare = std::min(m_spare, facet.then > rules.margin ? facet.then - rules.margin
-																	: besideAt(question, facet, after).way);
-	}
-	removePossible();
+		const Beside beside = besideAt(question, facet, after);
+		const double above = facet.then - rules.margin;
+		if (above > 0 && beside.distance <= above) return false;
+		m_spare = std::min(m_spare, std::max(above, beside.way));
+		return true;
+	};
+	removePossible(isPassed);
 }
 }  // namespace clod

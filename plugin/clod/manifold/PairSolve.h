@@ -20,8 +20,8 @@ inline double velocityRow(double height, double bend)
 class PairSolve
 {
 public:
-	// Sets linear, then and multiplier of the facets; those that are possible only become paths where the solved motion
-	// meets them, or are removed.
+	// Sets linear, then and multiplier of the facets. Those that are possible only become paths where the solved motion meets
+	// them; those that it passes beside, under their planes, are removed, and the others stay for what third bodies may do.
 	void solve(const FacetQuestion& question, std::vector<Facet>& facets);
 	// Of A's material relative to B's, as solved last.
 	RelativeMotion motion() const { return motionBetween(m_a, m_b, m_timeStep); }
