@@ -311,32 +311,6 @@ TEST_P(AtRate, WhatJustMissesIsNotDeflected)
 
 // Plates and rods that hit a wall on a corner turn by a radian within the step, roll off by friction as fast, and slide
 // along it by more than their size: what they are pressed past the wall's middle by, or through it, they go back by.
-// A cube flies along the ground, and another lands on it within the step: its way, as the two alone know it, does not meet
-// the ground. What it does not come to it does not rebound from.
-TEST_P(AtRate, WhatAThirdBodyPushesDownMeetsTheGround)
-{
-	const PatchedMesh cube = boxMesh({1, 1, 1}, {1, 1, 1}, 1);
-	for (const double restitution : {0.0, 1.0})
-	{
-		SceneWorld world(GetParam(), 0);
-		const double gap = 0.05, perStep = 1 / world.timeStep;
-		world.put(boxMesh({40, 1, 40}, {1, 1, 1}, 1), 0, {0, -0.5, 0}).setRestitution(1);
-		btRigidBody& lower = world.put(cube, 1, {0, 0.5 + gap, 0});
-		btRigidBody& upper = world.put(cube, 10, {0, 1.6 + gap, 0});
-		lower.setRestitution(btScalar(restitution));
-		for (btRigidBody* body : {&lower, &upper})
-		{
-			body->setFriction(0);
-			body->setAngularFactor(0);
-			body->setLinearVelocity(btVector3(btScalar(0.4 * perStep), 0, 0));
-		}
-		upper.setLinearVelocity(upper.getLinearVelocity() + btVector3(0, btScalar(-0.3 * perStep), 0));
-		world.step();
-		EXPECT_NEAR(heightOf(lower), 0.5, 0.002) << restitution;
-		EXPECT_NEAR(double(lower.getLinearVelocity().y()), -gap * perStep, 0.05 * gap * perStep) << restitution;
-	}
-}
-
 TEST_P(AtRate, FastPlatesAndRodsStopAtAThinWall)
 {
 	const PatchedMesh shapes[] = {boxMesh({0.3, 0.2, 0.02}, {3, 2, 1}, 1), boxMesh({0.3, 0.03, 0.03}, {3, 1, 1}, 1),

@@ -223,6 +223,32 @@ TEST(FacetContacts, WhatIsMetOnTheWayIsAContactAndWhatIsPassedIsNone)
 	}
 }
 
+// B comes down on two of its corners. The two others are higher than it falls: what a third body makes of the step may
+// bring them down, but nothing rebounds from them, nor are they there where they would not come down on A.
+TEST(FacetContacts, WhatAThirdBodyMayLeadToIsAContactThatDoesNotRebound)
+{
+	const auto higherOf = [](double aside)
+	{
+		const double cosine = 0.99, sine = std::sqrt(1 - cosine * cosine);
+		const Mat3 tilted{{{cosine, -sine, 0}, {sine, cosine, 0}, {0, 0, 1}}};
+		const HierarchyPointer plate = patchHierarchy(boxMesh({4, 1, 4}, {2, 2, 2}, 1));
+		Pair pair(plate, cubeOf(), at({aside, 0.75 + 0.5 * (cosine + sine), 0}, tilted));
+		pair.move({-0.9, -0.28, 0});
+		int lower = 0, higher = 0;
+		for (const ContactPoint& point : pair.points())
+		{
+			const bool isHigh = point.height > 0.35;  // than B's middle is, too
+			if (point.normal.y > -0.999) continue;  // the plate's border
+			EXPECT_EQ(point.rebounds, point.height < 0.3);
+			++(isHigh ? higher : lower);
+		}
+		EXPECT_GT(lower, 0) << aside;
+		return higher;
+	};
+	EXPECT_EQ(higherOf(0.2), 2);
+	EXPECT_EQ(higherOf(2.45), 0);
+}
+
 TEST(FacetContacts, TheSecondOrderOfATurningBodyIsInTheConstraint)
 {
 	// Over its own corner, B turns about z through its middle: the corner leaves its tangent by w^2 r dt^2 / 2.
