@@ -5,7 +5,6 @@
 
 #include "clod/collide/MotionBound.h"
 #include "clod/query/Constants.h"
-#include "clod/query/PairSorter.h"
 #include "clod/query/Traversal.h"
 
 namespace clod
@@ -300,8 +299,7 @@ bool ContactSearch::rootIsApart() const
 
 void ContactSearch::sort()
 {
-	thread_local PairSorter sorter;
-	sorter.sort(m_result.contacts);
+	sortByNodes(m_result.contacts);
 	m_isOfInput = hasInput() && m_largestCover == 0;
 	for (const Contact& contact : m_result.contacts)
 		m_isOfInput = m_isOfInput && m_context.a.node(contact.nodeA).childCount == 0 &&
