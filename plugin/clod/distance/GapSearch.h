@@ -15,9 +15,6 @@ struct GapCache::Search
 	SurfaceSearchScratch surfaces;
 	PenetrationScratch penetration;
 	std::vector<Contact> near;  // the pairs of leaves that an overlap's depth is searched in
-	GapSettings settings;       // of `last`
-	GapResult last;             // of signedGap(), at the pose of the pair's cache,
-	bool hasLast = false;       // if it asked last
 };
 
 // What a walk has found besides the contact list.

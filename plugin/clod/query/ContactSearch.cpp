@@ -41,19 +41,6 @@ std::uint32_t testsOfFreshAnswer(const QueryContext& context)
 }
 }  // namespace
 
-bool isSamePose(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const PairCache::State& state)
-{
-	return state.filled && state.a == &a && state.b == &b && state.hashA == a.contentHash() &&
-		   state.hashB == b.contentHash() && same(state.aFromB, aFromB);
-}
-
-bool answersAgain(const ContactSettings& settings, const ContactResult& last, const PairCache::State& state)
-{
-	ContactSettings before = state.settings;
-	if (last.stats.cutShort == 0) before.budget = settings.budget;
-	return same(before, settings);
-}
-
 void followMotion(const QueryContext& context, PairCache::State& state)
 {
 	const bool sameBodies = state.a == &context.a && state.b == &context.b && state.hashA == context.a.contentHash() &&
@@ -122,14 +109,12 @@ ContactSearch::ContactSearch(const Hierarchy& a, const Hierarchy& b, const Trans
 	  m_answered(&state.front)
 {
 	followMotion(m_context, state);
-	state.aFromB = aFromB;
 	if (!state.separation.holds(m_context, settings, gap))
 	{
 		m_rule.emplace(m_context, settings.metric);
 		return;
 	}
 	m_isStillApart = true;
-	state.settings = settings;
 	state.lastMove = 0;
 	countQuiet(true);
 	result.stats.front = state.front.counts.leaves;
@@ -239,7 +224,6 @@ void ContactSearch::remember(const StopRule& rule)
 	m_state.threshold = rule.constantThreshold();
 	m_state.maxError = rule.maxError();
 	m_state.base = rule.base();
-	m_state.settings = m_settings;
 	m_state.filled = true;
 }
 
