@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "clod/distance/GapSearch.h"
+#include "clod/query/ContactSink.h"
 #include "clod/query/InsideTest.h"
-#include "clod/query/PairSorter.h"
 
 namespace clod::demo
 {
@@ -32,7 +32,7 @@ public:
 			else
 				open(a, b);
 		}
-		PairSorter().sort(m_result.contacts);
+		sortByNodes(m_result.contacts);
 		levelStatistics();
 	}
 

@@ -140,7 +140,7 @@ TEST(Budget, WhatIsCutShortGoesOnInTheNextQuery)
 		const double coarsest = double(testsOf(fresh(pair, pose, with(settings, 0))));
 		const Settings limited = with(settings, std::floor(coarsest + 0.8 * double(testsOf(whole))));
 		if (fresh(pair, pose, limited).stats.cutShort == 0) return;
-		GapCache cache(false);
+		GapCache cache;
 		GapResult result;
 		int queries = 0;
 		do

@@ -175,27 +175,4 @@ TEST(TraversalTables, WideChildrenReachEveryNodeOfTheBaseOnce)
 				}
 			}
 }
-
-// By looking at every node and its primary parent.
-TEST(TraversalTables, FewestWithinCountsTheCoarsestNodesOfMixedLevels)
-{
-	for (const BodyPair& pair : pairs())
-		for (const Hierarchy* h : {pair.a.hierarchy.get(), pair.b.hierarchy.get()})
-		{
-			const TraversalTables& tables = h->derived<TraversalTables>();
-			const auto keeps = [&](const Node& node, double error)
-			{ return (node.flags & kClodNode) != 0 && std::max(node.cover, node.protrude) <= error; };
-			for (const int power : {0, 3, 6, 9, 12})
-			{
-				const double error = std::ldexp(double(h->asset().radius), -power);
-				std::uint32_t expected = keeps(h->node(h->root()), error);
-				for (const Node& node : h->nodes())
-					for (std::uint32_t i = 0; i < node.primaryChildCount; ++i)
-						expected += !keeps(node, error) && keeps(h->node(h->children(node)[i]), error);
-				EXPECT_EQ(tables.fewestWithin(error), expected);
-				EXPECT_EQ(tables.fewestWithin(1.9 * error), expected);
-			}
-			EXPECT_EQ(tables.fewestWithin(0), h->levels()[0].nodeCount);
-		}
-}
 }  // namespace

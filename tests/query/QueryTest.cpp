@@ -100,7 +100,7 @@ TEST(Query, ContactsKnownByTheirNodesAreEvaluatedBitForBit)
 	std::size_t contacts = 0;
 	for (const BodyPair& pair : pairs())
 	{
-		GapCache cache(false);
+		GapCache cache;
 		Transform pose = poseWithGap(random, pair.a, pair.b, uniform(random, -0.01, 0.02));
 		for (int i = 0; i < 200; ++i)
 		{

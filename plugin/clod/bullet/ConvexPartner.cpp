@@ -36,17 +36,22 @@ struct Description
 	double error = 0;
 };
 
+Vec3 centerOf(const btMultiSphereShape& shape, int i)
+{
+	const Vec3 scaling = toVec3(shape.getLocalScaling()), center = toVec3(shape.getSpherePosition(i));
+	return {center.x * scaling.x, center.y * scaling.y, center.z * scaling.z};
+}
+
 // Of what is left of spheres when the least is taken off all: Bullet takes off the margin, be it more than a sphere has.
 Vec3 coreSupport(const btMultiSphereShape& shape, double radius, const Vec3& direction)
 {
-	const Vec3 scaling = toVec3(shape.getLocalScaling()), unit = normalized(direction);
+	const Vec3 unit = normalized(direction);
+	const double scale = double(shape.getLocalScaling().x());
 	Vec3 best;
 	double farthest = -std::numeric_limits<double>::infinity();
 	for (int i = 0; i < shape.getSphereCount(); ++i)
 	{
-		const Vec3 center = toVec3(shape.getSpherePosition(i));
-		const double left = double(shape.getSphereRadius(i)) * scaling.x - radius;
-		const Vec3 point = Vec3{center.x * scaling.x, center.y * scaling.y, center.z * scaling.z} + left * unit;
+		const Vec3 point = centerOf(shape, i) + (double(shape.getSphereRadius(i)) * scale - radius) * unit;
 		if (!(dot(point, direction) > farthest)) continue;
 		farthest = dot(point, direction);
 		best = point;
@@ -107,14 +112,12 @@ void describeCapsule(const btCapsuleShape& shape, Description& description)
 // Grown by the least radius; where all have one their centres are left.
 void describeSpheres(const btMultiSphereShape& shape, Description& description)
 {
-	const Vec3 scaling = toVec3(shape.getLocalScaling());
 	btScalar least = shape.getSphereRadius(0);
 	for (int i = 1; i < shape.getSphereCount(); ++i) least = btMin(least, shape.getSphereRadius(i));
-	description.radius = double(least) * scaling.x;
+	description.radius = double(least) * double(shape.getLocalScaling().x());
 	for (int i = 0; i < shape.getSphereCount(); ++i)
 	{
-		const Vec3 p = toVec3(shape.getSpherePosition(i));
-		description.points.push_back({p.x * scaling.x, p.y * scaling.y, p.z * scaling.z});
+		description.points.push_back(centerOf(shape, i));
 		if (shape.getSphereRadius(i) != least) description.isBySupport = true;
 	}
 	if (description.isBySupport) description.points.clear();

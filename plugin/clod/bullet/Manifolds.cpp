@@ -43,20 +43,12 @@ struct Material
 	}
 };
 
-bool isSame(const btManifoldPoint& l, const btManifoldPoint& r)
+// Has addContactPoint just these materials for the point, and has nobody changed what is written anew with each?
+bool isMadeOf(const Material& material, const btManifoldPoint& point)
 {
-	return l.m_localPointA == r.m_localPointA && l.m_localPointB == r.m_localPointB && l.m_normalWorldOnB == r.m_normalWorldOnB;
-}
-
-// Has addContactPoint just these materials for the point, and has nobody changed it since it was written?
-bool isAsWritten(const btManifoldPoint& point, const Material& material, const SolverTerms& terms)
-{
-	const SolverTerms now(point);
-	return point.m_combinedFriction == material.friction && now.restitution == terms.restitution &&
-		   point.m_combinedRollingFriction == material.rolling &&
-		   point.m_combinedSpinningFriction == material.spinning && now.flags == terms.flags && now.erp == terms.erp &&
-		   point.m_contactMotion1 == 0 && point.m_contactMotion2 == 0 && point.m_contactCFM == 0 &&
-		   point.m_frictionCFM == 0;
+	return point.m_combinedFriction == material.friction && point.m_combinedRollingFriction == material.rolling &&
+		   point.m_combinedSpinningFriction == material.spinning && point.m_contactMotion1 == 0 &&
+		   point.m_contactMotion2 == 0 && point.m_contactCFM == 0 && point.m_frictionCFM == 0;
 }
 
 constexpr btScalar kSlips = btScalar(0.9999);  // of what friction could give in the last step: bodies that took so much slip
@@ -74,6 +66,17 @@ Scratch& scratch()
 	return buffer;
 }
 }  // namespace
+
+ManifoldSet::Written::Written(const btManifoldPoint& p)
+	: localPointA(p.m_localPointA),
+	  localPointB(p.m_localPointB),
+	  normal(p.m_normalWorldOnB),
+	  distance(p.m_distance1),
+	  erp(p.m_contactERP),
+	  restitution(p.m_combinedRestitution),
+	  flags(p.m_contactPointFlags)
+{
+}
 
 ManifoldSet::ManifoldSet(btDispatcher& dispatcher, btPersistentManifold* shared)
 	: m_dispatcher(dispatcher), m_shared(shared)
@@ -115,7 +118,7 @@ Vec3 ManifoldSet::impulse() const
 const btManifoldPoint* ManifoldSet::find(const btPersistentManifold& manifold, const Slot& slot, std::size_t j)
 {
 	for (int k = 0; k < manifold.getNumContacts(); ++k)
-		if (slot.has(j, manifold.getContactPoint(k))) return &manifold.getContactPoint(k);
+		if (slot.points[j].isOf(manifold.getContactPoint(k))) return &manifold.getContactPoint(k);
 	return nullptr;
 }
 
@@ -172,8 +175,7 @@ bool ManifoldSet::isAsLeft(const WorldFrame& frame, const btManifoldResult& out)
 		for (std::size_t j = 0; j < std::size_t(count); ++j)
 		{
 			const btManifoldPoint& point = m_manifolds[i]->getContactPoint(int(j));
-			if (!(slot.has(j, point) && isAsWritten(point, material, slot.terms[j])))
-				return false;
+			if (!slot.points[j].isUnchanged(point) || !isMadeOf(material, point)) return false;
 		}
 	}
 	return true;
@@ -230,7 +232,7 @@ bool ManifoldSet::follow(HeldClusters& written, const WorldFrame& frame, btManif
 			for (std::size_t j = 0; j < std::size_t(slot.count); ++j)
 			{
 				btManifoldPoint& point = m_manifolds[i]->getContactPoint(k);
-				if (!slot.has(j, point)) continue;
+				if (!slot.points[j].isOf(point)) continue;
 				ContactPoint now = written.at(i, j).point;
 				now.height = double(point.m_distance1) / frame.scale;
 				now.slowOverlap = std::max(0.0, std::min(now.slowOverlap, -now.height));
@@ -241,7 +243,7 @@ bool ManifoldSet::follow(HeldClusters& written, const WorldFrame& frame, btManif
 					point.m_contactPointFlags &= ~BT_CONTACT_FLAG_FRICTION_ANCHOR;
 				else
 					point.m_contactPointFlags |= BT_CONTACT_FLAG_FRICTION_ANCHOR;
-				slot.terms[j] = SolverTerms(point);
+				slot.points[j] = Written(point);
 			}
 	}
 	m_ground->poseA = m_ground->a->getWorldTransform();
@@ -273,7 +275,7 @@ void ManifoldSet::beginWrite(const HeldClusters& clusters)
 		if (from == kNone || !buffer.found[from]) continue;
 		btPersistentManifold& manifold = *m_manifolds[from / kClusterPoints];
 		for (int k = 0; k < manifold.getNumContacts(); ++k)
-			if (isSame(manifold.getContactPoint(k), buffer.old[from]))
+			if (Written(buffer.old[from]).isOf(manifold.getContactPoint(k)))
 				manifold.getContactPoint(k).m_userPersistentData = nullptr;
 	}
 }
@@ -362,10 +364,7 @@ void ManifoldSet::closeSlot(std::size_t index, btManifoldResult& out)
 	{
 		const btManifoldPoint& fresh = scratch().fresh[std::size_t(i)];
 		m_target->getContactPoint(i) = fresh;
-		slot.localPointA[std::size_t(i)] = fresh.m_localPointA;
-		slot.localPointB[std::size_t(i)] = fresh.m_localPointB;
-		slot.normal[std::size_t(i)] = fresh.m_normalWorldOnB;
-		slot.terms[std::size_t(i)] = SolverTerms(fresh);
+		slot.points[std::size_t(i)] = Written(fresh);
 	}
 	out.refreshContactPoints();
 	setDistances(*m_target, slot);
@@ -376,8 +375,8 @@ void ManifoldSet::setDistances(btPersistentManifold& manifold, const Slot& slot)
 {
 	for (int k = 0; k < manifold.getNumContacts(); ++k)
 		for (std::size_t i = 0; i < std::size_t(slot.count); ++i)
-			if (slot.has(i, manifold.getContactPoint(k)))
-				manifold.getContactPoint(k).m_distance1 = slot.terms[i].distance;
+			if (slot.points[i].isOf(manifold.getContactPoint(k)))
+				manifold.getContactPoint(k).m_distance1 = slot.points[i].distance;
 }
 
 void ManifoldSet::endWrite(const HeldClusters& clusters, const WorldFrame& frame, const btManifoldResult& out)

@@ -34,18 +34,6 @@ struct WorldFrame
 	double closedShare = 1;         // this of them a step (SolverTerms.h)
 };
 
-// What is set of a point besides what its place and the materials make of it.
-struct SolverTerms
-{
-	btScalar distance = 0, erp = 0, restitution = 0;
-	int flags = 0;
-	SolverTerms() = default;
-	explicit SolverTerms(const btManifoldPoint& p)
-		: distance(p.m_distance1), erp(p.m_contactERP), restitution(p.m_combinedRestitution), flags(p.m_contactPointFlags)
-	{
-	}
-};
-
 class ManifoldSet
 {
 public:
@@ -90,21 +78,33 @@ public:
 	void append(btManifoldArray& manifolds) const;
 
 private:
+	// A point as it was written: finds it again, and tells whether anybody has changed it.
+	struct Written
+	{
+		btVector3 localPointA, localPointB, normal;
+		btScalar distance = 0, erp = 0, restitution = 0;  // what is set besides what place and materials make of it
+		int flags = 0;
+		Written() = default;
+		explicit Written(const btManifoldPoint& p);
+		// A refresh changes none of these. One vertex over two faces is two points.
+		bool isOf(const btManifoldPoint& point) const
+		{
+			return point.m_localPointA == localPointA && point.m_localPointB == localPointB &&
+				   point.m_normalWorldOnB == normal;
+		}
+		bool isUnchanged(const btManifoldPoint& point) const
+		{
+			return isOf(point) && point.m_combinedRestitution == restitution && point.m_contactPointFlags == flags &&
+				   point.m_contactERP == erp;
+		}
+	};
 	// As a manifold was left.
 	struct Slot
 	{
 		int count = 0;
 		btScalar breakingThreshold = 0;
 		btScalar restitution = 0;  // of the two materials
-		// As written: finds the points again, and tells whether anybody has changed them.
-		std::array<btVector3, kClusterPoints> localPointA, localPointB, normal;
-		std::array<SolverTerms, kClusterPoints> terms;
-		// Is that its point j? A refresh changes none of these. One vertex over two faces is two points.
-		bool has(std::size_t j, const btManifoldPoint& point) const
-		{
-			return point.m_localPointA == localPointA[j] && point.m_localPointB == localPointB[j] &&
-				   point.m_normalWorldOnB == normal[j];
-		}
+		std::array<Written, kClusterPoints> points;
 	};
 	static void setDistances(btPersistentManifold& manifold, const Slot& slot);
 	// The point of the last write, if it is still there.

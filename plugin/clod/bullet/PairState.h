@@ -141,7 +141,7 @@ private:
 	Seen m_seenA, m_seenB;
 	std::shared_ptr<const ConvexPartner> m_convex;
 	HierarchyPair m_asked;
-	GapCache m_cache{false};  // m_result is the answer
+	GapCache m_cache;
 	std::unique_ptr<Question> m_answered;  // what the clusters answer; none where there are none
 	bool m_isAnswered = false;             // or a budget cut the answer short
 	std::uint32_t m_followed = 0;        // dispatches whose points are those of an earlier pose, nearly the same

@@ -86,18 +86,6 @@ btScalar btClodCollisionAlgorithm::timeOfImpact(const btCollisionObjectWrapper& 
 	return btScalar(m_state->timeOfImpact(body0, body1, info));
 }
 
-void btClodCollisionAlgorithm::outline(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-									   const btDispatcherInfo& info)
-{
-	m_state->outline(body0, body1, info);
-}
-
-void btClodCollisionAlgorithm::prepare(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-									   const btDispatcherInfo& info)
-{
-	m_state->prepare(body0, body1, info);
-}
-
 void btClodCollisionAlgorithm::getAllContactManifolds(btManifoldArray& manifolds)
 {
 	m_state->append(manifolds);

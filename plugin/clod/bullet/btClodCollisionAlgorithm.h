@@ -49,11 +49,7 @@ public:
 						  const btDispatcherInfo& info, btManifoldResult* out) override;
 	btScalar timeOfImpact(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 						  const btDispatcherInfo& info) override;
-	// See PairState.h.
-	void outline(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-				 const btDispatcherInfo& info);
-	void prepare(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-				 const btDispatcherInfo& info);
+	clod::PairState& state() { return *m_state; }
 	void getAllContactManifolds(btManifoldArray& manifolds) override;
 
 private:

@@ -71,17 +71,22 @@ struct btClodDispatcher::Step
 	};
 	struct Job
 	{
-		btClodCollisionAlgorithm* algorithm;
+		clod::PairState* pair;
 		Side side0, side1;
-		// act(body0, body1)
-		template <class Act>
-		void with(Act act) const
-		{
-			const btCollisionObjectWrapper whole0 = wrapped(side0.object), whole1 = wrapped(side1.object);
-			const btCollisionObjectWrapper body0 = side0.in(whole0), body1 = side1.in(whole1);
-			act(body0, body1);
-		}
 	};
+	using Act = void (clod::PairState::*)(const btCollisionObjectWrapper&, const btCollisionObjectWrapper&,
+										  const btDispatcherInfo&);
+	// Of all jobs, on all threads.
+	void run(Act act, const btDispatcherInfo& info)
+	{
+		const auto runOne = [&](std::uint32_t i)
+		{
+			const Job& job = jobs[i];
+			const btCollisionObjectWrapper whole0 = wrapped(job.side0.object), whole1 = wrapped(job.side1.object);
+			(job.pair->*act)(job.side0.in(whole0), job.side1.in(whole1), info);
+		};
+		pool->run(std::uint32_t(jobs.size()), runOne);
+	}
 	clod::StepBudget budget;
 	std::unique_ptr<clod::ThreadPool> pool = std::make_unique<clod::ThreadPool>(1);
 	std::vector<btBroadphasePair*> pairs;
@@ -141,13 +146,7 @@ void btClodDispatcher::beginBudget(const btDispatcherInfo& info)
 void btClodDispatcher::outline(const btDispatcherInfo& info)
 {
 	BT_PROFILE("btClodDispatcher::outline");
-	const auto outlineOne = [&](std::uint32_t i)
-	{
-		const Step::Job& job = m_step->jobs[i];
-		job.with([&](const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1)
-				 { job.algorithm->outline(body0, body1, info); });
-	};
-	if (m_step->budget.isLimited()) m_step->pool->run(std::uint32_t(m_step->jobs.size()), outlineOne);
+	if (m_step->budget.isLimited()) m_step->run(&clod::PairState::outline, info);
 }
 
 // What Bullet's dispatch will find done already.
@@ -155,13 +154,7 @@ void btClodDispatcher::prepare(const btDispatcherInfo& info)
 {
 	if (threads() == 1 || m_step->budget.isCounted()) return;
 	BT_PROFILE("btClodDispatcher::prepare");
-	const auto prepareOne = [&](std::uint32_t i)
-	{
-		const Step::Job& job = m_step->jobs[i];
-		job.with([&](const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1)
-				 { job.algorithm->prepare(body0, body1, info); });
-	};
-	m_step->pool->run(std::uint32_t(m_step->jobs.size()), prepareOne);
+	m_step->run(&clod::PairState::prepare, info);
 }
 
 // Pairs that Bullet's dispatch is sure to ask, and that several threads may.
@@ -177,7 +170,7 @@ void btClodDispatcher::listJobs(const std::vector<btBroadphasePair*>& pairs, con
 		const btCollisionShape &shape0 = *body0.getCollisionShape(), &shape1 = *body1.getCollisionShape();
 		if (!isShared(shape0) || !isShared(shape1)) return;
 		if (auto* ours = dynamic_cast<btClodCollisionAlgorithm*>(&algorithm))
-			m_step->jobs.push_back({ours, Step::Side(body0), Step::Side(body1)});
+			m_step->jobs.push_back({&ours->state(), Step::Side(body0), Step::Side(body1)});
 	};
 	for (btBroadphasePair* pair : pairs)
 	{

@@ -126,7 +126,7 @@ private:
 		else
 		{
 			gatherLeafPairs(m_context, range, m_search.surfaces, m_search.near, m_result.stats);
-			m_search.sorter.sort(m_search.near);
+			sortByNodes(m_search.near);
 		}
 		const PointBoxes counting(m_result.stats);
 		DepthAccuracy accuracy = depthAccuracy(range);

@@ -7,7 +7,6 @@
 #include "clod/distance/Penetration.h"
 #include "clod/distance/SignedGap.h"
 #include "clod/distance/SurfaceDistance.h"
-#include "clod/query/PairSorter.h"
 
 namespace clod
 {
@@ -16,10 +15,6 @@ struct GapCache::Search
 	SurfaceSearchScratch surfaces;
 	PenetrationScratch penetration;
 	std::vector<Contact> near;  // the pairs of leaves that an overlap's depth is searched in
-	PairSorter sorter;
-	GapSettings settings;       // of `last`
-	GapResult last;             // of signedGap(), at the pose of the pair's cache,
-	bool hasLast = false;       // if it asked last
 };
 
 // What a walk has found besides the contact list.

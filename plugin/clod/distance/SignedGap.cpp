@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The entry point: when the last result still holds, and the walk over the pair's front that the certificate is of.
+// The entry point, and the walk over the pair's front that the certificate is of.
 #include "clod/distance/SignedGap.h"
 
 #include <string>
@@ -38,16 +38,9 @@ private:
 	GapCache::Search& m_search;
 	GapResult& m_result;
 };
-
-// At the pose of the last result: is it that of these settings?
-bool answersAgain(const GapSettings& settings, GapCache::Search& search, const PairCache::State& state)
-{
-	return search.hasLast && settings.distance == search.settings.distance &&
-		   settings.gapError == search.settings.gapError && answersAgain(settings, search.last, state);
-}
 }  // namespace
 
-GapCache::GapCache(bool remembers) : pair(remembers) {}
+GapCache::GapCache() = default;
 GapCache::Search& GapCache::search()
 {
 	if (!m_search) m_search = std::make_unique<Search>();
@@ -95,28 +88,16 @@ void signedGap(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, 
 	}
 	PairCache::State& state = cache.pair.state();
 	GapCache::Search& search = cache.search();
-	if (isSamePose(a, b, aFromB, state) && !state.hasLast && answersAgain(settings, search, state))
+	result.clear();
+	ContactSearch walk(a, b, aFromB, settings, {true, settings.distance, settings.gapError}, state, result);
+	if (walk.isStillApart())
 	{
-		state.settings = static_cast<const ContactSettings&>(settings);
-		result = search.last;
-		result.stats.boxTests = result.stats.hullTests = 0;
+		result.errorBound = state.separation.largestCover();
 		return;
 	}
-	result.clear();
-	ContactSearch walk(a, b, aFromB, settings, {true, settings.distance, settings.gapError}, state,
-					   result);
-	if (walk.isStillApart())
-		result.errorBound = state.separation.largestCover();
-	else
-	{
-		walk.run();
-		FrontWalk front(walk, search, result);
-		certifyGap(walk.context(), settings, front, search, result);
-		walk.finish(result.contacts.empty() && result.minDistance == kInfinity);
-	}
-	state.hasLast = false;
-	search.settings = settings;
-	search.last = result;
-	search.hasLast = true;
+	walk.run();
+	FrontWalk front(walk, search, result);
+	certifyGap(walk.context(), settings, front, search, result);
+	walk.finish(result.contacts.empty() && result.minDistance == kInfinity);
 }
 }  // namespace clod

@@ -36,7 +36,7 @@ struct CLOD_API GapResult : ContactResult
 class CLOD_API GapCache
 {
 public:
-	explicit GapCache(bool remembers = true);  // see PairCache
+	GapCache();
 	~GapCache();
 	GapCache(GapCache&&) noexcept;
 	GapCache& operator=(GapCache&&) noexcept;

@@ -118,7 +118,7 @@ void FacetContacts::answerDepth(const std::vector<Contact>& contacts, bool isDee
 		isDeep || std::any_of(contacts.begin(), contacts.end(), [](const Contact& c) { return c.upper <= 0; });
 	const bool isOverlapping = std::any_of(m_facets.begin(), m_facets.end(), [](const Facet& f) { return f.distance < 0; });
 	// Convex bodies are held between each other's facets by nothing but having got through.
-	const bool isAnswered = isOverlapping && !(holdBetween() && DeepOverlap::areConvex(m_question));
+	const bool isAnswered = isOverlapping && !(DeepOverlap::areConvex(m_question) && holdBetween());
 	if (!overlap || (isAnswered && wayOut == Vec3{}))
 	{
 		wayOut = {};

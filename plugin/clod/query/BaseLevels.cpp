@@ -43,8 +43,6 @@ BaseLevels chooseBaseLevels(const QueryContext& context, double maxError, bool i
 		if (next.meeting < slimmest.meeting) slimmest = next;
 	}
 	const Choice& best = slimmest.meeting < kFewer * fewest.meeting ? slimmest : fewest;
-	if (!best.levels.isOfLeaves() && !isAlone) return {};
-	const double mixed = double(ofA.fewestWithin(0.5 * maxError)) * double(ofB.fewestWithin(0.5 * maxError));
-	return best.pairs <= kWorthMixing * mixed ? best.levels : BaseLevels{};
+	return best.levels.isOfLeaves() || isAlone ? best.levels : BaseLevels{};
 }
 }  // namespace clod

@@ -17,8 +17,7 @@ struct BaseLevels
 };
 
 // Of the levels whose worst nodes keep the limit together those with the fewest pairs of nodes, unless of others
-// far fewer boxes meet (meetingBoxes): those of long patches meet many that touch none. None where mixed levels would keep
-// the limit with far fewer nodes. O(levels).
+// far fewer boxes meet (meetingBoxes): those of long patches meet many that touch none. O(levels).
 // isAlone: no threshold asks for finer nodes here and there; where one does, the input surfaces or none.
 BaseLevels chooseBaseLevels(const QueryContext& context, double maxError, bool isAlone);
 }  // namespace clod

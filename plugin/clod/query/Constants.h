@@ -21,8 +21,7 @@ inline constexpr double kFarthestMotion = 1e5;
 inline constexpr double kEvaluationRoom = 10 * kHullDistanceAccuracy;
 
 // Choice of base levels (BaseLevels.cpp).
-inline constexpr double kWorthMixing = 16;  // times the pairs of nodes that mixed levels would need
-inline constexpr double kFewer = 0.75;      // of the boxes that meet, for more pairs of nodes
+inline constexpr double kFewer = 0.75;  // of the boxes that meet, for more pairs of nodes
 
 // Pieces of the body that is asked as A (Query.cpp): a box or a floor against a detailed body, not two detailed ones.
 inline constexpr double kMuchLarger = 4;

@@ -45,48 +45,6 @@ std::string cameraError(const ViewCamera& camera)
 }
 }  // namespace
 
-ContactMetric ContactMetric::exactly()
-{
-	ContactMetric metric;
-	metric.exact = true;
-	return metric;
-}
-
-ContactMetric ContactMetric::deviationShare(double share)
-{
-	ContactMetric metric;
-	metric.weightedDeviationShare = share;
-	return metric;
-}
-
-ContactMetric ContactMetric::errorShare(double share)
-{
-	ContactMetric metric;
-	metric.maxErrorShare = share;
-	return metric;
-}
-
-ContactMetric ContactMetric::velocityFactor(double k)
-{
-	ContactMetric metric;
-	metric.velocity = k;
-	return metric;
-}
-
-ContactMetric ContactMetric::viewError(double pixels)
-{
-	ContactMetric metric;
-	metric.viewPixels = pixels;
-	return metric;
-}
-
-ContactMetric ContactMetric::ownThreshold(ContactThreshold threshold)
-{
-	ContactMetric metric;
-	metric.own = std::make_shared<const ContactThreshold>(std::move(threshold));
-	return metric;
-}
-
 ContactMetric stricter(const ContactMetric& a, const ContactMetric& b)
 {
 	ContactMetric metric;

@@ -11,6 +11,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "clod/Export.h"
 #include "clod/collide/RelativeMotion.h"
@@ -54,12 +55,26 @@ struct CLOD_API ContactMetric
 	double maxError = kOff;  // certified, a hard limit under every combination; a length
 	double maxErrorShare = kOff;
 
-	static ContactMetric exactly();
-	static ContactMetric deviationShare(double share);  // the paper's s0 as a share of the radius, e.g. 0.035
-	static ContactMetric errorShare(double share);      // certified, e.g. 0.005
-	static ContactMetric velocityFactor(double k);      // e.g. 0.3
-	static ContactMetric viewError(double pixels);      // e.g. 1
-	static ContactMetric ownThreshold(ContactThreshold threshold);
+	static ContactMetric exactly() { return with(&ContactMetric::exact, true); }
+	// The paper's s0 as a share of the radius, e.g. 0.035.
+	static ContactMetric deviationShare(double share) { return with(&ContactMetric::weightedDeviationShare, share); }
+	// Certified, e.g. 0.005.
+	static ContactMetric errorShare(double share) { return with(&ContactMetric::maxErrorShare, share); }
+	static ContactMetric velocityFactor(double k) { return with(&ContactMetric::velocity, k); }       // e.g. 0.3
+	static ContactMetric viewError(double pixels) { return with(&ContactMetric::viewPixels, pixels); }  // e.g. 1
+	static ContactMetric ownThreshold(ContactThreshold threshold)
+	{
+		return with(&ContactMetric::own, std::make_shared<const ContactThreshold>(std::move(threshold)));
+	}
+
+private:
+	template <class Field, class Value>
+	static ContactMetric with(Field ContactMetric::*field, Value value)
+	{
+		ContactMetric metric;
+		metric.*field = std::move(value);
+		return metric;
+	}
 };
 
 // Never coarser than either: each threshold the smaller of both, exact if either is. Relaxed only where both are and

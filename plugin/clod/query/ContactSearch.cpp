@@ -5,7 +5,6 @@
 
 #include "clod/collide/MotionBound.h"
 #include "clod/query/Constants.h"
-#include "clod/query/PairSorter.h"
 #include "clod/query/Traversal.h"
 
 namespace clod
@@ -41,19 +40,6 @@ std::uint32_t testsOfFreshAnswer(const QueryContext& context)
 	return context.longestMove > 0 ? 2 : 1;
 }
 }  // namespace
-
-bool isSamePose(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const PairCache::State& state)
-{
-	return state.filled && state.a == &a && state.b == &b && state.hashA == a.contentHash() &&
-		   state.hashB == b.contentHash() && same(state.aFromB, aFromB);
-}
-
-bool answersAgain(const ContactSettings& settings, const ContactResult& last, const PairCache::State& state)
-{
-	ContactSettings before = state.settings;
-	if (last.stats.cutShort == 0) before.budget = settings.budget;
-	return same(before, settings);
-}
 
 void followMotion(const QueryContext& context, PairCache::State& state)
 {
@@ -123,14 +109,12 @@ ContactSearch::ContactSearch(const Hierarchy& a, const Hierarchy& b, const Trans
 	  m_answered(&state.front)
 {
 	followMotion(m_context, state);
-	state.aFromB = aFromB;
 	if (!state.separation.holds(m_context, settings, gap))
 	{
 		m_rule.emplace(m_context, settings.metric);
 		return;
 	}
 	m_isStillApart = true;
-	state.settings = settings;
 	state.lastMove = 0;
 	countQuiet(true);
 	result.stats.front = state.front.counts.leaves;
@@ -240,7 +224,6 @@ void ContactSearch::remember(const StopRule& rule)
 	m_state.threshold = rule.constantThreshold();
 	m_state.maxError = rule.maxError();
 	m_state.base = rule.base();
-	m_state.settings = m_settings;
 	m_state.filled = true;
 }
 
@@ -300,8 +283,7 @@ bool ContactSearch::rootIsApart() const
 
 void ContactSearch::sort()
 {
-	thread_local PairSorter sorter;
-	sorter.sort(m_result.contacts);
+	sortByNodes(m_result.contacts);
 	m_isOfInput = hasInput() && m_largestCover == 0;
 	for (const Contact& contact : m_result.contacts)
 		m_isOfInput = m_isOfInput && m_context.a.node(contact.nodeA).childCount == 0 &&

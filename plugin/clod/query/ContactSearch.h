@@ -9,13 +9,6 @@
 
 namespace clod
 {
-// Was the last query of this cache about the same two bodies in the same place?
-bool isSamePose(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const PairCache::State& state);
-
-// At the same pose: is the last result that of these settings? One that its budget did not cut short is that of every
-// budget.
-bool answersAgain(const ContactSettings& settings, const ContactResult& last, const PairCache::State& state);
-
 // Drops what was cached for other hierarchies, then adds the motion since the fronts were asked last.
 void followMotion(const QueryContext& context, PairCache::State& state);
 

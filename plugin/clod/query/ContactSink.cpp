@@ -3,9 +3,17 @@
 #include "clod/query/ContactSink.h"
 
 #include <algorithm>
+#include <tuple>
 
 namespace clod
 {
+void sortByNodes(std::vector<Contact>& contacts)
+{
+	const auto before = [](const Contact& l, const Contact& r)
+	{ return std::tie(l.nodeA, l.nodeB) < std::tie(r.nodeA, r.nodeB); };
+	if (!std::is_sorted(contacts.begin(), contacts.end(), before)) std::sort(contacts.begin(), contacts.end(), before);
+}
+
 void ContactSink::noContact(std::uint32_t a, std::uint32_t b)
 {
 	const Node &nodeA = m_context.a.node(a), &nodeB = m_context.b.node(b);

@@ -7,6 +7,9 @@
 
 namespace clod
 {
+// In the order of their nodes, whatever the walk that found them.
+void sortByNodes(std::vector<Contact>& contacts);
+
 // A pair is a contact iff the lower bound of its hull distance, evaluated from the canonical start, is within the
 // tolerance. Cached values reject a pair only where they exceed the tolerance by more than the accuracy of that
 // evaluation.
@@ -41,25 +44,10 @@ public:
 		return sink;
 	}
 
-	// An accepted pair needs nothing, its boxes are not even compared: one that is no contact leaves no trace then,
-	// near or far.
-	bool skips(std::uint32_t a, std::uint32_t b, const CachedSeparation& cached) const
-	{
-		return forgetsOthers() && m_hulls.isProvenApart(a, b, m_tolerance, cached);
-	}
-
-	// The same of any pair, by a bound that is less than its own.
-	bool skipsAll(double lower) const
+	// An accepted pair of hulls that are so far apart at least needs nothing: one that is no contact leaves no trace.
+	bool skips(double lower) const
 	{
 		return forgetsOthers() && lower > m_farForAll;
-	}
-
-	// Its culling volumes are so far apart: where that is beyond the tolerance, as of a front that is made for more, its
-	// hulls need not be compared.
-	void noteBoxes(std::uint32_t a, std::uint32_t b, float separation, CachedSeparation& cached) const
-	{
-		if (!forgetsOthers() || !isBeyond(m_context, a, b, double(separation), m_tolerance) || skips(a, b, cached)) return;
-		cached.setApart(double(separation), Vec3{});
 	}
 
 	// An accepted pair within the tolerance by its culling volumes.

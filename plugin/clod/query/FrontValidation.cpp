@@ -76,8 +76,8 @@ private:
 	{
 		if (entry.hull == kNone || entry.whileApart) return false;
 		const CachedSeparation& known = m_front.hulls[entry.hull];
-		return known.isApart() && (m_sink.skipsAll((1 - 2 * kBoundRounding) * (double(known.lower) - m_nearer)) ||
-								   m_sink.skipsAll(double(lowerNow(known, entry.b))));
+		return known.isApart() && (m_sink.skips((1 - 2 * kBoundRounding) * (double(known.lower) - m_nearer)) ||
+								   m_sink.skips(double(lowerNow(known, entry.b))));
 	}
 	// On an entry and its children: boxes, and hulls that cull.
 	std::uint64_t mostTestsOfDecisions(const FrontEntry& entry) const

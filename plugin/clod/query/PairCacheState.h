@@ -16,8 +16,6 @@ struct PairCache::State
 	const Hierarchy* b = nullptr;
 	std::uint64_t hashA = 0, hashB = 0;
 	bool filled = false;
-	Transform aFromB;
-	ContactSettings settings;
 	double threshold = 0, maxError = 0;  // of the rule that the front was made with: constantThreshold, maxError
 	BaseLevels base;                     // StopRule::base
 	RelativePose pose;  // that the fronts have followed to,
@@ -31,8 +29,6 @@ struct PairCache::State
 	SeparationCache separation;
 	InsideProbes probesA, probesB;
 	NearestPair nearest;
-	std::unique_ptr<ContactResult> last;  // of contacts(), at aFromB and settings; null: it is not remembered
-	bool hasLast = false;                 // if it asked last
 
 	void clearFronts()
 	{

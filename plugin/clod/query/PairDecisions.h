@@ -70,8 +70,7 @@ protected:
 		std::uint32_t met = 0;                                 // in the traversal before,
 		std::uint32_t old[kBoxLanes];                          // as these entries
 		std::uint32_t near = 0;                                // within the tolerance,
-		float high[kBoxLanes];                                 // by bounds of the separation,
-		float low[kBoxLanes];                                  // from below if it was measured: else negative
+		float high[kBoxLanes];                                 // by bounds of the separation
 		float apart = std::numeric_limits<float>::infinity();  // that of all others exceeds it
 		std::uint32_t all() const { return (1U << count) - 1; }
 		std::uint32_t a(std::uint32_t k) const { return ofChildrenOfA ? children[k] : other; }
@@ -105,7 +104,6 @@ protected:
 		row.count = std::min(kBoxLanes, std::uint32_t(children.size) - slot);
 		row.firstSlot = slot;
 		row.near = row.met = 0;
-		std::fill_n(row.low, kBoxLanes, -1.0F);
 	}
 	Span<std::uint32_t> childrenOf(const FrontEntry& opened) const
 	{
@@ -135,7 +133,6 @@ protected:
 				{
 					row.near |= 1U << child[i];
 					row.high[child[i]] = upperAfter(separations[i], 0);
-					row.low[child[i]] = separations[i];
 				});
 	}
 	CachedSeparation cachedOf(const FrontEntry& old, const std::vector<CachedSeparation>& hulls) const

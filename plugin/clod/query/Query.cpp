@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The entry point: when the last result still holds, and which settings can be used.
+// The entry point, which way round two bodies are asked, and which settings can be used.
 #include "clod/query/Query.h"
 
 #include <algorithm>
@@ -13,16 +13,13 @@
 
 namespace clod
 {
-PairCache::PairCache(bool remembers) : m_state(std::make_unique<State>())
-{
-	if (remembers) m_state->last = std::make_unique<ContactResult>();
-}
+PairCache::PairCache() : m_state(std::make_unique<State>()) {}
 PairCache::~PairCache() = default;
 PairCache::PairCache(PairCache&&) noexcept = default;
 PairCache& PairCache::operator=(PairCache&&) noexcept = default;
 void PairCache::clear()
 {
-	*this = PairCache(m_state->last != nullptr);
+	*this = PairCache();
 }
 
 void PairCache::giveBack()
@@ -115,24 +112,12 @@ void exchange(std::vector<Contact>& contacts, const Transform& aFromB)
 void contactsInOrder(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const ContactSettings& settings,
 					 PairCache& cache, ContactResult& result)
 {
-	PairCache::State& state = cache.state();
-	if (isSamePose(a, b, aFromB, state) && state.hasLast && answersAgain(settings, *state.last, state))
-	{
-		state.settings = settings;
-		result = *state.last;
-		result.stats.boxTests = result.stats.hullTests = 0;
-		return;
-	}
 	result.clear();
-	ContactSearch search(a, b, aFromB, settings, {}, state, result);
-	if (!search.isStillApart())
-	{
-		search.run();
-		result.deep = search.hasInput() && !search.overlaps() && search.depthInside() > 0;
-		search.finish(result.contacts.empty() && !result.deep);
-	}
-	if (state.last) *state.last = result;
-	state.hasLast = state.last != nullptr;
+	ContactSearch search(a, b, aFromB, settings, {}, cache.state(), result);
+	if (search.isStillApart()) return;
+	search.run();
+	result.deep = search.hasInput() && !search.overlaps() && search.depthInside() > 0;
+	search.finish(result.contacts.empty() && !result.deep);
 }
 
 void evaluateInOrder(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, std::vector<Contact>& contacts)

@@ -93,8 +93,7 @@ struct CLOD_API ContactResult : ContactSummary
 class CLOD_API PairCache
 {
 public:
-	// remembers: the last answer is kept, to be given again at the same pose. Owners of the answer need no second one.
-	explicit PairCache(bool remembers = true);
+	PairCache();
 	~PairCache();
 	PairCache(PairCache&&) noexcept;
 	PairCache& operator=(PairCache&&) noexcept;

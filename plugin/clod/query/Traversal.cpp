@@ -197,18 +197,13 @@ private:
 				});
 		if (unknown != 0) measure(row, unknown);
 	}
-	// From the bound kept, or because the sink needs nothing of the pair, however near its boxes are.
+	// From the bound kept.
 	bool isKnownNear(Row& row, std::uint32_t k)
 	{
-		const FrontEntry& old = m_previous.entries[row.old[k]];
-		row.high[k] = upperAfter(old.high, m_moved);
-		if (double(row.high[k]) < m_settings.tolerance - m_room)
-		{
-			++m_stats->skippedBySlack;
-			return true;
-		}
-		if (!m_settings.sameRule || old.state != NodePairState::kAnswer || old.hull == kNone) return false;
-		return m_sink.skips(row.a(k), row.b(k), cachedOf(old, m_previous.hulls));
+		row.high[k] = upperAfter(m_previous.entries[row.old[k]].high, m_moved);
+		const bool isKnown = double(row.high[k]) < m_settings.tolerance - m_room;
+		m_stats->skippedBySlack += isKnown ? 1 : 0;
+		return isKnown;
 	}
 
 	// A pair within the tolerance by its culling volumes.
@@ -229,15 +224,15 @@ private:
 			++m_front.counts.duplicates;
 		}
 		else
-			slack = decide(entry, row.low[k]);
+			slack = decide(entry);
 		m_front.entries.push_back(entry);
 		if (!m_keepsSlack) return;
 		m_front.slack.ofEntry.push_back(std::numeric_limits<float>::infinity());
 		keepSlack(std::uint32_t(m_front.slack.ofEntry.size() - 1), 0, slack);
 	}
 
-	// What the decision can take, where it is kept. low: a bound of the boxes' separation.
-	double decide(FrontEntry& entry, float low)
+	// What the decision can take, where it is kept.
+	double decide(FrontEntry& entry)
 	{
 		NodePairState before = NodePairState::kSeparated;
 		CachedSeparation cached;
@@ -251,7 +246,6 @@ private:
 		entry.whileApart = acceptance == Acceptance::kWhileApart;
 		if (acceptance != Acceptance::kNo)
 		{
-			m_sink.noteBoxes(entry.a, entry.b, low, cached);
 			if (answers(entry, cached))
 			{
 				entry.state = NodePairState::kAnswer;

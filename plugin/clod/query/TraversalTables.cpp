@@ -2,14 +2,11 @@
 #include "clod/query/TraversalTables.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace clod
 {
 namespace
 {
-constexpr std::size_t kErrorsCounted = 24;  // down to a float's last place of the radius
-
 // None of a node at the base or below.
 Span<std::uint32_t> primaryChildren(const Hierarchy& h, std::uint32_t node, std::uint32_t base)
 {
@@ -40,17 +37,10 @@ void addBox(const OrientedBox& box, LevelBounds& bounds)
 }  // namespace
 
 TraversalTables::TraversalTables(const Hierarchy& hierarchy)
-	: m_radius(double(hierarchy.asset().radius)), m_leafCount(hierarchy.levels()[0].nodeCount)
 {
 	boundLevels(hierarchy);
-	countFewest(hierarchy);
 	for (std::uint32_t level = 0; level <= hierarchy.coarsestClodLevel(); ++level)
 		m_collapsed.push_back(collapse(hierarchy, level));
-}
-
-double TraversalTables::errorCounted(std::size_t i) const
-{
-	return std::ldexp(m_radius, -int(i));
 }
 
 // Collapses the tree of primary children above a level (collapsedChildren). Parents lie behind their
@@ -100,35 +90,5 @@ void TraversalTables::boundLevels(const Hierarchy& h)
 		bounds.isWhole = bounds.isWhole && (node.flags & kClodNode) != 0;
 		addBox(h.cullBox(std::uint32_t(&node - h.nodes().begin())), bounds);
 	}
-}
-// A node is among the fewest within every error from its own up to its primary parent's.
-void TraversalTables::countFewest(const Hierarchy& h)
-{
-	// Of the errors counted, the first that is below the node's own.
-	const auto firstBelow = [&](const Node& node)
-	{
-		const double error = std::max(node.cover, node.protrude);
-		std::size_t i = 0;
-		while ((node.flags & kClodNode) != 0 && i < kErrorsCounted && errorCounted(i) >= error) ++i;
-		return i;
-	};
-	std::vector<std::int64_t> change(kErrorsCounted + 1, 0);
-	const auto count = [&](std::size_t from, std::size_t end) { ++change[from], --change[end]; };
-	count(0, firstBelow(h.node(h.root())));
-	for (const Node& node : h.nodes())
-	{
-		const std::size_t above = firstBelow(node);
-		for (std::uint32_t i = 0; i < node.primaryChildCount; ++i)
-			count(above, std::max(above, firstBelow(h.node(h.children(node)[i]))));
-	}
-	std::int64_t sum = 0;
-	for (std::size_t i = 0; i < kErrorsCounted; ++i) m_fewest.push_back(std::uint32_t(sum += change[i]));
-}
-
-std::uint32_t TraversalTables::fewestWithin(double error) const
-{
-	std::size_t i = 0;
-	while (i + 1 < m_fewest.size() && errorCounted(i) > error) ++i;
-	return errorCounted(i) > error ? m_leafCount : m_fewest[i];
 }
 }  // namespace clod

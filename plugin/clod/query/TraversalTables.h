@@ -42,9 +42,6 @@ public:
 		return {tree.children.data() + range.first, range.count};
 	}
 	const LevelBounds& bounds(std::uint32_t contactLevel) const { return m_bounds[contactLevel]; }
-	// How many nodes of mixed levels, the coarsest for each part of the surface, have a cover and protrude within the
-	// error; rounded up to that of a power of two of the radius.
-	std::uint32_t fewestWithin(double error) const;
 
 private:
 	struct Range
@@ -59,13 +56,8 @@ private:
 	};
 	static CollapsedTree collapse(const Hierarchy& hierarchy, std::uint32_t base);
 	void boundLevels(const Hierarchy& hierarchy);
-	void countFewest(const Hierarchy& hierarchy);
-	double errorCounted(std::size_t i) const;
 
-	double m_radius;
-	std::uint32_t m_leafCount;
-	std::vector<CollapsedTree> m_collapsed;         // one a contact level
-	std::vector<LevelBounds> m_bounds;    // one a contact level
-	std::vector<std::uint32_t> m_fewest;  // within the radius, its half, its quarter, ...
+	std::vector<CollapsedTree> m_collapsed;  // one a contact level
+	std::vector<LevelBounds> m_bounds;       // one a contact level
 };
 }  // namespace clod
