@@ -31,7 +31,8 @@ constexpr std::size_t kLargestMarkers = 40, kCrowd = 100;
 constexpr double kGridShare = 0.1, kFadeShare = 4.2;
 constexpr double kExactShare = 1e-5;  // of the smallest radius: errors that small have one colour
 constexpr const char* kColorsMean = "Coloured: the surface patches that answered, by certified error. ";
-constexpr const char* kArrowsMean = "Red: contact points, and which way the one body pushes the other.";
+constexpr const char* kRedMeans = "Red: contact points";
+constexpr const char* kArrowsMean = ", and which way the one body pushes the other";
 
 constexpr Color kGhostColor = {0.5f, 0.55f, 0.65f, 0.12f};
 // Of an exploded picture: between bodies, of what it shows; between a body's patches, of the way to their middle.
@@ -95,8 +96,9 @@ std::vector<std::string> figures(const FrameAnswer& answer)
 	const std::string touching = counted(row.contacts, "touching patch pair");
 	const std::string ofPairs = ", " + counted(answer.pairs.size(), "pair") + " of bodies";
 	lines.push_back(touching + (answer.pairs.size() == 1 ? "" : ofPairs));
-	lines.push_back(fmt::format("query: {} hulls and boxes compared, {:.0f} µs by the clock", row.tests(),
-								row.queryMicroseconds));
+	const double us = row.queryMicroseconds;
+	lines.push_back(fmt::format("query: {} hulls and boxes compared, ", row.tests()) +
+					(us < 1e4 ? fmt::format("{:.0f} µs", us) : fmt::format("{:.0f} ms", us / 1000)) + " by the clock");
 	return lines;
 }
 
@@ -245,7 +247,8 @@ Image FramePainter::overview(const FrameMoment& moment, const FrameAnswer& answe
 	text.lines = lines;
 	text.footer =
 		fmt::format("step {} of {}, t = {:.3f} s", moment.step, m_subject.steps, double(moment.step) * m_subject.dt);
-	text.footnote = (legendOf(m_subject, answer).empty() ? "" : kColorsMean) + std::string(kArrowsMean);
+	text.footnote = (legendOf(m_subject, answer).empty() ? "" : kColorsMean) + std::string(kRedMeans) +
+					(frame.arrows.empty() ? "." : std::string(kArrowsMean) + ".");
 	drawOverlay(image, text);
 	return image;
 }
