@@ -7,7 +7,8 @@ a sign, a comparison, a minimum for a maximum, a statement dropped. The copies a
 a job: a fault is one file to compile and one program to link at a time. Of all programs the quick cases run first, then the
 slow ones of all of them, each alone, up to the first that fails. Tests must pass before anything is planted; what then takes
 four times the processor's time counts as caught. A fault of which the compiler makes the same test programs is none (trivial
-compiler equivalence), and is not counted.
+compiler equivalence), and is not counted. A known survivor counts as one without being planted: all tests of its folder would
+run, most of a night's time.
 """
 import argparse
 import collections
@@ -279,16 +280,18 @@ def verdict(copy, mutant, clean):
 
 
 def in_words(spent):
-    return ", ".join(f"{seconds:.0f} s {what}" for what, seconds in sorted(spent.items()))
+    return ", ".join(f"{seconds:.0f} s {what}" for what, seconds in sorted(spent.items())) or "not planted"
 
 
-def verdicts(copies, mutants, clean, deadline):
+def verdicts(copies, mutants, clean, deadline, also_known):
     """Of each mutant in turn what became of it and the seconds spent on it; a job a copy. None: it was not reached."""
     free = queue.SimpleQueue()
     for copy in copies:
         free.put(copy)
 
     def judge(mutant):
+        if mutant.reason and not also_known:
+            return "SURVIVED before", {}
         if time.monotonic() > deadline:
             return None
         copy = free.get()
@@ -311,6 +314,7 @@ def main():
     parser.add_argument("--sample", type=int, help="so many of all, drawn with the seed")
     parser.add_argument("--shard", default="1/1", help="i/n: each nth of them from the ith on, in copies of its own [1/1]")
     parser.add_argument("--hours", type=float, default=2, help="stop after so long, and say what was not reached [2]")
+    parser.add_argument("--known", action="store_true", help="plant known survivors, too: is one caught by now?")
     parser.add_argument("--jobs", type=int, default=2, help="copies that faults are planted in at once [2]")
     parser.add_argument("--list", action="store_true", help="print them, plant none; exit 1 where one no longer fits (a test)")
     options = parser.parse_args()
@@ -336,13 +340,14 @@ def main():
         copy.prepare(tests, options.jobs)
     counts = collections.Counter()
     survivors = []
-    reached, spent = 0, collections.Counter()
+    reached, not_planted, spent = 0, 0, collections.Counter()
     planting, before = time.monotonic(), used()
-    told = verdicts(copies, [m for _, m in mutants], clean, start + 3600 * options.hours)
+    told = verdicts(copies, [m for _, m in mutants], clean, start + 3600 * options.hours, options.known)
     for (kind, mutant), answer in zip(mutants, told):
         if answer is None:
             break
         reached += 1
+        not_planted += answer[0] == "SURVIVED before"
         outcome = answer[0].split(" ")[0]
         why = f", known: {mutant.reason}" if outcome == "SURVIVED" and mutant.reason else ""
         spent += answer[1]
@@ -352,7 +357,7 @@ def main():
             survivors.append((kind, mutant))
     if reached < len(mutants):
         print(f"{len(mutants) - reached} not reached in {options.hours} hours")
-    planted = sum(counts.values())
+    planted = sum(counts.values()) - not_planted
     print(f"{planted} planted in {time.monotonic() - planting:.0f} s, of the processor {used() - before:.0f} s "
           f"({in_words(spent)}), behind {planting - start:.0f} s, of the processor {before:.0f} s, that made the copies ready")
     for kind in ("by hand", "mechanical"):
