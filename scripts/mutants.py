@@ -7,7 +7,8 @@ a sign, a comparison, a minimum for a maximum, a statement dropped. The copies a
 a job: a fault is one file to compile and one program to link at a time. Of all programs the quick cases run first, then the
 slow ones of all of them, each alone, up to the first that fails. Tests must pass before anything is planted; what then takes
 four times the processor's time counts as caught. A fault of which the compiler makes the same test programs is none (trivial
-compiler equivalence), and is not counted.
+compiler equivalence), and is not counted. A known survivor counts as one without being planted: all tests of its folder would
+run, most of a night's time.
 """
 import argparse
 import collections
@@ -172,6 +173,7 @@ class Copy:
         self.build_folder = self.tree / "build/release"
         self.environment = {**os.environ, "CCACHE_BASEDIR": str(self.tree), "CCACHE_NOHASHDIR": "1"}
         self.made = {}  # what its programs are made of
+        self.spent = collections.Counter()  # seconds by the clock, of what is planted: building, testing
         if not self.tree.exists():
             self.git("worktree", "add", "--detach", self.tree, "HEAD", folder=ROOT)
         self.git("checkout", "--detach", "--force", head(), folder=self.tree)
@@ -184,8 +186,11 @@ class Copy:
         subprocess.run(["git", *words], cwd=folder, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
     def build(self, targets, jobs=1):
-        return subprocess.run(["ninja", "-C", self.build_folder, f"-j{jobs}", *targets], stdout=subprocess.PIPE,
-                              stderr=subprocess.STDOUT, text=True, env=self.environment)
+        began = time.monotonic()
+        built = subprocess.run(["ninja", "-C", self.build_folder, f"-j{jobs}", *targets], stdout=subprocess.PIPE,
+                               stderr=subprocess.STDOUT, text=True, env=self.environment)
+        self.spent["building"] += time.monotonic() - began
+        return built
 
     def programs(self, since=0):
         """What those are made of that were linked since then; some tests run others."""
@@ -195,12 +200,15 @@ class Copy:
     def run(self, test, seconds, *options):
         """Whether the test program passes, None where it does not end in its seconds of the processor."""
         limit = f"--cpu={round(seconds)}:{round(seconds) + 1}"
+        began = time.monotonic()
         try:
             done = subprocess.run(["prlimit", limit, self.build_folder / "bin" / test, "--gtest_brief=1",
                                    "--gtest_fail_fast", *options], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
                                   timeout=WAITING * seconds, cwd=self.build_folder)
         except subprocess.TimeoutExpired:
             return None
+        finally:
+            self.spent["testing"] += time.monotonic() - began
         return None if done.returncode in (-signal.SIGXCPU, -signal.SIGKILL) else done.returncode == 0
 
     def prepare(self, tests, jobs):
@@ -271,18 +279,25 @@ def verdict(copy, mutant, clean):
         path.write_text(source)
 
 
-def verdicts(copies, mutants, clean, deadline):
-    """Of each mutant in turn what became of it and the seconds that took; a job a copy. None: it was not reached."""
+def in_words(spent):
+    return ", ".join(f"{seconds:.0f} s {what}" for what, seconds in sorted(spent.items())) or "not planted"
+
+
+def verdicts(copies, mutants, clean, deadline, also_known):
+    """Of each mutant in turn what became of it and the seconds spent on it; a job a copy. None: it was not reached."""
     free = queue.SimpleQueue()
     for copy in copies:
         free.put(copy)
 
     def judge(mutant):
+        if mutant.reason and not also_known:
+            return "SURVIVED before", {}
         if time.monotonic() > deadline:
             return None
-        copy, began = free.get(), time.monotonic()
+        copy = free.get()
+        copy.spent = collections.Counter()
         try:
-            return verdict(copy, mutant, clean), time.monotonic() - began
+            return verdict(copy, mutant, clean), copy.spent
         finally:
             free.put(copy)
 
@@ -299,6 +314,7 @@ def main():
     parser.add_argument("--sample", type=int, help="so many of all, drawn with the seed")
     parser.add_argument("--shard", default="1/1", help="i/n: each nth of them from the ith on, in copies of its own [1/1]")
     parser.add_argument("--hours", type=float, default=2, help="stop after so long, and say what was not reached [2]")
+    parser.add_argument("--known", action="store_true", help="plant known survivors, too: is one caught by now?")
     parser.add_argument("--jobs", type=int, default=2, help="copies that faults are planted in at once [2]")
     parser.add_argument("--list", action="store_true", help="print them, plant none; exit 1 where one no longer fits (a test)")
     options = parser.parse_args()
@@ -324,24 +340,26 @@ def main():
         copy.prepare(tests, options.jobs)
     counts = collections.Counter()
     survivors = []
-    reached = 0
+    reached, not_planted, spent = 0, 0, collections.Counter()
     planting, before = time.monotonic(), used()
-    told = verdicts(copies, [m for _, m in mutants], clean, start + 3600 * options.hours)
+    told = verdicts(copies, [m for _, m in mutants], clean, start + 3600 * options.hours, options.known)
     for (kind, mutant), answer in zip(mutants, told):
         if answer is None:
             break
         reached += 1
+        not_planted += answer[0] == "SURVIVED before"
         outcome = answer[0].split(" ")[0]
         why = f", known: {mutant.reason}" if outcome == "SURVIVED" and mutant.reason else ""
-        print(f"{kind}: {mutant.file}: {mutant.says}: {answer[0]}{why} ({answer[1]:.0f} s)", flush=True)
+        spent += answer[1]
+        print(f"{kind}: {mutant.file}: {mutant.says}: {answer[0]}{why} ({in_words(answer[1])})", flush=True)
         counts[kind, outcome] += 1
         if outcome == "SURVIVED":
             survivors.append((kind, mutant))
     if reached < len(mutants):
         print(f"{len(mutants) - reached} not reached in {options.hours} hours")
-    planted = sum(counts.values())
-    print(f"{planted} planted, {(time.monotonic() - planting) / max(1, planted):.0f} s each, of the processor "
-          f"{(used() - before) / max(1, planted):.0f} s")
+    planted = sum(counts.values()) - not_planted
+    print(f"{planted} planted in {time.monotonic() - planting:.0f} s, of the processor {used() - before:.0f} s "
+          f"({in_words(spent)}), behind {planting - start:.0f} s, of the processor {before:.0f} s, that made the copies ready")
     for kind in ("by hand", "mechanical"):
         caught, survived = counts[kind, "caught"], counts[kind, "SURVIVED"]
         if caught + survived:

@@ -9,7 +9,8 @@ packages=(g++ cmake ninja-build pkg-config git
 	fonts-dejavu-core ffmpeg gnuplot-nox)
 plugin_packages=(g++ cmake ninja-build pkg-config libbullet-dev libgtest-dev libxxhash-dev)  # of scripts/test --plugin
 clang_packages=(clang-16 clang-tidy-16)  # of tests only
-package_packages=(g++-aarch64-linux-gnu qemu-user-static dpkg-dev mmdebstrap chromium)  # of the night's tests of packages and pages
+# Of the night's tests of packages and pages, and of mutants, of which each would compile twice without the cache.
+package_packages=(g++-aarch64-linux-gnu qemu-user-static dpkg-dev mmdebstrap chromium ccache mold)
 
 say() { printf '\n== %s\n' "$*"; }
 

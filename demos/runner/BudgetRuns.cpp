@@ -18,6 +18,7 @@ namespace
 {
 constexpr double kOverShare = 1.1;         // of the budget: a step that takes more counts as over it
 constexpr double kSmallestPercent = 0.01;  // smaller errors are drawn here: an axis in decades has no zero
+constexpr double kHalfANumber = 40;        // pixels, beyond the end of an axis
 
 std::vector<double> column(const BudgetRun& run, const std::function<double(const BudgetRow&)>& value)
 {
@@ -85,15 +86,15 @@ double figureAt(const nlohmann::ordered_json& scene, bool unlimited, const std::
 
 std::string panel(const nlohmann::ordered_json& scene, std::size_t index, bool isSpent)
 {
-	const std::string group = isSpent ? spentOf(scene) : "error_percent";
+	const std::string spent = spentOf(scene), group = isSpent ? spent : "error_percent";
 	const double least = figureAt(scene, false, group, "median"), full = figureAt(scene, true, group, "median");
-	std::string text = fmt::format("set title \"{}\"\nset ylabel \"{}\"\nset xlabel \"{}\"\n",
-								   isSpent ? scene["scene"].get<std::string>() : "",
-								   index > 0           ? ""
-								   : !isSpent          ? "certified error of the coarsest contact, % of R"
-								   : group == "tests" ? "hull and culling tests of a step"
-													  : "dispatch of a step, microseconds",
-								   isSpent ? "" : "budget T of a step");
+	std::string text = fmt::format(
+		"set title \"{}\"\nset ylabel \"{}\"\nset xlabel \"{}\"\n", isSpent ? scene["scene"].get<std::string>() : "",
+		index > 0            ? ""
+		: !isSpent           ? "certified error of the coarsest contact, % of R"
+		: spent == "tests" ? "hull and culling tests of a step"
+						   : "dispatch of a step, microseconds",
+		isSpent ? "" : std::string("budget T of a step, ") + (spent == "tests" ? "tests" : "microseconds"));
 	text += index == 0 && isSpent ? "set key at screen 0.5,0.01 center bottom maxrows 3 Left reverse width 2\n"
 								 : "unset key\n";
 	const int first = isSpent ? 2 : 4;
@@ -204,14 +205,15 @@ std::string formatTable(const std::vector<nlohmann::ordered_json>& scenes)
 
 bool plotBudgets(const std::vector<nlohmann::ordered_json>& scenes, const std::string& path)
 {
-	std::string text = pngTerminal(int(200 + 600 * scenes.size()), 1150);
+	const double width = 200 + 600 * double(scenes.size());
+	std::string text = pngTerminal(int(width), 1150);
 	for (std::size_t i = 0; i < scenes.size(); ++i)
 		text += fmt::format("$scene{} << END\n{}END\n", i, plotData(scenes[i]));
 	text += fmt::format(
-		"set multiplot layout 2,{} margins {},0.975,0.15,0.90 spacing 0.08,0.09 title \"Steps under a "
+		"set multiplot layout 2,{} margins {},{},0.15,0.90 spacing 0.08,0.09 title \"Steps under a "
 		"budget T, and the error it leaves\" font \"DejaVu Sans,19\"\n"
 		"set logscale xy\nset format \"%g\"\nset grid xtics ytics lc rgb \"#dddddd\"\n",
-		scenes.size(), 0.04 + 0.1 / double(scenes.size()));
+		scenes.size(), 0.04 + 0.1 / double(scenes.size()), 1 - kHalfANumber / width);
 	for (const bool isSpent : {true, false})
 		for (std::size_t i = 0; i < scenes.size(); ++i)
 			if (!plotData(scenes[i]).empty()) text += panel(scenes[i], i, isSpent);

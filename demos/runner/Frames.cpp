@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <set>
 
 #include "cli/Failure.h"
@@ -19,7 +20,9 @@ namespace
 constexpr double kPi = 3.14159265358979323846;
 constexpr int kPanel = kViewImageHeight;  // pixels, each way
 constexpr Color kGlassColor = {0.45f, 0.62f, 0.78f, 0.22f};
-constexpr Color kSolidColors[] = {{0.72f, 0.74f, 0.77f, 1}, {0.58f, 0.57f, 0.55f, 1}};  // neighbours differ
+// Neighbours differ: a chain's links, what lies between two others. So do their patches, by so much of the way to white.
+constexpr Color kSolidColors[] = {{0.72f, 0.74f, 0.77f, 1}, {0.58f, 0.57f, 0.55f, 1}, {0.80f, 0.73f, 0.64f, 1}};
+constexpr float kPaler[] = {0, 0.3f, 0.15f};
 constexpr Color kContactColor = {0.85f, 0.1f, 0.1f, 1};
 // Arrows point from A to B: the way A pushes B.
 constexpr double kMarkerSpacing = 2.0 / 15;  // of the close-up's radius
@@ -28,7 +31,8 @@ constexpr std::size_t kLargestMarkers = 40, kCrowd = 100;
 constexpr double kGridShare = 0.1, kFadeShare = 4.2;
 constexpr double kExactShare = 1e-5;  // of the smallest radius: errors that small have one colour
 constexpr const char* kColorsMean = "Coloured: the surface patches that answered, by certified error. ";
-constexpr const char* kArrowsMean = "Red: contact points, and which way the one body pushes the other.";
+constexpr const char* kRedMeans = "Red: contact points";
+constexpr const char* kArrowsMean = ", and which way the one body pushes the other";
 
 constexpr Color kGhostColor = {0.5f, 0.55f, 0.65f, 0.12f};
 // Of an exploded picture: between bodies, of what it shows; between a body's patches, of the way to their middle.
@@ -45,7 +49,7 @@ Result<MeshId> upload(Renderer& renderer, const ModelMesh& mesh)
 PatchLayer patchLayer(const Pose& pose, const Hierarchy& hierarchy, const std::set<std::uint32_t>& nodes,
 					  const ErrorScale& scale, std::size_t body, bool isSeenThrough)
 {
-	const std::size_t shade = 3 * body;  // bodies of the same error can be told apart
+	const auto paler = [&](float v) { return v + kPaler[body % std::size(kPaler)] * (1 - v); };
 	PatchLayer layer;
 	layer.worldFromBody = worldFromBody(pose, meshFromBody(hierarchy));
 	layer.isSeenThrough = isSeenThrough;
@@ -53,7 +57,8 @@ PatchLayer patchLayer(const Pose& pose, const Hierarchy& hierarchy, const std::s
 	{
 		const Node& node = hierarchy.node(index);
 		const HullView hull = hierarchy.hull(node);
-		const Color color = variedByIndex(scale.color(scale.stepOf(double(node.deviation))), shade + index);
+		const Color plain = scale.color(scale.stepOf(double(node.deviation)));
+		const Color color = variedByIndex({paler(plain.r), paler(plain.g), paler(plain.b), 1}, index);
 		for (const Face& face : hierarchy.faces(node))
 			layer.triangles.push_back(
 				{{hull.vertex(face.vertex[0]), hull.vertex(face.vertex[1]), hull.vertex(face.vertex[2])}, color});
@@ -91,8 +96,9 @@ std::vector<std::string> figures(const FrameAnswer& answer)
 	const std::string touching = counted(row.contacts, "touching patch pair");
 	const std::string ofPairs = ", " + counted(answer.pairs.size(), "pair") + " of bodies";
 	lines.push_back(touching + (answer.pairs.size() == 1 ? "" : ofPairs));
-	lines.push_back(fmt::format("query: {} hulls and boxes compared, {:.0f} µs by the clock", row.tests(),
-								row.queryMicroseconds));
+	const double us = row.queryMicroseconds;
+	lines.push_back(fmt::format("query: {} hulls and boxes compared, ", row.tests()) +
+					(us < 1e4 ? fmt::format("{:.0f} µs", us) : fmt::format("{:.0f} ms", us / 1000)) + " by the clock");
 	return lines;
 }
 
@@ -222,8 +228,8 @@ Frame FramePainter::scene(const FrameMoment& moment, const FrameAnswer& answer) 
 	for (std::size_t i = 0; i < m_subject.bodies.size(); ++i)
 	{
 		const FrameBody& body = m_subject.bodies[i];
-		frame.instances.push_back({m_meshes[body.mesh], toTransform(moment.poses[i]),
-								   body.isSeenThrough ? kGlassColor : kSolidColors[i % 2], body.isSeenThrough});
+		const Color& color = body.isSeenThrough ? kGlassColor : kSolidColors[i % std::size(kSolidColors)];
+		frame.instances.push_back({m_meshes[body.mesh], toTransform(moment.poses[i]), color, body.isSeenThrough});
 	}
 	addPatches(frame, moment, answer);
 	return frame;
@@ -241,7 +247,8 @@ Image FramePainter::overview(const FrameMoment& moment, const FrameAnswer& answe
 	text.lines = lines;
 	text.footer =
 		fmt::format("step {} of {}, t = {:.3f} s", moment.step, m_subject.steps, double(moment.step) * m_subject.dt);
-	text.footnote = (legendOf(m_subject, answer).empty() ? "" : kColorsMean) + std::string(kArrowsMean);
+	text.footnote = (legendOf(m_subject, answer).empty() ? "" : kColorsMean) + std::string(kRedMeans) +
+					(frame.arrows.empty() ? "." : std::string(kArrowsMean) + ".");
 	drawOverlay(image, text);
 	return image;
 }

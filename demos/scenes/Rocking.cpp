@@ -31,7 +31,8 @@ double swingAngle(const SceneState& state)
 SceneDefinition spinningPlate()
 {
 	SceneDefinition scene =
-		mechanism("spinning-plate", "a plate rolls on its rim round a circle, as a coin does", constant::plateFriction);
+		mechanism("spinning-plate", "a plate is set rolling on its rim as a coin; facets brake it, less in smaller steps",
+				  constant::plateFriction);
 	SceneInfo& info = scene.info;
 	info.models = {{"floor", ""}, {"plate", ""}};
 	info.bodies = {{"floor", 0, true}, {"plate", 1, false}};

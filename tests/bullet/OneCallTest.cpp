@@ -57,6 +57,27 @@ TEST(OneCall, AFileFallsAndRests)
 	scene.world.removeRigidBody(&ground);
 }
 
+TEST(OneCall, TheWorldHasTheSettingsAsked)
+{
+	PlainWorld scene;
+	WorldSettings settings;
+	settings.solverIterations = 17;
+	settings.erp = 0.3;
+	settings.erp2 = 0.7;
+	settings.splitImpulsePenetrationThreshold = -0.25;
+	settings.warmstartingFactor = 0.5;
+	ASSERT_TRUE(setUpWorld(scene.world, scene.context, settings));
+	const btContactSolverInfo& solver = scene.world.getSolverInfo();
+	EXPECT_EQ(solver.m_numIterations, 17);
+	EXPECT_TRUE(solver.m_splitImpulse);
+	EXPECT_NE(solver.m_solverMode & SOLVER_USE_2_FRICTION_DIRECTIONS, 0);
+	EXPECT_EQ(solver.m_splitImpulsePenetrationThreshold, btScalar(-0.25));
+	EXPECT_EQ(solver.m_warmstartingFactor, btScalar(0.5));
+	EXPECT_EQ(solver.m_erp, btScalar(0.3));
+	EXPECT_EQ(solver.m_erp2, btScalar(0.7));
+	EXPECT_EQ(scene.context.closedShare, 0.5);
+}
+
 // Turned by 30 degrees its products of inertia are not zero: the body's frame is the principal one, its mesh where it was.
 TEST(OneCall, SkewBodiesAreGivenTheirPrincipalAxes)
 {

@@ -61,7 +61,22 @@ TEST(ExtremesVerdict, IsOfTheBoundAndOfBulletsMesh)
 	EXPECT_EQ(cellOf(matrix, Collider::coarse).verdict, Verdict::outside);
 	EXPECT_DOUBLE_EQ(cellOf(matrix, Collider::standard).bound, 0.45);
 	EXPECT_EQ(matrix.count(Verdict::outside), 1);
-	EXPECT_THROW(demandBounds(matrix), clod::cli::Failure);
+	const auto told = [&]
+	{
+		try
+		{
+			demandBounds(matrix);
+		}
+		catch (const clod::cli::Failure& failure)
+		{
+			return std::string(failure.what());
+		}
+		return std::string();
+	};
+	EXPECT_EQ(told(), "1 number is outside of the bound, and no known limit");
+	matrix.cells.push_back(cellOf(matrix, Collider::coarse));
+	EXPECT_EQ(told(), "2 numbers are outside of the bound, and no known limit");
+	matrix.cells.pop_back();
 	matrix.rows[0].quantities[0].bound.most = 0.5;
 	judge(matrix);
 	EXPECT_NO_THROW(demandBounds(matrix));

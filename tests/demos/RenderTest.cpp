@@ -8,6 +8,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "demos/render/GlProgram.h"
 #include "demos/render/MetricLength.h"
 #include "demos/render/Overlay.h"
 #include "tests/support/Files.h"
@@ -319,6 +320,8 @@ TEST_F(RenderTest, BadInputIsRefused)
 	EXPECT_FALSE(Renderer::create(0, 100));
 	EXPECT_FALSE(Renderer::create(100, 100000));
 	EXPECT_FALSE(Renderer::create(100, 100, 9));
+	const auto shader = GlProgram::create("#version 120\nvoid main() { gl_Position = nobody; }", "void main() {}");
+	EXPECT_NE(shader.error().find("nobody"), std::string::npos) << shader.error();
 }
 
 TEST(RenderColors, LevelsGrowBrighterAndDiffer)

@@ -220,6 +220,47 @@ TEST(RunnerFrames, FilmsHaveFramesEnough)
 	EXPECT_EQ(frameEvery(100, 1.0 / 240), 1);   // no more than there are
 	EXPECT_EQ(frameEvery(9600, 1.0 / 1920), 64);
 }
+
+// At the last step a camera that moves is where it ends, at the first where it begins, halfway at neither.
+TEST(RunnerFrames, ACameraThatMovesEndsWithTheLensOfItsEnd)
+{
+	const HierarchyPointer torus = test::builtBody("torus", 300).hierarchy;
+	FrameSubject begin = subjectOf(torus, torus);
+	begin.steps = 10;
+	FrameSubject end = begin, moves = begin;
+	end.overview = end.overviewAtEnd = moves.overviewAtEnd = orbitCamera({0, 0.01, 0}, 0.08, 20, 50, 20);
+	const auto at = [](const FrameSubject& subject, std::int64_t step)
+	{
+		FrameMoment now = moment();
+		now.step = step;
+		return FramePainter(subject).paint(now, {}, {}).rgba;
+	};
+	EXPECT_EQ(at(moves, 0), at(begin, 0));
+	EXPECT_EQ(at(moves, 10), at(end, 10));
+	EXPECT_NE(at(moves, 5), at(begin, 5));
+	EXPECT_NE(at(moves, 5), at(end, 5));
+}
+
+// Two arms on a pin were one blue thing: patches of the same error are of one hue and, body by body, of another lightness.
+TEST(RunnerFrames, PatchesOfTwoBodiesCanBeToldApart)
+{
+	const HierarchyPointer torus = test::builtBody("torus", 300).hierarchy;
+	const FrameSubject subject = subjectOf(torus, torus);
+	FramePainter painter(subject);
+	const Image bare = painter.paint(moment(), {}, {}), image = painter.paint(moment(), answerAt(*torus, 0, *torus, 0), {});
+	const auto meanLightness = [&](int from, int to)
+	{
+		double sum = 0;
+		int pixels = 0;
+		for (int y = 0; y < image.height * 7 / 8; ++y)
+			for (int x = from; x < to; ++x)
+				if (const Color color = image.at(x, y); unlikeness(color, bare.at(x, y)) > 0.1)
+					sum += double(color.r + color.g + color.b) / 3, ++pixels;
+		return sum / pixels;
+	};
+	const int middle = image.width / 4;
+	EXPECT_GT(meanLightness(middle + 20, 2 * middle), 1.15 * meanLightness(0, middle - 20));
+}
 // A lies left of B: pulled along contact normals that point to it, its left end is farther left than pulled the other
 // way.
 TEST(RunnerFrames, PatchesInContactArePulledApartAlongTheirNormals)

@@ -311,6 +311,7 @@ TEST_F(RunnerCommand, IdlePairsAreMeasuredBesideHullsInEveryState)
 		const bool touches = row["state"] == "touching, unchanged";
 		EXPECT_EQ(row["points"].get<double>() > 0, touches) << row;
 		EXPECT_GT(row["dispatch_us"]["median"].get<double>(), 0) << row;
+		EXPECT_EQ(row["dispatch_us"]["count"], 3) << "a median a pose" << row;
 		if (row["who"] == "two hulls of 32 vertices")
 		{
 			EXPECT_EQ(row["ratio_to_hulls"], 1) << row;

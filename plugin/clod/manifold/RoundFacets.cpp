@@ -41,7 +41,7 @@ void FacetFinder::findRound()
 			if (ofA->box.meets(ofB->box, m_pair.reach)) vertexOverVertex(*ofA, *ofB);
 }
 
-// Of two features that are so far apart now and at the end of the step, with forces and without. Between is all but straight.
+// Of two features that are so far apart now and at the end of the step, with forces and without. Between is straight.
 // What moves past but for the forces may be held by whom is not known here (a ball that rolls from one body onto the next that
 // lies flush): it is led by as little as need be, the direction is that where they come nearest.
 std::optional<FacetFinder::Approach> FacetFinder::approach(const Vec3& now, const Vec3& then, const Vec3& unforced) const
@@ -65,6 +65,18 @@ std::optional<FacetFinder::Approach> FacetFinder::approach(const Vec3& now, cons
 	const double highest = q.touching() + m_pair.roam;
 	if (least <= highest * highest) return Approach{Facet::Reach::kPossible, kPathReach * nearest, now + nearest * ahead};
 	return {};
+}
+
+// A body that turns goes round: between them is there what between(pose of B in A) says and forces add, unless the chord is so
+// far off that it tells nothing of where they meet.
+template <class Between>
+void FacetFinder::bend(Approach& met, const Vec3& now, const Vec3& forced, Between between)
+{
+	if (met.reach != Facet::Reach::kPath || m_sagitta < kSlowTurn) return;
+	const double margin = m_question->rules.margin;
+	const Vec3 there = between(poseAt(met.share / kPathReach)) + met.share * forced;
+	const double apart = length(there);
+	if (apart >= kKeptOfMargin * margin && kKeptOfMargin * apart <= margin) met.between = towards(there, now, margin);
 }
 
 // In B's frame where they meet: by then it has turned. To half a part of the way, which coneSlack() allows for.
@@ -110,8 +122,15 @@ void FacetFinder::vertexOverEdge(const MovedCorner& vertex, const MovedEdge& mov
 	const Vec3 then = sign * fromLine(startThen, directionThen, placeThen);
 	const Vec3 unforced = sign * (vertexIsOfA ? fromLine(moved.unforcedStart, directionThen, place)
 											  : fromLine(start, direction, vertex.unforced));
-	const std::optional<Approach> met = approach(now, then, unforced);
+	std::optional<Approach> met = approach(now, then, unforced);
 	if (!met) return;
+	bend(*met, now, then - unforced,
+		 [&](const Transform& pose)
+		 {
+			 const std::vector<Vec3>& ofB = m_pair.b->vertices();
+			 return vertexIsOfA ? fromLine(pose * ofB[edge.vertex[0]], pose.rotation * edge.direction, place)
+								: -fromLine(start, direction, pose * ofB[vertex.index]);
+		 });
 	const double alongNow = dot(direction, place - start);
 	const double alongThen = dot(directionThen, placeThen - startThen);
 	const double along = alongNow + met->share * (alongThen - alongNow);
@@ -137,8 +156,10 @@ void FacetFinder::vertexOverVertex(const MovedCorner& ofA, const MovedCorner& of
 {
 	const Vec3& place = m_pair.a->vertices()[ofA.index];
 	const Vec3 now = place - ofB.now, then = place - ofB.then;
-	const std::optional<Approach> met = approach(now, then, place - ofB.unforced);
+	std::optional<Approach> met = approach(now, then, place - ofB.unforced);
 	if (!met) return;
+	bend(*met, now, ofB.unforced - ofB.then,
+		 [&](const Transform& pose) { return place - pose * m_pair.b->vertices()[ofB.index]; });
 	const Vec3 normal = normalized(met->between);
 	if (normal == Vec3{} || !isInCone(*m_pair.a, ofA, normal) || !isInCone(*m_pair.b, ofB, -intoB(*met, normal))) return;
 	Facet facet;
