@@ -6,6 +6,7 @@
 #include <LinearMath/btQuickprof.h>
 
 #include <algorithm>
+#include <functional>
 #include <thread>
 
 #include "clod/bullet/Context.h"
@@ -85,7 +86,7 @@ struct btClodDispatcher::Step
 			const btCollisionObjectWrapper whole0 = wrapped(job.side0.object), whole1 = wrapped(job.side1.object);
 			(job.pair->*act)(job.side0.in(whole0), job.side1.in(whole1), info);
 		};
-		pool->run(std::uint32_t(jobs.size()), runOne);
+		pool->run(std::uint32_t(jobs.size()), std::ref(runOne));  // which needs no memory
 	}
 	clod::StepBudget budget;
 	std::unique_ptr<clod::ThreadPool> pool = std::make_unique<clod::ThreadPool>(1);
