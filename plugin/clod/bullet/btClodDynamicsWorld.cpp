@@ -87,6 +87,14 @@ double btClodDynamicsWorld::solveInPasses(btContactSolverInfo& info)
 	}
 }
 
+// Joints take back what they miss as fast as in a whole step: a share of it in however short a part throws bodies.
+void btClodDynamicsWorld::solvePart(btContactSolverInfo& info, btScalar whole)
+{
+	const btScalar erp = std::exchange(info.m_erp, info.m_erp * (info.m_timeStep / whole));
+	solveInPasses(info);
+	info.m_erp = erp;
+}
+
 void btClodDynamicsWorld::solveInParts(btContactSolverInfo& info, int parts)
 {
 	const btScalar whole = info.m_timeStep;
@@ -96,7 +104,7 @@ void btClodDynamicsWorld::solveInParts(btContactSolverInfo& info, int parts)
 	{
 		if (part > 0) btDiscreteDynamicsWorld::integrateTransforms(info.m_timeStep);
 		beginPart(info.m_timeStep, whole - btScalar(part + 1) * info.m_timeStep);
-		solveInPasses(info);
+		solvePart(info, whole);
 	}
 	m_parts = parts;
 	m_lastPart = info.m_timeStep;
@@ -128,7 +136,7 @@ void btClodDynamicsWorld::solveToImpacts(btContactSolverInfo& info)
 		}
 		left = info.m_timeStep < left ? left - info.m_timeStep : 0;
 		if (m_parts > 1 || left > 0) beginPart(info.m_timeStep, left);
-		solveInPasses(info);
+		solvePart(info, whole);
 		if (!(left > 0)) break;
 		btDiscreteDynamicsWorld::integrateTransforms(info.m_timeStep);
 	}
@@ -240,6 +248,7 @@ double btClodDynamicsWorld::findSurprised()
 	for (std::size_t i = 0; const clod::PairState* pair = m_context.pairAt(i); ++i)
 	{
 		const btCollisionObject *a = pair->lastReport().objectA, *b = pair->lastReport().objectB;
+		if (!pair->isOf(*getDispatcher())) continue;  // worlds may share a context
 		if (!a || !b || !(isMoving(*a) || isMoving(*b))) continue;
 		const double surprise = pair->surprise();
 		if (!(surprise > 1)) continue;

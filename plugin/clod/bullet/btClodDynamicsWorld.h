@@ -68,6 +68,7 @@ private:
 	// Returns the largest surprise left, in skins of its pair.
 	double solveInPasses(btContactSolverInfo& info);
 	void solveInParts(btContactSolverInfo& info, int parts);
+	void solvePart(btContactSolverInfo& info, btScalar whole);
 	void solveToImpacts(btContactSolverInfo& info);
 	void beginPart(btScalar timeStep, btScalar left);
 	struct Impact
