@@ -294,7 +294,7 @@ TEST(DynamicsWorld, CountlessImpactsEndTheStep)
 	}
 }
 
-// A joint whose ends are apart closes as fast as in Bullet's world, however short the parts that impacts make of a step.
+// A joint whose ends are apart closes as fast as in Bullet's world, however short the parts of a step.
 TEST(DynamicsWorld, JointsCloseNoFasterInShortParts)
 {
 	double left[2] = {};  // after a step
@@ -374,5 +374,42 @@ TEST(DynamicsWorld, WorldsMayShareAContext)
 		ASSERT_EQ(heightOf(*second.bodies.back()), heightOf(*alone.bodies.back())) << i;
 	}
 	EXPECT_GT(askedAgain, 10);
+}
+
+// Kinematic bodies as Bullet's manual makes them, of mass 0 and so with the flag of static ones besides. One that goes
+// many times the others' size a step pushes them all the same; what is lifted stays on the lift.
+TEST(DynamicsWorld, KinematicBodiesPushWhatTheyMeetOnTheirWay)
+{
+	const auto move = [](ImpactWorld& world, btRigidBody& mover, const btVector3& speed, int steps)
+	{
+		mover.setCollisionFlags(mover.getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
+		double deepest = 0;
+		for (int i = 0; i < steps; ++i)
+		{
+			mover.getWorldTransform().getOrigin() += speed * btScalar(world.timeStep);
+			world.step();
+			for (int k = 0; i > 4 && k < world.dispatcher.getNumManifolds(); ++k)
+				for (int p = 0; p < world.dispatcher.getManifoldByIndexInternal(k)->getNumContacts(); ++p)
+					deepest = std::max(
+						deepest, -double(world.dispatcher.getManifoldByIndexInternal(k)->getContactPoint(p).getDistance()));
+		}
+		return deepest;
+	};
+	for (int i = 0; i < 4; ++i)
+	{
+		ImpactWorld sweep(true, 60, 0);
+		btRigidBody& plate = sweep.put(patchHierarchy(boxMesh({0.1, 2, 2}, {1, 2, 2}, 1)), 0, {-8.6 + 0.25 * i, 0, 0});
+		btRigidBody& ball = sweep.put(patchHierarchy(ballMesh(0.2, 2)), 1, {0, 0.01, 0.02});
+		move(sweep, plate, btVector3(60, 0, 0), 12);
+		EXPECT_GT(double(ball.getWorldTransform().getOrigin().x()), double(plate.getWorldTransform().getOrigin().x())) << i;
+		EXPECT_LT(double(ball.getLinearVelocity().length()), 61) << i;
+	}
+	for (const bool meetsImpacts : {false, true})
+	{
+		ImpactWorld lift(meetsImpacts, 60, 9.81);
+		btRigidBody& floor = lift.put(slab(), 0, {0, -0.5, 0});
+		lift.put(unitCube(), 1, {0, 0.501, 0});
+		EXPECT_LT(move(lift, floor, btVector3(0, 3, 0), 60), 0.01) << meetsImpacts;
+	}
 }
 }  // namespace clod::test

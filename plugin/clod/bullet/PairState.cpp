@@ -252,7 +252,7 @@ bool PairState::staysOverPlane(const btCollisionObjectWrapper& body0, const btCo
 	const btCollisionObject &plane = *(planeIsFirst ? body0 : body1).getCollisionObject(),
 							&body = *(planeIsFirst ? body1 : body0).getCollisionObject();
 	// Of compounds neither.
-	if (plane.getCollisionShape() != m_seenB.shape || body.getCollisionShape() != m_seenA.shape || !plane.isStaticObject() ||
+	if (plane.getCollisionShape() != m_seenB.shape || body.getCollisionShape() != m_seenA.shape || !isFixed(plane) ||
 		plane.getCollisionShape()->getShapeType() != STATIC_PLANE_PROXYTYPE)
 		return false;
 	const auto* shape = dynamic_cast<const btClodShape*>(m_seenA.shape);
