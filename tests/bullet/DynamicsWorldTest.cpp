@@ -293,4 +293,123 @@ TEST(DynamicsWorld, CountlessImpactsEndTheStep)
 		ASSERT_NEAR(heightOf(ball), 0.515, 0.03);
 	}
 }
+
+// A joint whose ends are apart closes as fast as in Bullet's world, however short the parts of a step.
+TEST(DynamicsWorld, JointsCloseNoFasterInShortParts)
+{
+	double left[2] = {};  // after a step
+	for (const bool atImpacts : {false, true})
+	{
+		ImpactWorld world(atImpacts, 60, 0);
+		if (atImpacts) world.ours().setStepping(btClodDynamicsWorld::Stepping::kImpacts);
+		world.put(patchHierarchy(boxMesh({4, 1, 4}, {2, 1, 2}, 1)), 0, {0, -0.5, 0}).setRestitution(1);
+		world.put(patchHierarchy(boxMesh({4, 1, 4}, {2, 1, 2}, 1)), 0, {0, 1.53, 0}).setRestitution(1);
+		btRigidBody& ball = world.put(patchHierarchy(ballMesh(0.5, 2)), 1, {0, 0.515, 0});
+		ball.setRestitution(1);
+		ball.setLinearVelocity(btVector3(0, 50, 0));
+		btRigidBody& first = world.put(unitCube(), 1, {10, 0, 0});
+		btRigidBody& second = world.put(unitCube(), 1, {15, 0, 0});
+		btPoint2PointConstraint joint(first, second, btVector3(1, 0, 0), btVector3(-1, 0, 0));
+		world.world.addConstraint(&joint, true);
+		const auto apart = [&]
+		{ return double(second.getWorldTransform().getOrigin().x() - first.getWorldTransform().getOrigin().x()) - 2; };
+		world.step();
+		if (atImpacts)
+		{
+			EXPECT_EQ(world.ours().parts(), 8);
+		}
+		left[atImpacts] = apart();
+		world.step(20);
+		EXPECT_LT(apart(), 0.1);
+		world.world.removeConstraint(&joint);
+	}
+	EXPECT_GE(left[1], left[0]);
+	EXPECT_LT(left[1], 1.05 * left[0]);
+}
+
+// Each asks its own pairs again.
+TEST(DynamicsWorld, WorldsMayShareAContext)
+{
+	struct Pile
+	{
+		btDefaultCollisionConfiguration configuration;
+		btCollisionDispatcher dispatcher{&configuration};
+		btDbvtBroadphase broadphase;
+		btSequentialImpulseConstraintSolver solver;
+		btClodDynamicsWorld world;
+		btClodShape shape{unitCube()};
+		btStaticPlaneShape plane{btVector3(0, 1, 0), 0};
+		std::vector<std::unique_ptr<btRigidBody>> bodies;
+		explicit Pile(Context& context) : world(&dispatcher, &broadphase, &solver, &configuration, &context)
+		{
+			EXPECT_TRUE(setUpWorld(world, context));
+			for (int i = 0; i < 6; ++i)
+			{
+				btCollisionShape* const either[] = {&plane, &shape};
+				bodies.push_back(std::make_unique<btRigidBody>(btScalar(i > 0), nullptr, either[i > 0],
+															   btVector3(1, 1, 1) / btScalar(6)));
+				bodies.back()->getWorldTransform().setOrigin(btVector3(btScalar(0.1 * i), btScalar(i > 0 ? 1.2 * i : 0), 0));
+				world.addRigidBody(bodies.back().get());
+			}
+		}
+		~Pile()
+		{
+			for (const auto& body : bodies) world.removeRigidBody(body.get());
+		}
+		int step()
+		{
+			world.stepSimulation(btScalar(1.0 / 60), 0);
+			return world.pairsAskedAgain();
+		}
+	};
+	Context own, shared;
+	Pile alone(own), first(shared), second(shared);
+	int askedAgain = 0;
+	for (int i = 0; i < 120; ++i)
+	{
+		const int expected = alone.step();
+		askedAgain += expected;
+		ASSERT_EQ(first.step(), expected) << i;
+		ASSERT_EQ(second.step(), expected) << i;
+		ASSERT_EQ(heightOf(*second.bodies.back()), heightOf(*alone.bodies.back())) << i;
+	}
+	EXPECT_GT(askedAgain, 10);
+}
+
+// Kinematic bodies as Bullet's manual makes them, of mass 0 and so with the flag of static ones besides. One that goes
+// many times the others' size a step pushes them all the same; what is lifted stays on the lift.
+TEST(DynamicsWorld, KinematicBodiesPushWhatTheyMeetOnTheirWay)
+{
+	const auto move = [](ImpactWorld& world, btRigidBody& mover, const btVector3& speed, int steps)
+	{
+		mover.setCollisionFlags(mover.getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
+		double deepest = 0;
+		for (int i = 0; i < steps; ++i)
+		{
+			mover.getWorldTransform().getOrigin() += speed * btScalar(world.timeStep);
+			world.step();
+			for (int k = 0; i > 4 && k < world.dispatcher.getNumManifolds(); ++k)
+				for (int p = 0; p < world.dispatcher.getManifoldByIndexInternal(k)->getNumContacts(); ++p)
+					deepest = std::max(
+						deepest, -double(world.dispatcher.getManifoldByIndexInternal(k)->getContactPoint(p).getDistance()));
+		}
+		return deepest;
+	};
+	for (int i = 0; i < 4; ++i)
+	{
+		ImpactWorld sweep(true, 60, 0);
+		btRigidBody& plate = sweep.put(patchHierarchy(boxMesh({0.1, 2, 2}, {1, 2, 2}, 1)), 0, {-8.6 + 0.25 * i, 0, 0});
+		btRigidBody& ball = sweep.put(patchHierarchy(ballMesh(0.2, 2)), 1, {0, 0.01, 0.02});
+		move(sweep, plate, btVector3(60, 0, 0), 12);
+		EXPECT_GT(double(ball.getWorldTransform().getOrigin().x()), double(plate.getWorldTransform().getOrigin().x())) << i;
+		EXPECT_LT(double(ball.getLinearVelocity().length()), 61) << i;
+	}
+	for (const bool meetsImpacts : {false, true})
+	{
+		ImpactWorld lift(meetsImpacts, 60, 9.81);
+		btRigidBody& floor = lift.put(slab(), 0, {0, -0.5, 0});
+		lift.put(unitCube(), 1, {0, 0.501, 0});
+		EXPECT_LT(move(lift, floor, btVector3(0, 3, 0), 60), 0.01) << meetsImpacts;
+	}
+}
 }  // namespace clod::test

@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <set>
 
 #include "tests/bullet/CubeOnSlab.h"
 #include "tests/bullet/ManifoldState.h"
@@ -154,6 +155,32 @@ TEST(Lifecycle, SetCollisionShapeAtRunTimeIsNoticed)
 	EXPECT_NEAR(heightOf(scene.body), 2.0, 0.01);
 }
 
+// By others of any kind: the pair outlives them, and Bullet asks the algorithm that it was made with.
+TEST(Lifecycle, OursGiveWayToShapesOfOtherAlgorithms)
+{
+	CubeOnSlab scene;
+	auto& compound = scene.add(std::make_unique<btCompoundShape>());
+	compound.addChildShape(btTransform::getIdentity(), &scene.bodyShape);
+	auto& box = scene.add(std::make_unique<btBoxShape>(btVector3(btScalar(0.5), btScalar(0.5), btScalar(0.5))));
+	auto& ground = scene.add(std::make_unique<btBoxShape>(btVector3(5, btScalar(0.5), 5)));
+	using Shapes = std::pair<btCollisionShape*, btCollisionShape*>;
+	const Shapes pairs[] = {
+		{&scene.groundShape, &compound}, {&ground, &compound}, {&ground, &box}, {&scene.groundShape, &scene.bodyShape}};
+	for (const auto& [below, above] : pairs)
+	{
+		scene.step(10);
+		scene.ground.setCollisionShape(below);
+		scene.body.setCollisionShape(above);
+		scene.step(120);
+		EXPECT_NEAR(heightOf(scene.body), 0.5, 0.01) << below->getName() << above->getName();
+		btManifoldArray manifolds;
+		scene.world.getPairCache()->getOverlappingPairArray()[0].m_algorithm->getAllContactManifolds(manifolds);
+		EXPECT_EQ(manifolds.size(), scene.dispatcher.getNumManifolds());
+	}
+	scene.world.removeRigidBody(&scene.body);
+	EXPECT_EQ(scene.dispatcher.getNumManifolds(), 0);
+}
+
 // A shape of a pool: another one in its place has its address and its revision, here even the same surface.
 TEST(Lifecycle, AnotherHierarchyInTheSamePlaceIsNoticed)
 {
@@ -261,6 +288,35 @@ TEST(Lifecycle, CallbacksOfBulletFireOnce)
 	gContactEndedCallback = nullptr;
 	gContactDestroyedCallback = nullptr;
 	gContactAddedCallback = nullptr;
+}
+
+// What gContactAddedCallback has put at a point it finds there in the next step, as at Bullet's own points, and each is
+// handed back once.
+TEST(Lifecycle, DataThatACallbackPutsAtPointsStayThere)
+{
+	static std::set<void*> alive;
+	static int made = 0, known = 0;
+	const SetCallback<ContactDestroyedCallback> handBack(gContactDestroyedCallback, [](void* data)
+														 { return alive.erase(data) > 0 && (delete static_cast<int*>(data), true); });
+	const SetCallback<ContactAddedCallback> put(
+		gContactAddedCallback,
+		[](btManifoldPoint& point, const btCollisionObjectWrapper*, int, int, const btCollisionObjectWrapper*, int, int)
+		{
+			known += point.m_userPersistentData != nullptr;
+			if (!point.m_userPersistentData) alive.insert(point.m_userPersistentData = new int(++made));
+			return true;
+		});
+	for (const int flag : {0, int(btCollisionObject::CF_HAS_FRICTION_ANCHOR)})
+	{
+		CubeOnSlab scene;
+		scene.body.setCollisionFlags(scene.body.getCollisionFlags() | btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK | flag);
+		scene.body.setLinearVelocity(btVector3(1, 0, btScalar(0.3)));
+		scene.step(60);
+		EXPECT_EQ(alive.size(), std::size_t(scene.contacts()));
+		scene.world.removeRigidBody(&scene.body);
+		EXPECT_TRUE(alive.empty());
+	}
+	EXPECT_GT(known, 10 * made);
 }
 
 TEST(Lifecycle, TwoRunsGiveTheSameBitsInEitherOrderOfCreation)

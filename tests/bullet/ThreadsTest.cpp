@@ -159,6 +159,19 @@ TEST(Threads, GiveTheSameTrajectoryHoweverMany)
 	}
 }
 
+// What is outlined first is asked later, of planes and meshes, too.
+TEST(Threads, AndAFullBudgetGiveTheTrajectoryOfNone)
+{
+	const std::uint64_t none = Mixed(1).run(200);
+	for (const unsigned threads : {1U, 3U})
+		for (const bool inTests : {true, false})
+		{
+			Mixed full(threads);
+			(inTests ? full.context.budget.tests : full.context.budget.microseconds) = 1e12;
+			EXPECT_EQ(full.run(200), none) << threads << inTests;
+		}
+}
+
 // Pairs that are asked again within a step, and in parts of it; and those that keep their points as they hardly move.
 TEST(Threads, GiveTheSamePassesAndKeptPoints)
 {

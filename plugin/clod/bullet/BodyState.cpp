@@ -68,9 +68,14 @@ RelativeMotion motionOfLink(const btMultiBodyLinkCollider& link, double timeStep
 }
 }  // namespace
 
+bool isFixed(const btCollisionObject& object)
+{
+	return object.isStaticObject() && !object.isKinematicObject();
+}
+
 RelativeMotion worldMotion(const btCollisionObject& object, double timeStep)
 {
-	if (object.isStaticObject()) return {};
+	if (isFixed(object)) return {};
 	if (const btMultiBodyLinkCollider* link = btMultiBodyLinkCollider::upcast(&object)) return motionOfLink(*link, timeStep);
 	Vec3 linear = toVec3(object.getInterpolationLinearVelocity());
 	Vec3 angular = toVec3(object.getInterpolationAngularVelocity());

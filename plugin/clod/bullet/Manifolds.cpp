@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <typeinfo>
+#include <utility>
 
 #include "clod/bullet/BodyState.h"
 #include "clod/bullet/SolverTerms.h"
@@ -311,6 +312,19 @@ bool ManifoldSet::openSlot(std::size_t index, HeldClusters& clusters, const Worl
 	return true;
 }
 
+// What gContactAddedCallback has put at a point it finds there again, as Bullet has it: a point at the same place is
+// replaced, and its data stay.
+void ManifoldSet::standIn(const btVector3& onBody0, btManifoldPoint& before)
+{
+	if (!before.m_userPersistentData) return;
+	m_target->setNumContacts(2);
+	btManifoldPoint& point = m_target->getContactPoint(1);
+	point = btManifoldPoint();
+	point.m_localPointA = m_target->getBody0()->getWorldTransform().invXform(onBody0);
+	point.m_appliedImpulseLateral1 = 1;  // it slips: where bodies have anchors only such a one is replaced
+	std::swap(point.m_userPersistentData, before.m_userPersistentData);
+}
+
 void ManifoldSet::writePoint(const HeldPoint& held, const WorldFrame& frame, btManifoldResult& out)
 {
 	const ContactPoint& point = held.point;
@@ -323,7 +337,10 @@ void ManifoldSet::writePoint(const HeldPoint& held, const WorldFrame& frame, btM
 	const Vec3 normal = frame.worldFromA.rotation * point.normal;
 	const Vec3 onB = frame.worldFromA * (frame.scale * point.pointOnB);
 	const double depth = point.height * frame.scale;
-	const Vec3 onManifoldBody1 = aIsManifoldBody0 ? onB : onB + depth * normal;
+	const Vec3 onA = onB + depth * normal;
+	const std::uint32_t from = held.previous;
+	Scratch& buffer = scratch();
+	const bool goesOn = from != kNone && buffer.found[from];
 
 	// One real point at a time: a far-away stand-in keeps Bullet from matching it to its neighbours, and from taking
 	// every point for the beginning of a contact.
@@ -333,21 +350,20 @@ void ManifoldSet::writePoint(const HeldPoint& held, const WorldFrame& frame, btM
 	{
 		m_target->getContactPoint(0) = btManifoldPoint();
 		m_target->getContactPoint(0).m_localPointA.setValue(BT_LARGE_FLOAT, BT_LARGE_FLOAT, BT_LARGE_FLOAT);
-		m_target->getContactPoint(0).m_userPersistentData = nullptr;
+		if (goesOn) standIn(toBullet(aIsManifoldBody0 ? onA : onB), buffer.old[from]);
 	}
-	out.addContactPoint(toBullet(aIsManifoldBody0 ? normal : -normal), toBullet(onManifoldBody1), btScalar(depth));
+	out.addContactPoint(toBullet(aIsManifoldBody0 ? normal : -normal), toBullet(aIsManifoldBody0 ? onB : onA),
+						btScalar(depth));
 	if (place < 0 || m_target->getNumContacts() <= place) return;
-	Scratch& buffer = scratch();
 	btManifoldPoint& fresh = buffer.fresh[std::size_t(m_freshCount++)];
 	fresh = m_target->getContactPoint(place);
 	m_target->getContactPoint(place).m_userPersistentData = nullptr;
-	const std::uint32_t from = held.previous;
-	const bool goesOn = from != kNone && buffer.found[from];
 	fresh.m_appliedImpulse = goesOn ? buffer.old[from].m_appliedImpulse : 0;
 	setSolverTerms(point, frame, fresh);
 	if (!goesOn) return;
-	const btManifoldPoint& old = buffer.old[from];
-	if (!fresh.m_userPersistentData) fresh.m_userPersistentData = old.m_userPersistentData;
+	btManifoldPoint& old = buffer.old[from];
+	if (!fresh.m_userPersistentData) std::swap(fresh.m_userPersistentData, old.m_userPersistentData);
+	m_target->clearUserCache(old);
 	fresh.m_prevRHS = old.m_prevRHS;
 	fresh.m_appliedImpulseLateral1 = old.m_appliedImpulseLateral1;
 	fresh.m_appliedImpulseLateral2 = old.m_appliedImpulseLateral2;

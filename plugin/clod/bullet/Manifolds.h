@@ -42,6 +42,7 @@ public:
 	ManifoldSet(const ManifoldSet&) = delete;
 	ManifoldSet& operator=(const ManifoldSet&) = delete;
 
+	bool isOf(const btDispatcher& dispatcher) const { return &m_dispatcher == &dispatcher; }
 	// For the clusters that were written last, asked to be written again: does every manifold hold them as they were
 	// left, and would the same be written? Then points age, are refreshed and seen by gContactProcessedCallback, their
 	// impulses are copied into the set, and that is all. False, and nothing done, where anything differs: bodies,
@@ -127,6 +128,7 @@ private:
 	bool mayKeep(const WorldFrame& frame, const btManifoldResult& out) const;
 	void beginWrite(const HeldClusters& clusters);
 	bool openSlot(std::size_t index, HeldClusters& clusters, const WorldFrame& frame, btManifoldResult& out);
+	void standIn(const btVector3& onBody0, btManifoldPoint& before);
 	void writePoint(const HeldPoint& held, const WorldFrame& frame, btManifoldResult& out);
 	void closeSlot(std::size_t index, btManifoldResult& out);
 	void endWrite(const HeldClusters& clusters, const WorldFrame& frame, const btManifoldResult& out);

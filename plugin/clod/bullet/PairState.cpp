@@ -143,8 +143,8 @@ PairPose PairState::begin(const btCollisionObjectWrapper& body0, const btCollisi
 														   : Prediction::kFree;
 	PairPose pose = poseOf(body0, body1, info, prediction, closestPoints, m_context.m_convexPartners, m_convex);
 	m_report.notFinite = pose.notFinite;
-	if (pose.shapeA != nullptr) noticeShapes(pose);
 	if (pose.partner == Partner::kOther) return pose;
+	noticeShapes(pose);
 	m_report.objectA = pose.a->getCollisionObject();
 	m_report.objectB = pose.b->getCollisionObject();
 	for (const btClodShape* shape : {pose.shapeA, pose.shapeB})
@@ -252,7 +252,7 @@ bool PairState::staysOverPlane(const btCollisionObjectWrapper& body0, const btCo
 	const btCollisionObject &plane = *(planeIsFirst ? body0 : body1).getCollisionObject(),
 							&body = *(planeIsFirst ? body1 : body0).getCollisionObject();
 	// Of compounds neither.
-	if (plane.getCollisionShape() != m_seenB.shape || body.getCollisionShape() != m_seenA.shape || !plane.isStaticObject() ||
+	if (plane.getCollisionShape() != m_seenB.shape || body.getCollisionShape() != m_seenA.shape || !isFixed(plane) ||
 		plane.getCollisionShape()->getShapeType() != STATIC_PLANE_PROXYTYPE)
 		return false;
 	const auto* shape = dynamic_cast<const btClodShape*>(m_seenA.shape);
@@ -273,6 +273,7 @@ PairState::Prepared& PairState::ahead(const btCollisionObjectWrapper& body0, con
 {
 	if (!m_ahead) m_ahead = std::make_unique<Prepared>();
 	if (!std::exchange(m_isAhead, true)) open(body0, body1, info, 0, *m_ahead);
+	m_ahead->holdWrappers(body0, body1);
 	return *m_ahead;
 }
 
@@ -328,43 +329,43 @@ void PairState::complete(Prepared& prepared)
 	if (m_budget && m_held > 0) m_budget->release(std::exchange(m_held, 0));
 }
 
-void PairState::process(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+bool PairState::process(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 						const btDispatcherInfo& info, btManifoldResult& out)
 {
-	if (!m_isAhead && staysOverPlane(body0, body1, info)) return;
+	if (!m_isAhead && staysOverPlane(body0, body1, info)) return true;
 	const double closestPoints = double(out.m_closestPointDistanceThreshold);
 	Prepared now;
 	if (std::exchange(m_isAhead, false))
 		now = std::exchange(*m_ahead, {});
 	else
 		open(body0, body1, info, closestPoints, now);
+	now.holdWrappers(body0, body1);
 	complete(now);
-	PairPose& pose = now.pose;
-	(now.aIsFirst ? pose.a : pose.b) = &body0;
-	(now.aIsFirst ? pose.b : pose.a) = &body1;
+	const PairPose& pose = now.pose;
 	for (const auto& [cause, message] : std::exchange(m_toSay, {})) m_context.say(cause, message);
 	m_report.kept = false;
 	if (!pose.isAsked())
 	{
 		m_manifolds.write(m_clusters, {}, [](const ContactPoint&, std::uint32_t&, std::uint32_t&) {}, out);
-		return;
+		return pose.partner != Partner::kOther;
 	}
 	const WorldFrame frame = worldFrame(pose, m_context, now.aIsFirst, closestPoints);
 	if (now.isKept)
 	{
 		keepAnswer();
 		m_report.kept = m_manifolds.keep(m_clusters, frame, out);
-		if (m_report.kept) return;
+		if (m_report.kept) return true;
 		m_manifolds.readImpulses(m_clusters);
 		m_clusters.linkToThemselves();
 	}
 	else if (now.isStill)
 	{
-		if (follow(pose, frame, out)) return;
+		if (follow(pose, frame, out)) return true;
 		m_manifolds.readImpulses(m_clusters);
 		answer(pose, now.question);
 	}
 	write(pose, frame, out);
+	return true;
 }
 
 bool PairState::follow(const PairPose& pose, const WorldFrame& frame, btManifoldResult& out)

@@ -29,7 +29,8 @@ public:
 	PairState(const PairState&) = delete;
 	PairState& operator=(const PairState&) = delete;
 
-	void process(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+	// False, and no contacts, where the two are no pair of ours.
+	bool process(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 				 const btDispatcherInfo& info, btManifoldResult& out);
 	// What the points may miss of the motion as solved, being found for another; in skins.
 	double surprise() const;
@@ -45,6 +46,7 @@ public:
 	// See TimeOfImpact.h.
 	double timeOfImpact(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 						const btDispatcherInfo& info);
+	bool isOf(const btDispatcher& dispatcher) const { return m_manifolds.isOf(dispatcher); }
 	void append(btManifoldArray& manifolds) const { m_manifolds.append(manifolds); }
 	const PairReport& lastReport() const { return m_report; }
 
@@ -88,6 +90,12 @@ private:
 		bool isKept = false;  // the answer of the dispatch before is this one's,
 		bool isStill = false;  // or its points are, as bodies hardly move
 		bool isOutlined = false;
+		// Bullet's live no longer than the call they are given to: those of the last one serve.
+		void holdWrappers(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1)
+		{
+			(aIsFirst ? pose.a : pose.b) = &body0;
+			(aIsFirst ? pose.b : pose.a) = &body1;
+		}
 	};
 	static Seen seenA(const PairPose& pose);
 	static Seen seenB(const PairPose& pose);

@@ -6,6 +6,7 @@
 #include <LinearMath/btQuickprof.h>
 
 #include <new>
+#include <utility>
 
 #include "clod/bullet/PairState.h"
 #include "clod/bullet/btClodCompoundAlgorithm.h"
@@ -62,14 +63,43 @@ btClodCollisionAlgorithm::btClodCollisionAlgorithm(const btCollisionAlgorithmCon
 {
 }
 
-btClodCollisionAlgorithm::~btClodCollisionAlgorithm() = default;
+btClodCollisionAlgorithm::~btClodCollisionAlgorithm()
+{
+	releaseOther();
+}
 
 void btClodCollisionAlgorithm::processCollision(const btCollisionObjectWrapper* body0,
 												const btCollisionObjectWrapper* body1, const btDispatcherInfo& info,
 												btManifoldResult* out)
 {
 	BT_PROFILE("btClodCollisionAlgorithm::processCollision");
-	m_state->process(*body0, *body1, info, *out);
+	if (m_state->process(*body0, *body1, info, *out))
+		releaseOther();
+	else
+		askOther(*body0, *body1, info, *out);
+}
+
+void btClodCollisionAlgorithm::askOther(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+										const btDispatcherInfo& info, btManifoldResult& out)
+{
+	const btCollisionShape *shape0 = body0.getCollisionShape(), *shape1 = body1.getCollisionShape();
+	if (shape0 != m_otherShape0 || shape1 != m_otherShape1)
+	{
+		releaseOther();
+		m_other = m_dispatcher->findAlgorithm(&body0, &body1, nullptr, BT_CONTACT_POINT_ALGORITHMS);
+		m_otherShape0 = shape0;
+		m_otherShape1 = shape1;
+	}
+	// One of these has been asked already: a shape under our type that is none of ours.
+	if (m_other && !dynamic_cast<btClodCollisionAlgorithm*>(m_other)) m_other->processCollision(&body0, &body1, info, &out);
+}
+
+void btClodCollisionAlgorithm::releaseOther()
+{
+	m_otherShape0 = m_otherShape1 = nullptr;
+	if (!m_other) return;
+	m_other->~btCollisionAlgorithm();
+	m_dispatcher->freeCollisionAlgorithm(std::exchange(m_other, nullptr));
 }
 
 btScalar btClodPairAlgorithm::calculateTimeOfImpact(btCollisionObject* body0, btCollisionObject* body1,
@@ -89,6 +119,7 @@ btScalar btClodCollisionAlgorithm::timeOfImpact(const btCollisionObjectWrapper& 
 void btClodCollisionAlgorithm::getAllContactManifolds(btManifoldArray& manifolds)
 {
 	m_state->append(manifolds);
+	if (m_other) m_other->getAllContactManifolds(manifolds);
 }
 
 clod::Result<int> btClodCollisionAlgorithm::registerAlgorithm(btCollisionDispatcher* dispatcher, clod::Context* context,

@@ -53,5 +53,12 @@ public:
 	void getAllContactManifolds(btManifoldArray& manifolds) override;
 
 private:
+	void askOther(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+				  const btDispatcherInfo& info, btManifoldResult& out);
+	void releaseOther();
 	std::unique_ptr<clod::PairState> m_state;
+	// Bullet asks a pair's algorithm as long as the pair lives, whatever setCollisionShape makes of it: what is no pair of
+	// ours any longer is handed to the algorithm for it.
+	btCollisionAlgorithm* m_other = nullptr;
+	const btCollisionShape *m_otherShape0 = nullptr, *m_otherShape1 = nullptr;  // that it was found for
 };

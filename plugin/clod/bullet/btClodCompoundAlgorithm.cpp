@@ -18,6 +18,7 @@
 #include <new>
 #include <vector>
 
+#include "clod/bullet/BodyState.h"
 
 namespace
 {
@@ -80,7 +81,7 @@ public:
 		: m_body(body), m_reach(reach, reach, reach), m_compound(compoundOf(*body.getCollisionShape()))
 	{
 		const btCollisionObject& object = *body.getCollisionObject();
-		m_moves = info.m_timeStep > 0 && !object.isStaticObject();
+		m_moves = info.m_timeStep > 0 && !clod::isFixed(object);
 		if (!m_moves) return;
 		btTransform then = object.getInterpolationWorldTransform();
 		if (object.isKinematicObject())

@@ -5,6 +5,7 @@
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 #include <LinearMath/btQuickprof.h>
+#include <LinearMath/btTransformUtil.h>
 
 #include <algorithm>
 #include <utility>
@@ -87,6 +88,14 @@ double btClodDynamicsWorld::solveInPasses(btContactSolverInfo& info)
 	}
 }
 
+// Joints take back what they miss as fast as in a whole step: a share of it in however short a part throws bodies.
+void btClodDynamicsWorld::solvePart(btContactSolverInfo& info, btScalar whole)
+{
+	const btScalar erp = std::exchange(info.m_erp, info.m_erp * (info.m_timeStep / whole));
+	solveInPasses(info);
+	info.m_erp = erp;
+}
+
 void btClodDynamicsWorld::solveInParts(btContactSolverInfo& info, int parts)
 {
 	const btScalar whole = info.m_timeStep;
@@ -95,8 +104,8 @@ void btClodDynamicsWorld::solveInParts(btContactSolverInfo& info, int parts)
 	for (int part = 0; part < parts; ++part)
 	{
 		if (part > 0) btDiscreteDynamicsWorld::integrateTransforms(info.m_timeStep);
-		beginPart(info.m_timeStep, whole - btScalar(part + 1) * info.m_timeStep);
-		solveInPasses(info);
+		beginPart(info.m_timeStep, btScalar(part) * info.m_timeStep);
+		solvePart(info, whole);
 	}
 	m_parts = parts;
 	m_lastPart = info.m_timeStep;
@@ -127,8 +136,8 @@ void btClodDynamicsWorld::solveToImpacts(btContactSolverInfo& info)
 			info.m_restitutionVelocityThreshold = BT_LARGE_FLOAT;
 		}
 		left = info.m_timeStep < left ? left - info.m_timeStep : 0;
-		if (m_parts > 1 || left > 0) beginPart(info.m_timeStep, left);
-		solveInPasses(info);
+		if (m_parts > 1 || left > 0) beginPart(info.m_timeStep, m_parts > 1 ? whole - left - info.m_timeStep : 0);
+		solvePart(info, whole);
 		if (!(left > 0)) break;
 		btDiscreteDynamicsWorld::integrateTransforms(info.m_timeStep);
 	}
@@ -142,27 +151,27 @@ void btClodDynamicsWorld::integrateTransforms(btScalar timeStep)
 	btDiscreteDynamicsWorld::integrateTransforms(m_lastPart > 0 ? m_lastPart : timeStep);
 }
 
-// Contacts for a part of the step, of which `left` will be left. Kinematic bodies are where the step ends; they come there
-// evenly.
-void btClodDynamicsWorld::beginPart(btScalar timeStep, btScalar left)
+// Contacts for a part of the step, of which so much is gone. Kinematic bodies go on from where they are as their velocities
+// tell, which the solver and whole steps take them to do as well.
+void btClodDynamicsWorld::beginPart(btScalar timeStep, btScalar gone)
 {
 	btAlignedObjectArray<btCollisionObject*>& objects = getCollisionObjectArray();
-	std::vector<std::pair<btRigidBody*, btTransform>> ends;
+	std::vector<std::pair<btRigidBody*, btTransform>> starts;
 	for (int i = 0; i < objects.size(); ++i)
 	{
 		btRigidBody* body = btRigidBody::upcast(objects[i]);
-		if (!body || !body->isKinematicObject() || !(left > 0)) continue;
-		ends.push_back({body, body->getWorldTransform()});
+		if (!body || !body->isKinematicObject() || !(gone > 0)) continue;
+		starts.push_back({body, body->getWorldTransform()});
 		btTransform now;
 		btTransformUtil::integrateTransform(body->getWorldTransform(), body->getLinearVelocity(),
-											body->getAngularVelocity(), -left, now);
+											body->getAngularVelocity(), gone, now);
 		body->setWorldTransform(now);
 	}
 	predictFree(timeStep);
 	getDispatchInfo().m_timeStep = timeStep;
 	performDiscreteCollisionDetection();
 	calculateSimulationIslands();
-	for (const auto& [body, end] : ends) body->setWorldTransform(end);
+	for (const auto& [body, start] : starts) body->setWorldTransform(start);
 }
 
 // Of the bodies as they move now.
@@ -240,6 +249,7 @@ double btClodDynamicsWorld::findSurprised()
 	for (std::size_t i = 0; const clod::PairState* pair = m_context.pairAt(i); ++i)
 	{
 		const btCollisionObject *a = pair->lastReport().objectA, *b = pair->lastReport().objectB;
+		if (!pair->isOf(*getDispatcher())) continue;  // worlds may share a context
 		if (!a || !b || !(isMoving(*a) || isMoving(*b))) continue;
 		const double surprise = pair->surprise();
 		if (!(surprise > 1)) continue;
@@ -260,15 +270,34 @@ double btClodDynamicsWorld::findSurprised()
 	return largest;
 }
 
-void btClodDynamicsWorld::widenBox(const btCollisionObject& object)
+void btClodDynamicsWorld::updateAabbs()
 {
-	if (!isMoving(object)) return;
+	btDiscreteDynamicsWorld::updateAabbs();
+	const btScalar timeStep = getDispatchInfo().m_timeStep;
+	for (int i = 0; i < m_collisionObjects.size(); ++i)
+	{
+		const btCollisionObject& body = *m_collisionObjects[i];
+		if (!body.isKinematicObject() || !body.isActive()) continue;
+		const btVector3 &linear = body.getInterpolationLinearVelocity(), &angular = body.getInterpolationAngularVelocity();
+		if (linear.fuzzyZero() && angular.fuzzyZero()) continue;
+		btTransform then;
+		btTransformUtil::integrateTransform(body.getWorldTransform(), linear, angular, timeStep, then);
+		btVector3 center;
+		btScalar radius = 0;
+		body.getCollisionShape()->getBoundingSphere(center, radius);
+		const btScalar halfTurn = btScalar(0.5) * timeStep * angular.length();
+		widenBox(body, then, (radius + center.length()) * (1 - btCos(btMin(halfTurn, SIMD_PI))));
+	}
+}
+
+void btClodDynamicsWorld::widenBox(const btCollisionObject& object, const btTransform& then, btScalar bend)
+{
 	btBroadphaseProxy* proxy = const_cast<btBroadphaseProxy*>(object.getBroadphaseHandle());
 	btVector3 low, high, oldLow, oldHigh;
-	object.getCollisionShape()->getAabb(object.getInterpolationWorldTransform(), low, high);
-	const btVector3 beside(gContactBreakingThreshold, gContactBreakingThreshold, gContactBreakingThreshold);
-	low -= beside;
-	high += beside;
+	object.getCollisionShape()->getAabb(then, low, high);
+	const btScalar beside = gContactBreakingThreshold + bend;
+	low -= btVector3(beside, beside, beside);
+	high += btVector3(beside, beside, beside);
 	getBroadphase()->getAabb(proxy, oldLow, oldHigh);
 	low.setMin(oldLow);
 	high.setMax(oldHigh);
@@ -279,7 +308,10 @@ void btClodDynamicsWorld::askAgain()
 {
 	for (const Surprised& pair : m_surprised)
 		for (const btBroadphaseProxy* proxy : {pair.low, pair.high})
-			widenBox(*static_cast<const btCollisionObject*>(proxy->m_clientObject));
+		{
+			const auto& object = *static_cast<const btCollisionObject*>(proxy->m_clientObject);
+			if (isMoving(object)) widenBox(object, object.getInterpolationWorldTransform());
+		}
 	computeOverlappingPairs();
 	btOverlappingPairCache& cache = *getBroadphase()->getOverlappingPairCache();
 	m_asked.clear();

@@ -49,6 +49,9 @@ public:
 	int pairsAskedAgain() const { return m_pairsAskedAgain; }
 
 	void solveConstraints(btContactSolverInfo& info) override;
+	// Kinematic bodies' boxes, too, hold the way of the coming step, as their velocities tell: Bullet's hold only where they
+	// are, and what goes more than its own size a step passes others that it never comes near.
+	void updateAabbs() override;
 
 protected:
 	void integrateTransforms(btScalar timeStep) override;
@@ -68,8 +71,9 @@ private:
 	// Returns the largest surprise left, in skins of its pair.
 	double solveInPasses(btContactSolverInfo& info);
 	void solveInParts(btContactSolverInfo& info, int parts);
+	void solvePart(btContactSolverInfo& info, btScalar whole);
 	void solveToImpacts(btContactSolverInfo& info);
-	void beginPart(btScalar timeStep, btScalar left);
+	void beginPart(btScalar timeStep, btScalar gone);
 	struct Impact
 	{
 		btScalar at = 1, lasts = 0;  // shares of the time; 1: there is none
@@ -81,8 +85,8 @@ private:
 	void predictSolved(btScalar timeStep);
 	void putBack();
 	double findSurprised();
-	// A body's box over its way as solved, besides what it was.
-	void widenBox(const btCollisionObject& object);
+	// A body's box over its way, which bends by so much between its ends, besides what it was.
+	void widenBox(const btCollisionObject& object, const btTransform& then, btScalar bend = 0);
 	// Those surprised, and those that are new.
 	void askAgain();
 
