@@ -249,6 +249,15 @@ TEST(FacetContacts, WhatAThirdBodyMayLeadToIsAContactThatDoesNotRebound)
 	EXPECT_EQ(higherOf(2.45), 0);
 }
 
+// Bodies with margins, beside each other's faces and under these by less than the margin, that are about to part.
+TEST(FacetContacts, WhatIsBesideAFaceIsNotUnderItsMargin)
+{
+	Pair pair(cubeOf(), cubeOf(), at({1.02, 1.03, 0.1}));
+	pair.rules.margin = 0.05;
+	pair.move({-0.2, 0.1, 0});
+	for (const ContactPoint& point : pair.points()) EXPECT_GE(point.height, 0);
+}
+
 TEST(FacetContacts, TheSecondOrderOfATurningBodyIsInTheConstraint)
 {
 	// Over its own corner, B turns about z through its middle: the corner leaves its tangent by w^2 r dt^2 / 2.

@@ -264,7 +264,7 @@ void PairSolve::solve(const FacetQuestion& question, std::vector<Facet>& facets)
 	const auto isPassed = [&](const Facet& facet)
 	{
 		const Beside beside = besideAt(question, facet, after);
-		const double above = facet.then - rules.margin;
+		const double above = std::min(facet.distance, facet.then) - rules.margin;
 		if (above > 0 && beside.distance <= above) return false;
 		m_spare = std::min(m_spare, std::max(above, beside.way));
 		return true;
