@@ -170,6 +170,19 @@ inline Vec3 fromLine(const Vec3& start, const Vec3& direction, const Vec3& point
 	return between - dot(between, direction) * direction;
 }
 
+// From the nearest point of B's feature to that of A's, with a vertex on one side at least.
+inline Vec3 betweenAt(const FacetRecord& facet, const ContactSurface& a, const ContactSurface& b, const Transform& aFromB)
+{
+	if (facet.kind == FacetRecord::Kind::kVertexVertex) return a.vertices()[facet.featureA] - aFromB * b.vertices()[facet.featureB];
+	if (facet.kind == FacetRecord::Kind::kVertexEdge)
+	{
+		const SurfaceEdge& k = b.edges()[facet.featureB];
+		return fromLine(aFromB * b.vertices()[k.vertex[0]], aFromB.rotation * k.direction, a.vertices()[facet.featureA]);
+	}
+	const SurfaceEdge& e = a.edges()[facet.featureA];
+	return -fromLine(a.vertices()[e.vertex[0]], e.direction, aFromB * b.vertices()[facet.featureB]);
+}
+
 // Where two lines are nearest, as lengths along them. Precondition: not parallel.
 struct LinesCrossing
 {

@@ -56,8 +56,7 @@ private:
 		Vec3 between;  // there
 	};
 	std::optional<Approach> approach(const Vec3& now, const Vec3& then, const Vec3& unforced) const;
-	template <class Between>
-	void bend(Approach& met, const Vec3& now, const Vec3& forced, Between between);
+	void bend(const FacetRecord& facet, const Vec3& now, const Vec3& forced, Approach& met);
 	void findRound();
 	void vertexOverEdge(const MovedCorner& vertex, const MovedEdge& moved, bool vertexIsOfA);
 	void vertexOverVertex(const MovedCorner& ofA, const MovedCorner& ofB);

@@ -19,19 +19,6 @@ bool isOfRound(Facet::Kind kind)
 	return kind == Facet::Kind::kVertexEdge || kind == Facet::Kind::kEdgeVertex || kind == Facet::Kind::kVertexVertex;
 }
 
-// From the nearest point of B's feature to that of A's, with a vertex on one side at least.
-Vec3 betweenAt(const Facet& facet, const ContactSurface& a, const ContactSurface& b, const Transform& aFromB)
-{
-	if (facet.kind == Facet::Kind::kVertexVertex) return a.vertices()[facet.featureA] - aFromB * b.vertices()[facet.featureB];
-	if (facet.kind == Facet::Kind::kVertexEdge)
-	{
-		const SurfaceEdge& k = b.edges()[facet.featureB];
-		return fromLine(aFromB * b.vertices()[k.vertex[0]], aFromB.rotation * k.direction, a.vertices()[facet.featureA]);
-	}
-	const SurfaceEdge& e = a.edges()[facet.featureA];
-	return -fromLine(a.vertices()[e.vertex[0]], e.direction, aFromB * b.vertices()[facet.featureB]);
-}
-
 // The most that turning bodies add to a facet's distance beyond the first order, by the motion they come with: rows that
 // ask for the arc of a turning that other rows made would drive each other.
 double bendBound(const PointRules& rules, const Facet& facet)

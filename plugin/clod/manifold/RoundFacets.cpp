@@ -67,14 +67,13 @@ std::optional<FacetFinder::Approach> FacetFinder::approach(const Vec3& now, cons
 	return {};
 }
 
-// A body that turns goes round: between them is there what between(pose of B in A) says and forces add, unless the chord is so
-// far off that it tells nothing of where they meet.
-template <class Between>
-void FacetFinder::bend(Approach& met, const Vec3& now, const Vec3& forced, Between between)
+// A body that turns goes round: between the facet's features is there what lies between them at that pose and forces add,
+// unless the chord is so far off that it tells nothing of where they meet.
+void FacetFinder::bend(const FacetRecord& facet, const Vec3& now, const Vec3& forced, Approach& met)
 {
 	if (met.reach != Facet::Reach::kPath || m_sagitta < kSlowTurn) return;
 	const double margin = m_question->rules.margin;
-	const Vec3 there = between(poseAt(met.share / kPathReach)) + met.share * forced;
+	const Vec3 there = betweenAt(facet, *m_pair.a, *m_pair.b, poseAt(met.share / kPathReach)) + met.share * forced;
 	const double apart = length(there);
 	if (apart >= kKeptOfMargin * margin && kKeptOfMargin * apart <= margin) met.between = towards(there, now, margin);
 }
@@ -124,13 +123,11 @@ void FacetFinder::vertexOverEdge(const MovedCorner& vertex, const MovedEdge& mov
 											  : fromLine(start, direction, vertex.unforced));
 	std::optional<Approach> met = approach(now, then, unforced);
 	if (!met) return;
-	bend(*met, now, then - unforced,
-		 [&](const Transform& pose)
-		 {
-			 const std::vector<Vec3>& ofB = m_pair.b->vertices();
-			 return vertexIsOfA ? fromLine(pose * ofB[edge.vertex[0]], pose.rotation * edge.direction, place)
-								: -fromLine(start, direction, pose * ofB[vertex.index]);
-		 });
+	Facet facet;
+	facet.kind = vertexIsOfA ? Facet::Kind::kVertexEdge : Facet::Kind::kEdgeVertex;
+	facet.featureA = vertexIsOfA ? vertex.index : moved.index;
+	facet.featureB = vertexIsOfA ? moved.index : vertex.index;
+	bend(facet, now, then - unforced, *met);
 	const double alongNow = dot(direction, place - start);
 	const double alongThen = dot(directionThen, placeThen - startThen);
 	const double along = alongNow + met->share * (alongThen - alongNow);
@@ -142,10 +139,6 @@ void FacetFinder::vertexOverEdge(const MovedCorner& vertex, const MovedEdge& mov
 	const Vec3 outOfB = -intoB(*met, normal), away = vertexIsOfA ? outOfB : normal;
 	if (!isInCone(vertexIsOfA ? *m_pair.a : *m_pair.b, vertex, vertexIsOfA ? normal : outOfB)) return;
 	if (dot(away, edge.inward[0]) < -coneSlack() || dot(away, edge.inward[1]) < -coneSlack()) return;
-	Facet facet;
-	facet.kind = vertexIsOfA ? Facet::Kind::kVertexEdge : Facet::Kind::kEdgeVertex;
-	facet.featureA = vertexIsOfA ? vertex.index : moved.index;
-	facet.featureB = vertexIsOfA ? moved.index : vertex.index;
 	const double distance = dot(normal, now);
 	facet.onA = vertexIsOfA ? place : place + distance * normal;
 	facet.onB = vertexIsOfA ? place - distance * normal : place;
@@ -158,14 +151,13 @@ void FacetFinder::vertexOverVertex(const MovedCorner& ofA, const MovedCorner& of
 	const Vec3 now = place - ofB.now, then = place - ofB.then;
 	std::optional<Approach> met = approach(now, then, place - ofB.unforced);
 	if (!met) return;
-	bend(*met, now, ofB.unforced - ofB.then,
-		 [&](const Transform& pose) { return place - pose * m_pair.b->vertices()[ofB.index]; });
-	const Vec3 normal = normalized(met->between);
-	if (normal == Vec3{} || !isInCone(*m_pair.a, ofA, normal) || !isInCone(*m_pair.b, ofB, -intoB(*met, normal))) return;
 	Facet facet;
 	facet.kind = Facet::Kind::kVertexVertex;
 	facet.featureA = ofA.index;
 	facet.featureB = ofB.index;
+	bend(facet, now, ofB.unforced - ofB.then, *met);
+	const Vec3 normal = normalized(met->between);
+	if (normal == Vec3{} || !isInCone(*m_pair.a, ofA, normal) || !isInCone(*m_pair.b, ofB, -intoB(*met, normal))) return;
 	facet.onA = place;
 	facet.onB = place - dot(normal, now) * normal;
 	addRound(facet, *met, now, then, normal);
