@@ -268,8 +268,7 @@ Vec3 DeepOverlap::find(const FacetQuestion& q, const std::vector<Contact>& conta
 		facet.featureB = inside.ofA ? inside.nodeB : inside.feature;
 		facet.normal = normal;
 		facet.distance = facet.then = -length(inside.way);
-		facet.onA = inside.ofA ? inside.point : inside.point + facet.distance * normal;
-		facet.onB = inside.ofA ? inside.point - facet.distance * normal : inside.point;
+		facet.span(inside.point, inside.ofA);
 		facets.push_back(facet);
 	};
 	// Of convex bodies their hulls tell how far it is out, be there little of either inside.

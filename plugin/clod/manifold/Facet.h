@@ -23,6 +23,15 @@ namespace clod
 inline constexpr double kAgainst = -0.1;        // cosine of normals that oppose
 inline constexpr double kSameNormal = 0.99995;  // cosine: of one polygon's facets, and of polygons all but in one plane
 
+// What of a body makes a facet.
+enum class Part
+{
+	kVertex,
+	kEdge,
+	kPolygon,
+	kPlace  // its middle, or a place that is no feature
+};
+
 // What a facet is, and how far apart its features are: with its contact point, all of it.
 struct FacetRecord
 {
@@ -57,6 +66,18 @@ struct FacetRecord
 	// Is it made of two features, which tell of it at any pose?
 	bool hasFeatures() const { return kind != Kind::kDeep && kind != Kind::kHeld; }
 	bool isOfMiddle() const { return kind == Kind::kMiddleFace || kind == Kind::kFaceMiddle; }
+	struct Parts
+	{
+		Part ofA, ofB;
+	};
+	Parts parts() const
+	{
+		constexpr Part kVertex = Part::kVertex, kEdge = Part::kEdge, kPolygon = Part::kPolygon, kPlace = Part::kPlace;
+		static constexpr Parts kOfKinds[] = {{kVertex, kPolygon}, {kPolygon, kVertex}, {kEdge, kEdge}, {kVertex, kEdge},
+											 {kEdge, kVertex}, {kVertex, kVertex}, {kPlace, kPolygon}, {kPolygon, kPlace},
+											 {kPlace, kPlace}, {kPlace, kPlace}};
+		return kOfKinds[std::size_t(kind)];
+	}
 };
 
 struct Facet : FacetRecord
@@ -66,6 +87,12 @@ struct Facet : FacetRecord
 	double multiplier = 0;  // of the pair's own solve, an impulse
 	double slowOverlap = 0;  // of what lies below the margin: came with a change of level, and is left slowly
 	double curvature() const { return then - distance - linear; }  // what the first order misses
+	// The points: this one, of A's surface or of B's, and the other's across from it.
+	void span(const Vec3& place, bool isOnA)
+	{
+		onA = isOnA ? place : place + distance * normal;
+		onB = isOnA ? place - distance * normal : place;
+	}
 };
 
 // Of each point that a solver got last, with what it was made of: each(old, record).
@@ -128,15 +155,20 @@ struct FacetQuestion
 // What makes a facet, hashed: the same in whichever step it is found.
 inline std::uint64_t featureOf(const ContactSurface& a, const ContactSurface& b, const FacetRecord& facet)
 {
-	using Kind = Facet::Kind;
-	const auto nameIn = [&](const ContactSurface& surface, std::uint32_t index, Kind ofVertex, Kind ofPolygon, Kind ofEdge)
+	const auto nameIn = [](const ContactSurface& surface, Part part, std::uint32_t index) -> std::uint64_t
 	{
-		if (facet.kind == ofVertex || facet.kind == Kind::kVertexVertex) return surface.nameOfVertex(index);
-		if (facet.kind == ofPolygon) return surface.nameOfPolygon(index);
-		return facet.kind == ofEdge || facet.kind == Kind::kEdgeEdge ? surface.nameOfEdge(index) : index;
+		switch (part)
+		{
+			case Part::kVertex: return surface.nameOfVertex(index);
+			case Part::kEdge: return surface.nameOfEdge(index);
+			case Part::kPolygon: return surface.nameOfPolygon(index);
+			case Part::kPlace: break;
+		}
+		return index;
 	};
-	std::uint64_t name = nameIn(a, facet.featureA, Kind::kVertexFace, Kind::kFaceVertex, Kind::kEdgeVertex);
-	name = name * 0x9E3779B97F4A7C15u ^ nameIn(b, facet.featureB, Kind::kFaceVertex, Kind::kVertexFace, Kind::kVertexEdge);
+	const auto [ofA, ofB] = facet.parts();
+	const std::uint64_t name =
+		nameIn(a, ofA, facet.featureA) * 0x9E3779B97F4A7C15u ^ nameIn(b, ofB, facet.featureB);
 	return name * 0xD6E8FEB86659FD93u + (std::uint64_t(facet.kind) << 8 | facet.levelA << 4 | facet.levelB);
 }
 

@@ -18,6 +18,21 @@ Vec3 impulseOf(const ClusterSet& set)
 			sum += cluster.points[std::size_t(i)].impulse * cluster.points[std::size_t(i)].point.normal;
 	return sum;
 }
+
+// The triangle on which a place of the part lies, which may have many; kNone of a core.
+std::uint32_t faceOf(const ContactSurface& surface, Part part, std::uint32_t feature, std::uint32_t node, const Vec3& place)
+{
+	if (surface.isCore()) return kNone;
+	switch (part)
+	{
+		case Part::kVertex: return surface.faceOfVertex(feature);
+		case Part::kEdge:
+			return surface.nearestFaceOf(surface.faces()[surface.edges()[feature].face[0]].polygon, place);
+		case Part::kPolygon: return surface.nearestFaceOf(feature, place);
+		case Part::kPlace: break;
+	}
+	return surface.firstFaceOf(node);
+}
 }  // namespace
 
 void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Transform& aFromB, const PointRules& rules,
@@ -105,8 +120,7 @@ void FacetContacts::takeUpThrough(const ContactPoint& point, const FacetRecord& 
 	facet.feature = featureOf(a, b, facet);
 	facet.reach = Facet::Reach::kOverlap;
 	facet.normal = isOfA ? q.aFromB.rotation * face.normal : -face.normal;
-	facet.onA = isOfA ? a.vertices()[facet.featureA] : place + facet.distance * facet.normal;
-	facet.onB = facet.onA - facet.distance * facet.normal;
+	facet.span(isOfA ? a.vertices()[facet.featureA] : place, isOfA);
 	m_facets.push_back(facet);
 }
 
@@ -157,51 +171,13 @@ void FacetContacts::reduce(const ClusterSet& previous, ClusterSet& next)
 		}
 }
 
-// The triangles that a point lies on: a feature may have many. Not of one that is held: there may be no surface any longer.
+// The triangles that a point lies on. Not of one that is held: there may be no surface any longer.
 void FacetContacts::nameFaces(const Facet& facet, const Transform& bFromA, ContactPoint& point) const
 {
 	const ContactSurface &a = m_question.a.surface(facet.levelA), &b = m_question.b.surface(facet.levelB);
-	const auto onEdge = [](const ContactSurface& surface, std::uint32_t edge, const Vec3& place)
-	{
-		const std::uint32_t face = surface.edges()[edge].face[0];
-		return face == kNone ? kNone : surface.nearestFaceOf(surface.faces()[face].polygon, place);
-	};
-	std::uint32_t faceA = a.firstFaceOf(facet.nodeA), faceB = b.firstFaceOf(facet.nodeB);
-	switch (facet.kind)
-	{
-		case Facet::Kind::kVertexFace:
-			faceA = a.faceOfVertex(facet.featureA);
-			faceB = b.nearestFaceOf(facet.featureB, bFromA * facet.onB);
-			break;
-		case Facet::Kind::kFaceVertex:
-			faceA = a.nearestFaceOf(facet.featureA, facet.onA);
-			faceB = b.faceOfVertex(facet.featureB);
-			break;
-		case Facet::Kind::kEdgeEdge:
-			faceA = onEdge(a, facet.featureA, facet.onA);
-			faceB = onEdge(b, facet.featureB, bFromA * facet.onB);
-			break;
-		case Facet::Kind::kVertexEdge:
-			faceA = a.faceOfVertex(facet.featureA);
-			faceB = onEdge(b, facet.featureB, bFromA * facet.onB);
-			break;
-		case Facet::Kind::kEdgeVertex:
-			faceA = onEdge(a, facet.featureA, facet.onA);
-			faceB = b.faceOfVertex(facet.featureB);
-			break;
-		case Facet::Kind::kVertexVertex:
-			faceA = a.faceOfVertex(facet.featureA);
-			faceB = b.faceOfVertex(facet.featureB);
-			break;
-		case Facet::Kind::kMiddleFace: faceB = b.nearestFaceOf(facet.featureB, bFromA * facet.onB); break;
-		case Facet::Kind::kFaceMiddle: faceA = a.nearestFaceOf(facet.featureA, facet.onA); break;
-		case Facet::Kind::kHeld: break;
-		case Facet::Kind::kDeep:
-			if (b.isCore()) faceB = kNone;
-			break;
-	}
-	point.faceA = m_question.a.globalFace(facet.levelA, faceA);
-	point.faceB = m_question.b.globalFace(facet.levelB, faceB);
+	const auto [ofA, ofB] = facet.parts();
+	point.faceA = m_question.a.globalFace(facet.levelA, faceOf(a, ofA, facet.featureA, facet.nodeA, facet.onA));
+	point.faceB = m_question.b.globalFace(facet.levelB, faceOf(b, ofB, facet.featureB, facet.nodeB, bFromA * facet.onB));
 }
 
 ContactPoint FacetContacts::pointOf(const Facet& facet) const

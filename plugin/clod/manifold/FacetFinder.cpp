@@ -273,17 +273,51 @@ bool FacetFinder::meetsOnPath(const Way& way, double mostBulge, const Vec3& up, 
 		   (mayHold || (closingUnforced > 0 && meetsOn(toUnforced, closingUnforced, inner)));
 }
 
-// The ways in the step, in frame A and relative to A, that a place of B goes if a third body holds A, and if one holds B.
-std::array<Vec3, 2> FacetFinder::waysIfHeld(const Vec3& place) const
+// On the way of one of them alone, in case that a third body holds the other? place: of either, in frame A. meetsOn(way,
+// closing) asks it of a chord of B's, in frame A.
+template <class MeetsOn>
+bool FacetFinder::meetsIfHeld(const Vec3& place, const Vec3& normal, double now, MeetsOn meetsOn) const
 {
 	const PointRules& rules = m_question->rules;
-	const auto wayOf = [&](const PairBody& body)
+	const auto meetsOnWayOf = [&](const PairBody& body, double sign)
 	{
-		const Vec3 way = rules.timeStep * (body.linear + cross(body.angular, place - body.center));
+		Vec3 way = sign * rules.timeStep * (body.linear + cross(body.angular, place - body.center));
 		const double far = length(way);
-		return far > rules.heldReach ? (rules.heldReach / far) * way : way;
+		if (far > rules.heldReach) way = (rules.heldReach / far) * way;
+		const double closing = dot(normal, way);
+		return closing > 0 && now - closing <= rules.margin && meetsOn(way, closing);
 	};
-	return {wayOf(rules.b), -wayOf(rules.a)};
+	return rules.heldReach > 0 && (meetsOnWayOf(rules.b, 1) || meetsOnWayOf(rules.a, -1));
+}
+
+// At the end of the way looked ahead.
+double FacetFinder::endOf(double now, double then) const
+{
+	return now + kPathReach * (then - now);
+}
+
+// May a facet whose features are so far apart now and at the end of the step be one that is asked for?
+bool FacetFinder::isInReach(double now, double then) const
+{
+	const PointRules& rules = m_question->rules;
+	return now >= -m_pair.deepest && (now <= highest(now - then) || endOf(now, then) <= rules.margin ||
+									  now <= rules.margin + rules.heldReach);
+}
+
+// What says first that it counts? Are its features over each other where they are, do they meet on the way of the step, or of
+// one body alone, and are they about the middle of the step as near as contacts may bring them?
+template <class IsOver, class MeetsOnWay, class MeetsAlone, class IsPossible>
+std::optional<Facet::Reach> FacetFinder::reachOf(double now, double then, IsOver isOver, MeetsOnWay meetsOnWay,
+												 MeetsAlone meetsAlone, IsPossible isPossible) const
+{
+	const FacetQuestion& q = *m_question;
+	const double end = endOf(now, then);
+	if (now <= q.touching() && isOver())
+		return now >= -kInnerShare * q.length() ? Facet::Reach::kNear : Facet::Reach::kOverlap;
+	if (now <= 0) return {};
+	if (end <= q.rules.margin ? end < now && meetsOnWay() : meetsAlone()) return Facet::Reach::kPath;
+	if (now <= highest(now - then) && isPossible()) return Facet::Reach::kPossible;
+	return {};
 }
 
 // In the face's frame.
@@ -296,9 +330,7 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 	const double now = dot(face.normal, vertex.now) - face.offset;
 	const Vec3 normal = vertexIsOfA ? q.aFromB.rotation * face.normal : -face.normal;
 	const double then = dot(face.normal, vertex.then) - face.offset;
-	const double end = now + kPathReach * (then - now);
-	if (now > highest(now - then) && end > q.rules.margin && now > q.rules.margin + q.rules.heldReach) return;
-	if (now < -m_pair.deepest) return;
+	if (!isInReach(now, then)) return;
 
 	const Vec3 up = vertexIsOfA ? normal : m_bFromA.rotation * face.normal;
 	if (!isLowest(vertices.fan(vertex.index), up, kArcSlack + m_turn)) return;
@@ -306,26 +338,21 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 	const double farthest = kPathReach * std::max(length(vertex.then - vertex.now), length(vertex.unforced - vertex.now));
 	const double ways = (1 + 2 * m_sagitta) * farthest + q.rules.heldReach + m_pair.roam + q.footSlack(now);
 	if (m_sagitta < kFlatArc && !faces.isOver(polygon, vertex.now, ways)) return;
-	const double touch = kInnerShare * q.length();
-	Facet facet;
-	facet.reach = now >= -touch ? Facet::Reach::kNear : Facet::Reach::kOverlap;
+	const Vec3& own = vertices.vertices()[vertex.index];
+	// What has sunk in stays a contact while the step's turning may make it the lowest.
+	const auto isOver = [&]
+	{
+		return (now < -kInnerShare * q.length() || isLowest(vertices.fan(vertex.index), up, kArcSlack)) &&
+			   faces.isOver(polygon, vertex.now, q.footSlack(now));
+	};
 	const auto meetsOn = [&](const Vec3& move, double closing, double slack)
 	{
 		const double enters = std::max(0.0, (now - q.rules.margin) / closing), crosses = std::min(1.0, now / closing);
 		return faces.isOver(polygon, vertex.now + enters * move, slack) ||
 			   faces.isOver(polygon, vertex.now + crosses * move, slack);
 	};
-	bool counts = false;
-	if (now <= q.touching())
+	const auto meetsOnWay = [&]
 	{
-		// What has sunk in stays a contact while the step's turning may make it the lowest.
-		counts = (facet.reach == Facet::Reach::kOverlap || isLowest(vertices.fan(vertex.index), up, kArcSlack)) &&
-				 faces.isOver(polygon, vertex.now, q.footSlack(now));
-	}
-	if (!counts && now > 0 && end <= q.rules.margin && end < now)
-	{
-		facet.reach = Facet::Reach::kPath;
-		const Vec3& own = vertices.vertices()[vertex.index];
 		Vec3 place;
 		const auto height = [&](double share, const Vec3& forced)
 		{
@@ -334,45 +361,26 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 			return dot(face.normal, place) - face.offset;
 		};
 		const double mostBulge = vertexIsOfA || m_bend == kFar ? kFar : m_bend * length(vertex.now - q.rules.b.center);
-		counts = meetsOnPath({vertex.now, vertex.then, vertex.unforced}, mostBulge, face.normal, now, now - end,
-							 q.rules.holds(normal), meetsOn, height,
-							 [&](double slack) { return faces.isOver(polygon, place, slack); });
-	}
-	if (!counts && now > 0 && end > q.rules.margin && q.rules.heldReach > 0)
-	{
-		facet.reach = Facet::Reach::kPath;
-		for (const Vec3& way : waysIfHeld(vertexIsOfA ? vertices.vertices()[vertex.index] : vertex.now))
-		{
-			const Vec3 move = vertexIsOfA ? -(m_bFromA.rotation * way) : way;
-			const double closing = -dot(face.normal, move);
-			counts = counts || (closing > 0 && now - closing <= q.rules.margin &&
-								meetsOn(move, closing, kInnerShare * q.length()));
-		}
-	}
-	if (!counts && now > 0 && now <= highest(now - then))
-	{
-		facet.reach = Facet::Reach::kPossible;
-		const Vec3 middle = 0.5 * (vertex.now + vertex.then);
-		const double slack = m_pair.roam + kFootShare * q.length();
-		counts = faces.isOver(polygon, middle, slack);
-	}
-	if (!counts) return;
+		return meetsOnPath({vertex.now, vertex.then, vertex.unforced}, mostBulge, face.normal, now, now - endOf(now, then),
+						   q.rules.holds(normal), meetsOn, height,
+						   [&](double slack) { return faces.isOver(polygon, place, slack); });
+	};
+	const auto meetsOnWayOfOne = [&](const Vec3& way, double closing)
+	{ return meetsOn(vertexIsOfA ? -(m_bFromA.rotation * way) : way, closing, kInnerShare * q.length()); };
+	const auto meetsAlone = [&] { return meetsIfHeld(vertexIsOfA ? own : vertex.now, normal, now, meetsOnWayOfOne); };
+	const auto isPossible = [&]
+	{ return faces.isOver(polygon, 0.5 * (vertex.now + vertex.then), m_pair.roam + kFootShare * q.length()); };
+	const std::optional<Facet::Reach> reach = reachOf(now, then, isOver, meetsOnWay, meetsAlone, isPossible);
+	if (!reach) return;
+	Facet facet;
 	facet.kind = vertexIsOfA ? Facet::Kind::kVertexFace : Facet::Kind::kFaceVertex;
+	facet.reach = *reach;
 	facet.featureA = vertexIsOfA ? vertex.index : polygon;
 	facet.featureB = vertexIsOfA ? polygon : vertex.index;
 	facet.distance = now;
 	facet.then = then;
 	facet.normal = normal;
-	if (vertexIsOfA)
-	{
-		facet.onA = m_pair.a->vertices()[vertex.index];
-		facet.onB = facet.onA - now * facet.normal;
-	}
-	else
-	{
-		facet.onB = vertex.now;
-		facet.onA = facet.onB + now * facet.normal;
-	}
+	facet.span(vertexIsOfA ? own : vertex.now, vertexIsOfA);
 	add(facet);
 }
 
@@ -394,36 +402,31 @@ void FacetFinder::edgeOverEdge(const MovedEdge& still, const MovedEdge& moved)
 
 	const Vec3& start = m_pair.a->vertices()[edge.vertex[0]];
 	const double now = dot(normal, start - moved.start);
-	if (now < -m_pair.deepest) return;
 	const double then = distanceOfLines(start, edge.direction, moved.thenStart, moved.thenDirection, normal);
-	const double end = now + kPathReach * (then - now);
-	if (now > highest(now - then) && end > q.rules.margin && now > q.rules.margin + q.rules.heldReach) return;
+	if (!isInReach(now, then)) return;
 
 	LinesCrossing at = crossingOf(start, edge.direction, moved.start, moved.direction);
-	Facet facet;
-	facet.reach = now >= -kInnerShare * q.length() ? Facet::Reach::kNear : Facet::Reach::kOverlap;
+	const auto isOn = [&](const LinesCrossing& there, double slack)
+	{ return isWithin(there.alongA, edge.length, slack) && isWithin(there.alongB, other.length, slack); };
+	// Do they cross where B's edge is then? If so, there.
+	const auto crossesAt = [&](const Vec3& place, const Vec3& direction, double slack)
+	{
+		const double squared = lengthSquared(cross(edge.direction, direction));
+		if (squared < kParallelSine * kParallelSine) return false;
+		const LinesCrossing there = crossingOf(start, edge.direction, place, direction);
+		if (!isOn(there, slack)) return false;
+		at = there;
+		return true;
+	};
 	const auto meetsOn = [&](const Vec3& move, const Vec3& turn, double closing, double slack)
 	{
 		for (const double share : {std::max(0.0, (now - q.rules.margin) / closing), std::min(1.0, now / closing)})
-		{
-			const Vec3 direction = normalized(moved.direction + share * turn);
-			if (length(cross(edge.direction, direction)) < kParallelSine) continue;
-			const LinesCrossing there = crossingOf(start, edge.direction, moved.start + share * move, direction);
-			if (!isWithin(there.alongA, edge.length, slack) || !isWithin(there.alongB, other.length, slack)) continue;
-			at = there;
-			return true;
-		}
+			if (crossesAt(moved.start + share * move, normalized(moved.direction + share * turn), slack)) return true;
 		return false;
 	};
-	bool counts = false;
-	if (now <= q.touching() && arc >= -kArcSlack)
+	const auto isOver = [&] { return arc >= -kArcSlack && isOn(at, q.footSlack(now)); };
+	const auto meetsOnWay = [&]
 	{
-		const double slack = q.footSlack(now);
-		counts = isWithin(at.alongA, edge.length, slack) && isWithin(at.alongB, other.length, slack);
-	}
-	if (!counts && now > 0 && end <= q.rules.margin && end < now)
-	{
-		facet.reach = Facet::Reach::kPath;
 		const Vec3 turn = kPathReach * (moved.thenDirection - moved.direction);
 		Vec3 place, direction;
 		const auto height = [&](double share, const Vec3& forced)
@@ -433,40 +436,28 @@ void FacetFinder::edgeOverEdge(const MovedEdge& still, const MovedEdge& moved)
 			direction = pose.rotation * other.direction;
 			return distanceOfLines(start, edge.direction, place, direction, normal);
 		};
-		const auto meets = [&](double slack)
-		{
-			const double squared = lengthSquared(cross(edge.direction, direction));
-			if (squared < kParallelSine * kParallelSine) return false;
-			const LinesCrossing there = crossingOf(start, edge.direction, place, direction);
-			if (!isWithin(there.alongA, edge.length, slack) || !isWithin(there.alongB, other.length, slack)) return false;
-			at = there;
-			return true;
-		};
 		const auto meetsTurning = [&](const Vec3& move, double closing, double slack)
 		{ return meetsOn(move, turn, closing, slack); };
-		counts = meetsOnPath({moved.start, moved.thenStart, moved.unforcedStart}, kFar, -normal, now, now - end,
-							 q.rules.holds(normal), meetsTurning, height, meets);
-	}
-	if (!counts && now > 0 && end > q.rules.margin && q.rules.heldReach > 0)
+		return meetsOnPath({moved.start, moved.thenStart, moved.unforcedStart}, kFar, -normal, now, now - endOf(now, then),
+						   q.rules.holds(normal), meetsTurning, height,
+						   [&](double slack) { return crossesAt(place, direction, slack); });
+	};
+	const auto meetsOnWayOfOne = [&](const Vec3& way, double closing)
+	{ return meetsOn(way, Vec3{}, closing, kInnerShare * q.length()); };
+	const auto meetsAlone = [&]
 	{
-		facet.reach = Facet::Reach::kPath;
 		const double along = std::max(0.0, std::min(edge.length, at.alongA));
-		for (const Vec3& way : waysIfHeld(start + along * edge.direction))
-		{
-			const double closing = dot(normal, way);
-			counts = counts || (closing > 0 && now - closing <= q.rules.margin &&
-								meetsOn(way, Vec3{}, closing, kInnerShare * q.length()));
-		}
-	}
-	if (!counts && now > 0 && now <= highest(now - then))
+		return meetsIfHeld(start + along * edge.direction, normal, now, meetsOnWayOfOne);
+	};
+	const auto isPossible = [&]
 	{
-		facet.reach = Facet::Reach::kPossible;
-		const double slack = m_pair.roam + kFootShare * q.length();
-		const LinesCrossing middle =
-			crossingOf(start, edge.direction, 0.5 * (moved.start + moved.thenStart), moved.direction);
-		counts = isWithin(middle.alongA, edge.length, slack) && isWithin(middle.alongB, other.length, slack);
-	}
-	if (!counts) return;
+		const Vec3 middle = 0.5 * (moved.start + moved.thenStart);
+		return isOn(crossingOf(start, edge.direction, middle, moved.direction), m_pair.roam + kFootShare * q.length());
+	};
+	const std::optional<Facet::Reach> reach = reachOf(now, then, isOver, meetsOnWay, meetsAlone, isPossible);
+	if (!reach) return;
+	Facet facet;
+	facet.reach = *reach;
 	facet.kind = Facet::Kind::kEdgeEdge;
 	facet.featureA = still.index;
 	facet.featureB = moved.index;
@@ -475,8 +466,7 @@ void FacetFinder::edgeOverEdge(const MovedEdge& still, const MovedEdge& moved)
 	facet.then = then;
 	// Where it will be met, on the way.
 	at.alongA = std::max(0.0, std::min(edge.length, at.alongA));
-	facet.onA = start + at.alongA * edge.direction;
-	facet.onB = facet.onA - now * normal;
+	facet.span(start + at.alongA * edge.direction, true);
 	add(facet);
 }
 }  // namespace clod

@@ -45,7 +45,13 @@ private:
 					 MeetsOn meetsOn, Height height, Meets meets) const;
 	template <class Height, class Meets>
 	bool meetsOnArc(double now, double closing, double way, const Vec3& forced, Height height, Meets meets) const;
-	std::array<Vec3, 2> waysIfHeld(const Vec3& place) const;
+	template <class MeetsOn>
+	bool meetsIfHeld(const Vec3& place, const Vec3& normal, double now, MeetsOn meetsOn) const;
+	double endOf(double now, double then) const;
+	bool isInReach(double now, double then) const;
+	template <class IsOver, class MeetsOnWay, class MeetsAlone, class IsPossible>
+	std::optional<Facet::Reach> reachOf(double now, double then, IsOver isOver, MeetsOnWay meetsOnWay, MeetsAlone meetsAlone,
+										IsPossible isPossible) const;
 	void vertexOverFace(const MovedCorner& vertex, std::uint32_t polygon, bool vertexIsOfA);
 	void edgeOverEdge(const MovedEdge& still, const MovedEdge& moved);
 	// RoundFacets.cpp, frame A.
@@ -72,7 +78,8 @@ private:
 	Vec3 intoB(const Approach& met, const Vec3& direction);
 	double coneSlack() const;
 	bool isInCone(const ContactSurface& surface, const MovedCorner& vertex, const Vec3& away) const;
-	void addRound(Facet& facet, const Approach& approach, const Vec3& now, const Vec3& then, const Vec3& normal);
+	void addRound(Facet& facet, const Approach& approach, const Vec3& now, const Vec3& then, const Vec3& normal,
+				  const Vec3& place);
 	std::size_t slotOf(const Facet& facet) const;
 	void add(Facet& facet);
 	void tabulate(std::size_t size);

@@ -92,16 +92,8 @@ void FacetFinder::middleOverFace(const Middle& middle, std::uint32_t polygon, bo
 	facet.distance = now;
 	facet.then = then;
 	facet.normal = middleIsOfA ? q.aFromB.rotation * face.normal : -face.normal;
-	if (middleIsOfA)
-	{
-		facet.onA = q.rules.a.center - middle.height * facet.normal;
-		facet.onB = facet.onA - now * facet.normal;
-	}
-	else
-	{
-		facet.onB = q.rules.b.center + middle.height * facet.normal;
-		facet.onA = facet.onB + now * facet.normal;
-	}
+	const Vec3 lowest = middle.height * facet.normal;
+	facet.span(middleIsOfA ? q.rules.a.center - lowest : q.rules.b.center + lowest, middleIsOfA);
 	add(facet);
 }
 }  // namespace clod

@@ -14,9 +14,10 @@ constexpr int kSweeps = 12;
 constexpr double kSettled = 1e-6;  // of the length: what changes by less is not solved again
 constexpr double kMostTurn = 0.2;  // radians a step: the farther beyond, the less the second order says of an arc
 
-bool isOfRound(Facet::Kind kind)
+bool isOfRound(const Facet& facet)
 {
-	return kind == Facet::Kind::kVertexEdge || kind == Facet::Kind::kEdgeVertex || kind == Facet::Kind::kVertexVertex;
+	const auto [ofA, ofB] = facet.parts();
+	return facet.hasFeatures() && ofA != Part::kPolygon && ofB != Part::kPolygon && facet.kind != Facet::Kind::kEdgeEdge;
 }
 
 // The most that turning bodies add to a facet's distance beyond the first order, by the motion they come with: rows that
@@ -33,32 +34,27 @@ double bendBound(const PointRules& rules, const Facet& facet)
 	return (turnA + turnB) * moved + 0.5 * (turnA * turnA * length(facet.onA - rules.a.center) +
 											turnB * turnB * length(facet.onB - rules.b.center));
 }
+
 // Distance of the same facet at another pose.
 double distanceAt(const FacetQuestion& question, const Facet& facet, const Transform& aFromB, const Transform& bFromA)
 {
 	const ContactSurface &a = question.a.surface(facet.levelA), &b = question.b.surface(facet.levelB);
-	if (facet.kind == Facet::Kind::kVertexFace)
+	const auto [ofA, ofB] = facet.parts();
+	if (ofB == Part::kPolygon)
 	{
 		const SurfaceFace& face = b.planeOf(facet.featureB);
-		return dot(face.normal, bFromA * a.vertices()[facet.featureA]) - face.offset;
+		const Vec3& center = question.rules.a.center;
+		if (ofA == Part::kVertex) return dot(face.normal, bFromA * a.vertices()[facet.featureA]) - face.offset;
+		return dot(face.normal, bFromA * center) - face.offset - length(center - facet.onA);
 	}
-	if (facet.kind == Facet::Kind::kFaceVertex)
+	if (ofA == Part::kPolygon)
 	{
 		const SurfaceFace& face = a.planeOf(facet.featureA);
-		return dot(face.normal, aFromB * b.vertices()[facet.featureB]) - face.offset;
+		const Vec3& center = question.rules.b.center;
+		if (ofB == Part::kVertex) return dot(face.normal, aFromB * b.vertices()[facet.featureB]) - face.offset;
+		return dot(face.normal, aFromB * (inverse(question.aFromB) * center)) - face.offset - length(center - facet.onB);
 	}
-	if (facet.kind == Facet::Kind::kMiddleFace)
-	{
-		const SurfaceFace& face = b.planeOf(facet.featureB);
-		return dot(face.normal, bFromA * question.rules.a.center) - face.offset - length(question.rules.a.center - facet.onA);
-	}
-	if (facet.kind == Facet::Kind::kFaceMiddle)
-	{
-		const SurfaceFace& face = a.planeOf(facet.featureA);
-		return dot(face.normal, aFromB * (inverse(question.aFromB) * question.rules.b.center)) - face.offset -
-			   length(question.rules.b.center - facet.onB);
-	}
-	if (isOfRound(facet.kind))
+	if (isOfRound(facet))
 	{
 		const Vec3 between = betweenAt(facet, a, b, aFromB);
 		return std::copysign(length(between), dot(between, facet.normal));
@@ -67,30 +63,26 @@ double distanceAt(const FacetQuestion& question, const Facet& facet, const Trans
 	return distanceOfLines(a.vertices()[e.vertex[0]], e.direction, aFromB * b.vertices()[k.vertex[0]],
 						   aFromB.rotation * k.direction, facet.normal);
 }
-
 }  // namespace
 
 // At that pose: how far is what it is made of from being over each other?
 PairSolve::Beside PairSolve::besideAt(const FacetQuestion& q, const Facet& facet, const Transform& after) const
 {
-	const Transform back = inverse(after);
 	const ContactSurface &a = q.a.surface(facet.levelA), &b = q.b.surface(facet.levelB);
-	if (facet.kind == Facet::Kind::kVertexFace)
-		return {std::sqrt(b.squaredBeside(facet.featureB, back * a.vertices()[facet.featureA]))};
-	if (facet.kind == Facet::Kind::kFaceVertex)
-		return {std::sqrt(a.squaredBeside(facet.featureA, after * b.vertices()[facet.featureB]))};
+	const auto [ofA, ofB] = facet.parts();
+	const auto vertexOfA = [&] { return inverse(after) * a.vertices()[facet.featureA]; };
+	const auto vertexOfB = [&] { return after * b.vertices()[facet.featureB]; };
+	if (ofB == Part::kPolygon) return {std::sqrt(b.squaredBeside(facet.featureB, vertexOfA()))};
+	if (ofA == Part::kPolygon) return {std::sqrt(a.squaredBeside(facet.featureA, vertexOfB()))};
 	if (facet.kind == Facet::Kind::kVertexVertex) return {0};
 	const auto beyond = [](const SurfaceEdge& edge, double along) { return std::max(-along, along - edge.length); };
-	if (facet.kind == Facet::Kind::kVertexEdge)
+	const auto besideEdge = [&](const ContactSurface& surface, std::uint32_t index, const Vec3& vertex) -> Beside
 	{
-		const SurfaceEdge& k = b.edges()[facet.featureB];
-		return {beyond(k, dot(k.direction, back * a.vertices()[facet.featureA] - b.vertices()[k.vertex[0]]))};
-	}
-	if (facet.kind == Facet::Kind::kEdgeVertex)
-	{
-		const SurfaceEdge& e = a.edges()[facet.featureA];
-		return {beyond(e, dot(e.direction, after * b.vertices()[facet.featureB] - a.vertices()[e.vertex[0]]))};
-	}
+		const SurfaceEdge& edge = surface.edges()[index];
+		return {beyond(edge, dot(edge.direction, vertex - surface.vertices()[edge.vertex[0]]))};
+	};
+	if (ofA == Part::kVertex) return besideEdge(b, facet.featureB, vertexOfA());
+	if (ofB == Part::kVertex) return besideEdge(a, facet.featureA, vertexOfB());
 	const SurfaceEdge &e = a.edges()[facet.featureA], &k = b.edges()[facet.featureB];
 	const Vec3 direction = after.rotation * k.direction;
 	const double sine = length(cross(e.direction, direction));
@@ -99,6 +91,12 @@ PairSolve::Beside PairSolve::besideAt(const FacetQuestion& q, const Facet& facet
 		crossingOf(a.vertices()[e.vertex[0]], e.direction, after * b.vertices()[k.vertex[0]], direction);
 	const double distance = std::max(beyond(e, at.alongA), beyond(k, at.alongB));
 	return {distance, sine * distance};
+}
+
+// At which the facet's features part.
+double PairSolve::speedOf(const Row& row) const
+{
+	return dot(row.normal, m_a.linear - m_b.linear) + dot(row.turnA, m_a.angular) - dot(row.turnB, m_b.angular);
 }
 
 void PairSolve::push(const Row& row, double impulse)
@@ -139,10 +137,8 @@ void PairSolve::sweep(const FacetQuestion& question, const std::vector<Facet>& f
 	m_b = question.rules.b;
 	for (std::size_t i = 0; i < facets.size(); ++i)
 	{
-		const double multiplier = m_multipliers[i];
-		if (multiplier == 0) continue;
-		const Row& row = m_rows[i];
-		push(row, multiplier);
+		if (m_multipliers[i] == 0) continue;
+		push(m_rows[i], m_multipliers[i]);
 		push(facets[i], m_frictions[i]);
 	}
 	for (int round = 0; round < kSweeps; ++round)
@@ -154,8 +150,7 @@ void PairSolve::sweep(const FacetQuestion& question, const std::vector<Facet>& f
 			const Row& row = m_rows[i];
 			const double height = facets[i].distance - question.rules.margin + facets[i].slowOverlap;
 			const double wanted = -velocityRow(height, facets[i].curvature()) / question.rules.timeStep;
-			const double speed = dot(row.normal, m_a.linear - m_b.linear) + dot(row.turnA, m_a.angular) -
-								 dot(row.turnB, m_b.angular);
+			const double speed = speedOf(row);
 			const double old = m_multipliers[i];
 			m_multipliers[i] = std::max(0.0, old + row.effectiveMass * (wanted - speed));
 			const double impulse = m_multipliers[i] - old;
@@ -171,91 +166,111 @@ void PairSolve::sweep(const FacetQuestion& question, const std::vector<Facet>& f
 	}
 }
 
-void PairSolve::solve(const FacetQuestion& question, std::vector<Facet>& facets)
+void PairSolve::makeRows(const PointRules& rules, const std::vector<Facet>& facets)
 {
-	const auto removePossible = [&](const auto& isGivenUp)
-	{
-		facets.erase(std::remove_if(facets.begin(), facets.end(),
-									[&](const Facet& f) { return f.reach == Facet::Reach::kPossible && isGivenUp(f); }),
-					 facets.end());
-	};
-	const PointRules& rules = question.rules;
-	const bool canMove = rules.timeStep > 0 && (rules.a.inverseMass > 0 || rules.b.inverseMass > 0);
-	m_a = rules.a;
-	m_b = rules.b;
-	m_timeStep = rules.timeStep;
-	m_spare = std::numeric_limits<double>::infinity();
-	if (!canMove) removePossible([](const Facet&) { return true; });
-	if (facets.empty() || !canMove) return;
 	m_rows.clear();
-	m_multipliers.assign(facets.size(), 0);
-	m_frictions.assign(facets.size(), Vec3{});
 	for (const Facet& facet : facets)
 	{
 		Row row;
 		row.normal = facet.normal;
-		row.turnA = cross(facet.onA - question.rules.a.center, facet.normal);
-		row.turnB = cross(facet.onB - question.rules.b.center, facet.normal);
-		row.pushA = question.rules.a.inverseInertia * row.turnA;
-		row.pushB = question.rules.b.inverseInertia * row.turnB;
-		row.effectiveMass = 1 / (question.rules.a.inverseMass + question.rules.b.inverseMass + dot(row.pushA, row.turnA) +
+		row.turnA = cross(facet.onA - rules.a.center, facet.normal);
+		row.turnB = cross(facet.onB - rules.b.center, facet.normal);
+		row.pushA = rules.a.inverseInertia * row.turnA;
+		row.pushB = rules.b.inverseInertia * row.turnB;
+		row.effectiveMass = 1 / (rules.a.inverseMass + rules.b.inverseMass + dot(row.pushA, row.turnA) +
 								 dot(row.pushB, row.turnB));
 		m_rows.push_back(row);
 	}
-	Transform after;
+}
+
+// Where facets are after the sweeps; possible ones that are met become paths. Returns by how much what the next sweeps would
+// begin with differs.
+double PairSolve::moveOn(const FacetQuestion& question, std::vector<Facet>& facets)
+{
+	const PointRules& rules = question.rules;
+	const auto aFromBBy = [&](double time) { return aFromBAfter(m_a, m_b, question.aFromB, time); };
+	const auto unforcedBy = [&](double time)
+	{ return aFromBAfter(withoutForces(m_a), withoutForces(m_b), question.aFromB, time); };
+	m_after = aFromBBy(rules.timeStep);
+	const Transform back = inverse(m_after), unforced = unforcedBy(rules.timeStep);
+	const bool isTurned = std::any_of(m_multipliers.begin(), m_multipliers.end(), [](double m) { return m != 0; });
+	double change = 0;
+	for (std::size_t i = 0; i < facets.size(); ++i)
+	{
+		Facet& facet = facets[i];
+		const double curvature = facet.curvature();
+		facet.linear = rules.timeStep * speedOf(m_rows[i]);
+		facet.then = facet.distance + facet.linear;
+		if (!facet.hasFeatures()) continue;
+		facet.then = distanceAt(question, facet, m_after, back);
+		// A normal turns no faster than the bodies, but that of two edges all but parallel, and, away from what goes by, of a
+		// round corner.
+		const double most = bendBound(rules, facet);
+		const double bent = std::max(-most, isOfRound(facet) ? facet.curvature() : std::min(most, facet.curvature()));
+		facet.then = facet.distance + facet.linear + bent;
+		if (facet.reach != Facet::Reach::kPossible)
+		{
+			change = std::max(change, std::abs(facet.curvature() - curvature));
+			continue;
+		}
+		// Where it comes within the margin, or at the end. As long as nothing turns the motion, all that it meets is on the path.
+		const double enters = std::max(0.0, facet.distance - rules.margin) / (facet.distance - facet.then) * rules.timeStep;
+		const auto isMetAt = [&](const Transform& pose)
+		{ return besideAt(question, facet, pose).distance <= kInnerShare * question.length(); };
+		if (isTurned && facet.then < rules.margin && (isMetAt(aFromBBy(enters)) || isMetAt(m_after)) &&
+			(rules.holds(facet.normal) || isMetAt(unforcedBy(enters)) || isMetAt(unforced)))
+		{
+			facet.reach = Facet::Reach::kPath;
+			change = question.length();
+		}
+	}
+	return change;
+}
+
+// A third body may push them onto those that they are no farther beside than above. The planes of others would deflect them.
+void PairSolve::removePassed(const FacetQuestion& question, std::vector<Facet>& facets)
+{
+	std::size_t kept = 0;
+	for (const Facet& facet : facets)
+	{
+		if (facet.reach == Facet::Reach::kPossible)
+		{
+			const Beside beside = besideAt(question, facet, m_after);
+			const double above = std::min(facet.distance, facet.then) - question.rules.margin;
+			if (above <= 0 || beside.distance > above)
+			{
+				m_spare = std::min(m_spare, std::max(above, beside.way));
+				continue;
+			}
+		}
+		facets[kept++] = facet;
+	}
+	facets.resize(kept, Facet{});
+}
+
+void PairSolve::solve(const FacetQuestion& question, std::vector<Facet>& facets)
+{
+	const PointRules& rules = question.rules;
+	m_a = rules.a;
+	m_b = rules.b;
+	m_timeStep = rules.timeStep;
+	m_spare = std::numeric_limits<double>::infinity();
+	if (!(rules.timeStep > 0 && (rules.a.inverseMass > 0 || rules.b.inverseMass > 0)))
+	{
+		const auto isPossible = [](const Facet& facet) { return facet.reach == Facet::Reach::kPossible; };
+		facets.erase(std::remove_if(facets.begin(), facets.end(), isPossible), facets.end());
+		return;
+	}
+	if (facets.empty()) return;
+	makeRows(rules, facets);
+	m_multipliers.assign(facets.size(), 0);
+	m_frictions.assign(facets.size(), Vec3{});
 	for (int pass = 0; pass < kPasses; ++pass)
 	{
 		sweep(question, facets);
-		after = aFromBAfter(m_a, m_b, question.aFromB, rules.timeStep);
-		const Transform back = inverse(after);
-		const PairBody unforcedA = withoutForces(m_a), unforcedB = withoutForces(m_b);
-		const Transform unforced = aFromBAfter(unforcedA, unforcedB, question.aFromB, rules.timeStep);
-		const bool isTurned =
-			std::any_of(m_multipliers.begin(), m_multipliers.end(), [](double multiplier) { return multiplier != 0; });
-		double change = 0;  // of what the next sweeps would begin with
-		for (std::size_t i = 0; i < facets.size(); ++i)
-		{
-			Facet& facet = facets[i];
-			const Row& row = m_rows[i];
-			const double curvature = facet.curvature();
-			facet.linear = question.rules.timeStep * (dot(row.normal, m_a.linear - m_b.linear) + dot(row.turnA, m_a.angular) -
-											  dot(row.turnB, m_b.angular));
-			facet.then = facet.distance + facet.linear;
-			if (!facet.hasFeatures()) continue;
-			facet.then = distanceAt(question, facet, after, back);
-			// A normal turns no faster than the bodies, but that of two edges all but parallel, and, away from what goes by, of a
-			// round corner.
-			const double most = bendBound(question.rules, facet);
-			const double bent = std::max(-most, isOfRound(facet.kind) ? facet.curvature() : std::min(most, facet.curvature()));
-			facet.then = facet.distance + facet.linear + bent;
-			// Where it comes within the margin, or at the end. As long as nothing turns the motion, all that it meets is on the
-			// path.
-			const double enters = std::max(0.0, facet.distance - rules.margin) / (facet.distance - facet.then);
-			const auto isMet = [&](const Transform& pose)
-			{ return besideAt(question, facet, pose).distance <= kInnerShare * question.length(); };
-			const auto isMetBy = [&](const PairBody& a, const PairBody& b, const Transform& end)
-			{ return isMet(aFromBAfter(a, b, question.aFromB, enters * rules.timeStep)) || isMet(end); };
-			if (isTurned && facet.reach == Facet::Reach::kPossible && facet.then < rules.margin &&
-				isMetBy(m_a, m_b, after) && (rules.holds(facet.normal) || isMetBy(unforcedA, unforcedB, unforced)))
-			{
-				facet.reach = Facet::Reach::kPath;
-				change = question.length();
-			}
-			if (facet.reach != Facet::Reach::kPossible)
-				change = std::max(change, std::abs(facet.curvature() - curvature));
-		}
-		if (change < kSettled * question.length()) break;
+		if (moveOn(question, facets) < kSettled * question.length()) break;
 	}
 	for (std::size_t i = 0; i < facets.size(); ++i) facets[i].multiplier = m_multipliers[i];
-	// A third body may push them onto those that they are no farther beside than above. The planes of others would deflect them.
-	const auto isPassed = [&](const Facet& facet)
-	{
-		const Beside beside = besideAt(question, facet, after);
-		const double above = std::min(facet.distance, facet.then) - rules.margin;
-		if (above > 0 && beside.distance <= above) return false;
-		m_spare = std::min(m_spare, std::max(above, beside.way));
-		return true;
-	};
-	removePossible(isPassed);
+	removePassed(question, facets);
 }
 }  // namespace clod

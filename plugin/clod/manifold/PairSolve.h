@@ -41,14 +41,19 @@ private:
 		double way = distance;  // that features have to go, at least
 	};
 	Beside besideAt(const FacetQuestion& question, const Facet& facet, const Transform& after) const;
+	void makeRows(const PointRules& rules, const std::vector<Facet>& facets);
+	double speedOf(const Row& row) const;
 	void push(const Row& row, double impulse);
 	void push(const Facet& facet, const Vec3& impulse);
 	void rub(const Facet& facet, double most, Vec3& friction);
 	void sweep(const FacetQuestion& question, const std::vector<Facet>& facets);
+	double moveOn(const FacetQuestion& question, std::vector<Facet>& facets);
+	void removePassed(const FacetQuestion& question, std::vector<Facet>& facets);
 	std::vector<Row> m_rows;
 	std::vector<Vec3> m_frictions;  // of the facets, impulses
 	std::vector<double> m_multipliers;
-	PairBody m_a, m_b;  // as solved
+	PairBody m_a, m_b;  // as solved,
+	Transform m_after;  // and B in A by it at the end of the step
 	double m_timeStep = 0, m_spare = 0;
 };
 }  // namespace clod

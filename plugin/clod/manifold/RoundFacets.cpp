@@ -98,12 +98,15 @@ bool FacetFinder::isInCone(const ContactSurface& surface, const MovedCorner& ver
 	return true;
 }
 
-void FacetFinder::addRound(Facet& facet, const Approach& approach, const Vec3& now, const Vec3& then, const Vec3& normal)
+// place: the vertex', in frame A.
+void FacetFinder::addRound(Facet& facet, const Approach& approach, const Vec3& now, const Vec3& then, const Vec3& normal,
+						   const Vec3& place)
 {
 	facet.reach = approach.reach;
 	facet.normal = normal;
 	facet.distance = dot(normal, now);
 	facet.then = std::copysign(length(then), dot(normal, then));
+	facet.span(place, facet.parts().ofA == Part::kVertex);
 	add(facet);
 }
 
@@ -139,10 +142,7 @@ void FacetFinder::vertexOverEdge(const MovedCorner& vertex, const MovedEdge& mov
 	const Vec3 outOfB = -intoB(*met, normal), away = vertexIsOfA ? outOfB : normal;
 	if (!isInCone(vertexIsOfA ? *m_pair.a : *m_pair.b, vertex, vertexIsOfA ? normal : outOfB)) return;
 	if (dot(away, edge.inward[0]) < -coneSlack() || dot(away, edge.inward[1]) < -coneSlack()) return;
-	const double distance = dot(normal, now);
-	facet.onA = vertexIsOfA ? place : place + distance * normal;
-	facet.onB = vertexIsOfA ? place - distance * normal : place;
-	addRound(facet, *met, now, then, normal);
+	addRound(facet, *met, now, then, normal, place);
 }
 
 void FacetFinder::vertexOverVertex(const MovedCorner& ofA, const MovedCorner& ofB)
@@ -158,8 +158,6 @@ void FacetFinder::vertexOverVertex(const MovedCorner& ofA, const MovedCorner& of
 	bend(facet, now, ofB.unforced - ofB.then, *met);
 	const Vec3 normal = normalized(met->between);
 	if (normal == Vec3{} || !isInCone(*m_pair.a, ofA, normal) || !isInCone(*m_pair.b, ofB, -intoB(*met, normal))) return;
-	facet.onA = place;
-	facet.onB = place - dot(normal, now) * normal;
-	addRound(facet, *met, now, then, normal);
+	addRound(facet, *met, now, then, normal, place);
 }
 }  // namespace clod
