@@ -91,7 +91,7 @@ TEST(Scale, UnequalScalesAnswerAsBodiesMadeAtThatSize)
 			const auto levels = [](const PairReport& report)
 			{ return std::make_tuple(report.finestLevel, report.coarsestLevel); };
 			// Where they meet, facet by facet. Later their motions differ in the last bits of floats, and with them which of the
-			// places that are equally far out stay (FlatCorners.h), and what is just possible in the step.
+			// places that are equally far out stay (ContactReducer.cpp), and what is just possible in the step.
 			EXPECT_EQ(met[0].candidates, met[1].candidates) << factor << " " << byLength;
 			EXPECT_EQ(met[0].points, met[1].points) << factor << " " << byLength;
 			EXPECT_EQ(levels(met[0]), levels(met[1])) << factor << " " << byLength;

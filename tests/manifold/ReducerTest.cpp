@@ -2,6 +2,8 @@
 // Which of many facets a solver gets, and what carries of them, each where closed forms know it.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "clod/manifold/ContactReducer.h"
 #include "clod/manifold/PairSolve.h"
 
@@ -46,7 +48,7 @@ ClusterSet carriedAtTheOrigin()
 }
 
 // What becomes of them, of bodies of length 1.
-ClusterSet reduced(const std::vector<Facet>& facets, std::uint64_t feature)
+ClusterSet reduced(const std::vector<Facet>& facets, std::uint64_t feature, bool liesAlone = false)
 {
 	std::vector<ContactPoint> points;
 	for (const Facet& facet : facets) points.push_back(pointOf(facet, feature++));
@@ -54,6 +56,7 @@ ClusterSet reduced(const std::vector<Facet>& facets, std::uint64_t feature)
 	ClusterSet next;
 	PointRules rules;
 	rules.length = 1;
+	rules.liesAlone = liesAlone;
 	reducer.reduce(facets, points, carriedAtTheOrigin(), rules, next);
 	return next;
 }
@@ -92,6 +95,33 @@ TEST(ContactReducer, TheDeepestIsAmongThemHoweverManyCarry)
 		for (int i = 0; i < cluster.count; ++i) deep += cluster.points[std::size_t(i)].point.pointOnA.y > 0;
 	EXPECT_EQ(deep, 1);
 	EXPECT_EQ(next.pointCount(), kMaxClusters * kClusterPoints);
+}
+
+TEST(ContactReducer, OfAFlatThatLiesAloneTheOutermostAndTheLowestStay)
+{
+	std::vector<Facet> facets;
+	for (int i = 0; i < 49; ++i)
+	{
+		facets.push_back(facetAt({1 + 0.1 * (i % 7), 0, 0.1 * (i / 7)}, i == 24 ? 0.001 : 0.002));
+		facets.back().kind = Facet::Kind::kVertexFace;
+	}
+	const auto countWhere = [](const ClusterSet& set, auto isMeant)
+	{
+		int count = 0;
+		for (const ContactCluster& cluster : set.slots)
+			for (int i = 0; i < cluster.count; ++i) count += isMeant(cluster.points[std::size_t(i)].point.pointOnA);
+		return count;
+	};
+	const auto isCorner = [](const Vec3& p) { return std::abs(p.x - 1.3) > 0.29 && std::abs(p.z - 0.3) > 0.29; };
+	const auto isMiddle = [](const Vec3& p) { return std::abs(p.x - 1.3) < 0.01 && std::abs(p.z - 0.3) < 0.01; };
+	const ClusterSet alone = reduced(facets, 0, true);
+	EXPECT_EQ(countWhere(alone, isCorner), 4);
+	EXPECT_EQ(countWhere(alone, isMiddle), 1);
+	EXPECT_LE(alone.pointCount(), 9);
+	EXPECT_EQ(reduced(facets, 0).pointCount(), kMaxClusters * kClusterPoints);
+	// What is no flat stays whole.
+	for (std::size_t i = 0; i < facets.size(); ++i) facets[i].normal = normalized({0.1 * double(i % 7), -1, 0.1 * double(i / 7)});
+	EXPECT_EQ(reduced(facets, 0, true).pointCount(), kMaxClusters * kClusterPoints);
 }
 
 TEST(PairSolve, AnImpulseBesideBothCentresTurnsBothBodies)

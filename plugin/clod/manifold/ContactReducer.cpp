@@ -14,6 +14,10 @@ constexpr double kMatchNormal = 0.05;    // of the length, a unit of change of n
 constexpr double kSpacing = 0.02;        // points nearer than so, of the length, add nothing,
 constexpr double kCarrySpacing = 0.002;  // if they carry,
 constexpr double kNormalCounts = 0.25;   // where a unit of normal counts as so much
+constexpr std::size_t kMostOfFlat = 8;   // of what lies alone
+constexpr double kPreferred = 1.1;       // times as far out is what goes on,
+constexpr double kLowCounts = 10;        // and what is as low as the lowest,
+constexpr double kAsLow = 2e-5;          // of the length
 
 const ClusterPoint& pointAt(const ClusterSet& set, std::uint32_t index)
 {
@@ -30,16 +34,56 @@ void ContactReducer::reduce(const std::vector<Facet>& facets, const std::vector<
 	m_candidates.assign(facets.size(), Candidate{});
 	match(previous);
 	m_isNeeded.assign(facets.size(), 1);
-	if (rules.liesAlone) leaveOutWhatOthersSpan();
+	if (rules.liesAlone) thinOutFlats();
 	choose();
 	place(previous, next);
 }
 
-void ContactReducer::leaveOutWhatOthersSpan()
+// Where two flats lie on each other there are as many facets as corners and crossings of edges, and the outermost carry any
+// load that all of them do. The lowest besides, as the others may stand over what is left out.
+void ContactReducer::thinOutFlats()
 {
-	m_isKnown.clear();
-	for (const Candidate& candidate : m_candidates) m_isKnown.push_back(candidate.previous != kNone);
-	m_flat.choose(*m_facets, m_length, m_isKnown, m_isNeeded);
+	const auto isLower = [&](std::uint32_t i, std::uint32_t j) { return lowest(i) < lowest(j); };
+	double lowestOfFlat = 0;
+	const auto worthOf = [&](std::uint32_t i)
+	{
+		const double apart = m_candidates[i].apart * (m_candidates[i].previous == kNone ? 1 : kPreferred);
+		return lowest(i) < lowestOfFlat + kAsLow * m_length ? kLowCounts * apart : apart;
+	};
+	const auto isLessWorth = [&](std::uint32_t i, std::uint32_t j) { return worthOf(i) < worthOf(j); };
+	m_isNeeded.assign(m_candidates.size(), 0);
+	for (std::uint32_t first = 0; first < m_candidates.size(); ++first)
+	{
+		if (m_candidates[first].isOfFlat) continue;
+		m_order.clear();
+		Vec3 middle;
+		for (std::uint32_t i = first; i < m_candidates.size(); ++i)
+		{
+			const bool isAlike = (*m_facets)[i].hasFeatures() && dot((*m_points)[i].normal, (*m_points)[first].normal) >= kSameNormal;
+			if (m_candidates[i].isOfFlat || !(isAlike || i == first)) continue;
+			m_candidates[i].isOfFlat = true;
+			m_order.push_back(i);
+			middle += (*m_points)[i].pointOnA;
+		}
+		middle = (1.0 / double(m_order.size())) * middle;
+		for (const std::uint32_t i : m_order) m_candidates[i].apart = length((*m_points)[i].pointOnA - middle) / m_length;
+		const std::uint32_t lowestOne = *std::min_element(m_order.begin(), m_order.end(), isLower);
+		m_isNeeded[lowestOne] = 1;
+		lowestOfFlat = lowest(lowestOne);
+		for (std::size_t k = 0; k < std::min(kMostOfFlat, m_order.size()); ++k)
+		{
+			const std::uint32_t next = *std::max_element(m_order.begin(), m_order.end(), isLessWorth);
+			m_isNeeded[next] = 1;
+			for (const std::uint32_t i : m_order)
+				m_candidates[i].apart = std::min(m_candidates[i].apart, distanceBetween(i, next));
+			m_candidates[next].apart = -1;
+		}
+	}
+}
+
+double ContactReducer::lowest(std::uint32_t i) const
+{
+	return std::min((*m_facets)[i].distance, (*m_facets)[i].then);
 }
 
 void ContactReducer::match(const ClusterSet& previous)
@@ -138,7 +182,6 @@ void ContactReducer::choose()
 // Lowest first where nothing is chosen yet; those that only third bodies may lead to once all others are there.
 void ContactReducer::spread(bool withPossible)
 {
-	const auto lowest = [&](std::uint32_t i) { return std::min((*m_facets)[i].distance, (*m_facets)[i].then); };
 	while (m_chosen.size() < kMostPoints)
 	{
 		std::uint32_t best = kNone;

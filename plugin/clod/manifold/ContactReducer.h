@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "clod/manifold/FacetFinder.h"
-#include "clod/manifold/FlatCorners.h"
 #include "clod/manifold/ContactPoints.h"
 
 namespace clod
@@ -30,10 +29,11 @@ private:
 		std::uint32_t previous = kNone;
 		double weight = 0;  // > 0: carries or carried
 		double apart = 0;   // from all chosen; see distanceBetween
-		bool isChosen = false;
+		bool isChosen = false, isOfFlat = false;
 	};
 	void match(const ClusterSet& previous);
-	void leaveOutWhatOthersSpan();
+	void thinOutFlats();
+	double lowest(std::uint32_t i) const;
 	void choose();
 	void spread(bool withPossible);
 	void take(std::uint32_t i);
@@ -44,8 +44,7 @@ private:
 	const std::vector<ContactPoint>* m_points = nullptr;
 	double m_length = 1;
 	std::vector<Candidate> m_candidates;
-	FlatCorners m_flat;
-	std::vector<char> m_isKnown, m_isNeeded;
+	std::vector<char> m_isNeeded;
 	std::vector<std::uint32_t> m_chosen, m_order;
 	struct Link
 	{
