@@ -12,8 +12,7 @@ namespace
 {
 constexpr double kLeastDepth = 1e-3;   // of the length: less is the facets' business
 constexpr double kOpposing = 0.3;      // cosine to the pair's direction below which a way is not its own
-constexpr double kFar = 1.5;           // times the deepest place's own way: by then a mean way has led out, or is none
-constexpr double kLeastShare = 1e-3;  // of a side, the shortest that is looked for inside
+constexpr double kLeastShare = 1e-3;  // of an edge, the shortest that is looked for inside
 constexpr double kNotConvex = 0.03;  // of a body's volume, that its hull has more
 constexpr std::size_t kMostHullCorners = 64;
 constexpr double kDifferencesError = 1e-4;  // of the length, of the hull of differences,
@@ -79,8 +78,8 @@ bool DeepOverlap::areConvex(const FacetQuestion& q)
 	return q.a.hierarchy && q.b.hierarchy && q.a.hierarchy->derived<Bulk>().isConvex && q.b.hierarchy->derived<Bulk>().isConvex;
 }
 
-// The deepest of the corners and middles of a node's faces inside the other body; or, of bodies that reach through each other
-// and have none, of what their sides have inside behind where they cross the other node's faces.
+// The deepest of a node's corners inside the other body; or, of bodies that reach through each other and have none, of what
+// their edges have inside behind where they cross the other node's faces.
 void DeepOverlap::probe(const FacetQuestion& q, const Contact& contact, bool ofA, bool atCrossings)
 {
 	const std::uint32_t node = ofA ? contact.nodeA : contact.nodeB;
@@ -106,7 +105,7 @@ void DeepOverlap::probe(const FacetQuestion& q, const Contact& contact, bool ofA
 		const Vec3 way = near.point - there;
 		deepest = {ofA ? place : there, ofA ? q.aFromB.rotation * way : -way, contact.nodeA, contact.nodeB, feature, ofA};
 	};
-	// From the crossing on to the side's end, by halves: it may be out again soon.
+	// From the crossing on to the edge's end, by halves: it may be out again soon.
 	const auto lookBehindCrossings = [&](const Vec3& from, const Vec3& to, std::uint32_t feature)
 	{
 		const Vec3 start = ofA ? bFromA * from : q.aFromB * from, end = ofA ? bFromA * to : q.aFromB * to;
@@ -122,34 +121,15 @@ void DeepOverlap::probe(const FacetQuestion& q, const Contact& contact, bool ofA
 				look(from + (crossed + share * (1 - crossed)) * (to - from), feature);
 		}
 	};
-	const std::uint32_t first = own.firstFaceOf(node);
-	if (atCrossings)
-	{
-		const auto lookBothWays = [&](std::uint32_t from, std::uint32_t to, std::uint32_t feature)
+	if (!atCrossings)
+		for (const std::uint32_t v : own.verticesOf(node)) look(own.vertices()[v], v);
+	else
+		for (const std::uint32_t e : own.edgesOf(node))
 		{
-			lookBehindCrossings(own.vertices()[from], own.vertices()[to], feature);
-			lookBehindCrossings(own.vertices()[to], own.vertices()[from], feature);
-		};
-		for (std::uint32_t f = first; f < first + own.faceCountOf(node); ++f)
-			for (std::uint32_t i = 0; i < 3; ++i)
-				lookBothWays(own.faces()[f].vertex[i], own.faces()[f].vertex[(i + 1) % 3], 7 * f + 4 + i);
-		for (std::uint32_t e = 0; own.isCore() && e < own.edges().size(); ++e)
-			lookBothWays(own.edges()[e].vertex[0], own.edges()[e].vertex[1], e);
-		if (deepest.way != Vec3{}) m_inside.push_back(deepest);
-		return;
-	}
-	for (std::uint32_t f = first; f < first + own.faceCountOf(node); ++f)
-	{
-		const std::array<std::uint32_t, 3>& v = own.faces()[f].vertex;
-		const Vec3 corner[3] = {own.vertices()[v[0]], own.vertices()[v[1]], own.vertices()[v[2]]};
-		look((1.0 / 3) * (corner[0] + corner[1] + corner[2]), 7 * f);
-		for (std::uint32_t i = 0; i < 3; ++i)
-		{
-			look(corner[i], 7 * f + 1 + i);
-			look(0.5 * (corner[i] + corner[(i + 1) % 3]), 7 * f + 4 + i);
+			const auto& [from, to] = own.edges()[e].vertex;
+			lookBehindCrossings(own.vertices()[from], own.vertices()[to], e);
+			lookBehindCrossings(own.vertices()[to], own.vertices()[from], e);
 		}
-	}
-	for (std::uint32_t v = 0; own.isCore() && v < own.vertices().size(); ++v) look(own.vertices()[v], v);
 	if (deepest.way != Vec3{}) m_inside.push_back(deepest);
 }
 
@@ -174,25 +154,6 @@ void DeepOverlap::probeWhole(const FacetQuestion& q, bool ofA)
 	}
 }
 
-// When A is moved so far, is no vertex of either inside the other? Of many so many, evenly.
-bool DeepOverlap::leadsOut(const FacetQuestion& q, const ContactSurface& a, const ContactSurface& b,
-						   const Vec3& shift) const
-{
-	const auto isFree = [&](const ContactSurface& one, const Transform& otherFromOne, const ContactSurface& other)
-	{
-		const std::size_t stride = 1 + one.vertices().size() / kMostVertices;
-		for (std::size_t i = 0; i < one.vertices().size(); i += stride)
-			if (other.isInside(otherFromOne * one.vertices()[i]) &&
-				other.nearest(otherFromOne * one.vertices()[i], std::numeric_limits<double>::infinity()).distance <
-					-kLeastDepth * q.length())
-				return false;
-		return true;
-	};
-	Transform moved = q.aFromB;
-	moved.translation -= shift;
-	return isFree(a, inverse(moved), b) && isFree(b, moved, a);
-}
-
 Vec3 DeepOverlap::wayOut(const FacetQuestion& q, const std::vector<Contact>& contacts, const Vec3& kept,
 						 bool isCrossing, bool areHulls) const
 {
@@ -201,15 +162,10 @@ Vec3 DeepOverlap::wayOut(const FacetQuestion& q, const std::vector<Contact>& con
 	const ContactSurface& b = q.b.surface(q.b.levelOf(contacts[0].nodeB));
 	if (areHulls) return shortestWayOut(q, a, b);
 	Vec3 sum;
-	double deepest = 0;
-	for (const Inside& inside : m_inside)
-	{
-		sum += inside.way;
-		deepest = std::max(deepest, length(inside.way));
-	}
+	for (const Inside& inside : m_inside) sum += inside.way;
 	Vec3 best = isCrossing ? Vec3{} : normalized(sum);
-	// Hulls know nothing of bodies that reach into each other: they are asked only where this leads nowhere.
-	if (best != Vec3{} && leadsOut(q, a, b, kFar * deepest * best)) return best;
+	// Hulls know nothing of bodies that reach into each other: they are asked only where nothing is inside.
+	if (best != Vec3{}) return best;
 	double least = std::numeric_limits<double>::infinity();
 	std::size_t tried = 0;
 	for (const Contact& contact : contacts)
