@@ -109,11 +109,17 @@ void RigidScene::placeCamera()
 	m_bullet->context.camera = scaled(m_settings.camera->at(m_step + 1), m_definition.info.worldScale);
 }
 
+void RigidScene::placeGravity()
+{
+	m_bullet->world.setGravity(toBullet(m_definition.gravity(m_step * m_settings.dt), m_definition.info.worldScale));
+}
+
 void RigidScene::setUpSolver()
 {
 	WorldSettings settings;
 	settings.solverIterations = m_definition.world.solverIterations;
 	settings.warmstartingFactor = m_definition.world.warmstartingFactor.value_or(settings.warmstartingFactor);
+	placeGravity();
 	const Result<int> registered = setUpWorld(m_bullet->world, m_bullet->context, settings);
 	if (!registered) throw std::runtime_error(registered.error());
 	m_bullet->world.setMostPasses(m_settings.passes);
@@ -198,13 +204,13 @@ void RigidScene::addJoint(btRigidBody& body, const BodyJoint& joint)
 
 void RigidScene::step()
 {
-	const double time = m_step * m_settings.dt, scale = m_definition.info.worldScale;
+	const double time = m_step * m_settings.dt;
 	placeCamera();
-	m_bullet->world.setGravity(toBullet(m_definition.gravity(time), scale));
+	placeGravity();
 	for (std::size_t i = 0; i < m_definition.bodies.size(); ++i)
 		if (const auto& course = m_definition.bodies[i].course)
 			m_bullet->bodies[i]->setWorldTransform(
-				bodyTransform(course(time + m_settings.dt), centerOf(hierarchyOf(i)), scale));
+				bodyTransform(course(time + m_settings.dt), centerOf(hierarchyOf(i)), m_definition.info.worldScale));
 	const Stopwatch watch(m_settings.timedBy);
 	m_bullet->world.stepSimulation(btScalar(m_settings.dt), 0);
 	m_stepMicroseconds = watch.microseconds();
@@ -385,7 +391,8 @@ std::vector<SceneConstant> RigidScene::constants() const
 		{"margin", world.margin, "m"},
 		{"linear_damping", world.linearDamping, ""},
 		{"angular_damping", world.angularDamping, ""},
-		{"solver_iterations", double(solver.m_numIterations), ""},
+		{"solver_iterations", double(solver.m_numIterations), "at most"},
+		{"least_squares_residual", double(solver.m_leastSquaresResidualThreshold), "Bullet's speed squared"},
 		{"warmstarting_factor", double(solver.m_warmstartingFactor), ""},
 		{"friction_directions", solver.m_solverMode & SOLVER_USE_2_FRICTION_DIRECTIONS ? 2.0 : 1.0, ""},
 		{"split_impulse", double(solver.m_splitImpulse), ""},

@@ -27,6 +27,7 @@ private:
 	const Hierarchy& hierarchyOf(std::size_t body) const;
 	Pose poseOf(std::size_t body) const;
 	void placeCamera();
+	void placeGravity();
 	void setUpSolver();
 	void addBody(std::size_t index);
 	void addJoint(btRigidBody& body, const BodyJoint& joint);

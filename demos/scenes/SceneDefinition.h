@@ -27,7 +27,7 @@ struct WorldConstants : Material
 {
 	double margin = 0;
 	double linearDamping = 0, angularDamping = 0.5;
-	int solverIterations = 30;
+	int solverIterations = 40;  // at most
 	std::optional<double> warmstartingFactor;  // else that of WorldSettings
 };
 

@@ -26,6 +26,22 @@ struct PlainWorld
 	Context context;
 	btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
 };
+
+class CountingSolver : public btSequentialImpulseConstraintSolver
+{
+public:
+	int iterations = 0;
+
+protected:
+	btScalar solveSingleIteration(int iteration, btCollisionObject** bodies, int numBodies,
+								  btPersistentManifold** manifolds, int numManifolds, btTypedConstraint** constraints,
+								  int numConstraints, const btContactSolverInfo& info, btIDebugDraw* debug) override
+	{
+		++iterations;
+		return btSequentialImpulseConstraintSolver::solveSingleIteration(
+			iteration, bodies, numBodies, manifolds, numManifolds, constraints, numConstraints, info, debug);
+	}
+};
 }  // namespace
 
 TEST(OneCall, AFileFallsAndRests)
@@ -76,6 +92,55 @@ TEST(OneCall, TheWorldHasTheSettingsAsked)
 	EXPECT_EQ(solver.m_erp, btScalar(0.3));
 	EXPECT_EQ(solver.m_erp2, btScalar(0.7));
 	EXPECT_EQ(scene.context.closedShare, 0.5);
+	// Of gravity, as it is in 1/240 s; rows' speeds are squared in Bullet.
+	for (const double share : {0.0, 0.012})
+	{
+		settings.leastChange = share;
+		scene.world.setGravity(btVector3(12, 16, 0));
+		configureWorld(scene.world, settings);
+		EXPECT_NEAR(double(solver.m_leastSquaresResidualThreshold), share * share / 144, 1e-12);
+	}
+}
+
+// Of two cubes, one on the other: fewer passes at rest than where every change counts, and at a higher share still fewer.
+TEST(OneCall, TheSolverEndsWhereNothingChanges)
+{
+	int last = WorldSettings().solverIterations + 1;
+	for (const double share : {0.0, WorldSettings().leastChange, 10 * WorldSettings().leastChange})
+	{
+		PlainWorld scene;
+		CountingSolver solver;
+		scene.world.setConstraintSolver(&solver);
+		scene.world.setGravity(btVector3(0, btScalar(-9.81), 0));
+		WorldSettings world;
+		world.leastChange = share;
+		ASSERT_TRUE(setUpWorld(scene.world, scene.context, world));
+		btStaticPlaneShape plane(btVector3(0, 1, 0), 0);
+		btRigidBody ground(btRigidBody::btRigidBodyConstructionInfo(0, nullptr, &plane));
+		scene.world.addRigidBody(&ground);
+		std::vector<std::unique_ptr<ClodBody>> cubes;
+		for (int i = 0; i < 2; ++i)
+		{
+			BodySettings settings;
+			settings.mass = 1;
+			settings.worldFromMesh.setOrigin(btVector3(0, btScalar(0.52 + 1.02 * i), 0));
+			auto made = ClodBody::make(cube(), settings);
+			ASSERT_TRUE(made) << made.error();
+			cubes.push_back(std::move(made.value()));
+			cubes.back()->body().setActivationState(DISABLE_DEACTIVATION);
+			scene.world.addRigidBody(&cubes.back()->body());
+		}
+		for (int i = 0; i < 240; ++i)
+		{
+			solver.iterations = 0;
+			scene.world.stepSimulation(btScalar(1.0 / 240), 0);
+		}
+		EXPECT_GT(solver.iterations, 0);
+		EXPECT_LT(solver.iterations, last) << share;
+		last = solver.iterations;
+		for (const auto& cube : cubes) scene.world.removeRigidBody(&cube->body());
+		scene.world.removeRigidBody(&ground);
+	}
 }
 
 // Turned by 30 degrees its products of inertia are not zero: the body's frame is the principal one, its mesh where it was.

@@ -333,7 +333,7 @@ TEST_F(RunnerCommand, ShortSceneTwiceHasOneTrajectoryInEachPrecision)
 			const json summary = report("run.json");
 			hash = summary["trajectory_hash"];
 			EXPECT_EQ(summary["schema"], 1);
-			EXPECT_EQ(summary["constants"]["solver_iterations"]["value"], 30);
+			EXPECT_EQ(summary["constants"]["solver_iterations"]["value"], 40);
 			EXPECT_TRUE(summary["summary"]["stays_in_place"].get<bool>());
 			EXPECT_EQ(summary["machine"]["precision"], program == std::string(CLOD_BENCH) ? "float32" : "float64");
 			const auto poses = clod::demo::readPoses(path("run-poses.csv"));

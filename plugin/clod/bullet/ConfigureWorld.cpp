@@ -15,6 +15,8 @@ void configureWorld(btDynamicsWorld& world, const WorldSettings& settings)
 {
 	btContactSolverInfo& solver = world.getSolverInfo();
 	solver.m_numIterations = settings.solverIterations;
+	const double change = settings.leastChange * double(world.getGravity().length()) / 240;
+	solver.m_leastSquaresResidualThreshold = btScalar(change * change);
 	solver.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
 	solver.m_splitImpulse = true;
 	solver.m_splitImpulsePenetrationThreshold = btScalar(settings.splitImpulsePenetrationThreshold);

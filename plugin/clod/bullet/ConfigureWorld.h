@@ -17,9 +17,13 @@ namespace clod
 {
 struct WorldSettings
 {
-	// Passes of the solver over all contacts of a step. 10 (Bullet's default) leave piles and joints soft; stacks of a
+	// Most passes of the solver over all contacts of a step. 10 (Bullet's default) leave piles and joints soft; stacks of a
 	// hundred bodies want 50.
-	int solverIterations = 30;
+	int solverIterations = 40;
+	// They end once no row changes a speed by more than this share of what gravity adds in 1/240 s; 0: when nothing changes.
+	// More lets bodies creep on slopes. Of the gravity that the world has when it is set up: set that first where it is far
+	// from Bullet's 10.
+	double leastChange = 1e-3;
 	// Share of an overlap that a step takes away: of joints, and of contacts (whose push is no momentum: split
 	// impulse).
 	double erp = 0.2, erp2 = 0.8;

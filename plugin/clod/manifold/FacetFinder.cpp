@@ -52,11 +52,39 @@ void FacetFinder::find(const FacetQuestion& question, const std::vector<Contact>
 	m_turn = (length(m_motion.angular) + speed / question.length()) * m_motion.timeStep;
 	m_poses.fill({});
 	placeMiddles();
+	noteThrough();
 	for (Facet& facet : facets) facet.linear = dot(m_motion.velocity(facet.onA), facet.normal) * m_motion.timeStep;
 	std::size_t size = kLeastTable;
 	while (size < 4 * (facets.size() + contacts.size())) size *= 2;
 	tabulate(size);
 	for (const Contact& contact : contacts) findPair(contact);
+}
+
+// Planes that a vertex has gone through.
+void FacetFinder::noteThrough()
+{
+	m_through.clear();
+	for (const Facet& facet : *m_facets)
+	{
+		if (!facet.isThrough) continue;
+		const bool isOfB = facet.kind == Facet::Kind::kVertexFace;
+		const ContactBody& body = isOfB ? m_question->b : m_question->a;
+		m_through.push_back({isOfB, body.surface(isOfB ? facet.levelB : facet.levelA).planeOf(isOfB ? facet.featureB : facet.featureA)});
+	}
+}
+
+// Of what spans a thin wall the lowest corner may be beyond, and no way in leads over it for the others.
+bool FacetFinder::mayEnter(const ContactSurface& surface, const MovedCorner& vertex, const Vec3& up, const SurfaceFace& face,
+						   bool faceIsOfB) const
+{
+	if (isLowest(surface.fan(vertex.index), up, kArcSlack + m_turn)) return true;
+	const double near = kInnerShare * m_question->length();
+	const auto isSame = [&](const Through& through)
+	{
+		return through.isOfB == faceIsOfB && dot(through.face.normal, face.normal) > kSameNormal &&
+			   std::abs(through.face.offset - face.offset) < near;
+	};
+	return std::any_of(m_through.begin(), m_through.end(), isSame);
 }
 
 void FacetFinder::tabulate(std::size_t size)
@@ -139,14 +167,14 @@ void FacetFinder::verticesOverFaces(const NormalCone& coneA, const NormalCone& c
 	if (!m_polygonsB.empty())
 		for (const MovedCorner* corner : m_cornersA)
 		{
-			if (!isLowest(m_pair.a->fan(corner->index), coneB.axis, slackOf(coneB))) continue;
+			if (m_through.empty() && !isLowest(m_pair.a->fan(corner->index), coneB.axis, slackOf(coneB))) continue;
 			for (const std::uint32_t polygon : m_polygonsB) vertexOverFace(*corner, polygon, true);
 		}
 	if (m_polygonsA.empty()) return;
 	const Vec3 up = m_bFromA.rotation * coneA.axis;
 	for (const MovedCorner* corner : m_cornersB)
 	{
-		if (!isLowest(m_pair.b->fan(corner->index), up, slackOf(coneA))) continue;
+		if (m_through.empty() && !isLowest(m_pair.b->fan(corner->index), up, slackOf(coneA))) continue;
 		for (const std::uint32_t polygon : m_polygonsA) vertexOverFace(*corner, polygon, false);
 	}
 }
@@ -333,7 +361,7 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 	if (!isInReach(now, then)) return;
 
 	const Vec3 up = vertexIsOfA ? normal : m_bFromA.rotation * face.normal;
-	if (!isLowest(vertices.fan(vertex.index), up, kArcSlack + m_turn)) return;
+	if (!mayEnter(vertices, vertex, up, face, vertexIsOfA)) return;
 	// No way that is looked at below leads over the face.
 	const double farthest = kPathReach * std::max(length(vertex.then - vertex.now), length(vertex.unforced - vertex.now));
 	const double ways = (1 + 2 * m_sagitta) * farthest + q.rules.heldReach + m_pair.roam + q.footSlack(now);

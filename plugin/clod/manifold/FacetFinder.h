@@ -30,6 +30,14 @@ private:
 		double deepest = 0;  // overlaps beyond are not looked for
 		double reach = 0;    // how far apart features may be
 	};
+	struct Through
+	{
+		bool isOfB;
+		SurfaceFace face;
+	};
+	void noteThrough();
+	bool mayEnter(const ContactSurface& surface, const MovedCorner& vertex, const Vec3& up, const SurfaceFace& face,
+				  bool faceIsOfB) const;
 	void findPair(const Contact& contact);
 	void gather(const Contact& contact, MovedNode& nodeA, MovedNode& nodeB);
 	void verticesOverFaces(const NormalCone& coneA, const NormalCone& coneB);
@@ -95,6 +103,7 @@ private:
 	double m_turn = 0;  // radians that contacts may turn B relative to A in the step, at most
 	std::array<std::optional<Transform>, kArcParts + 1> m_poses;
 	Middle m_middleA, m_middleB;
+	std::vector<Through> m_through;
 	Pair m_pair;
 	MovedNodes m_nodesA, m_nodesB;
 	// Of the pair, those that come near the other node.
