@@ -31,7 +31,7 @@ private:
 		double reach = 0;    // how far apart features may be
 	};
 	void findPair(const Contact& contact);
-	void gather(const Contact& contact, MovedNode& nodeA, MovedNode& nodeB);
+	void gather(MovedNode& nodeA, MovedNode& nodeB);
 	void verticesOverFaces(const NormalCone& coneA, const NormalCone& coneB);
 	void edgesOverEdges(const NormalCone& coneA, const NormalCone& coneB, bool mayOverlap);
 	double highest(double closing) const;
@@ -41,8 +41,8 @@ private:
 		Vec3 now, then, unforced;
 	};
 	template <class MeetsOn, class Height, class Meets>
-	bool meetsOnPath(const Way& way, double mostBulge, const Vec3& up, double now, double closing, bool mayHold,
-					 MeetsOn meetsOn, Height height, Meets meets) const;
+	bool meetsOnPath(const Way& way, const Vec3& up, double now, double closing, bool mayHold, MeetsOn meetsOn,
+					 Height height, Meets meets) const;
 	template <class Height, class Meets>
 	bool meetsOnArc(double now, double closing, double way, const Vec3& forced, Height height, Meets meets) const;
 	template <class MeetsOn>
@@ -91,7 +91,6 @@ private:
 	Transform m_bFromA;
 	RelativeMotion m_motion;  // of A's material relative to B's
 	double m_sagitta = 0;     // of the arc that a chord of the path stands for, a share of the chord
-	double m_bend = 0;  // sagitta of the arc of a point of B in A, where A does not turn, a share of its distance from B's center
 	double m_turn = 0;  // radians that contacts may turn B relative to A in the step, at most
 	std::array<std::optional<Transform>, kArcParts + 1> m_poses;
 	Middle m_middleA, m_middleB;
