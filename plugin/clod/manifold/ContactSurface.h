@@ -13,6 +13,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <vector>
@@ -109,6 +110,8 @@ public:
 	// Mean of a polygon's corners.
 	const Vec3& centerOf(std::uint32_t polygon) const { return m_polygonDiscs[polygon].center; }
 	double radiusOf(std::uint32_t polygon) const { return m_polygonDiscs[polygon].radius; }
+	// Mean length of the edges; of what has none, infinity.
+	double grain() const { return m_grain; }
 	Vec3 footOn(std::uint32_t polygon, const Vec3& point) const
 	{
 		const SurfaceFace& plane = planeOf(polygon);
@@ -222,6 +225,7 @@ private:
 		double radius;
 	};
 	std::vector<Disc> m_polygonDiscs;
+	double m_grain = std::numeric_limits<double>::infinity();
 	std::vector<Border> m_border;  // of polygons of several faces
 	std::vector<std::uint32_t> m_firstBorder;
 	std::vector<std::uint32_t> m_nodeVertices, m_nodeEdges, m_firstVertexOf, m_firstEdgeOf, m_firstPolygonOf, m_firstFaceOf;

@@ -228,6 +228,9 @@ void ContactSurface::findEdges(const std::vector<std::uint32_t>& firstFaceOfNode
 		m_edges.push_back(edge);
 	}
 	m_edges.shrink_to_fit();
+	double lengths = 0;
+	for (const SurfaceEdge& edge : m_edges) lengths += edge.length;
+	if (!m_edges.empty()) m_grain = lengths / double(m_edges.size());
 	listNodes(firstFaceOfNode, edgeOfSide);
 }
 

@@ -10,11 +10,10 @@ namespace clod
 namespace
 {
 constexpr double kFar = std::numeric_limits<double>::infinity();
-constexpr std::size_t kLeastTable = 64;
 constexpr int kArcRounds = 6;  // each by the chord's slope
 constexpr double kArcSpeed = 2;  // times the mean speed on an arc: the most on it
-constexpr double kRoamShare = 0.35;  // of the farthest way of the step: so far from a way's middle contacts may lead
-constexpr double kFlatArc = 0.1;  // of the chord: no point of such an arc is farther away than twice that beyond its ends
+constexpr double kRoamShare = 0.35;  // of the farthest way of the step: so far from a way's middle contacts may lead,
+constexpr double kRoamGrains = 1;    // and so many grains of the coarser surface are looked for ahead
 
 // Where something goes in the step as far as a facet is concerned: forces count along its normal, but sideways they may
 // be held by whom is not known here, and a body that slides over a border does not fall beneath it.
@@ -30,6 +29,11 @@ bool isLowest(Span<Vec3> fan, const Vec3& up, double slack)
 	return true;
 }
 
+bool isOneOf(const std::vector<std::uint64_t>& sorted, std::uint64_t feature)
+{
+	return std::binary_search(sorted.begin(), sorted.end(), feature);
+}
+
 bool isWithin(double along, double length, double slack)
 {
 	return along >= -slack && along <= length + slack;
@@ -38,33 +42,52 @@ bool isWithin(double along, double length, double slack)
 
 void FacetFinder::find(const FacetQuestion& question, const std::vector<Contact>& contacts, std::vector<Facet>& facets)
 {
+	m_isAgain = false;
+	for (Facet& facet : facets)
+		facet.linear = dot(question.rules.motion().velocity(facet.onA), facet.normal) * question.rules.timeStep;
+	findAll(question, contacts, facets);
+}
+
+void FacetFinder::findOnWay(const FacetQuestion& question, const std::vector<Contact>& contacts,
+							const std::vector<std::uint64_t>& dropped, std::vector<Facet>& facets)
+{
+	m_isAgain = true;
+	m_dropped = &dropped;
+	findAll(question, contacts, facets);
+}
+
+void FacetFinder::findAll(const FacetQuestion& question, const std::vector<Contact>& contacts, std::vector<Facet>& facets)
+{
 	m_question = &question;
-	m_facets = &facets;
+	m_sought = kFar;
 	m_bFromA = inverse(question.aFromB);
 	m_nodesA.start(question, contacts, true);
 	m_nodesB.start(question, contacts, false);
 	m_motion = question.rules.motion();
-	const double angle = kPathReach * length(m_motion.angular) * m_motion.timeStep;
-	m_sagitta = 0.125 * angle;
-	m_bend = question.rules.a.angular == Vec3{} ? 0.125 * angle * angle : kFar;
+	m_sagitta = 0.125 * kPathReach * length(m_motion.angular) * m_motion.timeStep;
 	// What an impact of that speed may add to the turning, besides.
 	const double speed = length(m_motion.velocity(question.rules.b.center));
 	m_turn = (length(m_motion.angular) + speed / question.length()) * m_motion.timeStep;
 	m_poses.fill({});
 	placeMiddles();
-	noteThrough();
-	for (Facet& facet : facets) facet.linear = dot(m_motion.velocity(facet.onA), facet.normal) * m_motion.timeStep;
-	std::size_t size = kLeastTable;
-	while (size < 4 * (facets.size() + contacts.size())) size *= 2;
-	tabulate(size);
+	noteThrough(facets);
+	m_table.start(facets, facets.size() + contacts.size());
 	for (const Contact& contact : contacts) findPair(contact);
 }
 
+bool FacetFinder::looksShortOf(const RelativeMotion& motion, const std::vector<Contact>& contacts) const
+{
+	const RelativeMotion beside{motion.linear - m_motion.linear, motion.angular - m_motion.angular, motion.timeStep};
+	const auto isBeyond = [&](const Contact& contact)
+	{ return length(beside.velocity(contact.pointOnA)) * beside.timeStep > m_sought; };
+	return m_sought < kFar && std::any_of(contacts.begin(), contacts.end(), isBeyond);
+}
+
 // Planes that a vertex has gone through.
-void FacetFinder::noteThrough()
+void FacetFinder::noteThrough(const std::vector<Facet>& facets)
 {
 	m_through.clear();
-	for (const Facet& facet : *m_facets)
+	for (const Facet& facet : facets)
 	{
 		if (!facet.isThrough) continue;
 		const bool isOfB = facet.kind == Facet::Kind::kVertexFace;
@@ -87,29 +110,6 @@ bool FacetFinder::mayEnter(const ContactSurface& surface, const MovedCorner& ver
 	return std::any_of(m_through.begin(), m_through.end(), isSame);
 }
 
-void FacetFinder::tabulate(std::size_t size)
-{
-	m_table.assign(size, kNone);
-	for (std::uint32_t i = 0; i < m_facets->size(); ++i) m_table[slotOf((*m_facets)[i])] = i;
-}
-
-// Where the facet of the same features is, or would be, in the table.
-std::size_t FacetFinder::slotOf(const Facet& facet) const
-{
-	const std::uint64_t features = std::uint64_t(facet.featureA) << 32 | facet.featureB;
-	const std::uint64_t rest = std::uint64_t(facet.kind) << 32 | facet.levelA << 16 | facet.levelB;
-	std::size_t at = std::size_t(((features ^ rest * 0xD6E8FEB86659FD93u) * 0x9E3779B97F4A7C15u) >> 32);
-	for (;; ++at)
-	{
-		at &= m_table.size() - 1;
-		if (m_table[at] == kNone) return at;
-		const Facet& other = (*m_facets)[m_table[at]];
-		if (other.featureA == facet.featureA && other.featureB == facet.featureB && other.kind == facet.kind &&
-			other.levelA == facet.levelA && other.levelB == facet.levelB)
-			return at;
-	}
-}
-
 // Several faces of one polygon may find the same facet, and several pairs of nodes: it is what the nearest of them says.
 void FacetFinder::add(Facet& facet)
 {
@@ -118,19 +118,15 @@ void FacetFinder::add(Facet& facet)
 	facet.nodeA = m_pair.nodeA;
 	facet.nodeB = m_pair.nodeB;
 	facet.linear = dot(m_motion.velocity(facet.onA), facet.normal) * m_motion.timeStep;
-	const std::size_t slot = slotOf(facet);
-	if (m_table[slot] != kNone)
+	if (Facet* known = m_table.find(facet))
 	{
-		Facet& known = (*m_facets)[m_table[slot]];
-		facet.feature = known.feature;
-		if (facet.reach < known.reach) known = facet;
+		facet.feature = known->feature;
+		if (!m_isAgain && facet.reach < known->reach) *known = facet;
 		return;
 	}
 	facet.feature = featureOf(*m_pair.a, *m_pair.b, facet);
-	m_table[slot] = std::uint32_t(m_facets->size());
-	m_facets->push_back(facet);
-	if (2 * m_facets->size() <= m_table.size()) return;
-	tabulate(2 * m_table.size());
+	if (m_isAgain && (facet.reach != Facet::Reach::kPath || isOneOf(*m_dropped, facet.feature))) return;
+	m_table.add(facet);
 }
 
 void FacetFinder::findPair(const Contact& contact)
@@ -138,19 +134,22 @@ void FacetFinder::findPair(const Contact& contact)
 	const FacetQuestion& q = *m_question;
 	MovedNode& nodeB = m_nodesB.of(contact.nodeB);
 	const bool mayOverlap = contact.upper <= 0;
-	const double roam = kRoamShare * nodeB.displaced, beside = kFootShare * q.length() + roam;
+	const ContactSurface &a = q.a.surface(q.a.levelOf(contact.nodeA)), &b = q.b.surface(nodeB.level);
+	const double most = kRoamShare * nodeB.displaced, roam = std::min(most, kRoamGrains * std::max(a.grain(), b.grain()));
+	if (roam < most) m_sought = std::min(m_sought, roam);
+	const double beside = kFootShare * q.length() + roam;
 	double reach = q.touching() + q.rules.heldReach + beside;
 	// A facet's features are no farther apart than its height and what a foot is beside either. A ball is high over most of what
 	// is within reach along the axes.
-	const bool isStraight = !mayOverlap && q.b.surface(nodeB.level).isCore();
+	const bool isStraight = !mayOverlap && b.isCore();
 	const double straight = isStraight ? reach + 2 * beside : kFar;
 	if (mayOverlap) reach += q.a.thicknessOf(contact.nodeA) + q.b.thicknessOf(contact.nodeB);
 	MovedNode& nodeA = m_nodesA.of(contact.nodeA, m_nodesB.isOne() ? Near{&nodeB.box, reach, straight} : Near{});
-	m_pair = {&q.a.surface(nodeA.level), &q.b.surface(nodeB.level), contact.nodeA, contact.nodeB, nodeA.level, nodeB.level};
+	m_pair = {&a, &b, contact.nodeA, contact.nodeB, nodeA.level, nodeB.level};
 	m_pair.roam = roam;
 	m_pair.deepest = mayOverlap ? kFar : kInnerShare * q.length();
 	m_pair.reach = reach;
-	gather(contact, nodeA, nodeB);
+	gather(nodeA, nodeB);
 	verticesOverFaces(nodeA.cone, nodeB.cone);
 	edgesOverEdges(nodeA.cone, nodeB.cone, mayOverlap);
 	if (m_middleA.height > 0)
@@ -202,37 +201,29 @@ void FacetFinder::edgesOverEdges(const NormalCone& coneA, const NormalCone& cone
 	}
 }
 
-// What of either node comes near the other in the step: by boxes, and by what lies between the hulls.
-void FacetFinder::gather(const Contact& contact, MovedNode& nodeA, MovedNode& nodeB)
+// What of either node comes near the other in the step.
+void FacetFinder::gather(MovedNode& nodeA, MovedNode& nodeB)
 {
-	const double reach = m_pair.reach;
-	// Between hulls that are apart what is farther from the other along the way between them stays so.
-	const bool isApart = contact.lower > 0 && contact.normal != Vec3{};
-	const double far = reach + kPathReach * nodeB.displaced;
-	const auto gatherOf = [&](MovedNode& node, const Box& other, const Vec3& away, double farthest,
-							  std::vector<const MovedCorner*>& corners, std::vector<MovedEdge*>& edges,
-							  std::vector<std::uint32_t>& polygons)
+	const auto gatherOf = [this](MovedNode& node, const Box& other, std::vector<const MovedCorner*>& corners,
+								 std::vector<MovedEdge*>& edges, std::vector<std::uint32_t>& polygons)
 	{
-		const auto isNear = [&](const Box& box)
-		{ return box.meets(other, reach) && !(isApart && box.lowestAlong(away) > farthest); };
+		const double reach = m_pair.reach;
 		corners.clear();
 		edges.clear();
 		polygons.clear();
 		for (MovedCorner& corner : node.corners)
 		{
-			if (!isNear(corner.box)) continue;
+			if (!corner.box.meets(other, reach)) continue;
 			if (!corner.isPlaced) m_nodesA.place(*m_pair.a, corner);
 			corners.push_back(&corner);
 		}
 		for (MovedEdge& edge : node.edges)
-			if (isNear(edge.box)) edges.push_back(&edge);
+			if (edge.box.meets(other, reach)) edges.push_back(&edge);
 		for (const MovedPolygon& polygon : node.polygons)
-			if (isNear(polygon.box)) polygons.push_back(polygon.index);
+			if (polygon.box.meets(other, reach)) polygons.push_back(polygon.index);
 	};
-	gatherOf(nodeA, nodeB.box, contact.normal, dot(contact.normal, contact.pointOnB) + far, m_cornersA, m_edgesA,
-			 m_polygonsA);
-	gatherOf(nodeB, nodeA.box, -contact.normal, far - dot(contact.normal, contact.pointOnA), m_cornersB, m_edgesB,
-			 m_polygonsB);
+	gatherOf(nodeA, nodeB.box, m_cornersA, m_edgesA, m_polygonsA);
+	gatherOf(nodeB, nodeA.box, m_cornersB, m_edgesB, m_polygonsB);
 }
 
 // Of facets that contacts may lead to, when their motion as predicted closes by so much.
@@ -257,40 +248,37 @@ Transform FacetFinder::poseAt(double share)
 	return *pose;
 }
 
-// Where turning bodies bring features to the margin, and where to each other, do they meet there? height(share, forced)
-// puts them there, and meets(slack) tells whether they are so near each other there; forced: what forces add to the height
-// by the end. way: how far they go.
+// Where turning bodies bring features to the margin, do they meet there? height(share, forced) puts them there, and
+// meets(slack) tells whether they are so near each other there; forced: what forces add to the height by the end. way: how
+// far they go.
 template <class Height, class Meets>
 bool FacetFinder::meetsOnArc(double now, double closing, double way, const Vec3& forced, Height height, Meets meets) const
 {
-	const double near = kInnerShare * m_question->length(), wayOfHeight = kArcSpeed * way / closing;
-	const auto heightAt = [&](double share) { return height(share, share * forced); };
-	for (const double level : {m_question->rules.margin, 0.0})
+	const double near = kInnerShare * m_question->length(), margin = m_question->rules.margin;
+	const double wayOfHeight = kArcSpeed * way / closing;
+	const auto heightAt = [&](double share) { return height(share, share * forced) - margin; };
+	double share = std::round(kArcParts * std::max(0.0, std::min(1.0, (now - margin) / closing))) / kArcParts;
+	double above = heightAt(share);
+	for (int round = 0; std::abs(above) > near; ++round)
 	{
-		double share = std::round(kArcParts * std::max(0.0, std::min(1.0, (now - level) / closing))) / kArcParts;
-		double above = heightAt(share) - level;
-		for (int round = 0; std::abs(above) > near; ++round)
-		{
-			const double next = std::max(0.0, std::min(1.0, share + above / closing));
-			if (round == kArcRounds || next == share || !meets(near + wayOfHeight * std::abs(above))) break;
-			share = next;
-			above = heightAt(share) - level;
-		}
-		if (std::abs(above) <= near && meets(near)) return true;
+		const double next = std::max(0.0, std::min(1.0, share + above / closing));
+		if (round == kArcRounds || next == share || !meets(near + wayOfHeight * std::abs(above))) return false;
+		share = next;
+		above = heightAt(share);
 	}
-	return false;
+	return meets(near);
 }
 
 // Do features meet on the step's way? meetsOn(move, closing, slack) asks it of a chord, height and meets of the arc
 // (meetsOnArc), where that bulges; `up` is where the height grows, mayHold: against the forces (PointRules::holds).
 template <class MeetsOn, class Height, class Meets>
-bool FacetFinder::meetsOnPath(const Way& way, double mostBulge, const Vec3& up, double now, double closing, bool mayHold,
+bool FacetFinder::meetsOnPath(const Way& way, const Vec3& up, double now, double closing, bool mayHold,
 							  MeetsOn meetsOn, Height height, Meets meets) const
 {
 	const double inner = kInnerShare * m_question->length();
 	const Vec3 move = kPathReach * (along(up, way.unforced, way.then) - way.now);
 	const Vec3 forced = kPathReach * dot(up, way.then - way.unforced) * up;
-	const double bulge = std::min(mostBulge, m_sagitta * length(move));
+	const double bulge = m_sagitta * length(move);
 	if (bulge <= inner ? meetsOn(move, closing, bulge + inner) : meetsOnArc(now, closing, length(move), forced, height, meets))
 		return true;
 	if (forced == Vec3{}) return false;
@@ -362,10 +350,6 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 
 	const Vec3 up = vertexIsOfA ? normal : m_bFromA.rotation * face.normal;
 	if (!mayEnter(vertices, vertex, up, face, vertexIsOfA)) return;
-	// No way that is looked at below leads over the face.
-	const double farthest = kPathReach * std::max(length(vertex.then - vertex.now), length(vertex.unforced - vertex.now));
-	const double ways = (1 + 2 * m_sagitta) * farthest + q.rules.heldReach + m_pair.roam + q.footSlack(now);
-	if (m_sagitta < kFlatArc && !faces.isOver(polygon, vertex.now, ways)) return;
 	const Vec3& own = vertices.vertices()[vertex.index];
 	// What has sunk in stays a contact while the step's turning may make it the lowest.
 	const auto isOver = [&]
@@ -388,8 +372,7 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 			place = (vertexIsOfA ? inverse(pose) * own : pose * own) + forced;
 			return dot(face.normal, place) - face.offset;
 		};
-		const double mostBulge = vertexIsOfA || m_bend == kFar ? kFar : m_bend * length(vertex.now - q.rules.b.center);
-		return meetsOnPath({vertex.now, vertex.then, vertex.unforced}, mostBulge, face.normal, now, now - endOf(now, then),
+		return meetsOnPath({vertex.now, vertex.then, vertex.unforced}, face.normal, now, now - endOf(now, then),
 						   q.rules.holds(normal), meetsOn, height,
 						   [&](double slack) { return faces.isOver(polygon, place, slack); });
 	};
@@ -466,7 +449,7 @@ void FacetFinder::edgeOverEdge(const MovedEdge& still, const MovedEdge& moved)
 		};
 		const auto meetsTurning = [&](const Vec3& move, double closing, double slack)
 		{ return meetsOn(move, turn, closing, slack); };
-		return meetsOnPath({moved.start, moved.thenStart, moved.unforcedStart}, kFar, -normal, now, now - endOf(now, then),
+		return meetsOnPath({moved.start, moved.thenStart, moved.unforcedStart}, -normal, now, now - endOf(now, then),
 						   q.rules.holds(normal), meetsTurning, height,
 						   [&](double slack) { return crossesAt(place, direction, slack); });
 	};

@@ -10,6 +10,7 @@
 #include <optional>
 #include <vector>
 
+#include "clod/manifold/FacetTable.h"
 #include "clod/manifold/MovedNode.h"
 
 namespace clod
@@ -20,8 +21,17 @@ class FacetFinder
 public:
 	// Appends the facets of node pairs within reach. Each comes once; those that are there stay.
 	void find(const FacetQuestion& question, const std::vector<Contact>& contacts, std::vector<Facet>& facets);
+	// Of bodies in fast motion, detailed both, what contacts may lead to is too much to be found ahead. May this motion meet
+	// more than was found?
+	bool looksShortOf(const RelativeMotion& motion, const std::vector<Contact>& contacts) const;
+	// Then, with that motion in the question, appends what lies on its way. dropped: features of what is no contact, sorted.
+	void findOnWay(const FacetQuestion& question, const std::vector<Contact>& contacts,
+				   const std::vector<std::uint64_t>& dropped, std::vector<Facet>& facets);
+	// How far from the way of the step contacts may lead without that, where less was looked for than they may; else infinity.
+	double sought() const { return m_sought; }
 
 private:
+	void findAll(const FacetQuestion& question, const std::vector<Contact>& contacts, std::vector<Facet>& facets);
 	struct Pair
 	{
 		const ContactSurface *a, *b;
@@ -35,11 +45,11 @@ private:
 		bool isOfB;
 		SurfaceFace face;
 	};
-	void noteThrough();
+	void noteThrough(const std::vector<Facet>& facets);
 	bool mayEnter(const ContactSurface& surface, const MovedCorner& vertex, const Vec3& up, const SurfaceFace& face,
 				  bool faceIsOfB) const;
 	void findPair(const Contact& contact);
-	void gather(const Contact& contact, MovedNode& nodeA, MovedNode& nodeB);
+	void gather(MovedNode& nodeA, MovedNode& nodeB);
 	void verticesOverFaces(const NormalCone& coneA, const NormalCone& coneB);
 	void edgesOverEdges(const NormalCone& coneA, const NormalCone& coneB, bool mayOverlap);
 	double highest(double closing) const;
@@ -49,8 +59,8 @@ private:
 		Vec3 now, then, unforced;
 	};
 	template <class MeetsOn, class Height, class Meets>
-	bool meetsOnPath(const Way& way, double mostBulge, const Vec3& up, double now, double closing, bool mayHold,
-					 MeetsOn meetsOn, Height height, Meets meets) const;
+	bool meetsOnPath(const Way& way, const Vec3& up, double now, double closing, bool mayHold, MeetsOn meetsOn,
+					 Height height, Meets meets) const;
 	template <class Height, class Meets>
 	bool meetsOnArc(double now, double closing, double way, const Vec3& forced, Height height, Meets meets) const;
 	template <class MeetsOn>
@@ -88,18 +98,17 @@ private:
 	bool isInCone(const ContactSurface& surface, const MovedCorner& vertex, const Vec3& away) const;
 	void addRound(Facet& facet, const Approach& approach, const Vec3& now, const Vec3& then, const Vec3& normal,
 				  const Vec3& place);
-	std::size_t slotOf(const Facet& facet) const;
 	void add(Facet& facet);
-	void tabulate(std::size_t size);
 
 	static constexpr int kArcParts = 8;  // a power of two: arcs are looked at there first
 
 	const FacetQuestion* m_question = nullptr;
-	std::vector<Facet>* m_facets = nullptr;
+	const std::vector<std::uint64_t>* m_dropped = nullptr;
+	bool m_isAgain = false;
+	double m_sought = 0;
 	Transform m_bFromA;
 	RelativeMotion m_motion;  // of A's material relative to B's
 	double m_sagitta = 0;     // of the arc that a chord of the path stands for, a share of the chord
-	double m_bend = 0;  // sagitta of the arc of a point of B in A, where A does not turn, a share of its distance from B's center
 	double m_turn = 0;  // radians that contacts may turn B relative to A in the step, at most
 	std::array<std::optional<Transform>, kArcParts + 1> m_poses;
 	Middle m_middleA, m_middleB;
@@ -111,6 +120,6 @@ private:
 	std::vector<MovedEdge*> m_edgesA, m_edgesB;
 	std::vector<const MovedEdge*> m_facingA;  // of these
 	std::vector<std::uint32_t> m_polygonsA, m_polygonsB;
-	std::vector<std::uint32_t> m_table;  // of the facets, by what makes them; open, a power of two
+	FacetTable m_table;
 };
 }  // namespace clod

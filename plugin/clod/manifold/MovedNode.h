@@ -27,12 +27,6 @@ struct Box
 		add(box.low);
 		add(box.high);
 	}
-	// The least dot(direction, p) of it.
-	double lowestAlong(const Vec3& direction) const
-	{
-		return direction.x * (direction.x > 0 ? low.x : high.x) + direction.y * (direction.y > 0 ? low.y : high.y) +
-			   direction.z * (direction.z > 0 ? low.z : high.z);
-	}
 	double squaredTo(const Box& other) const
 	{
 		const auto out = [](double l, double h, double otherLow, double otherHigh)
