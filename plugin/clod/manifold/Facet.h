@@ -169,7 +169,7 @@ inline std::uint64_t featureOf(const ContactSurface& a, const ContactSurface& b,
 	const auto [ofA, ofB] = facet.parts();
 	const std::uint64_t name =
 		nameIn(a, ofA, facet.featureA) * 0x9E3779B97F4A7C15u ^ nameIn(b, ofB, facet.featureB);
-	return name * 0xD6E8FEB86659FD93u + (std::uint64_t(facet.kind) << 8 | facet.levelA << 4 | facet.levelB);
+	return name * 0xD6E8FEB86659FD93u + (std::uint64_t(facet.kind) << 16 | facet.levelA << 8 | facet.levelB);
 }
 
 inline constexpr double kFootShare = 1e-3;      // of the length: how far off its facet a foot may be

@@ -59,23 +59,16 @@ void FacetFinder::find(const FacetQuestion& question, const std::vector<Contact>
 void FacetFinder::tabulate(std::size_t size)
 {
 	m_table.assign(size, kNone);
-	for (std::uint32_t i = 0; i < m_facets->size(); ++i) m_table[slotOf((*m_facets)[i])] = i;
+	for (std::uint32_t i = 0; i < m_facets->size(); ++i) m_table[slotOf((*m_facets)[i].feature)] = i;
 }
 
 // Where the facet of the same features is, or would be, in the table.
-std::size_t FacetFinder::slotOf(const Facet& facet) const
+std::size_t FacetFinder::slotOf(std::uint64_t feature) const
 {
-	const std::uint64_t features = std::uint64_t(facet.featureA) << 32 | facet.featureB;
-	const std::uint64_t rest = std::uint64_t(facet.kind) << 32 | facet.levelA << 16 | facet.levelB;
-	std::size_t at = std::size_t(((features ^ rest * 0xD6E8FEB86659FD93u) * 0x9E3779B97F4A7C15u) >> 32);
-	for (;; ++at)
+	for (std::size_t at = std::size_t(feature >> 32);; ++at)
 	{
 		at &= m_table.size() - 1;
-		if (m_table[at] == kNone) return at;
-		const Facet& other = (*m_facets)[m_table[at]];
-		if (other.featureA == facet.featureA && other.featureB == facet.featureB && other.kind == facet.kind &&
-			other.levelA == facet.levelA && other.levelB == facet.levelB)
-			return at;
+		if (m_table[at] == kNone || (*m_facets)[m_table[at]].feature == feature) return at;
 	}
 }
 
@@ -87,19 +80,17 @@ void FacetFinder::add(Facet& facet)
 	facet.nodeA = m_pair.nodeA;
 	facet.nodeB = m_pair.nodeB;
 	facet.linear = dot(m_motion.velocity(facet.onA), facet.normal) * m_motion.timeStep;
-	const std::size_t slot = slotOf(facet);
+	facet.feature = featureOf(*m_pair.a, *m_pair.b, facet);
+	const std::size_t slot = slotOf(facet.feature);
 	if (m_table[slot] != kNone)
 	{
 		Facet& known = (*m_facets)[m_table[slot]];
-		facet.feature = known.feature;
 		if (facet.reach < known.reach) known = facet;
 		return;
 	}
-	facet.feature = featureOf(*m_pair.a, *m_pair.b, facet);
 	m_table[slot] = std::uint32_t(m_facets->size());
 	m_facets->push_back(facet);
-	if (2 * m_facets->size() <= m_table.size()) return;
-	tabulate(2 * m_table.size());
+	if (2 * m_facets->size() > m_table.size()) tabulate(2 * m_table.size());
 }
 
 void FacetFinder::findPair(const Contact& contact)

@@ -80,7 +80,7 @@ private:
 	bool isInCone(const ContactSurface& surface, const MovedCorner& vertex, const Vec3& away) const;
 	void addRound(Facet& facet, const Approach& approach, const Vec3& now, const Vec3& then, const Vec3& normal,
 				  const Vec3& place);
-	std::size_t slotOf(const Facet& facet) const;
+	std::size_t slotOf(std::uint64_t feature) const;
 	void add(Facet& facet);
 	void tabulate(std::size_t size);
 
