@@ -117,11 +117,6 @@ struct ContactBody
 	{
 		return only ? std::numeric_limits<double>::infinity() : double(hierarchy->node(node).thickness);
 	}
-	// Of a node's faces; zero where there is none.
-	Vec3 meanNormalOf(std::uint32_t node) const
-	{
-		return only ? only->faces()[only->firstFaceOf(node)].normal : toVec3(hierarchy->node(node).meanNormal);
-	}
 	// Index of a surface's face among all of the body's.
 	std::uint32_t globalFace(std::uint32_t level, std::uint32_t face) const
 	{

@@ -104,7 +104,13 @@ void MovedNodes::move(MovedNode& moved, const ContactSurface& surface)
 		m_boxes.push_back(corner.box);
 	}
 	moved.displaced = std::sqrt(displaced);
-	addPolygons(moved, surface);
+	for (const ContactSurface::NodePolygon& polygon : surface.polygonsOf(moved.node))
+	{
+		const Span<std::uint16_t> corners = surface.cornersOf(polygon);
+		Box box = m_boxes[corners[0]];
+		for (const std::uint16_t corner : corners) box.add(m_boxes[corner]);
+		moved.polygons.push_back({box, polygon.polygon});
+	}
 	for (const std::uint32_t index : surface.edgesOf(moved.node))
 	{
 		const SurfaceEdge& edge = surface.edges()[index];
@@ -124,17 +130,6 @@ void MovedNodes::move(MovedNode& moved, const ContactSurface& surface)
 		at.box.add(end + kPathReach * (at.thenStart + edge.length * at.thenDirection - end));
 		at.box.add(end + kPathReach * (at.unforcedStart - at.start));
 		moved.edges.push_back(at);
-	}
-}
-
-void MovedNodes::addPolygons(MovedNode& moved, const ContactSurface& surface) const
-{
-	for (const ContactSurface::NodePolygon& polygon : surface.polygonsOf(moved.node))
-	{
-		const Span<std::uint16_t> corners = surface.cornersOf(polygon);
-		Box box = m_boxes[corners[0]];
-		for (const std::uint16_t corner : corners) box.add(m_boxes[corner]);
-		moved.polygons.push_back({box, polygon.polygon});
 	}
 }
 }  // namespace clod

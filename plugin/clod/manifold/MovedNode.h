@@ -100,7 +100,6 @@ public:
 private:
 	static void listStill(MovedNode& moved, const ContactSurface& surface, const Near& near);
 	void move(MovedNode& moved, const ContactSurface& surface);
-	void addPolygons(MovedNode& moved, const ContactSurface& surface) const;
 
 	const FacetQuestion* m_question = nullptr;
 	bool m_isA = false;
