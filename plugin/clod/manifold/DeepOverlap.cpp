@@ -18,7 +18,6 @@ constexpr std::size_t kMostHullCorners = 64;
 constexpr double kDifferencesError = 1e-4;  // of the length, of the hull of differences,
 constexpr std::size_t kMostDifferences = 128;  // which has so many corners at most
 constexpr std::size_t kMostProbed = 64;
-constexpr std::size_t kMostWays = 64;
 constexpr std::size_t kMostVertices = 256;
 
 // Is a body all but its hull? By volume, of the hull of everything.
@@ -48,7 +47,7 @@ double hullDepth(const ContactSurface& a, const ContactSurface& b, const Transfo
 	return highest + dot(aFromB.translation, direction) - lowest;
 }
 
-// The way out of two convex bodies: to the nearest face of the hull of their differences a - b.
+// The way out of two bodies' hulls: to the nearest face of the hull of their differences a - b.
 Vec3 shortestWayOut(const FacetQuestion& q, const ContactSurface& a, const ContactSurface& b)
 {
 	const auto farthest = [](const ContactSurface& surface, const Vec3& direction)
@@ -154,33 +153,14 @@ void DeepOverlap::probeWhole(const FacetQuestion& q, bool ofA)
 	}
 }
 
-Vec3 DeepOverlap::wayOut(const FacetQuestion& q, const std::vector<Contact>& contacts, const Vec3& kept,
-						 bool isCrossing, bool areHulls) const
+Vec3 DeepOverlap::wayOut(const FacetQuestion& q, const Vec3& kept, bool isCrossing, bool areHulls) const
 {
 	if (kept != Vec3{}) return kept;
-	const ContactSurface& a = q.a.surface(q.a.levelOf(contacts[0].nodeA));
-	const ContactSurface& b = q.b.surface(q.b.levelOf(contacts[0].nodeB));
-	if (areHulls) return shortestWayOut(q, a, b);
 	Vec3 sum;
 	for (const Inside& inside : m_inside) sum += inside.way;
-	Vec3 best = isCrossing ? Vec3{} : normalized(sum);
 	// Hulls know nothing of bodies that reach into each other: they are asked only where nothing is inside.
-	if (best != Vec3{}) return best;
-	double least = std::numeric_limits<double>::infinity();
-	std::size_t tried = 0;
-	for (const Contact& contact : contacts)
-		for (const bool ofA : {true, false})
-		{
-			if (++tried > kMostWays) break;
-			const Vec3 normal = ofA ? -q.a.meanNormalOf(contact.nodeA)
-								  : q.aFromB.rotation * q.b.meanNormalOf(contact.nodeB);
-			if (normal == Vec3{}) continue;
-			const double depth = hullDepth(a, b, q.aFromB, normal);
-			if (depth >= 0.95 * least) continue;
-			least = depth;
-			best = normal;
-		}
-	return best;
+	if (!areHulls && !isCrossing && sum != Vec3{}) return normalized(sum);
+	return shortestWayOut(q, q.a.surface(q.a.levelOf(m_inside[0].nodeA)), q.b.surface(q.b.levelOf(m_inside[0].nodeB)));
 }
 
 Vec3 DeepOverlap::find(const FacetQuestion& q, const std::vector<Contact>& contacts, bool isDeep, const Vec3& kept,
@@ -207,7 +187,7 @@ Vec3 DeepOverlap::find(const FacetQuestion& q, const std::vector<Contact>& conta
 	if (m_inside.empty()) return {};
 	const bool areHulls = !isWhole && areConvex(q);
 	const auto isShallower = [](const Inside& l, const Inside& r) { return lengthSquared(l.way) < lengthSquared(r.way); };
-	const Vec3 way = !isWhole         ? wayOut(q, contacts, kept, isCrossing, areHulls)
+	const Vec3 way = !isWhole         ? wayOut(q, kept, isCrossing, areHulls)
 					 : kept != Vec3{} ? kept
 									  : normalized(std::min_element(m_inside.begin(), m_inside.end(), isShallower)->way);
 	if (way == Vec3{}) return {};

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
 // A depth that no facet answers: bodies overlap so far that what is inside has lost sight of the surface, or reach through
 // each other with no corner inside, or, convex, are held by facets on either side of what they got through. One direction for
-// the pair, kept from the step before; else, of convex bodies, the shortest way out (the nearest face of the hull of their
-// differences a - b: some 300 supports), else the mean way out of the corners inside, or, where there are none, the shortest
-// out of the hulls along faces' normals. And a contact for each place inside whose own way out does not oppose it. A body that
-// is wholly inside, far from any surface, is looked at as a whole.
+// the pair, kept from the step before; else the mean way out of the corners inside, or, of convex bodies and where there are
+// none, the shortest out of the hulls (the nearest face of the hull of their differences a - b: some 300 supports). And a
+// contact for each place inside whose own way out does not oppose it. A body that is wholly inside, far from any surface, is
+// looked at as a whole.
 #pragma once
 #include <vector>
 
@@ -32,8 +32,7 @@ private:
 	};
 	void probe(const FacetQuestion& question, const Contact& contact, bool ofA, bool atCrossings);
 	void probeWhole(const FacetQuestion& question, bool ofA);
-	Vec3 wayOut(const FacetQuestion& question, const std::vector<Contact>& contacts, const Vec3& kept, bool isCrossing,
-				bool areHulls) const;
+	Vec3 wayOut(const FacetQuestion& question, const Vec3& kept, bool isCrossing, bool areHulls) const;
 	std::vector<Inside> m_inside;
 };
 }  // namespace clod

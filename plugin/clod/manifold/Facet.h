@@ -117,11 +117,6 @@ struct ContactBody
 	{
 		return only ? std::numeric_limits<double>::infinity() : double(hierarchy->node(node).thickness);
 	}
-	// Of a node's faces; zero where there is none.
-	Vec3 meanNormalOf(std::uint32_t node) const
-	{
-		return only ? only->faces()[only->firstFaceOf(node)].normal : toVec3(hierarchy->node(node).meanNormal);
-	}
 	// Index of a surface's face among all of the body's.
 	std::uint32_t globalFace(std::uint32_t level, std::uint32_t face) const
 	{
@@ -169,7 +164,7 @@ inline std::uint64_t featureOf(const ContactSurface& a, const ContactSurface& b,
 	const auto [ofA, ofB] = facet.parts();
 	const std::uint64_t name =
 		nameIn(a, ofA, facet.featureA) * 0x9E3779B97F4A7C15u ^ nameIn(b, ofB, facet.featureB);
-	return name * 0xD6E8FEB86659FD93u + (std::uint64_t(facet.kind) << 8 | facet.levelA << 4 | facet.levelB);
+	return name * 0xD6E8FEB86659FD93u + (std::uint64_t(facet.kind) << 16 | facet.levelA << 8 | facet.levelB);
 }
 
 inline constexpr double kFootShare = 1e-3;      // of the length: how far off its facet a foot may be

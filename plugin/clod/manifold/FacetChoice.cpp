@@ -220,7 +220,7 @@ void FacetChoice::dropInner(std::vector<Facet>& facets)
 	Vec3 shift = m_planes.empty() || m_order.empty() ? Vec3{} : leastShift();
 	for (const std::uint32_t i : m_order)
 	{
-		Facet& facet = facets[i];
+		const Facet& facet = facets[i];
 		const double lacking = -(dot(facet.normal, shift) + facet.distance);
 		if (lacking <= kSatisfied * -facet.distance + kSatisfiedShare * m_question->length()) continue;
 		// Looked for a little beyond the shift: what lacks no more than that is one of those that carry.
@@ -232,15 +232,7 @@ void FacetChoice::dropInner(std::vector<Facet>& facets)
 			continue;
 		}
 		m_planes.push_back({facet.normal, facet.distance, 0});
-		const Vec3 longer = leastShift();
-		// What cannot be left with the others holds, but is not asked for again.
-		if (dot(facet.normal, longer) + facet.distance < 0.5 * facet.distance)
-		{
-			m_planes.pop_back();
-			facet.slowOverlap = m_question->rules.margin - facet.distance;
-		}
-		else
-			shift = longer;
+		shift = leastShift();
 	}
 	removeDropped(facets);
 }

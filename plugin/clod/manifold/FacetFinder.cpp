@@ -118,13 +118,12 @@ void FacetFinder::add(Facet& facet)
 	facet.nodeA = m_pair.nodeA;
 	facet.nodeB = m_pair.nodeB;
 	facet.linear = dot(m_motion.velocity(facet.onA), facet.normal) * m_motion.timeStep;
-	if (Facet* known = m_table.find(facet))
+	facet.feature = featureOf(*m_pair.a, *m_pair.b, facet);
+	if (Facet* known = m_table.find(facet.feature))
 	{
-		facet.feature = known->feature;
 		if (!m_isAgain && facet.reach < known->reach) *known = facet;
 		return;
 	}
-	facet.feature = featureOf(*m_pair.a, *m_pair.b, facet);
 	if (m_isAgain && (facet.reach != Facet::Reach::kPath || isOneOf(*m_dropped, facet.feature))) return;
 	m_table.add(facet);
 }
@@ -150,8 +149,8 @@ void FacetFinder::findPair(const Contact& contact)
 	m_pair.deepest = mayOverlap ? kFar : kInnerShare * q.length();
 	m_pair.reach = reach;
 	gather(nodeA, nodeB);
-	verticesOverFaces(nodeA.cone, nodeB.cone);
-	edgesOverEdges(nodeA.cone, nodeB.cone, mayOverlap);
+	verticesOverFaces();
+	edgesOverEdges(mayOverlap);
 	if (m_middleA.height > 0)
 		for (const std::uint32_t polygon : m_polygonsB) middleOverFace(m_middleA, polygon, true);
 	if (m_middleB.height > 0)
@@ -159,44 +158,22 @@ void FacetFinder::findPair(const Contact& contact)
 	if (q.isRound()) findRound();
 }
 
-// Corners that are the lowest of their neighbours over no face of such normals are left out at once.
-void FacetFinder::verticesOverFaces(const NormalCone& coneA, const NormalCone& coneB)
+void FacetFinder::verticesOverFaces()
 {
-	const auto slackOf = [this](const NormalCone& cone) { return kArcSlack + m_turn + cone.chord(); };
-	if (!m_polygonsB.empty())
-		for (const MovedCorner* corner : m_cornersA)
-		{
-			if (m_through.empty() && !isLowest(m_pair.a->fan(corner->index), coneB.axis, slackOf(coneB))) continue;
-			for (const std::uint32_t polygon : m_polygonsB) vertexOverFace(*corner, polygon, true);
-		}
-	if (m_polygonsA.empty()) return;
-	const Vec3 up = m_bFromA.rotation * coneA.axis;
+	for (const MovedCorner* corner : m_cornersA)
+		for (const std::uint32_t polygon : m_polygonsB) vertexOverFace(*corner, polygon, true);
 	for (const MovedCorner* corner : m_cornersB)
-	{
-		if (m_through.empty() && !isLowest(m_pair.b->fan(corner->index), up, slackOf(coneA))) continue;
 		for (const std::uint32_t polygon : m_polygonsA) vertexOverFace(*corner, polygon, false);
-	}
 }
 
-// So are edges none of whose normals is opposite to one of the other node's. They may have sunk past each other by any
-// depth, where hulls overlap.
-void FacetFinder::edgesOverEdges(const NormalCone& coneA, const NormalCone& coneB, bool mayOverlap)
+// They may have sunk past each other by any depth, where hulls overlap.
+void FacetFinder::edgesOverEdges(bool mayOverlap)
 {
-	// Of twice the angle by which a normal may be beside an edge's arc.
-	const double beside = kArcSlack + m_turn, cosineOfSlack = 1 - 2 * beside * beside;
-	const double leastA = coneA.leastCosine(cosineOfSlack), leastB = coneB.leastCosine(cosineOfSlack);
-	m_facingA.clear();
-	for (const MovedEdge* edge : m_edgesA)
-	{
-		const std::array<Vec3, 2>& normal = m_pair.a->edges()[edge->index].normal;
-		if (leastB < 0 || coneB.isFacedBy(normal[0], normal[1], leastB)) m_facingA.push_back(edge);
-	}
-	if (m_facingA.empty()) return;
+	if (m_edgesA.empty()) return;
 	for (MovedEdge* edgeB : m_edgesB)
 	{
 		m_nodesB.turn(*m_pair.b, *edgeB);
-		if (leastA >= 0 && !coneA.isFacedBy(edgeB->normal[0], edgeB->normal[1], leastA)) continue;
-		for (const MovedEdge* edgeA : m_facingA)
+		for (const MovedEdge* edgeA : m_edgesA)
 			if (mayOverlap || edgeA->box.meets(edgeB->box, m_pair.reach)) edgeOverEdge(*edgeA, *edgeB);
 	}
 }

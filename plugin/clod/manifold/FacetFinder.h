@@ -50,8 +50,8 @@ private:
 				  bool faceIsOfB) const;
 	void findPair(const Contact& contact);
 	void gather(MovedNode& nodeA, MovedNode& nodeB);
-	void verticesOverFaces(const NormalCone& coneA, const NormalCone& coneB);
-	void edgesOverEdges(const NormalCone& coneA, const NormalCone& coneB, bool mayOverlap);
+	void verticesOverFaces();
+	void edgesOverEdges(bool mayOverlap);
 	double highest(double closing) const;
 	Transform poseAt(double share);
 	struct Way  // of a point: where it is, and at the end of the step with and without forces
@@ -118,7 +118,6 @@ private:
 	// Of the pair, those that come near the other node.
 	std::vector<const MovedCorner*> m_cornersA, m_cornersB;
 	std::vector<MovedEdge*> m_edgesA, m_edgesB;
-	std::vector<const MovedEdge*> m_facingA;  // of these
 	std::vector<std::uint32_t> m_polygonsA, m_polygonsB;
 	FacetTable m_table;
 };

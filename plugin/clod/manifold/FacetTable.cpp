@@ -19,35 +19,28 @@ void FacetTable::start(std::vector<Facet>& facets, std::size_t expected)
 void FacetTable::tabulate(std::size_t size)
 {
 	m_slots.assign(size, kNone);
-	for (std::uint32_t i = 0; i < m_facets->size(); ++i) m_slots[slotOf((*m_facets)[i])] = i;
+	for (std::uint32_t i = 0; i < m_facets->size(); ++i) m_slots[slotOf((*m_facets)[i].feature)] = i;
 }
 
 // Where it is, or would be.
-std::size_t FacetTable::slotOf(const Facet& facet) const
+std::size_t FacetTable::slotOf(std::uint64_t feature) const
 {
-	const std::uint64_t features = std::uint64_t(facet.featureA) << 32 | facet.featureB;
-	const std::uint64_t rest = std::uint64_t(facet.kind) << 32 | facet.levelA << 16 | facet.levelB;
-	std::size_t at = std::size_t(((features ^ rest * 0xD6E8FEB86659FD93u) * 0x9E3779B97F4A7C15u) >> 32);
-	for (;; ++at)
+	for (std::size_t at = std::size_t(feature >> 32);; ++at)
 	{
 		at &= m_slots.size() - 1;
-		if (m_slots[at] == kNone) return at;
-		const Facet& other = (*m_facets)[m_slots[at]];
-		if (other.featureA == facet.featureA && other.featureB == facet.featureB && other.kind == facet.kind &&
-			other.levelA == facet.levelA && other.levelB == facet.levelB)
-			return at;
+		if (m_slots[at] == kNone || (*m_facets)[m_slots[at]].feature == feature) return at;
 	}
 }
 
-Facet* FacetTable::find(const Facet& facet)
+Facet* FacetTable::find(std::uint64_t feature)
 {
-	const std::uint32_t at = m_slots[slotOf(facet)];
+	const std::uint32_t at = m_slots[slotOf(feature)];
 	return at == kNone ? nullptr : &(*m_facets)[at];
 }
 
 void FacetTable::add(const Facet& facet)
 {
-	m_slots[slotOf(facet)] = std::uint32_t(m_facets->size());
+	m_slots[slotOf(facet.feature)] = std::uint32_t(m_facets->size());
 	m_facets->push_back(facet);
 	if (2 * m_facets->size() > m_slots.size()) tabulate(2 * m_slots.size());
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Facets by what makes them, so that each comes once: an open hash table over a list of them.
+// Facets by their feature, so that each comes once: an open hash table over a list of them.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -14,13 +14,13 @@ class FacetTable
 public:
 	// Of these, which stay their owner's; so many in all are expected.
 	void start(std::vector<Facet>& facets, std::size_t expected);
-	// That of the same features, or none.
-	Facet* find(const Facet& facet);
+	// Null if there is none.
+	Facet* find(std::uint64_t feature);
 	// Appends it. Precondition: there is none.
 	void add(const Facet& facet);
 
 private:
-	std::size_t slotOf(const Facet& facet) const;
+	std::size_t slotOf(std::uint64_t feature) const;
 	void tabulate(std::size_t size);
 
 	std::vector<Facet>* m_facets = nullptr;

@@ -5,28 +5,6 @@
 
 namespace clod
 {
-namespace
-{
-constexpr double kRounding = 1e-6;  // of axes in float
-}  // namespace
-
-double NormalCone::leastCosine(double cosineOfSlack) const
-{
-	// Together less than a quarter of a turn.
-	if (!(cosine > 0 && cosineOfSlack > 0 && cosine * cosine + cosineOfSlack * cosineOfSlack > 1)) return -1;
-	return cosine * cosineOfSlack - std::sqrt((1 - cosine * cosine) * (1 - cosineOfSlack * cosineOfSlack));
-}
-
-bool NormalCone::isFacedBy(const Vec3& normal0, const Vec3& normal1, double leastCosine) const
-{
-	const double p = -dot(axis, normal0), q = -dot(axis, normal1);
-	if (normal0 == Vec3{}) return true;  // of a thin core: it has any
-	if (p >= leastCosine || q >= leastCosine) return true;
-	// Between the two the nearest is where the axis falls onto their plane.
-	const double c = dot(normal0, normal1);
-	return p > q * c && q > p * c && p * p + q * q - 2 * p * q * c >= leastCosine * leastCosine * (1 - c * c);
-}
-
 void MovedNodes::start(const FacetQuestion& question, const std::vector<Contact>& contacts, bool isA)
 {
 	m_question = &question;
@@ -56,23 +34,7 @@ MovedNode& MovedNodes::of(std::uint32_t node, const Near& near)
 	m_boxes.clear();
 	const ContactSurface& surface = body.surface(moved.level);
 	m_isA ? listStill(moved, surface, near) : move(moved, surface);
-	moved.cone = coneOf(moved, surface);
 	return moved;
-}
-
-NormalCone MovedNodes::coneOf(const MovedNode& moved, const ContactSurface& surface) const
-{
-	NormalCone cone;
-	const Vec3 own = (m_isA ? m_question->a : m_question->b).meanNormalOf(moved.node);
-	if (own == Vec3{} || surface.isCore()) return cone;
-	double lowest = 1;
-	for (const MovedPolygon& polygon : moved.polygons)
-		lowest = std::min(lowest, dot(own, surface.planeOf(polygon.index).normal));
-	for (const MovedEdge& edge : moved.edges)
-		for (const Vec3& normal : surface.edges()[edge.index].normal) lowest = std::min(lowest, dot(own, normal));
-	cone.axis = m_isA ? own : m_question->aFromB.rotation * own;
-	cone.cosine = std::max(-1.0, lowest - kRounding);
-	return cone;
 }
 
 void MovedNodes::place(const ContactSurface& surface, MovedCorner& corner) const
@@ -88,11 +50,7 @@ void MovedNodes::turn(const ContactSurface& surface, MovedEdge& edge) const
 {
 	if (edge.isTurned) return;
 	const SurfaceEdge& own = surface.edges()[edge.index];
-	for (std::size_t side = 0; side < 2; ++side)
-	{
-		edge.normal[side] = m_question->aFromB.rotation * own.normal[side];
-		edge.inward[side] = m_question->aFromB.rotation * own.inward[side];
-	}
+	for (std::size_t side = 0; side < 2; ++side) edge.inward[side] = m_question->aFromB.rotation * own.inward[side];
 	edge.isTurned = true;
 }
 
@@ -146,7 +104,13 @@ void MovedNodes::move(MovedNode& moved, const ContactSurface& surface)
 		m_boxes.push_back(corner.box);
 	}
 	moved.displaced = std::sqrt(displaced);
-	addPolygons(moved, surface);
+	for (const ContactSurface::NodePolygon& polygon : surface.polygonsOf(moved.node))
+	{
+		const Span<std::uint16_t> corners = surface.cornersOf(polygon);
+		Box box = m_boxes[corners[0]];
+		for (const std::uint16_t corner : corners) box.add(m_boxes[corner]);
+		moved.polygons.push_back({box, polygon.polygon});
+	}
 	for (const std::uint32_t index : surface.edgesOf(moved.node))
 	{
 		const SurfaceEdge& edge = surface.edges()[index];
@@ -166,17 +130,6 @@ void MovedNodes::move(MovedNode& moved, const ContactSurface& surface)
 		at.box.add(end + kPathReach * (at.thenStart + edge.length * at.thenDirection - end));
 		at.box.add(end + kPathReach * (at.unforcedStart - at.start));
 		moved.edges.push_back(at);
-	}
-}
-
-void MovedNodes::addPolygons(MovedNode& moved, const ContactSurface& surface) const
-{
-	for (const ContactSurface::NodePolygon& polygon : surface.polygonsOf(moved.node))
-	{
-		const Span<std::uint16_t> corners = surface.cornersOf(polygon);
-		Box box = m_boxes[corners[0]];
-		for (const std::uint16_t corner : corners) box.add(m_boxes[corner]);
-		moved.polygons.push_back({box, polygon.polygon});
 	}
 }
 }  // namespace clod

@@ -5,7 +5,6 @@
 #pragma once
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -66,31 +65,18 @@ struct MovedEdge
 	std::uint32_t index;
 	Vec3 start{}, direction{}, thenStart{}, thenDirection{}, unforcedStart{};  // frame A; not of A's, which stand still
 	bool isTurned = false;
-	std::array<Vec3, 2> normal{}, inward{};  // of B's, in frame A, if turned
+	std::array<Vec3, 2> inward{};  // of B's, in frame A, if turned
 };
 struct MovedPolygon
 {
 	Box box;  // of what the node has of it
 	std::uint32_t index;
 };
-// Holds the normals of a node's polygons and of both sides of its edges. Frame A.
-struct NormalCone
-{
-	Vec3 axis;
-	double cosine = -1;  // of the angle between the axis and any of them, at least
-	// The farthest that one of them is from the axis, as vectors.
-	double chord() const { return std::sqrt(std::max(0.0, 2 - 2 * cosine)); }
-	// Cosine of the angle to the axis of what is as near one of them as this cosine says; -1: it may lie anywhere.
-	double leastCosine(double cosineOfSlack) const;
-	// May an edge between faces of these normals have one that is opposite to something so near the axis?
-	bool isFacedBy(const Vec3& normal0, const Vec3& normal1, double leastCosine) const;
-};
 struct MovedNode
 {
 	std::uint32_t node = kNone, level = 0;
 	double displaced = 0;  // the farthest that one of its points goes in the step, as predicted; of B's
 	Box box;
-	NormalCone cone;
 	std::vector<MovedCorner> corners;
 	std::vector<MovedEdge> edges;
 	std::vector<MovedPolygon> polygons;
@@ -114,8 +100,6 @@ public:
 private:
 	static void listStill(MovedNode& moved, const ContactSurface& surface, const Near& near);
 	void move(MovedNode& moved, const ContactSurface& surface);
-	void addPolygons(MovedNode& moved, const ContactSurface& surface) const;
-	NormalCone coneOf(const MovedNode& moved, const ContactSurface& surface) const;
 
 	const FacetQuestion* m_question = nullptr;
 	bool m_isA = false;
