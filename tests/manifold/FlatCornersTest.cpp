@@ -67,7 +67,8 @@ TEST(FlatCorners, ImplyWhatIsLeftOut)
 		for (int motion = 0; motion < 50; ++motion)
 		{
 			// What the motion closes by at a place, as much as those that are kept allow.
-			const Vec3 slope = 0.01 * uniform(random) * plane.u + 0.01 * uniform(random) * plane.v;
+			const double alongU = 0.01 * uniform(random), alongV = 0.01 * uniform(random);
+			const Vec3 slope = alongU * plane.u + alongV * plane.v;
 			for (double Facet::*distance : {&Facet::distance, &Facet::then})
 			{
 				double most = 1e9;
