@@ -224,8 +224,8 @@ TEST(IntakeFormats, TruncatedFilesAreRefused)
 			}
 }
 
-// What a careless program may do to a file: bytes changed, dropped, doubled, numbers in text made huge or none, line ends of
-// another system, the end cut off. Always a mesh or a reason, in every format.
+// What a careless program may do to a file: bytes changed, dropped, doubled, numbers in text made huge or none, line ends
+// of another system, the end cut off. Always a mesh or a reason, in every format.
 std::string damaged(std::string bytes, std::mt19937_64& random)
 {
 	const auto place = [&] { return std::size_t(random() % bytes.size()); };

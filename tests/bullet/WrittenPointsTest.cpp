@@ -184,8 +184,9 @@ TEST(WrittenPoints, EqualOnesAreTwo)
 {
 	static int freed[2];
 	CubeOnSlab scene;
-	const btCollisionObjectWrapper upper(nullptr, scene.body.getCollisionShape(), &scene.body, scene.body.getWorldTransform(), -1, -1),
-		lower(nullptr, scene.ground.getCollisionShape(), &scene.ground, scene.ground.getWorldTransform(), -1, -1);
+	const auto wrapped = [](const btRigidBody& body)
+	{ return btCollisionObjectWrapper(nullptr, body.getCollisionShape(), &body, body.getWorldTransform(), -1, -1); };
+	const btCollisionObjectWrapper upper = wrapped(scene.body), lower = wrapped(scene.ground);
 	WorldFrame frame;
 	frame.a = &upper;
 	frame.b = &lower;

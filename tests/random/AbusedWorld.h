@@ -22,7 +22,8 @@ struct PointData
 	long made = 0, unknown = 0;
 };
 inline PointData g_points;
-inline bool pointAdded(btManifoldPoint& point, const btCollisionObjectWrapper*, int, int, const btCollisionObjectWrapper*, int, int)
+inline bool pointAdded(btManifoldPoint& point, const btCollisionObjectWrapper*, int, int, const btCollisionObjectWrapper*,
+					   int, int)
 {
 	if (point.m_userPersistentData) return true;
 	point.m_userPersistentData = new char;
@@ -52,8 +53,8 @@ struct NoDrawing : btIDebugDraw
 struct Distances : btCollisionWorld::ContactResultCallback
 {
 	bool finite = true;
-	btScalar addSingleResult(btManifoldPoint& point, const btCollisionObjectWrapper*, int, int, const btCollisionObjectWrapper*,
-							 int, int) override
+	btScalar addSingleResult(btManifoldPoint& point, const btCollisionObjectWrapper*, int, int,
+							 const btCollisionObjectWrapper*, int, int) override
 	{
 		finite = finite && std::isfinite(double(point.getDistance()));
 		return 0;

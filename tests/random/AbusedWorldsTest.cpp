@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Programs that do to their worlds what nobody would: between steps everything that a program may change changes, drawn from
-// a seed, in two worlds that share shapes and maybe a context. Nothing crashes (nightly under sanitizers), every number
+// Programs that do to their worlds what nobody would: between steps everything that a program may change changes, drawn
+// from a seed, in two worlds that share shapes and maybe a context. Nothing crashes (nightly under sanitizers), every number
 // stays finite, no manifold, pair or user's data of a point is left over, and the same seed gives the same bits.
 #include <btBulletDynamicsCommon.h>
 #include <gtest/gtest.h>
@@ -107,9 +107,10 @@ private:
 		info.m_friction = btScalar(m_draw.between(0, 1));
 		info.m_restitution = btScalar(m_draw.oneOf(3) ? m_draw.between(0, 1) : 0);
 		auto body = std::make_unique<btRigidBody>(info);
-		if (m_draw.oneOf(3)) body->setCollisionFlags(body->getCollisionFlags() | btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK);
+		const auto set = [&body](int flag) { body->setCollisionFlags(body->getCollisionFlags() | flag); };
+		if (m_draw.oneOf(3)) set(btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK);
 		if (m_draw.oneOf(8)) body->setContactStiffnessAndDamping(btScalar(1e4), btScalar(m_draw.between(0, 100)));
-		if (m_draw.oneOf(10)) body->setCollisionFlags(body->getCollisionFlags() | btCollisionObject::CF_HAS_FRICTION_ANCHOR);
+		if (m_draw.oneOf(10)) set(btCollisionObject::CF_HAS_FRICTION_ANCHOR);
 		m_one.world->addRigidBody(body.get());
 		m_bodies.push_back({std::move(body), mass, isCompound});
 	}
@@ -167,7 +168,8 @@ private:
 		body.setMassProps(btScalar(mass), inertia);
 		body.updateInertiaTensor();
 		member.mass = mass;
-		int flags = body.getCollisionFlags() & ~(btCollisionObject::CF_STATIC_OBJECT | btCollisionObject::CF_KINEMATIC_OBJECT);
+		constexpr int kFixed = btCollisionObject::CF_STATIC_OBJECT | btCollisionObject::CF_KINEMATIC_OBJECT;
+		int flags = body.getCollisionFlags() & ~kFixed;
 		if (mass == 0) flags |= isKinematic ? btCollisionObject::CF_KINEMATIC_OBJECT : btCollisionObject::CF_STATIC_OBJECT;
 		body.setCollisionFlags(flags);
 	}
@@ -219,7 +221,8 @@ private:
 					};
 				break;
 			case 4:
-				if (auto* ours = dynamic_cast<btClodDispatcher*>(m_one.dispatcher.get())) ours->setThreads(unsigned(1 + m_draw.pick(3)));
+				if (auto* ours = dynamic_cast<btClodDispatcher*>(m_one.dispatcher.get()))
+					ours->setThreads(unsigned(1 + m_draw.pick(3)));
 				break;
 			default: context.forEachPair([](const PairReport&) {}); static_cast<void>(context.lastStep());
 		}
@@ -292,7 +295,8 @@ private:
 	{
 		bool isCompound = false;
 		btCollisionShape& shape = anyShape(isCompound);
-		const bool mayStay = !isCompound && !member.isCompound && dynamic_cast<btClodShape*>(member.body->getCollisionShape());
+		const bool isOurs = dynamic_cast<btClodShape*>(member.body->getCollisionShape()) != nullptr;
+		const bool mayStay = !isCompound && !member.isCompound && isOurs;
 		const auto change = [&]
 		{
 			member.body->setCollisionShape(&shape);
@@ -398,7 +402,8 @@ private:
 		for (const Member& member : m_bodies)
 		{
 			btRigidBody& body = *member.body;
-			const btVector3 at = body.getWorldTransform().getOrigin(), v = body.getLinearVelocity(), w = body.getAngularVelocity();
+			const btVector3 at = body.getWorldTransform().getOrigin();
+			const btVector3 v = body.getLinearVelocity(), w = body.getAngularVelocity();
 			for (const btVector3& u : {at, v, w})
 				for (int k = 0; k < 3; ++k) hash = mixed(hash, double(u[k]));
 			if (!std::isfinite(double(at.length2() + v.length2() + w.length2()))) return false;

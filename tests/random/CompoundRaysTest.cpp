@@ -80,7 +80,8 @@ public:
 		btCollisionWorld::ClosestConvexResultCallback hits[2] = {{from.getOrigin(), to.getOrigin()},
 																 {from.getOrigin(), to.getOrigin()}};
 		for (int i = 0; i < 2; ++i)
-			btCollisionWorld::objectQuerySingle(&shape, from, to, &m_object[i], m_object[i].getCollisionShape(), m_pose, hits[i], 0);
+			btCollisionWorld::objectQuerySingle(&shape, from, to, &m_object[i], m_object[i].getCollisionShape(), m_pose,
+												hits[i], 0);
 		compare(hits[0], hits[1], seed, 1e-4);
 		return hits[1].hasHit();
 	}

@@ -105,7 +105,7 @@ private:
 	void pairsOf(const btDispatcher& dispatcher, std::vector<PairState*>& pairs) const;
 	// Whether contacts are asked for what the step's solver has made of the motion.
 	bool& isSolvedIn(const btDispatcher& dispatcher);
-	mutable std::mutex m_mutex;             // of pairs, m_isSolved, m_createFunctions and m_stepBudget; no function of the user's is called under it
+	mutable std::mutex m_mutex;             // of all that worlds share; no function of the user's is called under it
 	mutable std::recursive_mutex m_saying;  // one message at a time, but for those that a message's handler causes
 	std::vector<PairState*> m_pairs;
 	std::map<const btDispatcher*, bool> m_isSolved;
