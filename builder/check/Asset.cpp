@@ -97,8 +97,10 @@ Invariant mass(const Subject& s)
 	const double volume = double(m.volume);
 	const double scale = s.radius;
 	double worst = std::abs(volume - a.volume) / a.volume;
+	// Of a mesh far from its frame's origin the centre is known to half a step of the numbers that tell where it is.
 	double offCenter = 0;
-	for (const long double first : m.first) offCenter = std::max(offCenter, std::abs(double(first)) / volume);
+	for (std::size_t i = 0; i < 3; ++i)
+		offCenter = std::max(offCenter, std::abs(double(m.first[i])) / volume - 0x1p-53 * std::abs(a.meshFromBody[i]));
 	// second: xx, yy, zz; mixed: xy, yz, zx about the origin, which is the centre of mass to rounding.
 	const double xx = double(m.second[0]), yy = double(m.second[1]), zz = double(m.second[2]);
 	const double expected[6] = {

@@ -76,7 +76,15 @@ void directions(const Subject& s, std::uint32_t i, Tally& tally)
 	tally.add(i, sound ? 0 : 1, fmt::format("node {}: mean normal, inward or cone is not that of its faces", i));
 }
 
-// Signed dihedral angles from the chord between unit normals; convex where the other face falls below this one's plane.
+// Between unit vectors, by chords: of the supplement where they point apart, as the chord's own arc is rough there.
+double angleBetween(const Vec3& a, const Vec3& b)
+{
+	const bool isWide = dot(a, b) < 0;
+	const double arc = 2 * std::asin(std::min(1.0, 0.5 * length(isWide ? a + b : a - b)));
+	return isWide ? kPi - arc : arc;
+}
+
+// Signed dihedral angles; convex where the other face falls below this one's plane.
 void curvature(const Subject& s, std::uint32_t i, Tally& tally)
 {
 	const Node& n = s.h.node(i);
@@ -91,9 +99,7 @@ void curvature(const Subject& s, std::uint32_t i, Tally& tally)
 			const std::uint32_t other = s.h.faces()[f].neighbour[e];
 			if (other < f || s.ownerOfFace[other] != i) continue;
 			const Triangle u = s.triangle(other);
-			const Vec3 chord = normalized(areaVector(u)) - normal;
-			const double angle = 2 * std::asin(std::min(1.0, 0.5 * length(chord)));
-			const double term = 0.5 * length(t[(e + 1) % 3] - t[e]) * angle;
+			const double term = 0.5 * length(t[(e + 1) % 3] - t[e]) * angleBetween(normalized(areaVector(u)), normal);
 			const bool falls = dot(normal, (1.0 / 3) * (u[0] + u[1] + u[2]) - t[e]) < 0;
 			sum += falls ? term : -term;
 			noise += 0.5 * length(t[(e + 1) % 3] - t[e]) * (noiseOf(t) + noiseOf(u));

@@ -88,7 +88,7 @@ public:
 	{
 		m_cache.clear();
 		m_aim = m_chance.direction();
-		m_rotation = turned(m_chance.direction(), m_chance.between(0, kTwoPi));
+		m_rotation = turn(kTwoPi);
 		const Vec3 aside = m_chance.direction();
 		const double far = double(m_a.asset().radius) + double(m_b.asset().radius) + m_settings.tolerance;
 		m_center = sphereCenter(m_a) + far * m_aim +
@@ -98,8 +98,9 @@ public:
 	}
 	bool tumble()
 	{
-		m_rotation = turned(m_chance.direction(), m_chance.between(0, kTurn)) * m_rotation;
-		m_center += m_chance.between(0, kTurn) * m_radius * m_chance.direction() + kRetreat * m_radius * m_aim;
+		m_rotation = turn(kTurn) * m_rotation;
+		const Vec3 way = m_chance.direction();
+		m_center += m_chance.between(0, kTurn) * m_radius * way + kRetreat * m_radius * m_aim;
 		return advance(kMostAdvances * kRetreat * m_radius);
 	}
 	PoseRow row(std::int64_t step) const
@@ -120,6 +121,11 @@ public:
 	}
 
 private:
+	Mat3 turn(double most)
+	{
+		const double angle = m_chance.between(0, most);
+		return turned(m_chance.direction(), angle);
+	}
 	const GapResult& measure(const GapSettings& settings)
 	{
 		signedGap(m_a, m_b, relativePose(row(0), meshFromBody(m_a), meshFromBody(m_b)), settings, m_cache, m_result);

@@ -83,7 +83,8 @@ int pointsBeyond(const Lod& lod, const Solid& solid, double limit)
 		{
 			std::uniform_int_distribution<std::size_t> any(0, points.size() - 1);
 			const double s = std::uniform_real_distribution<double>(0, 1)(random);
-			if (solid.distance(points[any(random)] * s + points[any(random)] * (1 - s)) > limit) ++beyond;
+			const Vec3 &one = points[any(random)], &other = points[any(random)];
+			if (solid.distance(one * s + other * (1 - s)) > limit) ++beyond;
 		}
 	return beyond;
 }

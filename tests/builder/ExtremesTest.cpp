@@ -4,6 +4,7 @@
 // hang, no other exit code, nothing half written. X19, real collections, is scripts/real-meshes.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -130,12 +131,14 @@ std::string randomSoup()
 {
 	std::mt19937 random(180);
 	std::string text;
-	for (int i = 0; i < 300; ++i)
-		text += "v " + std::to_string(random() % 1000) + " " + std::to_string(random() % 1000) + " " +
-				std::to_string(random() % 1000) + "\n";
-	for (int i = 0; i < 600; ++i)
-		text += "f " + std::to_string(1 + random() % 100) + " " + std::to_string(101 + random() % 100) + " " +
-				std::to_string(201 + random() % 100) + "\n";
+	const auto add = [&](const char* kind, const std::array<std::uint32_t, 3>& from, std::uint32_t count)
+	{
+		text += kind;
+		for (const std::uint32_t least : from) text += " " + std::to_string(least + random() % count);
+		text += "\n";
+	};
+	for (int i = 0; i < 300; ++i) add("v", {0, 0, 0}, 1000);
+	for (int i = 0; i < 600; ++i) add("f", {1, 101, 201}, 100);
 	return text;
 }
 

@@ -6,11 +6,13 @@
 #include <cstring>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <random>
 
 #include "builder/intake/Intake.h"
 #include "builder/intake/ReadMesh.h"
 #include "tests/support/Files.h"
 #include "tests/support/Meshes.h"
+#include "tests/support/Setting.h"
 
 namespace clod::test
 {
@@ -220,6 +222,75 @@ TEST(IntakeFormats, TruncatedFilesAreRefused)
 			catch (const builder::Refused&)
 			{
 			}
+}
+
+// What a careless program may do to a file: bytes changed, dropped, doubled, numbers in text made huge or none, line ends
+// of another system, the end cut off. Always a mesh or a reason, in every format.
+std::string damaged(std::string bytes, std::mt19937_64& random)
+{
+	const auto place = [&] { return std::size_t(random() % bytes.size()); };
+	for (std::uint64_t count = 1 + random() % 3; count > 0 && !bytes.empty(); --count)
+	{
+		const std::uint64_t kind = random() % 8;
+		// Half of the changes are in the beginning, where headers are.
+		const std::size_t at = random() % 2 ? place() : place() % std::min<std::size_t>(bytes.size(), 200);
+		const std::size_t length = std::min<std::size_t>(bytes.size() - at, 1 + random() % 40);
+		if (kind == 0) bytes[at] = char(random());
+		if (kind == 1) bytes[at] = char(bytes[at] ^ (1 << (random() % 8)));
+		if (kind == 2) bytes.erase(at, length);
+		if (kind == 3) bytes.insert(at, bytes.substr(at, length));
+		if (kind == 4) bytes.resize(at);
+		if (kind == 5) bytes.insert(at, "\r\n# a comment\r\n");
+		if (kind < 6) continue;
+		const std::size_t digit = bytes.find_first_of("0123456789", at);
+		if (digit == std::string::npos) continue;
+		const char* const numbers[] = {"nan", "inf", "-1", "1e999", "4294967295", "18446744073709551616", "1e-320", "."};
+		bytes.replace(digit, 1, numbers[random() % std::size(numbers)]);
+	}
+	return bytes;
+}
+
+TEST(IntakeFormats, DamagedFilesAreRefusedWithAReasonOrRead)
+{
+	std::vector<Format> all = formats();
+	all.push_back({"obj", asObj(), builder::parseObj});
+	const int starts = setting("CLOD_STARTS", 300);
+	int read = 0;
+	for (const Format& format : all)
+		for (int seed = 0; seed < starts; ++seed)
+		{
+			std::mt19937_64 random{std::uint64_t(seed)};
+			const std::string bytes = damaged(format.bytes, random);
+			try
+			{
+				const builder::Intake found = builder::intake(format.parse(bytes));
+				for (const auto& t : found.mesh.triangles)
+					for (const std::uint32_t v : t) ASSERT_LT(v, found.mesh.vertices.size()) << format.name << ' ' << seed;
+				++read;
+			}
+			catch (const builder::Refused& refused)
+			{
+				EXPECT_NE(std::string(refused.what()).find(": "), std::string::npos) << refused.what();
+			}
+		}
+	EXPECT_GT(read, starts / 4);
+}
+
+// Of another system's line ends, or with comments in between, a text is the same.
+TEST(IntakeFormats, LineEndsAndCommentsChangeNothing)
+{
+	for (const auto& [parse, text] : {std::pair(builder::parseObj, asObj()), std::pair(builder::parseOff, asOff())})
+	{
+		std::string other;
+		for (const char c : text) other += c == '\n' ? " # said\r\n\r\n" : std::string(1, c);
+		EXPECT_EQ(builder::intake(parse(other)).mesh.vertices, builder::intake(parse(text)).mesh.vertices);
+	}
+	for (const auto& [parse, text] : {std::pair(builder::parsePly, asPlyText()), std::pair(builder::parseStl, asStlText())})
+	{
+		std::string other;
+		for (const char c : text) other += c == '\n' ? "\r\n" : std::string(1, c);
+		EXPECT_EQ(builder::intake(parse(other)).mesh.vertices, builder::intake(parse(text)).mesh.vertices);
+	}
 }
 
 TEST(IntakeFormats, GltfNodesOnlyMove)

@@ -73,8 +73,9 @@ TEST(ClodShape, TrianglesInABoxAreThoseOfBruteForce)
 	int hits = 0;
 	for (int i = 0; i < 200; ++i)
 	{
-		const btVector3 low(btScalar(place(random)), btScalar(place(random)), btScalar(place(random)));
-		const btVector3 high = low + btVector3(btScalar(size(random)), btScalar(size(random)), btScalar(size(random)));
+		btVector3 low, high;
+		for (int k = 0; k < 3; ++k) low[k] = btScalar(place(random));
+		for (int k = 0; k < 3; ++k) high[k] = low[k] + btScalar(size(random));
 		Collector found;
 		shape.processAllTriangles(&found, low, high);
 		EXPECT_EQ(found.indices, bruteForce(shape, low, high));
@@ -102,8 +103,9 @@ TEST(ClodShape, RaysHitAsBruteForceDoesAndVisitFewTriangles)
 	int hits = 0;
 	for (int i = 0; i < 100; ++i)
 	{
-		const btVector3 from(btScalar(place(random)), 25, btScalar(place(random)));
-		const btVector3 to(btScalar(place(random)), -25, btScalar(place(random)));
+		btVector3 from(0, 25, 0), to(0, -25, 0);
+		for (btVector3* end : {&from, &to})
+			for (const int k : {0, 2}) (*end)[k] = btScalar(place(random));
 		btVector3 low = from, high = from;
 		low.setMin(to);
 		high.setMax(to);

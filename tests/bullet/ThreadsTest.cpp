@@ -3,6 +3,7 @@
 // be (ThreadSanitizer: nightly_threads_sanitized).
 #include <gtest/gtest.h>
 
+#include <array>
 #include <atomic>
 #include <set>
 #include <stdexcept>
@@ -24,8 +25,10 @@ class Mixed
 {
 public:
 	// passes, parts: of a step at most. Of boxes, or of another body, at a radius of 1 then.
-	explicit Mixed(unsigned threads, int passes = 1, int parts = 1, const std::shared_ptr<const Hierarchy>& body = nullptr)
-		: m_hierarchy(body ? body : patchHierarchy(boxMesh({1, 0.5, 0.7}, {4, 2, 3}, 2)))
+	explicit Mixed(unsigned threads, int passes = 1, int parts = 1, const std::shared_ptr<const Hierarchy>& body = nullptr,
+				   Context* shared = nullptr)
+		: context(shared ? *shared : m_own),
+		  m_hierarchy(body ? body : patchHierarchy(boxMesh({1, 0.5, 0.7}, {4, 2, 3}, 2)))
 	{
 		const btScalar scale = body ? btScalar(1 / double(body->asset().radius)) : 1;
 		m_box.setLocalScaling(btVector3(scale, scale, scale));
@@ -67,7 +70,7 @@ public:
 	const btRigidBody& last() const { return *m_bodies.back(); }
 	btRigidBody& first() { return *m_bodies[2]; }
 
-	Context context;
+	Context& context;
 	std::vector<std::string> said;
 
 private:
@@ -82,6 +85,7 @@ private:
 		m_world.addRigidBody(m_bodies.back().get());
 	}
 
+	Context m_own;
 	std::shared_ptr<const Hierarchy> m_hierarchy;
 	btClodShape m_box{m_hierarchy}, m_larger{m_hierarchy};
 	btCompoundShape m_compound;
@@ -257,6 +261,41 @@ TEST(Threads, PairsCanBeDispatchedAgain)
 		return hash;
 	};
 	EXPECT_EQ(run(4), run(1));
+}
+
+// Neither world notices the other, nor those that come and go beside them.
+TEST(Threads, OfTheirOwnMayStepWorldsOfACommonContext)
+{
+	const auto run = [](Context* context, int steps, int& passes)
+	{
+		Mixed scene(1, 3, 4, nullptr, context);
+		std::uint64_t hash = 0;
+		for (int i = 0; i < steps; ++i)
+		{
+			hash = mixed(hash, double(scene.run(1)));
+			passes += scene.world().passes() + scene.world().parts() - 2;
+		}
+		return hash;
+	};
+	int passes = 0;
+	const std::uint64_t alone = run(nullptr, 150, passes);
+	EXPECT_GT(passes, 50);
+	Context common;
+	std::atomic<int> running{2};
+	std::array<std::uint64_t, 2> hashes{};
+	std::vector<std::thread> threads;
+	for (std::uint64_t& hash : hashes)
+		threads.emplace_back(
+			[&]
+			{
+				int ignored = 0;
+				hash = run(&common, 150, ignored);
+				--running;
+			});
+	int others = 0;
+	while (running > 0) run(&common, 3, others);
+	for (std::thread& thread : threads) thread.join();
+	for (const std::uint64_t hash : hashes) EXPECT_EQ(hash, alone);
 }
 
 TEST(Threads, CallTheProgramsFunctionsFromWhereverTheyAre)

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "clod/bullet/BodyState.h"
+#include "clod/bullet/Manifolds.h"
 #include "tests/bullet/CubeOnSlab.h"
 #include "tests/bullet/ManifoldState.h"
 #include "tests/query/Bodies.h"
@@ -176,6 +177,57 @@ TEST(WrittenPoints, KeepWhatTheSolverRemembersWhenTheyAreWrittenAgain)
 		}
 	EXPECT_GE(goingOn, 4u);
 	EXPECT_GE(4 * goingOn, 3 * points().size());
+}
+
+// A corner that two levels have in common is two points at one place, each with what is kept in it.
+TEST(WrittenPoints, EqualOnesAreTwo)
+{
+	static int freed[2];
+	CubeOnSlab scene;
+	const auto wrapped = [](const btRigidBody& body)
+	{ return btCollisionObjectWrapper(nullptr, body.getCollisionShape(), &body, body.getWorldTransform(), -1, -1); };
+	const btCollisionObjectWrapper upper = wrapped(scene.body), lower = wrapped(scene.ground);
+	WorldFrame frame;
+	frame.a = &upper;
+	frame.b = &lower;
+	frame.breakingThreshold = 0.02;
+	ClusterSet corners;
+	corners.slots[0].count = 2;
+	for (std::size_t i = 0; i < 2; ++i) corners.slots[0].points[i].point.normal = {0, 1, 0};
+	HeldClusters held;
+	held.hold(corners);
+	gContactDestroyedCallback = [](void* data) { return ++*static_cast<int*>(data), true; };
+	{
+		ManifoldSet manifolds(scene.dispatcher, nullptr);
+		btManifoldArray all;
+		const auto write = [&]
+		{
+			btManifoldResult out(&upper, &lower);
+			manifolds.write(held, frame, [](const ContactPoint&, std::uint32_t&, std::uint32_t&) {}, out);
+			all.resize(0);
+			manifolds.append(all);
+		};
+		write();
+		ASSERT_EQ(all[0]->getNumContacts(), 2);
+		for (int i = 0; i < 2; ++i)
+		{
+			all[0]->getContactPoint(i).m_userPersistentData = &freed[i];
+			all[0]->getContactPoint(i).m_appliedImpulse = btScalar(1 + i);
+		}
+		manifolds.readImpulses(held);
+		held.linkToThemselves();
+		write();
+		ASSERT_EQ(all[0]->getNumContacts(), 2);
+		for (int i = 0; i < 2; ++i)
+		{
+			EXPECT_EQ(held.at(0, std::size_t(i)).impulse, 1 + i);
+			EXPECT_EQ(all[0]->getContactPoint(i).m_appliedImpulse, btScalar(1 + i));
+			EXPECT_EQ(all[0]->getContactPoint(i).m_userPersistentData, &freed[i]);
+		}
+	}
+	gContactDestroyedCallback = nullptr;
+	EXPECT_EQ(freed[0], 1);
+	EXPECT_EQ(freed[1], 1);
 }
 
 // Two bars over each other, a step of turning apart: one of them turns about its middle, which stays where it is.

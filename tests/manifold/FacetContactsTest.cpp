@@ -72,6 +72,13 @@ Transform at(const Vec3& place, const Mat3& turn = {})
 {
 	return {turn, place};
 }
+
+// About any axis, each part of the quaternion at most so long.
+Mat3 someTurn(Random& random, double most)
+{
+	const double z = uniform(random, -most, most), y = uniform(random, -most, most), x = uniform(random, -most, most);
+	return rotationFromQuaternion(x, y, z, 1);
+}
 }  // namespace
 
 // What lies outside of these boxes is never looked at: they hold features wherever the step may carry them.
@@ -82,12 +89,12 @@ TEST(MovedNodes, BoxesHoldFeaturesAllTheWay)
 	for (int i = 0; i < 40; ++i)
 	{
 		const auto some = [&](double most) { return uniform(random, -most, most); };
-		const Mat3 turn = rotationFromQuaternion(some(1), some(1), some(1), 1);
+		const Mat3 turn = someTurn(random, 1);
 		FacetQuestion question{contactBody(*cube), contactBody(*cube), at({some(1), 1.1, some(1)}, turn), {}, {}, {}};
 		question.aFromBUnforced = question.aFromBThen = question.aFromB;
 		question.aFromBUnforced.translation += Vec3{some(0.5), some(0.5), some(0.5)};
 		question.aFromBThen.translation += Vec3{some(0.5), some(0.5), some(0.5)};
-		question.aFromBThen.rotation = rotationFromQuaternion(some(0.1), some(0.1), some(0.1), 1) * turn;
+		question.aFromBThen.rotation = someTurn(random, 0.1) * turn;
 		std::vector<Contact> contacts(1);
 		contacts[0].nodeA = contacts[0].nodeB = 0;
 		ASSERT_EQ(question.b.levelOf(0), 0u);
@@ -140,7 +147,7 @@ TEST(FacetContacts, AnEqualCubeStandsOnAllCornersHoweverItLeans)
 		const double sunk = std::pow(10, uniform(random, -6, -2));
 		const auto some = [&](double most) { return uniform(random, -most, most); };
 		const Vec3 place{some(aside), 1 - sunk, some(aside)};
-		const Transform pose = at(place, rotationFromQuaternion(some(lean), some(lean), some(lean), 1));
+		const Transform pose = at(place, someTurn(random, lean));
 		const auto depthAt = [&](double x, double z)  // of the upper one's bottom
 		{
 			const Vec3 up = pose.rotation * Vec3{0, 1, 0}, bottom = pose * Vec3{0, -0.5, 0};
@@ -394,7 +401,8 @@ TEST(FacetContacts, ABodyIsHeldBetweenFacetsThatLeaveNoWayOut)
 		{
 			facet.kind = Facet::Kind::kVertexFace;
 			facet.distance = -1e-3;
-			facet.normal = normalized(direction() + uniform(random, 0, 1.5) * middle);
+			const double share = uniform(random, 0, 1.5);
+			facet.normal = normalized(direction() + share * middle);
 		}
 		double best = -1;  // sine
 		for (const Vec3& way : ways)

@@ -71,7 +71,8 @@ Start pinStart(Random& random, std::size_t)
 {
 	const double side = uniform(random, 0, 1);
 	const double height = side < 0.5 ? uniform(random, -0.24, -0.15) : uniform(random, -0.1, 0.2);
-	const Mat3 turn = rotation(random, 0.008) * aboutY(uniform(random, 0, kPi));
+	const Mat3 about = aboutY(uniform(random, 0, kPi));
+	const Mat3 turn = rotation(random, 0.008) * about;
 	const Vec3 at{uniform(random, -0.003, 0.003), height, uniform(random, -0.003, 0.003)};
 	return onCourse(standing(turn, at, direction(random), 0.15), {}, {0, 1, 0});
 }
@@ -134,9 +135,11 @@ std::vector<BodyPair> shellPairs()
 }
 Start shellStart(Random& random, std::size_t pair)
 {
-	const Mat3 turn = rotation(random, 0.03) * aboutY(uniform(random, 0, kPi));
-	if (pair == 1) return standing(turn, {0, uniform(random, 0.9, 1.2), 0}, nearDown(random, 0.3), 1.2);
-	return standing(turn, {0, uniform(random, 0.1, 0.3), 0}, nearDown(random, 0.7), 0.5);
+	const Mat3 about = aboutY(uniform(random, 0, kPi));
+	const Mat3 turn = rotation(random, 0.03) * about;
+	const Vec3 way = nearDown(random, pair == 1 ? 0.3 : 0.7);
+	if (pair == 1) return standing(turn, {0, uniform(random, 0.9, 1.2), 0}, way, 1.2);
+	return standing(turn, {0, uniform(random, 0.1, 0.3), 0}, way, 0.5);
 }
 
 std::vector<BodyPair> chainPairs()
@@ -145,7 +148,8 @@ std::vector<BodyPair> chainPairs()
 }
 Start chainStart(Random& random, std::size_t)
 {
-	const Mat3 turn = rotation(random, 0.6) * aboutX(0.5 * kPi) * aboutY(uniform(random, 0, kPi));
+	const Mat3 about = aboutY(uniform(random, 0, kPi));
+	const Mat3 turn = rotation(random, 0.6) * aboutX(0.5 * kPi) * about;
 	const Mat3 before = aboutY(uniform(random, 0, 2 * kPi));
 	const Vec3 at = before * Vec3{0.75 + uniform(random, -0.2, 0.2), uniform(random, -0.1, 0.1), 0};
 	return standing(before * turn, at, direction(random), 0.8);
@@ -164,7 +168,8 @@ std::vector<BodyPair> wedgePairs()
 }
 Start crossedStart(Random& random, std::size_t)
 {
-	const Mat3 turn = rotation(random, 0.1) * aboutY(uniform(random, 20, 90) * kDegree);
+	const Mat3 about = aboutY(uniform(random, 20, 90) * kDegree);
+	const Mat3 turn = rotation(random, 0.1) * about;
 	return standing(turn, {uniform(random, -0.5, 0.5), 0.25, uniform(random, -0.5, 0.5)}, kDown, 0.6);
 }
 Start parallelStart(Random& random, std::size_t)
@@ -200,8 +205,10 @@ std::vector<BodyPair> ridgePairs()
 }
 Start ridgeStart(Random& random, std::size_t)
 {
-	const Mat3 turn = rotation(random, 0.05) * aboutY(uniform(random, -0.5, 0.5) * kPi);
-	return standing(turn, {uniform(random, -0.3, 0.3), 0.2, uniform(random, -0.5, 0.5)}, nearDown(random, 0.5), 0.6);
+	const Mat3 about = aboutY(uniform(random, -0.5, 0.5) * kPi);
+	const Mat3 turn = rotation(random, 0.05) * about;
+	const Vec3 way = nearDown(random, 0.5);
+	return standing(turn, {uniform(random, -0.3, 0.3), 0.2, uniform(random, -0.5, 0.5)}, way, 0.6);
 }
 
 std::vector<BodyPair> valleyPairs()
@@ -213,9 +220,10 @@ std::vector<BodyPair> valleyPairs()
 }
 Start valleyStart(Random& random, std::size_t pair)
 {
-	const Mat3 turn = rotation(random, 0.05) * aboutY(pair == 2 ? uniform(random, 0, kPi) : 0);
-	return standing(turn, {uniform(random, -0.1, 0.1), pair == 2 ? 1.4 : 0.25, uniform(random, -0.3, 0.3)},
-					nearDown(random, 0.5), 1.2);
+	const Mat3 about = aboutY(pair == 2 ? uniform(random, 0, kPi) : 0);
+	const Mat3 turn = rotation(random, 0.05) * about;
+	const Vec3 way = nearDown(random, 0.5);
+	return standing(turn, {uniform(random, -0.1, 0.1), pair == 2 ? 1.4 : 0.25, uniform(random, -0.3, 0.3)}, way, 1.2);
 }
 
 std::vector<BodyPair> ledgePairs()
@@ -225,7 +233,8 @@ std::vector<BodyPair> ledgePairs()
 }
 Start ledgeStart(Random& random, std::size_t)
 {
-	const Mat3 turn = rotation(random, 0.4) * aboutY(uniform(random, 0, kPi));
+	const Mat3 about = aboutY(uniform(random, 0, kPi));
+	const Mat3 turn = rotation(random, 0.4) * about;
 	const double side = uniform(random, -0.6, 0.5);
 	const Vec3 approach = normalized(Vec3{uniform(random, -0.2, 1), uniform(random, -1, -0.1), 0});
 	return standing(turn, {side, side > -0.6 ? 1.1 : 0.7, uniform(random, -0.4, 0.4)}, approach, 1.5);
@@ -242,7 +251,8 @@ Start cornerStart(Random& random, std::size_t)
 	const Mat3 upright = aboutY(uniform(random, 0, 1) < 0.3 ? 0 : uniform(random, -0.1, 0.1));
 	const Mat3 turn = rotation(random, 0.06) * upright;
 	// Upside down about x the triangle's corners lie at the same turns.
-	return standing(turn, {uniform(random, -0.1, 0.1), 0.3, uniform(random, -0.1, 0.1)}, nearDown(random, 0.6), 0.6);
+	const Vec3 way = nearDown(random, 0.6);
+	return standing(turn, {uniform(random, -0.1, 0.1), 0.3, uniform(random, -0.1, 0.1)}, way, 0.6);
 }
 
 std::vector<BodyPair> tetrahedronPairs()
@@ -254,7 +264,8 @@ Start anyStart(Random& random, std::size_t)
 {
 	const Mat3 turn = rotation(random, 2 * kPi);
 	const Vec3 from = direction(random);
-	return standing(turn, 2.4 * from, 0.5 * direction(random) * uniform(random, 0, 1) - 1.5 * from, 2.8);
+	const double share = 0.5 * uniform(random, 0, 1);
+	return standing(turn, 2.4 * from, share * direction(random) - 1.5 * from, 2.8);
 }
 
 std::vector<BodyPair> spikePairs()
@@ -264,8 +275,10 @@ std::vector<BodyPair> spikePairs()
 }
 Start spikeStart(Random& random, std::size_t)
 {
-	const Mat3 turn = rotation(random, 0.15) * aboutY(uniform(random, 0, kPi));
-	return standing(turn, {uniform(random, -0.3, 0.3), 0.7, uniform(random, -0.3, 0.3)}, nearDown(random, 0.4), 0.9);
+	const Mat3 about = aboutY(uniform(random, 0, kPi));
+	const Mat3 turn = rotation(random, 0.15) * about;
+	const Vec3 way = nearDown(random, 0.4);
+	return standing(turn, {uniform(random, -0.3, 0.3), 0.7, uniform(random, -0.3, 0.3)}, way, 0.9);
 }
 
 std::vector<BodyPair> modelPairs()

@@ -1,20 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What queries are tested at: pairs of bodies, settings, gaps. CLOD_... variables lengthen the random tests.
+// What queries are tested at: pairs of bodies, settings, gaps.
 #pragma once
 #include <cmath>
-#include <cstdlib>
 #include <vector>
 
 #include "tests/query/Answers.h"
+#include "tests/support/Setting.h"
 
 namespace clod::test
 {
-inline int setting(const char* name, int standard)
-{
-	const char* text = std::getenv(name);
-	return text ? std::atoi(text) : standard;
-}
-
 inline std::vector<BodyPair> pairs()
 {
 	return {{body("torus", 900), body("torus", 900)},

@@ -10,8 +10,8 @@
 
 #include "clod/bullet/ConfigureWorld.h"
 #include "tests/bullet/BulletWorld.h"
-#include "tests/query/Bodies.h"
 #include "tests/query/Questions.h"
+#include "tests/random/RandomShapes.h"
 
 namespace clod::test
 {
@@ -20,24 +20,26 @@ namespace
 constexpr double kGravity = 9.81;
 constexpr double kHalfGround = 40;  // of the bodies' size
 constexpr double kMostGain = 0.1;   // of the energy of all bodies lifted by their size
-constexpr const char* kModels[] = {"cup-3000", "spoon-3000", "torus-900", "number8-600", "ring", "rod", "plate", "box-12", "sphere-300"};
 
 class RandomWorld
 {
 public:
 	explicit RandomWorld(std::uint64_t seed)
-		: m_random(seed), m_rate(std::array{60.0, 120.0, 240.0}[pick(3)]), m_size(std::array{0.1, 0.5, 1.0}[pick(3)]), m_scene(pick(2) == 1)
+		: m_draw(seed),
+		  m_rate(std::array{60.0, 120.0, 240.0}[m_draw.pick(3)]),
+		  m_size(std::array{0.1, 0.5, 1.0}[m_draw.pick(3)]),
+		  m_scene(m_draw.pick(2) == 1)
 	{
 		m_scene.timeStep = 1 / m_rate;
 		const ContactMetric metrics[] = {ContactMetric::exactly(), ContactMetric::errorShare(0.005), ContactMetric::errorShare(0.03),
 										 ContactMetric::deviationShare(0.035)};
-		m_scene.context.worldMetric = metrics[pick(4)];
+		m_scene.context.worldMetric = metrics[m_draw.pick(4)];
 		configureWorld(m_scene.world);
 		putGround();
 		double top = m_size;
-		for (std::size_t i = 0, count = 2 + pick(6); i < count; ++i)
+		for (std::size_t i = 0, count = 2 + m_draw.pick(6); i < count; ++i)
 		{
-			const double radius = m_size * between(0.8, 1.4);
+			const double radius = m_size * m_draw.between(0.8, 1.4);
 			top += 1.05 * radius;
 			putBody(radius, top);
 			top += 1.05 * radius;
@@ -73,18 +75,6 @@ private:
 		double radius;
 		bool isOurs;
 	};
-	std::size_t pick(std::size_t count) { return std::size_t(m_random() % count); }
-	double between(double low, double high) { return uniform(m_random, low, high); }
-	btVector3 vector(double longest)
-	{
-		const Vec3 v = randomVector(m_random, 0, longest);
-		return btVector3(btScalar(v.x), btScalar(v.y), btScalar(v.z));
-	}
-	btQuaternion turn()
-	{
-		const Vec3 axis = randomDirection(m_random);
-		return btQuaternion(btVector3(btScalar(axis.x), btScalar(axis.y), btScalar(axis.z)), btScalar(between(0, 3.1)));
-	}
 	double heightAt(int x, int z) const
 	{
 		return m_size * (0.3 * std::sin(0.9 * x) * std::cos(0.7 * z) - 0.3);
@@ -93,19 +83,11 @@ private:
 	void putGround()
 	{
 		const btScalar half = btScalar(kHalfGround * m_size), low = btScalar(-m_size);
-		switch (pick(4))
+		switch (m_draw.pick(4))
 		{
 			case 0: put(m_scene.add(std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), 0)), 0); break;
 			case 1: put(m_scene.add(std::make_unique<btBoxShape>(btVector3(half, -low, half))), low); break;
-			case 2:
-			{
-				btClodShape& box = m_scene.addShape(body("box-12").hierarchy);
-				btVector3 least, most;
-				box.getAabb(btTransform::getIdentity(), least, most);
-				box.setLocalScaling(btVector3(half / most.x(), -low / most.y(), half / most.z()));
-				put(box, low);
-				break;
-			}
+			case 2: put(m_draw.slab(double(half), -double(low)), low); break;
 			default:
 			{
 				constexpr int kPoints = 17;
@@ -122,50 +104,18 @@ private:
 	{
 		m_scene.addBody(shape, 0, {0, double(height), 0}).setFriction(1);
 	}
-	btCollisionShape& ours(double radius)
-	{
-		const Body& model = body(kModels[pick(std::size(kModels))]);
-		btClodShape& shape = m_scene.addShape(model.hierarchy);
-		btVector3 scale(1, 1, 1);
-		const std::size_t kind = pick(4);
-		if (kind == 0)
-			for (int k = 0; k < 3; ++k) scale[k] = btScalar(between(0.6, 1.5));
-		if (kind == 1) scale.setX(-1);
-		shape.setLocalScaling(scale * btScalar(radius / double(model.hierarchy->asset().radius)));
-		return shape;
-	}
-	btCollisionShape& compound(double radius)
-	{
-		auto& whole = m_scene.add(std::make_unique<btCompoundShape>());
-		for (const double side : {-0.5, 0.5})
-		{
-			btTransform place(turn());
-			place.setOrigin(btVector3(btScalar(side * radius), 0, 0));
-			whole.addChildShape(place, &ours(0.5 * radius));
-		}
-		return whole;
-	}
-	btCollisionShape& bullets(double radius)
-	{
-		const btScalar r = btScalar(radius);
-		switch (pick(4))
-		{
-			case 0: return m_scene.add(std::make_unique<btBoxShape>(btScalar(0.5) * btVector3(r, r, r)));
-			case 1: return m_scene.add(std::make_unique<btSphereShape>(btScalar(0.8) * r));
-			case 2: return m_scene.add(std::make_unique<btCapsuleShape>(btScalar(0.3) * r, r));
-			default: return m_scene.add(std::make_unique<btCylinderShape>(btScalar(0.5) * btVector3(r, r, r)));
-		}
-	}
 	void putBody(double radius, double height)
 	{
-		const std::size_t kind = m_moving.empty() ? 0 : pick(8);
-		btCollisionShape& shape = kind < 6 ? ours(radius) : kind == 6 ? compound(radius) : bullets(radius);
-		const double mass = between(0.6, 1.6) * radius * radius * radius * 500;
-		const btVector3 aside = vector(0.5 * m_size);
-		btRigidBody& body = m_scene.addBody(shape, mass, {double(aside.x()), height, double(aside.z())}, turn());
-		body.setFriction(btScalar(between(0.1, 1)));
-		body.setLinearVelocity(vector(0.4 * std::sqrt(kGravity * m_size)));
-		body.setAngularVelocity(vector(1));
+		const std::size_t kind = m_moving.empty() ? 0 : m_draw.pick(8);
+		btCollisionShape& shape = kind < 6	? static_cast<btCollisionShape&>(m_draw.ours(radius))
+								  : kind == 6 ? m_draw.compound(radius)
+											  : static_cast<btCollisionShape&>(m_draw.bullets(radius));
+		const double mass = m_draw.between(0.6, 1.6) * radius * radius * radius * 500;
+		const btVector3 aside = m_draw.vector(0.5 * m_size);
+		btRigidBody& body = m_scene.addBody(shape, mass, {double(aside.x()), height, double(aside.z())}, m_draw.turn());
+		body.setFriction(btScalar(m_draw.between(0.1, 1)));
+		body.setLinearVelocity(m_draw.vector(0.4 * std::sqrt(kGravity * m_size)));
+		body.setAngularVelocity(m_draw.vector(1));
 		m_moving.push_back({&body, 1.6 * radius, kind < 7});
 		m_weight += mass * kGravity;
 	}
@@ -184,7 +134,7 @@ private:
 		return sum;
 	}
 
-	Random m_random;
+	RandomShapes m_draw;
 	const double m_rate, m_size;
 	BulletWorld m_scene;
 	std::vector<btScalar> m_heights;  // which Bullet calls PHY_FLOAT, whatever they are

@@ -99,6 +99,20 @@ PairState* Context::pairAt(std::size_t index) const
 	return index < m_pairs.size() ? m_pairs[index] : nullptr;
 }
 
+void Context::pairsOf(const btDispatcher& dispatcher, std::vector<PairState*>& pairs) const
+{
+	const std::lock_guard<std::mutex> lock(m_mutex);
+	pairs.clear();
+	for (PairState* pair : m_pairs)
+		if (pair->isOf(dispatcher)) pairs.push_back(pair);
+}
+
+bool& Context::isSolvedIn(const btDispatcher& dispatcher)
+{
+	const std::lock_guard<std::mutex> lock(m_mutex);
+	return m_isSolved[&dispatcher];
+}
+
 void Context::forEachPair(const std::function<void(const PairReport&)>& visit) const
 {
 	std::size_t index = 0;

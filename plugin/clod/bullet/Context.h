@@ -54,8 +54,8 @@ public:
 	std::optional<ViewCamera> camera;
 	// What the queries of a step may cost together, or its dispatch, tests or time; pairs of two shapes of ours only. It is
 	// kept by one coarsening of all their metrics, chosen from what the last steps cost. btClodDispatcher keeps one budget a
-	// world; with any other, a step begins where a pair comes again, and worlds share it. A budget that cannot be used is
-	// warned of and not used.
+	// world; with any other, a step begins where a pair comes again, and worlds share it, on one thread. A budget that
+	// cannot be used is warned of and not used.
 	Budget budget;
 	// Search the signed gap of touching bodies too (PairReport::result then has it, certified). Costs a millisecond or
 	// more.
@@ -101,10 +101,14 @@ private:
 	void say(unsigned cause, const std::string& message);
 	static void noteRegistration();
 	PairState* pairAt(std::size_t index) const;
-	mutable std::mutex m_mutex;             // of pairs and m_stepBudget; no function of the user's is called under it
+	// Oldest first. Those of other dispatchers come and go meanwhile, where their worlds have threads of their own.
+	void pairsOf(const btDispatcher& dispatcher, std::vector<PairState*>& pairs) const;
+	// Whether contacts are asked for what the step's solver has made of the motion.
+	bool& isSolvedIn(const btDispatcher& dispatcher);
+	mutable std::mutex m_mutex;             // of all that worlds share; no function of the user's is called under it
 	mutable std::recursive_mutex m_saying;  // one message at a time, but for those that a message's handler causes
 	std::vector<PairState*> m_pairs;
-	bool m_isSolved = false;  // contacts are asked for what the step's solver has made of the motion
+	std::map<const btDispatcher*, bool> m_isSolved;
 	std::map<unsigned, int> m_said;  // how often, of each cause
 	ConvexPartners m_convexPartners;
 	StepBudget m_stepBudget;  // of dispatchers that have none

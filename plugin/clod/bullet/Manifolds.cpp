@@ -57,8 +57,8 @@ constexpr btScalar kSlips = btScalar(0.9999);  // of what friction could give in
 // What a thread needs while it writes a pair.
 struct Scratch
 {
-	std::array<btManifoldPoint, std::size_t(kMaxClusters) * kClusterPoints> old;  // points of the last write,
-	std::array<bool, std::size_t(kMaxClusters) * kClusterPoints> found{};         // where they are still there
+	std::array<btManifoldPoint, std::size_t(kMaxClusters) * kClusterPoints> old;      // points of the last write,
+	std::array<btManifoldPoint*, std::size_t(kMaxClusters) * kClusterPoints> live{};  // where they are still there
 	std::array<btManifoldPoint, kClusterPoints> fresh;                            // of the slot being written
 };
 Scratch& scratch()
@@ -116,10 +116,12 @@ Vec3 ManifoldSet::impulse() const
 	return sum;
 }
 
-const btManifoldPoint* ManifoldSet::find(const btPersistentManifold& manifold, const Slot& slot, std::size_t j)
+btManifoldPoint* ManifoldSet::find(btPersistentManifold& manifold, const Slot& slot, std::size_t j)
 {
+	std::size_t before = 0;
+	for (std::size_t i = 0; i < j; ++i) before += slot.points[i].isEqual(slot.points[j]) ? 1 : 0;
 	for (int k = 0; k < manifold.getNumContacts(); ++k)
-		if (slot.points[j].isOf(manifold.getContactPoint(k))) return &manifold.getContactPoint(k);
+		if (slot.points[j].isOf(manifold.getContactPoint(k)) && before-- == 0) return &manifold.getContactPoint(k);
 	return nullptr;
 }
 
@@ -257,13 +259,13 @@ bool ManifoldSet::follow(HeldClusters& written, const WorldFrame& frame, btManif
 void ManifoldSet::beginWrite(const HeldClusters& clusters)
 {
 	Scratch& buffer = scratch();
-	buffer.found = {};
+	buffer.live = {};
 	for (std::size_t i = 0; i < m_slots.size(); ++i)
 		for (std::size_t j = 0; j < std::size_t(m_slots[i].count); ++j)
-			if (const btManifoldPoint* point = find(*m_manifolds[i], m_slots[i], j))
+			if (btManifoldPoint* point = find(*m_manifolds[i], m_slots[i], j))
 			{
 				buffer.old[i * kClusterPoints + j] = *point;
-				buffer.found[i * kClusterPoints + j] = true;
+				buffer.live[i * kClusterPoints + j] = point;
 			}
 	std::size_t slots = 0;
 	for (std::size_t i = 0; i < kMaxClusters; ++i)
@@ -273,11 +275,7 @@ void ManifoldSet::beginWrite(const HeldClusters& clusters)
 	for (const HeldPoint& point : clusters.points())
 	{
 		const std::uint32_t from = point.previous;
-		if (from == kNone || !buffer.found[from]) continue;
-		btPersistentManifold& manifold = *m_manifolds[from / kClusterPoints];
-		for (int k = 0; k < manifold.getNumContacts(); ++k)
-			if (Written(buffer.old[from]).isOf(manifold.getContactPoint(k)))
-				manifold.getContactPoint(k).m_userPersistentData = nullptr;
+		if (from != kNone && buffer.live[from]) buffer.live[from]->m_userPersistentData = nullptr;
 	}
 }
 
@@ -340,7 +338,7 @@ void ManifoldSet::writePoint(const HeldPoint& held, const WorldFrame& frame, btM
 	const Vec3 onA = onB + depth * normal;
 	const std::uint32_t from = held.previous;
 	Scratch& buffer = scratch();
-	const bool goesOn = from != kNone && buffer.found[from];
+	const bool goesOn = from != kNone && buffer.live[from];
 
 	// One real point at a time: a far-away stand-in keeps Bullet from matching it to its neighbours, and from taking
 	// every point for the beginning of a contact.

@@ -93,6 +93,10 @@ private:
 			return point.m_localPointA == localPointA && point.m_localPointB == localPointB &&
 				   point.m_normalWorldOnB == normal;
 		}
+		bool isEqual(const Written& other) const
+		{
+			return other.localPointA == localPointA && other.localPointB == localPointB && other.normal == normal;
+		}
 		bool isUnchanged(const btManifoldPoint& point) const
 		{
 			return isOf(point) && point.m_combinedRestitution == restitution && point.m_contactPointFlags == flags &&
@@ -108,8 +112,9 @@ private:
 		std::array<Written, kClusterPoints> points;
 	};
 	static void setDistances(btPersistentManifold& manifold, const Slot& slot);
-	// The point of the last write, if it is still there.
-	static const btManifoldPoint* find(const btPersistentManifold& manifold, const Slot& slot, std::size_t j);
+	// The point of the last write, if it is still there. Of equal ones, as a corner is that two levels have in common, each is
+	// its own.
+	static btManifoldPoint* find(btPersistentManifold& manifold, const Slot& slot, std::size_t j);
 	// What points are made from besides clusters and materials.
 	struct Ground
 	{

@@ -59,6 +59,7 @@ WorldFrame worldFrame(const PairPose& pose, const Context& context, bool aIsFirs
 
 PairState::PairState(Context& context, btDispatcher& dispatcher, btPersistentManifold* shared, bool isClosestPoints)
 	: m_context(context),
+	  m_isSolved(context.isSolvedIn(dispatcher)),
 	  m_manifolds(dispatcher, shared),
 	  m_isClosestPoints(isClosestPoints),
 	  m_budget(isClosestPoints ? nullptr : &context.budgetOf(dispatcher))
@@ -139,8 +140,8 @@ PairPose PairState::begin(const btCollisionObjectWrapper& body0, const btCollisi
 						  const btDispatcherInfo& info, double closestPoints)
 {
 	const Prediction prediction = m_isClosestPoints	   ? Prediction::kStill
-								  : m_context.m_isSolved ? Prediction::kSolved
-														   : Prediction::kFree;
+								  : m_isSolved		   ? Prediction::kSolved
+													   : Prediction::kFree;
 	PairPose pose = poseOf(body0, body1, info, prediction, closestPoints, m_context.m_convexPartners, m_convex);
 	m_report.notFinite = pose.notFinite;
 	if (pose.partner == Partner::kOther) return pose;
@@ -247,7 +248,7 @@ bool PairState::staysOverPlane(const btCollisionObjectWrapper& body0, const btCo
 {
 	const bool wasNear = !m_clusters.isEmpty() || !m_result.pairs.empty() || m_report.fast;
 	const bool complains = !m_report.notFinite.empty() || !m_report.metricError.empty();
-	if (wasNear || complains || m_seenB.shape == nullptr || m_isClosestPoints || m_context.m_isSolved) return false;
+	if (wasNear || complains || m_seenB.shape == nullptr || m_isClosestPoints || m_isSolved) return false;
 	const bool planeIsFirst = body0.getCollisionShape() == m_seenB.shape;
 	const btCollisionObject &plane = *(planeIsFirst ? body0 : body1).getCollisionObject(),
 							&body = *(planeIsFirst ? body1 : body0).getCollisionObject();

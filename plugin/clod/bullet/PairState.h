@@ -142,6 +142,7 @@ private:
 	void warnOnce(bool now, unsigned cause, const char* what);
 
 	Context& m_context;
+	const bool& m_isSolved;  // of the dispatcher
 	ManifoldSet m_manifolds;
 	const bool m_isClosestPoints;
 	PairMetric m_metric;

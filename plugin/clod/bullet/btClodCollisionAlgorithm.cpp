@@ -136,7 +136,6 @@ clod::Result<int> btClodCollisionAlgorithm::registerAlgorithm(btCollisionDispatc
 		dispatcher->registerCollisionCreateFunc(COMPOUND_SHAPE_PROXYTYPE, type, compounds.get());
 		dispatcher->registerCollisionCreateFunc(type, COMPOUND_SHAPE_PROXYTYPE, compounds.get());
 	}
-	context->m_createFunctions.push_back(std::move(compounds));
 	int count = 0;
 	for (int type = 0; type < MAX_BROADPHASE_COLLISION_TYPES; ++type)
 	{
@@ -148,6 +147,8 @@ clod::Result<int> btClodCollisionAlgorithm::registerAlgorithm(btCollisionDispatc
 		++count;
 	}
 	clod::Context::noteRegistration();
+	const std::lock_guard<std::mutex> lock(context->m_mutex);
+	context->m_createFunctions.push_back(std::move(compounds));
 	context->m_createFunctions.push_back(std::move(contacts));
 	context->m_createFunctions.push_back(std::move(closestPoints));
 	return count;

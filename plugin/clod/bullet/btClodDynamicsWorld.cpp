@@ -246,10 +246,10 @@ double btClodDynamicsWorld::findSurprised()
 {
 	double largest = 0;
 	m_surprised.clear();
-	for (std::size_t i = 0; const clod::PairState* pair = m_context.pairAt(i); ++i)
+	m_context.pairsOf(*getDispatcher(), m_pairs);
+	for (const clod::PairState* pair : m_pairs)
 	{
 		const btCollisionObject *a = pair->lastReport().objectA, *b = pair->lastReport().objectB;
-		if (!pair->isOf(*getDispatcher())) continue;  // worlds may share a context
 		if (!a || !b || !(isMoving(*a) || isMoving(*b))) continue;
 		const double surprise = pair->surprise();
 		if (!(surprise > 1)) continue;
@@ -321,7 +321,8 @@ void btClodDynamicsWorld::askAgain()
 	btBroadphasePair* pairs = cache.getOverlappingPairArrayPtr();
 	for (int i = 0; i < cache.getNumOverlappingPairs(); ++i)
 		if (!pairs[i].m_algorithm) m_asked.push_back(&pairs[i]);
-	m_context.m_isSolved = true;
+	bool& isSolved = m_context.isSolvedIn(*getDispatcher());
+	isSolved = true;
 	if (auto* ours = dynamic_cast<btClodDispatcher*>(getDispatcher()))
 		ours->dispatchPairs(m_asked, getDispatchInfo());
 	else
@@ -329,5 +330,5 @@ void btClodDynamicsWorld::askAgain()
 		auto& dispatcher = static_cast<btCollisionDispatcher&>(*getDispatcher());
 		for (btBroadphasePair* pair : m_asked) dispatcher.getNearCallback()(*pair, dispatcher, getDispatchInfo());
 	}
-	m_context.m_isSolved = false;
+	isSolved = false;
 }

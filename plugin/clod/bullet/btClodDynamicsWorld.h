@@ -95,6 +95,7 @@ private:
 	int m_mostPasses = 3, m_mostParts = 8, m_passes = 1, m_parts = 1, m_pairsAskedAgain = 0;
 	btScalar m_lastPart = 0;  // 0: the whole step
 	std::vector<Start> m_starts;
+	std::vector<clod::PairState*> m_pairs;
 	std::vector<Surprised> m_surprised;
 	std::vector<btBroadphasePair*> m_asked;
 };
