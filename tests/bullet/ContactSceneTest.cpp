@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -320,14 +321,17 @@ TEST_P(AtRate, FastPlatesAndRodsStopAtAThinWall)
 	for (const char* kind : {"ours", "plane", "mesh"})
 	{
 		int through = 0;
-		for (int i = 0; i < 180; ++i)
+		for (int n = 0; n < 186; ++n)
 		{
+			// The last: whose corners followed others through a thin wall unseen.
+			const int i = n < 180 ? n : std::array{342, 480, 816, 1432, 1608, 1776}[std::size_t(n - 180)];
+			if (n >= 180 && kind != std::string("ours")) continue;
 			SceneWorld world(GetParam(), 0);
 			const Wall wall(world, kind);
 			const btVector3 axis(1, btScalar(std::sin(1.7 * i)), btScalar(std::cos(2.3 * i)));
 			btRigidBody& body = world.put(shapes[i % 3], 1, {-1 - 0.037 * (i % 40), 0.01 * (i % 40), 0},
 										  btQuaternion(axis.normalized(), btScalar(0.4 + 0.05 * i)));
-			const double speed = 20 * std::pow(15.0, i / 180.0), aside = 0.3 * std::sin(0.9 * i);
+			const double speed = 20 * std::pow(15.0, i % 180 / 180.0), aside = 0.3 * std::sin(0.9 * i);
 			body.setLinearVelocity(btVector3(btScalar(speed), btScalar(aside * speed), btScalar(-0.5 * aside * speed)));
 			body.setAngularVelocity(btVector3(btScalar(3 * std::sin(1.1 * i)), btScalar(3 * std::sin(1.3 * i)), 2));
 			// Until it is past the wall's edge.

@@ -48,11 +48,9 @@ void FacetChoice::choose(const FacetQuestion& question, const std::vector<FacetR
 						 std::vector<Facet>& facets)
 {
 	m_question = &question;
-	m_dropped.clear();
 	knowAgain(last, lastAFromB, facets);
 	dropInner(facets);
 	dropRidges(facets);
-	std::sort(m_dropped.begin(), m_dropped.end());
 }
 
 // Do the bodies overlap at the facet, with A moved by the shift?
@@ -107,16 +105,11 @@ Vec3 FacetChoice::leastShift()
 	return shift;
 }
 
-void FacetChoice::removeDropped(std::vector<Facet>& facets)
+void FacetChoice::removeDropped(std::vector<Facet>& facets) const
 {
 	std::size_t kept = 0;
 	for (std::uint32_t i = 0; i < facets.size(); ++i)
-	{
-		if (m_isKept[i])
-			facets[kept++] = facets[i];
-		else
-			m_dropped.push_back(facets[i].feature);
-	}
+		if (m_isKept[i]) facets[kept++] = facets[i];
 	facets.resize(kept, Facet{});
 }
 
@@ -160,9 +153,7 @@ void FacetChoice::dropWhatHoldsThrough(std::vector<Facet>& facets)
 		return std::any_of(m_through.begin(), m_through.end(),
 						   [&](const Facet& through) { return isHolding(facet, through); });
 	};
-	m_isKept.clear();
-	for (const Facet& facet : facets) m_isKept.push_back(holdsAny(facet) ? 0 : 1);
-	removeDropped(facets);
+	facets.erase(std::remove_if(facets.begin(), facets.end(), holdsAny), facets.end());
 }
 
 // Since the last step, or before: a vertex that is under the face, and came in through it.

@@ -22,9 +22,6 @@ public:
 	void choose(const FacetQuestion& question, const std::vector<FacetRecord>& last, const Transform& lastAFromB,
 				std::vector<Facet>& facets);
 
-	// Features of those removed last, sorted.
-	const std::vector<std::uint64_t>& dropped() const { return m_dropped; }
-
 private:
 	bool overlapsAt(const Facet& facet, const Vec3& shift) const;
 	Vec3 centerOf(const Facet& facet) const;
@@ -35,7 +32,7 @@ private:
 	void dropInner(std::vector<Facet>& facets);
 	void dropRidges(std::vector<Facet>& facets);
 	bool isBeyondRidge(const Facet& best, const Vec3& center, const Facet& other) const;
-	void removeDropped(std::vector<Facet>& facets);
+	void removeDropped(std::vector<Facet>& facets) const;
 	Vec3 leastShift();
 
 	const FacetQuestion* m_question = nullptr;
@@ -56,7 +53,6 @@ private:
 	Places m_placesA, m_placesB;
 	std::vector<std::uint32_t> m_order;
 	std::vector<char> m_isKept;
-	std::vector<std::uint64_t> m_dropped;
 	std::vector<Facet> m_through;
 	std::vector<std::pair<std::uint64_t, std::uint32_t>> m_last;  // of the last step's: feature, index; sorted
 	std::vector<char> m_isKnown;                                  // was a contact in the last step, too

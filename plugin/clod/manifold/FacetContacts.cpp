@@ -10,8 +10,6 @@ namespace clod
 {
 namespace
 {
-constexpr int kRounds = 2;  // of looking along the way as solved
-
 Vec3 impulseOf(const ClusterSet& set)
 {
 	Vec3 sum;
@@ -42,33 +40,18 @@ void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Trans
 						 bool goesOn)
 {
 	m_facets.clear();
-	m_question = {a, b, aFromB, {}, {}, rules};
-	placeEnds(m_question);
+	m_question = {a,
+				  b,
+				  aFromB,
+				  aFromBAfter(rules.a, rules.b, aFromB, rules.timeStep),
+				  aFromBAfter(withoutForces(rules.a), withoutForces(rules.b), aFromB, rules.timeStep),
+				  rules};
 	if (goesOn)
 		takeUp(previous, memory);
 	else if (!contacts.empty())
 		takeUpWhatIsThrough(previous, memory);
 	m_finder.find(m_question, contacts, m_facets);
 	m_choice.choose(m_question, memory.reduced, memory.aFromB, m_facets);
-}
-
-void FacetContacts::placeEnds(FacetQuestion& q)
-{
-	q.aFromBThen = aFromBAfter(q.rules.a, q.rules.b, q.aFromB, q.rules.timeStep);
-	q.aFromBUnforced = aFromBAfter(withoutForces(q.rules.a), withoutForces(q.rules.b), q.aFromB, q.rules.timeStep);
-}
-
-// Those on the way that the pair's own solve leads to, where that is farther from the way of the step than was looked.
-bool FacetContacts::findOnSolvedWay(const std::vector<Contact>& contacts)
-{
-	if (!m_finder.looksShortOf(m_solve.motion(), contacts)) return false;
-	FacetQuestion solved = m_question;
-	solved.rules.a = m_solve.a();
-	solved.rules.b = m_solve.b();
-	placeEnds(solved);
-	const std::size_t before = m_facets.size();
-	m_finder.findOnWay(solved, contacts, m_choice.dropped(), m_facets);
-	return m_facets.size() > before;
 }
 
 void FacetContacts::settle(const std::vector<Contact>& contacts, bool isDeep, const ClusterSet& previous,
@@ -80,11 +63,7 @@ void FacetContacts::settle(const std::vector<Contact>& contacts, bool isDeep, co
 	answerDepth(contacts, isDeep, previous);
 	m_switch.apply(m_question, contacts, memory.reduced, previous, goesOn, memory.levels, m_facets);
 	if (m_facets.empty() && !memory.isDeep()) return memory.forget();
-	for (int round = 0;; ++round)
-	{
-		m_solve.solve(m_question, m_facets);
-		if (round == kRounds || !findOnSolvedWay(contacts)) break;
-	}
+	m_solve.solve(m_question, m_facets);
 	m_expected = m_solve.motion();
 	m_spare = std::min(m_solve.spare(), m_finder.sought());
 }

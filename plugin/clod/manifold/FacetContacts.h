@@ -58,8 +58,6 @@ public:
 	}
 
 private:
-	static void placeEnds(FacetQuestion& question);
-	bool findOnSolvedWay(const std::vector<Contact>& contacts);
 	void takeUpWhatIsThrough(const ClusterSet& previous, const FacetMemory& memory);
 	void takeUpThrough(const ContactPoint& point, const FacetRecord& record, const Transform& lastAFromB);
 	void takeUp(const ClusterSet& previous, const FacetMemory& memory);

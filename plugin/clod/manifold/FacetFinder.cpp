@@ -10,10 +10,11 @@ namespace clod
 namespace
 {
 constexpr double kFar = std::numeric_limits<double>::infinity();
+constexpr std::size_t kLeastTable = 64;
 constexpr int kArcRounds = 6;  // each by the chord's slope
 constexpr double kArcSpeed = 2;  // times the mean speed on an arc: the most on it
 constexpr double kRoamShare = 0.35;  // of the farthest way of the step: so far from a way's middle contacts may lead,
-constexpr double kRoamGrains = 1;    // and so many grains of the coarser surface are looked for ahead
+constexpr double kRoamGrains = 1;    // and so many grains of the coarser surface are looked for
 
 // Where something goes in the step as far as a facet is concerned: forces count along its normal, but sideways they may
 // be held by whom is not known here, and a body that slides over a border does not fall beneath it.
@@ -29,11 +30,6 @@ bool isLowest(Span<Vec3> fan, const Vec3& up, double slack)
 	return true;
 }
 
-bool isOneOf(const std::vector<std::uint64_t>& sorted, std::uint64_t feature)
-{
-	return std::binary_search(sorted.begin(), sorted.end(), feature);
-}
-
 bool isWithin(double along, double length, double slack)
 {
 	return along >= -slack && along <= length + slack;
@@ -42,24 +38,8 @@ bool isWithin(double along, double length, double slack)
 
 void FacetFinder::find(const FacetQuestion& question, const std::vector<Contact>& contacts, std::vector<Facet>& facets)
 {
-	m_isAgain = false;
-	for (Facet& facet : facets)
-		facet.linear = dot(question.rules.motion().velocity(facet.onA), facet.normal) * question.rules.timeStep;
-	findAll(question, contacts, facets);
-}
-
-void FacetFinder::findOnWay(const FacetQuestion& question, const std::vector<Contact>& contacts,
-							const std::vector<std::uint64_t>& dropped, std::vector<Facet>& facets)
-{
-	m_isAgain = true;
-	m_dropped = &dropped;
-	findAll(question, contacts, facets);
-}
-
-void FacetFinder::findAll(const FacetQuestion& question, const std::vector<Contact>& contacts, std::vector<Facet>& facets)
-{
 	m_question = &question;
-	m_sought = kFar;
+	m_facets = &facets;
 	m_bFromA = inverse(question.aFromB);
 	m_nodesA.start(question, contacts, true);
 	m_nodesB.start(question, contacts, false);
@@ -70,29 +50,26 @@ void FacetFinder::findAll(const FacetQuestion& question, const std::vector<Conta
 	m_turn = (length(m_motion.angular) + speed / question.length()) * m_motion.timeStep;
 	m_poses.fill({});
 	placeMiddles();
-	noteThrough(facets);
-	m_table.start(facets, facets.size() + contacts.size());
+	noteThrough();
+	m_sought = kFar;
+	for (Facet& facet : facets) facet.linear = dot(m_motion.velocity(facet.onA), facet.normal) * m_motion.timeStep;
+	std::size_t size = kLeastTable;
+	while (size < 4 * (facets.size() + contacts.size())) size *= 2;
+	tabulate(size);
 	for (const Contact& contact : contacts) findPair(contact);
 }
 
-bool FacetFinder::looksShortOf(const RelativeMotion& motion, const std::vector<Contact>& contacts) const
-{
-	const RelativeMotion beside{motion.linear - m_motion.linear, motion.angular - m_motion.angular, motion.timeStep};
-	const auto isBeyond = [&](const Contact& contact)
-	{ return length(beside.velocity(contact.pointOnA)) * beside.timeStep > m_sought; };
-	return m_sought < kFar && std::any_of(contacts.begin(), contacts.end(), isBeyond);
-}
-
 // Planes that a vertex has gone through.
-void FacetFinder::noteThrough(const std::vector<Facet>& facets)
+void FacetFinder::noteThrough()
 {
 	m_through.clear();
-	for (const Facet& facet : facets)
+	for (const Facet& facet : *m_facets)
 	{
 		if (!facet.isThrough) continue;
 		const bool isOfB = facet.kind == Facet::Kind::kVertexFace;
-		const ContactBody& body = isOfB ? m_question->b : m_question->a;
-		m_through.push_back({isOfB, body.surface(isOfB ? facet.levelB : facet.levelA).planeOf(isOfB ? facet.featureB : facet.featureA)});
+		const ContactSurface& surface =
+			isOfB ? m_question->b.surface(facet.levelB) : m_question->a.surface(facet.levelA);
+		if (!surface.isHalfSpace()) m_through.push_back({isOfB, surface.planeOf(isOfB ? facet.featureB : facet.featureA)});
 	}
 }
 
@@ -110,6 +87,22 @@ bool FacetFinder::mayEnter(const ContactSurface& surface, const MovedCorner& ver
 	return std::any_of(m_through.begin(), m_through.end(), isSame);
 }
 
+void FacetFinder::tabulate(std::size_t size)
+{
+	m_table.assign(size, kNone);
+	for (std::uint32_t i = 0; i < m_facets->size(); ++i) m_table[slotOf((*m_facets)[i].feature)] = i;
+}
+
+// Where the facet of the same features is, or would be, in the table.
+std::size_t FacetFinder::slotOf(std::uint64_t feature) const
+{
+	for (std::size_t at = std::size_t(feature >> 32);; ++at)
+	{
+		at &= m_table.size() - 1;
+		if (m_table[at] == kNone || (*m_facets)[m_table[at]].feature == feature) return at;
+	}
+}
+
 // Several faces of one polygon may find the same facet, and several pairs of nodes: it is what the nearest of them says.
 void FacetFinder::add(Facet& facet)
 {
@@ -119,13 +112,16 @@ void FacetFinder::add(Facet& facet)
 	facet.nodeB = m_pair.nodeB;
 	facet.linear = dot(m_motion.velocity(facet.onA), facet.normal) * m_motion.timeStep;
 	facet.feature = featureOf(*m_pair.a, *m_pair.b, facet);
-	if (Facet* known = m_table.find(facet.feature))
+	const std::size_t slot = slotOf(facet.feature);
+	if (m_table[slot] != kNone)
 	{
-		if (!m_isAgain && facet.reach < known->reach) *known = facet;
+		Facet& known = (*m_facets)[m_table[slot]];
+		if (facet.reach < known.reach) known = facet;
 		return;
 	}
-	if (m_isAgain && (facet.reach != Facet::Reach::kPath || isOneOf(*m_dropped, facet.feature))) return;
-	m_table.add(facet);
+	m_table[slot] = std::uint32_t(m_facets->size());
+	m_facets->push_back(facet);
+	if (2 * m_facets->size() > m_table.size()) tabulate(2 * m_table.size());
 }
 
 void FacetFinder::findPair(const Contact& contact)

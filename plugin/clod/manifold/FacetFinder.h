@@ -10,7 +10,6 @@
 #include <optional>
 #include <vector>
 
-#include "clod/manifold/FacetTable.h"
 #include "clod/manifold/MovedNode.h"
 
 namespace clod
@@ -21,17 +20,11 @@ class FacetFinder
 public:
 	// Appends the facets of node pairs within reach. Each comes once; those that are there stay.
 	void find(const FacetQuestion& question, const std::vector<Contact>& contacts, std::vector<Facet>& facets);
-	// Of bodies in fast motion, detailed both, what contacts may lead to is too much to be found ahead. May this motion meet
-	// more than was found?
-	bool looksShortOf(const RelativeMotion& motion, const std::vector<Contact>& contacts) const;
-	// Then, with that motion in the question, appends what lies on its way. dropped: features of what is no contact, sorted.
-	void findOnWay(const FacetQuestion& question, const std::vector<Contact>& contacts,
-				   const std::vector<std::uint64_t>& dropped, std::vector<Facet>& facets);
-	// How far from the way of the step contacts may lead without that, where less was looked for than they may; else infinity.
+	// How far from the way of the step contacts may lead before they meet what was not looked for: of bodies in fast motion,
+	// detailed both, all that they may lead to is too much. Else infinity.
 	double sought() const { return m_sought; }
 
 private:
-	void findAll(const FacetQuestion& question, const std::vector<Contact>& contacts, std::vector<Facet>& facets);
 	struct Pair
 	{
 		const ContactSurface *a, *b;
@@ -45,7 +38,7 @@ private:
 		bool isOfB;
 		SurfaceFace face;
 	};
-	void noteThrough(const std::vector<Facet>& facets);
+	void noteThrough();
 	bool mayEnter(const ContactSurface& surface, const MovedCorner& vertex, const Vec3& up, const SurfaceFace& face,
 				  bool faceIsOfB) const;
 	void findPair(const Contact& contact);
@@ -98,14 +91,14 @@ private:
 	bool isInCone(const ContactSurface& surface, const MovedCorner& vertex, const Vec3& away) const;
 	void addRound(Facet& facet, const Approach& approach, const Vec3& now, const Vec3& then, const Vec3& normal,
 				  const Vec3& place);
+	std::size_t slotOf(std::uint64_t feature) const;
 	void add(Facet& facet);
+	void tabulate(std::size_t size);
 
 	static constexpr int kArcParts = 8;  // a power of two: arcs are looked at there first
 
 	const FacetQuestion* m_question = nullptr;
-	const std::vector<std::uint64_t>* m_dropped = nullptr;
-	bool m_isAgain = false;
-	double m_sought = 0;
+	std::vector<Facet>* m_facets = nullptr;
 	Transform m_bFromA;
 	RelativeMotion m_motion;  // of A's material relative to B's
 	double m_sagitta = 0;     // of the arc that a chord of the path stands for, a share of the chord
@@ -113,12 +106,13 @@ private:
 	std::array<std::optional<Transform>, kArcParts + 1> m_poses;
 	Middle m_middleA, m_middleB;
 	std::vector<Through> m_through;
+	double m_sought = 0;
 	Pair m_pair;
 	MovedNodes m_nodesA, m_nodesB;
 	// Of the pair, those that come near the other node.
 	std::vector<const MovedCorner*> m_cornersA, m_cornersB;
 	std::vector<MovedEdge*> m_edgesA, m_edgesB;
 	std::vector<std::uint32_t> m_polygonsA, m_polygonsB;
-	FacetTable m_table;
+	std::vector<std::uint32_t> m_table;  // of the facets, by what makes them; open, a power of two
 };
 }  // namespace clod

@@ -25,8 +25,6 @@ public:
 	void solve(const FacetQuestion& question, std::vector<Facet>& facets);
 	// Of A's material relative to B's, as solved last.
 	RelativeMotion motion() const { return motionBetween(m_a, m_b, m_timeStep); }
-	const PairBody& a() const { return m_a; }
-	const PairBody& b() const { return m_b; }
 	// How much farther than solved the bodies have to move to meet one of the facets removed, to first order.
 	double spare() const { return m_spare; }
 
