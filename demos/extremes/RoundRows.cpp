@@ -233,7 +233,8 @@ std::vector<Row> roundRows()
 					sides({48, 192}),
 					kAnalyticRates,
 					{{"speed", "share", {0.05, 1}}, {"beside a polygon's", "share", {0.05, 1}}},
-					puckInTube});
+					puckInTube,
+					{{"of few sides it slides as over a polygon: its corners take speed", anyRun, "speed"}}});
 	rows.push_back({"A20",
 					"a coin rolls on its rim",
 					"its energy never rises, and hardly falls in a quarter of a second",
