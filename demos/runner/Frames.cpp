@@ -31,7 +31,7 @@ constexpr std::size_t kLargestMarkers = 40, kCrowd = 100;
 constexpr double kGridShare = 0.1, kFadeShare = 4.2;
 constexpr double kExactShare = 1e-5;  // of the smallest radius: errors that small have one colour
 constexpr const char* kColorsMean = "Coloured: the surface patches that answered, by certified error. ";
-constexpr const char* kRedMeans = "Red: contact points";
+constexpr const char* kRedMeans = "Red: points that carry";
 constexpr const char* kArrowsMean = ", and which way the one body pushes the other";
 
 constexpr Color kGhostColor = {0.5f, 0.55f, 0.65f, 0.12f};

@@ -97,7 +97,9 @@ FrameMoment momentOf(const SceneState& state)
 std::vector<FrameContact> pointsOf(const SceneState& state)
 {
 	std::vector<FrameContact> contacts;
-	for (const ScenePoint& point : state.points) contacts.push_back({point.position, point.normal});
+	// Others are what a body may come to within the step.
+	for (const ScenePoint& point : state.points)
+		if (point.impulse > 0) contacts.push_back({point.position, point.normal});
 	return contacts;
 }
 

@@ -95,7 +95,7 @@ private:
 	void addContacts(Frame& frame, const SceneState& state) const
 	{
 		for (const ScenePoint& point : state.points)
-			if (frame.markers.size() < kMostMarkers)
+			if (point.impulse > 0 && frame.markers.size() < kMostMarkers)
 				frame.markers.push_back({point.position, 0.03 * m_trial.radius, kContactColor});
 	}
 	std::vector<std::string> lines(const TrialFrame& moment) const

@@ -134,6 +134,35 @@ void FacetChoice::knowAgain(const std::vector<FacetRecord>& last, const Transfor
 	}
 }
 
+// What an edge joins to a vertex that has gone through a face, and is under it, too, came the same way: it was not the
+// lowest then. Not of sheets, which have another side.
+void FacetChoice::followThrough(std::vector<Facet>& facets)
+{
+	const FacetQuestion& q = *m_question;
+	const auto follows = [&](const Facet& facet, const Facet& through)
+	{
+		if (q.b.surface(facet.levelB).isSheet()) return false;
+		if (facet.kind != through.kind || facet.levelA != through.levelA || facet.levelB != through.levelB) return false;
+		const bool isOfA = facet.kind == Facet::Kind::kVertexFace;
+		const ContactSurface& surface = isOfA ? q.a.surface(facet.levelA) : q.b.surface(facet.levelB);
+		const auto polygonOf = [&](const Facet& f) { return isOfA ? f.featureB : f.featureA; };
+		const auto vertexOf = [&](const Facet& f) { return isOfA ? f.featureA : f.featureB; };
+		if (polygonOf(facet) != polygonOf(through)) return false;
+		const std::pair<std::uint32_t, std::uint32_t> ends = std::minmax({vertexOf(facet), vertexOf(through)});
+		return std::any_of(surface.edges().begin(), surface.edges().end(),
+						   [&](const SurfaceEdge& edge)
+						   { return std::minmax({edge.vertex[0], edge.vertex[1]}) == ends; });
+	};
+	for (std::size_t i = 0; i < m_through.size(); ++i)
+		for (Facet& facet : facets)
+		{
+			const Facet through = m_through[i];
+			if (facet.reach != Facet::Reach::kOverlap || facet.isThrough || !follows(facet, through)) continue;
+			facet.isThrough = true;
+			m_through.push_back(facet);
+		}
+}
+
 // Vertices that have gone through a face have those of the far side before them on their way back.
 void FacetChoice::dropWhatHoldsThrough(std::vector<Facet>& facets)
 {
@@ -141,6 +170,7 @@ void FacetChoice::dropWhatHoldsThrough(std::vector<Facet>& facets)
 	for (const Facet& facet : facets)
 		if (facet.isThrough) m_through.push_back(facet);
 	if (m_through.empty()) return;
+	followThrough(facets);
 	const auto isHolding = [](const Facet& facet, const Facet& through)
 	{
 		const bool isSameVertex = facet.kind == through.kind && (facet.kind == Facet::Kind::kVertexFace

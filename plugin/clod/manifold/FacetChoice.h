@@ -29,6 +29,7 @@ private:
 	bool wentThrough(const Facet& facet, const FacetRecord* known, const std::vector<FacetRecord>& last,
 					 const Transform& lastAFromB) const;
 	void dropWhatHoldsThrough(std::vector<Facet>& facets);
+	void followThrough(std::vector<Facet>& facets);
 	void dropInner(std::vector<Facet>& facets);
 	void dropRidges(std::vector<Facet>& facets);
 	bool isBeyondRidge(const Facet& best, const Vec3& center, const Facet& other) const;
