@@ -135,13 +135,14 @@ void FacetChoice::knowAgain(const std::vector<FacetRecord>& last, const Transfor
 }
 
 // What an edge joins to a vertex that has gone through a face, and is under it, too, came the same way: it was not the
-// lowest then. Not of sheets, which have another side.
+// lowest then. Not of sheets, which have another side, nor of half spaces, which have none.
 void FacetChoice::followThrough(std::vector<Facet>& facets)
 {
 	const FacetQuestion& q = *m_question;
 	const auto follows = [&](const Facet& facet, const Facet& through)
 	{
-		if (q.b.surface(facet.levelB).isSheet()) return false;
+		const ContactSurface& b = q.b.surface(facet.levelB);
+		if (b.isSheet() || b.isHalfSpace()) return false;
 		if (facet.kind != through.kind || facet.levelA != through.levelA || facet.levelB != through.levelB) return false;
 		const bool isOfA = facet.kind == Facet::Kind::kVertexFace;
 		const ContactSurface& surface = isOfA ? q.a.surface(facet.levelA) : q.b.surface(facet.levelB);
