@@ -309,7 +309,10 @@ TEST(Unchanged, WhatStaysOverAPlaneIsNotLookedAt)
 						ways[mayMove].push_back(toVec3(body->getWorldTransform().getOrigin()));
 				}
 			}
-			EXPECT_TRUE(ways[0] == ways[1]) << speed << " " << meetsImpacts;
+			// To the bit; but what was looked at may have a further pass, which agrees far within a skin (6e-4).
+			double farthest = 0;
+			for (std::size_t i = 0; i < ways[0].size(); ++i) farthest = std::max(farthest, length(ways[0][i] - ways[1][i]));
+			EXPECT_LE(farthest, meetsImpacts ? 1e-5 : 0) << speed << " " << meetsImpacts;
 			EXPECT_LE(looks[0], looks[1] - (speed < 50 ? 20 : 0)) << speed << " " << meetsImpacts;  // fast bodies always are
 			EXPECT_GT(looks[0], 40);
 		}
