@@ -279,13 +279,13 @@ TEST(IntakeFormats, DamagedFilesAreRefusedWithAReasonOrRead)
 // Of another system's line ends, or with comments in between, a text is the same.
 TEST(IntakeFormats, LineEndsAndCommentsChangeNothing)
 {
-	for (const auto& [parse, text] : {std::pair(builder::parseObj, asObj()), std::pair(builder::parseOff, asOff())})
+	for (const auto& [parse, text] : {std::pair(&builder::parseObj, asObj()), std::pair(&builder::parseOff, asOff())})
 	{
 		std::string other;
 		for (const char c : text) other += c == '\n' ? " # said\r\n\r\n" : std::string(1, c);
 		EXPECT_EQ(builder::intake(parse(other)).mesh.vertices, builder::intake(parse(text)).mesh.vertices);
 	}
-	for (const auto& [parse, text] : {std::pair(builder::parsePly, asPlyText()), std::pair(builder::parseStl, asStlText())})
+	for (const auto& [parse, text] : {std::pair(&builder::parsePly, asPlyText()), std::pair(&builder::parseStl, asStlText())})
 	{
 		std::string other;
 		for (const char c : text) other += c == '\n' ? "\r\n" : std::string(1, c);
