@@ -234,7 +234,8 @@ std::vector<Row> roundRows()
 					kAnalyticRates,
 					{{"speed", "share", {0.05, 1}}, {"beside a polygon's", "share", {0.05, 1}}},
 					puckInTube,
-					{{"of few sides it slides as over a polygon: its corners take speed", anyRun, "speed"}}});
+					{{"of few sides it slides as over a polygon: its corners take speed",
+					  [](const Setting& s) { return s.parameter < 192; }, "speed"}}});
 	rows.push_back({"A20",
 					"a coin rolls on its rim",
 					"its energy never rises, and hardly falls in a quarter of a second",
