@@ -155,13 +155,15 @@ void FacetChoice::followThrough(std::vector<Facet>& facets)
 						   { return std::minmax({edge.vertex[0], edge.vertex[1]}) == ends; });
 	};
 	for (std::size_t i = 0; i < m_through.size(); ++i)
+	{
+		const Facet through = m_through[i];
 		for (Facet& facet : facets)
 		{
-			const Facet through = m_through[i];
 			if (facet.reach != Facet::Reach::kOverlap || facet.isThrough || !follows(facet, through)) continue;
 			facet.isThrough = true;
 			m_through.push_back(facet);
 		}
+	}
 }
 
 // Vertices that have gone through a face have those of the far side before them on their way back.
