@@ -50,7 +50,7 @@ TESTS = {
     "builder/library": ["builder_library_test"],
     "builder/pipeline": ["builder_library_test"],
     "builder/cli": ["test_clod_build"],
-    "cli": ["test_clod_build"],
+    "cli": ["test_clod_build", "RunnerCommandTest"],
     "demos/models": ["ModelsTest"],
     "demos/render": ["RenderTest"],
     "demos/peers": ["PeersTest", "PlacedBodiesTest", "RunnerMeasureTest"],

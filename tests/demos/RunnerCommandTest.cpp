@@ -390,6 +390,24 @@ TEST_F(RunnerCommand, ASceneOfFourBodiesIsRecordedAndReplayedWhole)
 	// The file does not fit a scene of two bodies, nor two models.
 	EXPECT_EQ(bench("replay spoon-cup " + path("four.csv") + " --resolution 0.03 --quiet" + cache()).code, 3);
 }
+
+// A thousandth of its radius at most; what stands still stands where it stood.
+TEST_F(RunnerCommand, ASeedPutsWhatIsFreeALittleAside)
+{
+	const auto first = [this](const std::string& seed)
+	{
+		const Outcome run = bench(kSmallScene + " --seed " + seed + " --poses " + path(seed + ".csv") + cache());
+		EXPECT_EQ(run.code, 0) << run.err;
+		return clod::demo::readPoses(path(seed + ".csv"), 2).value().front();
+	};
+	const auto scene = first("0"), other = first("7");
+	const double moved = clod::length(scene.a.position - other.a.position);
+	const double stood = clod::length(scene.b.position - other.b.position);
+	EXPECT_GT(std::max(moved, stood), 1e-6);
+	EXPECT_LT(std::max(moved, stood), 1e-4);
+	EXPECT_EQ(std::min(moved, stood), 0);
+}
+
 TEST_F(RunnerCommand, GivenMeshesFallOnEachOther)
 {
 	ASSERT_EQ(bench("model number3 --triangles 600 -o " + path("three.obj")).code, 0);

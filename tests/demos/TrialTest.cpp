@@ -289,6 +289,7 @@ TEST_F(TryCommand, ReportsOnMeshesOfAnyUnit)
 	EXPECT_EQ(page.find("<title></title>"), std::string::npos) << "every plot says what it shows";
 	EXPECT_NE(page.find("setMetric(clod::ContactMetric::"), std::string::npos);
 	EXPECT_NE(page.find("poses of cup and torus"), std::string::npos) << "the trade-off is of these two";
+	EXPECT_NE(page.find(">one hull<"), std::string::npos) << "what it is beside in the trade-off";
 	EXPECT_NE(page.find("V-HACD"), std::string::npos) << "where it is missing, the page says what to do";
 
 	// The same in thousandths, the torus in inches: what differs is rounding, which chaos makes grow.

@@ -15,6 +15,7 @@
 #include <limits>
 
 #include "clod/hierarchy/BoundGrid.h"
+#include "clod/hierarchy/DerivedData.h"
 #include "clod/hierarchy/HierarchyFormat.h"
 #include "tests/query/Bodies.h"
 #include "tests/support/Files.h"
@@ -310,6 +311,28 @@ TEST(HierarchyRules, EachFiresOnItsPlantedFault)
 		const std::string message = refusal(encode(content));
 		EXPECT_NE(message.find(fault.message), std::string::npos) << fault.message << " / got: " << message;
 	}
+}
+
+struct Doubled
+{
+	explicit Doubled(int value) : twice(2 * value) {}
+	int twice;
+};
+struct Halved
+{
+	explicit Halved(double value) : half(value / 2) {}
+	double half;
+};
+
+TEST(DerivedData, EachKindIsMadeOnce)
+{
+	const DerivedData data;
+	const Doubled& doubled = data.get<Doubled>(3);
+	const Halved& halved = data.get<Halved>(3.0);
+	EXPECT_EQ(doubled.twice, 6);
+	EXPECT_EQ(halved.half, 1.5);
+	EXPECT_EQ(&data.get<Doubled>(4), &doubled) << "of what it was made of first";
+	EXPECT_EQ(&data.get<Halved>(4.0), &halved);
 }
 }  // namespace
 }  // namespace clod::test
