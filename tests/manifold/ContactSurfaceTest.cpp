@@ -103,6 +103,25 @@ TEST(ContactSurface, APointBesideAPolygonKnowsHowFar)
 	}
 }
 
+// Its border counts, not how it is cut into triangles.
+TEST(ContactSurface, APolygonHoldsTheDiscsThatItsBorderLeaves)
+{
+	for (const int cells : {1, 4})
+	{
+		const ContactSurface surface(*patchHierarchy(boxMesh({2, 2, 2}, {cells, cells, cells}, 1)), 0);
+		const std::uint32_t top = surface.polygonIn({0, 0, 1}, {0, 0, 1}, 1);
+		ASSERT_NE(top, kNone);
+		Random random(7);
+		for (int i = 0; i < 200; ++i)
+		{
+			const Vec3 p{uniform(random, -1.2, 1.2), uniform(random, -1.2, 1.2), 1.3};
+			const double free = 1 - std::max(std::abs(p.x), std::abs(p.y)), radius = uniform(random, 0.01, 1);
+			if (std::abs(free - radius) < 1e-6) continue;
+			EXPECT_EQ(surface.isAround(top, p, radius), free > radius) << p.x << " " << p.y;
+		}
+	}
+}
+
 TEST(ContactSurface, ASheetHasTwoSidesAndNoSeams)
 {
 	for (const bool isMixed : {false, true})

@@ -361,7 +361,6 @@ void ManifoldSet::writePoint(const HeldPoint& held, const WorldFrame& frame, btM
 	if (!goesOn) return;
 	btManifoldPoint& old = buffer.old[from];
 	if (!fresh.m_userPersistentData) std::swap(fresh.m_userPersistentData, old.m_userPersistentData);
-	m_target->clearUserCache(old);
 	fresh.m_prevRHS = old.m_prevRHS;
 	fresh.m_appliedImpulseLateral1 = old.m_appliedImpulseLateral1;
 	fresh.m_appliedImpulseLateral2 = old.m_appliedImpulseLateral2;
