@@ -15,7 +15,7 @@ constexpr int cups = 10;
 constexpr double mass = 0.05, friction = 0.3;
 constexpr double gap = 0.002;   // in height, of every cup over the one below
 constexpr double twist = 0.02;  // against the one below: facets are not parallel
-constexpr int steps = 720;
+constexpr int steps = 720, iterations = 100;  // of the solver: ten cups, each in all those above
 }  // namespace constant
 
 // How much higher the cups stand over each other than where cones would touch: least and most of all.
@@ -52,6 +52,7 @@ SceneDefinition nestedCups()
 	info.closeUp = {{0, 0.03, 0}, 0.045, 20, 10, 1, "close-up of the second cup, through them all"};
 	info.hasGround = true;
 	info.outcome = {{"least_over_seat", "m"}, {"most_over_seat", "m"}};
+	scene.world.solverIterations = constant::iterations;
 	scene.inPlace = [](std::size_t, const Vec3& center) { return std::hypot(center.x, center.z) < TUMBLER_FOOT; };
 	scene.outcome = outcomeOf;
 	scene.constants = {{"cups", constant::cups, ""}, {"gap", constant::gap, "m"}, {"pitch", TUMBLER_PITCH, "m"}};
