@@ -18,6 +18,7 @@ constexpr std::size_t kMostOfFlat = 8;   // of what lies alone
 constexpr double kPreferred = 1.1;       // times as far out is what goes on,
 constexpr double kLowCounts = 10;        // and what is as low as the lowest,
 constexpr double kAsLow = 2e-5;          // of the length
+constexpr double kAlike = 0.011;         // no coordinate of same normals (kSameNormal) differs by so much
 
 const ClusterPoint& pointAt(const ClusterSet& set, std::uint32_t index)
 {
@@ -52,17 +53,25 @@ void ContactReducer::thinOutFlats()
 	};
 	const auto isLessWorth = [&](std::uint32_t i, std::uint32_t j) { return worthOf(i) < worthOf(j); };
 	m_isNeeded.assign(m_candidates.size(), 0);
+	m_byNormal.clear();
+	for (std::uint32_t i = 0; i < m_candidates.size(); ++i)
+		if ((*m_facets)[i].hasFeatures()) m_byNormal.push_back({(*m_points)[i].normal.x, i});
+	std::sort(m_byNormal.begin(), m_byNormal.end());
 	for (std::uint32_t first = 0; first < m_candidates.size(); ++first)
 	{
 		if (m_candidates[first].isOfFlat) continue;
-		m_order.clear();
+		const Vec3& normal = (*m_points)[first].normal;
+		m_order.assign(1, first);
+		for (auto other = std::lower_bound(m_byNormal.begin(), m_byNormal.end(), std::make_pair(normal.x - kAlike, std::uint32_t(0)));
+			 other != m_byNormal.end() && other->first <= normal.x + kAlike; ++other)
+			if (other->second > first && !m_candidates[other->second].isOfFlat &&
+				dot((*m_points)[other->second].normal, normal) >= kSameNormal)
+				m_order.push_back(other->second);
+		std::sort(m_order.begin(), m_order.end());
 		Vec3 middle;
-		for (std::uint32_t i = first; i < m_candidates.size(); ++i)
+		for (const std::uint32_t i : m_order)
 		{
-			const bool isAlike = (*m_facets)[i].hasFeatures() && dot((*m_points)[i].normal, (*m_points)[first].normal) >= kSameNormal;
-			if (m_candidates[i].isOfFlat || !(isAlike || i == first)) continue;
 			m_candidates[i].isOfFlat = true;
-			m_order.push_back(i);
 			middle += (*m_points)[i].pointOnA;
 		}
 		middle = (1.0 / double(m_order.size())) * middle;

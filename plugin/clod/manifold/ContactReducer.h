@@ -4,6 +4,7 @@
 // one of the same two features, or the nearest; it keeps its group.
 #pragma once
 #include <array>
+#include <utility>
 #include <vector>
 
 #include "clod/manifold/FacetFinder.h"
@@ -46,6 +47,7 @@ private:
 	std::vector<Candidate> m_candidates;
 	std::vector<char> m_isNeeded;
 	std::vector<std::uint32_t> m_chosen, m_order;
+	std::vector<std::pair<double, std::uint32_t>> m_byNormal;  // its x, sorted
 	struct Link
 	{
 		double squared;
