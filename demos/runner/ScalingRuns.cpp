@@ -227,7 +227,7 @@ bool plotScaling(const nlohmann::ordered_json& selections, const std::string& ti
 	}
 	text += "set multiplot layout 1,2 title \"" + title +
 			"\" font \"DejaVu Sans,18\"\nset logscale xy\nset format y \"%g\"\nset format x \"%.0f\"\n"
-			"set grid xtics ytics lc rgb \"#dddddd\"\nset key top left\nset xlabel \"triangles of both bodies\"\n";
+			"set grid xtics ytics lc rgb \"#dddddd\"\nset key top left\nset rmargin 6\nset xlabel \"triangles of both bodies\"\n";
 	text += panel(selections, "query, median microseconds", 2) + panel(selections, "pairs in the front, median", 3);
 	return drawPlot(text + "unset multiplot\n", path);
 }
