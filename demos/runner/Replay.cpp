@@ -100,7 +100,7 @@ ReplayRow MeasuredQuery::at(const PoseRow& poses, const GapSettings& settings)
 		GapSettings withGap = settings;
 		withGap.metric.coarsening = m_control.coarsening(settings.budget);
 		row.queryMicroseconds = timedContacts(aFromB, withGap);
-		m_control.observe({double(m_contacts.stats.boxTests) + m_contacts.stats.hullTests, row.queryMicroseconds, 0,
+		m_control.observe({double(m_contacts.stats.boxTests) + m_contacts.stats.hullTests, row.queryMicroseconds,
 						   m_contacts.stats.cutShort > 0});
 		// The gap is searched at what the budget has bought for the contacts.
 		withGap.budget = {};

@@ -286,6 +286,7 @@ SceneState RigidScene::state() const
 				state.coarsestLevel = std::max(state.coarsestLevel, pair.coarsestLevel);
 				isFirst = false;
 			}
+			state.tests += pair.vainTests;
 			if (pair.kept || !pair.result) return;
 			state.tests += std::uint64_t(pair.result->stats.boxTests) + pair.result->stats.hullTests;
 			state.coarsestTests += pair.coarsestTests;

@@ -23,6 +23,28 @@ TEST(StepBudget, AStepThatWasCutShortMakesTheNextCoarser)
 	EXPECT_GT(cut.coarsening(), 1);
 }
 
+TEST(StepBudget, WhatLiesStillLeavesWhatOthersTookInTheStepBefore)
+{
+	StepBudget budget;
+	for (int step = 0; step < 2; ++step)
+	{
+		budget.begin({1000, kOff});
+		EXPECT_EQ(budget.spare().tests, step == 0 ? 1000 : 400);
+		budget.spend(200, false);
+		EXPECT_EQ(budget.spare().tests, step == 0 ? 800 : 400);
+		budget.spendSpare(100);
+		EXPECT_EQ(budget.spare().tests, step == 0 ? 700 : 300);
+		budget.spend(400, false);
+		EXPECT_EQ(budget.spare().tests, 300);
+		budget.noneToCome();
+		EXPECT_EQ(budget.spare().tests, 300);
+		budget.end();
+	}
+	budget.begin({1000, kOff});
+	budget.noneToCome();
+	EXPECT_EQ(budget.spare().tests, 1000);
+}
+
 TEST(BulletBudget, AFullOneGivesTheTrajectoryOfNone)
 {
 	const std::uint64_t none = Toruses(false).run(120, kOff);
@@ -239,6 +261,35 @@ TEST(BulletBudget, AFinerAnswerStaysWhileNothingMoves)
 	EXPECT_EQ(tight.tests, 0U);
 	scene.run(1, 300);
 	EXPECT_GT(scene.look().excess, 0);
+}
+
+// What lies still is refined by what is left, some pairs a step, until none misses its metric; then it costs nothing.
+TEST(BulletBudget, WhatLiesStillComesDownToItsMetric)
+{
+	for (const bool ours : {true, false})
+		for (const double share : {0.3, 0.6})
+		{
+			Toruses scene(ours);
+			scene.run(120, kOff);
+			scene.detect(0);
+			const Toruses::Step full = scene.detect(1e9), coarse = scene.detect(0);
+			ASSERT_EQ(full.excess, 0);
+			ASSERT_GE(coarse.cut, 3);
+			const double budget = std::floor(share * double(full.tests));
+			int missed = coarse.cut, steps = 0;
+			for (; missed > 0 && steps < 100; ++steps)
+			{
+				const Toruses::Step now = scene.detect(budget);
+				EXPECT_LE(double(now.tests), budget) << steps;
+				EXPECT_LE(now.cut, missed) << steps;
+				missed = now.cut;
+			}
+			EXPECT_GT(steps, 1) << share;
+			EXPECT_LT(steps, 12) << share;
+			const Toruses::Step now = scene.detect(budget);
+			EXPECT_EQ(now.tests, 0U);
+			EXPECT_EQ(now.contacts, full.contacts);
+		}
 }
 
 TEST(BulletBudget, OneThatCannotBeUsedIsSaidAndNotUsed)

@@ -80,6 +80,7 @@ public:
 		context.forEachPair(
 			[&step](const PairReport& pair)
 			{
+				step.tests += pair.vainTests;
 				if (!pair.kept)
 					step.tests += std::uint64_t(pair.result->stats.boxTests) + pair.result->stats.hullTests;
 				step.cutShort += pair.result->stats.cutShort;

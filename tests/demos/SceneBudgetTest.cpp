@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Budgets counted in tests, over the scenes they are meant for, at twelve values from what the coarsest answers take to twice
 // what all answers do where they are dearest: none is exceeded but by the coarsest answers, more buys no worse an answer, and
-// one with a little room changes nothing. All runs are asked at the poses of one without a budget.
+// one with a little room changes nothing; bodies that come to rest come down to the metric. All runs are asked at the poses of one without a budget.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -94,6 +94,8 @@ TEST_P(SceneBudgets, AreKeptAndWellSpent)
 					medianOf(run, tests), now, same, run.rows.size());
 		EXPECT_LE(now, 1.05 * before) << budget;
 		EXPECT_GE(double(same), budget > 1.2 * dearest ? 0.95 * double(run.rows.size()) : 0) << budget;
+		const bool comesDown = ask.info->name == "pile-stacks" && budget > 0.1 * dearest;
+		EXPECT_GE(double(same), comesDown ? 0.2 * double(run.rows.size()) : 0) << budget;
 		before = now;
 	}
 	EXPECT_LT(before, medianOf(coarsest, error));

@@ -38,7 +38,7 @@ Outcome run(BudgetControl& control, const Plant& plant, const Budget& budget, in
 		const double most = std::min(budget.tests, budget.microseconds);
 		const bool isCut = wanted > most;  // then so much is spent, and the coarsest answer given
 		const double spent = isCut ? std::max(most, plant.least) : wanted;
-		control.observe({budget.tests < kOff ? spent : 0, budget.microseconds < kOff ? spent : 1, 0, isCut});
+		control.observe({budget.tests < kOff ? spent : 0, budget.microseconds < kOff ? spent : 1, isCut});
 		factors.push_back(factor);
 		outcome.over += isCut ? 1.0 / steps : 0;
 	}
@@ -79,7 +79,7 @@ TEST(BudgetControl, AFirstStepMayCostMore)
 		const double factor = control.coarsening({1000, kOff}), level = std::floor(std::log2(factor));
 		const double wanted = 3600 / std::exp2(level) * (factor == before ? 1 : 1.5);
 		before = factor;
-		control.observe({std::min(wanted, 1000.0), 1, 0, wanted > 1000});
+		control.observe({std::min(wanted, 1000.0), 1, wanted > 1000});
 		fits += i >= 200 && level == 2 && wanted <= 1000;
 	}
 	EXPECT_GT(fits, 700);
@@ -178,7 +178,7 @@ TEST(BudgetControl, APeakIsSoonForgotten)
 	{
 		const bool isPeak = i >= 100 && i < 130;
 		const double factor = control.coarsening({1000, kOff}), wanted = (isPeak ? 3000 : 500) * std::pow(factor, -0.5);
-		control.observe({std::min(wanted, 1000.0), 1, 0, wanted > 1000});
+		control.observe({std::min(wanted, 1000.0), 1, wanted > 1000});
 		EXPECT_TRUE(i != 129 || factor > 4) << factor;
 		EXPECT_TRUE((i >= 100 && i < 145) || factor == 1) << factor << " in step " << i;
 	}
@@ -193,7 +193,7 @@ TEST(BudgetControl, EnoughIsNoCoarseningAtAll)
 	for (int i = 0; i < 500; ++i)
 	{
 		EXPECT_EQ(other.coarsening({1000, kOff}), 1);
-		other.observe({i % 25 == 12 ? 1000.0 : 600, 1, 0, i % 25 == 12});
+		other.observe({i % 25 == 12 ? 1000.0 : 600, 1, i % 25 == 12});
 	}
 }
 
@@ -205,14 +205,14 @@ TEST(BudgetControl, NoneIsNoneAndNothingIsTheCoarsest)
 	for (const Budget& nothing : {Budget{0, kOff}, Budget{kOff, 0}})
 	{
 		EXPECT_EQ(control.coarsening(nothing), kOff);
-		control.observe({20, 20, 0, true});
+		control.observe({20, 20, true});
 		run(control, plant, nothing, 20);
 		EXPECT_EQ(control.coarsening(nothing), kOff);
-		control.observe({20, 20, 0, true});
+		control.observe({20, 20, true});
 		EXPECT_EQ(control.coarsening({1e9, 1e9}), 1);  // what is plenty is so at once
-		control.observe({5020, 20, 0, false});
+		control.observe({5020, 20, false});
 		EXPECT_EQ(control.coarsening({}), 1);
-		control.observe({5020, 20, 0, false});
+		control.observe({5020, 20, false});
 	}
 }
 
@@ -224,26 +224,10 @@ TEST(BudgetControl, WhatDoesNotFitIsTriedSeldom)
 	for (int i = 0; i < 2000; ++i)
 	{
 		const bool isCut = control.coarsening({1000, kOff}) < 8;
-		control.observe({isCut ? 1000.0 : 50.0, 1, 0, isCut});
+		control.observe({isCut ? 1000.0 : 50.0, 1, isCut});
 		tries += i > 300 && isCut;
 	}
 	EXPECT_LT(tries, 30);
 	EXPECT_GT(tries, 0);
-}
-
-// Bodies that lie still cost nothing, but would as soon as they moved.
-TEST(BudgetControl, WhatIsKeptCountsAsWhatItCost)
-{
-	BudgetControl control;
-	const Plant plant{5000, 20, 0.5};
-	run(control, plant, {1000, kOff}, 500);
-	const double before = control.coarsening({1000, kOff});
-	control.observe({plant.at(before), 1, 0, false});
-	for (int i = 0; i < 200; ++i)
-	{
-		control.coarsening({1000, kOff});
-		control.observe({0, 1, plant.at(before), false});
-	}
-	EXPECT_GE(control.coarsening({1000, kOff}), before / 2);
 }
 }  // namespace

@@ -212,6 +212,36 @@ TEST(Budget, TellsWhatTheCoarsestAnswerTakes)
 	EXPECT_GT(cut, 8);
 }
 
+// A trial has the answer without a budget, or none and no more tests than it may take; and goes on where it stopped.
+TEST(Budget, ATrialIsWholeOrNothing)
+{
+	int failed = 0, whole = 0;
+	const auto check = [&](Random& random, const BodyPair& pair, const Transform& pose, Settings settings)
+	{
+		settings.contactsOnly = true;
+		const ContactSettings& asked = settings;
+		PairCache cache, other;
+		ContactResult without, result;
+		contacts(*pair.a.hierarchy, *pair.b.hierarchy, pose, asked, other, without);
+		ContactSettings trial = asked;
+		trial.isTrial = true;
+		trial.budget.tests = std::floor(std::pow(10, uniform(random, 0, 4)));
+		contacts(*pair.a.hierarchy, *pair.b.hierarchy, pose, trial, cache, result);
+		EXPECT_LE(result.stats.boxTests + result.stats.hullTests, trial.budget.tests);
+		const bool isCut = result.stats.cutShort > 0;
+		++(isCut ? failed : whole);
+		EXPECT_EQ(result.contacts.size(), isCut ? 0 : without.contacts.size());
+		if (!isCut) return;
+		contacts(*pair.a.hierarchy, *pair.b.hierarchy, pose, asked, cache, result);
+		ASSERT_EQ(result.contacts.size(), without.contacts.size());
+		for (std::size_t i = 0; i < result.contacts.size(); ++i)
+			EXPECT_TRUE(sameBits(result.contacts[i], without.contacts[i]));
+	};
+	forEachPose(36, 30, check);
+	EXPECT_GT(failed, 5);
+	EXPECT_GT(whole, 5);
+}
+
 TEST(Budget, ItsErrorIsStillCertified)
 {
 	int proved = 0;

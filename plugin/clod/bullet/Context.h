@@ -52,10 +52,10 @@ public:
 	std::function<bool(const btCollisionObject& a, const btCollisionObject& b, ContactMetric& metric)> pairMetric;
 	// The eye of view metrics; none: a pair with a view metric is exact and warned of.
 	std::optional<ViewCamera> camera;
-	// What the queries of a step may cost together, or its dispatch, tests or time; pairs of two shapes of ours only. It is
-	// kept by one coarsening of all their metrics, chosen from what the last steps cost. btClodDispatcher keeps one budget a
-	// world; with any other, a step begins where a pair comes again, and worlds share it, on one thread. A budget that
-	// cannot be used is warned of and not used.
+	// What the queries of a step may cost together, or its dispatch, tests or time; pairs of two shapes of ours only.
+	// It is kept by one coarsening of the metrics of all that move, chosen from what the last steps cost; what is left
+	// refines what lies still. btClodDispatcher keeps one budget a world; with any other, a step begins where a pair
+	// comes again, and worlds share it, on one thread. A budget that cannot be used is warned of and not used.
 	Budget budget;
 	// Search the signed gap of touching bodies too (PairReport::result then has it, certified). Costs a millisecond or
 	// more.

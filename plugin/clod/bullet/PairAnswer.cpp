@@ -36,6 +36,7 @@ struct TriangleSink : btTriangleCallback
 	}
 };
 
+constexpr double kLeastOfTrial = 4;  // of what the coarsest answer takes: a finer one takes more
 constexpr double kStricter = 0.25;  // of the error of contacts that hold a body between them
 
 // What a thread needs while it answers a pair.
@@ -55,10 +56,12 @@ Scratch& scratch()
 }  // namespace
 
 // The gap besides the contacts only where it is asked for: it costs a search of the input surfaces.
-void PairState::ask(const PairPose& pose, const Question& question)
+void PairState::ask(const PairPose& pose, const Question& question, bool isAsked)
 {
 	const Question* const before = answered();
-	if (before && before->withGap == question.withGap && clod::same(before->aFromB, question.aFromB) &&
+	if (isAsked)
+		m_result.hold(scratch().result);
+	else if (before && before->withGap == question.withGap && clod::same(before->aFromB, question.aFromB) &&
 		clod::same(before->settings, question.settings))
 	{
 		contactsOf(m_report, scratch().result.contacts);
@@ -83,6 +86,66 @@ void PairState::query(const PairPose& pose, const Question& question)
 	if (m_budget) m_budget->spend(std::uint64_t(stats.boxTests) + stats.hullTests, stats.cutShort > 0);
 	stats.boxTests += m_outline.listing;
 	m_report.coarsestTests = m_outline.listing + m_outline.answering;
+}
+
+// Does its own answer serve until the budget leaves enough for another? Not where a gap is asked for besides.
+bool PairState::isRefinable(const PairPose& pose, const Question& question) const
+{
+	return m_budget && m_budget->isLimited() && pose.isOfTwo() && !question.withGap;
+}
+
+std::optional<PairState::Want> PairState::want(const Prepared& prepared) const
+{
+	if (!(prepared.isKept || prepared.isStill) || !isRefinable(prepared.pose, prepared.question)) return std::nullopt;
+	const double asked = m_budget->coarsening(), now = prepared.question.settings.metric.coarsening;
+	const bool isMissed = asked < now && m_result.excess >= asked, goesOn = prepared.isStill && m_facets.levels.goesOn;
+	if (!isMissed && !goesOn) return std::nullopt;
+	return Want{isMissed ? m_result.excess : 0, m_followed};
+}
+
+std::optional<PairState::Want> PairState::want() const
+{
+	return m_isAhead ? want(*m_ahead) : std::nullopt;
+}
+
+void PairState::refine()
+{
+	refine(*m_ahead);
+}
+
+// Where it fails, the answer it has serves on; with all that was left to such as it, others have their turn then.
+void PairState::refine(Prepared& prepared)
+{
+	const std::optional<Want> wanted = want(prepared);
+	const bool isMissed = wanted && wanted->first > 0;
+	if (!wanted || (isMissed && !m_refining.isOver())) return;
+	const PairPose& pose = prepared.pose;
+	Question& question = prepared.question;
+	ContactSettings settings = question.settings;
+	if (isMissed) settings.metric.coarsening = m_budget->coarsening();
+	const bool isFirst = m_budget->isWholeSpare();
+	settings.budget = m_budget->spare();
+	const bool isEnough = settings.budget.tests > kLeastOfTrial * m_report.coarsestTests;
+	if (!isEnough || settings.budget.microseconds == 0) return;
+	settings.isTrial = true;
+	GapResult& result = scratch().result;
+	contacts(pose.hierarchyA(), pose.hierarchyB(), pose.aFromB, settings, m_cache.pair, result);
+	const std::uint32_t tests = result.stats.boxTests + result.stats.hullTests;
+	m_budget->spendSpare(tests);
+	if (result.stats.cutShort > 0)
+	{
+		if (isMissed && isFirst) m_refining.fail();
+		m_report.vainTests += tests;
+	}
+	else
+	{
+		if (isMissed) m_refining.succeed();
+		question.settings.metric.coarsening = settings.metric.coarsening;
+		prepared.isKept = prepared.isStill = false;
+		m_manifolds.readImpulses(m_clusters);
+		answer(pose, question, true);
+	}
+	m_budget->endSpare();
 }
 
 // Planes and meshes have no hierarchy: what of them is near is gathered anew.
@@ -152,13 +215,13 @@ bool PairState::refineHeld(const PairPose& pose, Question& question)
 }
 
 // A pair that was apart and is costs no more than it must: nothing is copied, and the clock not read again.
-void PairState::answer(const PairPose& pose, Question& question)
+void PairState::answer(const PairPose& pose, Question& question, bool isAsked)
 {
 	const Clock::time_point start = Clock::now();
 	bool goesOn = pose.prediction == Prediction::kSolved && m_followed == 0;
 	m_followed = 0;
 	if (pose.isOfTwo())
-		ask(pose, question);
+		ask(pose, question, isAsked);
 	else if (!goesOn || pose.tolerance > m_foreseen.tolerance)
 	{
 		askPartner(pose);

@@ -96,7 +96,7 @@ bool PairState::same(const Question& l, const Question& r)
 bool PairState::isStill(const PairPose& pose, const Question& question) const
 {
 	if (!m_context.keepPoints || pose.prediction != Prediction::kFree || pose.partner == Partner::kConcave) return false;
-	if (!answered() || m_clusters.isEmpty() || m_facets.levels.goesOn) return false;
+	if (!answered() || m_clusters.isEmpty() || (m_facets.levels.goesOn && !isRefinable(pose, question))) return false;
 	const Question& then = *answered();
 	const double most = kStillShare * question.rules.length;
 	if (question.withGap || then.withGap || std::max(question.way, then.way) > most) return false;
@@ -234,8 +234,13 @@ void PairState::open(const btCollisionObjectWrapper& body0, const btCollisionObj
 		next.question = questionOf(next.pose);
 		double& coarsening = next.question.settings.metric.coarsening;
 		const double asked = coarsening;
-		// What is finer than a budget buys now costs nothing. Where it buys nothing, answers are the coarsest.
-		if (answered() && asked < kOff) coarsening = std::min(asked, answered()->settings.metric.coarsening);
+		// What is finer than a budget buys now costs nothing, and what is coarser is refined with what is left. Where it buys
+		// nothing, answers are the coarsest.
+		if (answered() && asked < kOff)
+		{
+			const double before = answered()->settings.metric.coarsening;
+			coarsening = isRefinable(next.pose, next.question) ? before : std::min(asked, before);
+		}
 		next.isKept = next.pose.isOfTwo() && answered() && same(*answered(), next.question);
 		next.isStill = !next.isKept && isStill(next.pose, next.question);
 		if (!next.isKept && !next.isStill) coarsening = asked;
@@ -291,6 +296,7 @@ void PairState::outline(Prepared& prepared)
 {
 	if (std::exchange(prepared.isOutlined, true)) return;
 	m_outline = {};
+	m_report.vainTests = 0;
 	const PairPose& pose = prepared.pose;
 	if (!m_budget || !m_budget->isLimited() || !pose.isAsked() || !pose.isOfTwo() || prepared.isKept || prepared.isStill)
 		return;
@@ -336,12 +342,14 @@ bool PairState::process(const btCollisionObjectWrapper& body0, const btCollision
 	if (!m_isAhead && staysOverPlane(body0, body1, info)) return true;
 	const double closestPoints = double(out.m_closestPointDistanceThreshold);
 	Prepared now;
-	if (std::exchange(m_isAhead, false))
+	const bool wasAhead = std::exchange(m_isAhead, false);
+	if (wasAhead)
 		now = std::exchange(*m_ahead, {});
 	else
 		open(body0, body1, info, closestPoints, now);
 	now.holdWrappers(body0, body1);
 	complete(now);
+	if (!wasAhead) refine(now);
 	const PairPose& pose = now.pose;
 	for (const auto& [cause, message] : std::exchange(m_toSay, {})) m_context.say(cause, message);
 	m_report.kept = false;
@@ -353,7 +361,7 @@ bool PairState::process(const btCollisionObjectWrapper& body0, const btCollision
 	const WorldFrame frame = worldFrame(pose, m_context, now.aIsFirst, closestPoints);
 	if (now.isKept)
 	{
-		keepAnswer();
+		m_report.queryMicroseconds = m_report.contactMicroseconds = 0;
 		m_report.kept = m_manifolds.keep(m_clusters, frame, out);
 		if (m_report.kept) return true;
 		m_manifolds.readImpulses(m_clusters);
@@ -373,7 +381,7 @@ bool PairState::follow(const PairPose& pose, const WorldFrame& frame, btManifold
 {
 	m_report.kept = m_manifolds.follow(m_clusters, frame, out);
 	if (!m_report.kept) return false;
-	keepAnswer();
+	m_report.queryMicroseconds = m_report.contactMicroseconds = 0;
 	foresee(pose);
 	m_foreseen.motion = {{}, {}, pose.rules.timeStep};
 	if (++m_followed == kLongStill) m_cache.pair.giveBack();
@@ -410,14 +418,6 @@ double PairState::surprise() const
 	const auto turnOf = [&](const btCollisionObject* body) { return dt * length(solvedMotion(*body).angular); };
 	const double bent = std::min(1.0, std::max(turnOf(m_report.objectA), turnOf(m_report.objectB))) * otherWay / skin;
 	return otherWay <= nearest + skin ? bent : std::max(bent, 1 + kSeldomMet * (otherWay - nearest) / skin);
-}
-
-void PairState::keepAnswer()
-{
-	m_report.queryMicroseconds = m_report.contactMicroseconds = 0;
-	const QueryStats& stats = m_result.stats;
-	if (m_budget && m_report.hierarchyB)
-		m_budget->keep(std::uint64_t(stats.boxTests) + stats.hullTests, answered()->settings.metric.coarsening);
 }
 
 void PairState::write(const PairPose& pose, const WorldFrame& frame, btManifoldResult& out)

@@ -8,6 +8,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "clod/bullet/Manifolds.h"
@@ -15,6 +16,7 @@
 #include "clod/bullet/PairPose.h"
 #include "clod/schedule/StepBudget.h"
 #include "clod/distance/SignedGap.h"
+#include "clod/query/BackOff.h"
 #include "clod/manifold/FacetContacts.h"
 #include "clod/manifold/PartnerContacts.h"
 
@@ -41,6 +43,11 @@ public:
 				 const btDispatcherInfo& info);
 	void prepare(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 				 const btDispatcherInfo& info);
+	// Of one prepared, where it lies still: by which factor it misses its metric, and since how many dispatches its points are
+	// old though they should go on. None: it needs nothing. And what a step's budget leaves is spent on it.
+	using Want = std::pair<double, std::uint32_t>;
+	std::optional<Want> want() const;
+	void refine();
 	// What a coarsest answer will take in a step that begins, as far as it is not known: what it took last.
 	void expect(StepBudget& budget);
 	// See TimeOfImpact.h.
@@ -51,6 +58,7 @@ public:
 	const PairReport& lastReport() const { return m_report; }
 
 private:
+	static constexpr std::uint32_t kMostRefused = 15;  // dispatches until a finer answer is tried again, at most
 	// Which shape a body has. Shapes change under a live pair, and others are made in their place.
 	struct Seen
 	{
@@ -112,6 +120,9 @@ private:
 			  double closestPoints, Prepared& next);
 	void complete(Prepared& prepared);
 	void outline(Prepared& prepared);
+	std::optional<Want> want(const Prepared& prepared) const;
+	void refine(Prepared& prepared);
+	bool isRefinable(const PairPose& pose, const Question& question) const;
 	// Pose.
 	PairPose begin(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 				   const btDispatcherInfo& info, double closestPoints);
@@ -119,17 +130,16 @@ private:
 	bool liesAlone(const PairPose& pose) const;
 	Question questionOf(const PairPose& pose);
 	// Query.
-	void ask(const PairPose& pose, const Question& question);
+	void ask(const PairPose& pose, const Question& question, bool isAsked = false);  // asked: the result is at hand
 	void query(const PairPose& pose, const Question& question);  // outlined, if there is a budget
 	void askPartner(const PairPose& pose);
 	// Points.
-	void answer(const PairPose& pose, Question& question);
+	void answer(const PairPose& pose, Question& question, bool isAsked = false);
 	void foresee(const PairPose& pose);
 	void findPoints(const PairPose& pose, Question& question, bool goesOn);
 	ContactBody bodyB(const PairPose& pose) const;
 	bool refineHeld(const PairPose& pose, Question& question);
 	void namePartnerFace(const PairPose& pose, ContactPoint& point);
-	void keepAnswer();
 	bool follow(const PairPose& pose, const WorldFrame& frame, btManifoldResult& out);
 	void write(const PairPose& pose, const WorldFrame& frame, btManifoldResult& out);
 	// Report.
@@ -162,6 +172,7 @@ private:
 	StepBudget* const m_budget;         // null: answers in full, whatever the budget
 	std::uint64_t m_step = 0;           // of the budget, that this pair was last in,
 	std::uint32_t m_held = 0;           // what is held back of it for this pair
+	BackOff m_refining{kMostRefused};   // of finer answers, where they cost too much
 	double m_heldError = kOff;          // that contacts may have since a body was found held between them (HeldBetween.h)
 	Outline m_outline;                  // of the coming process(), or the last
 	std::unique_ptr<Prepared> m_ahead;  // for the coming process(), if m_isAhead; none where nothing was ever prepared

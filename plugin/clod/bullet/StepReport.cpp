@@ -54,7 +54,7 @@ void addTo(StepReport& sum, const PairReport& pair)
 	{
 		sum.nodePairs += std::uint32_t(pair.result->pairs.size());
 		sum.front += pair.result->stats.front;
-		sum.hullTests += pair.result->stats.hullTests;
+		sum.hullTests += pair.result->stats.hullTests + pair.vainTests;
 		sum.pending += pair.result->stats.pending;
 		sum.excess = std::max(sum.excess, pair.result->excess);
 		sum.boxTests += pair.result->stats.boxTests;

@@ -62,6 +62,7 @@ struct PairReport : DispatchReport
 	Transform aFromB;                        // of the dispatch that found them
 	std::string notFinite;                 // empty, or what is not finite: the pair then has no contacts
 	std::uint32_t coarsestTests = 0;       // of its last query under a budget, see Outline
+	std::uint32_t vainTests = 0;           // and besides its result's those of a finer answer that was not paid for
 };
 
 // Contacts, evaluated again; those with a plane or an engine's own mesh have nodes only. And all of the result.

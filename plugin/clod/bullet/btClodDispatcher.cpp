@@ -77,8 +77,8 @@ struct btClodDispatcher::Step
 	};
 	using Act = void (clod::PairState::*)(const btCollisionObjectWrapper&, const btCollisionObjectWrapper&,
 										  const btDispatcherInfo&);
-	// Of all jobs, on all threads.
-	void run(Act act, const btDispatcherInfo& info)
+	// Of all jobs, on all threads; or in their order, as tests are counted.
+	void run(Act act, const btDispatcherInfo& info, bool isInOrder = false)
 	{
 		const auto runOne = [&](std::uint32_t i)
 		{
@@ -86,12 +86,16 @@ struct btClodDispatcher::Step
 			const btCollisionObjectWrapper whole0 = wrapped(job.side0.object), whole1 = wrapped(job.side1.object);
 			(job.pair->*act)(job.side0.in(whole0), job.side1.in(whole1), info);
 		};
-		pool->run(std::uint32_t(jobs.size()), std::ref(runOne));  // which needs no memory
+		if (isInOrder)
+			for (std::uint32_t i = 0; i < jobs.size(); ++i) runOne(i);
+		else
+			pool->run(std::uint32_t(jobs.size()), std::ref(runOne));  // which needs no memory
 	}
 	clod::StepBudget budget;
 	std::unique_ptr<clod::ThreadPool> pool = std::make_unique<clod::ThreadPool>(1);
 	std::vector<btBroadphasePair*> pairs;
 	std::vector<Job> jobs;
+	std::vector<std::pair<clod::PairState::Want, std::size_t>> wants;  // and how many jobs there are from theirs on
 };
 
 btClodDispatcher::btClodDispatcher(btCollisionConfiguration* configuration, clod::Context* context)
@@ -153,9 +157,23 @@ void btClodDispatcher::outline(const btDispatcherInfo& info)
 // What Bullet's dispatch will find done already.
 void btClodDispatcher::prepare(const btDispatcherInfo& info)
 {
-	if (threads() == 1 || m_step->budget.isCounted()) return;
+	if (threads() == 1 && !m_step->budget.isLimited()) return;
 	BT_PROFILE("btClodDispatcher::prepare");
-	m_step->run(&clod::PairState::prepare, info);
+	m_step->run(&clod::PairState::prepare, info, m_step->budget.isCounted());
+	if (m_step->budget.isLimited()) refine();
+}
+
+// The worst first.
+void btClodDispatcher::refine()
+{
+	const std::vector<Step::Job>& jobs = m_step->jobs;
+	auto& wants = m_step->wants;
+	wants.clear();
+	for (std::size_t i = 0; i < jobs.size(); ++i)
+		if (const std::optional<clod::PairState::Want> want = jobs[i].pair->want()) wants.emplace_back(*want, jobs.size() - i);
+	std::sort(wants.begin(), wants.end(), std::greater<>());
+	m_step->budget.noneToCome();
+	for (const auto& [want, from] : wants) jobs[jobs.size() - from].pair->refine();
 }
 
 // Pairs that Bullet's dispatch is sure to ask, and that several threads may.

@@ -51,6 +51,7 @@ private:
 	void listJobs(const std::vector<btBroadphasePair*>& pairs, const btDispatcherInfo& info);
 	void outline(const btDispatcherInfo& info);
 	void prepare(const btDispatcherInfo& info);
+	void refine();
 
 	clod::Context& m_context;
 	std::unique_ptr<Step> m_step;

@@ -72,6 +72,7 @@ std::string settingsError(const GapSettings& settings)
 {
 	if (std::string error = settingsError(static_cast<const ContactSettings&>(settings)); !error.empty()) return error;
 	if (!(settings.gapError >= 0)) return "gapError is " + std::to_string(settings.gapError) + ", but must be >= 0";
+	if (settings.isTrial) return "isTrial is set: a gap cannot be tried, only contacts";
 	if (settings.budget.isLimited() && settings.distance)
 		return "a budget is set, but distance is too: a gap at any separation cannot be cut short";
 	return {};

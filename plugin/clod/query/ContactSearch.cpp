@@ -122,12 +122,14 @@ ContactSearch::ContactSearch(const Hierarchy& a, const Hierarchy& b, const Trans
 	result.stats.stillApart = 1;
 }
 
-void ContactSearch::run(double tolerance)
+bool ContactSearch::run(double tolerance)
 {
 	m_tolerance = tolerance;
-	const double covered = traverseFront(tolerance);  // which may change the rule
-	m_largestCover = std::max(covered, m_rule->baseCover());
+	const std::optional<double> covered = traverseFront(tolerance);  // which may change the rule
+	if (!covered) return false;
+	m_largestCover = std::max(*covered, m_rule->baseCover());
 	sort();
+	return true;
 }
 
 void ContactSearch::finish(bool isNothingNear)
@@ -185,31 +187,33 @@ bool ContactSearch::overlaps() const
 					   [](const Contact& contact) { return contact.upper <= 0; });
 }
 
-// Returns the largest cover_a + cover_b of the accepted pairs that are no contacts.
-double ContactSearch::traverseFront(double tolerance)
+// Returns the largest cover_a + cover_b of the accepted pairs that are no contacts; none of a trial that fails.
+std::optional<double> ContactSearch::traverseFront(double tolerance)
 {
-	if (m_limit.isSet())
+	if (m_limit.isSet() && !m_settings.isTrial)
 	{
 		const Outline coarsest = outline(m_context, m_settings, tolerance, m_state);
 		m_result.stats.boxTests += coarsest.listing;
 		m_limit.holdBack(coarsest.answering);
 	}
 	m_answered = &m_state.front;
-	if (const std::optional<double> cover = traverseBy(*m_rule, tolerance, m_limit)) return *cover;
+	const std::optional<double> cover = traverseBy(*m_rule, tolerance, m_limit);
+	if (cover) return cover;
+	remember(*m_rule);  // the front is of it, as far as it goes
+	m_state.separation.forget();
+	m_result.stats.cutShort = 1;
+	m_result.stats.front = m_result.stats.frontInner = 0;
+	m_result.contacts.clear();
+	if (m_settings.isTrial) return std::nullopt;
 	return answerCoarsest(tolerance);
 }
 
 // Of the outline: nothing is remembered of its pairs, they take what was held back.
 double ContactSearch::answerCoarsest(double tolerance)
 {
-	remember(*m_rule);  // the front is of it, as far as it goes
-	m_state.separation.forget();
 	m_rule.emplace(coarsestRule(m_context, m_settings.metric));
 	m_answered = m_state.outline.get();
-	m_result.stats.cutShort = 1;
-	m_result.stats.front = m_result.stats.frontInner = 0;
 	addTo(m_result.stats, m_answered->counts);
-	m_result.contacts.clear();
 	ContactSink sink(m_context, tolerance, coversOfMixedLevels(), m_result.contacts, m_result.stats);
 	for (const FrontEntry& entry : m_answered->entries)
 	{

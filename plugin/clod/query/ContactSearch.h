@@ -27,9 +27,9 @@ public:
 
 	// Nothing is near, by what was found before: there is nothing to run.
 	bool isStillApart() const { return m_isStillApart; }
-	// Fills the contact list, sorted. Precondition: not still apart.
-	void run() { run(m_settings.tolerance); }
-	void run(double tolerance);
+	// Fills the contact list, sorted. False: a trial that failed. Precondition: not still apart.
+	bool run() { return run(m_settings.tolerance); }
+	bool run(double tolerance);
 	// Level statistics and what coarsening leaves; then, if nothing is near, how far the bodies may move. Always last.
 	void finish(bool isNothingNear);
 
@@ -45,7 +45,7 @@ public:
 	double depthInside();
 
 private:
-	double traverseFront(double tolerance);
+	std::optional<double> traverseFront(double tolerance);
 	double answerCoarsest(double tolerance);
 	void remember(const StopRule& rule);
 	void countQuiet(bool isNothingNear);

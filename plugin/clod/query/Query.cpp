@@ -41,9 +41,9 @@ bool same(const ContactSettings& l, const ContactSettings& r)
 	// Every field but the metric: one more does not compile before it is named here.
 	const auto fields = [](const ContactSettings& settings)
 	{
-		const auto& [metric, tolerance, sweep, budget] = settings;
+		const auto& [metric, tolerance, sweep, budget, isTrial] = settings;
 		const auto& [tests, microseconds] = budget;
-		return std::tie(tolerance, sweep, tests, microseconds);
+		return std::tie(tolerance, sweep, tests, microseconds, isTrial);
 	};
 	return fields(l) == fields(r) && same(l.metric, r.metric);
 }
@@ -115,7 +115,7 @@ void contactsInOrder(const Hierarchy& a, const Hierarchy& b, const Transform& aF
 	result.clear();
 	ContactSearch search(a, b, aFromB, settings, {}, cache.state(), result);
 	if (search.isStillApart()) return;
-	search.run();
+	if (!search.run()) return search.finish(false);
 	result.deep = search.hasInput() && !search.overlaps() && search.depthInside() > 0;
 	search.finish(result.contacts.empty() && !result.deep);
 }

@@ -32,6 +32,7 @@ struct ContactSettings
 	// query, beside a metric coarsened to what the budget buys (BudgetControl.h). What that answer takes is held back: the
 	// tests of a query never exceed its budget where they need not. What is cut off depends on the cache.
 	Budget budget;
+	bool isTrial = false;  // with no answer instead of the coarsest: for the caller who has one
 };
 // Field by field; with an own function never, see same(Metric).
 CLOD_API bool same(const ContactSettings& l, const ContactSettings& r);
@@ -70,7 +71,7 @@ struct QueryStats
 	std::uint32_t finestLevel = 0, coarsestLevel = 0;  // over both bodies' accepted nodes within the tolerance
 	std::uint32_t touchedFinestLevel = 0;              // finest level whose node data was read at all
 	std::uint32_t pending = 0;   // contacts coarser than the metric asks without its coarsening
-	std::uint32_t cutShort = 0;  // 1: the budget was spent, this is the coarsest valid answer
+	std::uint32_t cutShort = 0;  // 1: the budget was spent, this is the coarsest valid answer, or none (isTrial)
 	// 1: the gap is of the input surfaces, as the nodes overlapped or proved less than asked for
 	std::uint32_t gapSearches = 0;
 	std::uint32_t depthsCutShort = 0;  // searches of a depth that met their limit of cells: the bound may be wider

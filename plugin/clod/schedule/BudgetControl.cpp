@@ -77,9 +77,8 @@ void BudgetControl::observe(const StepCost& cost)
 			m_microseconds.exceed(m_notch, std::max(m_budget.microseconds, all * cost.microseconds));
 		return;
 	}
-	const double share = m_isNew ? std::exp(-kOfFirst) : 1, tests = cost.tests + cost.keptTests;
-	if (m_budget.tests < kOff) m_tests.observe(m_notch, share * tests);
-	if (m_budget.microseconds < kOff && cost.tests > 0)
-		m_microseconds.observe(m_notch, share * cost.microseconds * tests / cost.tests);
+	const double share = m_isNew ? std::exp(-kOfFirst) : 1;
+	if (m_budget.tests < kOff) m_tests.observe(m_notch, share * cost.tests);
+	if (m_budget.microseconds < kOff && cost.tests > 0) m_microseconds.observe(m_notch, share * cost.microseconds);
 }
 }  // namespace clod

@@ -20,7 +20,6 @@ namespace clod
 struct StepCost
 {
 	double tests = 0, microseconds = 0;
-	double keptTests = 0;  // what pairs that had nothing to answer took when they last had: bodies that lie still may move
 	std::uint32_t cut = 0, answered = 0;  // pairs for which not enough was left; and those within the budget
 	double ofCut = 0;                     // tests that the former took
 };

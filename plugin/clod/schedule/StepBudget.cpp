@@ -10,7 +10,8 @@ void StepBudget::begin(const Budget& budget)
 	m_budget = budget;
 	m_coarsening = m_control.coarsening(budget);
 	m_start = Clock::now();
-	m_tests = m_keptTests = m_held = 0;
+	m_tests = m_held = m_spareTests = 0;
+	m_spareMicroseconds = 0;
 	m_cut = m_answered = 0;
 	m_ofCut = 0;
 	++m_step;
@@ -18,21 +19,44 @@ void StepBudget::begin(const Budget& budget)
 
 void StepBudget::end()
 {
-	const double tests = double(m_tests.load()), microseconds = microsecondsSince(m_start);
-	m_control.observe({tests, microseconds, double(m_keptTests.load()), m_cut, m_answered, double(m_ofCut.load())});
+	const double tests = double(m_tests.load() - m_spareTests),
+				 microseconds = microsecondsSince(m_start) - m_spareMicroseconds;
+	m_control.observe({tests, microseconds, m_cut, m_answered, double(m_ofCut.load())});
 	if (tests > 0) m_microsecondsATest = microseconds / tests;
+	m_lastTests = tests;
+}
+
+Budget StepBudget::without(double tests, double timed) const
+{
+	Budget left;
+	if (m_budget.tests < kOff) left.tests = std::max(0.0, m_budget.tests - double(m_tests.load()) - tests);
+	if (m_budget.microseconds < kOff)
+		left.microseconds = std::max(0.0, m_budget.microseconds - microsecondsSince(m_start) - timed * m_microsecondsATest);
+	return left;
 }
 
 // A query holds back its own tests itself, but no time.
 Budget StepBudget::next(std::uint32_t held)
 {
-	const double withItsOwn = double(m_held.fetch_sub(held)), later = withItsOwn - held;
-	Budget left;
-	if (m_budget.tests < kOff) left.tests = std::max(0.0, m_budget.tests - double(m_tests.load()) - later);
-	if (m_budget.microseconds < kOff)
-		left.microseconds =
-			std::max(0.0, m_budget.microseconds - microsecondsSince(m_start) - withItsOwn * m_microsecondsATest);
+	const double withItsOwn = double(m_held.fetch_sub(held));
+	return without(withItsOwn - held, withItsOwn);
+}
+
+// Of time half: points have to be found besides.
+Budget StepBudget::spare()
+{
+	m_spareStart = Clock::now();
+	const double toCome = std::max(0.0, m_lastTests - double(m_tests.load() - m_spareTests));
+	const double others = double(m_held.load()) + toCome;
+	Budget left = without(others, others);
+	left.microseconds /= 2;
 	return left;
+}
+
+void StepBudget::spendSpare(std::uint64_t tests)
+{
+	m_tests += tests;
+	m_spareTests += tests;
 }
 
 void StepBudget::spend(std::uint64_t tests, bool isCut)

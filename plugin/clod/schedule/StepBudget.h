@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Zlib
-// One budget for all pairs of a step: one coarsening for all of them, chosen before the step (BudgetControl.h), and what
+// One budget for all pairs of a step: one coarsening of all that move, chosen before the step (BudgetControl.h), and what
 // is left to each query before it gives its coarsest answer instead. What the coarsest answers still to come take is held
 // back: a step never exceeds its tests unless these alone do. Several threads may spend at once.
+//
+// Pairs that lie still keep the answers they have, be they finer or coarser, and cost nothing. What those that move leave
+// refines them, the worst first: a pile comes down to the metric some pairs a step, where to ask all of them at once
+// would cost many steps' budgets.
 #pragma once
-#include <algorithm>
 #include <atomic>
 
 #include "clod/Export.h"
@@ -31,20 +34,27 @@ public:
 	Budget next(std::uint32_t held);
 	void list(std::uint64_t tests) { m_tests += tests; }  // of its coarsest answer
 	void spend(std::uint64_t tests, bool isCut);
-	// Of one that keeps its answer, of a factor that may be finer: with this step's it would take less.
-	void keep(std::uint64_t tests, double coarsening)
-	{
-		m_keptTests += std::uint64_t(double(tests) * std::min(1.0, coarsening / m_coarsening));
-	}
+	// For one that lies still, from the first to the last of these, on one thread: what is left now but for what the others
+	// will take by the last step (none are to come where all are answered); what it took tells nothing of the coarsening.
+	void noneToCome() { m_lastTests = 0; }
+	bool isWholeSpare() const { return m_spareTests == 0; }
+	Budget spare();
+	void spendSpare(std::uint64_t tests);
+	void endSpare() { m_spareMicroseconds += microsecondsSince(m_spareStart); }
 
 private:
+	// What is left but for so many tests, and of time but for what `timed` take.
+	Budget without(double tests, double timed) const;
+
 	BudgetControl m_control;
 	Budget m_budget;
 	double m_coarsening = 1;
 	std::uint64_t m_step = 1;
-	Clock::time_point m_start;
-	double m_microsecondsATest = 0;  // of the last step
-	std::atomic<std::uint64_t> m_tests{0}, m_keptTests{0};
+	Clock::time_point m_start, m_spareStart;
+	double m_microsecondsATest = 0, m_lastTests = 0;  // of the last step
+	std::uint64_t m_spareTests = 0;
+	double m_spareMicroseconds = 0;
+	std::atomic<std::uint64_t> m_tests{0};
 	std::atomic<std::uint64_t> m_held{0};
 	std::atomic<std::uint32_t> m_answered{0}, m_cut{0};
 	std::atomic<std::uint64_t> m_ofCut{0};
