@@ -165,13 +165,13 @@ void Simplifier::cutIfHalved()
 	// Default mode: a level that saves patches alone costs more, in the file and in every query, than it saves.
 	if (!m_config.paper && 2 * m_mesh.faceCount > m_last.triangles) return;
 	joinEverywhere(m_mesh, m_validity);
-	splitOverNotches();
+	if (!m_config.paper) splitOverNotches();
 	if (2 * m_mesh.patchCount > m_last.patches) return;
 	cut();
 	m_mesh.rebuildTrees();
 }
 
-// Between levels a thin patch may span a notch of a sheet. Its faces do not.
+// Between levels a thin patch may span a notch of a sheet. Its faces do not; the paper's levels inherit patches whole.
 void Simplifier::splitOverNotches()
 {
 	for (std::uint32_t p = 0; p < m_mesh.patches.size(); ++p)

@@ -142,6 +142,22 @@ TEST(Levels, AThreadGetsDownToAFewTriangles)
 	EXPECT_GE(grownAnew, 1u);
 }
 
+// Patches that span a notch are split elsewhere; a label has one heir.
+TEST(Levels, WithPaperEveryPatchInherits)
+{
+	const demo::ModelMesh cup = std::move(demo::makeModel("cup", 3000)).value();
+	Mesh mesh{cup.vertices, cup.triangles};
+	for (Vec3& v : mesh.vertices) v = roundedToFloat(v);
+	const LodSequence sequence = build(mesh, true);
+	EXPECT_GE(sequence.lods.size(), 3u);
+	for (std::size_t k = 1; k < sequence.lods.size(); ++k)
+	{
+		std::vector<char> isHeir(sequence.lods[k].patchCount, 0);
+		for (const std::uint32_t heir : sequence.lods[k].patchOfChild) isHeir[heir] = 1;
+		EXPECT_EQ(std::count(isHeir.begin(), isHeir.end(), 0), 0) << k;
+	}
+}
+
 TEST(Levels, TheOracleSeesPlantedFaults)
 {
 	const LodSequence sequence = build(wrinkledTorus(60, 16, 0.1, 12));
