@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "builder/assemble/PatchNodes.h"
 
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+
 #include <algorithm>
 #include <map>
 #include <stdexcept>
@@ -44,6 +46,17 @@ void addNormals(NodeDraft& node)
 		node.coneCosine = std::min(node.coneCosine, dot(normalized(areaVector(node.face(i))), node.meanNormal));
 }
 
+// Whether the other triangle of the mesh lies above this one's plane, exactly.
+bool risesAbove(const Mesh& mesh, std::uint32_t triangle, std::uint32_t other)
+{
+	using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
+	const auto point = [&](std::uint32_t v) { return Point(mesh.vertices[v].x, mesh.vertices[v].y, mesh.vertices[v].z); };
+	const auto& t = mesh.triangles[triangle];
+	const auto isAbove = [&](std::uint32_t v)
+	{ return CGAL::orientation(point(t[0]), point(t[1]), point(t[2]), point(v)) == CGAL::POSITIVE; };
+	return std::any_of(mesh.triangles[other].begin(), mesh.triangles[other].end(), isAbove);
+}
+
 // kappa: half the edge length times the signed dihedral angle, summed over the patch's inner edges, per area.
 void addCurvature(const Lod& lod, std::vector<NodeDraft>& nodes)
 {
@@ -65,7 +78,9 @@ void addCurvature(const Lod& lod, std::vector<NodeDraft>& nodes)
 			const std::uint32_t other = neighbours[i][e];
 			if (other == kNone || other < i || lod.patchOfTriangle[other] != patch) continue;
 			const Vec3 edge = t[int(e + 1) % 3] - t[int(e)], m = normalized(areaVector(triangle(other)));
-			const double angle = std::atan2(dot(cross(n, m), normalized(edge)), dot(n, m));
+			double angle = std::atan2(dot(cross(n, m), normalized(edge)), dot(n, m));
+			// Of one folded over to the same plane the sign is noise: it is a sheet's rim.
+			if (dot(n, m) < 0) angle = risesAbove(lod.mesh, i, other) ? -std::abs(angle) : std::abs(angle);
 			nodes[patch].curvature += 0.5 * length(edge) * angle;
 		}
 	}

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the selection of contacts reads in a node, computed again by other formulas: mean normal, cone, curvature and
 // contact area.
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -84,7 +85,17 @@ double angleBetween(const Vec3& a, const Vec3& b)
 	return isWide ? kPi - arc : arc;
 }
 
-// Signed dihedral angles; convex where the other face falls below this one's plane.
+// Whether the other face falls below this one's plane; where it lies in the plane, folded over, that is a rim, too.
+bool fallsBelow(const Triangle& t, const Triangle& other)
+{
+	using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
+	const auto point = [](const Vec3& p) { return Point(p.x, p.y, p.z); };
+	return std::none_of(other.begin(), other.end(),
+						[&](const Vec3& p)
+						{ return CGAL::orientation(point(t[0]), point(t[1]), point(t[2]), point(p)) == CGAL::POSITIVE; });
+}
+
+// Signed dihedral angles.
 void curvature(const Subject& s, std::uint32_t i, Tally& tally)
 {
 	const Node& n = s.h.node(i);
@@ -100,8 +111,7 @@ void curvature(const Subject& s, std::uint32_t i, Tally& tally)
 			if (other < f || s.ownerOfFace[other] != i) continue;
 			const Triangle u = s.triangle(other);
 			const double term = 0.5 * length(t[(e + 1) % 3] - t[e]) * angleBetween(normalized(areaVector(u)), normal);
-			const bool falls = dot(normal, (1.0 / 3) * (u[0] + u[1] + u[2]) - t[e]) < 0;
-			sum += falls ? term : -term;
+			sum += fallsBelow(t, u) ? term : -term;
 			noise += 0.5 * length(t[(e + 1) % 3] - t[e]) * (noiseOf(t) + noiseOf(u));
 		}
 	}

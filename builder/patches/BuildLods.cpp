@@ -68,9 +68,9 @@ public:
 
 	void run()
 	{
-		m_validity.coversMeanPlane = true;
+		m_validity.isExact = true;
 		decompose(m_mesh, m_validity, m_progress);
-		m_validity.coversMeanPlane = false;
+		m_validity.isExact = false;
 		cut();
 		m_collapser.emplace(m_mesh, m_validity, m_guard, m_config);
 		m_firstFaces = m_mesh.faceCount;
@@ -106,6 +106,7 @@ private:
 	void joinAround();
 	void cut();
 	void cutIfHalved();
+	void splitOverNotches();
 	bool tell() const;
 	bool isFinished() const;
 
@@ -164,8 +165,17 @@ void Simplifier::cutIfHalved()
 	// Default mode: a level that saves patches alone costs more, in the file and in every query, than it saves.
 	if (!m_config.paper && 2 * m_mesh.faceCount > m_last.triangles) return;
 	joinEverywhere(m_mesh, m_validity);
+	if (!m_config.paper) splitOverNotches();
+	if (2 * m_mesh.patchCount > m_last.patches) return;
 	cut();
 	m_mesh.rebuildTrees();
+}
+
+// Between levels a thin patch may span a notch of a sheet. Its faces do not; the paper's levels inherit patches whole.
+void Simplifier::splitOverNotches()
+{
+	for (std::uint32_t p = 0; p < m_mesh.patches.size(); ++p)
+		if (!m_mesh.patches[p].faces.empty() && m_validity.spansNotch(p)) m_mesh.split(p);
 }
 
 // By resolution, the paper's order, a level uses up its whole bound; by error it takes first what costs nearly nothing.

@@ -2,7 +2,9 @@
 // The cover rule of Validity.h, by areas: what a front lacks must be no more than the strips between its border and its
 // outline, and a strip is nowhere wider than the rule allows. A notch, however narrow, is deeper than that.
 #include <algorithm>
+#include <utility>
 
+#include "builder/patches/Remainder.h"
 #include "builder/patches/Validity.h"
 
 namespace clod::builder
@@ -46,7 +48,7 @@ double stripArea(const Point2& p, const Point2& q, const std::vector<Point2>& ou
 // What a patch shows on the outer side of the plane of one of its faces, in the plane's coordinates.
 struct Validity::Front
 {
-	const Plane& plane;
+	const Plane plane;
 	const double blind;  // lower points are not of the front
 	const PlaneFrame frame;
 	std::vector<Point2> outline;
@@ -60,6 +62,37 @@ struct Validity::Front
 	bool shows(const Plane& face, const TrianglePoints& t) const
 	{
 		return dot(face.normal, plane.normal) > 0 && lowest(t) >= -blind;
+	}
+	// Areas that are nothing.
+	double rounding() const
+	{
+		const double perimeter = perimeterOf(outline);
+		return 1e-13 * perimeter * perimeter + blind * blind;
+	}
+	double width() const { return length(box.high - box.low); }
+	// Where faces up to this height are, and a little lower ones.
+	Box below(double height) const
+	{
+		Box all = box;
+		all.include(Box{box.low + height * plane.normal, box.high + height * plane.normal});
+		return all.grownBy(blind);
+	}
+	Vec3 onPlane(const Point2& p) const
+	{
+		const Vec3 at = frame.origin + p.x * frame.e1 + p.y * frame.e2;
+		return at - plane.height(at) * plane.normal;
+	}
+	std::array<Point2, 3> project(const TrianglePoints& t) const { return {frame(t[0]), frame(t[1]), frame(t[2])}; }
+	// What of a face is within these heights.
+	std::vector<Point2> slice(const TrianglePoints& t, double above, double below) const
+	{
+		static thread_local std::vector<Vec3> polygon, scratch;
+		polygon.assign(t.begin(), t.end());
+		clipBelow(polygon, {-plane.normal, -plane.offset}, above, scratch);
+		clipBelow(polygon, plane, -below, scratch);
+		std::vector<Point2> projected;
+		for (const Vec3& p : polygon) projected.push_back(frame(p));
+		return projected;
 	}
 	void enclose()
 	{
@@ -83,16 +116,23 @@ bool Validity::isCovered()
 	m_supports.clear();
 	for (std::size_t i = 0; i < m_faces.size(); ++i)
 		if (!m_covered[i] && !frontIsCovered(m_facePlanes[i], m_facePoints[i][0])) return false;
-	return !coversMeanPlane || !isFlat() || frontIsCovered(m_meanPlane, m_points[0]);
+	return !isExact || depthUnderMean() > kBlind * tolerance || frontIsCovered(m_meanPlane, m_points[0]);
 }
 
 // A patch of slightly turned faces may show each of them a part of its points only, and be thin as a whole: then all
-// points are the front of its mean plane.
-bool Validity::isFlat()
+// points are the front of its mean plane. A closed surface has none, and shows its largest face.
+double Validity::depthUnderMean()
 {
-	Vec3 sum;
-	for (const TrianglePoints& t : m_facePoints) sum += cross(t[1] - t[0], t[2] - t[0]);
-	m_meanPlane = {normalized(sum), -1e300};
+	Vec3 sum, largest;
+	double total = 0;
+	for (const TrianglePoints& t : m_facePoints)
+	{
+		const Vec3 area = cross(t[1] - t[0], t[2] - t[0]);
+		sum += area;
+		total += length(area);
+		if (lengthSquared(area) > lengthSquared(largest)) largest = area;
+	}
+	m_meanPlane = {normalized(length(sum) > 1e-6 * total ? sum : largest), -1e300};
 	double lowest = 1e300;
 	for (const Vec3& p : m_points)
 	{
@@ -100,17 +140,76 @@ bool Validity::isFlat()
 		m_meanPlane.offset = std::max(m_meanPlane.offset, height);
 		lowest = std::min(lowest, height);
 	}
-	return m_meanPlane.offset - lowest <= kBlind * tolerance;
+	return m_meanPlane.offset - lowest;
 }
 
-bool Validity::frontIsCovered(const Plane& plane, const Vec3& origin)
+bool Validity::coversItself(const std::vector<std::uint32_t>& faces)
+{
+	load(faces);
+	return isCovered() && !spansNotch();
+}
+
+bool Validity::spansNotch(std::uint32_t patch)
+{
+	load(m_mesh.patches[patch].faces);
+	return spansNotch();
+}
+
+// Of what the patch, halfway down, leaves open: whether a point is farther from the surface than twice the rule's depth.
+// Pieces are halved until one face is near all of them, or none is.
+bool Validity::spansNotch()
+{
+	const double depth = depthUnderMean();
+	if (depth > 2 * kBlind * tolerance) return false;
+	const auto found = frontOf({m_meanPlane.normal, m_meanPlane.offset - 0.5 * depth}, m_points[0]);
+	if (!found) return false;
+	const Front& front = *found;
+	const double least = 0.5 * tolerance, most = 2 * front.blind - 2 * least;
+	std::vector<std::vector<Point2>> open = remainderOf(front, least, most, true).open();
+	while (!open.empty())
+	{
+		std::vector<Point2> piece = std::move(open.back());
+		open.pop_back();
+		if (piece.size() < 3) continue;
+		Point2 middle, way;
+		for (const Point2& p : piece) middle.x += p.x / double(piece.size()), middle.y += p.y / double(piece.size());
+		for (const Point2& p : piece)
+			if (std::hypot(p.x - middle.x, p.y - middle.y) > std::hypot(way.x, way.y))
+				way = {p.x - middle.x, p.y - middle.y};
+		const std::uint32_t face = nearestFace(front.onPlane(middle), most);
+		if (face == kNone) return true;
+		const TrianglePoints t = m_mesh.points(face);
+		const auto isNear = [&](const Point2& p) { return squaredDistance(front.onPlane(p), t) <= most * most; };
+		if (std::hypot(way.x, way.y) <= least || std::all_of(piece.begin(), piece.end(), isNear)) continue;
+		open.push_back(cutRight(piece, middle, {middle.x - way.y, middle.y + way.x}));
+		open.push_back(std::move(piece));
+	}
+	return false;
+}
+
+// kNone if none is within the limit.
+std::uint32_t Validity::nearestFace(const Vec3& p, double limit) const
+{
+	std::uint32_t nearest = kNone;
+	double least = limit * limit;
+	m_mesh.faceTree.nearestSquared(p, least,
+								   [&](std::uint32_t face)
+								   {
+									   const double squared = squaredDistance(p, m_mesh.points(face));
+									   if (squared < least) least = squared, nearest = face;
+									   return squared;
+								   });
+	return nearest;
+}
+
+std::optional<Validity::Front> Validity::frontOf(const Plane& plane, const Vec3& origin) const
 {
 	const double blind = kBlind * tolerance;
 	static thread_local std::vector<Vec3> shown;
 	shown.clear();
 	for (const Vec3& p : m_points)
 		if (plane.height(p) >= -blind) shown.push_back(p);
-	if (shown.size() <= 3) return true;
+	if (shown.size() <= 3) return {};
 	Front front{plane, blind, PlaneFrame(plane, origin), {}, {}, {}, {}};
 	std::vector<Point2> points;
 	for (const Vec3& p : shown)
@@ -120,12 +219,23 @@ bool Validity::frontIsCovered(const Plane& plane, const Vec3& origin)
 	}
 	front.outline = convexHull(std::move(points));
 	front.enclose();
-	const double perimeter = perimeterOf(front.outline);
-	const double rounding = 1e-13 * perimeter * perimeter + front.blind * front.blind;
-	double lacking = areaOf(front.outline) - rounding - shownCover(front);
+	return front;
+}
+
+bool Validity::frontIsCovered(const Plane& plane, const Vec3& origin)
+{
+	const std::optional<Front> found = frontOf(plane, origin);
+	if (!found) return true;
+	const Front& front = *found;
+	const double rounding = front.rounding(), whole = areaOf(front.outline), shown = shownCover(front);
+	double lacking = whole - rounding - shown;
 	if (lacking > 0) lacking -= strips(front);
 	if (lacking > 0) lacking -= dippingCover(front);
-	return lacking <= 0 || lacking <= foreignCover(front);
+	const auto isExactlyCovered = [&] { return remainderOf(front, front.blind, front.blind, false).openArea() <= rounding; };
+	if (lacking <= 0) return !isExact || shown <= whole + rounding + 1e-9 * whole || isExactlyCovered();
+	const double foreign = foreignCover(front);
+	if (lacking > foreign) return false;
+	return !isExact || whole - rounding - shown <= foreign - doubleCover(front) || isExactlyCovered();
 }
 
 // By the faces that show.
@@ -184,30 +294,69 @@ double Validity::strips(const Front& front) const
 double Validity::foreignCover(const Front& front)
 {
 	const Plane& plane = front.plane;
-	const double slab = front.blind;
-	const double height = slab + length(front.box.high - front.box.low);
-	Box searched = front.box;
-	searched.include(Box{front.box.low + height * plane.normal, front.box.high + height * plane.normal});
+	const double slab = front.blind, height = slab + front.width();
 	double covered = 0;
-	searchForeign(searched.grownBy(slab),
+	searchForeign(front.below(height),
 				  [&](std::uint32_t face, const TrianglePoints& t)
 				  {
 					  const bool leaves = dot(cross(t[1] - t[0], t[2] - t[0]), plane.normal) > 0;
 					  const auto heights = std::minmax({plane.height(t[0]), plane.height(t[1]), plane.height(t[2])});
 					  if (heights.second <= (leaves ? -slab : 0) || heights.first >= height) return true;
-					  if (front.isBeside({front.frame(t[0]), front.frame(t[1]), front.frame(t[2])})) return true;
-					  static thread_local std::vector<Vec3> polygon, scratch;
-					  polygon.assign(t.begin(), t.end());
-					  clipBelow(polygon, {-plane.normal, -plane.offset}, leaves ? -slab : 0, scratch);
-					  clipBelow(polygon, plane, -height, scratch);
-					  if (polygon.empty()) return true;
-					  std::vector<Point2> projected;
-					  for (const Vec3& p : polygon) projected.push_back(front.frame(p));
-					  const double area = areaOf(clipped(std::move(projected), front.outline));
+					  if (front.isBeside(front.project(t))) return true;
+					  const double area = areaOf(clipped(front.slice(t, leaves ? -slab : 0, height), front.outline));
 					  covered += area;
 					  if (area != 0) m_supports.push_back(face);
 					  return true;
 				  });
 	return covered;
+}
+
+// At least what the areas above count more than once: of two sheets within the rule's depth, the patch's or the solid's,
+// the lower has a face above it that enters the solid.
+double Validity::doubleCover(const Front& front) const
+{
+	double twice = 0;
+	const auto addEntering = [&](const TrianglePoints& t)
+	{
+		if (dot(cross(t[1] - t[0], t[2] - t[0]), front.plane.normal) < 0)
+			twice -= areaOf(clipped(front.slice(t, -front.blind, front.blind), front.outline));
+		return true;
+	};
+	for (const TrianglePoints& t : m_facePoints) addEntering(t);
+	searchForeign(front.below(0), [&](std::uint32_t, const TrianglePoints& t) { return addEntering(t); });
+	return twice;
+}
+
+// Of the front, but for a border, what is neither inside the solid nor has the patch or a face that leaves the solid, or
+// any face, within the depth.
+Remainder Validity::remainderOf(const Front& front, double border, double depth, bool byAny) const
+{
+	const double above = 4 * m_mesh.radius;
+	Remainder open(front.outline, border, 1e-3 * border * border);
+	const auto leaves = [&](const TrianglePoints& t)
+	{ return dot(cross(t[1] - t[0], t[2] - t[0]), front.plane.normal) > 0; };
+	for (const TrianglePoints& t : m_facePoints)
+		if (byAny || leaves(t)) open.take(byAny ? front.slice(t, -depth, depth) : front.slice(t, -above, above));
+	searchForeign(front.below(0),
+				  [&](std::uint32_t, const TrianglePoints& t)
+				  {
+					  if (byAny || leaves(t)) open.take(front.slice(t, -depth, depth));
+					  return true;
+				  });
+	if (open.openArea() <= front.rounding()) return open;
+	std::vector<std::pair<std::vector<Point2>, int>> counted;
+	const auto countAbove = [&](const TrianglePoints& t)
+	{
+		const bool isUp = leaves(t);
+		if (!front.isBeside(front.project(t)))
+			counted.push_back({front.slice(t, isUp && !byAny ? depth : 0, above), isUp ? 1 : -1});
+		return true;
+	};
+	searchForeign(front.below(above), [&](std::uint32_t, const TrianglePoints& t) { return countAbove(t); });
+	// Of a closed patch both sides are its own.
+	for (const TrianglePoints& t : m_facePoints)
+		if (byAny) countAbove(t);
+	for (auto& [polygon, change] : counted) open.count(std::move(polygon), change);
+	return open;
 }
 }  // namespace clod::builder

@@ -115,7 +115,7 @@ void decompose(PatchMesh& mesh, Validity& validity, const Progress& progress)
 	std::vector<char> taken(mesh.faces.size(), 0);
 	for (const auto& component : componentsOf(mesh))
 		if (isConvexComponent(mesh, component, validity.tolerance) &&
-			isFreeOfOthers(mesh, component, validity.tolerance))
+			isFreeOfOthers(mesh, component, validity.tolerance) && validity.coversItself(component))
 		{
 			std::vector<Plane> planes;
 			for (const std::uint32_t f : component) planes.push_back(mesh.planes[f]);

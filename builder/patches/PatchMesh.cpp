@@ -96,6 +96,22 @@ void PatchMesh::join(std::uint32_t into, std::uint32_t from, std::vector<Plane> 
 	--patchCount;
 }
 
+void PatchMesh::split(std::uint32_t patch)
+{
+	const Patch whole = std::move(patches[patch]);
+	patches[patch] = Patch{};
+	patchTree.update(patch, patches[patch].box);
+	for (const std::uint32_t f : whole.faces)
+	{
+		label[f] = f;
+		patches[f].faces = {f};
+		patches[f].resolution = whole.resolution;
+		setHull(f, {});
+	}
+	patches[whole.faces[0]].kids = whole.kids;
+	patchCount += whole.faces.size() - 1;
+}
+
 void PatchMesh::dissolve()
 {
 	std::vector<Patch> single(faces.size());

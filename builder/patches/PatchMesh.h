@@ -71,6 +71,8 @@ public:
 	// Faces of `from` go to `into`; hull, box and trees of both follow. O(faces).
 	void join(std::uint32_t into, std::uint32_t from, std::vector<Plane> hull);
 	void setHull(std::uint32_t patch, std::vector<Plane> hull);
+	// Each face of the patch becomes one of its own, without a hull; the first inherits the kids.
+	void split(std::uint32_t patch);
 	// Every face becomes a patch of its own, without a hull, and inherits resolution. Kids are forgotten. O(faces).
 	void dissolve();
 	// Recomputes plane and box of a face after a move.

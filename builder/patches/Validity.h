@@ -8,6 +8,7 @@
 // Sources: Ehmann & Lin 2001 (the convexity constraints); the paper, sec. 4.1. The last rule is ours.
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "builder/patches/PatchMesh.h"
@@ -25,15 +26,18 @@ struct Move
 	bool moves(std::uint32_t vertex) const { return vertex == u || vertex == w; }
 };
 
+class Remainder;
+
 class Validity
 {
 public:
 	explicit Validity(const PatchMesh& mesh);
 	double tolerance = 0;  // eps
 	Move move;             // none by default
-	// Whether the cover rule also holds for the mean plane of a patch that is thin as a whole. Asked for at level 0,
-	// which has no error that what such a hull sticks out could be part of.
-	bool coversMeanPlane = false;
+	// Whether the cover rule also holds for the mean plane of a patch that is thin as a whole, and areas that sheets
+	// within the rule's depth cover twice count once. Asked for at level 0, which has no error that what a hull sticks
+	// out could be part of.
+	bool isExact = false;
 
 	// Starts an empty patch; grow() adds faces to it as long as they keep it valid.
 	void clear();
@@ -46,6 +50,11 @@ public:
 	bool keepsInside(std::uint32_t patch);
 	// Cover alone, for a patch whose own faces do not move.
 	bool keepsCovered(std::uint32_t patch);
+	// Cover of faces that are no patch yet, or a closed one.
+	bool coversItself(const std::vector<std::uint32_t>& faces);
+	// Whether the hull of a patch is flat and spans open space that is farther from the surface than twice the rule's
+	// depth: what a file may not hold. Patches on the way to a level may.
+	bool spansNotch(std::uint32_t patch);
 	// Everything from scratch, edge-connectedness included.
 	bool isValid(const std::vector<std::uint32_t>& faces);
 
@@ -73,12 +82,17 @@ private:
 	bool isCovered();
 	// Cover.cpp
 	struct Front;
-	bool isFlat();
+	double depthUnderMean();
+	bool spansNotch();
+	std::optional<Front> frontOf(const Plane& plane, const Vec3& origin) const;
 	bool frontIsCovered(const Plane& plane, const Vec3& origin);
 	double shownCover(const Front& front);
 	double dippingCover(const Front& front) const;
 	double strips(const Front& front) const;
 	double foreignCover(const Front& front);
+	double doubleCover(const Front& front) const;
+	Remainder remainderOf(const Front& front, double border, double depth, bool byAny) const;
+	std::uint32_t nearestFace(const Vec3& p, double limit) const;
 	// visit(face, points) -> bool for every face of the mesh, under the move, that meets the box and is not in the
 	// patch.
 	template <class Visit>

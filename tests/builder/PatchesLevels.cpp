@@ -142,6 +142,22 @@ TEST(Levels, AThreadGetsDownToAFewTriangles)
 	EXPECT_GE(grownAnew, 1u);
 }
 
+// Patches that span a notch are split elsewhere; a label has one heir.
+TEST(Levels, WithPaperEveryPatchInherits)
+{
+	const demo::ModelMesh cup = std::move(demo::makeModel("cup", 3000)).value();
+	Mesh mesh{cup.vertices, cup.triangles};
+	for (Vec3& v : mesh.vertices) v = roundedToFloat(v);
+	const LodSequence sequence = build(mesh, true);
+	EXPECT_GE(sequence.lods.size(), 3u);
+	for (std::size_t k = 1; k < sequence.lods.size(); ++k)
+	{
+		std::vector<char> isHeir(sequence.lods[k].patchCount, 0);
+		for (const std::uint32_t heir : sequence.lods[k].patchOfChild) isHeir[heir] = 1;
+		EXPECT_EQ(std::count(isHeir.begin(), isHeir.end(), 0), 0) << k;
+	}
+}
+
 TEST(Levels, TheOracleSeesPlantedFaults)
 {
 	const LodSequence sequence = build(wrinkledTorus(60, 16, 0.1, 12));
@@ -211,6 +227,46 @@ TEST(Decomposition, AFlatPatchSpansNoNarrowNotch)
 	};
 	for (const double width : {1e-4, 2e-4, 4e-4}) EXPECT_FALSE(topIsPatch(width, 10 * width)) << width;
 	for (const double depth : {2e-7, 1e-6}) EXPECT_TRUE(topIsPatch(0.1, depth)) << depth;
+}
+
+// All its edges and planes are convex within the tolerance; its hull closes the hole.
+TEST(Decomposition, ARingThinnerThanTheToleranceIsNoConvexPatch)
+{
+	Mesh ring = wrinkledTorus(16, 8, 0, 0);
+	for (Vec3& v : ring.vertices) v.z *= 3e-7;
+	EXPECT_GT(build(ring).lods[0].patchCount, 1u);
+	Mesh disc = gridBox({1, 1, 1e-7}, 4);
+	EXPECT_EQ(build(disc).lods[0].patchCount, 1u);
+}
+
+// Three sheets over each other in half of the notch have more area than the notch.
+TEST(Decomposition, SheetsOverEachOtherCoverOnce)
+{
+	const auto topIsPatch = [](int sheets, double side)
+	{
+		Mesh mesh = lPlate(0.3, 2);
+		const double eps = 8.0 / (1 << 24) * PatchMesh(mesh).radius;
+		for (int i = 0; i < sheets; ++i)
+		{
+			const auto first = std::uint32_t(mesh.vertices.size());
+			const Mesh sheet = gridBox({side, side, eps}, 1);
+			for (const Vec3& v : sheet.vertices)
+				mesh.vertices.push_back(v + Vec3{1, 1, double(roundToFloat(0.3)) - (2 * i + 1) * eps});
+			for (const auto& t : sheet.triangles) mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+		}
+		PatchMesh patches(mesh);
+		std::vector<std::uint32_t> top;
+		for (std::uint32_t f = 0; f < patches.faces.size(); ++f)
+			if (f < lPlate(0.3, 2).triangles.size() && patches.planes[f].normal.z > 0.5) top.push_back(f);
+		Validity validity(patches);
+		validity.tolerance = eps;
+		validity.isExact = true;
+		return validity.isValid(top);
+	};
+	EXPECT_FALSE(topIsPatch(1, 0.5));
+	EXPECT_FALSE(topIsPatch(3, 0.5));
+	EXPECT_TRUE(topIsPatch(1, 1));
+	EXPECT_TRUE(topIsPatch(3, 1));
 }
 
 TEST(Levels, SameResultForAnyThreadCountAndEveryTime)
