@@ -36,6 +36,7 @@ struct TriangleSink : btTriangleCallback
 	}
 };
 
+constexpr double kFiner = 2;         // by so much a trial is finer than what missed: levels differ by about that
 constexpr double kLeastOfTrial = 4;  // of what the coarsest answer takes: a finer one takes more
 constexpr double kStricter = 0.25;  // of the error of contacts that hold a body between them
 
@@ -91,14 +92,20 @@ void PairState::query(const PairPose& pose, const Question& question)
 // Does its own answer serve until the budget leaves enough for another? Not where a gap is asked for besides.
 bool PairState::isRefinable(const PairPose& pose, const Question& question) const
 {
-	return m_budget && m_budget->isLimited() && pose.isOfTwo() && !question.withGap;
+	return m_budget && m_budget->isLimited() && m_budget->buysAnything() && pose.isOfTwo() && !question.withGap;
+}
+
+// What is asked next of an answer that misses its metric: as of those that move, or finer.
+double PairState::finerCoarsening() const
+{
+	return std::min(m_budget->coarsening(), std::max(1.0, m_result.excess / kFiner));
 }
 
 std::optional<PairState::Want> PairState::want(const Prepared& prepared) const
 {
 	if (!(prepared.isKept || prepared.isStill) || !isRefinable(prepared.pose, prepared.question)) return std::nullopt;
-	const double asked = m_budget->coarsening(), now = prepared.question.settings.metric.coarsening;
-	const bool isMissed = asked < now && m_result.excess >= asked, goesOn = prepared.isStill && m_facets.levels.goesOn;
+	const bool isMissed = m_result.excess > 0 && finerCoarsening() < prepared.question.settings.metric.coarsening;
+	const bool goesOn = prepared.isStill && m_facets.levels.goesOn;
 	if (!isMissed && !goesOn) return std::nullopt;
 	return Want{isMissed ? m_result.excess : 0, m_followed};
 }
@@ -122,7 +129,7 @@ void PairState::refine(Prepared& prepared)
 	const PairPose& pose = prepared.pose;
 	Question& question = prepared.question;
 	ContactSettings settings = question.settings;
-	if (isMissed) settings.metric.coarsening = m_budget->coarsening();
+	if (isMissed) settings.metric.coarsening = finerCoarsening();
 	const bool isFirst = m_budget->isWholeSpare();
 	settings.budget = m_budget->spare();
 	const bool isEnough = settings.budget.tests > kLeastOfTrial * m_report.coarsestTests;

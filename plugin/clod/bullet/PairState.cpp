@@ -236,10 +236,11 @@ void PairState::open(const btCollisionObjectWrapper& body0, const btCollisionObj
 		const double asked = coarsening;
 		// What is finer than a budget buys now costs nothing, and what is coarser is refined with what is left. Where it buys
 		// nothing, answers are the coarsest.
-		if (answered() && asked < kOff)
+		const bool isRefined = isRefinable(next.pose, next.question);
+		if (answered() && (isRefined || asked < kOff))
 		{
 			const double before = answered()->settings.metric.coarsening;
-			coarsening = isRefinable(next.pose, next.question) ? before : std::min(asked, before);
+			coarsening = isRefined ? before : std::min(asked, before);
 		}
 		next.isKept = next.pose.isOfTwo() && answered() && same(*answered(), next.question);
 		next.isStill = !next.isKept && isStill(next.pose, next.question);

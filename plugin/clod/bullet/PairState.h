@@ -123,6 +123,7 @@ private:
 	std::optional<Want> want(const Prepared& prepared) const;
 	void refine(Prepared& prepared);
 	bool isRefinable(const PairPose& pose, const Question& question) const;
+	double finerCoarsening() const;
 	// Pose.
 	PairPose begin(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 				   const btDispatcherInfo& info, double closestPoints);

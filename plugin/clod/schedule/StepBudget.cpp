@@ -5,13 +5,20 @@
 
 namespace clod
 {
+namespace
+{
+constexpr double kClockRoom = 0.2;  // of a budget, that is not spent on what could wait: times scatter
+constexpr double kOfLast = 0.2, kForgotten = 0.05;  // of what refining takes: by one more, and a step
+}  // namespace
+
 void StepBudget::begin(const Budget& budget)
 {
 	m_budget = budget;
 	m_coarsening = m_control.coarsening(budget);
-	m_start = Clock::now();
+	m_start = m_spareEnd = Clock::now();
 	m_tests = m_held = m_spareTests = 0;
 	m_spareMicroseconds = 0;
+	m_ofOneSpare *= 1 - kForgotten;
 	m_cut = m_answered = 0;
 	m_ofCut = 0;
 	++m_step;
@@ -24,6 +31,7 @@ void StepBudget::end()
 	m_control.observe({tests, microseconds, m_cut, m_answered, double(m_ofCut.load())});
 	if (tests > 0) m_microsecondsATest = microseconds / tests;
 	m_lastTests = tests;
+	m_afterSpare = microsecondsSince(m_spareEnd);
 }
 
 Budget StepBudget::without(double tests, double timed) const
@@ -42,15 +50,25 @@ Budget StepBudget::next(std::uint32_t held)
 	return without(withItsOwn - held, withItsOwn);
 }
 
-// Of time half: points have to be found besides.
+// Of time what is sure to be left: points are found besides, and the dispatch goes on.
 Budget StepBudget::spare()
 {
 	m_spareStart = Clock::now();
 	const double toCome = std::max(0.0, m_lastTests - double(m_tests.load() - m_spareTests));
 	const double others = double(m_held.load()) + toCome;
 	Budget left = without(others, others);
-	left.microseconds /= 2;
+	if (m_budget.microseconds < kOff)
+		left.microseconds =
+			std::max(0.0, left.microseconds - m_afterSpare - m_ofOneSpare - kClockRoom * m_budget.microseconds);
 	return left;
+}
+
+void StepBudget::endSpare()
+{
+	m_spareEnd = Clock::now();
+	const double microseconds = microsecondsBetween(m_spareStart, m_spareEnd);
+	m_spareMicroseconds += microseconds;
+	m_ofOneSpare += kOfLast * (microseconds - m_ofOneSpare);
 }
 
 void StepBudget::spendSpare(std::uint64_t tests)

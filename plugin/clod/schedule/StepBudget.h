@@ -22,6 +22,7 @@ public:
 	std::uint64_t step() const { return m_step; }
 	double coarsening() const { return m_coarsening; }
 	bool isLimited() const { return m_budget.isLimited(); }
+	bool buysAnything() const { return m_budget.tests > 0 && m_budget.microseconds > 0; }
 	bool isCounted() const { return m_budget.tests < kOff; }
 	bool isOf(const Budget& budget) const
 	{
@@ -36,11 +37,15 @@ public:
 	void spend(std::uint64_t tests, bool isCut);
 	// For one that lies still, from the first to the last of these, on one thread: what is left now but for what the others
 	// will take by the last step (none are to come where all are answered); what it took tells nothing of the coarsening.
-	void noneToCome() { m_lastTests = 0; }
+	void noneToCome()
+	{
+		m_lastTests = 0;
+		m_spareEnd = Clock::now();
+	}
 	bool isWholeSpare() const { return m_spareTests == 0; }
 	Budget spare();
 	void spendSpare(std::uint64_t tests);
-	void endSpare() { m_spareMicroseconds += microsecondsSince(m_spareStart); }
+	void endSpare();
 
 private:
 	// What is left but for so many tests, and of time but for what `timed` take.
@@ -50,10 +55,10 @@ private:
 	Budget m_budget;
 	double m_coarsening = 1;
 	std::uint64_t m_step = 1;
-	Clock::time_point m_start, m_spareStart;
-	double m_microsecondsATest = 0, m_lastTests = 0;  // of the last step
+	Clock::time_point m_start, m_spareStart, m_spareEnd;
+	double m_microsecondsATest = 0, m_lastTests = 0, m_afterSpare = 0;  // of the last step; the latter in microseconds
 	std::uint64_t m_spareTests = 0;
-	double m_spareMicroseconds = 0;
+	double m_spareMicroseconds = 0, m_ofOneSpare = 0;
 	std::atomic<std::uint64_t> m_tests{0};
 	std::atomic<std::uint64_t> m_held{0};
 	std::atomic<std::uint32_t> m_answered{0}, m_cut{0};
