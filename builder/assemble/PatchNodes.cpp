@@ -50,7 +50,11 @@ void addNormals(NodeDraft& node)
 bool risesAbove(const Mesh& mesh, std::uint32_t triangle, std::uint32_t other)
 {
 	using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
-	const auto point = [&](std::uint32_t v) { return Point(mesh.vertices[v].x, mesh.vertices[v].y, mesh.vertices[v].z); };
+	const auto point = [&](std::uint32_t v)
+	{
+		const Vec3& p = mesh.vertices[v];
+		return Point(p.x, p.y, p.z);
+	};
 	const auto& t = mesh.triangles[triangle];
 	const auto isAbove = [&](std::uint32_t v)
 	{ return CGAL::orientation(point(t[0]), point(t[1]), point(t[2]), point(v)) == CGAL::POSITIVE; };

@@ -99,8 +99,8 @@ Invariant mass(const Subject& s)
 	const double volume = double(m.volume);
 	const double scale = s.radius;
 	double worst = std::abs(volume - a.volume) / a.volume;
-	// Of a mesh far from its frame's origin the centre is known to half a step of the numbers that tell where it is; that
-	// of a sheet moves when its sides are rounded.
+	// Of a mesh far from its frame's origin the centre is known to half a step of the numbers that tell where it is;
+	// that of a sheet moves when its sides are rounded.
 	double offCenter = 0, center[3];
 	for (std::size_t i = 0; i < 3; ++i)
 	{

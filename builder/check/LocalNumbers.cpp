@@ -90,9 +90,9 @@ bool fallsBelow(const Triangle& t, const Triangle& other)
 {
 	using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
 	const auto point = [](const Vec3& p) { return Point(p.x, p.y, p.z); };
-	return std::none_of(other.begin(), other.end(),
-						[&](const Vec3& p)
-						{ return CGAL::orientation(point(t[0]), point(t[1]), point(t[2]), point(p)) == CGAL::POSITIVE; });
+	const auto isAbove = [&](const Vec3& p)
+	{ return CGAL::orientation(point(t[0]), point(t[1]), point(t[2]), point(p)) == CGAL::POSITIVE; };
+	return std::none_of(other.begin(), other.end(), isAbove);
 }
 
 // Signed dihedral angles.

@@ -155,8 +155,8 @@ bool Validity::spansNotch(std::uint32_t patch)
 	return spansNotch();
 }
 
-// Of what the patch, halfway down, leaves open: whether a point is farther from the surface than twice the rule's depth.
-// Pieces are halved until one face is near all of them, or none is.
+// Of what the patch, halfway down, leaves open: whether a point is farther from the surface than twice the rule's
+// depth. Pieces are halved until one face is near all of them, or none is.
 bool Validity::spansNotch()
 {
 	const double depth = depthUnderMean();
@@ -231,7 +231,8 @@ bool Validity::frontIsCovered(const Plane& plane, const Vec3& origin)
 	double lacking = whole - rounding - shown;
 	if (lacking > 0) lacking -= strips(front);
 	if (lacking > 0) lacking -= dippingCover(front);
-	const auto isExactlyCovered = [&] { return remainderOf(front, front.blind, front.blind, false).openArea() <= rounding; };
+	const auto isExactlyCovered = [&]
+	{ return remainderOf(front, front.blind, front.blind, false).openArea() <= rounding; };
 	if (lacking <= 0) return !isExact || shown <= whole + rounding + 1e-9 * whole || isExactlyCovered();
 	const double foreign = foreignCover(front);
 	if (lacking > foreign) return false;
@@ -311,8 +312,8 @@ double Validity::foreignCover(const Front& front)
 	return covered;
 }
 
-// At least what the areas above count more than once: of two sheets within the rule's depth, the patch's or the solid's,
-// the lower has a face above it that enters the solid.
+// At least what the areas above count more than once: of two sheets within the rule's depth, the patch's or the
+// solid's, the lower has a face above it that enters the solid.
 double Validity::doubleCover(const Front& front) const
 {
 	double twice = 0;
@@ -327,8 +328,8 @@ double Validity::doubleCover(const Front& front) const
 	return twice;
 }
 
-// Of the front, but for a border, what is neither inside the solid nor has the patch or a face that leaves the solid, or
-// any face, within the depth.
+// Of the front, but for a border, what is neither inside the solid nor has the patch or a face that leaves the solid
+// (or any face) within the depth.
 Remainder Validity::remainderOf(const Front& front, double border, double depth, bool byAny) const
 {
 	const double above = 4 * m_mesh.radius;
