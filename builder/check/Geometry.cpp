@@ -68,33 +68,9 @@ Carrier reduce(const Simplex& points)
 }
 }  // namespace
 
-namespace
-{
-// However thin the triangle: on one of its sides, or under the point where that is over it. The products of products
-// below lose a sliver's width to rounding.
-Vec3 nearestOnSliver(const Triangle& t, const Vec3& normal, const Vec3& p)
-{
-	Vec3 best = t[0];
-	bool isOver = lengthSquared(normal) > 0;
-	for (std::size_t i = 0; i < 3; ++i)
-	{
-		const Vec3 &from = t[i], &to = t[(i + 1) % 3];
-		const Vec3 onSide = p + nearestOnSegment(from - p, to - p);
-		if (lengthSquared(onSide - p) < lengthSquared(best - p)) best = onSide;
-		isOver = isOver && dot(cross(to - from, p - from), normal) >= 0;
-	}
-	if (!isOver) return best;
-	const Vec3 under = p - (dot(normal, p - best) / lengthSquared(normal)) * normal;
-	return lengthSquared(under - p) < lengthSquared(best - p) ? under : best;
-}
-}  // namespace
-
 Vec3 nearestOn(const Triangle& t, const Vec3& p)
 {
-	constexpr double kSliver = 1e-3;  // height over length
-	const Vec3 ab = t[1] - t[0], ac = t[2] - t[0], ap = p - t[0], normal = cross(ab, ac);
-	const double squared = std::max(lengthSquared(ab), lengthSquared(ac));
-	if (lengthSquared(normal) < kSliver * kSliver * squared * squared) return nearestOnSliver(t, normal, p);
+	const Vec3 ab = t[1] - t[0], ac = t[2] - t[0], ap = p - t[0];
 	const double d1 = dot(ab, ap), d2 = dot(ac, ap);
 	if (d1 <= 0 && d2 <= 0) return t[0];
 	const Vec3 bp = p - t[1];

@@ -10,7 +10,7 @@ namespace clod
 {
 void HeldResult::hold(const GapResult& result)
 {
-	static_cast<ContactSummary&>(*this) = result;
+	static_cast<ContactSummary&>(*this) = static_cast<const ContactSummary&>(result);
 	minDistance = result.minDistance;
 	errorBound = result.errorBound;
 	pairs.clear();
@@ -32,7 +32,7 @@ GapResult resultOf(const PairReport& pair)
 {
 	GapResult result;
 	if (!pair.result) return result;
-	static_cast<ContactSummary&>(result) = *pair.result;
+	static_cast<ContactSummary&>(result) = static_cast<const ContactSummary&>(*pair.result);
 	result.minDistance = pair.result->minDistance;
 	result.errorBound = pair.result->errorBound;
 	contactsOf(pair, result.contacts);

@@ -15,7 +15,7 @@ Mat3 turnBy(const Vec3& angle)
 {
 	const Vec3 half = 0.5 * angle;
 	const double squared = lengthSquared(half);
-	double cosine, sineShare;  // sine over angle
+	double cosine = 1, sineShare = 1;  // sine over angle
 	if (squared < 0.25)
 	{
 		cosine = 1 - squared / 2 * (1 - squared / 12 * (1 - squared / 30 * (1 - squared / 56)));
