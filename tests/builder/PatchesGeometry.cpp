@@ -5,6 +5,7 @@
 #include <CGAL/convex_hull_3.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -13,6 +14,7 @@
 #include "builder/patches/HalfSpaceProgram.h"
 #include "builder/patches/Hinge.h"
 #include "builder/patches/Quadric.h"
+#include "builder/patches/Remainder.h"
 #include "builder/patches/SmallHull.h"
 
 namespace clod::builder
@@ -354,6 +356,28 @@ TEST(BoxTree, FindsWhatBruteForceFindsAfterUpdates)
 		for (std::size_t i = 0; i < boxes.size(); ++i)
 			ASSERT_EQ(bool(found[i]), !boxes[i].isEmpty() && boxes[i].meets(query)) << round;
 	}
+}
+
+// Whatever overlaps what, and however it is wound: as long as pieces meet at right angles areas are exact.
+TEST(Remainder, IsWhatNoneOfThePolygonsTakes)
+{
+	const auto box = [](double x, double y, double width, double height)
+	{ return std::vector<Point2>{{x, y}, {x + width, y}, {x + width, y + height}, {x, y + height}}; };
+	Remainder remainder(box(0, 0, 4, 4), 0, 0);
+	EXPECT_EQ(remainder.openArea(), 16);
+	remainder.take(box(1, 1, 2, 2));
+	EXPECT_EQ(remainder.openArea(), 12);
+	std::vector<Point2> other = box(2, 0, 1, 4);
+	std::reverse(other.begin(), other.end());
+	remainder.take(other);
+	EXPECT_EQ(remainder.openArea(), 10) << "two of its four are gone already";
+	remainder.take(box(5, 5, 1, 1));
+	EXPECT_EQ(remainder.openArea(), 10);
+	remainder.count(box(0, 0, 1, 1), 1);
+	EXPECT_EQ(remainder.openArea(), 9) << "inside";
+	remainder.count(box(0, 0, 1, 4), -1);
+	EXPECT_EQ(remainder.openArea(), 10) << "out again";
+	EXPECT_EQ(Remainder(box(0, 0, 4, 4), 0.5, 0).openArea(), 9) << "but for a border";
 }
 }  // namespace
 }  // namespace clod::builder
