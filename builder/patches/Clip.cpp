@@ -34,12 +34,12 @@ bool edgesCross(const TrianglePoints& a, const TrianglePoints& b)
 	}
 	return false;
 }
+}  // namespace
 
 double cross2(const Point2& a, const Point2& b, const Point2& c)
 {
 	return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
-}  // namespace
 
 void clipBelow(std::vector<Vec3>& polygon, const Plane& plane, double depth, std::vector<Vec3>& scratch)
 {

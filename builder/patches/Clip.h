@@ -27,6 +27,8 @@ struct Point2
 {
 	double x = 0, y = 0;
 };
+// Twice the area of a triangle; positive where c lies to the left of the line from a to b.
+double cross2(const Point2& a, const Point2& b, const Point2& c);
 // Counter-clockwise convex hull, without collinear points.
 std::vector<Point2> convexHull(std::vector<Point2> points);
 double areaOf(const std::vector<Point2>& polygon);

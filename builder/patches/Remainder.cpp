@@ -2,24 +2,20 @@
 #include "builder/patches/Remainder.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace clod::builder
 {
 namespace
 {
-double leftOf(const Point2& a, const Point2& b, const Point2& p)
-{
-	return (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x);
-}
-
 // By a side of `by` that all of the polygon lies to the right of.
 bool isApart(const std::vector<Point2>& polygon, const std::vector<Point2>& by)
 {
 	for (std::size_t i = 0; i < by.size(); ++i)
 	{
 		const Point2 &a = by[i], &b = by[(i + 1) % by.size()];
-		if (std::all_of(polygon.begin(), polygon.end(), [&](const Point2& p) { return leftOf(a, b, p) <= 0; }))
+		if (std::all_of(polygon.begin(), polygon.end(), [&](const Point2& p) { return cross2(a, b, p) <= 0; }))
 			return true;
 	}
 	return false;
@@ -32,7 +28,7 @@ std::vector<Point2> cutRight(std::vector<Point2>& polygon, const Point2& a, cons
 	for (std::size_t i = 0; i < polygon.size(); ++i)
 	{
 		const Point2 &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
-		const double hp = leftOf(a, b, p), hq = leftOf(a, b, q);
+		const double hp = cross2(a, b, p), hq = cross2(a, b, q);
 		if (hp >= 0) left.push_back(p);
 		if (hp <= 0) right.push_back(p);
 		if (!((hp > 0 && hq < 0) || (hp < 0 && hq > 0))) continue;
