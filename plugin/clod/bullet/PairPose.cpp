@@ -15,6 +15,7 @@ namespace clod
 namespace
 {
 constexpr double kSameScale = 1e-6;  // scales whose ratio differs by less are equal
+constexpr double kAside = 0.4;  // of the way of the step
 const char* const kNoFloats = "floats cannot hold a body at its scale";
 
 Vec3 sphereCenter(const Hierarchy& hierarchy)
@@ -142,6 +143,12 @@ void PairPose::expectHolding()
 	{ return (length(body.linear) + length(body.angular) * rules.length) * rules.timeStep; };
 	rules.heldReach = std::min({wayOf(rules.a), wayOf(rules.b), kHeldShare * rules.length});
 	tolerance += rules.heldReach;
+}
+
+void PairPose::lookAside()
+{
+	const double way = seenMotion.speedWithin(center, radius) * rules.timeStep;
+	tolerance += std::max(0.0, kAside * way - rules.resting);
 }
 
 double PairPose::userLength() const

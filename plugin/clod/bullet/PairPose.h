@@ -74,6 +74,8 @@ struct PairPose
 	double thinnestWall() const;
 	// Looks farther for where a third body may hold one of the two, too (PointRules::heldReach).
 	void expectHolding();
+	// Looks farther for what a motion meets that is not the one predicted.
+	void lookAside();
 };
 
 // How far, world length, the ball round a body of ours stays from contact with a plane in a step of this motion (of the world's

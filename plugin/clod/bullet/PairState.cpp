@@ -157,6 +157,8 @@ PairPose PairState::begin(const btCollisionObjectWrapper& body0, const btCollisi
 	}
 	// Bodies that carry each other are held together; and further passes know who holds whom.
 	if (prediction == Prediction::kFree && pose.isOfTwo() && !m_manifolds.carry()) pose.expectHolding();
+	// What met little may meet more where third bodies turn its motion, and to look for it costs little.
+	if (prediction == Prediction::kFree && pose.isOfTwo() && m_result.pairs.size() <= kFewPairs) pose.lookAside();
 	m_report.motion = pose.motion;
 	m_report.tolerance = pose.tolerance;
 	m_report.metric = m_metric.resolve(m_context, pose);
@@ -242,7 +244,11 @@ void PairState::open(const btCollisionObjectWrapper& body0, const btCollisionObj
 			const double before = answered()->settings.metric.coarsening;
 			coarsening = isRefined ? before : std::min(asked, before);
 		}
+		// At the very same pose it is no other question because what was found then was little or much (lookAside).
+		const double tolerance = next.question.settings.tolerance;
+		if (answered()) next.question.settings.tolerance = answered()->settings.tolerance;
 		next.isKept = next.pose.isOfTwo() && answered() && same(*answered(), next.question);
+		if (!next.isKept) next.question.settings.tolerance = tolerance;
 		next.isStill = !next.isKept && isStill(next.pose, next.question);
 		if (!next.isKept && !next.isStill) coarsening = asked;
 	}

@@ -88,6 +88,10 @@ inline constexpr double kSkinShare = 0.0005;
 // Times the displacement of the step: contacts are looked for so far ahead, as they may turn the motion.
 inline constexpr double kPathReach = 1.35;
 
+// Where so few pairs of nodes are near, looking farther costs little, and is worth more: what turns their motion, a third body
+// or another contact, leads to what nothing else keeps them from.
+inline constexpr std::size_t kFewPairs = 8;
+
 inline constexpr double kHeldShare = 0.1;  // of the length: the most that PointRules::heldReach is
 
 // Points go to a solver in groups of a manifold's size.

@@ -13,8 +13,9 @@ constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr std::size_t kLeastTable = 64;
 constexpr int kArcRounds = 6;  // each by the chord's slope
 constexpr double kArcSpeed = 2;  // times the mean speed on an arc: the most on it
-constexpr double kRoamShare = 0.35;  // of the farthest way of the step: so far from a way's middle contacts may lead,
-constexpr double kRoamGrains = 1;    // and so many grains of the coarser surface are looked for
+constexpr double kRoamShare = 0.35;    // of the farthest way of the step: so far from a way's middle contacts may lead,
+constexpr double kRoamOfFew = 0.8;     // where few pairs of nodes are near (kFewPairs),
+constexpr double kRoamGrains = 1;      // and so many grains of the coarser surface are looked for
 
 // Where something goes in the step as far as a facet is concerned: forces count along its normal, but sideways they may
 // be held by whom is not known here, and a body that slides over a border does not fall beneath it.
@@ -52,6 +53,7 @@ void FacetFinder::find(const FacetQuestion& question, const std::vector<Contact>
 	placeMiddles();
 	noteThrough();
 	m_sought = kFar;
+	m_roamShare = contacts.size() <= kFewPairs ? kRoamOfFew : kRoamShare;
 	for (Facet& facet : facets) facet.linear = dot(m_motion.velocity(facet.onA), facet.normal) * m_motion.timeStep;
 	std::size_t size = kLeastTable;
 	while (size < 4 * (facets.size() + contacts.size())) size *= 2;
@@ -130,7 +132,7 @@ void FacetFinder::findPair(const Contact& contact)
 	MovedNode& nodeB = m_nodesB.of(contact.nodeB);
 	const bool mayOverlap = contact.upper <= 0;
 	const ContactSurface &a = q.a.surface(q.a.levelOf(contact.nodeA)), &b = q.b.surface(nodeB.level);
-	const double most = kRoamShare * nodeB.displaced, roam = std::min(most, kRoamGrains * std::max(a.grain(), b.grain()));
+	const double most = m_roamShare * nodeB.displaced, roam = std::min(most, kRoamGrains * std::max(a.grain(), b.grain()));
 	if (roam < most) m_sought = std::min(m_sought, roam);
 	const double beside = kFootShare * q.length() + roam;
 	double reach = q.touching() + q.rules.heldReach + beside;
@@ -202,7 +204,7 @@ void FacetFinder::gather(MovedNode& nodeA, MovedNode& nodeB)
 // Of facets that contacts may lead to, when their motion as predicted closes by so much.
 double FacetFinder::highest(double closing) const
 {
-	return m_question->touching() + m_pair.roam + (1 - kRoamShare) * closing;
+	return m_question->touching() + m_pair.roam + (1 - m_roamShare) * closing;
 }
 
 // Of B in A after a share of the way looked ahead, forces aside. Those of kArcParts are worked out once.

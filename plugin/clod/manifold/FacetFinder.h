@@ -106,6 +106,7 @@ private:
 	std::array<std::optional<Transform>, kArcParts + 1> m_poses;
 	Middle m_middleA, m_middleB;
 	std::vector<Through> m_through;
+	double m_roamShare = 0;
 	double m_sought = 0;
 	Pair m_pair;
 	MovedNodes m_nodesA, m_nodesB;
