@@ -113,7 +113,8 @@ private:
 		if (kind > 2) return asStored(m_draw.ours(radius));
 		auto& whole = m_draw.add(std::make_unique<btCompoundShape>());
 		whole.addChildShape(childPlace(-0.5 * radius), &asStored(m_draw.ours(0.5 * radius)));
-		whole.addChildShape(childPlace(0.5 * radius), kind == 1 ? &storedBullets(0.4 * radius) : &asStored(m_draw.ours(0.5 * radius)));
+		btCollisionShape& second = kind == 1 ? storedBullets(0.4 * radius) : asStored(m_draw.ours(0.5 * radius));
+		whole.addChildShape(childPlace(0.5 * radius), &second);
 		if (m_draw.pick(2)) return whole;
 		auto& outer = m_draw.add(std::make_unique<btCompoundShape>());
 		outer.addChildShape(childPlace(0.2 * radius), &whole);
@@ -180,7 +181,8 @@ struct ReadWorld : World
 	int countOurs() const
 	{
 		int count = 0;
-		for (int i = 0; i < world.getNumCollisionObjects(); ++i) count += oursIn(*world.getCollisionObjectArray()[i]->getCollisionShape());
+		for (int i = 0; i < world.getNumCollisionObjects(); ++i)
+			count += oursIn(*world.getCollisionObjectArray()[i]->getCollisionShape());
 		return count;
 	}
 	static int oursIn(const btCollisionShape& shape)
@@ -197,7 +199,7 @@ std::string differing(const std::vector<double>& a, const std::vector<double>& b
 {
 	if (a.size() != b.size()) return std::to_string(a.size() / 12) + " and " + std::to_string(b.size() / 12) + " bodies";
 	for (std::size_t i = 0; i < a.size(); ++i)
-		if (a[i] != b[i]) return "number " + std::to_string(i % 12) + " of body " + std::to_string(i / 12) + " is off by " + std::to_string(std::abs(a[i] - b[i]));
+		if (a[i] != b[i]) return "number " + std::to_string(i % 12) + " of body " + std::to_string(i / 12) + " differs";
 	return "";
 }
 }  // namespace
@@ -267,8 +269,9 @@ TEST(ImportedWorlds, DamageToOurNamesIsTold)
 // Names alone, however damaged.
 TEST(ImportedWorlds, DamagedNamesAreNoNames)
 {
-	SavedWorld saved(0);
-	const std::string bytes = saved.bytes(), name = bytes.c_str() + bytes.find("clod:");
+	std::uint64_t seed = 0;
+	while (SavedWorld(seed).named() == 0) ++seed;
+	const std::string bytes = SavedWorld(seed).bytes(), name = bytes.c_str() + bytes.find("clod:");
 	ASSERT_TRUE(btClodShape::readSerializedName(name.c_str()));
 	for (std::size_t at = 0; at < name.size(); ++at)
 	{
