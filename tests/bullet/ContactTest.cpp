@@ -37,6 +37,16 @@ std::unique_ptr<btTriangleMesh> floorTriangles(int cells, bool upward)
 			}
 	return mesh;
 }
+struct Distances : btCollisionWorld::ContactResultCallback
+{
+	double least = 1;
+	btScalar addSingleResult(btManifoldPoint& point, const btCollisionObjectWrapper*, int, int,
+							 const btCollisionObjectWrapper*, int, int) override
+	{
+		least = std::min(least, double(point.getDistance()));
+		return 0;
+	}
+};
 }  // namespace
 
 TEST(Rest, OnAStaticPlane)
@@ -88,6 +98,29 @@ TEST(Rest, OnATriangleMeshOfEitherWinding)
 		scene.addBody(ground, 0, {});
 		expectRest(scene, scene.addShape(cube()), 0.5);
 	}
+}
+
+// Bodies made a little, or much, too low: upright, where each point over a corner lies on a wall of theirs, and aslant.
+TEST(Rest, OutOfTheTriangleMeshTheyWereMadeIn)
+{
+	for (const double depth : {0.001, 0.02, 0.1, 0.3, 0.45})
+		for (const double tilt : {0.0, 0.02})
+			for (const int cells : {1, 40})
+			{
+				BulletWorld scene;
+				const auto triangles = floorTriangles(cells, true);
+				auto& mesh = scene.add(std::make_unique<btBvhTriangleMeshShape>(triangles.get(), true));
+				btRigidBody& ground = scene.addBody(mesh, 0, {});
+				btRigidBody& body = scene.addBody(scene.addShape(cube()), 1, {0.013, 0.5 - depth, 0.027},
+												  btQuaternion(btVector3(1, 0, 0), btScalar(tilt)));
+				const auto where = ::testing::Message() << depth << " deep, tilt " << tilt << ", " << cells << " cells";
+				Distances found;
+				scene.world.contactPairTest(&ground, &body, found);
+				EXPECT_NEAR(found.least, -depth, 0.02) << where;
+				EXPECT_LT(found.least, 0) << where;
+				scene.step(480);
+				EXPECT_NEAR(heightOf(body), 0.5, 0.005) << where;
+			}
 }
 
 TEST(Rest, OnAScaledTriangleMesh)

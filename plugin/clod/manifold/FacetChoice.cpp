@@ -65,7 +65,10 @@ bool FacetChoice::overlapsAt(const Facet& facet, const Vec3& shift) const
 	{
 		// A sheet has no inside: it is crossed where its own point lies inside A, with some of A on either side.
 		const Vec3 off = std::min(2 * inner, 0.5 * std::abs(facet.distance)) * facet.normal;
-		return isInA(facet.onB - off) && isInA(facet.onB + off);
+		const auto isCrossedAt = [&](const Vec3& point) { return isInA(point - off) && isInA(point + off); };
+		if (isCrossedAt(facet.onB)) return true;
+		// Of walls that stand upright on it the point is on A's surface: a little further in.
+		return facet.kind == Facet::Kind::kVertexFace && isCrossedAt(facet.onB - inner * a.pseudonormal(facet.featureA));
 	}
 	// Just inside the corner.
 	if (facet.kind == Facet::Kind::kVertexFace)
