@@ -66,29 +66,7 @@ Carrier reduce(const Simplex& points)
 	}
 	return inside ? Carrier{points, Vec3{}} : best;
 }
-}  // namespace
 
-Vec3 nearestOn(const Triangle& t, const Vec3& p)
-{
-	const Vec3 ab = t[1] - t[0], ac = t[2] - t[0], ap = p - t[0];
-	const double d1 = dot(ab, ap), d2 = dot(ac, ap);
-	if (d1 <= 0 && d2 <= 0) return t[0];
-	const Vec3 bp = p - t[1];
-	const double d3 = dot(ab, bp), d4 = dot(ac, bp);
-	if (d3 >= 0 && d4 <= d3) return t[1];
-	const Vec3 cp = p - t[2];
-	const double d5 = dot(ab, cp), d6 = dot(ac, cp);
-	if (d6 >= 0 && d5 <= d6) return t[2];
-	const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
-	if (vc <= 0 && d1 >= 0 && d3 <= 0) return t[0] + (d1 / (d1 - d3)) * ab;
-	if (vb <= 0 && d2 >= 0 && d6 <= 0) return t[0] + (d2 / (d2 - d6)) * ac;
-	if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) return t[1] + ((d4 - d3) / ((d4 - d3) + (d5 - d6))) * (t[2] - t[1]);
-	const double sum = va + vb + vc;
-	return t[0] + (vb / sum) * ab + (vc / sum) * ac;
-}
-
-namespace
-{
 // Wolfe's algorithm from one of the points. Rounding may stop it on a sliver before it has converged.
 struct HullDescent
 {

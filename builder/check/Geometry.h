@@ -8,12 +8,16 @@
 
 #include <clod/hierarchy/Layout.h>
 
+#include "builder/ClosestPoint.h"
+
 namespace clod::check
 {
 using Triangle = std::array<Vec3, 3>;
 
-// Nearest point of a triangle, by the regions of its plane (Ericson, Real-Time Collision Detection, 5.1.5).
-Vec3 nearestOn(const Triangle& t, const Vec3& p);
+inline Vec3 nearestOn(const Triangle& t, const Vec3& p)
+{
+	return builder::closestPoint(p, t[0], t[1], t[2]).point;
+}
 inline double distance(const Triangle& t, const Vec3& p)
 {
 	return length(nearestOn(t, p) - p);

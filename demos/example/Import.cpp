@@ -21,6 +21,7 @@ int main(int argc, char** argv)
 		std::fprintf(stderr, "usage: clod_import saved.bullet\n");
 		return 1;
 	}
+	clod::configureWorld(world);  // files hold some of a world's settings, and the rest is Bullet's again
 	for (const std::string& problem : importer.problems()) std::fprintf(stderr, "%s\n", problem.c_str());
 	for (int step = 0; step < 240; ++step) world.stepSimulation(btScalar(1.0 / 240), 0);
 	for (int i = 0; i < world.getNumCollisionObjects(); ++i)

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Bodies rest where they should, against every kind of partner; queries answer; signs follow Bullet.
 #include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
+#include <BulletCollision/Gimpact/btGImpactShape.h>
 #include <gtest/gtest.h>
 
 #include <functional>
 
+#include "clod/bullet/ConfigureWorld.h"
 #include "tests/bullet/BulletWorld.h"
 #include "tests/bullet/PatchHierarchy.h"
 
@@ -37,6 +39,16 @@ std::unique_ptr<btTriangleMesh> floorTriangles(int cells, bool upward)
 			}
 	return mesh;
 }
+struct Distances : btCollisionWorld::ContactResultCallback
+{
+	double least = 1;
+	btScalar addSingleResult(btManifoldPoint& point, const btCollisionObjectWrapper*, int, int,
+							 const btCollisionObjectWrapper*, int, int) override
+	{
+		least = std::min(least, double(point.getDistance()));
+		return 0;
+	}
+};
 }  // namespace
 
 TEST(Rest, OnAStaticPlane)
@@ -88,6 +100,29 @@ TEST(Rest, OnATriangleMeshOfEitherWinding)
 		scene.addBody(ground, 0, {});
 		expectRest(scene, scene.addShape(cube()), 0.5);
 	}
+}
+
+// Bodies made a little, or much, too low: upright, where each point over a corner lies on a wall of theirs, and aslant.
+TEST(Rest, OutOfTheTriangleMeshTheyWereMadeIn)
+{
+	for (const double depth : {0.001, 0.02, 0.1, 0.3, 0.45})
+		for (const double tilt : {0.0, 0.02})
+			for (const int cells : {1, 40})
+			{
+				BulletWorld scene;
+				const auto triangles = floorTriangles(cells, true);
+				auto& mesh = scene.add(std::make_unique<btBvhTriangleMeshShape>(triangles.get(), true));
+				btRigidBody& ground = scene.addBody(mesh, 0, {});
+				btRigidBody& body = scene.addBody(scene.addShape(cube()), 1, {0.013, 0.5 - depth, 0.027},
+												  btQuaternion(btVector3(1, 0, 0), btScalar(tilt)));
+				const auto where = ::testing::Message() << depth << " deep, tilt " << tilt << ", " << cells << " cells";
+				Distances found;
+				scene.world.contactPairTest(&ground, &body, found);
+				EXPECT_NEAR(found.least, -depth, 0.02) << where;
+				EXPECT_LT(found.least, 0) << where;
+				scene.step(480);
+				EXPECT_NEAR(heightOf(body), 0.5, 0.005) << where;
+			}
 }
 
 TEST(Rest, OnAScaledTriangleMesh)
@@ -142,6 +177,31 @@ TEST(Rest, OursOnBulletsConvexShapes)
 	auto& box = scene.add(std::make_unique<btBoxShape>(btVector3(5, btScalar(0.5), 5)));
 	scene.addBody(box, 0, {0, -0.5, 0});
 	expectRest(scene, scene.addShape(cube()), 0.5);
+}
+
+// Its lower corners and edges lie on the slab, between whose walls, as deep as it is wide, they are, too.
+TEST(Rest, AMovingTriangleMeshOnOurs)
+{
+	const PatchedMesh box = boxMesh({1, 1, 1}, {1, 1, 1}, 1);
+	btTriangleMesh triangles;
+	const auto corner = [&](std::uint32_t v)
+	{
+		const Vec3& p = box.vertices[v];
+		return btVector3(btScalar(p.x), btScalar(p.y), btScalar(p.z));
+	};
+	for (const auto& t : box.triangles) triangles.addTriangle(corner(t[0]), corner(t[1]), corner(t[2]));
+	for (int i = 0; i < 8; ++i)
+	{
+		BulletWorld scene;
+		configureWorld(scene.world);
+		scene.addBody(scene.addShape(patchHierarchy(boxMesh({8, 2, 8}, {1, 1, 1}, 1))), 0, {0, -1, 0});
+		auto& mesh = scene.add(std::make_unique<btGImpactMeshShape>(&triangles));
+		mesh.updateBound();
+		const btRigidBody& body = scene.addBody(mesh, 1, {0.03, 0.51 + 0.06 * i, 0.02});
+		scene.step(480);
+		EXPECT_NEAR(heightOf(body), 0.5, 0.005) << i;
+		EXPECT_LT(double(body.getLinearVelocity().length()), 0.01) << i;
+	}
 }
 
 TEST(Rest, AtAHundredTimesTheUnit)

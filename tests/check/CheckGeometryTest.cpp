@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Two judgements of the checker on shapes where the nearby wrong answer is easy to give: inside or outside next to an
-// acute edge, and the contact area of a surface that leaves the cap and comes back.
+// Judgements of the checker on shapes where the nearby wrong answer is easy to give: distances to slivers, inside or
+// outside next to an acute edge, and the contact area of a surface that leaves the cap and comes back.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -108,6 +108,29 @@ check::Invariant contactAreas(const std::vector<check::Invariant>& all)
 	throw std::runtime_error("contact-areas was not checked");
 }
 }  // namespace
+
+// Slivers turned aslant, points over them, and beyond a side by as much.
+TEST(CheckGeometry, DistancesToSliversAreExact)
+{
+	const auto turned = [](const Vec3& v)
+	{
+		const Vec3 once{0.8 * v.x - 0.6 * v.y, 0.6 * v.x + 0.8 * v.y, v.z};
+		return Vec3{once.x, 0.28 * once.y - 0.96 * once.z, 0.96 * once.y + 0.28 * once.z};
+	};
+	using builder::Feature;
+	for (double width = 1e-2; width > 1e-8; width *= 0.1)
+		for (int i = 1; i < 10; ++i)
+			for (const double away : {1e-7, 1e-5, 1e-3})
+			{
+				const double along = 0.1 * i, up = 0.4 * width * std::min(along / 0.3, (1 - along) / 0.7);
+				const check::Triangle t = {turned({0, 0, 0}), turned({1, 0, 0}), turned({0.3, width, 0})};
+				const Vec3 over = turned({along, up, away}), beside = turned({along, -away, 0});
+				EXPECT_NEAR(check::distance(t, over), away, 1e-14) << width << " " << along;
+				EXPECT_NEAR(check::distance(t, beside), away, 1e-14) << width << " " << along;
+				EXPECT_EQ(builder::closestPoint(over, t[0], t[1], t[2]).feature, Feature::face) << width << " " << along;
+				EXPECT_EQ(builder::closestPoint(beside, t[0], t[1], t[2]).feature, Feature::edgeAB) << width << " " << along;
+			}
+}
 
 TEST(CheckCulling, ABoxEndsAlongAllItsAxes)
 {

@@ -6,6 +6,7 @@
 #include <BulletCollision/NarrowPhaseCollision/btRaycastCallback.h>
 #include <LinearMath/btAabbUtil2.h>
 #include <LinearMath/btSerializer.h>
+#include <xxhash.h>
 
 #include <algorithm>
 #include <cinttypes>
@@ -29,6 +30,15 @@ using clod::Vec3;
 
 constexpr double kSameScale = 1e-6;  // factors that differ by less are one
 constexpr const char* kSerializedAs = "clod:";
+constexpr std::size_t kCheckLength = 9;
+
+// So that damage to what is saved is seen.
+std::string withCheck(const std::string& text)
+{
+	char check[16];
+	std::snprintf(check, sizeof check, "%08" PRIx32 ":", std::uint32_t(XXH32(text.data(), text.size(), 0)));
+	return check + text;
+}
 
 btVector3 scaled(const Vec3& v, double scale)
 {
@@ -251,7 +261,7 @@ const char* btClodShape::serialize(void* buffer, btSerializer* serializer) const
 	char numbers[64];
 	std::snprintf(numbers, sizeof numbers, "%016" PRIx64 ":%08" PRIx32 ":%08" PRIx32 ":%08" PRIx32 ":",
 				  m_given->contentHash(), bits[0], bits[1], bits[2]);
-	m_serializedName = kSerializedAs + std::string(numbers) + m_name;
+	m_serializedName = kSerializedAs + withCheck(numbers + m_name);
 	if (!serializer->findNameForPointer(this)) serializer->registerNameForPointer(this, m_serializedName.c_str());
 	auto& data = *static_cast<btConvexInternalShapeData*>(buffer);
 	data = {};
@@ -265,20 +275,25 @@ const char* btClodShape::serialize(void* buffer, btSerializer* serializer) const
 	return "btConvexInternalShapeData";
 }
 
+bool btClodShape::isSerializedName(const char* name)
+{
+	return name && std::strncmp(name, kSerializedAs, std::strlen(kSerializedAs)) == 0;
+}
+
 std::optional<btClodShape::Serialized> btClodShape::readSerializedName(const char* name)
 {
-	const std::string text = name ? name : "";
-	if (text.compare(0, std::strlen(kSerializedAs), kSerializedAs) != 0) return {};
+	if (!isSerializedName(name)) return {};
+	const std::string text = name + std::strlen(kSerializedAs), numbers = text.substr(std::min(text.size(), kCheckLength));
+	if (text != withCheck(numbers)) return {};
 	std::uint64_t hash = 0;
 	std::uint32_t bits[3];
 	int end = 0;
-	const char* const numbers = text.c_str() + std::strlen(kSerializedAs);
-	const int read = std::sscanf(numbers, "%16" SCNx64 ":%8" SCNx32 ":%8" SCNx32 ":%8" SCNx32 ":%n", &hash, &bits[0],
+	const int read = std::sscanf(numbers.c_str(), "%16" SCNx64 ":%8" SCNx32 ":%8" SCNx32 ":%8" SCNx32 ":%n", &hash, &bits[0],
 								 &bits[1], &bits[2], &end);
 	if (read != 4 || end == 0) return {};
 	float factor[3];
 	std::memcpy(factor, bits, sizeof factor);
-	return Serialized{hash, btVector3(btScalar(factor[0]), btScalar(factor[1]), btScalar(factor[2])), numbers + end};
+	return Serialized{hash, btVector3(btScalar(factor[0]), btScalar(factor[1]), btScalar(factor[2])), numbers.substr(std::size_t(end))};
 }
 
 void btClodShape::processAllTriangles(btTriangleCallback* callback, const btVector3& aabbMin,

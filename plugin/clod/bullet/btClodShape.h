@@ -125,7 +125,7 @@ public:
 	// serializer for this shape, unless it has another name there already. The surface stays in the .clod file.
 	int calculateSerializeBufferSize() const override;
 	const char* serialize(void* buffer, btSerializer* serializer) const override;
-	// What such a name says; none where it is no such name. An importer asks for the name of the box
+	// What such a name says; none where it is no such name, or a damaged one. An importer asks for the name of the box
 	// (btWorldImporter::getNameForPointer) where it makes the body, and loads `name`, whose hierarchy must have the hash.
 	struct Serialized
 	{
@@ -134,6 +134,8 @@ public:
 		std::string name;
 	};
 	static std::optional<Serialized> readSerializedName(const char* name);
+	// Does it begin as such a name does? One that cannot be read is damaged then.
+	static bool isSerializedName(const char* name);
 
 private:
 	std::shared_ptr<const clod::Hierarchy> m_given, m_hierarchy;

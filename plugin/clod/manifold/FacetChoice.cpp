@@ -64,8 +64,16 @@ bool FacetChoice::overlapsAt(const Facet& facet, const Vec3& shift) const
 	if (!b.isClosed() && !b.isHalfSpace())
 	{
 		// A sheet has no inside: it is crossed where its own point lies inside A, with some of A on either side.
+		// What lies on A's surface is of the facet there, and not, as deep as A is wide, of the walls round about.
+		const double touch = kInnerShare * q.length();
+		if (facet.kind != Facet::Kind::kVertexFace && facet.distance < -touch &&
+			a.nearest(facet.onB - shift, touch).distance > -touch)
+			return false;
 		const Vec3 off = std::min(2 * inner, 0.5 * std::abs(facet.distance)) * facet.normal;
-		return isInA(facet.onB - off) && isInA(facet.onB + off);
+		const auto isCrossedAt = [&](const Vec3& point) { return isInA(point - off) && isInA(point + off); };
+		if (isCrossedAt(facet.onB)) return true;
+		// Of walls that stand upright on it the point is on A's surface: a little further in.
+		return facet.kind == Facet::Kind::kVertexFace && isCrossedAt(facet.onB - inner * a.pseudonormal(facet.featureA));
 	}
 	// Just inside the corner.
 	if (facet.kind == Facet::Kind::kVertexFace)
@@ -134,11 +142,24 @@ void FacetChoice::knowAgain(const std::vector<FacetRecord>& last, const Transfor
 	}
 }
 
+// By an edge, in order. Bodies deep in each other ask for pairs by the ten thousand.
+const std::vector<FacetChoice::Ends>& FacetChoice::joinedOf(const ContactSurface& surface)
+{
+	const auto known = std::find_if(m_joined.begin(), m_joined.end(), [&](const auto& of) { return of.first == &surface; });
+	if (known != m_joined.end()) return known->second;
+	m_joined.emplace_back(&surface, std::vector<Ends>());
+	std::vector<Ends>& joined = m_joined.back().second;
+	for (const SurfaceEdge& edge : surface.edges()) joined.push_back(std::minmax({edge.vertex[0], edge.vertex[1]}));
+	std::sort(joined.begin(), joined.end());
+	return joined;
+}
+
 // What an edge joins to a vertex that has gone through a face, and is under it, too, came the same way: it was not the
 // lowest then. Not of sheets, which have another side, nor of half spaces, which have none.
 void FacetChoice::followThrough(std::vector<Facet>& facets)
 {
 	const FacetQuestion& q = *m_question;
+	m_joined.clear();
 	const auto follows = [&](const Facet& facet, const Facet& through)
 	{
 		const ContactSurface& b = q.b.surface(facet.levelB);
@@ -149,10 +170,9 @@ void FacetChoice::followThrough(std::vector<Facet>& facets)
 		const auto polygonOf = [&](const Facet& f) { return isOfA ? f.featureB : f.featureA; };
 		const auto vertexOf = [&](const Facet& f) { return isOfA ? f.featureA : f.featureB; };
 		if (polygonOf(facet) != polygonOf(through)) return false;
-		const std::pair<std::uint32_t, std::uint32_t> ends = std::minmax({vertexOf(facet), vertexOf(through)});
-		return std::any_of(surface.edges().begin(), surface.edges().end(),
-						   [&](const SurfaceEdge& edge)
-						   { return std::minmax({edge.vertex[0], edge.vertex[1]}) == ends; });
+		const Ends ends = std::minmax({vertexOf(facet), vertexOf(through)});
+		const std::vector<Ends>& joined = joinedOf(surface);
+		return std::binary_search(joined.begin(), joined.end(), ends);
 	};
 	for (std::size_t i = 0; i < m_through.size(); ++i)
 	{
