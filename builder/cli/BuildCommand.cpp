@@ -49,6 +49,7 @@ struct BuildOptions : cli::CommonOptions
 	bool withoutAdvice = false;
 	bool parts = false;      // each part of the scene by itself
 	std::optional<cli::Length> wrap, maxMove;
+	std::size_t mostTriangles = 0;
 };
 
 // The words after `clod-build build MESH` that say how the file is to be read.
@@ -84,11 +85,11 @@ std::string nextStep(Reason reason, const BuildOptions& options)
 		case Reason::rounding:
 		case Reason::selfIntersection:
 		case Reason::notFinite:
-			return options.wrap ? command("--wrap 5%") : options.repair ? command("--wrap 2%") : command("--repair");
+			return command(cli::mendingAfter(options.repair, options.wrap));
 		case Reason::noSuchPart:
 			return "\n  Try: clod-build parts " + cli::shellWord(cli::meshPath(options.mesh).file);
 		case Reason::limit:
-			return options.repair || options.wrap ? command("--wrap 2%") : "";
+			return options.repair || options.wrap ? command(cli::mendingAfter(true, {})) : "";
 		case Reason::unreadable:
 		case Reason::syntax:
 		{
@@ -141,6 +142,7 @@ Repaired mend(const Soup& soup, const BuildOptions& options)
 	mending.repair = options.repair;
 	if (options.maxMove) mending.maxMove = options.maxMove->inMeshUnit(radius);
 	if (options.wrap) mending.wrap = options.wrap->inMeshUnit(radius);
+	mending.mostTriangles = options.mostTriangles;
 	return solidOf(soup, mending, progressOn(bar));
 }
 
@@ -300,9 +302,15 @@ void addBuildCommand(CLI::App& program)
 						 "Mend what is wrong with the mesh; says what it did and how far the surface moved");
 	cli::addLength(command, "--max-move", options->maxMove, "Refuse a repair that moves the surface farther [25%]")
 		->needs(repair);
-	cli::addLength(command, "--wrap", options->wrap,
-				   "Build a watertight wrap round the mesh instead, closing gaps narrower than this")
-		->excludes(repair);
+	CLI::Option* const wrap =
+		cli::addLength(command, "--wrap", options->wrap,
+					   "Build a watertight wrap round the mesh instead, closing gaps narrower than this")
+			->excludes(repair);
+	command
+		.add_option("--most-triangles", options->mostTriangles, "Make the wrap so much coarser that it has no more")
+		->needs(wrap)
+		->check(CLI::Range(1000, 100000000))
+		->type_name("N");
 	CLI::Option* const paper =
 		command.add_flag("--paper", options->paper, "Exactly the choices of the paper (Otaduy & Lin 2003)");
 	cli::addChoice(command, "--placement", options->placement, placementNames(),

@@ -29,6 +29,7 @@ struct BuildOptions
 	bool repair = false;
 	double scale = 1;       // all lengths of the file times this
 	std::string wrap = {};  // instead of repair: closes gaps narrower than this length, as the builder reads it
+	std::size_t mostTriangles = 0;  // of a wrap; 0: any number
 };
 
 // A mesh as a file would hold it.
@@ -57,6 +58,8 @@ public:
 	// Entries built by this object, and those found whole in the cache.
 	int built() const { return m_built; }
 	int found() const { return m_found; }
+	// What repair or wrap did to the mesh opened last, in sentences; empty: nothing.
+	const std::vector<std::string>& changes() const { return m_changes; }
 	// Where entries lie; empty when disabled.
 	const std::string& directory() const { return m_options.directory; }
 
@@ -64,11 +67,14 @@ private:
 	std::string entryPath(const MeshSource& mesh, const BuildOptions& options) const;
 	HierarchyPointer buildInto(const std::string& entry, const MeshSource& mesh, const BuildOptions& options,
 							   bool keep);
-	void runBuilder(const std::string& meshPath, const std::string& output, const BuildOptions& options) const;
+	void runBuilder(const std::string& meshPath, const std::string& output, const std::string& report,
+					const BuildOptions& options) const;
+	void readChanges(const std::string& report, const Hierarchy& hierarchy);
 
 	CacheOptions m_options;
 	bool m_quiet;
 	int m_built = 0, m_found = 0;
+	std::vector<std::string> m_changes;
 };
 
 // The parts of a glTF scene as the builder names them; none of other files. Throws cli::Failure.

@@ -301,6 +301,22 @@ TEST_F(TryCommand, ReportsOnMeshesOfAnyUnit)
 	EXPECT_EQ(runOf(RunnerCommand::report("mixed/report.json"), "CLOD")["bodies_gone"], 0);
 }
 
+// What the builder did to a mesh is told, found in the cache, too.
+TEST_F(TryCommand, TellsWhatWasMended)
+{
+	ModelMesh torus = makeModel("torus", 400).value();
+	torus.triangles.pop_back();
+	ASSERT_TRUE(writeObj(path("torn.obj"), torus));
+	for (const char* folder : {"built", "found"})
+	{
+		const Outcome run = bench(tryWords(path("torn.obj") + " --repair", folder));
+		ASSERT_EQ(run.code, 0) << run.err;
+		const std::string page = readText(path(std::string(folder) + "/report.html"));
+		EXPECT_NE(page.find("1 hole closed with 1 face"), std::string::npos) << folder;
+		EXPECT_NE(page.find("certified errors are to the surface as it is now"), std::string::npos) << folder;
+	}
+}
+
 TEST_F(TryCommand, NamesTheNextStep)
 {
 	EXPECT_EQ(bench(tryWords(path("none.obj"), "none")).code, 3);
