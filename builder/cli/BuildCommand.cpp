@@ -62,16 +62,9 @@ std::string frameWords(const FileFrame& frame)
 	return words;
 }
 
-// What a user can try after a refusal; empty where nothing of ours helps.
-std::string nextStep(Reason reason, const BuildOptions& options)
+// Can --repair or --wrap make a solid of it, or another wrap?
+bool isMendable(Reason reason, const BuildOptions& options)
 {
-	if (options.withoutAdvice) return "";
-	const auto command = [&](const std::string& words)
-	{
-		return fmt::format("\n  Try: clod-build build {} {}{}{} -o {}", cli::shellWord(options.mesh),
-						   options.parts ? "--parts " : "", frameWords(options.frame), words,
-						   cli::shellWord(options.output));
-	};
 	switch (reason)
 	{
 		case Reason::degenerate:
@@ -85,11 +78,30 @@ std::string nextStep(Reason reason, const BuildOptions& options)
 		case Reason::rounding:
 		case Reason::selfIntersection:
 		case Reason::notFinite:
-			return command(cli::mendingAfter(options.repair, options.wrap));
+			return true;
+		case Reason::limit:
+			return options.repair || options.wrap;
+		default:
+			return false;
+	}
+}
+
+// What a user can try after a refusal; empty where nothing of ours helps.
+std::string nextStep(Reason reason, const BuildOptions& options)
+{
+	if (isMendable(reason, options))
+	{
+		if (options.withoutAdvice) return "";
+		const bool isLimit = reason == Reason::limit;
+		return fmt::format("\n  Try: clod-build build {} {}{}{} -o {}", cli::shellWord(options.mesh),
+						   options.parts ? "--parts " : "", frameWords(options.frame),
+						   isLimit ? cli::mendingAfter(true, {}) : cli::mendingAfter(options.repair, options.wrap),
+						   cli::shellWord(options.output));
+	}
+	switch (reason)
+	{
 		case Reason::noSuchPart:
 			return "\n  Try: clod-build parts " + cli::shellWord(cli::meshPath(options.mesh).file);
-		case Reason::limit:
-			return options.repair || options.wrap ? command(cli::mendingAfter(true, {})) : "";
 		case Reason::unreadable:
 		case Reason::syntax:
 		{
@@ -162,6 +174,8 @@ Repaired readSolid(const BuildOptions& options)
 	}
 	catch (const Refused& refused)
 	{
+		if (options.withoutAdvice && !options.json.empty())
+			writeReport(options.json, {{"schema", 1}, {"mendable", isMendable(refused.reason(), options)}});
 		throw Failure(codeOf(refused.reason()),
 					  options.mesh + ": " + refused.what() + nextStep(refused.reason(), options));
 	}
@@ -316,7 +330,7 @@ void addBuildCommand(CLI::App& program)
 	cli::addChoice(command, "--placement", options->placement, placementNames(),
 				   "Where a collapse first puts its vertex: the paper's filter, or what to compare it with")
 		->needs(paper);
-	// For a program that runs this one and knows better what its user can do.
+	// For a program that runs this one and knows better what its user can do: the report says whether --repair or --wrap can.
 	command.add_flag("--no-advice", options->withoutAdvice)->group("");
 	cli::addThreads(command, *options);
 	cli::addSeed(command, *options);

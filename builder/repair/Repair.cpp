@@ -115,7 +115,7 @@ Intake accept(Mesh mesh, Changes& changes, const Progress& progress)
 	for (int round = 0;; ++round)
 	{
 		report(progress, "check", double(round) / (kRoundings + 1));
-		if (mesh.triangles.empty()) throw Refused(Reason::empty, "nothing encloses a volume after the repair");
+		if (mesh.triangles.empty()) throw Refused(Reason::zeroVolume, "nothing encloses a volume after the repair");
 		try
 		{
 			return intake(toSoup(mesh));

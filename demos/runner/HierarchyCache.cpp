@@ -43,6 +43,16 @@ void hash(XXH3_state_t* state, const void* data, std::size_t size)
 	XXH3_128bits_update(state, data, size);
 }
 
+// Empty where there is none.
+nlohmann::json jsonOf(const std::string& path)
+{
+	const Result<std::vector<std::byte>> bytes = cli::readFile(path, kMeshSizeLimit);
+	if (!bytes) return nlohmann::json::object();
+	const auto* const text = reinterpret_cast<const char*>(bytes.value().data());
+	const auto read = nlohmann::json::parse(text, text + bytes.value().size(), nullptr, false);
+	return read.is_object() ? read : nlohmann::json::object();
+}
+
 void keepFile(cli::PartialFile& file)
 {
 	if (const std::string problem = file.commit(); !problem.empty()) throw Failure(ExitCode::failure, problem);
@@ -126,7 +136,8 @@ void HierarchyCache::runBuilder(const std::string& meshPath, const std::string& 
 	const int code = runProgram(words, m_quiet);
 	if (code == 0) return;
 	if (code == int(ExitCode::badInput) || code == int(ExitCode::limitReached))
-		throw Failure(ExitCode(code), "the builder refused this mesh (its reason is above)");
+		throw RefusedMesh(ExitCode(code), "the builder refused this mesh (its reason is above)",
+						  jsonOf(report).value("mendable", false));
 	if (code == kProgramMissing) throw Failure(ExitCode::failure, "cannot run " + words[0]);
 	throw Failure(
 		ExitCode::failure,
@@ -137,11 +148,8 @@ void HierarchyCache::runBuilder(const std::string& meshPath, const std::string& 
 void HierarchyCache::readChanges(const std::string& report, const Hierarchy& hierarchy)
 {
 	m_changes.clear();
-	const Result<std::vector<std::byte>> bytes = cli::readFile(report, kMeshSizeLimit);
-	if (!bytes) return;
-	const auto* const text = reinterpret_cast<const char*>(bytes.value().data());
-	const auto read = nlohmann::json::parse(text, text + bytes.value().size(), nullptr, false);
-	if (!read.is_object() || !read.contains("repair") || read["repair"]["changes"].empty()) return;
+	const nlohmann::json read = jsonOf(report);
+	if (!read.contains("repair") || read["repair"]["changes"].empty()) return;
 	const auto& repair = read["repair"];
 	m_changes = repair["changes"].get<std::vector<std::string>>();
 	const auto moved = [&](const char* way)
@@ -168,16 +176,20 @@ HierarchyPointer HierarchyCache::buildInto(const std::string& entry, const MeshS
 			runBuilder(mesh.part.empty() ? mesh.path : mesh.path + "#" + mesh.part, partial.temporaryPath(),
 					   report.temporaryPath(), options);
 	}
-	catch (const Failure& failure)
+	catch (const RefusedMesh& refused)
 	{
-		std::string told = mesh.name + ": " + failure.what();
-		if (failure.code() == ExitCode::badInput && !mesh.path.empty())
+		std::string told = mesh.name + ": " + refused.what();
+		if (refused.isMendable && !mesh.path.empty())
 		{
 			const std::string built = cli::shellWord(cli::nameOf({mesh.path, mesh.part}) + ".clod");
 			told += fmt::format("\n  Try: clod-build build {} {} -o {}, and {} in its place", cli::shellWord(mesh.name),
 								cli::mendingAfter(options.repair, {}), built, built);
 		}
-		throw Failure(failure.code(), told);
+		throw RefusedMesh(refused.code(), told, refused.isMendable);
+	}
+	catch (const Failure& failure)
+	{
+		throw Failure(failure.code(), mesh.name + ": " + failure.what());
 	}
 	Result<HierarchyPointer> hierarchy = Hierarchy::load(partial.temporaryPath());
 	if (!hierarchy)
@@ -243,7 +255,14 @@ std::vector<ScenePart> partsOf(const std::string& file)
 	if (!cli::isGltf(file)) return {};
 	const cli::PartialFile list(temporaryDirectory() + "/clod-parts.json");  // never committed
 	const int code = runProgram({builderPath(), "parts", file, "--quiet", "--json", list.temporaryPath()}, true);
-	if (code == int(ExitCode::badInput)) throw Failure(ExitCode::badInput, file + ": see above");
+	if (code == int(ExitCode::badInput))
+	{
+		const std::string other = cli::shellWord(cli::nameOf({file, {}}) + "-exported.obj");
+		throw Failure(ExitCode::badInput,
+					  fmt::format("{}: no scene can be read of it (the reason is above)\n  Try: assimp export {} {} (Debian's "
+								  "assimp-utils), and {}",
+								  file, cli::shellWord(file), other, other));
+	}
 	const Result<std::vector<std::byte>> bytes = cli::readFile(list.temporaryPath(), kMeshSizeLimit);
 	if (code != 0 || !bytes) throw Failure(ExitCode::failure, fmt::format("{} parts {} failed", builderPath(), file));
 	const auto* const text = reinterpret_cast<const char*>(bytes.value().data());

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/Failure.h"
 #include "clod/hierarchy/Hierarchy.h"
 
 namespace clod::demo
@@ -40,6 +41,16 @@ struct MeshSource
 	std::vector<std::byte> bytes;
 	std::string path;  // where the bytes lie already; empty: in memory only
 	std::string part = {};  // of a glTF scene, the only one to build; empty: all of it
+};
+
+// The builder refused a mesh, and told why on stderr.
+struct RefusedMesh : cli::Failure
+{
+	RefusedMesh(cli::ExitCode code, const std::string& message, bool mendable)
+		: Failure(code, message), isMendable(mendable)
+	{
+	}
+	bool isMendable;  // --repair, --wrap or a coarser wrap may help
 };
 
 class HierarchyCache

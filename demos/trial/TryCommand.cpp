@@ -61,6 +61,7 @@ constexpr Effort kFull = {2000, 10000, 100, 3, {640, 2, 30}, 600, 0};
 constexpr Effort kQuick = {1000, 1000, 24, 1, {480, 1, 30}, 25, 20000};
 
 constexpr double kUnlike = 30;  // radii that differ by more are of different units
+constexpr double kLargest = 1e8;       // radius: the floor is larger, and the builder has limits
 constexpr std::size_t kMostParts = 4;  // of a scene that is named as a whole
 constexpr double kDefaultAccuracy = 0.005;
 constexpr std::uint64_t kChoosingSeed = 0x636c6f64, kFreshSeed = 1;
@@ -108,7 +109,6 @@ const Effort& effortOf(const TryOptions& options)
 TrialMesh openMesh(const TryOptions& options, const std::string& file, std::size_t meshes, double scale,
 				   HierarchyCache& cache)
 {
-	const bool isMesh = std::filesystem::path(file).extension() != ".clod";
 	const int before = cache.built();
 	const auto start = Clock::now();
 	TrialMesh mesh{file, cli::nameOf(cli::meshPath(file)), nullptr, scale, 0, {}};
@@ -122,11 +122,10 @@ TrialMesh openMesh(const TryOptions& options, const std::string& file, std::size
 		mesh.hierarchy = cache.open(file, build);
 		mesh.mended = cache.changes();
 	}
-	catch (const Failure& failure)
+	catch (const RefusedMesh& refused)
 	{
-		const bool isRefused = failure.code() == ExitCode::badInput || failure.code() == ExitCode::limitReached;
-		if (!isRefused || !isMesh) throw;
-		throw Failure(failure.code(),
+		if (!refused.isMendable) throw;
+		throw Failure(refused.code(),
 					  fmt::format("{}: the builder refused this mesh (its reason is above)\n  Try: {}", file,
 								  commandWith(options, cli::mendingAfter(options.repair, options.wrap))));
 	}
@@ -222,6 +221,11 @@ void openMeshes(Trial& trial, const TryOptions& options, HierarchyCache& cache)
 		trial.radius = std::max(trial.radius, radius);
 		trial.smallest = trial.smallest > 0 ? std::min(trial.smallest, radius) : radius;
 	}
+	if (trial.radius > kLargest)
+		throw Failure(ExitCode::limitReached,
+					  fmt::format("a radius of {0:.3g} is more than can be tried, {1:g}\n  Try: clod-build build MESH "
+								  "--scale {2:.1g} -o SMALLER.clod of each mesh, and `clod-bench try` with those files",
+								  trial.radius, kLargest, 1 / trial.radius));
 	if (const std::size_t most = effortOf(options).mostTriangles; most > 0 && triangles > most)
 		note(trial, options,
 			 fmt::format("{} triangles are more than the {} that --quick is quick for", triangles, most));

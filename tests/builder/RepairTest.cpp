@@ -184,7 +184,8 @@ TEST(Repair, MovesNoFartherThanAllowed)
 
 TEST(Repair, RefusesWhatIsNoSolidAtAll)
 {
-	EXPECT_EQ(refusal("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), Reason::empty);
+	// A wrap makes a solid of the first, nothing of the second.
+	EXPECT_EQ(refusal("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), Reason::zeroVolume);
 	EXPECT_EQ(refusal("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"), Reason::empty);
 	EXPECT_EQ(refusal(kVertices + "f 1 2 9\n"), Reason::indexOutOfRange);
 }

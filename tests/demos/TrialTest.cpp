@@ -323,6 +323,20 @@ TEST_F(TryCommand, NamesTheNextStep)
 	const Outcome open = bench(tryWords(file("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), "open"));
 	EXPECT_EQ(open.code, 3);
 	EXPECT_NE(open.err.find("--repair"), std::string::npos) << open.err;
+	// What no repair helps is not sent there.
+	for (const char* content : {"", "hello"})
+	{
+		const Outcome hopeless = bench(tryWords(file("hopeless.obj", content), "hopeless"));
+		EXPECT_EQ(hopeless.code, 3);
+		EXPECT_EQ(hopeless.err.find("--repair"), std::string::npos) << hopeless.err;
+		EXPECT_NE(hopeless.err.find(*content ? "assimp" : "export the file again"), std::string::npos) << hopeless.err;
+	}
+	ModelMesh giant = makeModel("torus", 400).value();
+	for (Vec3& vertex : giant.vertices) vertex = 1e11 * vertex;
+	ASSERT_TRUE(writeObj(path("giant.obj"), giant));
+	const Outcome large = bench(tryWords(path("giant.obj"), "giant"));
+	EXPECT_EQ(large.code, 5);
+	EXPECT_NE(large.err.find("--scale"), std::string::npos) << large.err;
 	ASSERT_TRUE(writeObj(path("torus.obj"), makeModel("torus", 400).value()));
 	EXPECT_EQ(bench("try " + path("torus.obj") + " --quick --quiet -o /proc/none").code, 1);
 	// What is not the mesh's fault is not said to be.
