@@ -330,7 +330,8 @@ void addBuildCommand(CLI::App& program)
 	cli::addChoice(command, "--placement", options->placement, placementNames(),
 				   "Where a collapse first puts its vertex: the paper's filter, or what to compare it with")
 		->needs(paper);
-	// For a program that runs this one and knows better what its user can do: the report says whether --repair or --wrap can.
+	// For a program that runs this one and knows better what its user can do: the report says whether --repair or
+	// --wrap can.
 	command.add_flag("--no-advice", options->withoutAdvice)->group("");
 	cli::addThreads(command, *options);
 	cli::addSeed(command, *options);
