@@ -61,6 +61,7 @@ constexpr Effort kFull = {2000, 10000, 100, 3, {640, 2, 30}, 600, 0};
 constexpr Effort kQuick = {1000, 1000, 24, 1, {480, 1, 30}, 25, 20000};
 
 constexpr double kUnlike = 30;  // radii that differ by more are of different units
+constexpr double kBytesOfTriangle = 100;  // of a file, at most
 constexpr double kLargest = 1e8;       // radius: the floor is larger, and the builder has limits
 constexpr std::size_t kMostParts = 4;  // of a scene that is named as a whole
 constexpr double kDefaultAccuracy = 0.005;
@@ -178,9 +179,24 @@ std::vector<Wanted> wantedOf(Trial& trial, const TryOptions& options, const std:
 	return wanted;
 }
 
+// Told before the minutes are spent; the file is not read yet.
+void warnOfLarge(Trial& trial, const TryOptions& options, const std::string& file)
+{
+	const std::string path = cli::meshPath(file).file;
+	const std::size_t most = effortOf(options).mostTriangles;
+	const double bytes = double(std::filesystem::file_size(path));
+	const bool isBuilt = !options.wrap && !cli::isGltf(path) && cli::endingOf(path) != ".clod";
+	if (most > 0 && isBuilt && bytes > kBytesOfTriangle * double(most))
+		note(trial, options,
+			 fmt::format("{} has {:.2g} MB, probably more than the {} triangles that --quick is quick for: to build it "
+						 "takes minutes",
+						 file, bytes / 1e6, most));
+}
+
 std::vector<Wanted> everyWanted(Trial& trial, const TryOptions& options)
 {
 	std::vector<Wanted> all;
+	for (const std::string& file : options.files) warnOfLarge(trial, options, file);
 	for (const std::string& file : options.files)
 		for (Wanted& wanted : wantedOf(trial, options, file)) all.push_back(std::move(wanted));
 	return all;
