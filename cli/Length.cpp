@@ -50,6 +50,14 @@ std::string describe(const Length& length, double radius, const std::function<st
 					   radius > 0 ? 100 * length.value / radius : 0, said(radius));
 }
 
+std::string mendingAfter(bool repair, const std::optional<Length>& wrap)
+{
+	constexpr double kCoarser = 2.5;
+	if (wrap && wrap->shareOfRadius) return fmt::format("--wrap {:.3g}%", 100 * kCoarser * wrap->value);
+	if (wrap) return fmt::format("--wrap {:.3g}", kCoarser * wrap->value);
+	return repair ? "--wrap 2%" : "--repair";
+}
+
 CLI::Option* addLength(CLI::App& command, const std::string& name, std::optional<Length>& value,
 					   const std::string& description)
 {

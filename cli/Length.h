@@ -30,6 +30,9 @@ Result<Length> parseLength(const std::string& text);
 // How the length was understood: "1% of the radius 0.04 = 0.0004", lengths as `inWords` puts them, else in the mesh's unit.
 std::string describe(const Length& length, double radius, const std::function<std::string(double)>& inWords = {});
 
+// The words to try on a mesh that was refused with these: --repair, then wraps, each coarser than the last.
+std::string mendingAfter(bool repair, const std::optional<Length>& wrap);
+
 // An option taking a length; left empty when absent.
 CLI::Option* addLength(CLI::App& command, const std::string& name, std::optional<Length>& value,
 					   const std::string& description);

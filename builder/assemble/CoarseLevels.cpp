@@ -69,7 +69,7 @@ public:
 		parallelFor(pairs.size(), threads, [&](std::size_t i) { costs[i] = cost(pairs[i].first, pairs[i].second); });
 		for (std::size_t i = 0; i < pairs.size(); ++i)
 			if (costs[i] < kNever) m_open.insert({costs[i], pairs[i]});
-		while (!m_open.empty()) merge(m_open.begin()->second);
+		while (!m_open.empty()) merge(m_open.begin()->second, threads);
 		return result();
 	}
 
@@ -138,9 +138,9 @@ private:
 		return false;
 	}
 
-	void merge(const Pair& pair)
+	void merge(const Pair& pair, const ThreadLimit& threads)
 	{
-		const auto [into, from] = pair;
+		const std::uint32_t into = pair.first, from = pair.second;
 		for (const std::uint32_t f : m_faces[from]) m_label[f] = into;
 		m_faces[into].insert(m_faces[into].end(), m_faces[from].begin(), m_faces[from].end());
 		m_faces[from].clear();
@@ -154,11 +154,11 @@ private:
 		for (const std::uint32_t f : m_faces[into])
 			for (const std::uint32_t other : m_neighbours[f]) around.insert(m_label[other]);
 		around.erase(into);
-		for (const std::uint32_t other : around)
-		{
-			const double c = cost(into, other);
-			if (c < kNever) m_open.insert({c, {std::min(into, other), std::max(into, other)}});
-		}
+		const std::vector<std::uint32_t> others(around.begin(), around.end());
+		std::vector<double> costs(others.size());
+		parallelFor(others.size(), threads, [&](std::size_t i) { costs[i] = cost(into, others[i]); });
+		for (std::size_t i = 0; i < others.size(); ++i)
+			if (costs[i] < kNever) m_open.insert({costs[i], std::minmax(into, others[i])});
 	}
 
 	// Patches are numbered by their first triangle.

@@ -125,12 +125,15 @@ HullShape hullShape(const std::vector<Vec3>& input, double minimum)
 	CGAL::convex_hull_3(cgalPoints.begin(), cgalPoints.end(), mesh);
 	HullShape shape;
 	for (const auto v : mesh.vertices()) shape.corners.push_back(toVec3(mesh.point(v)));
-	shape.facets = canonicalFacets(mesh);
+	std::vector<Triangle> facets = canonicalFacets(mesh);
 	// CGAL's order follows addresses in memory; bytes must not.
 	std::sort(shape.corners.begin(), shape.corners.end(), precedes);
-	std::sort(shape.facets.begin(), shape.facets.end(), facetPrecedes);
-	for (const Triangle& f : shape.facets)
+	std::sort(facets.begin(), facets.end(), facetPrecedes);
+	const auto cornerAt = [&corners = shape.corners](const Vec3& p)
+	{ return std::uint32_t(std::lower_bound(corners.begin(), corners.end(), p, precedes) - corners.begin()); };
+	for (const Triangle& f : facets)
 	{
+		shape.facets.push_back({cornerAt(f.a), cornerAt(f.b), cornerAt(f.c)});
 		const Vec3 n = normalized(areaVector(f));
 		const auto same = [&n](const HalfSpace& p) { return lengthSquared(p.normal - n) < 1e-20; };
 		if (n != Vec3{} && std::none_of(shape.planes.begin(), shape.planes.end(), same)) shape.planes.push_back({n, 0});

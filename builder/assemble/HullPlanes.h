@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A contact hull as an intersection of half-spaces, each of which contains every vertex as stored.
 #pragma once
+#include <array>
+#include <cstdint>
 #include <vector>
 
 #include "builder/assemble/Geometry.h"
@@ -17,7 +19,7 @@ struct HullShape
 {
 	std::vector<HalfSpace> planes;
 	std::vector<Vec3> corners;  // the vertices that span the hull
-	std::vector<Triangle> facets;
+	std::vector<std::array<std::uint32_t, 3>> facets;  // of corners
 };
 
 // The convex hull of points. A set without volume is first thickened by `minimum` along its thinnest direction (both

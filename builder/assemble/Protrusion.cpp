@@ -37,15 +37,13 @@ public:
 			Protrusion known, double hopeless)
 		: m_solid(solid), m_scale(scale), m_known(known), m_hopeless(hopeless)
 	{
-		m_result.lower = known.lower;
-		for (const Triangle& f : shape.facets)
-			for (int k = 0; k < 3; ++k) m_result.lower = std::max(m_result.lower, solid.distance(f[k]));
+		m_result.lower = m_result.upper = known.lower;  // that of all corners
 		m_depth = std::max(0.1 * m_result.lower, 1e-5 * scale.radius);
-		m_result.upper = m_result.lower;
 		constexpr double kAnywhere = std::numeric_limits<double>::infinity();
-		const std::uint32_t apex = add(center, kAnywhere);
-		for (const Triangle& f : shape.facets)
-			m_cells.push_back({{apex, add(f.a, kAnywhere), add(f.b, kAnywhere), add(f.c, kAnywhere)}, known.upper});
+		const std::uint32_t apex = add(center, kAnywhere), first = apex + 1;
+		for (const Vec3& p : shape.corners) add(p, kAnywhere);
+		for (const std::array<std::uint32_t, 3>& f : shape.facets)
+			m_cells.push_back({{apex, first + f[0], first + f[1], first + f[2]}, known.upper});
 	}
 
 	// The cell with the largest bound first, so that what is left when the budget ends is bounded well.

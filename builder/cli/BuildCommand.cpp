@@ -49,6 +49,7 @@ struct BuildOptions : cli::CommonOptions
 	bool withoutAdvice = false;
 	bool parts = false;      // each part of the scene by itself
 	std::optional<cli::Length> wrap, maxMove;
+	std::size_t mostTriangles = 0;
 };
 
 // The words after `clod-build build MESH` that say how the file is to be read.
@@ -61,16 +62,9 @@ std::string frameWords(const FileFrame& frame)
 	return words;
 }
 
-// What a user can try after a refusal; empty where nothing of ours helps.
-std::string nextStep(Reason reason, const BuildOptions& options)
+// Can --repair or --wrap make a solid of it, or another wrap?
+bool isMendable(Reason reason, const BuildOptions& options)
 {
-	if (options.withoutAdvice) return "";
-	const auto command = [&](const std::string& words)
-	{
-		return fmt::format("\n  Try: clod-build build {} {}{}{} -o {}", cli::shellWord(options.mesh),
-						   options.parts ? "--parts " : "", frameWords(options.frame), words,
-						   cli::shellWord(options.output));
-	};
 	switch (reason)
 	{
 		case Reason::degenerate:
@@ -84,11 +78,30 @@ std::string nextStep(Reason reason, const BuildOptions& options)
 		case Reason::rounding:
 		case Reason::selfIntersection:
 		case Reason::notFinite:
-			return options.wrap ? command("--wrap 5%") : options.repair ? command("--wrap 2%") : command("--repair");
+			return true;
+		case Reason::limit:
+			return options.repair || options.wrap;
+		default:
+			return false;
+	}
+}
+
+// What a user can try after a refusal; empty where nothing of ours helps.
+std::string nextStep(Reason reason, const BuildOptions& options)
+{
+	if (isMendable(reason, options))
+	{
+		if (options.withoutAdvice) return "";
+		const bool isLimit = reason == Reason::limit;
+		return fmt::format("\n  Try: clod-build build {} {}{}{} -o {}", cli::shellWord(options.mesh),
+						   options.parts ? "--parts " : "", frameWords(options.frame),
+						   isLimit ? cli::mendingAfter(true, {}) : cli::mendingAfter(options.repair, options.wrap),
+						   cli::shellWord(options.output));
+	}
+	switch (reason)
+	{
 		case Reason::noSuchPart:
 			return "\n  Try: clod-build parts " + cli::shellWord(cli::meshPath(options.mesh).file);
-		case Reason::limit:
-			return options.repair || options.wrap ? command("--wrap 2%") : "";
 		case Reason::unreadable:
 		case Reason::syntax:
 		{
@@ -141,6 +154,7 @@ Repaired mend(const Soup& soup, const BuildOptions& options)
 	mending.repair = options.repair;
 	if (options.maxMove) mending.maxMove = options.maxMove->inMeshUnit(radius);
 	if (options.wrap) mending.wrap = options.wrap->inMeshUnit(radius);
+	mending.mostTriangles = options.mostTriangles;
 	return solidOf(soup, mending, progressOn(bar));
 }
 
@@ -160,6 +174,8 @@ Repaired readSolid(const BuildOptions& options)
 	}
 	catch (const Refused& refused)
 	{
+		if (options.withoutAdvice && !options.json.empty())
+			writeReport(options.json, {{"schema", 1}, {"mendable", isMendable(refused.reason(), options)}});
 		throw Failure(codeOf(refused.reason()),
 					  options.mesh + ": " + refused.what() + nextStep(refused.reason(), options));
 	}
@@ -300,15 +316,22 @@ void addBuildCommand(CLI::App& program)
 						 "Mend what is wrong with the mesh; says what it did and how far the surface moved");
 	cli::addLength(command, "--max-move", options->maxMove, "Refuse a repair that moves the surface farther [25%]")
 		->needs(repair);
-	cli::addLength(command, "--wrap", options->wrap,
-				   "Build a watertight wrap round the mesh instead, closing gaps narrower than this")
-		->excludes(repair);
+	CLI::Option* const wrap =
+		cli::addLength(command, "--wrap", options->wrap,
+					   "Build a watertight wrap round the mesh instead, closing gaps narrower than this")
+			->excludes(repair);
+	command
+		.add_option("--most-triangles", options->mostTriangles, "Make the wrap so much coarser that it has no more")
+		->needs(wrap)
+		->check(CLI::Range(1000, 100000000))
+		->type_name("N");
 	CLI::Option* const paper =
 		command.add_flag("--paper", options->paper, "Exactly the choices of the paper (Otaduy & Lin 2003)");
 	cli::addChoice(command, "--placement", options->placement, placementNames(),
 				   "Where a collapse first puts its vertex: the paper's filter, or what to compare it with")
 		->needs(paper);
-	// For a program that runs this one and knows better what its user can do.
+	// For a program that runs this one and knows better what its user can do: the report says whether --repair or
+	// --wrap can.
 	command.add_flag("--no-advice", options->withoutAdvice)->group("");
 	cli::addThreads(command, *options);
 	cli::addSeed(command, *options);

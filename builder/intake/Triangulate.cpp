@@ -49,8 +49,9 @@ void checkExtent(const Soup& soup)
 	const double extent = std::max({high.x - low.x, high.y - low.y, high.z - low.z});
 	if (extent == 0) throw Refused(Reason::zeroVolume, "all vertices are at the same place");
 	if (!(extent >= kSmallestExtent && extent <= kLargestExtent))
-		throw Refused(Reason::limit, fmt::format("the mesh is {} long; the limits are {} and {}; scale it", extent,
-												 kSmallestExtent, kLargestExtent));
+		throw Refused(Reason::limit,
+					  fmt::format("the mesh is {} long; the limits are {} and {}; scale it (--scale of clod-build)",
+								  extent, kSmallestExtent, kLargestExtent));
 }
 
 }  // namespace

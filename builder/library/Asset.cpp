@@ -15,7 +15,7 @@ double radiusOf(const Soup& soup)
 
 Repaired solidOf(const Soup& soup, const Mending& mending, const Progress& progress)
 {
-	if (mending.wrap) return wrapAround(soup, *mending.wrap, progress);
+	if (mending.wrap) return wrapAround(soup, *mending.wrap, mending.mostTriangles, progress);
 	if (mending.repair) return repair(soup, mending.maxMove ? *mending.maxMove : kMaxMove * radiusOf(soup), progress);
 	Repaired asItIs;
 	asItIs.solid = intake(soup);

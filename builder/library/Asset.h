@@ -13,6 +13,7 @@ struct Mending
 	bool repair = false;
 	std::optional<double> maxMove;  // none: kMaxMove of the radius
 	std::optional<double> wrap;     // instead of repair
+	std::size_t mostTriangles = 0;  // of a wrap; 0: any number
 };
 inline constexpr double kMaxMove = 0.25;  // of the radius: more is another shape, which must be asked for
 

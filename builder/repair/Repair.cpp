@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
+#include <optional>
 
 #include "builder/repair/CleanSoup.h"
 #include "builder/repair/Cracks.h"
@@ -21,6 +23,8 @@ constexpr double kSewing = 1e-5;  // of the extent
 constexpr double kOffsetOfAlpha = 1.0 / 30;
 constexpr double kWrapTriangleLimit = 5e6;
 constexpr int kRoundings = 3;
+constexpr double kCoarser = 1.3;    // times the length, where the wrap has too many triangles
+constexpr double kCurvedFaces = 8;  // times the triangles, of curved faces; a guess for the progress
 
 Mesh toMesh(const WeldedMesh& mesh)
 {
@@ -111,7 +115,7 @@ Intake accept(Mesh mesh, Changes& changes, const Progress& progress)
 	for (int round = 0;; ++round)
 	{
 		report(progress, "check", double(round) / (kRoundings + 1));
-		if (mesh.triangles.empty()) throw Refused(Reason::empty, "nothing encloses a volume after the repair");
+		if (mesh.triangles.empty()) throw Refused(Reason::zeroVolume, "nothing encloses a volume after the repair");
 		try
 		{
 			return intake(toSoup(mesh));
@@ -171,7 +175,7 @@ Repaired repair(const Soup& soup, double maxMove, const Progress& progress)
 		});
 }
 
-Repaired wrapAround(const Soup& soup, double length, const Progress& progress)
+Repaired wrapAround(const Soup& soup, double asked, std::size_t mostTriangles, const Progress& progress)
 {
 	return guarded(
 		[&]
@@ -179,13 +183,28 @@ Repaired wrapAround(const Soup& soup, double length, const Progress& progress)
 			Repaired repaired;
 			const Mesh file = toMesh(usableFaces(soup, repaired.changes));
 			// A wrap has one or two triangles of side `length`; where it turns, `length * offset`.
-			const double triangles = 2 * areaOf(file) / (length * length);
+			const auto fewestOf = [area = areaOf(file)](double length) { return 2 * area / (length * length); };
+			double length = asked;
+			const double most = mostTriangles > 0 ? double(mostTriangles) : std::numeric_limits<double>::infinity();
+			while (length > 0 && fewestOf(length) > most) length *= kCoarser;
+			const double triangles = fewestOf(length);
 			if (!(triangles <= kWrapTriangleLimit))
 				throw Refused(Reason::limit,
 							  fmt::format("a wrap of {:.4g} would need about {:.2g} triangles; the limit is {:.2g}",
 										  length, triangles, kWrapTriangleLimit));
 			report(progress, "wrap", 0);
-			const Mesh wrap = alphaWrap(file, length, kOffsetOfAlpha * length, triangles / 2, progress);
+			const auto wrapOf = [&](double alpha)
+			{
+				const double expected = std::min(most, kCurvedFaces * fewestOf(alpha)) / 2;
+				return alphaWrap(file, alpha, kOffsetOfAlpha * alpha, {expected, most / 2}, progress);
+			};
+			std::optional<Mesh> found = wrapOf(length);
+			for (; !found; found = wrapOf(length)) length *= kCoarser;
+			const Mesh& wrap = *found;
+			if (length > asked)
+				repaired.changes.push_back(fmt::format("gaps narrower than {:.4g} closed instead of {:.4g}: {} triangles "
+													   "are the most that are wanted",
+													   length, asked, mostTriangles));
 			repaired.changes.push_back(fmt::format("{} faces wrapped by {} triangles {:.4g} outside of them",
 												   file.triangles.size(), wrap.triangles.size(),
 												   kOffsetOfAlpha * length));

@@ -32,7 +32,8 @@ struct Repaired
 Repaired repair(const Soup& soup, double maxMove, const Progress& progress = {});
 
 // A watertight surface round the faces of the file, about length / 30 outside of them, that closes gaps and holes
-// narrower than `length` (Portaneri et al., Alpha Wrapping with an Offset, 2022; CGAL). Throws Refused: a limit where
-// the wrap would need millions of triangles.
-Repaired wrapAround(const Soup& soup, double length, const Progress& progress = {});
+// narrower than `length` (Portaneri et al., Alpha Wrapping with an Offset, 2022; CGAL). Longer, and told so, where the
+// wrap would have more than so many triangles, unless that is 0. Throws Refused: a limit where the wrap would need
+// millions of triangles.
+Repaired wrapAround(const Soup& soup, double length, std::size_t mostTriangles = 0, const Progress& progress = {});
 }  // namespace clod::builder

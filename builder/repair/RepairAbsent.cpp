@@ -27,7 +27,7 @@ Repaired repair(const Soup&, double, const Progress&)
 	refuse();
 }
 
-Repaired wrapAround(const Soup&, double, const Progress&)
+Repaired wrapAround(const Soup&, double, std::size_t, const Progress&)
 {
 	refuse();
 }

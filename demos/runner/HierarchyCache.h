@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/Failure.h"
 #include "clod/hierarchy/Hierarchy.h"
 
 namespace clod::demo
@@ -29,6 +30,7 @@ struct BuildOptions
 	bool repair = false;
 	double scale = 1;       // all lengths of the file times this
 	std::string wrap = {};  // instead of repair: closes gaps narrower than this length, as the builder reads it
+	std::size_t mostTriangles = 0;  // of a wrap; 0: any number
 };
 
 // A mesh as a file would hold it.
@@ -39,6 +41,16 @@ struct MeshSource
 	std::vector<std::byte> bytes;
 	std::string path;  // where the bytes lie already; empty: in memory only
 	std::string part = {};  // of a glTF scene, the only one to build; empty: all of it
+};
+
+// The builder refused a mesh, and told why on stderr.
+struct RefusedMesh : cli::Failure
+{
+	RefusedMesh(cli::ExitCode code, const std::string& message, bool mendable)
+		: Failure(code, message), isMendable(mendable)
+	{
+	}
+	bool isMendable;  // --repair, --wrap or a coarser wrap may help
 };
 
 class HierarchyCache
@@ -57,6 +69,8 @@ public:
 	// Entries built by this object, and those found whole in the cache.
 	int built() const { return m_built; }
 	int found() const { return m_found; }
+	// What repair or wrap did to the mesh opened last, in sentences; empty: nothing.
+	const std::vector<std::string>& changes() const { return m_changes; }
 	// Where entries lie; empty when disabled.
 	const std::string& directory() const { return m_options.directory; }
 
@@ -64,11 +78,14 @@ private:
 	std::string entryPath(const MeshSource& mesh, const BuildOptions& options) const;
 	HierarchyPointer buildInto(const std::string& entry, const MeshSource& mesh, const BuildOptions& options,
 							   bool keep);
-	void runBuilder(const std::string& meshPath, const std::string& output, const BuildOptions& options) const;
+	void runBuilder(const std::string& meshPath, const std::string& output, const std::string& report,
+					const BuildOptions& options) const;
+	void readChanges(const std::string& report, const Hierarchy& hierarchy);
 
 	CacheOptions m_options;
 	bool m_quiet;
 	int m_built = 0, m_found = 0;
+	std::vector<std::string> m_changes;
 };
 
 // The parts of a glTF scene as the builder names them; none of other files. Throws cli::Failure.

@@ -19,7 +19,7 @@ constexpr std::size_t kMostBytes = std::size_t(1) << 28;
 constexpr const char* kStyle = R"(
 :root { color-scheme: light; }
 body { font: 16px/1.5 system-ui, sans-serif; color: #1a1f29; background: #fff; margin: 0 auto; max-width: 60rem; padding: 1rem; }
-h1 { font-size: 1.6rem; line-height: 1.25; } h2 { font-size: 1.25rem; margin-top: 2.2rem; }
+h1, p { overflow-wrap: anywhere; } h1 { font-size: 1.6rem; line-height: 1.25; } h2 { font-size: 1.25rem; margin-top: 2.2rem; }
 img, video, svg { width: 100%; height: auto; display: block; background: #fff; }
 figure { margin: 1rem 0; } figcaption { color: #4d5461; font-size: .9rem; }
 figure, .scroll { overflow-x: auto; } svg { min-width: 40rem; } table { border-collapse: collapse; width: 100%; font-size: .92rem; }

@@ -19,7 +19,7 @@ struct TrialMesh
 	HierarchyPointer hierarchy;
 	double scale = 1;         // it was multiplied by this to be of the others' size
 	double buildSeconds = 0;  // NaN: found in the cache, or a .clod file
-	std::string mended;       // "repaired", "wrapped"; empty: taken as it is
+	std::vector<std::string> mended;  // what the builder did to it, in sentences; empty: taken as it is
 };
 
 // One way of colliding that the trial's scene is run with.
@@ -63,6 +63,7 @@ struct Trial
 	double tolerance = 0;
 	std::vector<Contender> contenders;  // ours first
 	std::vector<TrialRun> runs;         // one a contender
+	std::vector<std::string> notes;     // what of the meshes was left out or made coarser
 	std::vector<LeftOut> leftOut;       // who else would have taken part, and what to do about it
 	std::string pair;                   // whose contacts trade-off and recommendations are of
 	Tradeoff tradeoff;

@@ -57,15 +57,18 @@ std::string meshesOf(const Trial& trial)
 	for (const TrialMesh& mesh : trial.meshes)
 	{
 		const Hierarchy& h = *mesh.hierarchy;
-		std::string done = mesh.mended.empty() ? "taken as it is" : mesh.mended;
-		if (mesh.scale != 1) done += fmt::format(", scaled by {:.4g} to the others' size", mesh.scale);
+		std::string done = mesh.mended.empty() ? "taken as it is" : "";
+		for (const std::string& change : mesh.mended) done += (done.empty() ? "" : "; ") + change;
+		if (mesh.scale != 1) done += fmt::format("; scaled by {:.4g} to the others' size", mesh.scale);
 		table.rows.push_back({escaped(mesh.name), fmt::format("{}", h.asset().triangleCount),
 							  fmt::format("{:.4g}", double(h.asset().radius)), fmt::format("{}", h.levels().size),
 							  fmt::format("{:.1f} MB", double(h.bytes().size()) / 1e6),
 							  std::isnan(mesh.buildSeconds) ? "earlier" : fmt::format("{:.1f} s", mesh.buildSeconds),
 							  escaped(done)});
 	}
-	return toHtml(table);
+	std::string text = toHtml(table);
+	for (const std::string& note : trial.notes) text += "<p>" + escaped(note) + ".</p>\n";
+	return text;
 }
 
 std::string contendersOf(const Trial& trial)

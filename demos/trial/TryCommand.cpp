@@ -51,15 +51,18 @@ struct Effort
 	std::size_t choosing, fresh;  // poses
 	int tradeoffRows, passes;
 	FilmRules film;
-	double mostSeconds;  // of a contender
+	double mostSeconds;         // of a contender
+	std::size_t mostTriangles;  // of a wrap, and of a scene's parts together; 0: any number
 };
 // Poses are fewer for two bodies of more triangles together, as each takes so much longer; at least a fifth.
 constexpr double kManyTriangles = 1e5;
 constexpr std::size_t kFewestShare = 5;
-constexpr Effort kFull = {2000, 10000, 100, 3, {640, 2, 30}, 600};
-constexpr Effort kQuick = {1000, 1000, 24, 1, {480, 1, 30}, 25};
+constexpr Effort kFull = {2000, 10000, 100, 3, {640, 2, 30}, 600, 0};
+constexpr Effort kQuick = {1000, 1000, 24, 1, {480, 1, 30}, 25, 20000};
 
 constexpr double kUnlike = 30;  // radii that differ by more are of different units
+constexpr double kBytesOfTriangle = 100;  // of a file, at most
+constexpr double kLargest = 1e8;       // radius: the floor is larger, and the builder has limits
 constexpr std::size_t kMostParts = 4;  // of a scene that is named as a whole
 constexpr double kDefaultAccuracy = 0.005;
 constexpr std::uint64_t kChoosingSeed = 0x636c6f64, kFreshSeed = 1;
@@ -98,29 +101,34 @@ std::string commandWith(const TryOptions& options, const std::string& word)
 	return command + " -o " + cli::shellWord(options.directory);
 }
 
-TrialMesh openMesh(const TryOptions& options, const std::string& file, double scale, HierarchyCache& cache)
+const Effort& effortOf(const TryOptions& options)
 {
-	const bool isMesh = std::filesystem::path(file).extension() != ".clod";
+	return options.quick ? kQuick : kFull;
+}
+
+// meshes: how many there are.
+TrialMesh openMesh(const TryOptions& options, const std::string& file, std::size_t meshes, double scale,
+				   HierarchyCache& cache)
+{
 	const int before = cache.built();
 	const auto start = Clock::now();
 	TrialMesh mesh{file, cli::nameOf(cli::meshPath(file)), nullptr, scale, 0, {}};
-	if (isMesh && options.wrap) mesh.mended = "wrapped";
-	if (isMesh && options.repair) mesh.mended = "repaired";
 	try
 	{
 		BuildOptions build;
 		build.repair = options.repair;
 		build.scale = scale;
 		if (options.wrap) build.wrap = options.wrap->text;
+		build.mostTriangles = effortOf(options).mostTriangles / meshes;
 		mesh.hierarchy = cache.open(file, build);
+		mesh.mended = cache.changes();
 	}
-	catch (const Failure& failure)
+	catch (const RefusedMesh& refused)
 	{
-		const bool isRefused = failure.code() == ExitCode::badInput || failure.code() == ExitCode::limitReached;
-		if (!isRefused || !isMesh) throw;
-		const std::string word = options.wrap ? "--wrap 5%" : options.repair ? "--wrap 2%" : "--repair";
-		throw Failure(failure.code(), fmt::format("{}: the builder refused this mesh (its reason is above)\n  Try: {}",
-												  file, commandWith(options, word)));
+		if (!refused.isMendable) throw;
+		throw Failure(refused.code(),
+					  fmt::format("{}: the builder refused this mesh (its reason is above)\n  Try: {}", file,
+								  commandWith(options, cli::mendingAfter(options.repair, options.wrap))));
 	}
 	mesh.buildSeconds = cache.built() > before ? secondsSince(start) : std::nan("");
 	return mesh;
@@ -133,52 +141,83 @@ struct Wanted
 	bool isOfScene;
 };
 
-// Of a glTF scene the parts with the most faces, in the scene's order, but what is tiny beside the largest.
-std::vector<Wanted> wantedOf(const std::string& path, bool quiet)
+// What was left out or made coarser, for the report and, while it happens, for the terminal.
+void note(Trial& trial, const TryOptions& options, const std::string& sentence)
+{
+	trial.notes.push_back(sentence);
+	if (!options.common.quiet) fmt::print(stderr, "{}\n", sentence);
+}
+
+// Of a glTF scene the parts with the most faces, in the scene's order, but what is tiny beside the largest, and what
+// would be too much for --quick.
+std::vector<Wanted> wantedOf(Trial& trial, const TryOptions& options, const std::string& path)
 {
 	std::vector<ScenePart> parts = partsOf(path);
 	if (parts.size() < 2) return {{path, false}};
 	double largest = 0;
-	std::vector<std::size_t> faces;
+	std::vector<std::size_t> byFaces;
 	for (const ScenePart& part : parts) largest = std::max(largest, part.radius);
-	const auto isTiny = [&](const ScenePart& part) { return part.radius * kUnlike < largest; };
-	for (const ScenePart& part : parts)
-		if (!isTiny(part)) faces.push_back(part.faces);
-	std::sort(faces.rbegin(), faces.rend());
-	const std::size_t fewest = faces[std::min(faces.size(), kMostParts) - 1];
+	for (std::size_t i = 0; i < parts.size(); ++i)
+		if (parts[i].radius * kUnlike >= largest) byFaces.push_back(i);
+	std::stable_sort(byFaces.begin(), byFaces.end(),
+					 [&](std::size_t l, std::size_t r) { return parts[l].faces > parts[r].faces; });
+	std::set<std::size_t> chosen;
+	const std::size_t most = effortOf(options).mostTriangles;
+	std::size_t faces = 0;
+	for (const std::size_t i : byFaces)
+	{
+		if (chosen.size() == kMostParts || (most > 0 && !chosen.empty() && faces + parts[i].faces > most)) continue;
+		chosen.insert(i);
+		faces += parts[i].faces;
+	}
 	std::vector<Wanted> wanted;
-	for (const ScenePart& part : parts)
-		if (!isTiny(part) && part.faces >= fewest && wanted.size() < kMostParts)
-			wanted.push_back({path + "#" + part.name, true});
-	if (!quiet)
-		fmt::print(stderr, "{}: {} of its {} parts are tried; name others as {}\n", path, wanted.size(), parts.size(),
-				   cli::shellWord(path + "#PART"));
+	for (const std::size_t i : chosen) wanted.push_back({path + "#" + parts[i].name, true});
+	note(trial, options,
+		 fmt::format("{}: {} of its {} parts are tried{}; name others as {}", path, wanted.size(), parts.size(),
+					 most > 0 ? fmt::format(", of {} triangles together at most (--quick)", most) : "",
+					 cli::shellWord(path + "#PART")));
 	return wanted;
 }
 
-std::vector<Wanted> everyWanted(const TryOptions& options)
+// Told before the minutes are spent; the file is not read yet.
+void warnOfLarge(Trial& trial, const TryOptions& options, const std::string& file)
+{
+	const std::string path = cli::meshPath(file).file;
+	const std::size_t most = effortOf(options).mostTriangles;
+	const double bytes = double(std::filesystem::file_size(path));
+	const bool isBuilt = !options.wrap && !cli::isGltf(path) && cli::endingOf(path) != ".clod";
+	if (most > 0 && isBuilt && bytes > kBytesOfTriangle * double(most))
+		note(trial, options,
+			 fmt::format("{} has {:.2g} MB, probably more than the {} triangles that --quick is quick for: to build it "
+						 "takes minutes",
+						 file, bytes / 1e6, most));
+}
+
+std::vector<Wanted> everyWanted(Trial& trial, const TryOptions& options)
 {
 	std::vector<Wanted> all;
+	for (const std::string& file : options.files) warnOfLarge(trial, options, file);
 	for (const std::string& file : options.files)
-		for (Wanted& wanted : wantedOf(file, options.common.quiet)) all.push_back(std::move(wanted));
+		for (Wanted& wanted : wantedOf(trial, options, file)) all.push_back(std::move(wanted));
 	return all;
 }
 
 // Meshes of unlike sizes are taken to be in different units: those far from the first are brought to its radius.
 void openMeshes(Trial& trial, const TryOptions& options, HierarchyCache& cache)
 {
-	const std::vector<Wanted> every = everyWanted(options);
+	const std::vector<Wanted> every = everyWanted(trial, options);
 	for (const auto& [file, isOfScene] : every)
 	{
 		try
 		{
-			trial.meshes.push_back(openMesh(options, file, 1, cache));
+			trial.meshes.push_back(openMesh(options, file, every.size(), 1, cache));
 		}
 		catch (const Failure& failure)
 		{
 			const bool isLast = &file == &every.back().path;
 			if (!isOfScene || failure.code() == ExitCode::failure || (isLast && trial.meshes.empty())) throw;
-			fmt::print(stderr, "{}\n{} is left out.\n", failure.what(), file);
+			fmt::print(stderr, "{}\n", failure.what());
+			note(trial, options, fmt::format("{} is left out: the builder refused it", file));
 			continue;
 		}
 		const double first = double(trial.meshes.front().hierarchy->asset().radius);
@@ -188,14 +227,24 @@ void openMeshes(Trial& trial, const TryOptions& options, HierarchyCache& cache)
 			fmt::print(stderr,
 					   "{}: {:.4g} times the size of {}; it is taken to be in another unit and scaled by {:.6g}\n",
 					   file, 1 / scale, options.files.front(), scale);
-		trial.meshes.back() = openMesh(options, file, scale, cache);
+		trial.meshes.back() = openMesh(options, file, every.size(), scale, cache);
 	}
+	std::size_t triangles = 0;
 	for (const TrialMesh& mesh : trial.meshes)
 	{
+		triangles += mesh.hierarchy->asset().triangleCount;
 		const double radius = double(mesh.hierarchy->asset().radius);
 		trial.radius = std::max(trial.radius, radius);
 		trial.smallest = trial.smallest > 0 ? std::min(trial.smallest, radius) : radius;
 	}
+	if (trial.radius > kLargest)
+		throw Failure(ExitCode::limitReached,
+					  fmt::format("a radius of {0:.3g} is more than can be tried, {1:g}\n  Try: clod-build build MESH "
+								  "--scale {2:.1g} -o SMALLER.clod of each mesh, and `clod-bench try` with those files",
+								  trial.radius, kLargest, 1 / trial.radius));
+	if (const std::size_t most = effortOf(options).mostTriangles; most > 0 && triangles > most)
+		note(trial, options,
+			 fmt::format("{} triangles are more than the {} that --quick is quick for", triangles, most));
 }
 
 void setUpScene(Trial& trial, const TryOptions& options, HierarchyCache& cache)
@@ -339,7 +388,7 @@ void runTry(const TryOptions& options)
 {
 	const auto start = Clock::now();
 	checkUsage(options);
-	const Effort& effort = options.quick ? kQuick : kFull;
+	const Effort& effort = effortOf(options);
 	HierarchyCache cache(options.cache, options.common.quiet);
 	cli::Progress progress(options.common.quiet);
 	const PeerTools tools{options.peerDirectory.empty() ? defaultPeerDirectory() : options.peerDirectory};

@@ -303,6 +303,7 @@ TEST_F(Cli, WrapBuildsAStandIn)
 	EXPECT_EQ(run({"check", path("a.clod"), "--quiet"}), 0);
 	EXPECT_EQ(run({"build", path("open.obj"), "-o", path("b.clod"), "--wrap", "150%", "--repair"}), 2);
 	EXPECT_EQ(run({"build", path("open.obj"), "-o", path("b.clod"), "--wrap", "0.0001%"}), 5);
+	EXPECT_EQ(run({"build", path("open.obj"), "-o", path("b.clod"), "--most-triangles", "2000"}), 2);
 	EXPECT_EQ(filesBesides("b."), 0u);
 }
 
@@ -398,6 +399,15 @@ TEST(CliLength, IsReadAsWritten)
 	EXPECT_EQ(cli::parseLength("1%").value().inMeshUnit(7), 0.07);
 	for (const char* bad : {"", "mm", "1 mm", "-1mm", "nan", "inf", "1parsec", "1,5mm", "0x1"})
 		EXPECT_FALSE(bool(cli::parseLength(bad))) << bad;
+}
+
+TEST(CliLength, EveryMendingIsCoarserThanTheOneBefore)
+{
+	EXPECT_EQ(cli::mendingAfter(false, {}), "--repair");
+	EXPECT_EQ(cli::mendingAfter(true, {}), "--wrap 2%");
+	EXPECT_EQ(cli::mendingAfter(false, cli::parseLength("2%").value()), "--wrap 5%");
+	EXPECT_EQ(cli::mendingAfter(false, cli::parseLength("5%").value()), "--wrap 12.5%");
+	EXPECT_EQ(cli::mendingAfter(false, cli::parseLength("2mm").value()), "--wrap 0.005");
 }
 
 // What is written where no terminal is: a line a phase, however often it is told.

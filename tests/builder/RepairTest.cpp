@@ -184,7 +184,8 @@ TEST(Repair, MovesNoFartherThanAllowed)
 
 TEST(Repair, RefusesWhatIsNoSolidAtAll)
 {
-	EXPECT_EQ(refusal("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), Reason::empty);
+	// A wrap makes a solid of the first, nothing of the second.
+	EXPECT_EQ(refusal("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), Reason::zeroVolume);
 	EXPECT_EQ(refusal("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"), Reason::empty);
 	EXPECT_EQ(refusal(kVertices + "f 1 2 9\n"), Reason::indexOutOfRange);
 }
@@ -211,6 +212,28 @@ TEST(Wrap, EnclosesAtACertifiedDistance)
 	EXPECT_LE(wrap.lost.upper, 1.5 * kLength / 30);
 	EXPECT_GT(wrap.added.lower, 0.3);  // the lid
 	EXPECT_NE(joined(wrap.changes).find("wrapped by"), std::string::npos);
+}
+
+// Coarser than asked for where it would have too many triangles, and says so.
+TEST(Wrap, HasNoMoreTrianglesThanAreWanted)
+{
+	constexpr double kLength = 0.05;
+	constexpr std::size_t kMost = 2000;
+	builder::Soup soup;  // a bumpy sheet, whose wrap turns everywhere
+	for (std::uint32_t i = 0; i < 20 * 20; ++i)
+	{
+		const double x = i % 20, y = i / 20;
+		soup.vertices.push_back({x / 20, y / 20, 0.03 * std::sin(x * y)});
+		if (i % 20 == 0 || i < 20) continue;
+		soup.corners.insert(soup.corners.end(), {i, i - 1, i - 21, i - 20});
+		soup.endPolygon();
+	}
+	ASSERT_GT(builder::wrapAround(soup, kLength).solid.mesh.triangles.size(), kMost);
+	const Repaired wrap = builder::wrapAround(soup, kLength, kMost);
+	EXPECT_LE(wrap.solid.mesh.triangles.size(), kMost);
+	EXPECT_GT(wrap.solid.mesh.triangles.size(), kMost / 4) << "no coarser than it has to be";
+	EXPECT_NE(joined(wrap.changes).find("closed instead of 0.05"), std::string::npos) << joined(wrap.changes);
+	EXPECT_EQ(joined(builder::wrapAround(soup, 1, kMost).changes).find("instead"), std::string::npos);
 }
 
 TEST(Wrap, RefusesMillionsOfTriangles)

@@ -333,6 +333,28 @@ TEST(Models, DigitsAreTwentyMillimetresTall)
 	}
 }
 
+// Between wall and face a quarter circle of 0.7 mm, where the triangles are small enough to show it.
+TEST(Models, DigitsHaveRoundedEdges)
+{
+	constexpr double kWall = 1.8e-3, kBevel = 0.7e-3;
+	const ModelMesh& mesh = built("number2", 4 * paperTriangleCount("number2"));
+	std::vector<Vec3> wall;
+	for (const Vec3& v : mesh.vertices)
+		if (std::fabs(v.z - kWall) < SQUARE_ROOT_OF_EPSILON) wall.push_back(v);
+	int between = 0;
+	for (const Vec3& v : mesh.vertices)
+	{
+		if (v.z < kWall + SQUARE_ROOT_OF_EPSILON) continue;
+		double depth = kBevel;
+		for (const Vec3& w : wall) depth = std::min(depth, std::hypot(w.x - v.x, w.y - v.y));
+		if (depth > 0.9 * kBevel) continue;
+		++between;
+		const double rest = 1 - depth / kBevel;
+		EXPECT_NEAR(v.z, kWall + kBevel * std::sqrt(1 - rest * rest), 0.1 * kBevel) << depth;
+	}
+	EXPECT_GT(between, 10);
+}
+
 TEST(Models, BadRequestsAreRefusedByName)
 {
 	EXPECT_NE(makeModel("teapot").error().find("\"teapot\""), std::string::npos);

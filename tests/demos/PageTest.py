@@ -13,6 +13,7 @@ import sys
 import tempfile
 
 WIDTHS = (360, 800, 1600)
+MODELS, LONG = ("cup", "torus"), "_with_a_name_such_as_exporters_write_001"
 # Written into a copy of the page: what only a browser knows.
 PROBE = """<script>window.addEventListener('load', async () => {
 const video = document.querySelector('video'), wait = ms => new Promise(done => setTimeout(done, ms));
@@ -97,9 +98,10 @@ def main():
         found = list(faults(options.page.read_text(), True))
     else:
         with tempfile.TemporaryDirectory() as folder:
-            for model in ("cup", "torus"):
-                subprocess.run([options.bench, "model", model, "--triangles", "1200", "--quiet", "-o", f"{folder}/{model}.obj"], check=True)
-            subprocess.run([options.bench, "try", f"{folder}/cup.obj", f"{folder}/torus.obj", "--quick", "--quiet", "--peers-dir",
+            for model in MODELS:
+                subprocess.run([options.bench, "model", model, "--triangles", "1200", "--quiet", "-o",
+                                f"{folder}/{model}{LONG}.obj"], check=True)
+            subprocess.run([options.bench, "try", *(f"{folder}/{model}{LONG}.obj" for model in MODELS), "--quick", "--quiet", "--peers-dir",
                             "/none", "-o", folder], check=True, stdout=subprocess.DEVNULL)
             found = list(faults((pathlib.Path(folder) / "report.html").read_text(), shutil.which("ffmpeg") is not None))
     if found:

@@ -301,12 +301,42 @@ TEST_F(TryCommand, ReportsOnMeshesOfAnyUnit)
 	EXPECT_EQ(runOf(RunnerCommand::report("mixed/report.json"), "CLOD")["bodies_gone"], 0);
 }
 
+// What the builder did to a mesh is told, found in the cache, too.
+TEST_F(TryCommand, TellsWhatWasMended)
+{
+	ModelMesh torus = makeModel("torus", 400).value();
+	torus.triangles.pop_back();
+	ASSERT_TRUE(writeObj(path("torn.obj"), torus));
+	for (const char* folder : {"built", "found"})
+	{
+		const Outcome run = bench(tryWords(path("torn.obj") + " --repair", folder));
+		ASSERT_EQ(run.code, 0) << run.err;
+		const std::string page = readText(path(std::string(folder) + "/report.html"));
+		EXPECT_NE(page.find("1 hole closed with 1 face"), std::string::npos) << folder;
+		EXPECT_NE(page.find("certified errors are to the surface as it is now"), std::string::npos) << folder;
+	}
+}
+
 TEST_F(TryCommand, NamesTheNextStep)
 {
 	EXPECT_EQ(bench(tryWords(path("none.obj"), "none")).code, 3);
 	const Outcome open = bench(tryWords(file("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), "open"));
 	EXPECT_EQ(open.code, 3);
 	EXPECT_NE(open.err.find("--repair"), std::string::npos) << open.err;
+	// What no repair helps is not sent there.
+	for (const char* content : {"", "hello"})
+	{
+		const Outcome hopeless = bench(tryWords(file("hopeless.obj", content), "hopeless"));
+		EXPECT_EQ(hopeless.code, 3);
+		EXPECT_EQ(hopeless.err.find("--repair"), std::string::npos) << hopeless.err;
+		EXPECT_NE(hopeless.err.find(*content ? "assimp" : "export the file again"), std::string::npos) << hopeless.err;
+	}
+	ModelMesh giant = makeModel("torus", 400).value();
+	for (Vec3& vertex : giant.vertices) vertex = 1e11 * vertex;
+	ASSERT_TRUE(writeObj(path("giant.obj"), giant));
+	const Outcome large = bench(tryWords(path("giant.obj"), "giant"));
+	EXPECT_EQ(large.code, 5);
+	EXPECT_NE(large.err.find("--scale"), std::string::npos) << large.err;
 	ASSERT_TRUE(writeObj(path("torus.obj"), makeModel("torus", 400).value()));
 	EXPECT_EQ(bench("try " + path("torus.obj") + " --quick --quiet -o /proc/none").code, 1);
 	// What is not the mesh's fault is not said to be.
