@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include "tests/bullet/PatchHierarchy.h"
+#include "tests/fixtures/Recipes.h"
 #include "tests/oracle/BoxOverFloor.h"
 #include "tests/oracle/BulletSubject.h"
 #include "tests/query/Bodies.h"
+#include "tests/support/HierarchyContents.h"
 
 namespace clod::oracle
 {
@@ -42,6 +44,33 @@ TEST(Oracle, HoldsOurFlatBoxForRight)
 	const auto make = [&](const BodyPair&)
 	{ return clodSubject(hierarchyOf(kHalfOfA), hierarchyOf(kHalfOfB), ContactMetric::exactly()); };
 	EXPECT_GT(expectRightWhereFlat(make), 30);
+}
+
+// Motions up to 30 degrees off the predicted one: what nobody has looked for nothing keeps from.
+TEST(Oracle, WhatMeetsLittleIsLookedForAside)
+{
+	const auto make = [](const BodyPair& pair)
+	{
+		const auto hierarchyOf = [](const TriangleMesh& mesh)
+		{
+			builder::Mesh input;
+			input.vertices = mesh.vertices;
+			input.triangles = mesh.triangles;
+			return test::loaded(test::built(input));
+		};
+		return clodSubject(hierarchyOf(pair.a), hierarchyOf(pair.b), ContactMetric::exactly());
+	};
+	int asked = 0;
+	for (const Family& family : families())
+	{
+		if (family.name != "box-on-seam" && family.name != "corner-in-corner") continue;
+		++asked;
+		const FamilyResult result = FamilyTrials(family, make, TrialRules()).runAll(2 * kPoses);
+		const Tally& aside = result.of(Kind::near30);
+		EXPECT_GT(aside.bestHalfSpace, 10) << family.name;
+		EXPECT_LE(aside.faults(), 1.2 * aside.bestHalfSpace) << family.name;
+	}
+	EXPECT_EQ(asked, 2);
 }
 
 // The surfaces are closed (Solid throws otherwise) and near each other, and a pose is judged by those in use.
