@@ -142,14 +142,28 @@ void FacetChoice::knowAgain(const std::vector<FacetRecord>& last, const Transfor
 	}
 }
 
-// By an edge, in order. Bodies deep in each other ask for pairs by the ten thousand.
-const std::vector<FacetChoice::Ends>& FacetChoice::joinedOf(const ContactSurface& surface)
+// The edges between vertices of facets, in order. Bodies deep in each other ask for pairs by the ten thousand, and a surface
+// may have a hundred thousand edges.
+const std::vector<FacetChoice::Ends>& FacetChoice::joinedOf(const ContactSurface& surface,
+															   const std::vector<Facet>& facets)
 {
 	const auto known = std::find_if(m_joined.begin(), m_joined.end(), [&](const auto& of) { return of.first == &surface; });
 	if (known != m_joined.end()) return known->second;
+	m_order.clear();
+	const auto askFor = [this](const Facet& facet)
+	{
+		if (facet.kind == Facet::Kind::kVertexFace) m_order.push_back(facet.featureA);
+		if (facet.kind == Facet::Kind::kFaceVertex) m_order.push_back(facet.featureB);
+	};
+	std::for_each(m_through.begin(), m_through.end(), askFor);
+	std::for_each(facets.begin(), facets.end(), askFor);
+	std::sort(m_order.begin(), m_order.end());
+	const auto isAsked = [&](std::uint32_t vertex) { return std::binary_search(m_order.begin(), m_order.end(), vertex); };
 	m_joined.emplace_back(&surface, std::vector<Ends>());
 	std::vector<Ends>& joined = m_joined.back().second;
-	for (const SurfaceEdge& edge : surface.edges()) joined.push_back(std::minmax({edge.vertex[0], edge.vertex[1]}));
+	for (const SurfaceEdge& edge : surface.edges())
+		if (isAsked(edge.vertex[0]) && isAsked(edge.vertex[1]))
+			joined.push_back(std::minmax({edge.vertex[0], edge.vertex[1]}));
 	std::sort(joined.begin(), joined.end());
 	return joined;
 }
@@ -171,7 +185,7 @@ void FacetChoice::followThrough(std::vector<Facet>& facets)
 		const auto vertexOf = [&](const Facet& f) { return isOfA ? f.featureA : f.featureB; };
 		if (polygonOf(facet) != polygonOf(through)) return false;
 		const Ends ends = std::minmax({vertexOf(facet), vertexOf(through)});
-		const std::vector<Ends>& joined = joinedOf(surface);
+		const std::vector<Ends>& joined = joinedOf(surface, facets);
 		return std::binary_search(joined.begin(), joined.end(), ends);
 	};
 	for (std::size_t i = 0; i < m_through.size(); ++i)

@@ -31,7 +31,7 @@ private:
 	void dropWhatHoldsThrough(std::vector<Facet>& facets);
 	void followThrough(std::vector<Facet>& facets);
 	using Ends = std::pair<std::uint32_t, std::uint32_t>;  // of an edge, the lower index first
-	const std::vector<Ends>& joinedOf(const ContactSurface& surface);
+	const std::vector<Ends>& joinedOf(const ContactSurface& surface, const std::vector<Facet>& facets);
 	void dropInner(std::vector<Facet>& facets);
 	void dropRidges(std::vector<Facet>& facets);
 	bool isBeyondRidge(const Facet& best, const Vec3& center, const Facet& other) const;
