@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Lengths in pictures: in micrometres to metres, as their size suggests.
+// Lengths in pictures: all in millimetres, so that those of one picture, or of two, compare at a glance.
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -9,16 +10,16 @@ namespace clod::demo
 {
 inline std::string metricLength(double metres, int digits = 4)
 {
-	struct Unit
-	{
-		double least, perMetre;
-		const char* name;
-	};
-	constexpr Unit kUnits[] = {{1, 1, "m"}, {0.01, 1e2, "cm"}, {1e-5, 1e3, "mm"}, {0, 1e6, "µm"}};
-	const Unit* unit = kUnits;
-	while (std::fabs(metres) < unit->least) ++unit;
-	char text[32];
-	std::snprintf(text, sizeof text, "%.*g %s", digits, metres * unit->perMetre, unit->name);
-	return text;
+	constexpr double kLeast = 1e-7;  // mm, an atom's size: less is none
+	const double millimetres = 1e3 * metres, size = std::fabs(millimetres);
+	if (size < kLeast) return "0 mm";
+	const double unit = std::pow(10.0, std::floor(std::log10(size)) + 1 - digits);  // of the last digit
+	const double rounded = std::round(millimetres / unit) * unit;
+	char text[64];
+	std::snprintf(text, sizeof text, "%.*f", int(std::clamp(-std::log10(unit) + 0.5, 0.0, 20.0)), rounded);
+	std::string words = text;
+	if (words.find('.') != std::string::npos) words.erase(words.find_last_not_of('0') + 1);
+	if (words.back() == '.') words.pop_back();
+	return words + " mm";
 }
 }  // namespace clod::demo

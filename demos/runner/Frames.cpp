@@ -26,12 +26,14 @@ constexpr float kPaler[] = {0, 0.3f, 0.15f};
 constexpr Color kContactColor = {0.85f, 0.1f, 0.1f, 1};
 // Arrows point from A to B: the way A pushes B.
 constexpr double kMarkerSpacing = 2.0 / 15;  // of the close-up's radius
-constexpr std::size_t kLargestMarkers = 40, kCrowd = 100;
+constexpr std::size_t kLargestMarkers = 40;
+constexpr std::size_t kCrowd = 100;  // more arrows would hide what they point at
 // Ground lines a decade under the picture's size; where they fade.
 constexpr double kGridShare = 0.1, kFadeShare = 4.2;
 constexpr double kExactShare = 1e-5;  // of the smallest radius: errors that small have one colour
 constexpr const char* kColorsMean = "Coloured: the surface patches that answered, by certified error. ";
-constexpr const char* kRedMeans = "Red: points that carry";
+constexpr const char* kCarry = "points that carry";
+constexpr const char* kNearest = "where patches are nearest to each other";
 constexpr const char* kArrowsMean = ", and which way the one body pushes the other";
 
 constexpr Color kGhostColor = {0.5f, 0.55f, 0.65f, 0.12f};
@@ -172,6 +174,14 @@ std::vector<LegendEntry> legendOf(const FrameSubject& subject, const FrameAnswer
 	return entries;
 }
 
+std::string footnoteOf(const FrameSubject& subject, const FrameAnswer& answer, std::size_t contacts,
+					   const std::string& redMeans)
+{
+	std::string words = legendOf(subject, answer).empty() ? "" : kColorsMean;
+	if (contacts > 0) words += "Red: " + redMeans + (contacts > kCrowd ? "." : std::string(kArrowsMean) + ".");
+	return words;
+}
+
 std::size_t patchesShown(const FrameSubject& subject, const FrameAnswer& answer)
 {
 	std::size_t count = 0;
@@ -206,7 +216,6 @@ void FramePainter::addPatches(Frame& frame, const FrameMoment& moment, const Fra
 void FramePainter::addContacts(Frame& frame, const std::vector<FrameContact>& contacts) const
 {
 	const double size = m_subject.closeUp.radius;
-	// Hundreds of arrows would hide what they point at.
 	const bool isCrowded = contacts.size() > kCrowd;
 	for (const FrameContact& contact : contacts)
 	{
@@ -236,7 +245,8 @@ Frame FramePainter::scene(const FrameMoment& moment, const FrameAnswer& answer) 
 }
 
 Image FramePainter::overview(const FrameMoment& moment, const FrameAnswer& answer,
-							 const std::vector<FrameContact>& contacts, const std::vector<std::string>& lines)
+							 const std::vector<FrameContact>& contacts, const std::string& redMeans,
+							 const std::vector<std::string>& lines)
 {
 	Frame frame = scene(moment, answer);
 	addContacts(frame, contacts);
@@ -247,8 +257,7 @@ Image FramePainter::overview(const FrameMoment& moment, const FrameAnswer& answe
 	text.lines = lines;
 	text.footer =
 		fmt::format("step {} of {}, t = {:.3f} s", moment.step, m_subject.steps, double(moment.step) * m_subject.dt);
-	text.footnote = (legendOf(m_subject, answer).empty() ? "" : kColorsMean) + std::string(kRedMeans) +
-					(frame.arrows.empty() ? "." : std::string(kArrowsMean) + ".");
+	text.footnote = footnoteOf(m_subject, answer, contacts.size(), redMeans);
 	drawOverlay(image, text);
 	return image;
 }
@@ -276,14 +285,15 @@ Image FramePainter::closeUp(const FrameMoment& moment, const FrameAnswer& answer
 Image FramePainter::paint(const FrameMoment& moment, const FrameAnswer& answer,
 						  const std::vector<FrameContact>& contacts)
 {
-	return sideBySide(
-		{{overview(moment, answer, contacts, figures(answer)), ""}, {closeUp(moment, answer, contacts, {}), ""}}, "");
+	return sideBySide({{overview(moment, answer, contacts, kCarry, figures(answer)), ""},
+					   {closeUp(moment, answer, contacts, {}), ""}},
+					  "");
 }
 
 Image FramePainter::paintComparison(const FrameMoment& moment, const FrameAnswer& left, const FrameAnswer& right)
 {
 	const auto contactsLeft = markContacts(moment, left), contactsRight = markContacts(moment, right);
-	return sideBySide({{overview(moment, left, contactsLeft, {}), "the pose"},
+	return sideBySide({{overview(moment, left, contactsLeft, kNearest, {}), "the pose"},
 					   {closeUp(moment, left, contactsLeft, figures(left)), left.selection},
 					   {closeUp(moment, right, contactsRight, figures(right)), right.selection}},
 					  "");

@@ -76,6 +76,10 @@ private:
 // Of the errors that are in the picture, smallest first.
 std::vector<LegendEntry> legendOf(const FrameSubject& subject, const FrameAnswer& answer);
 
+// What the colours mean that are in the picture, with so many contacts marked in red.
+std::string footnoteOf(const FrameSubject& subject, const FrameAnswer& answer, std::size_t contacts,
+					   const std::string& redMeans);
+
 // How many patches its pictures colour.
 std::size_t patchesShown(const FrameSubject& subject, const FrameAnswer& answer);
 
@@ -98,7 +102,7 @@ private:
 	void addPatches(Frame& frame, const FrameMoment& moment, const FrameAnswer& answer) const;
 	std::vector<FrameContact> markContacts(const FrameMoment& moment, const FrameAnswer& answer) const;
 	Image overview(const FrameMoment& moment, const FrameAnswer& answer, const std::vector<FrameContact>& contacts,
-				   const std::vector<std::string>& lines);
+				   const std::string& redMeans, const std::vector<std::string>& lines);
 	Image closeUp(const FrameMoment& moment, const FrameAnswer& answer, const std::vector<FrameContact>& contacts,
 				  const std::vector<std::string>& lines);
 

@@ -8,6 +8,7 @@
 
 #include "clod/bullet/BodyState.h"
 #include "clod/bullet/Manifolds.h"
+#include "clod/bullet/SolverTerms.h"
 #include "tests/bullet/CubeOnSlab.h"
 #include "tests/bullet/ManifoldState.h"
 #include "tests/query/Bodies.h"
@@ -177,6 +178,32 @@ TEST(WrittenPoints, KeepWhatTheSolverRemembersWhenTheyAreWrittenAgain)
 		}
 	EXPECT_GE(goingOn, 4u);
 	EXPECT_GE(4 * goingOn, 3 * points().size());
+}
+
+// Of a gap within the skin a point that carries closes a share a step, and no less than is left unseen; of a wider one all
+// that is beyond the skin.
+TEST(WrittenPoints, ThatCarryCloseAShareOfASmallGap)
+{
+	WorldFrame frame;
+	frame.timeStep = 0.01;
+	frame.scale = 1;
+	frame.restingGap = 0.1;
+	frame.closedShare = 0.15;
+	const auto rowOf = [&](double gap, double impulse, double unseenSpeed)
+	{
+		ContactPoint point;
+		point.height = gap;
+		btManifoldPoint written;
+		written.m_appliedImpulse = btScalar(impulse);
+		frame.switchSpeed = unseenSpeed;
+		setSolverTerms(point, frame, written);
+		return double(written.m_distance1);
+	};
+	EXPECT_NEAR(rowOf(0.08, 0, 0), 0.08, 1e-6);
+	EXPECT_NEAR(rowOf(0.08, 1, 0), 0.012, 1e-6);
+	EXPECT_NEAR(rowOf(0.08, 1, 3), 0.03, 1e-6);
+	EXPECT_NEAR(rowOf(0.08, 1, 30), 0.08, 1e-6);
+	EXPECT_NEAR(rowOf(0.3, 1, 0), 0.2 + 0.015, 1e-6);
 }
 
 // A corner that two levels have in common is two points at one place, each with what is kept in it.

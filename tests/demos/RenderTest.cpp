@@ -405,12 +405,15 @@ TEST(RenderImages, PngFilesHoldThePictureAndItsText)
 	EXPECT_FALSE(std::filesystem::exists(path));
 }
 
-TEST(RenderOverlay, UnitsFollowTheSizeOfALength)
+TEST(RenderOverlay, LengthsAreInMillimetresWithoutExponents)
 {
-	for (const auto& [metres, words] : {std::pair(0.0, "0 µm"), std::pair(3e-7, "0.3 µm"), std::pair(3e-4, "0.3 mm"), std::pair(-2.5e-3, "-2.5 mm"),
-										std::pair(0.03, "3 cm"), std::pair(-0.5, "-50 cm"), std::pair(20.0, "20 m")})
+	for (const auto& [metres, words] :
+		 {std::pair(0.0, "0 mm"), std::pair(1e-12, "0 mm"), std::pair(3e-7, "0.0003 mm"), std::pair(1e-9, "0.000001 mm"),
+		  std::pair(3e-4, "0.3 mm"), std::pair(-2.5e-3, "-2.5 mm"), std::pair(0.03, "30 mm"), std::pair(-0.5, "-500 mm"),
+		  std::pair(20.0, "20000 mm"), std::pair(0.0123456, "12.35 mm"), std::pair(0.00099999, "1 mm")})
 		EXPECT_EQ(metricLength(metres), words);
 	EXPECT_EQ(metricLength(1.2345e-3, 2), "1.2 mm");
+	EXPECT_EQ(metricLength(123.45, 2), "120000 mm");
 }
 
 TEST(RenderOverlay, ALongTitleKeepsClearOfTheLegend)

@@ -175,8 +175,8 @@ TEST(RunnerFrames, TheLegendNamesTheErrorsInThePictureOfBothBodies)
 						const auto says = [&](std::size_t k)
 						{
 							const std::string length = legend[k].label.substr(std::string("up to ").size());
-							const std::string unit = length.substr(length.find(' ') + 1);
-							return std::atof(length.c_str()) * (unit == "m" ? 1 : unit == "cm" ? 1e-2 : unit == "mm" ? 1e-3 : 1e-6) * (1 + 1e-9);
+							EXPECT_EQ(length.substr(length.find(' ')), " mm");
+							return std::atof(length.c_str()) * 1e-3 * (1 + 1e-9);
 						};
 						while (entry < legend.size() && says(entry) < error) ++entry;
 						ASSERT_LT(entry, legend.size()) << error;
@@ -192,6 +192,23 @@ TEST(RunnerFrames, TheLegendNamesTheErrorsInThePictureOfBothBodies)
 			EXPECT_EQ(scale.stepOf(0.99 * scale.largestOf(step)), step);
 			EXPECT_EQ(scale.stepOf(1.2 * scale.largestOf(step)), std::min(step + 1, scale.steps() - 1));
 		}
+	}
+}
+
+TEST(RunnerFrames, WordsUnderAPictureNameTheColoursThatAreInIt)
+{
+	const HierarchyPointer torus = test::builtBody("torus", 300).hierarchy, box = test::builtBody("box", 12).hierarchy;
+	const FrameSubject subject = subjectOf(torus, box);
+	const FrameAnswer coloured = answerAt(*torus, 0, *box, 0);
+	const auto names = [&](const FrameAnswer& answer, std::size_t contacts, const char* what)
+	{ return footnoteOf(subject, answer, contacts, "points").find(what) != std::string::npos; };
+	EXPECT_EQ(footnoteOf(subject, {}, 0, "points"), "");
+	for (const std::size_t contacts : {0, 1, 100, 101})
+	{
+		EXPECT_TRUE(names(coloured, contacts, "Coloured: "));
+		EXPECT_FALSE(names({}, contacts, "Coloured: "));
+		EXPECT_EQ(names(coloured, contacts, "Red: points"), contacts > 0) << contacts;
+		EXPECT_EQ(names(coloured, contacts, "pushes"), contacts > 0 && contacts <= 100) << contacts;  // arrows
 	}
 }
 

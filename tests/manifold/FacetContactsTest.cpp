@@ -7,72 +7,16 @@
 #include <cmath>
 
 #include "clod/hierarchy/ConvexPiece.h"
-#include "clod/manifold/FacetContacts.h"
 #include "clod/manifold/LevelSwitch.h"
 #include "clod/manifold/PairSolve.h"
 #include "clod/query/Query.h"
-#include "tests/bullet/PatchHierarchy.h"
+#include "tests/manifold/FacetPair.h"
 #include "tests/query/Bodies.h"
 
 namespace clod::test
 {
 namespace
 {
-using HierarchyPointer = std::shared_ptr<const Hierarchy>;
-
-struct Pair
-{
-	HierarchyPointer a, b;
-	Transform aFromB;
-	PointRules rules;
-
-	Pair(HierarchyPointer first, HierarchyPointer second, const Transform& pose)
-		: a(std::move(first)), b(std::move(second)), aFromB(pose)
-	{
-		rules.length = std::min(double(a->asset().radius), double(b->asset().radius));
-		rules.resting = kRestingShare * rules.length;
-		rules.b.center = pose.translation;
-	}
-	// B moves on so far in a step, all at once.
-	void move(const Vec3& way)
-	{
-		rules.timeStep = 1.0 / 240;
-		rules.a.inverseMass = rules.b.inverseMass = 1;
-		for (PairBody* body : {&rules.a, &rules.b}) body->inverseInertia = Mat3{};
-		rules.b.linear = (1 / rules.timeStep) * way;
-	}
-	std::vector<ContactPoint> points() const
-	{
-		ContactSettings settings;
-		settings.metric.exact = true;
-		settings.tolerance = rules.margin + rules.resting;
-		settings.sweep = {kPathReach * rules.timeStep * rules.b.linear, {}};
-		PairCache cache;
-		ContactResult result;
-		contacts(*a, *b, aFromB, settings, cache, result);
-		FacetContacts facets;
-		FacetMemory memory;
-		ClusterSet none, set;
-		facets.find(contactBody(*a), contactBody(*b), aFromB, rules, result.contacts, none, memory);
-		facets.settle(result.contacts, result.deep, none, memory);
-		facets.reduce(none, set);
-		std::vector<ContactPoint> points;
-		for (const ContactCluster& cluster : set.slots)
-			for (int i = 0; i < cluster.count; ++i) points.push_back(cluster.points[std::size_t(i)].point);
-		return points;
-	}
-};
-
-HierarchyPointer cubeOf(int cells = 2)
-{
-	return patchHierarchy(boxMesh({1, 1, 1}, {cells, cells, cells}, 1));
-}
-
-Transform at(const Vec3& place, const Mat3& turn = {})
-{
-	return {turn, place};
-}
-
 // About any axis, each part of the quaternion at most so long.
 Mat3 someTurn(Random& random, double most)
 {
@@ -120,7 +64,7 @@ TEST(FacetContacts, AFlatCubeOnACubeHasTheCornersOfTheCommonRectangle)
 {
 	for (const int cells : {1, 2, 6})
 	{
-		const std::vector<ContactPoint> points = Pair(cubeOf(cells), cubeOf(cells), at({0.3, 1.0002, 0.2})).points();
+		const std::vector<ContactPoint> points = FacetPair(cubeOf(cells), cubeOf(cells), at({0.3, 1.0002, 0.2})).points();
 		ASSERT_EQ(points.size(), 4u) << cells;
 		for (const ContactPoint& point : points)
 		{
@@ -153,7 +97,7 @@ TEST(FacetContacts, AnEqualCubeStandsOnAllCornersHoweverItLeans)
 			const Vec3 up = pose.rotation * Vec3{0, 1, 0}, bottom = pose * Vec3{0, -0.5, 0};
 			return 0.5 - bottom.y + (up.x * (x - bottom.x) + up.z * (z - bottom.z)) / up.y;
 		};
-		const std::vector<ContactPoint> points = Pair(cube, cube, pose).points();
+		const std::vector<ContactPoint> points = FacetPair(cube, cube, pose).points();
 		for (const ContactPoint& point : points)
 		{
 			ASSERT_LT(point.normal.y, -0.99) << "pose " << i;
@@ -180,7 +124,7 @@ TEST(FacetContacts, WhatSinksInFastIsHeldByAllThatIsSunkIn)
 {
 	const Mat3 askew = rotationFromQuaternion(0.015, 0, 0.01, 1);
 	const HierarchyPointer wide = patchHierarchy(boxMesh({4, 1, 4}, {1, 1, 1}, 1));
-	Pair pair(wide, cubeOf(1), at({0, 0.9, 0}, askew));
+	FacetPair pair(wide, cubeOf(1), at({0, 0.9, 0}, askew));
 	pair.move({0, -0.06, 0});
 	const std::vector<ContactPoint> points = pair.points();
 	EXPECT_EQ(points.size(), 4u);
@@ -197,7 +141,7 @@ TEST(FacetContacts, CrossedEdgesTouchAtOnePoint)
 	const double c = std::sqrt(0.5);
 	const Mat3 aboutX{{{1, 0, 0}, {0, c, -c}, {0, c, c}}}, aboutZ{{{c, -c, 0}, {c, c, 0}, {0, 0, 1}}};
 	const Transform worldFromA = at({}, aboutX), worldFromB = at({0.1, 2 * c + 0.0003, 0.05}, aboutZ);
-	const std::vector<ContactPoint> points = Pair(cubeOf(), cubeOf(), inverse(worldFromA) * worldFromB).points();
+	const std::vector<ContactPoint> points = FacetPair(cubeOf(), cubeOf(), inverse(worldFromA) * worldFromB).points();
 	ASSERT_EQ(points.size(), 1u);
 	const Vec3 normal = worldFromA.rotation * points[0].normal, place = worldFromA * points[0].pointOnA;
 	EXPECT_NEAR(normal.y, -1, 1e-6);
@@ -208,7 +152,7 @@ TEST(FacetContacts, CrossedEdgesTouchAtOnePoint)
 
 TEST(FacetContacts, WhatIsMetOnTheWayIsAContactAndWhatIsPassedIsNone)
 {
-	Pair head(cubeOf(), cubeOf(), at({3, 0.1, 0.2}));
+	FacetPair head(cubeOf(), cubeOf(), at({3, 0.1, 0.2}));
 	head.move({-2.5, 0, 0});
 	const std::vector<ContactPoint> points = head.points();
 	ASSERT_FALSE(points.empty());
@@ -221,7 +165,7 @@ TEST(FacetContacts, WhatIsMetOnTheWayIsAContactAndWhatIsPassedIsNone)
 		if (point.rebounds) nearest = std::min(nearest, point.height);
 	}
 	EXPECT_NEAR(nearest, 2, 1e-5);
-	Pair past(cubeOf(), cubeOf(), at({3, 1.05, 0.2}));
+	FacetPair past(cubeOf(), cubeOf(), at({3, 1.05, 0.2}));
 	past.move({-2.5, 0, 0});
 	for (const ContactPoint& point : past.points())
 	{
@@ -239,7 +183,7 @@ TEST(FacetContacts, WhatAThirdBodyMayLeadToIsAContactThatDoesNotRebound)
 		const double cosine = 0.99, sine = std::sqrt(1 - cosine * cosine);
 		const Mat3 tilted{{{cosine, -sine, 0}, {sine, cosine, 0}, {0, 0, 1}}};
 		const HierarchyPointer plate = patchHierarchy(boxMesh({4, 1, 4}, {2, 2, 2}, 1));
-		Pair pair(plate, cubeOf(), at({aside, 0.75 + 0.5 * (cosine + sine), 0}, tilted));
+		FacetPair pair(plate, cubeOf(), at({aside, 0.75 + 0.5 * (cosine + sine), 0}, tilted));
 		pair.move({-0.9, -0.28, 0});
 		int lower = 0, higher = 0;
 		for (const ContactPoint& point : pair.points())
@@ -259,7 +203,7 @@ TEST(FacetContacts, WhatAThirdBodyMayLeadToIsAContactThatDoesNotRebound)
 // Bodies with margins, beside each other's faces and under these by less than the margin, that are about to part.
 TEST(FacetContacts, WhatIsBesideAFaceIsNotUnderItsMargin)
 {
-	Pair pair(cubeOf(), cubeOf(), at({1.02, 1.03, 0.1}));
+	FacetPair pair(cubeOf(), cubeOf(), at({1.02, 1.03, 0.1}));
 	pair.rules.margin = 0.05;
 	pair.move({-0.2, 0.1, 0});
 	for (const ContactPoint& point : pair.points()) EXPECT_GE(point.height, 0);
@@ -268,7 +212,7 @@ TEST(FacetContacts, WhatIsBesideAFaceIsNotUnderItsMargin)
 TEST(FacetContacts, TheSecondOrderOfATurningBodyIsInTheConstraint)
 {
 	// Over its own corner, B turns about z through its middle: the corner leaves its tangent by w^2 r dt^2 / 2.
-	Pair turning(cubeOf(), cubeOf(), at({0, 1.0002, 0}));
+	FacetPair turning(cubeOf(), cubeOf(), at({0, 1.0002, 0}));
 	turning.move({});
 	turning.rules.b.angular = {0, 0, 12};
 	turning.rules.b.inverseInertia = {{{1e-6, 0, 0}, {0, 1e-6, 0}, {0, 0, 1e-6}}};
@@ -306,7 +250,7 @@ TEST(FacetContacts, ApartNothingClaimsADepthAndPointsLieOnBothSurfaces)
 		};
 		for (int k = 0; k < 30; ++k) (overlaps(0.5 * (apart + near)) ? near : apart) = 0.5 * (apart + near);
 		pose.translation = (apart + 1e-5) * pose.translation;
-		const Pair pair(a, b, pose);
+		const FacetPair pair(a, b, pose);
 		GapSettings settings;
 		settings.metric.exact = settings.distance = true;
 		GapCache cache;
@@ -347,7 +291,7 @@ TEST(FacetContacts, ABallTouchesABoxAtItsNearestPointOnly)
 		}
 		if (out == Vec3{}) continue;
 		const Vec3 normal = normalized(out);
-		Pair pair(box, center, at(nearest + 0.3001 * normal));
+		FacetPair pair(box, center, at(nearest + 0.3001 * normal));
 		pair.rules.length = 0.3;
 		pair.rules.resting = kRestingShare * 0.3;
 		pair.rules.radiusB = pair.rules.margin = 0.3;
