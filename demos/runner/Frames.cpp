@@ -9,6 +9,7 @@
 #include <cmath>
 #include <iterator>
 #include <set>
+#include <utility>
 
 #include "cli/Failure.h"
 #include "demos/render/MetricLength.h"
@@ -189,6 +190,19 @@ std::size_t patchesShown(const FrameSubject& subject, const FrameAnswer& answer)
 	return count;
 }
 
+const PairAnswer& pairThatShowsMost(const FrameSubject& subject, const FrameAnswer& answer)
+{
+	const auto shownOf = [&](const PairAnswer& pair)
+	{
+		const FrameAnswer alone{"", {pair}, {}};
+		const std::vector<std::set<std::uint32_t>> nodes = answeringNodes(subject, alone);
+		const bool isOfBoth = !nodes[pair.bodies.a].empty() && !nodes[pair.bodies.b].empty();
+		return std::make_pair(isOfBoth, patchesShown(subject, alone));
+	};
+	const auto showsLess = [&](const PairAnswer& l, const PairAnswer& r) { return shownOf(l) < shownOf(r); };
+	return *std::max_element(answer.pairs.begin(), answer.pairs.end(), showsLess);
+}
+
 FramePainter::FramePainter(const FrameSubject& subject) : m_subject(subject), m_scale(subject)
 {
 	auto renderer = Renderer::create(kPanel, kPanel);
@@ -302,9 +316,7 @@ Image FramePainter::paintComparison(const FrameMoment& moment, const FrameAnswer
 Image FramePainter::paintExploded(const FrameMoment& moment, const FrameAnswer& all)
 {
 	FrameAnswer answer = all;
-	const auto patchesOf = [&](const PairAnswer& pair) { return patchesShown(m_subject, {"", {pair}, {}}); };
-	const auto hasFewer = [&](const PairAnswer& l, const PairAnswer& r) { return patchesOf(l) < patchesOf(r); };
-	answer.pairs = {*std::max_element(all.pairs.begin(), all.pairs.end(), hasFewer)};
+	answer.pairs = {pairThatShowsMost(m_subject, all)};
 	Frame frame;
 	frame.ground.isDrawn = false;
 	const std::vector<std::set<std::uint32_t>> nodes = answeringNodes(m_subject, answer);

@@ -83,6 +83,10 @@ std::string footnoteOf(const FrameSubject& subject, const FrameAnswer& answer, s
 // How many patches its pictures colour.
 std::size_t patchesShown(const FrameSubject& subject, const FrameAnswer& answer);
 
+// The pair of which most patches are coloured: one with both bodies', where there is any. A digit on a floor, which is one
+// patch, has no other side.
+const PairAnswer& pairThatShowsMost(const FrameSubject& subject, const FrameAnswer& answer);
+
 class FramePainter
 {
 public:
@@ -92,8 +96,8 @@ public:
 	Image paint(const FrameMoment& moment, const FrameAnswer& answer, const std::vector<FrameContact>& contacts);
 	// Overview, then a close-up for each of two answers to the same moment.
 	Image paintComparison(const FrameMoment& moment, const FrameAnswer& left, const FrameAnswer& right);
-	// The patches in contact alone, of the two bodies that have the most (one at least): the two sides pulled apart along
-	// the contacts, the patches of a side from each other.
+	// The patches in contact alone, of the pair that shows most (one body at least has some): the two sides pulled apart
+	// along the contacts, the patches of a side from each other.
 	Image paintExploded(const FrameMoment& moment, const FrameAnswer& answer);
 
 private:

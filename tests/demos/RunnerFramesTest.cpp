@@ -212,6 +212,20 @@ TEST(RunnerFrames, WordsUnderAPictureNameTheColoursThatAreInIt)
 	}
 }
 
+TEST(RunnerFrames, OfPatchesPulledApartBothSidesAreShownWhereAnyPairHasThem)
+{
+	const HierarchyPointer torus = test::builtBody("torus", 300).hierarchy, box = test::builtBody("box", 12).hierarchy;
+	FrameSubject subject = subjectOf(torus, torus);
+	subject.bodies.push_back({0, box, false});
+	FrameAnswer answer = answerAt(*torus, 0, *box, 0);
+	answer.pairs[0].bodies = {0, 2};
+	answer.pairs.push_back(answerAt(*torus, coarsestLevel(*torus), *torus, coarsestLevel(*torus)).pairs[0]);
+	ASSERT_GT(torus->levels()[0].nodeCount, 2 * torus->levels()[coarsestLevel(*torus)].nodeCount);
+	EXPECT_EQ(pairThatShowsMost(subject, answer).bodies.b, 1u);
+	answer.pairs.pop_back();
+	EXPECT_EQ(pairThatShowsMost(subject, answer).bodies.b, 2u);
+}
+
 // A plate on a floor was blue on blue.
 TEST(RunnerFrames, ABodyOfOneConvexPatchIsNotColoured)
 {
