@@ -125,6 +125,34 @@ TEST(Rest, OutOfTheTriangleMeshTheyWereMadeIn)
 			}
 }
 
+// Of thin walls no facet tells how deep they are, and of what is half in some tell the other way. Many cells: more pairs than
+// are looked at one after the other on one side.
+TEST(Rest, ThinWallsComeOutOfTheTriangleMeshTheyWereMadeIn)
+{
+	const auto plate = [](const Vec3& size, const std::array<int, 3>& n) { return singleTriangles(boxMesh(size, n, 1)); };
+	const PatchedMesh walls = merged(plate({1, 1, 0.03}, {6, 6, 1}), plate({1, 1, 0.03}, {6, 6, 1}), {0, 0, 0.5});
+	const auto hierarchy = patchHierarchy(walls);
+	for (const double depth : {0.1, 0.3, 0.52})
+		for (const double tilt : {0.0, 0.02})
+			for (const int cells : {1, 40})
+			{
+				BulletWorld scene;
+				const auto triangles = floorTriangles(cells, true);
+				scene.addBody(scene.add(std::make_unique<btBvhTriangleMeshShape>(triangles.get(), true)), 0, {});
+				btRigidBody& body = scene.addBody(scene.addShape(hierarchy), 1, {0.013, 0.5 - depth, 0.027},
+												  btQuaternion(btVector3(1, 0, 0), btScalar(tilt)));
+				double fastest = 0;
+				for (int i = 0; i < 480; ++i)
+				{
+					scene.step();
+					fastest = std::max(fastest, double(body.getLinearVelocity().length()));
+				}
+				const auto where = ::testing::Message() << depth << " deep, tilt " << tilt << ", " << cells << " cells";
+				EXPECT_NEAR(heightOf(body), 0.5, 0.01) << where;
+				EXPECT_LT(fastest, 2.5) << where;  // as a cube does
+			}
+}
+
 TEST(Rest, OnAScaledTriangleMesh)
 {
 	BulletWorld scene;

@@ -74,6 +74,8 @@ public:
 	}
 	// Unit; out of the solid.
 	const Vec3& pseudonormal(std::uint32_t vertex) const { return m_pseudonormals[vertex]; }
+	// Down along edges, from a vertex to one that has no lower neighbour.
+	std::uint32_t lowestFrom(std::uint32_t vertex, const Vec3& up) const;
 	// Inside a polygon, or on a reflex edge's side only: no half-space holds its edges. It touches nothing first.
 	bool isCorner(std::uint32_t vertex) const { return m_isCorner[vertex] != 0; }
 	// One that has it; kNone of a core.

@@ -347,4 +347,21 @@ void ContactSurface::listNodes(const std::vector<std::uint32_t>& firstFaceOfNode
 	m_firstEdgeOf.push_back(std::uint32_t(m_nodeEdges.size()));
 	m_firstPolygonOf.push_back(std::uint32_t(m_nodePolygons.size()));
 }
+
+std::uint32_t ContactSurface::lowestFrom(std::uint32_t vertex, const Vec3& up) const
+{
+	for (std::uint32_t lowest = vertex;; vertex = lowest)
+	{
+		std::uint32_t f = m_faceOfVertex[vertex];
+		do
+		{
+			const SurfaceFace& face = m_faces[f];
+			const std::size_t at = face.vertex[0] == vertex ? 0 : face.vertex[1] == vertex ? 1 : 2;
+			const std::uint32_t next = face.vertex[(at + 1) % 3];
+			if (dot(up, m_vertices[next]) < dot(up, m_vertices[lowest])) lowest = next;
+			f = face.neighbour[(at + 2) % 3];
+		} while (f != m_faceOfVertex[vertex]);
+		if (lowest == vertex) return lowest;
+	}
+}
 }  // namespace clod

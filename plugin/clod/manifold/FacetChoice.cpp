@@ -275,22 +275,22 @@ void FacetChoice::dropInner(std::vector<Facet>& facets)
 	for (const Facet& facet : facets)
 		if (facet.reach != Facet::Reach::kOverlap && facet.distance < 0)
 			m_planes.push_back({facet.normal, facet.distance, 0});
-	Vec3 shift = m_planes.empty() || m_order.empty() ? Vec3{} : leastShift();
+	m_shift = m_planes.empty() || m_order.empty() ? Vec3{} : leastShift();
 	for (const std::uint32_t i : m_order)
 	{
 		const Facet& facet = facets[i];
-		const double lacking = -(dot(facet.normal, shift) + facet.distance);
+		const double lacking = -(dot(facet.normal, m_shift) + facet.distance);
 		if (lacking <= kSatisfied * -facet.distance + kSatisfiedShare * m_question->length()) continue;
 		// Looked for a little beyond the shift: what lacks no more than that is one of those that carry.
-		const double touch = kInnerShare * m_question->length(), far = length(shift), beyond = (kBeyond - 1) * far + touch;
+		const double touch = kInnerShare * m_question->length(), far = length(m_shift), beyond = (kBeyond - 1) * far + touch;
 		if (!m_isKnown[i] && !m_planes.empty() && lacking > beyond + touch &&
-			!overlapsAt(facet, (1 + (far > 0 ? beyond / far : 0)) * shift))
+			!overlapsAt(facet, (1 + (far > 0 ? beyond / far : 0)) * m_shift))
 		{
 			m_isKept[i] = 0;
 			continue;
 		}
 		m_planes.push_back({facet.normal, facet.distance, 0});
-		shift = leastShift();
+		m_shift = leastShift();
 	}
 	removeDropped(facets);
 }

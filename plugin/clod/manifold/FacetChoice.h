@@ -21,6 +21,8 @@ public:
 	// Removes those that are no contacts. last: those that the solver got, at that pose.
 	void choose(const FacetQuestion& question, const std::vector<FacetRecord>& last, const Transform& lastAFromB,
 				std::vector<Facet>& facets);
+	// The least of A out of the overlaps that were kept.
+	const Vec3& shift() const { return m_shift; }
 
 private:
 	bool overlapsAt(const Facet& facet, const Vec3& shift) const;
@@ -53,6 +55,7 @@ private:
 	};
 
 	std::vector<Plane> m_planes;
+	Vec3 m_shift;
 	Places m_placesA, m_placesB;
 	std::vector<std::uint32_t> m_order;
 	std::vector<char> m_isKept;

@@ -128,6 +128,11 @@ void FacetContacts::takeUpThrough(const ContactPoint& point, const FacetRecord& 
 void FacetContacts::answerDepth(const std::vector<Contact>& contacts, bool isDeep, const ClusterSet& previous)
 {
 	Vec3& wayOut = m_memory->wayOut;
+	if (m_question.b.only && m_question.b.only->isSheet())
+	{
+		m_memory->isMadeIn = m_sheet.find(m_question, contacts, m_choice.shift(), m_memory->isMadeIn, m_facets);
+		return;
+	}
 	const bool overlap =
 		isDeep || std::any_of(contacts.begin(), contacts.end(), [](const Contact& c) { return c.upper <= 0; });
 	const bool isOverlapping = std::any_of(m_facets.begin(), m_facets.end(), [](const Facet& f) { return f.distance < 0; });

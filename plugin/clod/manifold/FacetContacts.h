@@ -13,6 +13,7 @@
 #include "clod/manifold/HeldBetween.h"
 #include "clod/manifold/LevelSwitch.h"
 #include "clod/manifold/PairSolve.h"
+#include "clod/manifold/SheetCrossing.h"
 
 namespace clod
 {
@@ -22,6 +23,7 @@ struct FacetMemory
 	std::vector<FacetRecord> reduced;  // those that the solver got, in the order of its points,
 	Transform aFromB;                  // and where
 	SwitchMemory levels;
+	bool isMadeIn = false;       // while what is through a sheet was there from the beginning (SheetCrossing.h)
 	Vec3 wayOut;                 // while there is a depth that no facet answers: the points say nothing of it but this
 	bool isDeep() const { return wayOut != Vec3{}; }
 	// The bodies were put elsewhere, or are others.
@@ -73,6 +75,7 @@ private:
 	FacetChoice m_choice;
 	LevelSwitch m_switch;
 	DeepOverlap m_deep;
+	SheetCrossing m_sheet;
 	RelativeMotion m_expected;
 	double m_spare = 0;
 	PairSolve m_solve;
