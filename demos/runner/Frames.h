@@ -83,8 +83,8 @@ std::string footnoteOf(const FrameSubject& subject, const FrameAnswer& answer, s
 // How many patches its pictures colour.
 std::size_t patchesShown(const FrameSubject& subject, const FrameAnswer& answer);
 
-// The pair of which most patches are coloured: one with both bodies', where there is any. A digit on a floor, which is one
-// patch, has no other side.
+// The pair of which most patches are coloured: one with both bodies', where there is any. A digit on a floor, which is
+// one patch, has no other side.
 const PairAnswer& pairThatShowsMost(const FrameSubject& subject, const FrameAnswer& answer);
 
 class FramePainter
