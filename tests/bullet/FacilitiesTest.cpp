@@ -411,6 +411,32 @@ TEST(Facilities, ContactPairTestKnowsOverlapsOfAnyDepth)
 	EXPECT_GT(overlapping, 100);
 }
 
+// As a user may put them: some way into the ground, upright, a little aslant, half.
+TEST(Facilities, ThinBodiesComeOutOfTheGroundTheyWereMadeIn)
+{
+	btTriangleMesh triangles;
+	const btVector3 corners[] = {vector(-4, 0, -4), vector(-4, 0, 4), vector(4, 0, 4), vector(4, 0, -4)};
+	triangles.addTriangle(corners[0], corners[1], corners[2]);
+	triangles.addTriangle(corners[0], corners[2], corners[3]);
+	for (const char* name : {"box-12", "torus-900", "cup-3000", "number8-600"})
+		for (const double tilt : {0.0, 0.02})
+			for (const double share : {0.05, 0.2, 0.5})
+			{
+				BulletWorld scene;
+				scene.addBody(scene.add(std::make_unique<btBvhTriangleMeshShape>(&triangles, true)), 0, {});
+				btClodShape& shape = scene.addShape(body(name).hierarchy);
+				const double size = 0.5 / double(body(name).hierarchy->asset().radius);
+				shape.setLocalScaling(vector(size, size, size));
+				const btQuaternion turn(vector(1, 0.3, 0.2).normalized(), btScalar(tilt));
+				btVector3 low, high;
+				shape.getAabb(btTransform(turn), low, high);
+				const double y = -double(low.y()) - share * double(high.y() - low.y());
+				btRigidBody& made = scene.addBody(shape, 1, {0.03, y, 0.02}, turn);
+				scene.step(480);
+				EXPECT_GT(heightOf(made), 0.01) << name << ", tilt " << tilt << ", " << share << " of it deep";
+			}
+}
+
 TEST(Facilities, DeepRoundBodiesAreKnownToOverlap)
 {
 	for (const double depth : {0.1, 0.3, 0.5})

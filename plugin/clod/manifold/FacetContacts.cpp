@@ -130,7 +130,9 @@ void FacetContacts::answerDepth(const std::vector<Contact>& contacts, bool isDee
 	Vec3& wayOut = m_memory->wayOut;
 	if (m_question.b.only && m_question.b.only->isSheet())
 	{
-		m_memory->isMadeIn = m_sheet.find(m_question, contacts, m_choice.shift(), m_memory->isMadeIn, m_facets);
+		bool& isMadeIn = m_memory->isMadeIn;
+		if (isMadeIn || m_memory->reduced.empty() || SheetCrossing::isDeep(m_question, m_facets))
+			isMadeIn = m_sheet.find(m_question, contacts, m_choice.shift(), isMadeIn, m_facets);
 		return;
 	}
 	const bool overlap =

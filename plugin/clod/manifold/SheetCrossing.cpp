@@ -11,12 +11,18 @@ namespace
 {
 constexpr double kLeastDepth = 1e-3;     // of the length: less is the facets' business
 constexpr double kAllButIn = 0.2;        // of the length: from the sheet to the middle
-constexpr double kSameWay = 0.3;         // cosine
+constexpr double kSameWay = 0.3;  // cosine
 constexpr double kBeyondShift = 1.05;    // times the shift edges are looked for again
 constexpr double kAsFar = 0.8;           // of the depth: from here on out on the wrong side is not meant
 constexpr double kLeft = 0.05;           // of an overlap, what a shift may leave
 constexpr std::size_t kMostEdges = 128;  // evenly, of more
 }  // namespace
+
+bool SheetCrossing::isDeep(const FacetQuestion& question, const std::vector<Facet>& facets)
+{
+	const double least = kLeastDepth * question.length();
+	return std::any_of(facets.begin(), facets.end(), [&](const Facet& facet) { return facet.distance < -least; });
+}
 
 bool SheetCrossing::find(const FacetQuestion& question, const std::vector<Contact>& contacts, const Vec3& shift, bool was,
 						 std::vector<Facet>& facets)
@@ -25,10 +31,8 @@ bool SheetCrossing::find(const FacetQuestion& question, const std::vector<Contac
 	if (!was && std::any_of(facets.begin(), facets.end(), isThrough)) return false;  // by its motion
 	m_question = &question;
 	m_bFromA = inverse(question.aFromB);
-	const PointRules& rules = question.rules;
-	const Vec3 pull = rules.a.force - rules.b.force, speed = rules.motion().velocity(rules.a.center) - pull;
-	m_pull = m_bFromA.rotation * pull;
-	m_cameFrom = m_bFromA * (rules.a.center - rules.timeStep * speed);
+	m_center = m_bFromA * question.rules.a.center;
+	m_pull = m_bFromA.rotation * (question.rules.a.force - question.rules.b.force);
 	Vec3 way;
 	for (const Facet& facet : facets)
 		if (facet.isThrough) way += facet.normal;
@@ -50,7 +54,7 @@ bool SheetCrossing::find(const FacetQuestion& question, const std::vector<Contac
 	}
 	way = normalized(way);
 	const auto goesElsewhere = [&](const Facet& facet)
-	{ return facet.reach == Facet::Reach::kOverlap && dot(facet.normal, way) < kSameWay; };
+	{ return facet.reach == Facet::Reach::kOverlap && dot(facet.normal, way) < kAgainst; };
 	// What is wedged in between is no one's.
 	if (way == Vec3{} || std::any_of(m_beyond.begin(), m_beyond.end(), goesElsewhere)) return false;
 	for (const Facet& facet : m_beyond) add(facet, facets);
@@ -101,7 +105,7 @@ bool SheetCrossing::crosses(const Vec3& from, const Vec3& to, std::uint32_t f) c
 std::uint32_t SheetCrossing::faceToSide(std::uint32_t f) const
 {
 	const SurfaceFace& face = m_question->b.only->faces()[f];
-	const double along = dot(face.normal, m_way), height = dot(face.normal, m_cameFrom) - face.offset;
+	const double along = dot(face.normal, m_way), height = dot(face.normal, m_center) - face.offset;
 	const double pull = dot(face.normal, normalized(m_pull));
 	const bool isIn = std::abs(height) < kAllButIn * m_question->length();
 	const double side = std::abs(along) >= kSameWay ? along : isIn && std::abs(pull) >= kSameWay ? -pull : height;

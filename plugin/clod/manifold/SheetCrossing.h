@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Bodies that were made in a sheet. Of thin walls no facet may tell: nothing of them is near above what is beneath. Their
 // corners beneath are contacts of the faces that they would have gone in through, as if they had (FacetRecord::isThrough), from
-// the side that the body's middle comes from, or, where it is all but in the sheet, against the forces.
+// the side that the body's middle is on, or, where it is all but in the sheet, against the forces.
 #pragma once
 #include <vector>
 
@@ -12,8 +12,10 @@ namespace clod
 class SheetCrossing
 {
 public:
+	// May there be more to tell of than facets do? What rests need not be asked.
+	static bool isDeep(const FacetQuestion& question, const std::vector<Facet>& facets);
 	// Adds the contacts of edges of A that would cross B, a sheet, even were A moved by the shift, which is out of the facets
-	// that are known; and removes overlaps that do not go the same way. was: in the last dispatch. Is it made in?
+	// that are known; and removes overlaps that go against it. was: in the last dispatch. Is it made in?
 	bool find(const FacetQuestion& question, const std::vector<Contact>& contacts, const Vec3& shift, bool was,
 			  std::vector<Facet>& facets);
 
@@ -38,7 +40,7 @@ private:
 	const FacetQuestion* m_question = nullptr;
 	const ContactSurface* m_a = nullptr;
 	Transform m_bFromA;
-	Vec3 m_cameFrom, m_pull, m_way;  // frame B; of the middle, a step before; of what went through before, or zero
+	Vec3 m_center, m_pull, m_way;  // frame B; m_way: that of what went through before, or zero
 	std::vector<Crossing> m_crossings;
 	std::vector<Facet> m_beyond;
 };
