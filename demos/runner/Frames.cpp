@@ -100,7 +100,8 @@ std::vector<std::string> figures(const FrameAnswer& answer)
 	const std::string ofPairs = ", " + counted(answer.pairs.size(), "pair") + " of bodies";
 	lines.push_back(touching + (answer.pairs.size() == 1 ? "" : ofPairs));
 	const double us = row.queryMicroseconds;
-	lines.push_back(fmt::format("query: {} hulls and boxes compared, ", row.tests()) +
+	const std::string tests = row.tests() == 1 ? "1 hull or box" : fmt::format("{} hulls and boxes", row.tests());
+	lines.push_back("query: " + tests + " compared, " +
 					(us < 1e4 ? fmt::format("{:.0f} µs", us) : fmt::format("{:.0f} ms", us / 1000)) + " by the clock");
 	return lines;
 }

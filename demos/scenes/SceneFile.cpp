@@ -175,7 +175,12 @@ BodyJoint jointOf(const Element& element)
 	joint.kind = BodyJoint::Kind(found - kinds.begin());
 	joint.point = element.member("point").vector();
 	element.read("axis", joint.axis);
-	if (!(length(joint.axis) > 0)) element.member("axis").refuse("has no length");
+	// Of length 1, in double: float Bullet's squares of lengths under 1e-22 are zero, of those over 1e19 infinite.
+	double largest = 0;
+	for (int k = 0; k < 3; ++k) largest = std::max(largest, std::abs(joint.axis[k]));
+	if (!(largest > 0)) element.member("axis").refuse("has no length");
+	for (int k = 0; k < 3; ++k) joint.axis[k] /= largest;
+	joint.axis = (1 / length(joint.axis)) * joint.axis;
 	return joint;
 }
 

@@ -11,6 +11,7 @@
 #include "demos/runner/Frames.h"
 #include "demos/runner/InputSurface.h"
 #include "demos/runner/LevelPictures.h"
+#include "demos/scenes/SceneDefinition.h"
 #include "tests/demos/BuiltBody.h"
 
 namespace
@@ -250,6 +251,8 @@ TEST(RunnerFrames, FilmsHaveFramesEnough)
 	EXPECT_EQ(frameEvery(1440, 1.0 / 960), 9);  // 1.5 s: 160 frames
 	EXPECT_EQ(frameEvery(100, 1.0 / 240), 1);   // no more than there are
 	EXPECT_EQ(frameEvery(9600, 1.0 / 1920), 64);
+	for (const SceneDefinition& scene : sceneDefinitions())
+		EXPECT_GE(scene.info.steps / frameEvery(scene.info.steps, scene.info.dt), 150) << scene.info.name;
 }
 
 // At the last step a camera that moves is where it ends, at the first where it begins, halfway at neither.

@@ -64,6 +64,18 @@ double finestLevel(const std::string& csv, const std::string& bodies, int from, 
 	return sum / count;
 }
 
+// Twenty steps of 1/240 s a frame are twelve frames a second.
+TEST_F(RunnerCommand, FilmsLastAsLongAsWhatTheyShow)
+{
+	const Outcome run = bench(kSmallScene + " --frame-every 20 --frames " + path("film") + cache());
+	ASSERT_EQ(run.code, 0) << run.err;
+	if (!fs::exists(path("film/film.mp4"))) GTEST_SKIP() << "without ffmpeg there is no film";
+	const Outcome probe = runProgram("ffprobe", "-v error -count_frames -select_streams v:0 -show_entries "
+												"stream=r_frame_rate,nb_read_frames -of csv=p=0 " +
+													path("film/film.mp4"));
+	EXPECT_EQ(probe.out, "12/1,2\n") << probe.err;
+}
+
 // From the near cup to the far one, along with the run and at its poses.
 TEST_F(RunnerCommand, AMovingCameraAsksForFinerContactsWhereItComesNear)
 {

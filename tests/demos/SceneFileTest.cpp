@@ -116,6 +116,22 @@ TEST(SceneFile, RefusalsNameTheElement)
 	EXPECT_EQ(errorWith("\"repair\": true", "\"repair\": 1"), "f.json: models[0].repair: has to be true or false");
 }
 
+TEST(SceneFile, AxesOfAnyLengthAreDirections)
+{
+	const auto axisOf = [](const std::string& joint)
+	{
+		const std::string text = R"({"models": [{"name": "cup"}], "bodies": [{"model": "cup"}, {"model": "cup", "mass": 1,
+			"joints": [{"kind": "slider", "point": [0, 0, 0])" + joint + "}]}]}";
+		return parseScene(text, "f.json").value().bodies[1].joints[0].axis;
+	};
+	EXPECT_EQ(axisOf(""), (Vec3{0, 1, 0}));
+	for (const char* size : {"1e-320", "1e-160", "1e-30", "1", "3e38"})
+	{
+		const Vec3 axis = axisOf(fmt::format(R"(, "axis": [0, -{0}, {0}])", size));
+		EXPECT_LT(length(axis - Vec3{0, -std::sqrt(0.5), std::sqrt(0.5)}), 1e-15) << size;
+	}
+}
+
 TEST(SceneFile, AMemberThatIsWrittenTwiceIsRefused)
 {
 	EXPECT_EQ(errorWith("\"mass\": 2", "\"mass\": 2, \"mass\": 3"), "f.json: bodies[1].mass: is written twice");
