@@ -97,8 +97,8 @@ public:
 		return m_revision;
 	}
 
-	// What contacts at levels from `finest` on (0: all) need of the surface, made ahead: 0.8 us a triangle of a level, paid by
-	// the first contact there otherwise. Not for what is derived where scales differ.
+	// What contacts at levels from `finest` on (0: all) need of the surface, made ahead: linear in a level's triangles,
+	// paid by the first contact there otherwise. Not for what is derived where scales differ.
 	void prepareContacts(std::uint32_t finest = 0) const;
 
 	// Pose of the body frame in the frame of the mesh's vertices (a translation, scaled).
