@@ -180,7 +180,7 @@ BodyJoint jointOf(const Element& element)
 	for (int k = 0; k < 3; ++k) largest = std::max(largest, std::abs(joint.axis[k]));
 	if (!(largest > 0)) element.member("axis").refuse("has no length");
 	for (int k = 0; k < 3; ++k) joint.axis[k] /= largest;
-	joint.axis = (1 / length(joint.axis)) * joint.axis;
+	joint.axis = normalized(joint.axis);
 	return joint;
 }
 

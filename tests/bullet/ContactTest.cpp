@@ -149,7 +149,7 @@ TEST(Rest, ThinWallsComeOutOfTheTriangleMeshTheyWereMadeIn)
 				}
 				const auto where = ::testing::Message() << depth << " deep, tilt " << tilt << ", " << cells << " cells";
 				EXPECT_NEAR(heightOf(body), 0.5, 0.01) << where;
-				EXPECT_LT(fastest, 2.5) << where;  // as a cube does
+				EXPECT_LT(fastest, 2.5) << where;
 			}
 }
 
