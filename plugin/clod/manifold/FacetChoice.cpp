@@ -67,7 +67,7 @@ bool FacetChoice::overlapsAt(const Facet& facet, const Vec3& shift) const
 		// What lies on A's surface is of the facet there, and not, as deep as A is wide, of the walls round about.
 		const double touch = kInnerShare * q.length();
 		if (facet.kind != Facet::Kind::kVertexFace && facet.distance < -touch &&
-			a.nearest(facet.onB - shift, touch).distance > -touch)
+			a.nearest(facet.onB - shift, touch).face != kNone)
 			return false;
 		const Vec3 off = std::min(2 * inner, 0.5 * std::abs(facet.distance)) * facet.normal;
 		const auto isCrossedAt = [&](const Vec3& point) { return isInA(point - off) && isInA(point + off); };
