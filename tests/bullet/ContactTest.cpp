@@ -4,6 +4,7 @@
 #include <BulletCollision/Gimpact/btGImpactShape.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 
 #include "clod/bullet/ConfigureWorld.h"
@@ -151,6 +152,34 @@ TEST(Rest, ThinWallsComeOutOfTheTriangleMeshTheyWereMadeIn)
 				EXPECT_NEAR(heightOf(body), 0.5, 0.01) << where;
 				EXPECT_LT(fastest, 2.5) << where;
 			}
+}
+
+// A bar's edge across a ridge: neither has a corner in the other, and the bar's upper edges lie under the triangles' other sides.
+TEST(ContactPairTest, EdgesSunkInARidgeOfTrianglesAreAsDeepAsTheyAre)
+{
+	btTriangleMesh triangles;
+	for (const btScalar side : {btScalar(-1), btScalar(1)})
+	{
+		const btVector3 low(side * 5, -1, side * 5), along(side * 5, -1, side * -5);
+		triangles.addTriangle(btVector3(0, 0, -5), btVector3(0, 0, 5), low);
+		triangles.addTriangle(btVector3(0, 0, side * -5), low, along);
+	}
+	for (const double depth : {0.0005, 0.005, 0.02})
+		for (const double turn : {0.0, 0.3, 0.7})
+		{
+			BulletWorld scene;
+			auto& mesh = scene.add(std::make_unique<btBvhTriangleMeshShape>(&triangles, true));
+			btRigidBody& ground = scene.addBody(mesh, 0, {});
+			btClodShape& bar = scene.addShape(cube());
+			bar.setLocalScaling(btVector3(2, btScalar(0.2), btScalar(0.2)));
+			const btQuaternion onEdge(btVector3(1, 0, 0), btScalar(M_PI / 4)), about(btVector3(0, 1, 0), btScalar(turn));
+			btRigidBody& body = scene.addBody(bar, 1, {0, 0.1 * std::sqrt(2.0) - depth, 0.4}, about * onEdge);
+			Distances found;
+			scene.world.contactPairTest(&ground, &body, found);
+			EXPECT_NEAR(found.least, -depth, 1e-4) << depth << " deep, turned by " << turn;
+			scene.step(240);
+			EXPECT_GT(heightOf(body), 0.13) << depth << " deep, turned by " << turn;
+		}
 }
 
 TEST(Rest, OnAScaledTriangleMesh)

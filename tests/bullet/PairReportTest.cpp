@@ -131,6 +131,34 @@ TEST(PairReport, TheErrorAgainstAPlaneIsThatOfTheNodesThatAnswer)
 	EXPECT_GT(byProtrusion, 0);
 }
 
+// Above a triangle, in it, beneath it and beside it: what is neither in it nor beneath it, as far as is asked, is known
+// to be apart, by no more than it is.
+TEST(PairReport, TrianglesApartFromAHullAreKnownToBe)
+{
+	const Hierarchy& hierarchy = *body("sphere-300").hierarchy;
+	const double radius = double(hierarchy.asset().radius), far = 0.5 * radius;
+	const auto upperOf = [&](const Vec3& place, const Vec3& beneath)
+	{
+		PartnerContacts partner;
+		PartnerStats stats;
+		std::vector<Contact> contacts;
+		Triangle triangle{Vec3{-far, 0, -far}, Vec3{far, 0, far}, Vec3{far, 0, -far}};
+		for (Vec3& corner : triangle) corner += place;
+		partner.withTriangle(hierarchy, triangle, 0, beneath, {}, radius, contacts, stats);
+		double least = 1e9;
+		for (const Contact& contact : contacts) least = std::min(least, contact.upper);
+		EXPECT_FALSE(contacts.empty());
+		return least;
+	};
+	const Vec3 down{0, -3 * radius, 0};
+	EXPECT_GT(upperOf({0, -1.2 * radius, 0}, down), 0.15 * radius);
+	EXPECT_LE(upperOf({0, -1.2 * radius, 0}, down), 0.25 * radius);
+	EXPECT_EQ(upperOf({0, -0.9 * radius, 0}, down), 0);
+	EXPECT_EQ(upperOf({0, 1.2 * radius, 0}, down), 0);
+	EXPECT_EQ(upperOf({0, -1.2 * radius, 0}, -down), 0);
+	EXPECT_GT(upperOf({1.6 * radius, 0, 0}, down), 0.05 * radius);
+}
+
 // Coarse contacts are off by more than the thinner wall: said in the report, in the step's sums, and once aloud.
 TEST(PairReport, ContactsTooLooseForAWallAreSaid)
 {

@@ -12,6 +12,7 @@
 #include "clod/query/Query.h"
 #include "tests/manifold/FacetPair.h"
 #include "tests/query/Bodies.h"
+#include "tests/support/HierarchyContents.h"
 
 namespace clod::test
 {
@@ -373,6 +374,21 @@ TEST(FacetContacts, ABodyIsHeldBetweenFacetsThatLeaveNoWayOut)
 
 // A corner that a step of fast turning carries round another to its far side has not been pushed through it: what its row
 // asks of velocities is no more than turning bends a way by.
+// A coarsest level may lie within the body: a landscape's is a box.
+TEST(DeepOverlap, ARingIsNotConvexHoweverSmallItsRootIs)
+{
+	HierarchyContent content = contentOf(*body("torus-900").hierarchy);
+	const Node& root = content.nodes.back();
+	for (std::vector<float>* coordinates : {&content.hullX, &content.hullY, &content.hullZ})
+		for (std::uint32_t i = 0; i < root.vertexCount; ++i) (*coordinates)[root.firstVertex + i] *= 0.5F;
+	const HierarchyPointer ring = Hierarchy::fromOwnBytes(encode(content)), cube = cubeOf();
+	FacetQuestion question{};
+	question.a = question.b = contactBody(*cube);
+	EXPECT_TRUE(DeepOverlap::areConvex(question));
+	question.b = contactBody(*ring);
+	EXPECT_FALSE(DeepOverlap::areConvex(question));
+}
+
 TEST(PairSolve, CornersThatGoRoundEachOtherAskForNoSpeed)
 {
 	const HierarchyPointer cube = cubeOf();

@@ -185,11 +185,16 @@ void PairState::askPartner(const PairPose& pose)
 		const btScalar grow = btScalar(pose.tolerance * pose.scale());
 		static_cast<const btConcaveShape&>(shape).processAllTriangles(&sink, low - btVector3(grow, grow, grow),
 																	  high + btVector3(grow, grow, grow));
+		const Vec3 way = pose.aFromB.rotation * m_facets.through;
+		const double size = 2 * double(hierarchy.asset().radius);
 		for (std::uint32_t i = 0; i < triangles.size(); ++i)
 		{
 			Triangle inA = triangles[i];
 			for (Vec3& corner : inA) corner = pose.aFromB * corner;
-			scratch().partner.withTriangle(hierarchy, inA, i, m_report.metric, pose.tolerance, result.contacts,
+			const Vec3 normal = normalized(cross(inA[1] - inA[0], inA[2] - inA[0]));
+			const double side = SheetCrossing::sideOf(pose.rules, normal, dot(normal, inA[0]), way);
+			const Vec3 beneath = (side < 0 ? size : -size) * normal;
+			scratch().partner.withTriangle(hierarchy, inA, i, beneath, m_report.metric, pose.tolerance, result.contacts,
 										   m_partnerStats);
 		}
 		if (!result.contacts.empty())

@@ -277,12 +277,16 @@ const char* btClodShape::serialize(void* buffer, btSerializer* serializer) const
 
 bool btClodShape::isSerializedName(const char* name)
 {
-	return name && std::strncmp(name, kSerializedAs, std::strlen(kSerializedAs)) == 0;
+	const std::size_t length = std::strlen(kSerializedAs);
+	if (!name || std::strncmp(name, kSerializedAs, length) == 0) return name != nullptr;
+	// Its beginning may be what is damaged: the check of the rest is no other name's.
+	const std::string text = name;
+	return text.size() > length + kCheckLength && text.substr(length) == withCheck(text.substr(length + kCheckLength));
 }
 
 std::optional<btClodShape::Serialized> btClodShape::readSerializedName(const char* name)
 {
-	if (!isSerializedName(name)) return {};
+	if (!name || std::strncmp(name, kSerializedAs, std::strlen(kSerializedAs)) != 0) return {};
 	const std::string text = name + std::strlen(kSerializedAs), numbers = text.substr(std::min(text.size(), kCheckLength));
 	if (text != withCheck(numbers)) return {};
 	std::uint64_t hash = 0;

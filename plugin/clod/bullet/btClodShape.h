@@ -134,7 +134,7 @@ public:
 		std::string name;
 	};
 	static std::optional<Serialized> readSerializedName(const char* name);
-	// Does it begin as such a name does? One that cannot be read is damaged then.
+	// Does it begin, or go on, as such a name does? One that cannot be read is damaged then.
 	static bool isSerializedName(const char* name);
 
 private:

@@ -20,20 +20,34 @@ constexpr std::size_t kMostDifferences = 128;  // which has so many corners at m
 constexpr std::size_t kMostProbed = 64;
 constexpr std::size_t kMostVertices = 256;
 
-// Is a body all but its hull? By volume, of the hull of everything.
+// Is a body all but its hull? By volume, of the hull of everything: of the input surface as far out as so many corners tell, and
+// of the root, whose few tell exactly, but which may lie within (a landscape's is a box).
 struct Bulk
 {
 	bool isConvex;
 	explicit Bulk(const Hierarchy& hierarchy)
 	{
-		const HullView hull = hierarchy.hull(hierarchy.node(hierarchy.root()));
+		const double most = (1 + kNotConvex) * hierarchy.asset().volume;
+		const std::uint32_t root = hierarchy.root();
+		const Level& input = hierarchy.levels()[0];
+		isConvex = hullVolume(hierarchy, root, root + 1) <= most &&
+				   hullVolume(hierarchy, input.firstNode, input.firstNode + input.nodeCount) <= most;
+	}
+
+private:
+	static double hullVolume(const Hierarchy& hierarchy, std::uint32_t first, std::uint32_t end)
+	{
 		std::vector<Vec3> points;
-		for (std::uint32_t i = 0; i < hull.count; ++i) points.push_back(hull.vertex(i));
+		for (std::uint32_t n = first; n < end; ++n)
+		{
+			const HullView hull = hierarchy.hull(hierarchy.node(n));
+			for (std::uint32_t i = 0; i < hull.count; ++i) points.push_back(hull.vertex(i));
+		}
 		const ConvexPolyhedron inner = convexPolyhedron(points, kMostHullCorners);
 		double volume = 0;
 		for (const auto& t : inner.triangles)
 			volume += dot(inner.vertices[t[0]], cross(inner.vertices[t[1]], inner.vertices[t[2]])) / 6;
-		isConvex = volume <= (1 + kNotConvex) * hierarchy.asset().volume;
+		return volume;
 	}
 };
 

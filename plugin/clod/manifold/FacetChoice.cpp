@@ -68,7 +68,7 @@ bool FacetChoice::overlapsAt(const Facet& facet, const Vec3& shift) const
 		// as deep as A is wide, do not count.
 		const double touch = kInnerShare * q.length();
 		if (facet.kind != Facet::Kind::kVertexFace && facet.distance < -touch &&
-			a.nearest(facet.onB - shift, touch).distance > -touch)
+			a.nearest(facet.onB - shift, touch).face != kNone)
 			return false;
 		const Vec3 off = std::min(2 * inner, 0.5 * std::abs(facet.distance)) * facet.normal;
 		const auto isCrossedAt = [&](const Vec3& point) { return isInA(point - off) && isInA(point + off); };

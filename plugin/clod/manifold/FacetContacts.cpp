@@ -169,13 +169,16 @@ void FacetContacts::reduce(const ClusterSet& previous, ClusterSet& next)
 	const Transform bFromA = inverse(m_question.aFromB);
 	shrinkRoom(m_memory->reduced, m_reducer.count());
 	m_memory->reduced.reserve(m_reducer.count());
+	Vec3 through;
 	for (std::size_t slot = 0; slot < next.slots.size(); ++slot)
 		for (std::size_t i = 0; i < std::size_t(next.slots[slot].count); ++i)
 		{
 			const Facet& facet = m_facets[m_reducer.facetOf(slot, i)];
 			if (facet.kind != Facet::Kind::kHeld) nameFaces(facet, bFromA, next.slots[slot].points[i].point);
 			m_memory->reduced.push_back(facet);
+			if (facet.isThrough) through += facet.normal;
 		}
+	m_memory->through = normalized(bFromA.rotation * through);
 }
 
 // The triangles that a point lies on. Not of one that is held: there may be no surface any longer.

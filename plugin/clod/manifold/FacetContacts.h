@@ -23,6 +23,7 @@ struct FacetMemory
 	std::vector<FacetRecord> reduced;  // those that the solver got, in the order of its points,
 	Transform aFromB;                  // and where
 	SwitchMemory levels;
+	Vec3 through;                // mean normal of those that what is through went in by, frame B; zero: nothing is
 	bool isMadeIn = false;       // while what is through a sheet was there from the beginning (SheetCrossing.h)
 	Vec3 wayOut;                 // while there is a depth that no facet answers: the points say nothing of it but this
 	bool isDeep() const { return wayOut != Vec3{}; }

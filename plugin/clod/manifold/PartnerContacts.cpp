@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "clod/collide/HullDistance.h"
+
 namespace clod
 {
 namespace
@@ -33,6 +35,39 @@ bool separated(const OrientedBox& box, const Triangle& triangle, const Vec3& nor
 	const double offset = dot(normal, triangle[0]);
 	return low - offset > distance || offset - high > distance;
 }
+
+// A triangle swept downwards, as far as what has sunk through it may lie beneath it; for its distance from nodes' hulls.
+class SunkTriangle
+{
+public:
+	// radius: of the hulls, about frame A.
+	SunkTriangle(const Triangle& triangle, const Vec3& beneath, double radius) : m_beneath(beneath)
+	{
+		const Vec3 middle = (1.0 / 3) * (triangle[0] + triangle[1] + triangle[2]);
+		double farthest = 0;
+		for (std::size_t i = 0; i < kVertexLanes; ++i)
+		{
+			const Vec3 corner = triangle[std::min<std::size_t>(i, 2)] - middle;
+			m_x[i] = float(corner.x), m_y[i] = float(corner.y), m_z[i] = float(corner.z);
+			farthest = std::max(farthest, length(corner));
+		}
+		m_rounded = kRootOf3 * kFloatUnit * farthest;
+		m_pose = RelativePose({Mat3{}, middle}, std::max(radius, farthest));
+	}
+	// Certified lower bound of the distance to a hull; the search stops once that is beyond `most`.
+	double distanceTo(const ConvexHull& hull, const Vec3& center, double most) const
+	{
+		const ConvexHull triangle{{m_x, m_y, m_z, 3, kVertexLanes}, {}};
+		const Vec3 start = center - m_pose.translation;
+		return hullDistance(hull, triangle, m_pose, start, most + m_rounded, m_beneath).lower - m_rounded;
+	}
+
+private:
+	alignas(16) float m_x[kVertexLanes], m_y[kVertexLanes], m_z[kVertexLanes];
+	Vec3 m_beneath;
+	RelativePose m_pose;
+	double m_rounded;
+};
 
 // May a node answer against an exact partner? This is the rule of StopRule.h with f = 0 and D = inf on the partner's
 // side; the place of the contact is taken to be in the node's own culling box.
@@ -73,9 +108,10 @@ private:
 
 // Visits the nodes that answer and are not separated from the partner, each once. Exact answers follow the tree of
 // bounding volumes, coarser ones the whole graph of the dual hierarchy.
-template <class Separated>
+template <class Separated, class Distance>
 void PartnerContacts::visit(const Hierarchy& hierarchy, const Metric& metric, const Separated& apart,
-							std::uint32_t partner, std::vector<Contact>& contacts, PartnerStats& stats)
+							const Distance& distanceOf, std::uint32_t partner, std::vector<Contact>& contacts,
+							PartnerStats& stats)
 {
 	if (m_visited.size() < hierarchy.nodes().size) m_visited.resize(hierarchy.nodes().size, 0);
 	if (++m_visit == 0)
@@ -100,7 +136,8 @@ void PartnerContacts::visit(const Hierarchy& hierarchy, const Metric& metric, co
 			stats.finestLevel = std::min(stats.finestLevel, node.level);
 			stats.coarsestLevel = std::max(stats.coarsestLevel, node.level);
 			stats.errorBound = std::max({stats.errorBound, double(node.cover), double(node.protrude)});
-			contacts.push_back({index, partner, 0, 0, {}, {}, {}});
+			const double distance = distanceOf(index, node);
+			contacts.push_back({index, partner, distance, distance, {}, {}, {}});
 			continue;
 		}
 		const Span<std::uint32_t> children = hierarchy.children(node);
@@ -113,15 +150,22 @@ void PartnerContacts::withHalfSpace(const Hierarchy& hierarchy, const Vec3& norm
 									double tolerance, std::vector<Contact>& contacts, PartnerStats& stats)
 {
 	const auto apart = [&](const OrientedBox& box) { return interval(box, normal).first - offset > tolerance; };
-	visit(hierarchy, metric, apart, 0, contacts, stats);
+	const auto unknown = [](std::uint32_t, const Node&) { return 0.0; };
+	visit(hierarchy, metric, apart, unknown, 0, contacts, stats);
 }
 
 void PartnerContacts::withTriangle(const Hierarchy& hierarchy, const Triangle& triangle, std::uint32_t index,
-								   const Metric& metric, double tolerance, std::vector<Contact>& contacts,
-								   PartnerStats& stats)
+								   const Vec3& beneath, const Metric& metric, double tolerance,
+								   std::vector<Contact>& contacts, PartnerStats& stats)
 {
 	const Vec3 normal = normalized(cross(triangle[1] - triangle[0], triangle[2] - triangle[0]));
+	const SunkTriangle sunk(triangle, beneath, hierarchy.originRadius());
 	const auto apart = [&](const OrientedBox& box) { return separated(box, triangle, normal, tolerance); };
-	visit(hierarchy, metric, apart, index, contacts, stats);
+	const auto distanceOf = [&](std::uint32_t node, const Node& hull)
+	{
+		const Vec3 center = toVec3(hierarchy.cullBox(node).center);
+		return std::max(0.0, sunk.distanceTo(contactHull(hierarchy, hull), center, 0));
+	};
+	visit(hierarchy, metric, apart, distanceOf, index, contacts, stats);
 }
 }  // namespace clod

@@ -31,12 +31,10 @@ bool SheetCrossing::find(const FacetQuestion& question, const std::vector<Contac
 	if (!was && std::any_of(facets.begin(), facets.end(), isThrough)) return false;  // by its motion
 	m_question = &question;
 	m_bFromA = inverse(question.aFromB);
-	m_center = m_bFromA * question.rules.a.center;
-	m_pull = m_bFromA.rotation * (question.rules.a.force - question.rules.b.force);
 	Vec3 way;
 	for (const Facet& facet : facets)
 		if (facet.isThrough) way += facet.normal;
-	m_way = m_bFromA.rotation * normalized(way);
+	m_way = normalized(way);
 	collect(contacts);
 	const bool isOut = leadsOut(shift, facets);
 	m_beyond.clear();
@@ -105,11 +103,17 @@ bool SheetCrossing::crosses(const Vec3& from, const Vec3& to, std::uint32_t f) c
 std::uint32_t SheetCrossing::faceToSide(std::uint32_t f) const
 {
 	const SurfaceFace& face = m_question->b.only->faces()[f];
-	const double along = dot(face.normal, m_way), height = dot(face.normal, m_center) - face.offset;
-	const double pull = dot(face.normal, normalized(m_pull));
-	const bool isIn = std::abs(height) < kAllButIn * m_question->length();
-	const double side = std::abs(along) >= kSameWay ? along : isIn && std::abs(pull) >= kSameWay ? -pull : height;
-	return side < 0 ? f ^ 1u : f;
+	const Vec3 normal = m_question->aFromB.rotation * face.normal;
+	const double offset = face.offset + dot(normal, m_question->aFromB.translation);
+	return sideOf(m_question->rules, normal, offset, m_way) < 0 ? f ^ 1u : f;
+}
+
+double SheetCrossing::sideOf(const PointRules& rules, const Vec3& normal, double offset, const Vec3& way)
+{
+	const double along = dot(normal, way), pull = dot(normal, normalized(rules.a.force - rules.b.force));
+	if (std::abs(along) >= kSameWay) return along;
+	const double height = dot(normal, rules.a.center) - offset;
+	return std::abs(height) < kAllButIn * rules.length && std::abs(pull) >= kSameWay ? -pull : height;
 }
 
 bool SheetCrossing::crossesAny(std::uint32_t edge, const Vec3& shift) const

@@ -14,6 +14,9 @@ class SheetCrossing
 public:
 	// May there be more to tell of than facets do? What rests need not be asked.
 	static bool isDeep(const FacetQuestion& question, const std::vector<Facet>& facets);
+	// To which side of a face, or of what lies across such a normal, does A belong: by the way of what has gone in through the
+	// sheet, the forces where its middle is all but in it, or its middle? Below zero: beneath. Frame A.
+	static double sideOf(const PointRules& rules, const Vec3& normal, double offset, const Vec3& way);
 	// Adds the contacts of edges of A that would cross B, a sheet, even were A moved by the shift, which is out of the facets
 	// that are known; and removes overlaps that go against it. was: in the last dispatch. Is it made in?
 	bool find(const FacetQuestion& question, const std::vector<Contact>& contacts, const Vec3& shift, bool was,
@@ -40,7 +43,7 @@ private:
 	const FacetQuestion* m_question = nullptr;
 	const ContactSurface* m_a = nullptr;
 	Transform m_bFromA;
-	Vec3 m_center, m_pull, m_way;  // frame B; m_way: that of what went through before, or zero
+	Vec3 m_way;  // of what went through before, or zero
 	std::vector<Crossing> m_crossings;
 	std::vector<Facet> m_beyond;
 };
