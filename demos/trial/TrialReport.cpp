@@ -129,7 +129,7 @@ std::string filmOf(const Trial& trial, const TrialPictures& pictures)
 		return names;
 	}() +
 							 ". Running: cost of a step, overlap of the full meshes and how far the worst contact "
-							 "point is off their surfaces, in % of the radius. Red: points that carry, seen through the bodies. Blue: the "
+							 "point is off their surfaces, in % of the radius. Red: contact points under load, seen through the bodies. Blue: the "
 							 "hulls that collide.";
 	if (pictures.files.empty()) return "";
 	const std::string sheet = dataAddress(pictures.files.front(), "image/png");
