@@ -280,6 +280,7 @@ void runRun(const RunOptions& options)
 	const SceneInfo& info = definition.info;
 	HierarchyCache cache(options.cache, options.common.quiet);
 	SceneRunOptions run = setUp(options, definition, cache);
+	run.scene.printsWarnings = !options.common.quiet;  // the report has them, too
 	cli::Progress progress(options.common.quiet);
 	const bool isOurs = options.shapes == "clod";
 	if (!isOurs) takePeerShapes(options, definition, cache, run, progress);
