@@ -44,9 +44,9 @@ std::string describe(const Length& length, double radius, const std::function<st
 {
 	const auto said = [&](double value) { return inWords ? inWords(value) : fmt::format("{:.4g}", value); };
 	if (length.shareOfRadius)
-		return fmt::format("{} of the radius {} = {}", length.text, said(radius), said(length.inMeshUnit(radius)));
+		return fmt::format("{} ({} of the radius of {})", said(length.inMeshUnit(radius)), length.text, said(radius));
 	const std::string value = said(length.value);
-	return fmt::format("{}{} ({:.3g} % of the radius {})", length.text, value == length.text ? "" : " = " + value,
+	return fmt::format("{}{} ({:.3g} % of the radius of {})", length.text, value == length.text ? "" : " = " + value,
 					   radius > 0 ? 100 * length.value / radius : 0, said(radius));
 }
 

@@ -212,7 +212,7 @@ def five():
     lines = [
         f"**{theirs['us']['median'] / ours['us']['median']:.0f} times** faster than `btGImpactMeshShape` on moving bodies "
         f"(spoon in cup, whole dispatches), {theirs['us']['median'] / exact['us']['median']:.1f} times when exact",
-        f"**{percent(ours['gap_error']['p95'] / radius)} %** of the radius: our error of the gap there (95 %), GImpact's is "
+        f"**{percent(ours['gap_error']['p95'] / radius)} %** of the radius: our error of the reported distance there (95 % of the poses), GImpact's is "
         f"{percent(theirs['gap_error']['p95'] / radius)} %",
         f"**{100 * runs['CLOD']['deepest'] / fall_report['smallest_radius']:.2g} %** of the radius: the deepest that meshes "
         f"sank into each other in a fall, GImpact's {percent(runs['GImpact']['deepest'] / fall_report['smallest_radius'])} %, "

@@ -170,8 +170,10 @@ std::string describeAsText(const Hierarchy& hierarchy, std::uint64_t fileBytes)
 							level.nodeCount, level.maxHausdorff, level.maxDeviation, level.maxCover, level.maxProtrude,
 							isContactLevel(level) ? "yes" : "no");
 	}
-	text += fmt::format("{} levels, {} of them for contact; {} triangles, {} nodes, {} bytes{}\n",
-						hierarchy.levels().size, contactLevelCount(hierarchy), a.triangleCount, hierarchy.nodes().size, fileBytes,
+	const auto counted = [](std::size_t count, const char* what)
+	{ return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s"); };
+	text += fmt::format("{}, {} of them for contact; {} triangles, {}, {} bytes{}\n", counted(hierarchy.levels().size, "level"),
+						contactLevelCount(hierarchy), a.triangleCount, counted(hierarchy.nodes().size, "node"), fileBytes,
 						hierarchy.isPaperBuild() ? "; built with --paper" : "");
 	const Bytes parts = bytesOf(hierarchy, 0, std::uint32_t(hierarchy.nodes().size));
 	text += "convex pieces for a certified share of the radius (levels mixed):";

@@ -29,11 +29,11 @@ int main(int argc, char** argv)
 		std::fprintf(stderr, "%s\n", registered.error().c_str());
 		return 1;
 	}
+	world.setGravity(btVector3(0, btScalar(-9.81), 0));
 	clod::configureWorld(world);  // iterations, friction and soft corrections, recommended
 
 	// Bullet's constants suit bodies of about one unit, so the model falls as if its radius were 1 m.
 	const btScalar scale = btScalar(1 / model.value()->asset().radius);
-	world.setGravity(btVector3(0, btScalar(-9.81), 0));
 	btClodShape shape(model.value());
 	shape.setLocalScaling(btVector3(scale, scale, scale));
 	shape.setMetric(clod::ContactMetric::errorShare(0.01));  // contacts certified to 1 % of the radius

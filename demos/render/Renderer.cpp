@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Order of drawing: background, ground, shadows, opaque bodies, coloured patches and markers (first their hidden parts,
-// faintly, then the visible ones), transparent bodies, patches and markers half over those.
+// Order of drawing: background, ground, shadows, opaque bodies, coloured patches (first their hidden parts, faintly, then
+// the visible ones), markers, transparent bodies, patches half over those, and the same of markers: what hides them, be it
+// a body or a patch, is drawn before their faint parts.
 #include "demos/render/Renderer.h"
 
 #include <algorithm>
@@ -102,11 +103,16 @@ struct Renderer::Implementation
 	std::vector<Layer> upload(const Frame& frame) const;
 	enum class Pass
 	{
-		Hidden,  // the parts behind opaque bodies, faintly
+		Hidden,  // the parts behind what is opaque, faintly
 		Visible,
 		ThroughVeil  // the visible parts once more over transparent bodies, so that these hardly tint the colours
 	};
-	void drawLayers(const std::vector<Layer>& layers, Pass pass) const;
+	enum class Kind
+	{
+		Patches,
+		Markers
+	};
+	void drawLayers(const std::vector<Layer>& layers, Kind kind, Pass pass) const;
 };
 
 void Renderer::Implementation::drawBackground(const Camera& camera, const Ground& ground,
@@ -210,7 +216,7 @@ std::vector<Renderer::Implementation::Layer> Renderer::Implementation::upload(co
 	return layers;
 }
 
-void Renderer::Implementation::drawLayers(const std::vector<Layer>& layers, Pass pass) const
+void Renderer::Implementation::drawLayers(const std::vector<Layer>& layers, Kind kind, Pass pass) const
 {
 	const bool isHidden = pass == Pass::Hidden;
 	if (isHidden)
@@ -234,14 +240,15 @@ void Renderer::Implementation::drawLayers(const std::vector<Layer>& layers, Pass
 		solid->set("worldFromMesh", matrixOf(layer.worldFromMesh));
 		layer.buffer->draw();
 	};
-	for (size_t i = layers.size(); i-- > 0;)  // markers first: they win the faint pixel
-		if (isHidden ? layers[i].isSeenThrough : !layers[i].isGlass) draw(layers[i]);
+	const auto isOfKind = [&](const Layer& layer) { return layer.isPatch == (kind == Kind::Patches); };
+	for (const Layer& layer : layers)
+		if (isOfKind(layer) && (isHidden ? layer.isSeenThrough : !layer.isGlass)) draw(layer);
 	if (pass == Pass::ThroughVeil)
 	{
 		solid->set("baseColor", Color{0, 0, 0, GLASS_ALPHA});
 		glDepthMask(GL_FALSE);
 		for (const Layer& layer : layers)
-			if (layer.isGlass) draw(layer);
+			if (isOfKind(layer) && layer.isGlass) draw(layer);
 	}
 	glDisable(GL_POLYGON_OFFSET_FILL);
 	glDisable(GL_STENCIL_TEST);
@@ -319,10 +326,15 @@ Image Renderer::render(const Frame& frame)
 	for (const Instance& instance : frame.instances)
 		if (!instance.isTransparent) r.drawInstance(instance);
 	const std::vector<Implementation::Layer> layers = r.upload(frame);
-	r.drawLayers(layers, Implementation::Pass::Hidden);
-	r.drawLayers(layers, Implementation::Pass::Visible);
+	using Kind = Implementation::Kind;
+	using Pass = Implementation::Pass;
+	r.drawLayers(layers, Kind::Patches, Pass::Hidden);
+	r.drawLayers(layers, Kind::Patches, Pass::Visible);
+	r.drawLayers(layers, Kind::Markers, Pass::Visible);
 	r.drawTransparent(frame);
-	r.drawLayers(layers, Implementation::Pass::ThroughVeil);
+	r.drawLayers(layers, Kind::Patches, Pass::ThroughVeil);
+	r.drawLayers(layers, Kind::Markers, Pass::Hidden);
+	r.drawLayers(layers, Kind::Markers, Pass::ThroughVeil);
 	return reduced(r.context->pixels(), r.supersampling);
 }
 }  // namespace clod::demo

@@ -89,7 +89,7 @@ struct Frame
 	Camera camera;
 	std::vector<Instance> instances;
 	std::vector<PatchLayer> patches;
-	std::vector<Marker> markers;  // markers and arrows show faintly through opaque bodies
+	std::vector<Marker> markers;  // markers and arrows show faintly through what is opaque
 	std::vector<Arrow> arrows;
 	Ground ground;
 };

@@ -32,10 +32,10 @@ constexpr std::size_t kCrowd = 100;  // more arrows would hide what they point a
 // Ground lines a decade under the picture's size; where they fade.
 constexpr double kGridShare = 0.1, kFadeShare = 4.2;
 constexpr double kExactShare = 1e-5;  // of the smallest radius: errors that small have one colour
-constexpr const char* kColorsMean = "Coloured: the surface patches that answered, by certified error. ";
-constexpr const char* kCarry = "points that carry";
+constexpr const char* kColorsMean = "Coloured: the surface patches in contact, by certified error. ";
+constexpr const char* kCarry = "contact points under load";
 constexpr const char* kNearest = "where patches are nearest to each other";
-constexpr const char* kArrowsMean = ", and which way the one body pushes the other";
+constexpr const char* kArrowsMean = ", with the push of one body on the other";
 
 constexpr Color kGhostColor = {0.5f, 0.55f, 0.65f, 0.12f};
 // Of an exploded picture: between bodies, of what it shows; between a body's patches, of the way to their middle.
@@ -131,6 +131,12 @@ int halfDecades(double error)
 }
 }  // namespace
 
+Camera overviewCamera(const SceneView& view)
+{
+	constexpr double kRoom = 1.12, kLower = 0.1;  // of the view's radius
+	return orbitCamera(view.center + Vec3{0, kLower * view.radius, 0}, kRoom * view.radius, view.azimuth, view.elevation);
+}
+
 ErrorScale::ErrorScale(const FrameSubject& subject)
 {
 	double smallest = kOff, most = 0;
@@ -147,6 +153,7 @@ ErrorScale::ErrorScale(const FrameSubject& subject)
 			}
 		}
 	}
+	most = std::min(most, subject.largestError);
 	m_first = halfDecades(kExactShare * smallest);
 	m_steps = 1 + std::max(0, halfDecades(std::max(most, kExactShare * smallest)) - m_first);
 }
@@ -182,6 +189,16 @@ std::string footnoteOf(const FrameSubject& subject, const FrameAnswer& answer, s
 	std::string words = legendOf(subject, answer).empty() ? "" : kColorsMean;
 	if (contacts > 0) words += "Red: " + redMeans + (contacts > kCrowd ? "." : std::string(kArrowsMean) + ".");
 	return words;
+}
+
+double largestErrorShown(const FrameSubject& subject, const FrameAnswer& answer)
+{
+	double most = 0;
+	const std::vector<std::set<std::uint32_t>> nodes = answeringNodes(subject, answer);
+	for (std::size_t i = 0; i < nodes.size(); ++i)
+		for (const std::uint32_t node : nodes[i])
+			most = std::max(most, double(subject.bodies[i].hierarchy->node(node).deviation));
+	return most;
 }
 
 std::size_t patchesShown(const FrameSubject& subject, const FrameAnswer& answer)

@@ -34,7 +34,11 @@ struct FrameSubject
 	bool hasGround = true;
 	int steps = 0;
 	double dt = 0;
+	double largestError = kOff;  // of all patches that its pictures show: where colours end; kOff: of all levels
 };
+
+// What the view shows lies lower in the picture, under its words.
+Camera overviewCamera(const SceneView& view);
 
 // Where everything is.
 struct FrameMoment
@@ -58,7 +62,7 @@ struct FrameAnswer
 };
 
 // Colours of certified errors, the same for all bodies of a subject and all its pictures: two steps a decade (up to 1,
-// up to 3, up to 10, ...), from what is exact to the eye.
+// up to 3, up to 10, ...), from what is exact to the eye up to the largest error shown.
 class ErrorScale
 {
 public:
@@ -80,7 +84,8 @@ std::vector<LegendEntry> legendOf(const FrameSubject& subject, const FrameAnswer
 std::string footnoteOf(const FrameSubject& subject, const FrameAnswer& answer, std::size_t contacts,
 					   const std::string& redMeans);
 
-// How many patches its pictures colour.
+// Of the patches that its pictures colour: the largest certified error, and how many there are.
+double largestErrorShown(const FrameSubject& subject, const FrameAnswer& answer);
 std::size_t patchesShown(const FrameSubject& subject, const FrameAnswer& answer);
 
 // The pair of which most patches are coloured: one with both bodies', where there is any. A digit on a floor, which is

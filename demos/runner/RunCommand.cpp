@@ -176,13 +176,6 @@ std::vector<ModelMesh> meshesOf(const RunOptions& options, const SceneRunOptions
 	return meshes;
 }
 
-// What the view shows lies lower in the picture, under its words.
-Camera cameraOf(const SceneView& view)
-{
-	constexpr double kRoom = 1.12, kLower = 0.1;  // of the view's radius
-	return orbitCamera(view.center + Vec3{0, kLower * view.radius, 0}, kRoom * view.radius, view.azimuth, view.elevation);
-}
-
 nlohmann::ordered_json paintFrames(const RunOptions& options, const SceneRunOptions& run,
 								   const std::vector<SceneRow>& rows, cli::Progress& progress)
 {
@@ -195,7 +188,7 @@ nlohmann::ordered_json paintFrames(const RunOptions& options, const SceneRunOpti
 		subject.bodies.push_back({body.model, run.scene.models[body.model], body.isSeenThrough});
 	subject.closeUp = info.closeUp;
 	subject.hasGround = info.hasGround;
-	subject.overview = options.selection.camera ? *options.selection.camera : cameraOf(info.overview);
+	subject.overview = options.selection.camera ? *options.selection.camera : overviewCamera(info.overview);
 	subject.overviewAtEnd = options.selection.cameraTo.value_or(subject.overview);
 	subject.steps = run.steps;
 	subject.dt = run.scene.dt;
@@ -288,6 +281,7 @@ void runRun(const RunOptions& options)
 	const SceneInfo& info = definition.info;
 	HierarchyCache cache(options.cache, options.common.quiet);
 	SceneRunOptions run = setUp(options, definition, cache);
+	run.scene.printsWarnings = !options.common.quiet;  // the report has them, too
 	cli::Progress progress(options.common.quiet);
 	const bool isOurs = options.shapes == "clod";
 	if (!isOurs) takePeerShapes(options, definition, cache, run, progress);

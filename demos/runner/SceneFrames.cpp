@@ -119,7 +119,7 @@ void addFrames(CLI::App& command, SceneFrameOptions& options)
 		->needs(frames);
 }
 
-nlohmann::ordered_json paintScene(const SceneFrameOptions& options, const FrameSubject& subject, const FinishedRun& run,
+nlohmann::ordered_json paintScene(const SceneFrameOptions& options, FrameSubject subject, const FinishedRun& run,
 								  const std::function<void(double)>& progress)
 {
 	const SceneSettings& own = run.options.scene;
@@ -140,13 +140,19 @@ nlohmann::ordered_json paintScene(const SceneFrameOptions& options, const FrameS
 	const std::size_t every =
 		std::size_t(options.every > 0 ? options.every : frameEvery(int(run.rows.size()), subject.dt));
 	const std::size_t count = (run.rows.size() + every - 1) / every;
+	const auto rowOf = [&](std::size_t frame) { return std::min((frame + 1) * every, run.rows.size()) - 1; };
+	subject.largestError = 0;
+	for (std::size_t i = 0; i < count; ++i)
+		for (const Answers* of : {&answers, &exact, &other})
+			if (of == &answers || options.compare)
+				subject.largestError = std::max(subject.largestError, largestErrorShown(subject, of->at(rowOf(i))));
 	FramePainter painter(subject);
 	FrameFolder folder(options.directory, subject.title, count, 1 / (double(every) * subject.dt));
 	// The frame that shows the most patches in contact.
 	std::size_t most = 0, mostRow = 0;
-	for (std::size_t row = every - 1; folder.frames() < count; row = std::min(row + every, run.rows.size() - 1))
+	while (folder.frames() < count)
 	{
-		row = std::min(row, run.rows.size() - 1);
+		const std::size_t row = rowOf(folder.frames());
 		const SceneState& state = run.rows[row].state;
 		const FrameAnswer answer = answers.at(row);
 		if (const std::size_t patches = patchesShown(subject, answer); patches > most) most = patches, mostRow = row;

@@ -34,6 +34,6 @@ struct FinishedRun
 };
 
 // Writes the frames, the contact sheet and the film; value: what was written, for the report.
-nlohmann::ordered_json paintScene(const SceneFrameOptions& options, const FrameSubject& subject, const FinishedRun& run,
+nlohmann::ordered_json paintScene(const SceneFrameOptions& options, FrameSubject subject, const FinishedRun& run,
 								  const std::function<void(double)>& progress);
 }  // namespace clod::demo

@@ -76,6 +76,7 @@ SceneDefinition contactArea()
 	scene.info.summary = "a nut is screwed onto a bolt: the contact area grows";
 	scene.info.tolerance = THREAD_PLAY;
 	scene.info.steps = constant::screwSteps;
+	scene.info.overview = {{0, 0.028, 0}, 0.036, 20, 22, -1, ""};  // the nut begins above the bolt
 	const double rate = (constant::highest - constant::lowest) / (scene.info.steps * scene.info.dt);
 	scene.bodies.resize(2);
 	scene.bodies[1].course = [rate](double time) { return onThread(constant::highest - rate * time); };

@@ -47,7 +47,7 @@ SceneInfo describe()
 	info.dt = 1.0 / 240;
 	info.steps = 480;
 	info.worldScale = 100;
-	info.overview = {{0.03, 0.095, 0.0}, 0.16, -8, 20, -1, ""};
+	info.overview = {{0.03, 0.112, 0.0}, 0.172, -8, 20, -1, ""};
 	info.closeUp = {{0.020, -0.004, 0}, 0.03, 25, -30, 1, "close-up of the near spoon from below, through the cup"};
 	return info;
 }

@@ -48,7 +48,7 @@ SceneDefinition nestedCups()
 	info.tolerance = 0.01 * TUMBLER_TOP;
 	info.thinnerWall = TUMBLER_WALL;
 	info.steps = constant::steps;
-	info.overview = {{0, 0.07, 0}, 0.10, 20, 15, -1, ""};
+	info.overview = {{0, 0.072, 0}, 0.10, 20, 15, -1, ""};
 	info.closeUp = {{0, 0.03, 0}, 0.045, 20, 10, 1, "close-up of the second cup, through them all"};
 	info.hasGround = true;
 	info.outcome = {{"least_over_seat", "m"}, {"most_over_seat", "m"}};

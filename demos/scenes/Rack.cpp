@@ -38,8 +38,8 @@ SceneDefinition rack()
 	info.tolerance = 0.01 * PINION_PITCH_RADIUS;
 	info.thinnerWall = TOOTH_MODULE;
 	info.steps = constant::steps;
-	info.overview = {{0, 0.02, 0}, 0.145, 15, 15, -1, ""};
-	info.closeUp = {{0.010, 0, 0}, 0.014, 5, 10, -1, "close-up of the right pinion's teeth"};
+	info.overview = {{0, 0.018, 0}, 0.155, 15, 15, -1, ""};
+	info.closeUp = {{0.010, 0, 0}, 0.019, 5, 10, -1, "close-up of the right pinion's teeth"};
 	info.outcome = {{"left_slip", "m"}, {"right_slip", "m"}, {"rack_height", "m"}};
 	const double middle = RACK_PITCH_LINE + PINION_PITCH_RADIUS, turning = constant::startSpeed / PINION_PITCH_RADIUS;
 	scene.bodies = {{constant::rackMass, Pose{}, {}, {0, constant::startSpeed, 0}, {}, {0, 1, 0}, {0, 0, 0}},

@@ -56,7 +56,7 @@ SceneInfo describe()
 	info.dt = 1.0 / 240;
 	info.steps = 1200;
 	info.worldScale = 100;
-	info.overview = {{0.005, 0.066, 0}, 0.095, 20, 28, -1, ""};
+	info.overview = {{0.005, 0.071, 0}, 0.098, 20, 28, -1, ""};
 	info.closeUp = {{0.020, -0.004, 0}, 0.03, 25, -30, 1, "close-up from below, through the cup"};
 	return info;
 }

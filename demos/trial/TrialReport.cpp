@@ -28,7 +28,7 @@ std::string percent(double share)
 
 std::string milliseconds(double microseconds)
 {
-	return fmt::format("{:.3g} ms", microseconds / 1000);
+	return microseconds < 1e6 ? fmt::format("{:.3g} ms", microseconds / 1000) : fmt::format("{:.0f} ms", microseconds / 1000);
 }
 
 std::string limitName(double share)
@@ -129,7 +129,7 @@ std::string filmOf(const Trial& trial, const TrialPictures& pictures)
 		return names;
 	}() +
 							 ". Running: cost of a step, overlap of the full meshes and how far the worst contact "
-							 "point is off their surfaces, in % of the radius. Red: points that carry, seen through the bodies. Blue: the "
+							 "point is off their surfaces, in % of the radius. Red: contact points under load, seen through the bodies. Blue: the "
 							 "hulls that collide.";
 	if (pictures.files.empty()) return "";
 	const std::string sheet = dataAddress(pictures.files.front(), "image/png");
@@ -279,7 +279,7 @@ std::string reportPage(const Trial& trial, const TrialPictures& pictures)
 	for (const TrialMesh& mesh : trial.meshes) names += (names.empty() ? "" : ", ") + mesh.name;
 	std::string body = "<h1>" + escaped(names) + ": collision by contact levels of detail</h1>\n";
 	body +=
-		"<p>The meshes fall on each other, come to rest, and slide as the floor tilts. Everybody has the same masses, "
+		"<p>The meshes fall on each other, come to rest, and slide as the floor tilts. All methods have the same masses, "
 		"inertia, friction, solver and time step; only what collides differs.</p>\n";
 	body += filmOf(trial, pictures) + "<h2>What happened</h2>\n" + contendersOf(trial);
 	body += seriesOf(trial, "Cost of a whole step as the bodies fall, rest and slide.", "milliseconds", "ms",

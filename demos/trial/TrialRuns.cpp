@@ -84,6 +84,18 @@ SceneSettings settingsOf(const Trial& trial, const Contender& contender, double 
 	return settings;
 }
 
+// How many bodies are not where the scene means them to be.
+int goneIn(const Trial& trial, const SceneState& state)
+{
+	int gone = 0;
+	for (std::size_t i = 0; i < state.bodies.size(); ++i)
+	{
+		const Vec3 center = toTransform(state.bodies[i].pose) * meshFromBody(*trial.models[trial.scene.info.bodies[i].model]);
+		if (trial.scene.bodies[i].mass > 0 && !trial.scene.inPlace(i, center)) ++gone;
+	}
+	return gone;
+}
+
 void summarize(TrialRun& run, const Trial& trial, const std::vector<double>& steps)
 {
 	run.stepMedian = quantile(steps, 0.5);
@@ -103,12 +115,7 @@ void summarize(TrialRun& run, const Trial& trial, const std::vector<double>& ste
 		if (frame.state.time >= end - kEndSeconds)
 			for (const BodyState& body : frame.state.bodies)
 				run.endSpeed = std::max(run.endSpeed, length(body.velocity) / trial.radius);
-	const std::vector<BodyState>& bodies = run.frames.back().state.bodies;
-	for (std::size_t i = 0; i < bodies.size(); ++i)
-	{
-		const Vec3 center = toTransform(bodies[i].pose) * meshFromBody(*trial.models[trial.scene.info.bodies[i].model]);
-		if (trial.scene.bodies[i].mass > 0 && !trial.scene.inPlace(i, center)) ++run.gone;
-	}
+	run.gone = goneIn(trial, run.frames.back().state);
 }
 }  // namespace
 
@@ -128,6 +135,8 @@ TrialRun runContender(const Trial& trial, const Contender& contender, const Soli
 	const std::unique_ptr<Scene> scene = makeScene(trial.scene, settingsOf(trial, contender, rules.dt));
 	std::vector<double> steps, sinceFrame;
 	SceneState before = scene->state();
+	const auto canMove = [](const BodyDefinition& body) { return body.mass > 0; };
+	const auto movable = std::count_if(trial.scene.bodies.begin(), trial.scene.bodies.end(), canMove);
 	const Stopwatch watch(TimedBy::thread);  // a busy machine stops nobody
 	for (int step = 1; step <= rules.steps; ++step)
 	{
@@ -150,6 +159,11 @@ TrialRun runContender(const Trial& trial, const Contender& contender, const Soli
 			frame.state = state;
 			run.frames.push_back(std::move(frame));
 			progress(double(step) / rules.steps);
+			if (goneIn(trial, state) == movable)  // steps without bodies would take no time
+			{
+				run.ending = fmt::format("stopped at {:.2f} s: all bodies fell through or flew off", state.time);
+				break;
+			}
 		}
 		before = std::move(state);
 		const double seconds = watch.microseconds() / 1e6;

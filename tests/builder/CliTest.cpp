@@ -166,6 +166,15 @@ TEST(MeshPath, APartStandsBehindAGltfFileOnly)
 	EXPECT_EQ(shellWord(""), "''");
 }
 
+TEST_F(Cli, InfoCountsOneAsOne)
+{
+	writeMesh("box.obj", boxMesh({1, 1, 1}, 1));
+	ASSERT_EQ(run({"build", path("box.obj"), "-o", path("box.clod"), "--quiet"}), 0) << err();
+	ASSERT_EQ(run({"info", path("box.clod")}), 0) << err();
+	EXPECT_NE(out().find("1 level, 1 of them"), std::string::npos) << out();
+	EXPECT_NE(out().find(" 1 node, "), std::string::npos) << out();
+}
+
 // A glTF scene of two tetrahedra of one mesh and name, the second moved by (10, 0, 0), and a lone triangle.
 TEST_F(Cli, PartsOfASceneAreBuiltByThemselves)
 {

@@ -134,6 +134,27 @@ TEST_F(RenderTest, HiddenPatchesShowFaintlyUnlessToldNotTo)
 	EXPECT_EQ(differingPixels(renderer->render(frame), without), 0u);
 }
 
+// A torus in contact all over was coloured all over, and the points under it were nowhere to be seen.
+TEST_F(RenderTest, MarkersShowFaintlyThroughPatchesAndGlass)
+{
+	add(square(0.1, 0.1), {1, 1, 1, 1});
+	frame.patches.push_back({{}, squarePatch(0.1, 0.1, BLUE), true});
+	for (const bool isBehindGlass : {false, true})
+	{
+		if (isBehindGlass) add(square(0.15, 0.2), {0.5f, 0.5f, 0.6f, 0.2f}).isTransparent = true;
+		const Color without = middle(renderer->render(frame));
+		frame.markers = {{{0, 0, 0}, 0.02, RED}};
+		const Color faint = middle(renderer->render(frame));
+		EXPECT_GT(faint.r, without.r + 0.15f) << isBehindGlass;
+		EXPECT_NE(hue(faint), Hue::Red) << isBehindGlass;
+		frame.markers[0].centre.z = 0.13;
+		const Color plain = middle(renderer->render(frame));
+		EXPECT_GT(plain.r, faint.r + 0.1f) << isBehindGlass;
+		EXPECT_EQ(hue(plain), Hue::Red) << isBehindGlass;
+		frame.markers.clear();
+	}
+}
+
 TEST_F(RenderTest, TransparentBodiesShowWhatIsBehind)
 {
 	add(square(0.05, 0), RED);

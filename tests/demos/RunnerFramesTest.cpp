@@ -196,6 +196,24 @@ TEST(RunnerFrames, TheLegendNamesTheErrorsInThePictureOfBothBodies)
 	}
 }
 
+// Three errors under a limit were three greens hardly apart: the scale went on to what no picture shows.
+TEST(RunnerFrames, ColoursEndWithTheLargestErrorThatIsShown)
+{
+	const HierarchyPointer torus = test::builtBody("torus", 300).hierarchy;
+	FrameSubject subject = subjectOf(torus, torus);
+	const ErrorScale whole(subject);
+	const FrameAnswer fine = answerAt(*torus, 1, *torus, 0);
+	const std::set<int> used = stepsOf(whole, *torus, 1);
+	ASSERT_LT(*used.rbegin(), whole.steps() - 1);
+	subject.largestError = largestErrorShown(subject, fine);
+	const ErrorScale scale(subject);
+	EXPECT_EQ(scale.steps(), *used.rbegin() + 1);
+	EXPECT_EQ(scale.stepOf(subject.largestError), scale.steps() - 1);
+	EXPECT_EQ(legendOf(subject, fine).size(), legendOf(subjectOf(torus, torus), fine).size());
+	subject.largestError = largestErrorShown(subject, answerAt(*torus, 0, *torus, coarsestLevel(*torus)));
+	EXPECT_EQ(ErrorScale(subject).steps(), whole.steps()) << "of either body";
+}
+
 TEST(RunnerFrames, WordsUnderAPictureNameTheColoursThatAreInIt)
 {
 	const HierarchyPointer torus = test::builtBody("torus", 300).hierarchy, box = test::builtBody("box", 12).hierarchy;
@@ -209,7 +227,7 @@ TEST(RunnerFrames, WordsUnderAPictureNameTheColoursThatAreInIt)
 		EXPECT_TRUE(names(coloured, contacts, "Coloured: "));
 		EXPECT_FALSE(names({}, contacts, "Coloured: "));
 		EXPECT_EQ(names(coloured, contacts, "Red: points"), contacts > 0) << contacts;
-		EXPECT_EQ(names(coloured, contacts, "pushes"), contacts > 0 && contacts <= 100) << contacts;  // arrows
+		EXPECT_EQ(names(coloured, contacts, "push of one body"), contacts > 0 && contacts <= 100) << contacts;  // arrows
 	}
 }
 
@@ -313,6 +331,43 @@ TEST(RunnerFrames, PatchesInContactArePulledApartAlongTheirNormals)
 		return image.width;
 	};
 	EXPECT_LT(leftEnd(-1) + 20, leftEnd(1));
+}
+
+// Words lie over the top fifth of an overview and the last tenth. A nut began behind them. Those of a pile fall in from
+// above.
+TEST(RunnerFrames, BodiesAreClearOfTheWords)
+{
+	for (const SceneDefinition& scene : sceneDefinitions())
+	{
+		if (scene.prepare || scene.bodies.size() > 30) continue;  // the former's places only built models know
+		const Camera camera = overviewCamera(scene.info.overview);
+		const Vec3 ahead = normalized(camera.target - camera.eye), right = normalized(cross(ahead, {0, 1, 0})),
+				   up = cross(right, ahead);
+		const double half = std::tan(camera.fovy * kPi / 360);
+		std::vector<ModelMesh> models;
+		for (const SceneModel& model : scene.info.models) models.push_back(makeModel(model.name).value());
+		for (std::size_t i = 0; i < scene.bodies.size(); ++i)
+			for (const double part : {0.0, 0.25, 0.5, 0.75, 1.0})
+			{
+				const BodyDefinition& body = scene.bodies[i];
+				if (part > 0 && !body.course) break;  // only a run tells
+				const double time = part * scene.info.steps * scene.info.dt;
+				const Transform place = toTransform(body.course ? body.course(time) : body.start);
+				if (scene.info.models[scene.info.bodies[i].model].name == "floor") continue;
+				double top = 1, bottom = 0, aside = 0;
+				for (const Vec3& vertex : models[scene.info.bodies[i].model].vertices)
+				{
+					const Vec3 at = place * vertex - camera.eye;
+					const double depth = half * dot(at, ahead), down = 0.5 - 0.5 * dot(at, up) / depth;
+					top = std::min(top, down);
+					bottom = std::max(bottom, down);
+					aside = std::max(aside, std::fabs(dot(at, right) / depth));
+				}
+				EXPECT_TRUE(top > 0.2 && bottom < 0.9 && aside < 1)
+					<< scene.info.bodies[i].name << " of " << scene.info.name << " at " << time << " s: " << top << " to "
+					<< bottom << " of the height, " << aside << " aside";
+			}
+	}
 }
 
 TEST(LevelPictures, HeatIsByHalfDecades)

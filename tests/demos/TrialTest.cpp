@@ -163,6 +163,32 @@ protected:
 	}
 };
 
+// Bodies that fell through a floor at once had the cheapest steps of all.
+TEST_F(TrialPoses, ARunEndsWithItsLastBody)
+{
+	Trial trial;
+	for (const char* name : {"floor", "sphere"})
+	{
+		const std::size_t triangles = name == std::string("sphere") ? 320 : 0;
+		trial.models.push_back(build(name, triangles));
+		trial.surfaces.push_back(makeModel(name, triangles).value());
+	}
+	const double radius = trial.radius = trial.smallest = double(trial.models[1]->asset().radius);
+	trial.scene = demo::trial({{"sphere", ""}}, radius, radius);
+	Solids solids;
+	for (const ModelMesh& mesh : trial.surfaces) solids.push_back(std::make_shared<SignedDistance>(mesh));
+	const Contender ours{"CLOD", "", "", {}, {}};
+	const TrialRules rules{48, 12, 1.0 / 240, 600};
+	TrialRun run = runContender(trial, ours, solids, rules, [](double) {});
+	EXPECT_EQ(run.frames.size(), 4u);
+	EXPECT_EQ(run.ending, "");
+	trial.scene.inPlace = [](std::size_t, const Vec3&) { return false; };
+	run = runContender(trial, ours, solids, rules, [](double) {});
+	EXPECT_EQ(run.frames.size(), 1u);
+	EXPECT_EQ(run.gone, int(trial.scene.bodies.size()) - 1);
+	EXPECT_NE(run.ending.find("all bodies fell through"), std::string::npos) << run.ending;
+}
+
 // The gap of the recorded pose, by code that shares nothing with the query: vertices against the other's triangles. Of
 // balls of many triangles it is the gap to what their facets differ by.
 TEST_F(TrialPoses, TouchAndTheirGapsAreTrue)

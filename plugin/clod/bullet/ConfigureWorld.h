@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// What a Bullet world needs for contacts of detailed concave bodies, set by one call; and a body made of a file by another.
+// One call that sets up a Bullet world for contacts of detailed concave bodies, and one that makes a body from a file.
 #pragma once
 #include <BulletCollision/CollisionShapes/btCompoundShape.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
@@ -17,54 +17,55 @@ namespace clod
 {
 struct WorldSettings
 {
-	// Most passes of the solver over all contacts of a step. 10 (Bullet's default) leave piles and joints soft; stacks of a
-	// hundred bodies want 50.
+	// The largest number of passes of the solver over all contacts of a step. With 10, Bullet's default, piles and
+	// joints are soft; stacks of a hundred bodies need 50.
 	int solverIterations = 40;
-	// They end once no row changes a speed by more than this share of what gravity adds in 1/240 s; 0: when nothing changes.
-	// More lets bodies creep on slopes. Of the gravity that the world has when it is set up: set that first where it is far
-	// from Bullet's 10.
+	// The passes end once no row changes a speed by more than this share of what gravity adds in 1/240 s; with 0, only
+	// when nothing changes. Larger values let bodies creep on slopes. The gravity is the one that the world has when it
+	// is set up, so set it first.
 	double leastChange = 1e-3;
-	// Share of an overlap that a step takes away: of joints, and of contacts (whose push is no momentum: split
-	// impulse).
+	// The share of an error that a step corrects: erp of joints, erp2 of overlaps at contacts (by split impulse, which
+	// adds no momentum).
 	double erp = 0.2, erp2 = 0.8;
-	// Overlaps deeper than the negative of it, in Bullet's lengths, are pushed out by split impulse; the others by
-	// velocity, which stays as energy. Below -kTokenOverlap (SolverTerms.h): contacts of turning bodies need velocities.
+	// Overlaps deeper than the negative of this, in world lengths, are corrected by split impulse, the others by
+	// velocity, which remains as energy. It must be below -kTokenOverlap (SolverTerms.h): contacts of turning bodies
+	// need velocities.
 	double splitImpulsePenetrationThreshold = -1e-6;
-	// Share of the last step's impulses that a step begins with. What the rest has to make up for keeps piles moving: 0.98
-	// stills them to a tenth (SolverTerms.h), 1 keeps up what stands by its thrust (arches of many stones). Not beyond
-	// Bullet's 0.85 where bodies in joints touch: joints start from nothing, and a door is thrown from its stop.
+	// The share of the last step's impulses that a step starts from. Finding the remaining share anew keeps piles
+	// moving: with 0.98 they move a tenth as much (SolverTerms.h), and arches of many stones need 1. Keep Bullet's 0.85
+	// if bodies in joints touch: impulses of joints start from zero, and a door is thrown from its stop.
 	double warmstartingFactor = 0.85;
 };
 
-// Sets the solver of `world`; call it before the first step. Besides the settings: two friction directions, as one
-// along the slip lets a leaning body creep sideways for ever, and split impulse. Gravity, bodies and dispatch stay as
-// they are.
+// Sets the solver of `world`; call it before the first step. Besides the settings it turns on split impulse and two
+// friction directions, because with one, along the slip, a leaning body creeps sideways for ever. Gravity, bodies and
+// dispatch stay as they are.
 CLOD_API void configureWorld(btDynamicsWorld& world, const WorldSettings& settings = {});
-// That, and the registration of our shapes with the world's dispatcher: all that a world needs. Before the first pair; the
-// context must outlive the world. Value: how many pairs of types were registered.
+// Does the same and registers our shapes with the world's dispatcher, which is all that a world needs. Call it before
+// the first pair exists; the context must outlive the world. Returns how many pairs of shape types were registered.
 CLOD_API Result<int> setUpWorld(btDynamicsWorld& world, Context& context, const WorldSettings& settings = {});
 
 struct BodySettings
 {
 	double mass = 0;  // 0: static
 	btVector3 scale = btVector3(1, 1, 1);
-	btTransform worldFromMesh = btTransform::getIdentity();  // of the frame of the file's mesh, unscaled
+	btTransform worldFromMesh = btTransform::getIdentity();  // pose of the file's mesh, without the scale
 	double friction = 0.5, restitution = 0;
 };
 
-// A rigid body and what it owns. Its frame is that of its principal axes of inertia at its centre of mass, which Bullet
-// wants: where those are not the mesh's own axes the shape is the only child of a compound.
+// A rigid body and what it owns. As Bullet requires, its frame is that of its principal axes of inertia, with the
+// origin at the centre of mass. If these are not the mesh's own axes, the shape is the only child of a compound.
 class CLOD_API ClodBody
 {
 public:
-	// Loads the file, or says what is wrong with it or with the settings. The body is in no world yet.
+	// Loads the file, or tells what is wrong with it or with the settings. The body is in no world yet.
 	static Result<std::unique_ptr<ClodBody>> load(const std::string& path, const BodySettings& settings = {});
 	// Bodies may share a hierarchy.
 	static Result<std::unique_ptr<ClodBody>> make(const std::shared_ptr<const Hierarchy>& hierarchy,
 												  const BodySettings& settings = {});
 	btRigidBody& body() { return *m_body; }
 	btClodShape& shape() { return *m_shape; }
-	// Where the mesh of the file is now, unscaled.
+	// The pose of the file's mesh now, without the scale.
 	btTransform worldFromMesh() const { return m_body->getWorldTransform() * m_bodyFromMesh; }
 
 private:

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
-// The user's settings: thresholds for all pairs, a callback for single pairs, budget, camera; and the way to the last
-// step's report (StepReport.h). No globals: one object a world, owned by the user, alive as long as the dispatcher's
-// pairs.
+// The user's settings (accuracy of all pairs, a callback for single pairs, budget, camera) and access to the report of
+// the last step (StepReport.h). There are no globals: the user owns a context for each world, or shares one between
+// worlds. It must outlive the pairs of the dispatchers that it is registered with.
 //
-// Lengths are in the hierarchies' unit (before any shape scaling).
+// Lengths are in the hierarchies' unit (before any shape scaling) unless a comment says otherwise.
 #pragma once
 #include <functional>
 #include <map>
@@ -31,8 +31,9 @@ namespace clod
 {
 class PairState;
 
-// Bodies of ours that no dispatcher knows fall through each other. What a world asks of shapes before any registration is
-// counted, process-wide, and after some steps' worth one message goes to stderr. Once there is one it costs a load.
+// Shapes of ours that were never registered with a dispatcher fall through each other. Calls that a world makes to
+// shapes before any registration are counted, process-wide; after some steps one message goes to stderr. After a
+// registration this costs one load.
 void warnIfUnregistered();
 
 class CLOD_API Context
@@ -43,43 +44,46 @@ public:
 	Context(const Context&) = delete;
 	Context& operator=(const Context&) = delete;
 
-	// Precedence: the pair callback if it answers, else the stricter of the shapes' own metrics, else the world's. All
-	// may change between steps. A metric that cannot be used (contactMetricError) makes its pairs exact and is warned
-	// of.
+	// The accuracy of pairs that neither the callback nor a shape sets: first comes pairMetric if it returns true, then
+	// the stricter of the two shapes' own metrics, then this. All may change between steps. A metric that cannot be
+	// used (contactMetricError) makes its pairs exact and causes a warning.
 	ContactMetric worldMetric = ContactMetric::errorShare(0.005);
-	// Returns true and fills the metric to decide a pair. Called once a pair and dispatch at most, maybe from several
-	// threads.
+	// To decide a pair, fill the metric and return true. Called at most once for each pair and dispatch, possibly by
+	// several threads at once.
 	std::function<bool(const btCollisionObject& a, const btCollisionObject& b, ContactMetric& metric)> pairMetric;
-	// The eye of view metrics; none: a pair with a view metric is exact and warned of.
+	// The eye of view metrics, in world lengths. Without it a pair with a view metric is exact, with a warning.
 	std::optional<ViewCamera> camera;
-	// What the queries of a step may cost together, or its dispatch, tests or time; pairs of two shapes of ours only.
-	// It is kept by one coarsening of the metrics of all that move, chosen from what the last steps cost; what is left
-	// refines what lies still. btClodDispatcher keeps one budget a world; with any other, a step begins where a pair
-	// comes again, and worlds share it, on one thread. A budget that cannot be used is warned of and not used.
+	// What one step may cost: tests of all its queries, or microseconds of its dispatch. Only pairs of two shapes of
+	// ours are budgeted. To keep it, the metrics of all moving pairs are raised by one factor, chosen from the cost of
+	// the last steps; what is left refines resting pairs. btClodDispatcher keeps a budget for each world. With any
+	// other dispatcher, a step begins when a pair comes again, and worlds that share a context share its budget, on one
+	// thread. A budget that cannot be used causes a warning and is ignored.
 	Budget budget;
-	// Search the signed gap of touching bodies too (PairReport::result then has it, certified). Costs a millisecond or
-	// more.
+	// Also search the signed gap of touching bodies; PairReport::result then holds it with its certified bound. Costs a
+	// millisecond or more for each pair.
 	bool searchGap = false;
-	// Two bodies that hardly move keep the points found before, with the distances that these have now. False: every
-	// dispatch of what moves at all finds them anew.
+	// If true, two bodies that hardly move keep the contact points found before, with their distances updated. If
+	// false, points are found anew whenever a body moves at all.
 	bool keepPoints = true;
-	// Bodies that overlap are moved apart no faster than this, in radii of the smaller body a second: a depth is taken
-	// back at once where it is small, and never thrown out where it is large.
+	// Overlapping bodies are moved apart no faster than this, in radii of the smaller body per second. Small depths are
+	// corrected within a step; large ones do not throw bodies apart.
 	double pushSpeed = 3;
-	// Of a gap within the skin, what a point that carries closes a step: 1 less WorldSettings::warmstartingFactor or less
-	// (SolverTerms.h), which setUpWorld sees to. 1: all of it; piles tremble.
+	// The share of a gap within the skin that a point under load closes in each step (SolverTerms.h). It should be at
+	// most 1 - WorldSettings::warmstartingFactor, as setUpWorld sets it; with 1, which closes the whole gap, piles
+	// tremble.
 	double closedShare = 0.15;
-	// Receives each warning once a pair and cause, with the bodies' world indices, user indices and files, and of each
-	// cause the first kMostMessages; prints to stderr by default; empty = silent (lastStep() has it still). Called during
-	// a dispatch, by one thread at a time. It may ask this context for lastStep() and its pairs,
-	// unless a dispatch uses several threads: the pair at work is then half of this step, later ones are of the last.
+	// Receives warnings: one for each pair and cause, and at most kMostMessages for each cause. A message names the
+	// bodies' world indices, user indices and files. By default it is printed to stderr; an empty function is silent
+	// (lastStep() still has the warnings). Called during a dispatch, by one thread at a time. It may call lastStep()
+	// and forEachPair(), except while a dispatch uses several threads; pairs not yet reached are then still those of
+	// the last step.
 	std::function<void(const std::string& message)> warn;
 
 	static constexpr int kMostMessages = 10;
 
 	StepReport lastStep() const;
-	// Visits the live pairs, oldest first. A visitor may call this context again, and may test for contacts; a pair
-	// that it removes can keep a later one from being visited. Between dispatches, or on the only thread of one.
+	// Visits the live pairs, oldest first. The visitor may call this context again and may test for contacts; if it
+	// removes a pair, a later one may not be visited. Call it between dispatches, or on the only thread of one.
 	void forEachPair(const std::function<void(const PairReport&)>& visit) const;
 
 private:
@@ -87,23 +91,23 @@ private:
 	friend class ::btClodCollisionAlgorithm;
 	friend class ::btClodDynamicsWorld;
 	friend class ::btClodDispatcher;
-	// None where it cannot be used.
+	// The budget, or none if it cannot be used.
 	Budget usableBudget() const { return budgetError(budget).empty() ? budget : Budget{}; }
-	// That of btClodDispatcher, or this context's.
+	// The dispatcher's own if it is a btClodDispatcher, else this context's.
 	StepBudget& budgetOf(btDispatcher& dispatcher);
-	// The coarsening of this step. lastStep: the one a pair was last in; where that is this one a new step begins, unless
-	// its dispatcher says so.
+	// Returns the coarsening of this step. lastStep is the step that the pair was last in; if it is this one, a new
+	// step begins, unless the dispatcher tells when steps begin.
 	double enterStep(StepBudget& budget, std::uint64_t& lastStep);
-	// Of pairs whose coarsest answers are not known yet.
+	// Counts a pair whose coarsest answer is not known yet.
 	void expect(StepBudget& budget);
 	void add(PairState* pair);
 	void remove(PairState* pair);
 	void say(unsigned cause, const std::string& message);
 	static void noteRegistration();
 	PairState* pairAt(std::size_t index) const;
-	// Oldest first. Those of other dispatchers come and go meanwhile, where their worlds have threads of their own.
+	// Oldest first. Pairs of other dispatchers may come and go meanwhile, if their worlds run on other threads.
 	void pairsOf(const btDispatcher& dispatcher, std::vector<PairState*>& pairs) const;
-	// Whether contacts are asked for what the step's solver has made of the motion.
+	// Whether contacts are being found for the motion as solved, in a further pass of btClodDynamicsWorld.
 	bool& isSolvedIn(const btDispatcher& dispatcher);
 	mutable std::mutex m_mutex;             // of all that worlds share; no function of the user's is called under it
 	mutable std::recursive_mutex m_saying;  // one message at a time, but for those that a message's handler causes

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // When two bodies first meet on their way from their transforms to their interpolation transforms, by conservative
-// advancement: no point of them comes nearer in a share of the way than its motion allows, so the gap over a bound of the
-// motion is a share that is free.
+// advancement: the gap divided by a bound of the relative motion is a share of the way in which they cannot meet.
 //
 // Based on: Mirtich, Impulse-based Dynamic Simulation of Rigid Body Systems, 1996 (conservative advancement).
 #pragma once
@@ -10,7 +9,8 @@
 
 namespace clod
 {
-// Share of the way, 1 where they do not meet; of bodies that touch at the start 1, too: their contacts hold them. A
-// shape of ours, and another or a convex one or a plane. To within a thousandth of the smaller radius, at full resolution.
+// Returns a share of the way, 0 to 1; 1 if the bodies do not meet, or touch at the start, when contacts hold them. One
+// has a shape of ours, the other a shape of ours, a convex shape or a plane. Exact to a thousandth of the smaller radius,
+// at full resolution.
 double timeOfImpact(const PairPose& pose, GapCache& cache, GapResult& result);
 }  // namespace clod

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Bullet's view of a pair with at least one btClodShape: a tiny object, its state behind one pointer (Bullet's pool
-// does not check sizes).
+// What Bullet holds of a pair with at least one btClodShape: a small object with its state behind one pointer, because
+// Bullet's pool does not check sizes.
 #pragma once
 #include <BulletCollision/CollisionDispatch/btActivatingCollisionAlgorithm.h>
 #include <BulletCollision/CollisionDispatch/btCollisionCreateFunc.h>
@@ -18,13 +18,13 @@ namespace clod
 class PairState;
 }  // namespace clod
 
-// What Bullet asks of a pair of bodies, and a compound of its children: the same of either.
+// What Bullet asks of a pair of bodies, and a compound of each pair of its children.
 class CLOD_API btClodPairAlgorithm : public btActivatingCollisionAlgorithm
 {
 public:
 	using btActivatingCollisionAlgorithm::btActivatingCollisionAlgorithm;
-	// Of the two bodies' way to their interpolation transforms (TimeOfImpact.h). Contacts do not need it: they look ahead
-	// over a step by themselves.
+	// The time of impact, 0 to 1, on the two bodies' way to their interpolation transforms (TimeOfImpact.h). Contacts
+	// do not need it, because they look ahead over a step themselves.
 	btScalar calculateTimeOfImpact(btCollisionObject* body0, btCollisionObject* body1, const btDispatcherInfo& info,
 								   btManifoldResult* out) override;
 	virtual btScalar timeOfImpact(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
@@ -34,10 +34,11 @@ public:
 class CLOD_API btClodCollisionAlgorithm : public btClodPairAlgorithm
 {
 public:
-	// Registers shape type `shapeType` against itself, static planes and Bullet's convex and concave shapes, in both
-	// dispatch tables and both orders, and compounds that have such a child or meet one (btClodCompoundAlgorithm.h). Soft
-	// bodies keep Bullet's entries, which call processAllTriangles. Call before the first pair exists and after any other registration; the context must outlive
-	// the dispatcher's pairs. Several dispatchers may share one context. Value: how many pairs of types were set.
+	// Registers the shape type `shapeType` against itself, static planes and Bullet's convex and concave shapes, in
+	// both dispatch tables and both orders, and for compounds that have such a child or meet one
+	// (btClodCompoundAlgorithm.h). Soft bodies keep Bullet's entries, which call processAllTriangles. Call it before
+	// the first pair exists and after any other registration. The context must outlive the dispatcher's pairs; several
+	// dispatchers may share one. Returns how many pairs of shape types were set.
 	static clod::Result<int> registerAlgorithm(btCollisionDispatcher* dispatcher, clod::Context* context,
 											   int shapeType = FAST_CONCAVE_MESH_PROXYTYPE);
 
@@ -57,8 +58,8 @@ private:
 				  const btDispatcherInfo& info, btManifoldResult& out);
 	void releaseOther();
 	std::unique_ptr<clod::PairState> m_state;
-	// Bullet asks a pair's algorithm as long as the pair lives, whatever setCollisionShape makes of it: what is no pair of
-	// ours any longer is handed to the algorithm for it.
+	// Bullet calls a pair's algorithm as long as the pair lives, even after setCollisionShape. If no shape of ours is
+	// left, the pair is handed to the algorithm that Bullet has for it.
 	btCollisionAlgorithm* m_other = nullptr;
-	const btCollisionShape *m_otherShape0 = nullptr, *m_otherShape1 = nullptr;  // that it was found for
+	const btCollisionShape *m_otherShape0 = nullptr, *m_otherShape1 = nullptr;  // the shapes that m_other is for
 };

@@ -1,7 +1,7 @@
-// SPDX-License-Identifier: Zlib
-// Compounds that have a btClodShape among their children, or meet one. Bullet's own algorithm for compounds asks children
-// whose boxes meet where they are now: what crosses a wall within the step is never asked. This one takes their boxes over
-// the step's way, as Bullet's broadphase does for bodies.
+// SPDX-License-Identifier: Zlib Compounds that have a btClodShape among their children, or meet one. Bullet's own
+// algorithm for compounds tests children whose boxes meet where they are now, so a child that crosses a wall within the
+// step is missed. This one uses boxes that enclose the children's motion in the step, as Bullet's broadphase does for
+// bodies.
 #pragma once
 #include <functional>
 #include <memory>
@@ -12,7 +12,8 @@
 class CLOD_API btClodCompoundAlgorithm : public btClodPairAlgorithm
 {
 public:
-	// Pairs of other compounds go where the dispatcher's configuration sends them.
+	// Makes algorithms for pairs of compounds; those without a shape of ours are left to the dispatcher's
+	// configuration.
 	static std::unique_ptr<btCollisionAlgorithmCreateFunc> createFunction(btCollisionDispatcher& dispatcher);
 
 	btClodCompoundAlgorithm(const btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* body0,
@@ -21,10 +22,10 @@ public:
 
 	void processCollision(const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1,
 						  const btDispatcherInfo& info, btManifoldResult* out) override;
-	// Of the first child.
+	// The earliest time of impact of any child.
 	btScalar timeOfImpact(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 						  const btDispatcherInfo& info) override;
-	// visit(algorithm, body0, body1): of all children that the next dispatch will ask, as bodies of their own.
+	// Calls visit(algorithm, body0, body1) for all pairs of children that the next dispatch will test.
 	using Visit = std::function<void(btCollisionAlgorithm&, const btCollisionObjectWrapper&, const btCollisionObjectWrapper&)>;
 	void forEachChild(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, const btDispatcherInfo& info,
 					  const Visit& visit);

@@ -1,17 +1,18 @@
-// SPDX-License-Identifier: Zlib
-// A collision dispatcher for many bodies: it keeps Context::budget over whole steps, and makes the contacts of all pairs on
-// several threads. Without either it is a btCollisionDispatcher.
+// SPDX-License-Identifier: Zlib A collision dispatcher for many bodies. It keeps Context::budget over whole steps and
+// makes the contacts of all pairs on several threads. Without a budget and with one thread it behaves as
+// btCollisionDispatcher.
 //
-// Threads. Queries and contact points of pairs with a btClodShape concern nothing but the pair: they are made on
-// a pool of our own, whatever Bullet was built with, and then written by Bullet's dispatch in Bullet's order. The
-// same bits for any number of threads, clock budgets excepted. One pair after the other as before are met: compounds
-// within compounds; shapes that are not known to be read by several threads (a program's own, GImpact); pairs whose budget is
-// counted in tests, as what is left to one is what those before it took; and all, where the program has set a near
-// callback of its own, or continuous dispatch.
+// Threads. Queries and contact points of a pair with a btClodShape depend on nothing but the pair. They are made on a
+// thread pool of our own, however Bullet was built, and then written by Bullet's dispatch in Bullet's order. The bits
+// are the same for any number of threads, except under a budget of time. Pairs are handled one after the other if they
+// are compounds within compounds, if their shapes may not be read by several threads (the program's own, GImpact), if
+// the budget counts tests (what is left for one pair depends on those before it), and all of them if the program has
+// set a near callback of its own or continuous dispatch.
 //
-// Budgets. Of tests: what the coarsest answers take is found first and held back, so a step exceeds its budget only where
-// they alone do (those of compounds within compounds, and of all pairs with a near callback of a program's own, are held back
-// as they were in the step before); repeats bit for bit. Of time: compared with a clock (StepBudget.h), of the whole dispatch. Continuous dispatch is not budgeted.
+// Budgets. Of tests: the cost of all coarsest answers is found first and held back, so a step exceeds its budget only
+// if these alone do, and results repeat bit for bit. (For compounds within compounds, and for all pairs if the program
+// has a near callback of its own, the cost in the last step is held back.) Of time: the clock of the whole dispatch
+// decides (StepBudget.h). Continuous dispatch is not budgeted.
 #pragma once
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 
@@ -29,18 +30,18 @@ class StepBudget;
 class CLOD_API btClodDispatcher : public btCollisionDispatcher
 {
 public:
-	// The context must be the one registerAlgorithm is given for this dispatcher, and outlive it.
+	// The context must be the one given to registerAlgorithm for this dispatcher, and outlive it.
 	btClodDispatcher(btCollisionConfiguration* configuration, clod::Context* context);
 	~btClodDispatcher() override;
 
-	// 1 at first, as the functions that a program gives a context (pairMetric, own thresholds) are then called by no
-	// other thread; with more they are called by several at once. 0: as many as the machine has cores.
+	// How many threads make contacts: 1 at first; 0 means as many as the machine has cores. With more than one, the
+	// functions that a program gives a context (pairMetric, its own thresholds) are called by several threads at once.
 	void setThreads(unsigned count);
 	unsigned threads() const;
 
 	void dispatchAllCollisionPairs(btOverlappingPairCache* pairCache, const btDispatcherInfo& info,
 								   btDispatcher* dispatcher) override;
-	// The same for some pairs, in this order, once more within a step: of that step's budget.
+	// Dispatches some pairs again within a step, in this order and from that step's budget.
 	void dispatchPairs(const std::vector<btBroadphasePair*>& pairs, const btDispatcherInfo& info);
 
 	clod::StepBudget& stepBudget();

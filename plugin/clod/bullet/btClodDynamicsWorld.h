@@ -1,21 +1,20 @@
-// SPDX-License-Identifier: Zlib
-// A discrete dynamics world in which impacts within a step are met within it. A step's contacts are found for the motion
-// that the bodies start with; what an impact then makes of it may lead them into what nobody had looked for, or bend their
-// way otherwise than was reckoned with. So after the solve
-// - the pairs whose contacts may miss something of the motion as solved (PairState::surprise) are asked again for that
-//   motion; what they find is added to their contacts, the bodies are put back, and the step is solved anew, from the
-//   impulses so far: a further pass;
-// - where passes do not settle it (a chain that whips round), the step is taken in parts: contacts, solve and motion for
-//   each, passes included.
-// Impact stepping besides ends a part where two bodies first meet, as the paper does: see Stepping.
+// SPDX-License-Identifier: Zlib A discrete dynamics world that responds to impacts within the step in which they
+// happen. Contacts of a step are found for the motion with which the bodies enter it. An impact changes that motion,
+// and may lead bodies to where no contacts were looked for. So after the solve
+// - pairs whose contacts may miss something of the solved motion (PairState::surprise) are queried again for that
+//   motion. What they find is added to their contacts, the bodies are put back, and the step is solved anew, starting
+//   from the impulses so far: a further pass;
+// - if passes are not enough (a chain that whips around), the step is divided into parts, each with contacts, a solve,
+//   motion and passes of its own.
+// Impact stepping also ends a part where two bodies first meet, as the paper does: see Stepping.
 //
-// Forces, damping, actions and tick callbacks happen once a step. Shapes of ours only: other pairs keep Bullet's contacts.
-// With one pass and one part it is a btDiscreteDynamicsWorld.
+// Forces, damping, actions and tick callbacks happen once a step. Only pairs of our shapes are queried again; other
+// pairs keep Bullet's contacts. With one pass and one part it behaves as btDiscreteDynamicsWorld.
 //
-// Cost: a pass is the dispatch of the pairs it asks and a solve of the world; a part is a step without its bookkeeping.
+// Cost: a pass takes the dispatch of the pairs it queries and a solve of the world; a part takes a whole step's time.
 //
-// Based on: Otaduy & Lin 2003, sec. 5.3; Mirtich 1996 (conservative advancement). Departs from the paper, which always goes
-// back to the time of an impact: where many bodies touch, impacts come by the hundred a step.
+// Based on: Otaduy & Lin 2003, sec. 5.3; Mirtich 1996 (conservative advancement). Departs from the paper, which always
+// goes back to the time of an impact: where many bodies touch, a step has hundreds of impacts.
 #pragma once
 #include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
 
@@ -27,30 +26,31 @@
 class CLOD_API btClodDynamicsWorld : public btDiscreteDynamicsWorld
 {
 public:
-	// The context must be the one registerAlgorithm is given for this dispatcher, and outlive the world.
+	// The context must be the one given to registerAlgorithm for this dispatcher, and outlive the world.
 	btClodDynamicsWorld(btDispatcher* dispatcher, btBroadphaseInterface* pairCache, btConstraintSolver* solver,
 						btCollisionConfiguration* configuration, clod::Context* context);
 
 	// Where a step is divided.
 	enum class Stepping
 	{
-		kFixed,   // nowhere, or evenly, see setMostParts
-		kImpacts  // at times of impact, too
+		kFixed,   // evenly, where passes are not enough
+		kImpacts  // also at times of impact
 	};
 	void setStepping(Stepping stepping) { m_stepping = stepping; }
-	// How often contacts are found and solved for the same motion, and how many parts a step may have; at least once. A
-	// step with more impacts than parts takes what is left of it in one, without rebounds: no sequence of impacts, and no
-	// change of level at one, can hold time up.
+	// How often contacts are found and solved for the same motion at most, and how many parts a step may have; each at
+	// least 1. If a step has more impacts than parts, the rest of it is taken in one part without rebounds, so that no
+	// sequence of impacts can stop time.
 	void setMostPasses(int passes) { m_mostPasses = passes; }
 	void setMostParts(int parts) { m_mostParts = parts; }
-	// Of the last step; passes of all parts together.
+	// Numbers of the last step; passes are those of all parts together.
 	int passes() const { return m_passes; }
 	int parts() const { return m_parts; }
 	int pairsAskedAgain() const { return m_pairsAskedAgain; }
 
 	void solveConstraints(btContactSolverInfo& info) override;
-	// Kinematic bodies' boxes, too, hold the way of the coming step, as their velocities tell: Bullet's hold only where they
-	// are, and what goes more than its own size a step passes others that it never comes near.
+	// Makes the boxes of kinematic bodies enclose their motion in the coming step, too, as their velocities tell it.
+	// Bullet's boxes enclose only where they are, so a body that moves more than its own size in a step would pass
+	// others unnoticed.
 	void updateAabbs() override;
 
 protected:
@@ -63,12 +63,12 @@ private:
 		btTransform pose;
 		btVector3 linear, angular;
 	};
-	// A pair that moves otherwise than its contacts expect. By the broadphase's ids.
+	// A pair that moves otherwise than its contacts expect, ordered by the broadphase's ids.
 	struct Surprised
 	{
 		btBroadphaseProxy *low, *high;
 	};
-	// Returns the largest surprise left, in skins of its pair.
+	// Returns the largest surprise left, in units of its pair's skin.
 	double solveInPasses(btContactSolverInfo& info);
 	void solveInParts(btContactSolverInfo& info, int parts);
 	void solvePart(btContactSolverInfo& info, btScalar whole);
@@ -76,7 +76,7 @@ private:
 	void beginPart(btScalar timeStep, btScalar gone);
 	struct Impact
 	{
-		btScalar at = 1, lasts = 0;  // shares of the time; 1: there is none
+		btScalar at = 1, lasts = 0;  // shares of the time; at = 1: there is no impact
 	};
 	Impact firstImpact(btScalar timeStep);
 
@@ -85,9 +85,9 @@ private:
 	void predictSolved(btScalar timeStep);
 	void putBack();
 	double findSurprised();
-	// A body's box over its way, which bends by so much between its ends, besides what it was.
+	// Extends a body's box over its way to `then`, which departs from a straight line by at most `bend`.
 	void widenBox(const btCollisionObject& object, const btTransform& then, btScalar bend = 0);
-	// Those surprised, and those that are new.
+	// Dispatches the surprised pairs and the new ones.
 	void askAgain();
 
 	clod::Context& m_context;

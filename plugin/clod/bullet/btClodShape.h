@@ -4,9 +4,9 @@
 //
 // Frame: the hierarchy's body frame, that is the mesh's axes with the origin at the centre of mass. Give Bullet
 //   worldFromBody = worldFromMesh * shape.meshFromBody().
-// Unit: the hierarchy's times the shape's scale. A body stretched or mirrored has a hierarchy of its own, derived from the
-// one given, and the scale 1. Bullet's own constants (0.02 breaking threshold, 0.04 split-impulse
-// threshold, sleeping speeds) suit bodies of about one unit: scale small things up (100 for tableware in metres).
+// Unit: the hierarchy's unit times the shape's scale. A stretched or mirrored shape derives a hierarchy of its own from
+// the given one, and has the scale 1. Bullet's own constants (0.02 breaking threshold, 0.04 split-impulse threshold,
+// sleeping speeds) suit bodies of about one unit: scale small objects up (by 100 for tableware in metres).
 #pragma once
 #include <BulletCollision/CollisionShapes/btConcaveShape.h>
 #include <LinearMath/btTransform.h>
@@ -23,7 +23,7 @@
 
 namespace clod
 {
-inline constexpr double kBreakingShare = 0.003;  // of the radius: points that Bullet remembers drift no farther
+inline constexpr double kBreakingShare = 0.003;  // contact breaking threshold, as a share of the radius
 }
 
 ATTRIBUTE_ALIGNED16(class)
@@ -31,10 +31,10 @@ CLOD_API btClodShape : public btConcaveShape
 {
 public:
 	BT_DECLARE_ALIGNED_ALLOCATOR();
-	// The type must be the one registerAlgorithm was given. Margin 0.
+	// shapeType must be the one given to registerAlgorithm. The margin is 0 at first.
 	explicit btClodShape(std::shared_ptr<const clod::Hierarchy> hierarchy, int shapeType = FAST_CONCAVE_MESH_PROXYTYPE);
 
-	// The one in use.
+	// The hierarchy in use: the given one, or the one derived for a stretched or mirrored shape.
 	const clod::Hierarchy& hierarchy() const
 	{
 		return *m_hierarchy;
@@ -44,7 +44,7 @@ public:
 		return m_hierarchy;
 	}
 
-	// What messages and serialised worlds call it: the file it is of, say. Empty at first.
+	// The name that messages and serialised worlds use, such as that of the .clod file. Empty at first.
 	void setName(const std::string& name)
 	{
 		m_name = name;
@@ -54,7 +54,8 @@ public:
 		return m_name;
 	}
 
-	// Thresholds of every pair this shape takes part in; none = the context's. Takes effect at the next dispatch.
+	// The accuracy of every pair that this shape takes part in; without one, the context's counts. Takes effect at the
+	// next dispatch.
 	void setMetric(const clod::ContactMetric& metric)
 	{
 		m_metric = metric;
@@ -68,12 +69,13 @@ public:
 		return m_metric;
 	}
 
-	// Any factors along the body frame's axes but zero, from the hierarchy as given. A uniform positive one costs nothing,
-	// but where bodies of different scales meet, which are then derived (hierarchy/ScaledHierarchy.h) once a shape; any
-	// other derives one here: some milliseconds for 10,000 triangles. What is refused leaves the old scale, and
-	// scalingError() tells why; the shape's pairs warn of it.
+	// Scales the given hierarchy by any factors but zero along the axes of the body frame. A uniform positive scale
+	// costs nothing until it meets a body of another scale; then each shape derives a scaled hierarchy once
+	// (hierarchy/ScaledHierarchy.h). Any other scale derives one in this call, which takes some milliseconds for 10,000
+	// triangles. A scale that is refused leaves the old one in place: scalingError() tells why, and the shape's pairs
+	// warn of it.
 	void setLocalScaling(const btVector3& scaling) override;
-	// Empty, or why the last setLocalScaling was refused.
+	// Why the last setLocalScaling was refused, or empty.
 	const std::string& scalingError() const
 	{
 		return m_scalingError;
@@ -82,36 +84,39 @@ public:
 	{
 		return m_scaling;
 	}
-	// World lengths a unit of hierarchy().
+	// The world length of one unit of hierarchy().
 	double scale() const
 	{
 		return m_scale;
 	}
-	// World lengths a unit of the hierarchy as given, in the direction of the least scale.
+	// The world length of one unit of the given hierarchy, in the direction of the smallest scale.
 	double leastScale() const;
-	// hierarchy() in world lengths; null where floats cannot hold it. May be called by several threads.
+	// hierarchy() in world lengths, or null if floats cannot hold it. May be called by several threads.
 	std::shared_ptr<const clod::Hierarchy> inWorldLengths() const;
-	// Changes with every accepted setLocalScaling, so that pairs notice.
+	// Changes with every accepted setLocalScaling, so that pairs notice it.
 	int revision() const
 	{
 		return m_revision;
 	}
 
-	// What contacts at levels from `finest` on (0: all) need of the surface, made ahead: linear in a level's triangles,
-	// paid by the first contact there otherwise. Not for what is derived where scales differ.
+	// Prepares what contacts at the levels from `finest` on (0: all) need of the surface; otherwise the first contact
+	// at a level does so. Takes time linear in the triangles. Does not prepare hierarchies that are derived where
+	// scales differ.
 	void prepareContacts(std::uint32_t finest = 0) const;
 
-	// Pose of the body frame in the frame of the mesh's vertices (a translation, scaled).
+	// The pose of the body frame in the frame of the mesh's vertices: a translation, scaled as the shape is.
 	btTransform meshFromBody() const;
-	// Where off-diagonal inertia matters: the pose of the principal frame in the body frame, to put this shape into a
-	// btCompoundShape with the inverse as its child's transform, and the inertia to go with it.
+	// If off-diagonal inertia matters, put this shape into a btCompoundShape, with the inverse of bodyFromPrincipal
+	// (the pose of the principal frame in the body frame) as child transform, and use principalInertia. ClodBody does
+	// so.
 	btTransform bodyFromPrincipal() const;
 	btVector3 principalInertia(btScalar mass) const;
 
 	void getAabb(const btTransform& worldFromBody, btVector3& aabbMin, btVector3& aabbMax) const override;
 	// The diagonal of the exact inertia of the input solid, about the body frame's axes.
 	void calculateLocalInertia(btScalar mass, btVector3 & inertia) const override;
-	// The input surface's triangles that meet the box, as (part 0, face index); rays visit only what they cross.
+	// Visits the triangles of the input surface that meet the box, as part 0 and the index of the face. For rays, only
+	// triangles near the ray are visited.
 	void processAllTriangles(btTriangleCallback * callback, const btVector3& aabbMin, const btVector3& aabbMax)
 		const override;
 	btScalar getContactBreakingThreshold(btScalar defaultFactor) const override;
@@ -120,21 +125,23 @@ public:
 		return "Clod";
 	}
 
-	// Bullet's files have no place for a shape of a kind of its own: what is written is a box of this shape's extent, which
-	// any importer can read, under a name that tells a program of yours what to put in its place. It is given to the
-	// serializer for this shape, unless it has another name there already. The surface stays in the .clod file.
+	// Bullet's file format has no place for shapes of other libraries. What is written is a box of this shape's extent,
+	// which any importer can read, under a name that tells your program what to put in its place. The serializer gets
+	// this name for this shape, unless it has another name there already. The surface itself stays in the .clod file.
 	int calculateSerializeBufferSize() const override;
 	const char* serialize(void* buffer, btSerializer* serializer) const override;
-	// What such a name says; none where it is no such name, or a damaged one. An importer asks for the name of the box
-	// (btWorldImporter::getNameForPointer) where it makes the body, and loads `name`, whose hierarchy must have the hash.
+	// Reads such a name; none if it is another kind of name, or damaged. An importer gets the name of the box from
+	// btWorldImporter::getNameForPointer when it makes the body, and loads the hierarchy `name`, which must have the
+	// hash.
 	struct Serialized
 	{
-		std::uint64_t contentHash;  // of the hierarchy as given
+		std::uint64_t contentHash;  // of the given hierarchy
 		btVector3 scaling;
 		std::string name;
 	};
 	static std::optional<Serialized> readSerializedName(const char* name);
-	// Does it begin, or go on, as such a name does? One that cannot be read is damaged then.
+	// Whether it begins as such a name does, or goes on as one whose beginning is damaged. If so and readSerializedName
+	// gives none, it is damaged.
 	static bool isSerializedName(const char* name);
 
 private:

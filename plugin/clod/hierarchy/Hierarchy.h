@@ -45,9 +45,9 @@ public:
 	// Reads and validates a file: header, checksums, sizes before any allocation, then every index and float, then the
 	// structure. Fails with a sentence naming the first offending element. O(file size).
 	static Result<std::shared_ptr<const Hierarchy>> load(const std::string& path);
-	// The levels from `finest` on alone, and where those have children below, as many more: level 0 of what is loaded is
-	// level finestLevel() of the file. Memory, and what is validated, is that of what is loaded; the checksums are of the
-	// whole file. What is finer is not there to be asked for: see levelsError (query/Query.h).
+	// Loads only the levels from `finest` on (and a finer one where a level needs its children): level 0 of the result
+	// is level finestLevel() of the file. Only what is loaded takes memory and is validated; the checksums are those of
+	// the whole file. Metrics that ask for finer levels cannot be met: see levelsError (query/Query.h).
 	static Result<std::shared_ptr<const Hierarchy>> load(const std::string& path, std::uint32_t finest);
 	static Result<std::shared_ptr<const Hierarchy>> fromBytes(std::vector<std::byte> bytes);
 
@@ -70,24 +70,25 @@ public:
 	std::uint32_t coarsestClodLevel() const { return m_coarsestClodLevel; }
 	bool isPaperBuild() const { return (asset().flags & kPaperBuild) != 0; }
 	bool isScaled() const { return (asset().flags & kScaled) != 0; }
-	// The file's level that level 0 is: above 0 it is not the input surface, but stands for it.
+	// Which level of the file is level 0 here. If above 0, level 0 is not the input surface but stands for it.
 	std::uint32_t finestLevel() const { return m_finestLevel; }
 	bool isCoarse() const { return m_finestLevel > 0; }
 	bool isThinCore() const { return (asset().flags & kThinCore) != 0; }
-	// A bound of the distance from the body's origin to everything in the hierarchy, corners of culling boxes included.
+	// An upper bound of the distance from the body's origin to anything in the hierarchy, culling boxes included.
 	double originRadius() const;
 	// Hash of the whole block (xxh3, 64 bits): identifies the asset.
 	std::uint64_t contentHash() const { return m_contentHash; }
 	const std::vector<std::byte>& bytes() const { return m_bytes; }
-	// What a subsystem derives from a hierarchy, by T(hierarchy): made when first asked for, once, kept as long as this.
+	// Data that another folder derives from a hierarchy, by T(hierarchy): made once, when first asked for, and kept as
+	// long as the hierarchy.
 	template <class T>
 	const T& derived() const
 	{
 		return m_derived.get<T>(*this);
 	}
 
-	// Of bytes that encode() wrote for content made here, and that need no proof: of a piece (ConvexPiece.h), or of a proved
-	// body scaled (ScaledHierarchy.h); or that a proof follows (CoarseLevels.cpp).
+	// Takes bytes that encode() wrote in this process without validating them: those of a piece (ConvexPiece.h) or of a
+	// scaled body whose original was proved (ScaledHierarchy.h), or if a proof follows (CoarseLevels.cpp).
 	static std::shared_ptr<const Hierarchy> fromOwnBytes(std::vector<std::byte> bytes, std::uint32_t finestLevel = 0);
 
 private:
@@ -127,7 +128,7 @@ inline Triangle triangleOf(const Hierarchy& hierarchy, const Node& owner, const 
 // The bytes of a .clod file. Same content, same bytes.
 CLOD_API std::vector<std::byte> encode(const HierarchyContent& content);
 
-// Semantic rules of a content (indices in range, floats finite, tree, monotone numbers...); empty = sound, otherwise
-// the first broken rule and element. load() runs it; O(content).
+// Checks the rules of a content: indices in range, floats finite, a tree, monotone numbers and so on. Empty if it is
+// sound, otherwise the first broken rule and element. load() calls it; linear in the content.
 CLOD_API std::string validate(const Hierarchy& hierarchy);
 }  // namespace clod

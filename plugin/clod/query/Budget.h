@@ -10,15 +10,15 @@
 
 namespace clod
 {
-// Tests are box tests and hull distances up to the contact list: the search of an overlap's depth is not in it. Time is
-// wall time from the start.
+// Tests are box tests and hull distances up to the contact list; searching the depth of an overlap is not counted. Time
+// is wall time from the start. kOff means no limit.
 struct Budget
 {
 	double tests = kOff;
 	double microseconds = kOff;
 	bool isLimited() const { return tests < kOff || microseconds < kOff; }
 };
-// Empty, or one sentence naming the first field that cannot be used, and its value.
+// Empty, or one sentence that names the first field that cannot be used, and its value.
 CLOD_API std::string budgetError(const Budget& budget);
 
 // A budget while it is spent.

@@ -3,10 +3,10 @@
 // pair's smaller bounding radius, for a world, a shape or a pair. resolve() turns it into the query's Metric for one
 // step.
 //
-// Thresholds are in the hierarchies' unit (before any shape scaling; where two bodies are scaled differently, as the one
-// scaled less has it); the camera and the place given to an own function
-// are in the world's. Infinity (kOff) = not used; with nothing used the coarsest contact level answers. Metric.h
-// defines each metric and its corners.
+// Thresholds are in the hierarchies' unit (before any shape scaling; if two bodies are scaled differently, in the unit
+// of the one that is scaled less). The camera and the place given to a function of the user are in world lengths.
+// Infinity (kOff) means that a metric is not used; if none is used, the coarsest contact level answers. Metric.h
+// defines each metric and its special cases.
 #pragma once
 #include <functional>
 #include <memory>
@@ -19,16 +19,16 @@
 
 namespace clod
 {
-// What the view metric measures by. World lengths.
+// The camera of the view metric, in world lengths.
 struct ViewCamera
 {
 	Vec3 eye;
 	double fieldOfView = 1;   // of the image's height, radians, in (0, pi)
 	double imageHeight = 0;   // pixels, > 0
-	double nearDistance = 0;  // >= 0: what is closer counts as this far
+	double nearDistance = 0;  // >= 0: contacts that are closer count as this far
 };
 
-// Where a contact may be: a ball in the world. World lengths and lengths a second.
+// Where a contact may be: a ball in the world. In world lengths, and world lengths per second.
 struct ContactPlace
 {
 	Vec3 center;
@@ -36,9 +36,9 @@ struct ContactPlace
 	Vec3 velocity;  // of the pair's first body (the one whose content hashes lower) relative to the second, at the
 					// centre
 };
-// The smallest threshold anywhere in the place, as a share of the pair's smaller bounding radius; infinite = no demand.
-// Negative or not a number counts as 0. Called for many places a dispatch, maybe from several threads. Results repeat
-// only if it is a function of the place.
+// Returns the smallest threshold anywhere in the place, as a share of the pair's smaller bounding radius; infinity
+// means no demand. Negative values and NaN count as 0. It is called for many places in a dispatch, possibly by several
+// threads at once. Results repeat only if it depends on the place alone.
 using ContactThreshold = std::function<double(const ContactPlace&)>;
 
 struct CLOD_API ContactMetric
@@ -77,11 +77,11 @@ private:
 	}
 };
 
-// Never coarser than either: each threshold the smaller of both, exact if either is. Relaxed only where both are and
-// use the same metrics.
+// A metric that is never coarser than either: each threshold is the smaller of both, and it is exact if either is. It
+// is relaxed only if both are and use the same metrics.
 CLOD_API ContactMetric stricter(const ContactMetric& a, const ContactMetric& b);
 
-// A pair in a step, as its metric is resolved. Frame A of the query; camera null: none.
+// What resolving a metric needs of a pair in a step. Frame A of the query; camera may be null.
 struct MetricFrame
 {
 	double radius = 1;      // the smaller bounding radius, hierarchy unit
@@ -95,7 +95,7 @@ CLOD_API Metric resolve(const ContactMetric& from, const MetricFrame& frame);
 // The place of the query in the world, for an own function.
 CLOD_API ContactPlace inWorld(const Place& place, const MetricFrame& frame);
 
-// Empty, or one sentence naming the first field that cannot be used and its value: not a number, negative, or a view
-// metric whose camera is missing or has no field of view or resolution.
+// Empty, or one sentence that names the first field that cannot be used and its value: a number that is NaN or
+// negative, or a view metric whose camera is missing or has no field of view or resolution.
 CLOD_API std::string contactMetricError(const ContactMetric& metric, const ViewCamera* camera);
 }  // namespace clod

@@ -3,22 +3,24 @@
 // must not exceed a threshold s0. Each metric sets an s0; several are combined. Lengths in the hierarchies' unit, frame
 // A.
 //
-//   size      s0 = weightedDeviation                 a share of the radius, chosen by the caller
-//   velocity  s0 = max(floor, time |v_rel|)          time = k dt: a gap is less noticeable on what moves
+//   size      s0 = weightedDeviation                 chosen by the caller
+//   velocity  s0 = max(floor, time |v_rel|)          time = k dt: errors are less noticeable on moving bodies
 //   view      s0 = pixels max(nearest, l) pixelSize  N pixels seen from distance l (eq. 4: N l f / (n i))
 //   own       s0 = own(place)                        the caller's function
 //
-// Velocity and distance differ from contact to contact. A pair is judged by its place: a ball that holds a witness
-// point of any contact it can make, the one round the smaller of its two culling boxes. Every metric takes its smallest
-// value over the ball, so a pair that answers may do so wherever in it the contact is. The place is a function of the
-// two nodes and the pose: what a query visits stays a function of pose and settings.
+// Velocity and distance differ from contact to contact. A pair of nodes is judged by its place: the ball around the
+// smaller of its two culling boxes, which holds a witness point of any contact it can make. Every metric takes its
+// smallest value over the ball, so it holds wherever in the ball the contact is. The place is a function of the two
+// nodes and the pose, so what a query visits depends only on pose and settings.
 //
-// Corners. Eye at the contact or nearer than `nearest`: l = nearest, so s0 is that of the near plane: 0, hence exact,
-// where `nearest` is 0. Eye behind the contact, or the contact behind the eye: l is the distance whatever the
-// direction, for the camera may turn; as in the paper l is not the depth along the view axis: towards the corners of a
-// picture N pixels may show as N / cos(angle off the axis)^2. At rest: the velocity metric is its floor. An own
-// threshold that is negative or not a number counts as 0. A pair whose contact area is 0 has s* = inf and is refined;
-// one of which nothing was filtered out (f = 0) has s* = 0, whatever its area: 0 / 0 does not occur.
+// Special cases:
+// - If the eye is nearer than `nearest`, l = nearest. With nearest = 0 the threshold can be 0, and contacts exact.
+// - l is the distance in any direction, as in the paper, because the camera may turn; it is not the depth along the
+//   view axis. Towards the corners of a picture N pixels may show as N / cos(angle off the axis)^2.
+// - At rest the velocity metric is its floor.
+// - A threshold of the caller's function that is negative or NaN counts as 0.
+// - A pair whose contact area is 0 has s* = inf and is refined. One without deviation (f = 0) has s* = 0, whatever its
+//   area: 0 / 0 does not occur.
 //
 // Based on: Otaduy & Lin 2003, sec. 5.2. The paper gives no rule for combining.
 #pragma once
@@ -40,7 +42,8 @@ struct Place
 	double radius = 0;
 };
 
-// The smallest s0 the caller accepts anywhere in the place. A function of the place only while a query runs.
+// Returns the smallest s0 that the caller accepts anywhere in the place. While a query runs it must depend on the place
+// alone.
 using OwnThreshold = std::function<double(const Place&)>;
 
 struct VelocityThreshold
@@ -75,16 +78,17 @@ struct Metric
 	const OwnThreshold* own = nullptr;  // not owned; null: not used
 	Combine combine = Combine::kStrict;
 	double maxError = kOff;  // certified: errorBound <= maxError, a hard limit under every combination
-	// >= 1: every limit above, combined or certified, is so many times as large: what a budget asks for (BudgetControl.h). What asks for no error at all, or for less than kFinestShare of the smaller radius, counts as that
-	// share once this exceeds 1. Infinite: the coarsest valid answer.
+	// >= 1: multiplies every limit above, combined or certified; budgets use it (BudgetControl.h). Once it exceeds 1,
+	// limits below kFinestShare of the smaller radius (also exact) count as that share. Infinite: the coarsest valid
+	// answer.
 	double coarsening = 1;
 };
-// s0 or a certified limit under it; kOff stays kOff.
+// s0 or a certified limit, coarsened; kOff stays kOff.
 inline double coarsened(double limit, const Metric& metric, double finest)
 {
 	return metric.coarsening > 1 && limit < kOff ? metric.coarsening * std::max(limit, finest) : limit;
 }
-// Field by field; two metrics with an own function are never the same, for what it returns may have changed.
+// Compares field by field; two metrics with a function of the caller's are never the same, for its results may differ.
 CLOD_API bool same(const Metric& l, const Metric& r);
 // Empty, or one sentence naming the first field that cannot be used, and its value.
 CLOD_API std::string metricError(const Metric& metric);

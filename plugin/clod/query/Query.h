@@ -25,16 +25,16 @@ struct ContactSettings
 {
 	Metric metric;
 	double tolerance = 0;  // report accepted pairs whose hull distance is <= tolerance; >= 0
-	// Report, besides, pairs that come within the tolerance while B moves on like this (A held): a caller that steps on
-	// looks ahead along the motion instead of in all directions. Zero: the pose alone.
+	// Also report pairs that come within the tolerance while B moves on like this (and A stands still). So a caller
+	// that simulates steps looks ahead along the motion instead of in all directions. Zero: only the pose counts.
 	Sweep sweep;
-	// Where it is spent before all is answered, the coarsest valid answer is given instead: a hard stop for the rare
-	// query, beside a metric coarsened to what the budget buys (BudgetControl.h). What that answer takes is held back: the
-	// tests of a query never exceed its budget where they need not. What is cut off depends on the cache.
+	// A hard stop: if the budget is spent before everything is answered, the coarsest valid answer is given instead.
+	// What that answer takes is held back, so a query exceeds its tests only if the coarsest answer alone does. Which
+	// queries are cut off depends on the cache. Usually the metric is coarsened as well (BudgetControl.h).
 	Budget budget;
-	bool isTrial = false;  // with no answer instead of the coarsest: for the caller who has one
+	bool isTrial = false;  // if the budget is spent, give no answer instead of the coarsest
 };
-// Field by field; with an own function never, see same(Metric).
+// Compares field by field; settings with a function of the user's are never the same, see same(Metric).
 CLOD_API bool same(const ContactSettings& l, const ContactSettings& r);
 CLOD_API bool same(const Transform& l, const Transform& r);
 
@@ -47,7 +47,7 @@ struct Contact
 	Vec3 normal;              // unit, from B to A; zero when the hulls overlap
 };
 
-// What tells a contact: the rest of it is a function of the two nodes and the pose, see evaluate().
+// The two nodes of a contact. The rest of it is a function of these and the pose, see evaluate().
 struct AcceptedPair
 {
 	std::uint32_t nodeA, nodeB;
@@ -60,27 +60,27 @@ struct QueryStats
 	std::uint32_t boxTests = 0;    // culling boxes compared
 	std::uint32_t hullTests = 0;   // hull distances evaluated (GJK runs)
 	std::uint32_t skippedBySlack = 0;
-	std::uint32_t stillApart = 0;  // 1: the bodies were apart by more than they have moved since; nothing was looked at
+	std::uint32_t stillApart = 0;  // 1: the bodies were apart by more than they have moved since; nothing was tested
 	std::uint32_t frontKept = 0;   // 1: no decision of the last traversal has changed; only its answers were evaluated
-	// Moves of the front: pairs of nodes kept in its tree that the query before did not keep, and the other way round.
-	// None where the last front still holds.
+	// Changes of the front: pairs of nodes in its tree that the last query did not have, and the other way round. 0 if
+	// the last front still holds.
 	std::uint32_t frontCame = 0, frontGone = 0;
 	std::uint32_t duplicates = 0;    // pairs reached twice through shared children
-	std::uint32_t pointBoxes = 0;    // boxes that nearest-surface queries met; boxTests are between the bodies only
+	std::uint32_t pointBoxes = 0;    // boxes visited by nearest-surface queries, not counted in boxTests
 	std::uint32_t pointQueries = 0;  // nearest-surface queries of the penetration solver
 	std::uint32_t finestLevel = 0, coarsestLevel = 0;  // over both bodies' accepted nodes within the tolerance
 	std::uint32_t touchedFinestLevel = 0;              // finest level whose node data was read at all
 	std::uint32_t pending = 0;   // contacts coarser than the metric asks without its coarsening
 	std::uint32_t cutShort = 0;  // 1: the budget was spent, this is the coarsest valid answer, or none (isTrial)
-	// 1: the gap is of the input surfaces, as the nodes overlapped or proved less than asked for
+	// 1: the gap was searched in the input surfaces, because nodes overlapped or proved less than asked for
 	std::uint32_t gapSearches = 0;
-	std::uint32_t depthsCutShort = 0;  // searches of a depth that met their limit of cells: the bound may be wider
+	std::uint32_t depthsCutShort = 0;  // depth searches that reached their limit of cells: the bound may be wider
 };
 
 struct ContactSummary
 {
 	bool deep = false;  // penetration beyond what the contact list can prove
-	double excess = 0;  // by which factor the worst contact exceeds the metric without its coarsening; 0: none does
+	double excess = 0;  // the factor by which the worst contact exceeds the metric without its coarsening; 0: none does
 	QueryStats stats;
 };
 struct CLOD_API ContactResult : ContactSummary
@@ -89,8 +89,8 @@ struct CLOD_API ContactResult : ContactSummary
 	void clear();
 };
 
-// Front, warm starts, slack. One per ordered pair of bodies; reset by destroying it or by a query with other
-// hierarchies.
+// What is kept from query to query: front, warm starts, bounds. One for each ordered pair of bodies; destroying it, or
+// a query with other hierarchies, resets it.
 class CLOD_API PairCache
 {
 public:
@@ -99,7 +99,7 @@ public:
 	PairCache(PairCache&&) noexcept;
 	PairCache& operator=(PairCache&&) noexcept;
 	void clear();
-	// The room that it takes, where it will not be asked for a while: the next query begins afresh.
+	// Frees its memory; the next query begins afresh.
 	void giveBack();
 	struct State;  // PairCacheState.h
 	State& state() { return *m_state; }
@@ -108,17 +108,17 @@ private:
 	std::unique_ptr<State> m_state;
 };
 
-// The accepted pairs within the tolerance. `deep` tells only of a component wholly inside the other body. Two bodies
-// apart are not looked at again until they have moved enough. Preconditions: settings are valid (see settingsError), the
-// pose is finite and rigid. No allocation once the buffers of cache and result have grown.
+// Finds the accepted pairs within the tolerance. `deep` is set only if a component is wholly inside the other body. Two
+// bodies apart are not tested again until they have moved enough. Preconditions: the settings are valid (see
+// settingsError), the pose is finite and rigid. Allocates nothing once the buffers of cache and result have grown.
 CLOD_API void contacts(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const ContactSettings& settings,
 					   PairCache& cache, ContactResult& result);
 
-// Fills in all but the nodes of contacts that are known by these: bit for bit what contacts() found at that pose.
+// Fills in everything but the nodes of contacts whose nodes are given: bit for bit what contacts() found at that pose.
 CLOD_API void evaluate(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, std::vector<Contact>& contacts);
 
-// What the coarsest valid answer takes: `listing` the pairs that give it was done now, `answering` them takes so many tests
-// at most. A query with a budget at the same pose need not list them again.
+// The tests that the coarsest valid answer takes: `listing` its pairs took so many now, `answering` them will take at
+// most so many. A query with a budget at the same pose need not list them again.
 struct Outline
 {
 	std::uint32_t listing = 0, answering = 0;
@@ -126,9 +126,9 @@ struct Outline
 CLOD_API Outline outlineCoarsest(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB,
 								 const ContactSettings& settings, PairCache& cache);
 
-// Of bodies of which coarse levels alone were loaded: empty where what was loaded may do for the metric, otherwise what it
-// lacks, a sentence. Contacts are of the finest level there is, whatever is asked for, and `excess` tells by how much they
-// miss the metric; neither a gap nor whether one body is inside the other is known then. b: null where it has no hierarchy.
+// For bodies of which only coarse levels were loaded: empty if these may satisfy the metric, otherwise a sentence that
+// tells what is missing. Contacts then come from the finest level there is, and `excess` tells by how much they miss
+// the metric; neither a gap nor whether one body is inside the other can be found. b is null if it has no hierarchy.
 CLOD_API std::string levelsError(const Hierarchy& a, const Hierarchy* b, const Metric& metric);
 
 // Empty when the settings can be used, otherwise one sentence naming the field and its value.

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The builder as a library: from a triangle mesh to a hierarchy, in one call that throws nothing, tells how far it is
-// and can be cancelled. It contains CGAL: a program that links it is GPL.
+// The builder as a library: from a triangle mesh to a hierarchy, in one call that throws nothing, reports its progress
+// and can be cancelled. It takes seconds to minutes. It contains CGAL, so a program that links it is under the GPL.
+//
+// Lengths and frame are the mesh's, except that FileOptions may convert them. Vertices of the hierarchy are relative to
+// the centre of mass; its meshFromBody leads back.
 //
 //   const auto built = clod::builder::buildFile("cup.obj");
 //   if (built.status != clod::builder::Status::built) ... built.message ...
@@ -21,13 +24,14 @@ namespace clod::builder
 enum class Status
 {
 	built,
-	refused,    // the mesh is no sound solid, the file cannot be read, or an option is wrong: the message says which
+	refused,    // the mesh is no sound solid, the file cannot be read, or an option is wrong: the message tells which
 	limit,      // too large, or out of memory
-	cancelled,  // the callback said so
-	failed      // an error of the builder's, or an exception that the callback threw
+	cancelled,  // by the callback
+	failed      // an internal error, or an exception that the callback threw
 };
 
-// Closed, oriented outward (counter-clockwise from outside), a 2-manifold: everything else is refused, or mended.
+// Must be closed, oriented outward (counter-clockwise from outside), 2-manifold and free of self-intersections.
+// Anything else is refused, or repaired if Options ask for it.
 struct TriangleMesh
 {
 	std::vector<Vec3> vertices;
@@ -39,13 +43,13 @@ struct Options
 	unsigned threads = 0;    // 0 = all cores; the result never depends on it
 	std::uint64_t seed = 1;  // of everything random
 	bool paper = false;      // exactly the paper's choices (Otaduy & Lin 2003)
-	bool repair = false;     // mend what is wrong with the mesh
+	bool repair = false;     // repair a mesh that is no sound solid
 	double maxMove = 0;      // with repair: refuse if the surface moves farther; 0 = a quarter of the radius
-	double wrap = 0;         // instead: a watertight wrap round the mesh, closing gaps narrower than this; 0 = none
+	double wrap = 0;         // instead: build a watertight wrap that closes gaps narrower than this; 0 = none
 };
 
-// The file's unit (um, mm, cm, m, in, ft: the hierarchy is then in metres; empty: lengths stay as they are), its axis
-// that points up (x, y, z; it becomes y) and a factor applied after the unit.
+// unit: that of the file (um, mm, cm, m, in, ft); the hierarchy is then in metres. If empty, lengths stay as they are.
+// up: the file's axis that points up (x, y or z); it becomes y. scale: a factor applied after the unit.
 struct FileOptions : Options
 {
 	std::string unit, up = "y";
@@ -58,15 +62,16 @@ struct Outcome
 	std::string message;                         // why there is no hierarchy
 	std::shared_ptr<const Hierarchy> hierarchy;  // validated as if loaded, mass properties and meshFromBody filled
 	std::vector<std::string> changes;            // what repair or wrap did, in sentences
-	double moved = 0;                            // certified: no surface has a point farther than this from the other
+	double moved = 0;                            // certified distance between the given surface and the one built
 };
 
-// Called with the phase and how much of it is done, 0 to 1; returns false to cancel. By one thread at a time, but not
-// always the same. Reading, checking and the steps of a repair are told of between, not within.
+// Called with the name of the phase and the fraction of it that is done, 0 to 1; return false to cancel. It is called
+// by one thread at a time, but not always by the same. Reading, checking and each step of a repair report only their
+// end.
 using Callback = std::function<bool(const char* phase, double fraction)>;
 
 CLOD_API Outcome build(const TriangleMesh& mesh, const Options& options = {}, const Callback& callback = {}) noexcept;
-// OBJ, OFF, PLY, STL, glTF, GLB; of the latter two one node's mesh, where the path is FILE#NODE.
+// Reads OBJ, OFF, PLY, STL, glTF or GLB. For the latter two the path FILE#PART means one part of the scene.
 CLOD_API Outcome buildFile(const std::string& path, const FileOptions& options = {},
 						   const Callback& callback = {}) noexcept;
 }  // namespace clod::builder
