@@ -16,6 +16,8 @@ namespace clod::demo
 namespace
 {
 constexpr double kEndSeconds = 0.1;
+// Of the smaller radius: bodies of ours rest 0.05 % of it apart, and what is a millimetre off a radius of one metre touches.
+constexpr double kTouching = 1e-3;
 
 bool isFinite(const SceneState& state)
 {
@@ -40,16 +42,20 @@ public:
 		}
 		return deepest;
 	}
-	// Contact points are said to lie on the two surfaces, where those were before the step. A share: see TrialFrame.
+	// The contact points of bodies that touch are said to lie on the two surfaces, where those were before the step. Points
+	// of bodies still apart are for what the step may bring together: their place on the second body is where that will be
+	// met. A share: see TrialFrame.
 	double offSurface(const SceneState& before, const std::vector<ScenePoint>& points) const
 	{
 		double farthest = std::nan("");
 		for (const ScenePoint& point : points)
 		{
+			const double smaller = std::min(radius(point.bodies.a), radius(point.bodies.b));
+			if (point.distance > kTouching * smaller) continue;
 			const Vec3 onA = point.position + point.distance * point.normal;
 			const double off =
 				std::max(distance(before, point.bodies.a, onA), distance(before, point.bodies.b, point.position));
-			farthest = std::fmax(farthest, off / std::min(radius(point.bodies.a), radius(point.bodies.b)));
+			farthest = std::fmax(farthest, off / smaller);
 		}
 		return farthest;
 	}
