@@ -21,11 +21,6 @@ namespace
 {
 constexpr double kGImpactMargin = 0.0025;  // of each body, share of the smaller radius: how far GImpact looks ahead
 
-btVector3 toBullet(const Vec3& v)
-{
-	return {btScalar(v.x), btScalar(v.y), btScalar(v.z)};
-}
-
 btTransform toBullet(const Transform& t)
 {
 	const Vec3* row = t.rotation.row;

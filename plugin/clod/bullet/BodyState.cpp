@@ -11,6 +11,11 @@ Vec3 toVec3(const btVector3& v)
 	return {double(v.x()), double(v.y()), double(v.z())};
 }
 
+btVector3 toBullet(const Vec3& v)
+{
+	return {btScalar(v.x), btScalar(v.y), btScalar(v.z)};
+}
+
 Transform toTransform(const btTransform& t)
 {
 	const btMatrix3x3& m = t.getBasis();

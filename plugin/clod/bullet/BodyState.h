@@ -8,6 +8,7 @@
 namespace clod
 {
 Vec3 toVec3(const btVector3& v);
+btVector3 toBullet(const Vec3& v);
 // Bullet's rotation, orthonormal again to double rounding.
 Transform toTransform(const btTransform& t);
 // All of it: toTransform makes a column of NaN a column of zeros.

@@ -14,11 +14,6 @@ namespace clod
 {
 namespace
 {
-btVector3 toBullet(const Vec3& v)
-{
-	return {btScalar(v.x), btScalar(v.y), btScalar(v.z)};
-}
-
 // The child's index where the body is a compound.
 int childOr(int otherwise, const btCollisionObjectWrapper& wrapper)
 {

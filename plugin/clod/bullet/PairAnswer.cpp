@@ -3,6 +3,7 @@
 // are cost what writing their manifolds costs.
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
 #include <BulletCollision/CollisionShapes/btTriangleCallback.h>
+#include <xxhash.h>
 
 #include <algorithm>
 #include <array>
@@ -155,6 +156,30 @@ void PairState::refine(Prepared& prepared)
 	m_budget->endSpare();
 }
 
+// Those of a mesh within the tolerance of A at that pose. Returns their hash.
+std::uint64_t PairState::gatherTriangles(const PairPose& pose, const Transform& aFromB, double tolerance,
+										 std::vector<std::array<int, 2>>& names) const
+{
+	std::vector<Triangle>& triangles = scratch().triangles;
+	TriangleSink sink(pose.scale(), triangles, names);
+	const Transform bFromA = inverse(aFromB);
+	btMatrix3x3 turn;
+	for (int i = 0; i < 3; ++i) turn[i] = toBullet(bFromA.rotation.row[i]);
+	btVector3 low, high;
+	pose.shapeA->getAabb(btTransform(turn, toBullet(pose.scale() * bFromA.translation)), low, high);
+	const btScalar grow = btScalar(tolerance * pose.scale());
+	static_cast<const btConcaveShape&>(*pose.b->getCollisionShape())
+		.processAllTriangles(&sink, low - btVector3(grow, grow, grow), high + btVector3(grow, grow, grow));
+	return XXH3_64bits(triangles.data(), triangles.size() * sizeof(Triangle));
+}
+
+// A mesh may be another, or elsewhere, though its shape is the same: nobody tells.
+bool PairState::isMeshAsItWas(const PairPose& pose) const
+{
+	thread_local std::vector<std::array<int, 2>> names;
+	return gatherTriangles(pose, m_answered->aFromB, m_answered->settings.tolerance, names) == m_trianglesHash;
+}
+
 // Planes and meshes have no hierarchy: what of them is near is gathered anew.
 void PairState::askPartner(const PairPose& pose)
 {
@@ -177,14 +202,9 @@ void PairState::askPartner(const PairPose& pose)
 	}
 	else
 	{
-		std::vector<Triangle>& triangles = scratch().triangles;
-		TriangleSink sink(pose.scale(), triangles, m_names);
-		const btTransform bFromA = pose.b->getWorldTransform().inverse() * pose.a->getWorldTransform();
-		btVector3 low, high;
-		pose.shapeA->getAabb(bFromA, low, high);
-		const btScalar grow = btScalar(pose.tolerance * pose.scale());
-		static_cast<const btConcaveShape&>(shape).processAllTriangles(&sink, low - btVector3(grow, grow, grow),
-																	  high + btVector3(grow, grow, grow));
+		m_facets.levels.isOther = answered() && !isMeshAsItWas(pose);
+		m_trianglesHash = gatherTriangles(pose, pose.aFromB, pose.tolerance, m_names);
+		const std::vector<Triangle>& triangles = scratch().triangles;
 		const Vec3 way = pose.aFromB.rotation * m_facets.through;
 		const double size = 2 * double(hierarchy.asset().radius);
 		for (std::uint32_t i = 0; i < triangles.size(); ++i)

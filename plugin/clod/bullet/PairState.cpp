@@ -95,7 +95,7 @@ bool PairState::same(const Question& l, const Question& r)
 // Have bodies moved so little since they were asked about, and do they move so slowly, that the points found then serve?
 bool PairState::isStill(const PairPose& pose, const Question& question) const
 {
-	if (!m_context.keepPoints || pose.prediction != Prediction::kFree || pose.partner == Partner::kConcave) return false;
+	if (!m_context.keepPoints || pose.prediction != Prediction::kFree || m_facets.isMadeIn) return false;
 	if (!answered() || m_clusters.isEmpty() || (m_facets.levels.goesOn && !isRefinable(pose, question))) return false;
 	const Question& then = *answered();
 	const double most = kStillShare * question.rules.length;
@@ -117,7 +117,8 @@ bool PairState::isStill(const PairPose& pose, const Question& question) const
 	GapSettings settings = question.settings;
 	settings.tolerance = then.settings.tolerance;
 	settings.sweep = then.settings.sweep;
-	return sameRules(rules, then.rules) && question.plane == then.plane && clod::same(settings, then.settings);
+	return sameRules(rules, then.rules) && question.plane == then.plane && clod::same(settings, then.settings) &&
+		   (pose.partner != Partner::kConcave || isMeshAsItWas(pose));
 }
 
 // Where a shape is another than in the last dispatch, nothing kept holds.

@@ -134,6 +134,9 @@ private:
 	void ask(const PairPose& pose, const Question& question, bool isAsked = false);  // asked: the result is at hand
 	void query(const PairPose& pose, const Question& question);  // outlined, if there is a budget
 	void askPartner(const PairPose& pose);
+	std::uint64_t gatherTriangles(const PairPose& pose, const Transform& aFromB, double tolerance,
+								  std::vector<std::array<int, 2>>& names) const;
+	bool isMeshAsItWas(const PairPose& pose) const;
 	// Points.
 	void answer(const PairPose& pose, Question& question, bool isAsked = false);
 	void foresee(const PairPose& pose);
@@ -182,6 +185,7 @@ private:
 	HeldResult m_result;
 	PartnerStats m_partnerStats;
 	std::vector<std::array<int, 2>> m_names;  // part and index of each triangle of a mesh within the tolerance,
-	std::unique_ptr<ContactSurface> m_partnerSurface;  // and the surface they make
+	std::unique_ptr<ContactSurface> m_partnerSurface;  // the surface they make,
+	std::uint64_t m_trianglesHash = 0;                 // and what they were
 };
 }  // namespace clod

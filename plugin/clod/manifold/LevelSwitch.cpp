@@ -88,7 +88,7 @@ void LevelSwitch::apply(const FacetQuestion& question, const std::vector<Contact
 					   static_cast<FacetRecord&>(facet) = record;
 					   const bool wasHeld = facet.kind == Facet::Kind::kHeld, carried = old.impulse > 0;
 					   if (!wasHeld) before = std::max(before, -old.point.height);
-					   const bool mayGoOn = facet.kind != Facet::Kind::kDeep && !record.isOfMiddle() &&
+					   const bool mayGoOn = !memory.isOther && facet.kind != Facet::Kind::kDeep && !record.isOfMiddle() &&
 											(carried || (wasHeld && old.point.idle < kIdle));
 					   const bool goesOn = stays ? wasHeld : mayGoOn && isLost(question, old, facet, {facets.data(), found});
 					   if (!goesOn || !goOn(question, old, facet)) return;

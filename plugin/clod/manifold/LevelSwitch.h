@@ -22,6 +22,7 @@ struct SwitchMemory
 	std::vector<Levels> asked;  // of the last dispatch
 	double overlap = 0;         // came with a change of level, and is left slowly,
 	bool goesOn = false;        // or points go on
+	bool isOther = false;       // B's surface is another than in the last dispatch, by no change of level: nothing goes on
 };
 
 // For any number of pairs, one after the other.
