@@ -167,6 +167,22 @@ inline std::uint64_t featureOf(const ContactSurface& a, const ContactSurface& b,
 	return name * 0xD6E8FEB86659FD93u + (std::uint64_t(facet.kind) << 16 | facet.levelA << 8 | facet.levelB);
 }
 
+// What the names of a vertex and of a polygon that it is beneath tell, having gone in through it.
+inline void placeThrough(const FacetQuestion& q, Facet& facet)
+{
+	const ContactSurface &a = q.a.surface(facet.levelA), &b = q.b.surface(facet.levelB);
+	const bool isOfA = facet.kind == Facet::Kind::kVertexFace;
+	const Vec3& own = isOfA ? a.vertices()[facet.featureA] : b.vertices()[facet.featureB];
+	const Vec3 place = isOfA ? inverse(q.aFromB) * own : q.aFromB * own;
+	const SurfaceFace& face = isOfA ? b.planeOf(facet.featureB) : a.planeOf(facet.featureA);
+	facet.reach = Facet::Reach::kOverlap;
+	facet.isThrough = true;
+	facet.feature = featureOf(a, b, facet);
+	facet.distance = dot(face.normal, place) - face.offset;
+	facet.normal = isOfA ? q.aFromB.rotation * face.normal : -face.normal;
+	facet.span(isOfA ? own : place, isOfA);
+}
+
 inline constexpr double kFootShare = 1e-3;      // of the length: how far off its facet a foot may be
 inline constexpr double kDeepFootShare = 1e-2;  // and at most where bodies overlap
 inline constexpr double kArcSlack = 0.01;       // radians: of cones and arcs
