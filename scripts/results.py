@@ -31,6 +31,8 @@ NAMES = {"exact": "exact", "default": "certified 0.5 %, the default", "size-3.5"
 # convex box: a static tree has nothing to hold there.
 SCENES = {"spoon-cup": (RESOLUTION, [], ()), "numbers-bowl": ("1", [], ()), "pile-heap": ("1", ["--steps", "240"], ("bvh-vhacd",))}
 SHAPES = {"exact": ("CLOD, exact", ["--exact"]), "default": ("CLOD, the default", []), "size-3.5": ("CLOD, s0 = 3.5 %", ["--size", "3.5"]),
+          # As btClodDynamicsWorld does by itself.
+          "world": ("CLOD, the default, in btClodDynamicsWorld", ["--passes", "3", "--parts", "8"]),
           **{kind: (name, ["--shapes", kind]) for kind, name in
              {"gimpact": "GImpact", "vhacd": "V-HACD, at most 32 hulls", "coacd": "CoACD, concavity 0.05",
               "bvh-vhacd": "V-HACD; a static tree for what stands still", "hull": "one convex hull"}.items()}}

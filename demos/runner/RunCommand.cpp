@@ -224,7 +224,8 @@ nlohmann::ordered_json recordPoses(const std::string& path, const std::vector<Po
 	const std::string checksum = fmt::format("{:016x}", XXH64(text.data(), text.size(), 0));
 	writeText(path, text);
 	if (path != "-") writeText(path + ".xxh64", checksum + "  " + path.substr(path.find_last_of('/') + 1) + "\n");
-	return {{"file", path}, {"rows", poses.size()}, {"xxh64", checksum}};
+	return {
+		{"file", path}, {"rows", poses.size()}, {"xxh64", checksum}, {"trajectory_hash", trajectoryHash(poses)}};
 }
 
 void print(const RunOptions& options, const nlohmann::ordered_json& report)
@@ -305,7 +306,7 @@ void runRun(const RunOptions& options)
 	report["seed"] = options.common.seed;
 	report["steps"] = run.steps;
 	report["dt"] = run.scene.dt;
-	report["trajectory_hash"] = trajectoryHash(posesOf(rows));
+	report["trajectory_hash"] = trajectoryHash(rows);
 	report["summary"] = summarizeScene(rows, info.tolerance);
 	report["energy"] = summarizeEnergy(start, rows);
 	if (!info.outcome.empty()) report["outcome"] = summarizeOutcome(info, start, rows);

@@ -165,6 +165,14 @@ std::vector<PoseRow> posesOf(const std::vector<SceneRow>& rows)
 	return poses;
 }
 
+std::string trajectoryHash(const std::vector<SceneRow>& rows)
+{
+	std::vector<Pose> poses;
+	for (const SceneRow& row : rows)
+		for (const BodyState& body : row.state.bodies) poses.push_back(body.pose);
+	return trajectoryHash(poses);
+}
+
 std::string formatSceneRows(const SceneInfo& info, const std::vector<SceneRow>& rows)
 {
 	// Of two bodies, a row has the poses too.

@@ -42,6 +42,8 @@ std::vector<PoseRow> simulatePoses(const SceneRunOptions& options, const std::fu
 // Of every followed pair, in the order of the steps.
 std::vector<PoseRow> posesOf(const SceneState& state);
 std::vector<PoseRow> posesOf(const std::vector<SceneRow>& rows);
+// Of the poses of all bodies after every step, whether they meet or not.
+std::string trajectoryHash(const std::vector<SceneRow>& rows);
 std::string formatSceneRows(const SceneInfo& info, const std::vector<SceneRow>& rows);
 // Of the energy and of what the scene is told by: at the start, the end, and the extremes of all rows.
 nlohmann::ordered_json summarizeEnergy(const SceneState& start, const std::vector<SceneRow>& rows);

@@ -22,17 +22,18 @@ constexpr double heapGap = 0.075, fieldGap = 0.040;  // from one to the next
 constexpr double floorHalf = 0.010;  // half its thickness
 constexpr double layer = 0.0255, spacing = 0.0255, lowestLayer = 0.020;
 constexpr double reach = 0.100;  // a digit farther from the middle has left the floor
-constexpr double border = 0.050;  // of the floor round what lies on it
+constexpr double border = 0.050;        // of the floor round what lies on it
+constexpr double borderOfHeap = 0.150;  // likewise: digits roll away
 constexpr std::uint64_t seed = 1;
 constexpr int steps = 1440, iterations = 50;  // of the solver: stacks of ten
 }  // namespace constant
 
-// kinds: of digits. farthest: of the places from the middle; the floor grows with them.
-SceneDefinition digitsOnFloor(const std::string& name, const std::string& summary, int kinds, double farthest)
+// kinds: of digits. half: of the floor.
+SceneDefinition digitsOnFloor(const std::string& name, const std::string& summary, int kinds, double half)
 {
 	SceneDefinition scene = mechanism(name, summary, constant::friction);
 	SceneInfo& info = scene.info;
-	const double scale = std::max(1.0, (farthest + constant::border) / constant::reach), reach = scale * constant::reach;
+	const double scale = std::max(1.0, half / constant::reach), reach = scale * constant::reach;
 	info.models = {{"floor", "", scale}};
 	info.bodies = {{"floor", 0, true}};
 	scene.bodies = {{0, {{0, -scale * constant::floorHalf, 0}}, {}}};
@@ -92,7 +93,7 @@ SceneDefinition stacks(int count, const std::string& name, const std::string& su
 {
 	const int stacks = (count + constant::inStack - 1) / constant::inStack;
 	const Grid grid(stacks, constant::leastStacksInRow, constant::stackAcross, constant::stackAlong);
-	SceneDefinition scene = digitsOnFloor(name, summary, stacks, grid.farthest());
+	SceneDefinition scene = digitsOnFloor(name, summary, stacks, grid.farthest() + constant::border);
 	scene.info.overview = {{0, 0.015, 0}, grid.farthest() + 0.03, 20, 30, -1, ""};
 	for (int i = 0; i < count; ++i)
 	{
@@ -108,7 +109,7 @@ SceneDefinition stacks(int count, const std::string& name, const std::string& su
 SceneDefinition heaps(int count, const std::string& name, const std::string& summary)
 {
 	const Grid grid((count + constant::inHeap - 1) / constant::inHeap, 1, constant::heapGap, constant::heapGap);
-	SceneDefinition scene = digitsOnFloor(name, summary, count, grid.farthest());
+	SceneDefinition scene = digitsOnFloor(name, summary, count, grid.farthest() + constant::borderOfHeap);
 	std::mt19937_64 random(constant::seed);
 	for (int i = 0; i < count; ++i)
 	{
@@ -130,7 +131,7 @@ SceneDefinition heaps(int count, const std::string& name, const std::string& sum
 SceneDefinition field(int count, const std::string& name)
 {
 	const Grid grid(count, 1, constant::fieldGap, constant::fieldGap);
-	SceneDefinition scene = digitsOnFloor(name, "digits lie flat, each by itself", count, grid.farthest());
+	SceneDefinition scene = digitsOnFloor(name, "digits lie flat, each by itself", count, grid.farthest() + constant::border);
 	for (int i = 0; i < count; ++i)
 		addDigit(scene, i % constant::digits, i, turnedAbout({1, 0, 0}, -kPi / 2, grid.at(i, heightInStack(0))));
 	return scene;

@@ -206,18 +206,24 @@ Transform relativePose(const PoseRow& row, const Vec3& meshFromBodyA, const Vec3
 	return inverse(worldFromBody(row.a, meshFromBodyA)) * worldFromBody(row.b, meshFromBodyB);
 }
 
-std::string trajectoryHash(const std::vector<PoseRow>& rows)
+std::string trajectoryHash(const std::vector<Pose>& poses)
 {
 	std::vector<double> bits;
-	for (const PoseRow& row : rows)
-		for (const Pose* pose : {&row.a, &row.b})
-		{
-			for (int i = 0; i < 3; ++i) bits.push_back(pose->position[i]);
-			bits.insert(bits.end(), std::begin(pose->quaternion), std::end(pose->quaternion));
-		}
+	for (const Pose& pose : poses)
+	{
+		for (int i = 0; i < 3; ++i) bits.push_back(pose.position[i]);
+		bits.insert(bits.end(), std::begin(pose.quaternion), std::end(pose.quaternion));
+	}
 	char text[17];
 	std::snprintf(text, sizeof text, "%016llx",
 				  static_cast<unsigned long long>(XXH3_64bits(bits.data(), bits.size() * sizeof(double))));
 	return text;
+}
+
+std::string trajectoryHash(const std::vector<PoseRow>& rows)
+{
+	std::vector<Pose> poses;
+	for (const PoseRow& row : rows) poses.insert(poses.end(), {row.a, row.b});
+	return trajectoryHash(poses);
 }
 }  // namespace clod::demo

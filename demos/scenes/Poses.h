@@ -51,5 +51,6 @@ Transform worldFromBody(const Pose& pose, const Vec3& meshFromBody);
 Transform relativePose(const PoseRow& row, const Vec3& meshFromBodyA, const Vec3& meshFromBodyB);
 
 // Hash (xxh3, 64 bits, as 16 hexadecimal digits) of the poses' bits: equal hashes, equal trajectories.
-std::string trajectoryHash(const std::vector<PoseRow>& rows);
+std::string trajectoryHash(const std::vector<Pose>& poses);
+std::string trajectoryHash(const std::vector<PoseRow>& rows);  // of a and b of each row
 }  // namespace clod::demo

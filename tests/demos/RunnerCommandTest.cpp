@@ -384,7 +384,7 @@ TEST_F(RunnerCommand, ASceneOfFourBodiesIsRecordedAndReplayedWhole)
 	ASSERT_EQ(bench(replayed + " --fresh --csv " + path("four-fresh.csv")).code, 0);
 	EXPECT_EQ(answers(readText(path("four-warm.csv"))), answers(readText(path("four-fresh.csv"))));
 	const json replay = report("four-replay.json");
-	EXPECT_EQ(replay["poses"]["trajectory_hash"], report("four.json")["trajectory_hash"]);
+	EXPECT_EQ(replay["poses"]["trajectory_hash"], report("four.json")["poses"]["trajectory_hash"]);
 	EXPECT_EQ(replay["summary"]["all_rows"]["rows"], 60);
 	EXPECT_EQ(replay["summary"]["steps_all_rows"]["rows"], 30);
 	// The file does not fit a scene of two bodies, nor two models.

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
 
 #include "demos/scenes/SceneFile.h"
 #include "tests/demos/RunnerCommand.h"
@@ -254,6 +255,26 @@ TEST_F(SceneFileRun, TheExampleRunsAndTheCupKeepsToItsHinge)
 	const Outcome bad = bench("run " + file("bad.json", "{\"models\": 3, \"bodies\": []}"));
 	EXPECT_EQ(bad.code, 3);
 	EXPECT_NE(bad.err.find("models: has to be a list"), std::string::npos) << bad.err;
+}
+
+TEST_F(SceneFileRun, BodiesThatMeetNothingAreInTheTrajectory)
+{
+	std::set<std::string> hashes;
+	for (const char* speed : {"1", "2"})
+	{
+		std::string bodies;
+		for (int i = 0; i < 3; ++i)
+			bodies += fmt::format(R"({}{{"model": "torus", "mass": 1, "position": [{}, 0, 0], "velocity": [0, 0, {}]}})",
+								  i > 0 ? ", " : "", 5 * i, speed);
+		const std::string scene =
+			file("apart.json", R"({"models": [{"name": "torus"}], "bodies": [)" + bodies + "]}");
+		const Outcome run = bench("run " + scene + " --resolution 0.02 --steps 2 --quiet --poses " + path("apart.csv") +
+								  " --json " + path("ran.json") + cache());
+		ASSERT_EQ(run.code, 0) << run.err;
+		EXPECT_EQ(report("ran.json")["poses"]["rows"], 0);
+		hashes.insert(report("ran.json")["trajectory_hash"].get<std::string>());
+	}
+	EXPECT_EQ(hashes.size(), 2u);
 }
 }  // namespace
 }  // namespace clod::test

@@ -40,7 +40,7 @@ bool isFinite(const RelativeMotion& motion)
 
 namespace
 {
-// Forces and torques act on each link as if it were free, as they do on bodies that constraints hold.
+// Forces and torques are taken to act on each link as if it were free, as they are for bodies that constraints hold.
 RelativeMotion motionOfLink(const btMultiBodyLinkCollider& link, double timeStep)
 {
 	const btMultiBody& body = *link.m_multiBody;

@@ -42,7 +42,8 @@ Vec3 centerOf(const btMultiSphereShape& shape, int i)
 	return {center.x * scaling.x, center.y * scaling.y, center.z * scaling.z};
 }
 
-// Of what is left of spheres when the least is taken off all: Bullet takes off the margin, be it more than a sphere has.
+// The support of the spheres once the least radius is taken off all of them. Bullet's own support function takes off
+// the margin instead, which may be more than a sphere's radius.
 Vec3 coreSupport(const btMultiSphereShape& shape, double radius, const Vec3& direction)
 {
 	const Vec3 unit = normalized(direction);
@@ -67,7 +68,7 @@ Vec3 coreSupport(const btConvexShape& shape, double radius, const Vec3& directio
 		btVector3(btScalar(direction.x), btScalar(direction.y), btScalar(direction.z))));
 }
 
-// A regular polygon between the circles that it touches with its corners and with its sides, so that either is as far off.
+// A regular polygon around the rim such that its corners lie as far outside of the circle as its sides lie inside.
 void addRim(double radius, double height, int up, Description& description)
 {
 	const int sides = 4 * int(std::ceil(0.125 * 3.14159265358979 / std::sqrt(kCurved)));
@@ -109,7 +110,7 @@ void describeCapsule(const btCapsuleShape& shape, Description& description)
 	description.points = {end, -end};
 }
 
-// Grown by the least radius; where all have one their centres are left.
+// Spheres are grown by the least of their radii. Where all radii are equal only the centres are left.
 void describeSpheres(const btMultiSphereShape& shape, Description& description)
 {
 	btScalar least = shape.getSphereRadius(0);
@@ -131,7 +132,7 @@ void describePolyhedron(const btPolyhedralConvexShape& shape, Description& descr
 		shape.getVertex(i, vertex);
 		description.points.push_back(toVec3(vertex));
 	}
-	// Of a box Bullet gives the corners with the margin in them.
+	// The corners that Bullet gives for a box have the margin in them.
 	if (shape.getShapeType() == BOX_SHAPE_PROXYTYPE) description.radius = 0;
 	description.isBySupport = description.points.empty();
 }
@@ -168,7 +169,7 @@ void describe(const btConvexShape& shape, Description& description)
 			}
 }
 
-// What encloses no volume is made a thin solid.
+// Makes a thin solid of a flat body, which encloses no volume.
 ConvexPolyhedron thickened(const ConvexPolyhedron& flat)
 {
 	const std::array<std::uint32_t, 3>& t = flat.triangles[0];

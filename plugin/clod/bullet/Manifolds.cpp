@@ -29,7 +29,7 @@ int childOf(const btCollisionObjectWrapper& wrapper)
 	return childOr(-1, wrapper);
 }
 
-// What Bullet makes of the two bodies' materials, the same for all their points.
+// What Bullet combines of the two bodies' materials. It is the same for all points of a pair.
 struct Material
 {
 	btScalar friction, restitution, rolling, spinning;
@@ -44,7 +44,7 @@ struct Material
 	}
 };
 
-// Has addContactPoint just these materials for the point, and has nobody changed what is written anew with each?
+// Would addContactPoint give the point these same materials, and has nobody changed what it writes?
 bool isMadeOf(const Material& material, const btManifoldPoint& point)
 {
 	return point.m_combinedFriction == material.friction && point.m_combinedRollingFriction == material.rolling &&
@@ -149,7 +149,8 @@ bool ManifoldSet::isOn(const Ground& ground, const WorldFrame& frame)
 		   ground.poseB == ground.b->getWorldTransform() && same(ground.worldFromA, frame.worldFromA);
 }
 
-// Bodies that say something of each single point as it is added have theirs added in every dispatch.
+// May points stay from one dispatch to the next? Not for bodies whose callbacks or flags act on each point as it is
+// added.
 bool ManifoldSet::mayKeep(const WorldFrame& frame, const btManifoldResult& out) const
 {
 	constexpr int kPerPoint =
@@ -204,8 +205,8 @@ bool ManifoldSet::keep(HeldClusters& written, const WorldFrame& frame, btManifol
 	return true;
 }
 
-// As a whole: some points anchored and others not turn the bodies. Each of Bullet's two friction directions has the limit
-// of the whole, and an anchor of what slips would have both reach it.
+// The points are judged as a whole, because anchoring some and not others turns the bodies. Each of Bullet's two
+// friction directions has the limit of the whole friction, and an anchor of what slips would make both reach it.
 bool ManifoldSet::slip() const
 {
 	btVector3 friction(0, 0, 0);
@@ -241,7 +242,7 @@ bool ManifoldSet::follow(HeldClusters& written, const WorldFrame& frame, btManif
 				now.slowOverlap = std::max(0.0, std::min(now.slowOverlap, -now.height));
 				point.m_combinedRestitution = slot.restitution;
 				setSolverTerms(now, frame, point);
-				// The places that touched stay together.
+				// An anchor keeps the two places together that touched first.
 				if (slips)
 					point.m_contactPointFlags &= ~BT_CONTACT_FLAG_FRICTION_ANCHOR;
 				else
@@ -255,7 +256,7 @@ bool ManifoldSet::follow(HeldClusters& written, const WorldFrame& frame, btManif
 	return true;
 }
 
-// Points that live on elsewhere keep their user data: it moves with the copy.
+// A point that goes on in another slot keeps its user data, which is moved to the copy.
 void ManifoldSet::beginWrite(const HeldClusters& clusters)
 {
 	Scratch& buffer = scratch();
@@ -284,7 +285,7 @@ bool ManifoldSet::openSlot(std::size_t index, HeldClusters& clusters, const Worl
 	btPersistentManifold*& manifold = m_manifolds[index];
 	if (clusters.count(index) == 0)
 	{
-		// Kept for later and emptied: releasing during a dispatch breaks Bullet's threaded dispatcher.
+		// Emptied and kept for later: to release it during a dispatch breaks Bullet's threaded dispatcher.
 		if (manifold && manifold->getNumContacts() > 0) manifold->clearManifold();
 		if (index < m_slots.size()) m_slots[index].count = 0;
 		return false;
@@ -310,8 +311,8 @@ bool ManifoldSet::openSlot(std::size_t index, HeldClusters& clusters, const Worl
 	return true;
 }
 
-// What gContactAddedCallback has put at a point it finds there again, as Bullet has it: a point at the same place is
-// replaced, and its data stay.
+// Lets gContactAddedCallback find the data again that it has put at a point, as with Bullet's own algorithms: there a
+// point at the same place is replaced, and its data stay.
 void ManifoldSet::standIn(const btVector3& onBody0, btManifoldPoint& before)
 {
 	if (!before.m_userPersistentData) return;
@@ -383,7 +384,7 @@ void ManifoldSet::closeSlot(std::size_t index, btManifoldResult& out)
 	setDistances(*m_target, slot);
 }
 
-// A refresh works distances out of the points' places. Points may be dropped on the way.
+// Sets the distances again after Bullet's refresh, which computes them from the points' places and may drop points.
 void ManifoldSet::setDistances(btPersistentManifold& manifold, const Slot& slot)
 {
 	for (int k = 0; k < manifold.getNumContacts(); ++k)

@@ -41,8 +41,8 @@ void PairState::warnOnce(bool now, unsigned cause, const char* what)
 					   std::to_string(m_report.motion) + ", hierarchy unit)");
 }
 
-// Is there a depth of which the points tell no more than a way out? A component is inside the other body, or what is
-// inside has lost sight of the surface.
+// Is there an overlap whose depth the points do not tell, only a way out of it? So it is where a component is wholly
+// inside the other body, or where what is inside is too far from the surface for any facet.
 bool PairState::isDeep() const
 {
 	return m_facets.isDeep() || (m_result.deep && !m_context.searchGap);
@@ -74,7 +74,7 @@ void PairState::report(const PairPose& pose)
 	m_report.deep = isDeep();
 	m_report.fast = wall > 0 && m_report.motion > wall;
 	m_report.loose = wall > 0 && m_report.contactError > wall;
-	// Not for want of budget, then.
+	// Coarser than asked because finer levels were not loaded, and not for want of budget.
 	const bool isWanting = (pose.hierarchyA().isCoarse() || (pose.isOfTwo() && pose.hierarchyB().isCoarse())) &&
 						   m_report.metric.coarsening == 1 && m_result.excess > 0;
 	if (isWanting && m_report.metricError.empty())

@@ -31,7 +31,7 @@ Partner partnerOf(const btCollisionShape& shape)
 	return shape.isConcave() ? Partner::kConcave : Partner::kOther;
 }
 
-// Which body is A? The one whose content hashes lower, so that Bullet's order of a pair changes nothing but signs.
+// Body A is the one whose content hash is lower, so that Bullet's order of a pair changes nothing but signs.
 void chooseBodies(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, PairPose& pose)
 {
 	const auto* shape0 = dynamic_cast<const btClodShape*>(body0.getCollisionShape());
@@ -47,7 +47,7 @@ void chooseBodies(const btCollisionObjectWrapper& body0, const btCollisionObject
 	pose.partner = bothClod ? Partner::kClod : partnerOf(*pose.b->getCollisionShape());
 }
 
-// In which unit are they asked, and as which hierarchies?
+// Chooses the common unit, and the hierarchies that the query is asked about in that unit.
 void chooseHierarchies(PairPose& pose, ConvexPartners& partners, const std::shared_ptr<const ConvexPartner>& known)
 {
 	pose.unit = pose.shapeA->scale();
@@ -71,7 +71,7 @@ void chooseHierarchies(PairPose& pose, ConvexPartners& partners, const std::shar
 	pose.asked = inWorld;
 }
 
-// Motion of the step, resting height and margins, and how far apart two bodies may be to need contacts.
+// Sets the motion of the step, the resting height and margins, and how far apart bodies may be that need contacts.
 void setRules(PairPose& pose, double timeStep, Prediction prediction, double closestPoints)
 {
 	const btCollisionObject &objectA = *pose.a->getCollisionObject(), &objectB = *pose.b->getCollisionObject();
@@ -106,7 +106,8 @@ void setRules(PairPose& pose, double timeStep, Prediction prediction, double clo
 	pose.center = bIsSmaller ? pose.aFromB * sphereCenter(smaller) : sphereCenter(smaller);
 	pose.radius = double(smaller.asset().radius);
 	pose.motion = rules.motion().speedWithin(pose.center, pose.radius) * timeStep;
-	// A query of two hierarchies looks ahead along the motion (sweep); other shapes are met in all directions.
+	// A query of two hierarchies looks ahead along the motion (its sweep). Other shapes are looked for in all
+	// directions.
 	pose.tolerance = rules.margin + rules.resting;
 	if (!pose.isOfTwo()) pose.tolerance += kPathReach * pose.motion;
 }
@@ -136,7 +137,8 @@ Sweep PairPose::sweep() const
 	return {ahead * relative.linear, ahead * relative.angular};
 }
 
-// The two ways differ from the motion predicted by what the other body does.
+// If a third body holds one of the two, the other goes its own way: that differs from the predicted relative motion by
+// what the held body would have done.
 void PairPose::expectHolding()
 {
 	const auto wayOf = [&](const PairBody& body)

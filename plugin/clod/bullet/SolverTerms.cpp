@@ -16,8 +16,8 @@ constexpr double kDepthStep = 1.0 / 240;  // s: a step in which kTakenBackShare 
 										  // in longer ones,
 constexpr double kMostDepthShare = 0.6;   // but no more than this
 
-// A rebound of e v, whatever share of the step is left when the bodies touch, and with what pulls them together in the
-// step: speed is what they close with now, `pull` what they gain a second, distance what they have to go.
+// The restitution to give Bullet so that bodies part with e times the speed at which they touch, wherever in the step
+// that is. speed: at which they close now; pull: by how much forces raise it a second; distance: what is left to go.
 double restitutionOf(double e, double speed, double pull, double distance, double dt)
 {
 	if (!(e > 0 && speed > 0)) return e;
@@ -62,12 +62,12 @@ void setSolverTerms(const ContactPoint& point, const WorldFrame& frame, btManifo
 		const double near = std::min(row, frame.restingGap);
 		row -= near - std::max(frame.closedShare * near, std::min(near, frame.switchSpeed * dt));
 	}
-	// Positions leave an overlap by more than the path bends into it, or velocities have to answer for both: at most twice
-	// what the bend itself asks for.
+	// An overlap is left by positions (split impulse) if they take back more of it than the path bends into it.
+	// Otherwise velocities answer for both, with at most twice what the bend itself asks for.
 	const bool isDepth = height < 0 && -bend < kTakenBackShare * -height;
 	if (isDepth)
 	{
-		// As much a second whatever the step.
+		// The share is such that as much is taken back a second whatever the step.
 		const double share = std::min(kMostDepthShare, 1 - std::pow(1 - kTakenBackShare, dt / kDepthStep));
 		written.m_distance1 = btScalar(height);
 		const double left = std::min(std::max(kTakenBackShare, share) * (-height - slow), frame.pushSpeed * dt);

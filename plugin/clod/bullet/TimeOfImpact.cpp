@@ -17,7 +17,8 @@ namespace
 constexpr double kNear = 1e-3;  // of the smaller radius: nearer is met
 constexpr int kMostSteps = 64;  // each covers what the gap allows; the last ones creep along a grazing way
 
-// A body's way, turning evenly about an axis through its origin; of a compound's child, which goes with it.
+// The way of a body, which turns evenly about an axis through its origin; or of a compound's child, which goes with the
+// body.
 struct Way
 {
 	btTransform from;
@@ -38,7 +39,7 @@ struct Way
 		const Transform body = toTransform(btTransform(turn * from.getRotation(), from.getOrigin() + btScalar(share) * linear));
 		return child ? body * *child : body;
 	}
-	// Of all the hierarchy's points, the farthest from the origin that it turns about; world length.
+	// The distance of the hierarchy's farthest point from the origin that the body turns about; world length.
 	double reachOf(const Hierarchy& hierarchy, double scale) const
 	{
 		return (length(toVec3(hierarchy.asset().sphereCenter)) + double(hierarchy.asset().radius)) * scale +
@@ -62,7 +63,7 @@ double timeOfImpact(const PairPose& pose, GapCache& cache, GapResult& result)
 	const Way wayA(*pose.a), wayB(*pose.b);
 	double turned = std::abs(double(wayA.angle)) * wayA.reachOf(pose.hierarchyA(), scale);
 	if (pose.isOfTwo()) turned += std::abs(double(wayB.angle)) * wayB.reachOf(pose.hierarchyB(), scale);
-	// A plane reaches as far as the body that it might meet.
+	// The part of a plane that counts reaches as far as the body that it might meet.
 	else if (wayB.angle != 0)
 		turned += std::abs(double(wayB.angle)) *
 				  (double((wayA.from.getOrigin() - wayB.from.getOrigin()).length()) + double(wayA.linear.length()) +

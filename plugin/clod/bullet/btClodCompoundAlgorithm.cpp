@@ -92,7 +92,7 @@ public:
 	}
 	const Wrapper& body() const { return m_body; }
 	const btCompoundShape* compound() const { return m_compound; }
-	// Of the children.
+	// Changes whenever the compound's children do.
 	int revision() const { return m_compound ? m_compound->getUpdateRevision() : 0; }
 	const btCollisionShape& shapeOf(int child) const
 	{
@@ -102,7 +102,7 @@ public:
 	{
 		return m_compound ? m_body.getWorldTransform() * m_compound->getChildTransform(child) : m_body.getWorldTransform();
 	}
-	// A wrapper keeps a reference to the pose. A body that is no compound is its only child.
+	// The wrapper keeps a reference to the pose. A body that is no compound counts as its own only child.
 	Wrapper childAt(const btTransform& pose, int child) const
 	{
 		if (!m_compound)
@@ -114,7 +114,7 @@ public:
 	{
 		return over(shapeOf(child), m_compound ? m_compound->getChildTransform(child) : btTransform::getIdentity());
 	}
-	// Children that may come into the bounds, ascending.
+	// Lists the children that may come into the bounds, in ascending order.
 	void list(const Bounds& other, std::vector<int>& children) const
 	{
 		children.clear();
@@ -151,7 +151,8 @@ private:
 		shape.getAabb(pose, bounds.low, bounds.high);
 		return {bounds.low - m_reach, bounds.high + m_reach};
 	}
-	// Between its ends a way bends outwards by the sagitta of the farthest point's arc.
+	// Bounds over the way of the step. Between its ends the way of a turning body bulges by the sagitta of the farthest
+	// point's arc.
 	Bounds over(const btCollisionShape& shape, const btTransform& child) const
 	{
 		Bounds bounds = at(shape, m_body.getWorldTransform() * child);
@@ -171,7 +172,8 @@ private:
 	bool m_moves = false;
 };
 
-// Does a program's own filter let these two meet? Bullet's, of compounds.
+// Does the program's own filter for children of compounds (Bullet's gCompoundChildShapePairCallback) let these two
+// meet?
 bool isLetThrough(const Side& side0, const Side& side1, int child0, int child1)
 {
 	const btCollisionShape &shape0 = side0.shapeOf(child0), &shape1 = side1.shapeOf(child1);
@@ -182,7 +184,7 @@ bool isLetThrough(const Side& side0, const Side& side1, int child0, int child1)
 							: gCompoundChildShapePairCallback(&shape1, &shape0);
 }
 
-// While it lives, contacts are told of a child.
+// While it lives, contacts are reported with the index of a compound's child.
 class ToldOf
 {
 public:
@@ -265,15 +267,15 @@ struct btClodCompoundAlgorithm::Children
 			}
 		}
 	}
-	// What is no longer near, or was of other shapes, as where these are gone in Bullet's turn: the order of manifolds, which
-	// solvers see, depends on it.
+	// Releases the pairs of children that are no longer near or have other shapes by now. This happens where Bullet's
+	// own algorithm would do so, because the order of manifolds, on which a solver's result depends, follows from it.
 	void releaseOthers()
 	{
 		for (Pair& pair : pairs)
 			if (!pair.isNear || pair.shape0 != pair.asked0 || pair.shape1 != pair.asked1) release(pair);
 		pairs.erase(std::remove_if(pairs.begin(), pairs.end(), [](const Pair& pair) { return !pair.isNear; }), pairs.end());
 	}
-	// visit(pair, body0, body1): the children as bodies, a body that is no compound as it is.
+	// visit(pair, body0, body1) gets the children as bodies; a body that is no compound is handed on as it is.
 	template <class Visit>
 	void forEachNear(const Side& side0, const Side& side1, Visit visit)
 	{

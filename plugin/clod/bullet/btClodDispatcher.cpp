@@ -30,7 +30,7 @@ bool isClod(const btCollisionShape& shape)
 {
 	return dynamic_cast<const btClodShape*>(&shape) != nullptr;
 }
-// Bullet reads its triangles or vertices without a trace.
+// May several threads read this shape at once? Yes where Bullet reads its triangles or vertices without changing it.
 bool isShared(const btCollisionShape& shape)
 {
 	const int type = shape.getShapeType();
@@ -38,7 +38,7 @@ bool isShared(const btCollisionShape& shape)
 	return isClod(shape) || type == STATIC_PLANE_PROXYTYPE || type == TRIANGLE_MESH_SHAPE_PROXYTYPE ||
 		   type == SCALED_TRIANGLE_MESH_SHAPE_PROXYTYPE || type == TERRAIN_SHAPE_PROXYTYPE;
 }
-// Of compounds and shapes of ours; who is asked at last is looked at again.
+// A first look at shapes: may this be a pair of ours? Whether it is, is decided when it is asked.
 bool mayBeOurs(const btCollisionShape& shape0, const btCollisionShape& shape1)
 {
 	const auto mayBe = [](const btCollisionShape& shape) { return shape.isCompound() || isClod(shape); };
@@ -77,7 +77,7 @@ struct btClodDispatcher::Step
 	};
 	using Act = void (clod::PairState::*)(const btCollisionObjectWrapper&, const btCollisionObjectWrapper&,
 										  const btDispatcherInfo&);
-	// Of all jobs, on all threads; or in their order, as tests are counted.
+	// Does `act` for all jobs: on all threads, or one after the other in their order, as counted budgets need it.
 	void run(Act act, const btDispatcherInfo& info, bool isInOrder = false)
 	{
 		const auto runOne = [&](std::uint32_t i)
@@ -147,14 +147,14 @@ void btClodDispatcher::beginBudget(const btDispatcherInfo& info)
 	m_step->budget.begin(isDiscrete ? m_context.usableBudget() : clod::Budget{});
 }
 
-// What the coarsest answers of all pairs take, before any is answered.
+// Finds the coarsest answers of all pairs, so that what they cost is known before any pair is answered.
 void btClodDispatcher::outline(const btDispatcherInfo& info)
 {
 	BT_PROFILE("btClodDispatcher::outline");
 	if (m_step->budget.isLimited()) m_step->run(&clod::PairState::outline, info);
 }
 
-// What Bullet's dispatch will find done already.
+// Prepares the answers of all pairs ahead of Bullet's dispatch, which then only writes them.
 void btClodDispatcher::prepare(const btDispatcherInfo& info)
 {
 	if (threads() == 1 && !m_step->budget.isLimited()) return;
@@ -163,7 +163,7 @@ void btClodDispatcher::prepare(const btDispatcherInfo& info)
 	if (m_step->budget.isLimited()) refine();
 }
 
-// The worst first.
+// Spends what the budget has left on pairs that lie still, the worst first.
 void btClodDispatcher::refine()
 {
 	const std::vector<Step::Job>& jobs = m_step->jobs;
@@ -176,7 +176,7 @@ void btClodDispatcher::refine()
 	for (const auto& [want, from] : wants) jobs[jobs.size() - from].pair->refine();
 }
 
-// Pairs that Bullet's dispatch is sure to ask, and that several threads may.
+// Lists the pairs that Bullet's dispatch is sure to ask and that several threads may work on.
 void btClodDispatcher::listJobs(const std::vector<btBroadphasePair*>& pairs, const btDispatcherInfo& info)
 {
 	m_step->jobs.clear();

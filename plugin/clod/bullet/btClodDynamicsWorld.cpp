@@ -16,12 +16,12 @@
 
 namespace
 {
-// In skins: what a step in one part may leave of surprise, 0.4 per cent of the smaller radius.
+// Surprise (PairState::surprise), in skins, that a step may leave without being divided: 0.4 % of the smaller radius.
 constexpr double kMostSurprise = 8;
 
 constexpr btScalar kThrough = btScalar(4e-3);  // of the smaller radius: an impact is over when what was left is passed
 
-// The time it takes to pass what is left between bodies that are about to touch.
+// The share of the step that bodies about to touch take to close what is left between them.
 btScalar shareOfImpact(const btCollisionObject& a, const btCollisionObject& b)
 {
 	btVector3 center;
@@ -59,7 +59,7 @@ void btClodDynamicsWorld::solveConstraints(btContactSolverInfo& info)
 	}
 	const double surprise = solveInPasses(info);
 	if (surprise <= kMostSurprise) return;
-	// What a motion misses goes with the square of the time.
+	// What contacts miss of a motion grows with the square of the time.
 	int parts = 2;
 	while (parts < m_mostParts && parts * parts * kMostSurprise < surprise) parts *= 2;
 	if (parts <= m_mostParts) solveInParts(info, parts);
@@ -80,7 +80,7 @@ double btClodDynamicsWorld::solveInPasses(btContactSolverInfo& info)
 		putBack();
 		askAgain();
 		calculateSimulationIslands();
-		// Impulses of the same step are taken whole.
+		// A further pass begins with the whole impulses of the pass before, as both are of the same step.
 		const btScalar factor = std::exchange(info.m_warmstartingFactor, btScalar(1));
 		btDiscreteDynamicsWorld::solveConstraints(info);
 		info.m_warmstartingFactor = factor;
@@ -88,7 +88,8 @@ double btClodDynamicsWorld::solveInPasses(btContactSolverInfo& info)
 	}
 }
 
-// Joints take back what they miss as fast as in a whole step: a share of it in however short a part throws bodies.
+// Solves a part of the step. Joints correct their errors at the same rate as in a whole step: Bullet's share of the
+// error in each part, however short, would throw bodies.
 void btClodDynamicsWorld::solvePart(btContactSolverInfo& info, btScalar whole)
 {
 	const btScalar erp = std::exchange(info.m_erp, info.m_erp * (info.m_timeStep / whole));
@@ -131,7 +132,7 @@ void btClodDynamicsWorld::solveToImpacts(btContactSolverInfo& info)
 		}
 		if (m_parts >= m_mostParts && info.m_timeStep < left)
 		{
-			// What would rebound again and again comes to rest.
+			// The last part has no rebounds, so that what would bounce for ever comes to rest.
 			info.m_timeStep = left;
 			info.m_restitutionVelocityThreshold = BT_LARGE_FLOAT;
 		}
@@ -151,8 +152,8 @@ void btClodDynamicsWorld::integrateTransforms(btScalar timeStep)
 	btDiscreteDynamicsWorld::integrateTransforms(m_lastPart > 0 ? m_lastPart : timeStep);
 }
 
-// Contacts for a part of the step, of which so much is gone. Kinematic bodies go on from where they are as their velocities
-// tell, which the solver and whole steps take them to do as well.
+// Finds the contacts for a part of the step; gone: the time of the parts before it. Kinematic bodies go on from where
+// they are by their velocities, which is also what the solver and whole steps assume.
 void btClodDynamicsWorld::beginPart(btScalar timeStep, btScalar gone)
 {
 	btAlignedObjectArray<btCollisionObject*>& objects = getCollisionObjectArray();
@@ -174,7 +175,7 @@ void btClodDynamicsWorld::beginPart(btScalar timeStep, btScalar gone)
 	for (const auto& [body, start] : starts) body->setWorldTransform(start);
 }
 
-// Of the bodies as they move now.
+// The first impact in the time given, with the bodies as they move now.
 btClodDynamicsWorld::Impact btClodDynamicsWorld::firstImpact(btScalar timeStep)
 {
 	predictFree(timeStep);
@@ -206,7 +207,7 @@ void btClodDynamicsWorld::remember()
 	}
 }
 
-// Interpolation transforms are where bodies come without contacts.
+// Sets the interpolation transforms to where the bodies would come without contacts.
 void btClodDynamicsWorld::predictFree(btScalar timeStep)
 {
 	for (int i = 0; i < m_nonStaticRigidBodies.size(); ++i)
@@ -216,7 +217,8 @@ void btClodDynamicsWorld::predictFree(btScalar timeStep)
 	}
 }
 
-// Interpolation velocities and transforms carry the motion as solved; Bullet sets them anew at the end of the step.
+// Puts the motion as solved into the interpolation velocities and transforms, where pairs look for it (BodyState.h).
+// Bullet sets them anew at the end of the step.
 void btClodDynamicsWorld::predictSolved(btScalar timeStep)
 {
 	for (const Start& start : m_starts)
@@ -241,7 +243,7 @@ void btClodDynamicsWorld::putBack()
 	}
 }
 
-// Returns the largest surprise, in skins of its pair.
+// Lists the pairs that move otherwise than their contacts expect. Returns the largest surprise, in skins of its pair.
 double btClodDynamicsWorld::findSurprised()
 {
 	double largest = 0;
@@ -260,7 +262,7 @@ double btClodDynamicsWorld::findSurprised()
 		if (low->m_uniqueId > high->m_uniqueId) std::swap(low, high);
 		m_surprised.push_back({low, high});
 	}
-	// Pairs of a compound's children are one.
+	// All pairs of a compound's children are one pair of bodies here.
 	const auto key = [](const Surprised& s) { return std::make_pair(s.low->m_uniqueId, s.high->m_uniqueId); };
 	std::sort(m_surprised.begin(), m_surprised.end(),
 			  [&](const Surprised& l, const Surprised& r) { return key(l) < key(r); });

@@ -32,7 +32,7 @@ constexpr double kSameScale = 1e-6;  // factors that differ by less are one
 constexpr const char* kSerializedAs = "clod:";
 constexpr std::size_t kCheckLength = 9;
 
-// So that damage to what is saved is seen.
+// Adds a checksum to the saved name, so that damage to it is noticed.
 std::string withCheck(const std::string& text)
 {
 	char check[16];
@@ -45,7 +45,7 @@ btVector3 scaled(const Vec3& v, double scale)
 	return {btScalar(v.x * scale), btScalar(v.y * scale), btScalar(v.z * scale)};
 }
 
-// The box in the hierarchy's unit; bounds beyond any body are cut so that nothing overflows.
+// The box asked about, in the hierarchy's unit. Bounds beyond any body are cut so that nothing overflows.
 struct Query
 {
 	Vec3 center, half;
@@ -74,8 +74,8 @@ Query boxQuery(const btVector3& low, const btVector3& high, double scale)
 	return query;
 }
 
-// What a ray or a sweep of Bullet's passes through, in the shape's frame and the hierarchy's unit; it ends where it has
-// been stopped.
+// The way of a ray or convex sweep of Bullet's, in the shape's frame and the hierarchy's unit, up to its nearest hit so
+// far.
 struct Path
 {
 	Vec3 from, to, grown;
@@ -83,7 +83,7 @@ struct Path
 	bool misses(const OrientedBox& box) const { return clod::misses(box, grown, from, from + double(*share) * (to - from)); }
 };
 
-// Empty where triangles are asked for by their box alone.
+// Nothing where the caller asks for the triangles in a box, and there is no ray or sweep.
 std::optional<Path> pathOf(const btTriangleCallback& callback, double scale)
 {
 	const auto inUnit = [scale](const btVector3& v) {
@@ -93,7 +93,7 @@ std::optional<Path> pathOf(const btTriangleCallback& callback, double scale)
 		return Path{inUnit(ray->m_from), inUnit(ray->m_to), Vec3{}, &ray->m_hitFraction};
 	const auto* sweep = dynamic_cast<const btTriangleConvexcastCallback*>(&callback);
 	if (!sweep) return {};
-	// The swept shape turns on its way by no more than its box at either end and the sphere round it tell.
+	// A swept shape may turn on its way. Its boxes at both ends and the sphere around it bound where it comes.
 	const btTransform shapeFromWorld = sweep->m_triangleToWorld.inverse();
 	const btTransform from = shapeFromWorld * sweep->m_convexShapeFrom, to = shapeFromWorld * sweep->m_convexShapeTo;
 	btVector3 low, high, center;
@@ -144,7 +144,7 @@ void btClodShape::updateBounds()
 	const clod::Asset& asset = m_hierarchy->asset();
 	for (int i = 0; i < 3; ++i)
 	{
-		// One step outward for the product's rounding.
+		// Rounded outward, by one step, for the rounding of the product.
 		m_localMin[i] = std::nextafter(btScalar(double(asset.boxMin[i]) * m_scale), -BT_LARGE_FLOAT);
 		m_localMax[i] = std::nextafter(btScalar(double(asset.boxMax[i]) * m_scale), BT_LARGE_FLOAT);
 	}
@@ -182,7 +182,7 @@ double btClodShape::leastScale() const
 	return std::min({std::abs(double(m_scaling.x())), std::abs(double(m_scaling.y())), std::abs(double(m_scaling.z()))});
 }
 
-// Null where floats cannot hold it.
+// Null where floats cannot hold the scaled hierarchy.
 std::shared_ptr<const Hierarchy> btClodShape::inWorldLengths() const
 {
 	if (m_scale == 1) return m_hierarchy;
@@ -251,7 +251,7 @@ int btClodShape::calculateSerializeBufferSize() const
 
 const char* btClodShape::serialize(void* buffer, btSerializer* serializer) const
 {
-	// The bits of floats: how numbers are written depends on the machine's language.
+	// Written as the bits of floats, because decimal numbers depend on the machine's locale.
 	std::uint32_t bits[3];
 	for (int i = 0; i < 3; ++i)
 	{

@@ -23,18 +23,18 @@ struct ContactPoint
 	Vec3 normal;              // unit, from B to A
 	double height = 0;        // signed distance of the surfaces grown by the margin; negative is penetration
 	double bend = 0;  // height at the end of the step, less what the first order of the motion makes of this one
-	double slowOverlap = 0;  // of a penetration, what came with a change of level: it is left at switchSpeed()
+	double slowOverlap = 0;  // the part of a penetration that came with a change of level: it is left at switchSpeed()
 	double idle = 0;         // seconds since a point whose level is no longer asked for carried last
 	std::uint64_t feature = 0;  // the two features that make it, hashed
-	bool rebounds = true;  // false: no surface is met there as far as the pair knows
+	bool rebounds = true;  // false: as far as this pair knows no surface is met there, so nothing may bounce
 	std::uint32_t nodeA = 0, nodeB = 0;
 	std::uint32_t faceA = kNone, faceB = kNone;  // global face indices; kNone where there is none (a plane)
 };
 
-// A body as a solver sees it. Frame A at its present pose, unit of the hierarchies.
+// A body as a solver sees it: in frame A at its present pose, in the hierarchies' unit.
 struct PairBody
 {
-	double inverseMass = 0;  // 0: what it does is nobody's business here
+	double inverseMass = 0;  // 0: contacts do not move it
 	Mat3 inverseInertia = {{{}, {}, {}}};
 	Vec3 center;           // of mass
 	Vec3 linear, angular;  // velocity as the solver starts from it: forces of the coming step included
@@ -51,7 +51,7 @@ inline RelativeMotion motionBetween(const PairBody& a, const PairBody& b, double
 	return {a.linear - cross(a.angular, a.center) - b.linear + cross(b.angular, b.center), a.angular - b.angular, timeStep};
 }
 
-// Where B is in A's frame when both have moved for so long, A's frame with it.
+// The pose of B in A's frame once both have moved for `time`; the frame moves with A.
 Transform aFromBAfter(const PairBody& a, const PairBody& b, const Transform& aFromB, double timeStep);
 
 inline constexpr double kHolds = 0.25;  // sine of the least slope that may hold a body against a force
@@ -60,17 +60,17 @@ struct PointRules
 {
 	double length = 1;   // the smaller bounding radius of the pair: tolerances are shares of it
 	double resting = 0;  // points up to this height are contacts whatever the motion
-	double margin = 0;   // surfaces touch at this height: both radii, and what bodies shall stay apart
-	double radiusA = 0, radiusB = 0;  // that bodies are grown by: round at corners and edges
-	bool nearest = false;  // the nearest points are wanted though bodies are apart, be they corners'
+	double margin = 0;   // surfaces touch at this height: both radii, and the skin that bodies shall stay apart
+	double radiusA = 0, radiusB = 0;  // bodies are grown by these, which rounds their corners and edges
+	bool nearest = false;  // the nearest points are wanted although the bodies are apart, between corners and edges, too
 	PairBody a, b;
 	double friction = 0;  // Coulomb's coefficient
 	double timeStep = 0;  // seconds; 0: nothing is looked ahead for
-	// How far one of the two is looked for on its own way, in case that a third body holds the other: stacks that fall
-	// as one are apart by no motion of theirs until the lowest meets the floor.
+	// How far contacts are looked for on the way of one body alone, in case a third body holds the other still: the
+	// bodies of a stack that falls do not approach each other until the lowest meets the floor.
 	double heldReach = 0;
-	// One of the two lies on the other, which does not move, and carries nothing: few points do. Solvers converge by the rows
-	// they have, so that what carries others gets more.
+	// One of the two lies on the other, which does not move, and carries nothing else. Few points are enough for it, as
+	// a solver takes the longer the more rows it has; a body that carries others gets more.
 	bool liesAlone = false;
 	RelativeMotion motion() const { return motionBetween(a, b, timeStep); }
 	// May a facet with this normal hold the bodies against the forces on them? A steeper one is a wall.
@@ -82,14 +82,16 @@ struct PointRules
 };
 
 inline constexpr double kRestingShare = 0.001;  // default resting height, share of PointRules::length
-// Bodies of a simulation rest this share of the length apart: a step over a curved surface overshoots by about as much
-// (0.03 mm in the spoon-cup scene at 0.1 m/s), and full meshes shall not intersect. An adapter adds it to the margins.
+// Bodies of a simulation rest this share of the length apart (the skin), so that full meshes do not intersect: a step
+// over a curved surface overshoots by about as much (0.03 mm in the spoon-cup scene at 0.1 m/s). An adapter adds it to
+// the margins.
 inline constexpr double kSkinShare = 0.0005;
-// Times the displacement of the step: contacts are looked for so far ahead, as they may turn the motion.
+// Contacts are looked for this many times the displacement of the step ahead, as they may turn the motion.
 inline constexpr double kPathReach = 1.35;
 
-// Where so few pairs of nodes are near, looking farther costs little, and is worth more: what turns their motion, a third body
-// or another contact, leads to what nothing else keeps them from.
+// Where at most so many pairs of nodes are near, contacts are looked for farther from the predicted way. It costs
+// little there, and helps most: if a third body or another contact turns the motion, nothing else holds the bodies
+// apart.
 inline constexpr std::size_t kFewPairs = 8;
 
 inline constexpr double kHeldShare = 0.1;  // of the length: the most that PointRules::heldReach is

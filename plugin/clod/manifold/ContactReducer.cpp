@@ -8,17 +8,18 @@ namespace clod
 {
 namespace
 {
-constexpr double kMatchShare = 0.004;    // of the length: how far a point may move in a step and be the same
-constexpr double kMatchCosine = 0.866;   // 30 degrees
-constexpr double kMatchNormal = 0.05;    // of the length, a unit of change of normal counts for
-constexpr double kSpacing = 0.02;        // points nearer than so, of the length, add nothing,
-constexpr double kCarrySpacing = 0.002;  // if they carry,
-constexpr double kNormalCounts = 0.25;   // where a unit of normal counts as so much
-constexpr std::size_t kMostOfFlat = 8;   // of what lies alone
-constexpr double kPreferred = 1.1;       // times as far out is what goes on,
-constexpr double kLowCounts = 10;        // and what is as low as the lowest,
-constexpr double kAsLow = 2e-5;          // of the length
-constexpr double kAlike = 0.011;         // no coordinate of same normals (kSameNormal) differs by so much
+// Lengths are shares of PointRules::length.
+constexpr double kMatchShare = 0.004;    // a point that moved no farther in a step may be the same point
+constexpr double kMatchCosine = 0.866;   // of 30 degrees: the most that its normal may have turned
+constexpr double kMatchNormal = 0.05;    // the length that a unit of change of the normal counts for in matching,
+constexpr double kNormalCounts = 0.25;   // and in the spacing of points
+constexpr double kSpacing = 0.02;        // points nearer to each other than this add nothing,
+constexpr double kCarrySpacing = 0.002;  // and this is enough where both carry
+constexpr std::size_t kMostOfFlat = 8;   // points of a flat, of a body that lies alone
+constexpr double kPreferred = 1.1;       // of a flat, a point that goes on counts as so many times farther out,
+constexpr double kLowCounts = 10;        // and so does one that is as low as the lowest,
+constexpr double kAsLow = 2e-5;          // up to this
+constexpr double kAlike = 0.011;         // normals that are alike (kSameNormal) differ by less in every coordinate
 
 const ClusterPoint& pointAt(const ClusterSet& set, std::uint32_t index)
 {
@@ -40,8 +41,9 @@ void ContactReducer::reduce(const std::vector<Facet>& facets, const std::vector<
 	place(previous, next);
 }
 
-// Where two flats lie on each other there are as many facets as corners and crossings of edges, and the outermost carry any
-// load that all of them do. The lowest besides, as the others may stand over what is left out.
+// Where two flats lie on each other there is a facet for every corner and every crossing of edges. The outermost of
+// them can carry any load that all of them could, so only those are needed; and the lowest, which would else be left
+// out while the others stand above it.
 void ContactReducer::thinOutFlats()
 {
 	const auto isLower = [&](std::uint32_t i, std::uint32_t j) { return lowest(i) < lowest(j); };
@@ -139,7 +141,7 @@ void ContactReducer::match(const ClusterSet& previous)
 		m_candidates[i].weight = std::max(m_candidates[i].weight, (*m_facets)[i].multiplier);
 }
 
-// By place and normal, as a share of the length.
+// How different two points are, in place and normal, as a share of the length.
 double ContactReducer::distanceBetween(std::uint32_t i, std::uint32_t j) const
 {
 	const ContactPoint &a = (*m_points)[i], &b = (*m_points)[j];
@@ -171,10 +173,10 @@ void ContactReducer::choose()
 							 ? m_candidates[i].weight > m_candidates[j].weight
 							 : i < j;
 			  });
-	// Friction, which nobody has solved for yet, may turn the bodies so that no other row holds them.
+	// Middles first: friction, which is not solved for yet, may turn the bodies so that no other row holds them.
 	for (std::uint32_t i = 0; i < m_candidates.size(); ++i)
 		if ((*m_facets)[i].isOfMiddle()) take(i);
-	// What is deepest tells how deep the bodies are, whoever carries.
+	// The deepest is always taken, whichever points carry: it tells how deep the bodies are.
 	std::uint32_t deepest = kNone;
 	for (std::uint32_t i = 0; i < m_candidates.size(); ++i)
 		if (m_isNeeded[i] && (*m_facets)[i].distance < (deepest == kNone ? 0 : (*m_facets)[deepest].distance)) deepest = i;
@@ -188,7 +190,8 @@ void ContactReducer::choose()
 	spread(true);
 }
 
-// Lowest first where nothing is chosen yet; those that only third bodies may lead to once all others are there.
+// Adds points that are farthest from all chosen; the lowest where nothing is chosen yet. withPossible: facets that only
+// third bodies may lead to take part, once all others are there.
 void ContactReducer::spread(bool withPossible)
 {
 	while (m_chosen.size() < kMostPoints)
@@ -207,7 +210,7 @@ void ContactReducer::spread(bool withPossible)
 	}
 }
 
-// Those that go on stay in their group; others fill what is free.
+// Points that go on stay in their group, which is one Bullet manifold; new ones fill what is free.
 void ContactReducer::place(const ClusterSet& previous, ClusterSet& next)
 {
 	next.clear();

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Zlib
-// A surface as contacts see it: a mesh with everything that contact facets ask of it: convex edges with both polygon
-// normals, vertices with the edges that leave them, and a tree for the nearest face. Edges between coplanar triangles are
-// no features, reflex edges are touched by vertices only.
+// A surface as contacts see it: a mesh with all that contact facets ask of it, namely convex edges with the normals of
+// both polygons, vertices with the edges that leave them, and a tree for the nearest face. Edges between coplanar
+// triangles are no features, and reflex edges are touched by vertices only.
 //
-// A level of detail is closed. A sheet, which an engine's own mesh is, has two sides: each triangle is there twice, back
-// to back, and borders are edges folded by half a turn; so it is closed, too, and has no inside. A half space is one
-// face without end. A thin core is a vertex, or two and the edge between them, which no face bounds: its normals and what
-// lies inward of it are zero.
+// A level of detail is a closed surface. A sheet, which is what an engine's own mesh is, has two sides: each triangle
+// is there twice, back to back, and a border is an edge folded by half a turn; so it is closed, too, but has no inside.
+// A half space is one face without end. A thin core (of a sphere or a capsule) is a vertex, or two vertices and the
+// edge between them, without faces: the edge's normals and inward vectors are zero.
 //
 // Frame and unit: the body's, of a hierarchy. Immutable once made.
 #pragma once
@@ -88,7 +88,8 @@ public:
 	// A half space, normal . p <= offset, as seen within `size` of a point: one node, one face.
 	ContactSurface(const Vec3& normal, double offset, const Vec3& near, double size);
 
-	// The same whenever the surface is made: the index; of a sheet, which is gathered anew in every step, where it lies, hashed.
+	// A name that is the same whenever the surface is made: the index or, of a sheet, which is gathered anew in every
+	// step, a hash of where the feature lies.
 	std::uint64_t nameOfVertex(std::uint32_t vertex) const;
 	std::uint64_t nameOfEdge(std::uint32_t edge) const;
 	std::uint64_t nameOfPolygon(std::uint32_t polygon) const;
@@ -104,7 +105,8 @@ public:
 	const Vec3& pseudonormal(std::uint32_t vertex) const { return m_pseudonormals[vertex]; }
 	// Down along edges, from a vertex to one that has no lower neighbour.
 	std::uint32_t lowestFrom(std::uint32_t vertex, const Vec3& up) const;
-	// Inside a polygon, or on a reflex edge's side only: no half-space holds its edges. It touches nothing first.
+	// Can this vertex touch something first? Not if it lies inside a polygon, or has reflex edges so that no half space
+	// holds all of its edges.
 	bool isCorner(std::uint32_t vertex) const { return m_isCorner[vertex] != 0; }
 	// One that has it; kNone of a core.
 	std::uint32_t faceOfVertex(std::uint32_t vertex) const { return m_faceOfVertex[vertex]; }
@@ -113,8 +115,8 @@ public:
 	std::uint32_t polygonCount() const { return std::uint32_t(m_firstPolygonFace.size() - 1); }
 	bool isHalfSpace() const { return m_kind == Kind::kHalfSpace; }
 	bool isCore() const { return m_kind == Kind::kCore; }
-	// What a node of this level has: vertices; convex edges, whole, be it only a part of them; polygons, with the corners
-	// of its own triangles of them, as indices into its vertices.
+	// What belongs to a node of this level: vertices; convex edges, whole even where only a part is the node's; and
+	// polygons, with the corners of the node's own triangles of them as indices into its vertices.
 	struct NodePolygon
 	{
 		std::uint32_t polygon, firstCorner, cornerCount;
@@ -166,14 +168,15 @@ public:
 	bool isAround(std::uint32_t polygon, const Vec3& point, double radius) const;
 	// Of the polygon.
 	std::uint32_t nearestFaceOf(std::uint32_t polygon, const Vec3& point) const;
-	// Distance of a point to the surface, negative inside; what is farther than `within` is not looked for (face kNone).
-	// Precondition: it has faces.
+	// Distance of a point to the surface, negative inside; what is farther than `within` is not looked for (face
+	// kNone). Precondition: it has faces.
 	Nearest nearest(const Vec3& point, double within) const;
 	bool isInside(const Vec3& point) const;
-	// Faces that the way between two points leads through, or by no farther than `beside`: each(face, share of the way).
+	// Calls each(face, share of the way) for every face that the way between two points leads through, or passes by no
+	// farther than `beside`.
 	template <class Each>
 	void forEachCrossed(const Vec3& from, const Vec3& to, double beside, Each each) const;
-	// What the first overlap asks for, ahead.
+	// Makes the tree now, which otherwise the first overlap makes.
 	void makeTree() const;
 
 private:

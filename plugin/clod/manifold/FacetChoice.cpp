@@ -10,9 +10,9 @@ namespace
 {
 constexpr double kSatisfied = 0.02;       // of its depth: what a facet may lack and is satisfied
 constexpr double kSatisfiedShare = 1e-6;  // of the length, likewise
-constexpr double kBeyond = 1.05;          // times the least shift, and a touch: where overlaps are looked for again
-constexpr double kTie = 1e-3;             // of the length: of heights now and at the end of the step
-constexpr double kSamePlace = 2e-3;       // of the length
+constexpr double kBeyond = 1.05;     // overlaps are looked for again at this many times the least shift, and a touch
+constexpr double kTie = 1e-3;        // of the length: heights, now and at the end of the step, that count as equal
+constexpr double kSamePlace = 2e-3;  // of the length: points that count as at one place
 
 // A point deep inside the wedge of four half-spaces through two points: where the smallest distance to them is large.
 Vec3 deepPoint(const Vec3 (&normal)[4], const double (&offset)[4], const Vec3& start, double size)
@@ -53,7 +53,7 @@ void FacetChoice::choose(const FacetQuestion& question, const std::vector<FacetR
 	dropRidges(facets);
 }
 
-// Do the bodies overlap at the facet, with A moved by the shift?
+// Do the bodies overlap at the facet once A is moved by the shift?
 bool FacetChoice::overlapsAt(const Facet& facet, const Vec3& shift) const
 {
 	const FacetQuestion& q = *m_question;
@@ -63,8 +63,9 @@ bool FacetChoice::overlapsAt(const Facet& facet, const Vec3& shift) const
 	const auto isInB = [&](const Vec3& place) { return b.isInside(inverse(q.aFromB) * place); };
 	if (!b.isClosed() && !b.isHalfSpace())
 	{
-		// A sheet has no inside: it is crossed where its own point lies inside A, with some of A on either side.
-		// What lies on A's surface is of the facet there, and not, as deep as A is wide, of the walls round about.
+		// A sheet has no inside. It is crossed where the facet's point on it lies inside A, with some of A on either
+		// side. A point that lies on A's surface belongs to the facet there; the walls around it, which would call it
+		// as deep as A is wide, do not count.
 		const double touch = kInnerShare * q.length();
 		if (facet.kind != Facet::Kind::kVertexFace && facet.distance < -touch &&
 			a.nearest(facet.onB - shift, touch).distance > -touch)
@@ -72,7 +73,7 @@ bool FacetChoice::overlapsAt(const Facet& facet, const Vec3& shift) const
 		const Vec3 off = std::min(2 * inner, 0.5 * std::abs(facet.distance)) * facet.normal;
 		const auto isCrossedAt = [&](const Vec3& point) { return isInA(point - off) && isInA(point + off); };
 		if (isCrossedAt(facet.onB)) return true;
-		// Of walls that stand upright on it the point is on A's surface: a little further in.
+		// Where a wall of A stands upright on the sheet the point lies on A's surface: look a little further in.
 		return facet.kind == Facet::Kind::kVertexFace && isCrossedAt(facet.onB - inner * a.pseudonormal(facet.featureA));
 	}
 	// Just inside the corner.
@@ -80,7 +81,7 @@ bool FacetChoice::overlapsAt(const Facet& facet, const Vec3& shift) const
 		return isInB(facet.onA + shift - inner * a.pseudonormal(facet.featureA));
 	if (facet.kind == Facet::Kind::kFaceVertex)
 		return isInA(facet.onB - inner * (q.aFromB.rotation * b.pseudonormal(facet.featureB)));
-	// Of two edges deep inside what they have in common.
+	// For two edges: a point deep inside the wedge that both bodies have in common there.
 	const SurfaceEdge& edgeA = a.edges()[facet.featureA];
 	const SurfaceEdge& edgeB = b.edges()[facet.featureB];
 	const Vec3 normal[4] = {edgeA.normal[0], edgeA.normal[1], q.aFromB.rotation * edgeB.normal[0],
@@ -142,8 +143,8 @@ void FacetChoice::knowAgain(const std::vector<FacetRecord>& last, const Transfor
 	}
 }
 
-// The edges between vertices of facets, in order. Bodies deep in each other ask for pairs by the ten thousand, and a surface
-// may have a hundred thousand edges.
+// The edges of the surface that join two vertices of the facets, sorted. Made once a dispatch: bodies deep in each
+// other ask for tens of thousands of pairs of vertices, and a surface may have a hundred thousand edges.
 const std::vector<FacetChoice::Ends>& FacetChoice::joinedOf(const ContactSurface& surface,
 															   const std::vector<Facet>& facets)
 {
@@ -168,8 +169,9 @@ const std::vector<FacetChoice::Ends>& FacetChoice::joinedOf(const ContactSurface
 	return joined;
 }
 
-// What an edge joins to a vertex that has gone through a face, and is under it, too, came the same way: it was not the
-// lowest then. Not of sheets, which have another side, nor of half spaces, which have none.
+// A vertex beneath the same face as one that is known to have gone through it, and joined to that one by an edge, came
+// in the same way, though it was not the lowest then. Not for sheets, whose triangles have two sides, nor for half
+// spaces, which nothing leaves on a far side.
 void FacetChoice::followThrough(std::vector<Facet>& facets)
 {
 	const FacetQuestion& q = *m_question;
@@ -200,7 +202,8 @@ void FacetChoice::followThrough(std::vector<Facet>& facets)
 	}
 }
 
-// Vertices that have gone through a face have those of the far side before them on their way back.
+// A vertex that has gone through a face has to go back through it. Faces of the far side, which would push it on, are
+// no contacts for it.
 void FacetChoice::dropWhatHoldsThrough(std::vector<Facet>& facets)
 {
 	m_through.clear();
@@ -223,7 +226,7 @@ void FacetChoice::dropWhatHoldsThrough(std::vector<Facet>& facets)
 	facets.erase(std::remove_if(facets.begin(), facets.end(), holdsAny), facets.end());
 }
 
-// Since the last step, or before: a vertex that is under the face, and came in through it.
+// Is the facet's vertex beneath the face because it came in through it, in the last step or earlier?
 bool FacetChoice::wentThrough(const Facet& facet, const FacetRecord* known, const std::vector<FacetRecord>& last,
 							  const Transform& lastAFromB) const
 {
@@ -239,7 +242,8 @@ bool FacetChoice::wentThrough(const Facet& facet, const FacetRecord* known, cons
 	const auto isOver = [&](const Vec3& point) { return faces.isOver(polygon, point, kInnerShare * q.length()); };
 	if (!isOver(now)) return false;
 	if (known && known->isThrough) return true;
-	// On its way back from beyond the far side, and out again before.
+	// The vertex had gone through another face: it is on its way back from beyond the far side, and this is not its
+	// face.
 	const auto isOfVertex = [&](const FacetRecord& record)
 	{
 		return record.isThrough && record.kind == facet.kind &&
@@ -254,7 +258,8 @@ bool FacetChoice::wentThrough(const Facet& facet, const FacetRecord* known, cons
 	return isOver(before + share * (now - before));
 }
 
-// Overlapping ones: those of the last step, then shallowest first.
+// Drops overlapping facets inside the difference. Those that were contacts in the last step are taken first, then the
+// shallowest; each next one counts only if the bodies still overlap there once they are moved out of those before.
 void FacetChoice::dropInner(std::vector<Facet>& facets)
 {
 	m_order.clear();
@@ -281,7 +286,8 @@ void FacetChoice::dropInner(std::vector<Facet>& facets)
 		const Facet& facet = facets[i];
 		const double lacking = -(dot(facet.normal, m_shift) + facet.distance);
 		if (lacking <= kSatisfied * -facet.distance + kSatisfiedShare * m_question->length()) continue;
-		// Looked for a little beyond the shift: what lacks no more than that is one of those that carry.
+		// The overlap is looked for a little beyond the shift: a facet that lacks no more than that carries with the
+		// others.
 		const double touch = kInnerShare * m_question->length(), far = length(m_shift), beyond = (kBeyond - 1) * far + touch;
 		if (!m_isKnown[i] && !m_planes.empty() && lacking > beyond + touch &&
 			!overlapsAt(facet, (1 + (far > 0 ? beyond / far : 0)) * m_shift))
@@ -295,7 +301,7 @@ void FacetChoice::dropInner(std::vector<Facet>& facets)
 	removeDropped(facets);
 }
 
-// Of the facet in the space of differences a - b, at the present pose; frame A.
+// The centre of the facet, as part of the boundary of the Minkowski difference a - b at the present pose; frame A.
 Vec3 FacetChoice::centerOf(const Facet& facet) const
 {
 	const FacetQuestion& q = *m_question;
@@ -327,22 +333,22 @@ void FacetChoice::Places::sort(const std::vector<Facet>& facets, const std::vect
 	std::sort(sorted.begin(), sorted.end());
 }
 
-// Two facets at one place with different normals, each below the plane of the other, meet in a ridge. `center` is that
-// of `best`.
+// Two facets at one place, each below the plane of the other, meet in a convex ridge of the difference. Is `other` on
+// the far side of such a ridge from `best`, whose centre is given?
 bool FacetChoice::isBeyondRidge(const Facet& best, const Vec3& center, const Facet& other) const
 {
 	const double size = m_question->length(), near = kSamePlace * size, tie = kTie * size, slack = 1e-6 * size;
 	if (dot(best.normal, other.normal) > kSameNormal) return false;
-	// One of them may be met farther on the way.
+	// One of the two may be met farther on the way.
 	const double betweenA = lengthSquared(best.onA - other.onA), betweenB = lengthSquared(best.onB - other.onB);
 	const double reach = near + std::max(std::abs(best.linear), std::abs(other.linear));
 	if (std::min(betweenA, betweenB) > near * near || std::max(betweenA, betweenB) > reach * reach) return false;
-	// Over the ridge itself both hold: an edge stands on a parallel edge.
+	// Both hold where the motion ends over the ridge itself, as where an edge stands on a parallel edge.
 	if (std::abs(best.distance - other.distance) < tie &&
 		std::abs(best.distance + best.linear - other.distance - other.linear) < tie)
 		return false;
 	const Vec3 between = centerOf(other) - center;
-	// Normals point into the difference.
+	// Normals point into the difference, hence the signs.
 	return dot(best.normal, between) > slack && dot(other.normal, between) < -slack;
 }
 
@@ -354,7 +360,7 @@ void FacetChoice::dropRidges(std::vector<Facet>& facets)
 	for (std::uint32_t i = 0; i < facets.size(); ++i)
 		if ((facets[i].reach == Facet::Reach::kNear || facets[i].reach == Facet::Reach::kPath) && !facets[i].isOfMiddle())
 			m_order.push_back(i);
-	// Crossed last first; ties by what comes first.
+	// The facet that the motion crosses last comes first; ties go by the order in which facets were found.
 	std::sort(m_order.begin(), m_order.end(),
 			  [&](std::uint32_t i, std::uint32_t j)
 			  {

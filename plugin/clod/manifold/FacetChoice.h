@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Zlib
 // Which facets are contacts, where several are found at one place.
 //
-// - Facets inside the difference are no boundary: an overlapping one counts only if its overlap point is inside both
-//   surfaces, and if the bodies still overlap there once they are moved out of the shallower ones. One that was a contact
-//   in the last step counts before all others, and a vertex seen to go in through a face until it is out there: what was
-//   pressed into a wall, past its middle or through it, goes back where it came from.
+// - Facets inside the difference are no part of its boundary. An overlapping one counts only if its overlap point is
+//   inside both surfaces, and if the bodies still overlap there once they are moved out of the shallower ones. A facet
+//   that was a contact in the last step comes before all others. A vertex that was seen to go in through a face stays a
+//   contact of that face until it is out again: what was pressed into a wall, past its middle or through it, goes back
+//   where it came from.
 // - At a convex ridge of the difference the free motions are a union: one facet is kept, the one that the motion
 //   crosses last.
 #pragma once
@@ -18,10 +19,10 @@ namespace clod
 class FacetChoice
 {
 public:
-	// Removes those that are no contacts. last: those that the solver got, at that pose.
+	// Removes the facets that are no contacts. last: the facets that the solver got in the last step, at that pose.
 	void choose(const FacetQuestion& question, const std::vector<FacetRecord>& last, const Transform& lastAFromB,
 				std::vector<Facet>& facets);
-	// The least of A out of the overlaps that were kept.
+	// The least translation that takes A out of the overlaps that were kept.
 	const Vec3& shift() const { return m_shift; }
 
 private:

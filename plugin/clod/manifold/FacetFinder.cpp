@@ -11,14 +11,16 @@ namespace
 {
 constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr std::size_t kLeastTable = 64;
-constexpr int kArcRounds = 6;  // each by the chord's slope
-constexpr double kArcSpeed = 2;  // times the mean speed on an arc: the most on it
-constexpr double kRoamShare = 0.35;    // of the farthest way of the step: so far from a way's middle contacts may lead,
-constexpr double kRoamOfFew = 0.8;     // where few pairs of nodes are near (kFewPairs),
-constexpr double kRoamGrains = 1;      // and so many grains of the coarser surface are looked for
+constexpr int kArcRounds = 6;    // of the search for where an arc meets the margin, each by the slope of the chord
+constexpr double kArcSpeed = 2;  // the largest speed on an arc is at most this many times its mean speed
+// Other contacts may lead a feature off its predicted way. Facets are looked for up to this share of the farthest
+// displacement of the step around the middle of the way, the larger share where few pairs of nodes are near
+// (kFewPairs); and never farther than this many grains (mean edges) of the coarser surface.
+constexpr double kRoamShare = 0.35, kRoamOfFew = 0.8, kRoamGrains = 1;
 
-// Where something goes in the step as far as a facet is concerned: forces count along its normal, but sideways they may
-// be held by whom is not known here, and a body that slides over a border does not fall beneath it.
+// Where a point ends, as a facet sees it: forces are counted along the normal only. Sideways another body may bear
+// them, which is not known here, and a body that slides over the border of a face must not be seen to fall beneath that
+// face.
 Vec3 along(const Vec3& normal, const Vec3& unforced, const Vec3& then)
 {
 	return unforced + dot(normal, then - unforced) * normal;
@@ -61,7 +63,7 @@ void FacetFinder::find(const FacetQuestion& question, const std::vector<Contact>
 	for (const Contact& contact : contacts) findPair(contact);
 }
 
-// Planes that a vertex has gone through.
+// Collects the planes that a vertex is known to have gone through.
 void FacetFinder::noteThrough()
 {
 	m_through.clear();
@@ -75,7 +77,8 @@ void FacetFinder::noteThrough()
 	}
 }
 
-// Of what spans a thin wall the lowest corner may be beyond, and no way in leads over it for the others.
+// A vertex may enter through a face if it is the lowest of its neighbours. Where a body spans a thin wall its lowest
+// corner may be beyond the wall already; any other corner may then enter through the face that this one went through.
 bool FacetFinder::mayEnter(const ContactSurface& surface, const MovedCorner& vertex, const Vec3& up, const SurfaceFace& face,
 						   bool faceIsOfB) const
 {
@@ -95,7 +98,7 @@ void FacetFinder::tabulate(std::size_t size)
 	for (std::uint32_t i = 0; i < m_facets->size(); ++i) m_table[slotOf((*m_facets)[i].feature)] = i;
 }
 
-// Where the facet of the same features is, or would be, in the table.
+// The place in the table of the facet made of these features, or the free one where it would be put.
 std::size_t FacetFinder::slotOf(std::uint64_t feature) const
 {
 	for (std::size_t at = std::size_t(feature >> 32);; ++at)
@@ -105,7 +108,7 @@ std::size_t FacetFinder::slotOf(std::uint64_t feature) const
 	}
 }
 
-// Several faces of one polygon may find the same facet, and several pairs of nodes: it is what the nearest of them says.
+// Several pairs of nodes may find the same facet: the one whose reach says most is kept.
 void FacetFinder::add(Facet& facet)
 {
 	facet.levelA = m_pair.levelA;
@@ -136,8 +139,8 @@ void FacetFinder::findPair(const Contact& contact)
 	if (roam < most) m_sought = std::min(m_sought, roam);
 	const double beside = kFootShare * q.length() + roam;
 	double reach = q.touching() + q.rules.heldReach + beside;
-	// A facet's features are no farther apart than its height and what a foot is beside either. A ball is high over most of what
-	// is within reach along the axes.
+	// The features of a facet are no farther apart than its height and the distance of its foot from either feature.
+	// For a ball this straight distance leaves out much that boxes grown by the reach still hold.
 	const bool isStraight = !mayOverlap && b.isCore();
 	const double straight = isStraight ? reach + 2 * beside : kFar;
 	if (mayOverlap) reach += q.a.thicknessOf(contact.nodeA) + q.b.thicknessOf(contact.nodeB);
@@ -164,7 +167,7 @@ void FacetFinder::verticesOverFaces()
 		for (const std::uint32_t polygon : m_polygonsA) vertexOverFace(*corner, polygon, false);
 }
 
-// They may have sunk past each other by any depth, where hulls overlap.
+// Where the hulls overlap, edges may have sunk past each other by any depth: no box leaves them out.
 void FacetFinder::edgesOverEdges(bool mayOverlap)
 {
 	if (m_edgesA.empty()) return;
@@ -176,7 +179,7 @@ void FacetFinder::edgesOverEdges(bool mayOverlap)
 	}
 }
 
-// What of either node comes near the other in the step.
+// Lists the features of either node that come near the other node in the step.
 void FacetFinder::gather(MovedNode& nodeA, MovedNode& nodeB)
 {
 	const auto gatherOf = [this](MovedNode& node, const Box& other, std::vector<const MovedCorner*>& corners,
@@ -201,13 +204,15 @@ void FacetFinder::gather(MovedNode& nodeA, MovedNode& nodeB)
 	gatherOf(nodeB, nodeA.box, m_cornersB, m_edgesB, m_polygonsB);
 }
 
-// Of facets that contacts may lead to, when their motion as predicted closes by so much.
+// The largest distance from which other contacts may lead the features of a facet together, if the predicted motion
+// brings them nearer by `closing`.
 double FacetFinder::highest(double closing) const
 {
 	return m_question->touching() + m_pair.roam + (1 - m_roamShare) * closing;
 }
 
-// Of B in A after a share of the way looked ahead, forces aside. Those of kArcParts are worked out once.
+// The pose of B in A after a share of the way looked ahead, without forces. The poses at multiples of 1 / kArcParts are
+// computed once a dispatch.
 Transform FacetFinder::poseAt(double share)
 {
 	const PointRules& rules = m_question->rules;
@@ -223,9 +228,10 @@ Transform FacetFinder::poseAt(double share)
 	return *pose;
 }
 
-// Where turning bodies bring features to the margin, do they meet there? height(share, forced) puts them there, and
-// meets(slack) tells whether they are so near each other there; forced: what forces add to the height by the end. way: how
-// far they go.
+// Follows the arc of turning bodies to where the features come within the margin, and asks whether they meet there.
+// height(share, forced) places the features at a share of the way and returns their distance; meets(slack) tells
+// whether they are then over each other up to the slack. forced: what forces displace by the end; way: how far the
+// features go.
 template <class Height, class Meets>
 bool FacetFinder::meetsOnArc(double now, double closing, double way, const Vec3& forced, Height height, Meets meets) const
 {
@@ -244,8 +250,9 @@ bool FacetFinder::meetsOnArc(double now, double closing, double way, const Vec3&
 	return meets(near);
 }
 
-// Do features meet on the step's way? meetsOn(move, closing, slack) asks it of a chord, height and meets of the arc
-// (meetsOnArc), where that bulges; `up` is where the height grows, mayHold: against the forces (PointRules::holds).
+// Do the features meet on their way through the step? meetsOn(move, closing, slack) answers for a straight chord; where
+// the arc departs too far from its chord, height and meets answer for the arc (meetsOnArc). up: the direction in which
+// the height grows; mayHold: this facet may hold the bodies against the forces on them (PointRules::holds).
 template <class MeetsOn, class Height, class Meets>
 bool FacetFinder::meetsOnPath(const Way& way, const Vec3& up, double now, double closing, bool mayHold,
 							  MeetsOn meetsOn, Height height, Meets meets) const
@@ -257,15 +264,16 @@ bool FacetFinder::meetsOnPath(const Way& way, const Vec3& up, double now, double
 	if (bulge <= inner ? meetsOn(move, closing, bulge + inner) : meetsOnArc(now, closing, length(move), forced, height, meets))
 		return true;
 	if (forced == Vec3{}) return false;
-	// With the forces whole: a facet that may hold the bodies, or one that is met without them, too.
+	// With the forces in full. A facet that cannot hold the bodies against them counts only if it is met without them,
+	// too.
 	const Vec3 toUnforced = kPathReach * (way.unforced - way.now);
 	const double closingUnforced = -dot(up, toUnforced);
 	return meetsOn(kPathReach * (way.then - way.now), closing, inner) &&
 		   (mayHold || (closingUnforced > 0 && meetsOn(toUnforced, closingUnforced, inner)));
 }
 
-// On the way of one of them alone, in case that a third body holds the other? place: of either, in frame A. meetsOn(way,
-// closing) asks it of a chord of B's, in frame A.
+// Would the features meet if a third body held one of the two bodies still, so that only the other moved? place: where
+// the features are, in frame A. meetsOn(way, closing) answers for a straight way of B, in frame A.
 template <class MeetsOn>
 bool FacetFinder::meetsIfHeld(const Vec3& place, const Vec3& normal, double now, MeetsOn meetsOn) const
 {
@@ -281,13 +289,13 @@ bool FacetFinder::meetsIfHeld(const Vec3& place, const Vec3& normal, double now,
 	return rules.heldReach > 0 && (meetsOnWayOf(rules.b, 1) || meetsOnWayOf(rules.a, -1));
 }
 
-// At the end of the way looked ahead.
+// The distance at the end of the way looked ahead.
 double FacetFinder::endOf(double now, double then) const
 {
 	return now + kPathReach * (then - now);
 }
 
-// May a facet whose features are so far apart now and at the end of the step be one that is asked for?
+// Can features at this distance now and at the end of the step make a facet that reachOf() would accept?
 bool FacetFinder::isInReach(double now, double then) const
 {
 	const PointRules& rules = m_question->rules;
@@ -295,8 +303,9 @@ bool FacetFinder::isInReach(double now, double then) const
 									  now <= rules.margin + rules.heldReach);
 }
 
-// What says first that it counts? Are its features over each other where they are, do they meet on the way of the step, or of
-// one body alone, and are they about the middle of the step as near as contacts may bring them?
+// Why a facet counts, the strongest reason first: its features are over each other now; they meet on the way of the
+// step, or of one body alone; or they are, at the middle of the step, within what other contacts may lead them.
+// Nothing if it does not count.
 template <class IsOver, class MeetsOnWay, class MeetsAlone, class IsPossible>
 std::optional<Facet::Reach> FacetFinder::reachOf(double now, double then, IsOver isOver, MeetsOnWay meetsOnWay,
 												 MeetsAlone meetsAlone, IsPossible isPossible) const
@@ -311,7 +320,7 @@ std::optional<Facet::Reach> FacetFinder::reachOf(double now, double then, IsOver
 	return {};
 }
 
-// In the face's frame.
+// Works in the frame of the face's body.
 void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygon, bool vertexIsOfA)
 {
 	const FacetQuestion& q = *m_question;
@@ -326,7 +335,8 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 	const Vec3 up = vertexIsOfA ? normal : m_bFromA.rotation * face.normal;
 	if (!mayEnter(vertices, vertex, up, face, vertexIsOfA)) return;
 	const Vec3& own = vertices.vertices()[vertex.index];
-	// What has sunk in stays a contact while the step's turning may make it the lowest.
+	// A vertex that has sunk in stays a contact although another is lower: turning may make it the lowest within the
+	// step.
 	const auto isOver = [&]
 	{
 		return (now < -kInnerShare * q.length() || isLowest(vertices.fan(vertex.index), up, kArcSlack)) &&
@@ -394,7 +404,7 @@ void FacetFinder::edgeOverEdge(const MovedEdge& still, const MovedEdge& moved)
 	LinesCrossing at = crossingOf(start, edge.direction, moved.start, moved.direction);
 	const auto isOn = [&](const LinesCrossing& there, double slack)
 	{ return isWithin(there.alongA, edge.length, slack) && isWithin(there.alongB, other.length, slack); };
-	// Do they cross where B's edge is then? If so, there.
+	// Do the edges cross once B's edge has gone to that place and direction? If so, `at` is where.
 	const auto crossesAt = [&](const Vec3& place, const Vec3& direction, double slack)
 	{
 		const double squared = lengthSquared(cross(edge.direction, direction));
@@ -450,7 +460,7 @@ void FacetFinder::edgeOverEdge(const MovedEdge& still, const MovedEdge& moved)
 	facet.normal = normal;
 	facet.distance = now;
 	facet.then = then;
-	// Where it will be met, on the way.
+	// The point is where the edges will meet on the way.
 	at.alongA = std::max(0.0, std::min(edge.length, at.alongA));
 	facet.span(start + at.alongA * edge.direction, true);
 	add(facet);

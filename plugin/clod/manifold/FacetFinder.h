@@ -2,8 +2,8 @@
 // Finds the facets (Facet.h) of pairs of nodes within reach.
 //
 // A facet is near when it is within the resting height now (vertex locally lowest, edges' arcs crossing, foot on the
-// facet), on the way when the chord of the coming step meets it, and overlapping when its distance is negative. Facets of
-// vertices over edges and vertices are looked for where a body is round; they never overlap.
+// facet), on the way when the chord of the coming step meets it, and overlapping when its distance is negative. Facets
+// of vertices over edges and vertices are looked for where a body is round; they never overlap.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -20,8 +20,8 @@ class FacetFinder
 public:
 	// Appends the facets of node pairs within reach. Each comes once; those that are there stay.
 	void find(const FacetQuestion& question, const std::vector<Contact>& contacts, std::vector<Facet>& facets);
-	// How far from the way of the step contacts may lead before they meet what was not looked for: of bodies in fast motion,
-	// detailed both, all that they may lead to is too much. Else infinity.
+	// Up to this distance from the predicted way all facets were looked for. Infinity, unless both bodies are detailed
+	// and move so fast that looking for all would cost too much (kRoamGrains).
 	double sought() const { return m_sought; }
 
 private:
@@ -29,7 +29,7 @@ private:
 	{
 		const ContactSurface *a, *b;
 		std::uint32_t nodeA, nodeB, levelA, levelB;
-		double roam = 0;     // how far from the middle of the step's way contacts may lead
+		double roam = 0;     // how far off the middle of the predicted way facets are looked for
 		double deepest = 0;  // overlaps beyond are not looked for
 		double reach = 0;    // how far apart features may be
 	};
@@ -80,9 +80,9 @@ private:
 	// MiddleFacets.cpp
 	struct Middle
 	{
-		double height = 0;  // the least of the body about it; none: 0
-		double radius = 0;  // of the body about it
-		Vec3 own, now, then, unforced;  // in its own frame; in the other's, see FacetQuestion
+		double height = 0;  // the least height of the body's hull about its middle; 0: not asked for
+		double radius = 0;  // of a sphere about its middle that holds the body
+		Vec3 own, now, then, unforced;  // in its own frame; the others in the other body's, see FacetQuestion
 	};
 	void placeMiddles();
 	void middleOverFace(const Middle& middle, std::uint32_t polygon, bool middleIsOfA);
@@ -101,8 +101,8 @@ private:
 	std::vector<Facet>* m_facets = nullptr;
 	Transform m_bFromA;
 	RelativeMotion m_motion;  // of A's material relative to B's
-	double m_sagitta = 0;     // of the arc that a chord of the path stands for, a share of the chord
-	double m_turn = 0;  // radians that contacts may turn B relative to A in the step, at most
+	double m_sagitta = 0;     // of the arc of a point's way over its chord, as a share of the chord
+	double m_turn = 0;  // radians: the most that contacts may turn B relative to A in the step
 	std::array<std::optional<Transform>, kArcParts + 1> m_poses;
 	Middle m_middleA, m_middleB;
 	std::vector<Through> m_through;
@@ -110,10 +110,10 @@ private:
 	double m_sought = 0;
 	Pair m_pair;
 	MovedNodes m_nodesA, m_nodesB;
-	// Of the pair, those that come near the other node.
+	// The features of the pair's nodes that come near the other node.
 	std::vector<const MovedCorner*> m_cornersA, m_cornersB;
 	std::vector<MovedEdge*> m_edgesA, m_edgesB;
 	std::vector<std::uint32_t> m_polygonsA, m_polygonsB;
-	std::vector<std::uint32_t> m_table;  // of the facets, by what makes them; open, a power of two
+	std::vector<std::uint32_t> m_table;  // open hash table of facets by their features; its size is a power of two
 };
 }  // namespace clod

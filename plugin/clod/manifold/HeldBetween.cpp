@@ -7,12 +7,13 @@ namespace clod
 {
 namespace
 {
-constexpr double kWayOut = 0.225;  // sine of how far a way out lies off every facet: two normals by 154 degrees leave none
+// Sine of the angle by which a way out has to leave every facet: two normals that are 154 degrees apart leave none.
+constexpr double kWayOut = 0.225;
 constexpr int kRounds = 64;
 }  // namespace
 
-// The shortest vector in the hull of the normals (Gilbert, 1966): its length is how far the best way out lies off the worst
-// of them.
+// Finds the shortest vector in the convex hull of the normals (Gilbert, 1966). Its length is the sine of the angle by
+// which the best way out leaves the facet that it leaves least.
 bool isHeldBetween(const FacetQuestion& question, const std::vector<Facet>& facets)
 {
 	const auto touches = [&](const Facet& facet) { return facet.hasFeatures() && facet.distance < question.touching(); };

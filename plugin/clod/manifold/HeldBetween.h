@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Is a body held between contacts: is there no way out of all of them at once? A pin in its hole is. There the play is of
-// the order of the margins, and a level that deviates by more jams, though it keeps what was asked of its error.
+// Is a body held between its contacts, like a pin in its hole, so that no direction leads out of all of them at once?
+// The play is then of the order of the margins, and a level that deviates by more jams although it keeps its error
+// bound.
 #pragma once
 #include <vector>
 

@@ -8,10 +8,10 @@ namespace clod
 {
 namespace
 {
-constexpr double kSwitchShare = 5e-5;  // of the speed of a fall by the length: some ten times of it is added to a motion
-constexpr double kBesideShare = 0.01;  // of the length: so far a point that goes on may have slid
-constexpr double kUnmovedShare = 1e-5;   // of the length a step: bodies hardly move, and nothing is lost by their motion
-constexpr double kIdle = 0.1;          // seconds that a point goes on without a load: loads wander between points
+constexpr double kSwitchShare = 5e-5;   // of the speed of a fall by the length; a motion gains some ten times of it
+constexpr double kBesideShare = 0.01;   // of the length: the most that a point that goes on may have slid
+constexpr double kUnmovedShare = 1e-5;  // of the length a step: bodies that move less lose no contact by their motion
+constexpr double kIdle = 0.1;           // seconds that a point goes on without a load, as loads wander between points
 }  // namespace
 
 double switchSpeed(const PointRules& rules)
@@ -20,7 +20,7 @@ double switchSpeed(const PointRules& rules)
 	return kSwitchShare * std::sqrt(std::max(pull, rules.length) * rules.length);
 }
 
-// Between the places of last step's point, as they are now; margins taken off.
+// Makes a facet of last step's point: between its two places as they are now, margins taken off. False if it slid away.
 bool LevelSwitch::goOn(const FacetQuestion& question, const ClusterPoint& old, Facet& facet)
 {
 	const PointRules& rules = question.rules;
@@ -49,7 +49,7 @@ bool LevelSwitch::isAmong(const std::vector<SwitchMemory::Levels>& asked, const 
 	return std::find(asked.begin(), asked.end(), SwitchMemory::Levels{facet.levelA, facet.levelB}) != asked.end();
 }
 
-// Has a point that carried no facet any more, by no motion of the bodies?
+// Has a point lost its facet though no motion of the bodies took it away?
 bool LevelSwitch::isLost(const FacetQuestion& question, const ClusterPoint& old, const Facet& facet, Span<Facet> found) const
 {
 	if (!isAmong(m_asked, facet)) return true;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
-// What a change of level leaves behind. Another level's surface lies elsewhere, by no motion of the bodies: where it lies
-// back they would fall, where it lies forward they would be thrust apart. So points that carried go on where their level is
-// no longer asked for, and let the bodies down slowly until the new surface carries; and the overlap that came with the
-// new one is left as slowly.
+// Makes a change of level smooth. The surface of another level lies elsewhere although the bodies have not moved: where
+// it lies back the bodies would fall, where it lies forward they would be thrust apart. So points that carried go on
+// while their level is no longer asked for, and let the bodies down slowly until the new surface carries; and an
+// overlap that came with the new level is left as slowly.
 #pragma once
 #include <vector>
 
@@ -28,8 +28,8 @@ struct SwitchMemory
 class LevelSwitch
 {
 public:
-	// Appends to the facets those of `reduced`, which the solver got last, that go on; their points are `previous` (with
-	// carryWithB, and impulses). stays: nothing but the motion of the rules has changed.
+	// Appends to the facets those of `reduced`, which the solver got last, that go on; their points are `previous`
+	// (with carryWithB, and impulses). stays: nothing but the motion of the rules has changed.
 	void apply(const FacetQuestion& question, const std::vector<Contact>& contacts, const std::vector<FacetRecord>& reduced,
 			   const ClusterSet& previous, bool stays, SwitchMemory& memory, std::vector<Facet>& facets);
 	// Of a facet of kind kHeld, as last written.

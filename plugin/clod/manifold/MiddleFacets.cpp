@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Facets of bodies that an impact may turn within the step, so that no row at a point of theirs says where they end: the
-// middle about which a body turns stays above a face as wide as the body by the least height that the body has about it,
-// however it turns.
+// Facets of the middles of bodies. An impact may turn a body so far within a step that rows at its surface points do
+// not tell where it ends. But however it turns about its middle (its centre of mass): over a face as wide as the body
+// the middle stays at least the least height of the body's hull about it above the face.
 #include <cmath>
 #include <limits>
 
@@ -12,11 +12,12 @@ namespace clod
 {
 namespace
 {
-constexpr double kMostTurn = 0.5;  // radians that a step may turn a body by, and rows at its points do
+constexpr double kMostTurn = 0.5;  // radians a step: of bodies that turn by less, rows at surface points tell enough
 constexpr std::size_t kInnerVertices = 32;
 constexpr double kInnerError = 0.01;  // of the radius
 
-// What the hull of a body is at least: of the coarsest level that lies near its surface, less how near.
+// A convex body inside the hull of the body: the hull of the coarsest level that is near the surface, less its distance
+// from it.
 struct InnerHull
 {
 	ConvexPolyhedron inner;
@@ -36,7 +37,7 @@ struct InnerHull
 		}
 		inner = convexPolyhedron(points, kInnerVertices);
 	}
-	// Of the hull about a point, over all directions; negative outside.
+	// The least height of the hull about a point, over all directions; negative where the point is outside.
 	double leastHeight(const Vec3& center) const
 	{
 		if (inner.triangles.empty()) return 0;

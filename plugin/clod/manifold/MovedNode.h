@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Corners, edges and polygons of a node, with a box round each over the coming step; where they are and where the step
-// carries them of those that are asked for. A node lies beside many others: what is worked out of it serves a whole
-// dispatch.
+// The corners, edges and polygons of a node, each with a box round its way through the coming step; and, of those that
+// are asked for, where they are and where the step carries them. A node is near many others, so what is computed for
+// it is kept for the whole dispatch.
 #pragma once
 #include <algorithm>
 #include <array>

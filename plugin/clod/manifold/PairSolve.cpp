@@ -11,8 +11,8 @@ namespace
 {
 constexpr int kPasses = 3;
 constexpr int kSweeps = 12;
-constexpr double kSettled = 1e-6;  // of the length: what changes by less is not solved again
-constexpr double kMostTurn = 0.2;  // radians a step: the farther beyond, the less the second order says of an arc
+constexpr double kSettled = 1e-6;  // of the length: the solve ends once rows change by less
+constexpr double kMostTurn = 0.2;  // radians a step: beyond it, the second order says less and less of an arc
 
 bool isOfRound(const Facet& facet)
 {
@@ -20,8 +20,8 @@ bool isOfRound(const Facet& facet)
 	return facet.hasFeatures() && ofA != Part::kPolygon && ofB != Part::kPolygon && facet.kind != Facet::Kind::kEdgeEdge;
 }
 
-// The most that turning bodies add to a facet's distance beyond the first order, by the motion they come with: rows that
-// ask for the arc of a turning that other rows made would drive each other.
+// A bound of what the turning of the bodies adds to a facet's distance beyond the first order. Only the turning that
+// they come with counts: rows that corrected for turning which other rows cause would drive each other.
 double bendBound(const PointRules& rules, const Facet& facet)
 {
 	const double moved = rules.timeStep * length(rules.motion().velocity(facet.onA));
@@ -35,7 +35,7 @@ double bendBound(const PointRules& rules, const Facet& facet)
 											turnB * turnB * length(facet.onB - rules.b.center));
 }
 
-// Distance of the same facet at another pose.
+// The distance of the same facet at another pose of the bodies.
 double distanceAt(const FacetQuestion& question, const Facet& facet, const Transform& aFromB, const Transform& bFromA)
 {
 	const ContactSurface &a = question.a.surface(facet.levelA), &b = question.b.surface(facet.levelB);
@@ -65,7 +65,7 @@ double distanceAt(const FacetQuestion& question, const Facet& facet, const Trans
 }
 }  // namespace
 
-// At that pose: how far is what it is made of from being over each other?
+// How far the facet's two features are from being over each other at that pose; at most 0 where they are.
 PairSolve::Beside PairSolve::besideAt(const FacetQuestion& q, const Facet& facet, const Transform& after) const
 {
 	const ContactSurface &a = q.a.surface(facet.levelA), &b = q.b.surface(facet.levelB);
@@ -93,7 +93,7 @@ PairSolve::Beside PairSolve::besideAt(const FacetQuestion& q, const Facet& facet
 	return {distance, sine * distance};
 }
 
-// At which the facet's features part.
+// The speed at which the facet's features part.
 double PairSolve::speedOf(const Row& row) const
 {
 	return dot(row.normal, m_a.linear - m_b.linear) + dot(row.turnA, m_a.angular) - dot(row.turnB, m_b.angular);
@@ -115,7 +115,7 @@ void PairSolve::push(const Facet& facet, const Vec3& impulse)
 	m_b.angular -= m_b.inverseInertia * cross(facet.onB - m_b.center, impulse);
 }
 
-// Friction of at most so much, against the sliding.
+// Adds friction against the sliding; its impulse is `most` at most.
 void PairSolve::rub(const Facet& facet, double most, Vec3& friction)
 {
 	const Vec3 armA = facet.onA - m_a.center, armB = facet.onB - m_b.center;
@@ -183,8 +183,8 @@ void PairSolve::makeRows(const PointRules& rules, const std::vector<Facet>& face
 	}
 }
 
-// Where facets are after the sweeps; possible ones that are met become paths. Returns by how much what the next sweeps would
-// begin with differs.
+// Works out where the facets are at the end of the step as solved. Possible facets that this motion meets become
+// contacts on the path. Returns the largest change of a row, as a length: what the next sweeps would begin with.
 double PairSolve::moveOn(const FacetQuestion& question, std::vector<Facet>& facets)
 {
 	const PointRules& rules = question.rules;
@@ -203,8 +203,8 @@ double PairSolve::moveOn(const FacetQuestion& question, std::vector<Facet>& face
 		facet.then = facet.distance + facet.linear;
 		if (!facet.hasFeatures()) continue;
 		facet.then = distanceAt(question, facet, m_after, back);
-		// A normal turns no faster than the bodies, but that of two edges all but parallel, and, away from what goes by, of a
-		// round corner.
+		// A normal turns no faster than the bodies do. Exceptions are that of two almost parallel edges, hence the
+		// bound, and that of a round corner, which turns away as something goes by.
 		const double most = bendBound(rules, facet);
 		const double bent = std::max(-most, isOfRound(facet) ? facet.curvature() : std::min(most, facet.curvature()));
 		facet.then = facet.distance + facet.linear + bent;
@@ -213,7 +213,8 @@ double PairSolve::moveOn(const FacetQuestion& question, std::vector<Facet>& face
 			change = std::max(change, std::abs(facet.curvature() - curvature));
 			continue;
 		}
-		// Where it comes within the margin, or at the end. As long as nothing turns the motion, all that it meets is on the path.
+		// Met where it comes within the margin, or at the end of the step. While no contact changes the motion nothing
+		// needs to be asked: all that the predicted motion meets is known to be on the path.
 		const double enters = std::max(0.0, facet.distance - rules.margin) / (facet.distance - facet.then) * rules.timeStep;
 		const auto isMetAt = [&](const Transform& pose)
 		{ return besideAt(question, facet, pose).distance <= kInnerShare * question.length(); };
@@ -227,7 +228,8 @@ double PairSolve::moveOn(const FacetQuestion& question, std::vector<Facet>& face
 	return change;
 }
 
-// A third body may push them onto those that they are no farther beside than above. The planes of others would deflect them.
+// Removes possible facets that the bodies pass beside. Kept are those that they stay above and are no farther beside
+// than above: a third body may push them there. The planes of the others would deflect what flies past.
 void PairSolve::removePassed(const FacetQuestion& question, std::vector<Facet>& facets)
 {
 	std::size_t kept = 0;

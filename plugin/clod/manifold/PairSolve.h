@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // What a pair's contacts alone would make of the coming step: which of many facets carry (a multiplier each), and where
-// the bodies end, which is where the second order of each facet is taken. A few Gauss-Seidel sweeps, Coulomb's friction in
-// the direction of sliding.
+// the bodies end, which is where the second order of each facet is taken. A few Gauss-Seidel sweeps, Coulomb's friction
+// in the direction of sliding.
 #pragma once
 #include <vector>
 
@@ -20,12 +20,13 @@ inline double velocityRow(double height, double bend)
 class PairSolve
 {
 public:
-	// Sets linear, then and multiplier of the facets. Those that are possible only become paths where the solved motion meets
-	// them; those that it passes beside, under their planes, are removed, and the others stay for what third bodies may do.
+	// Sets linear, then and multiplier of the facets. Facets that are merely possible become paths where the solved
+	// motion meets them; they are removed where it passes beside them, under their planes; the others stay for what
+	// third bodies may do.
 	void solve(const FacetQuestion& question, std::vector<Facet>& facets);
 	// Of A's material relative to B's, as solved last.
 	RelativeMotion motion() const { return motionBetween(m_a, m_b, m_timeStep); }
-	// How much farther than solved the bodies have to move to meet one of the facets removed, to first order.
+	// By how much more than solved the bodies would have to move to meet one of the facets removed, to first order.
 	double spare() const { return m_spare; }
 
 private:

@@ -34,8 +34,8 @@ bool separated(const OrientedBox& box, const Triangle& triangle, const Vec3& nor
 	return low - offset > distance || offset - high > distance;
 }
 
-// When may a node answer against an exact partner? The rule of StopRule.h with f = 0 and D = inf on the other side; the
-// place of a contact is in the node's own culling box.
+// May a node answer against an exact partner? This is the rule of StopRule.h with f = 0 and D = inf on the partner's
+// side; the place of the contact is taken to be in the node's own culling box.
 class PartnerRule
 {
 public:
@@ -71,7 +71,8 @@ private:
 
 }  // namespace
 
-// Nodes that answer and are not separated, each once. Exact answers follow the tree, others the whole graph.
+// Visits the nodes that answer and are not separated from the partner, each once. Exact answers follow the tree of
+// bounding volumes, coarser ones the whole graph of the dual hierarchy.
 template <class Separated>
 void PartnerContacts::visit(const Hierarchy& hierarchy, const Metric& metric, const Separated& apart,
 							std::uint32_t partner, std::vector<Contact>& contacts, PartnerStats& stats)

@@ -9,16 +9,18 @@ namespace clod
 {
 namespace
 {
-constexpr double kSlowTurn = 0.125 * kArcSlack;  // a sagitta of the step's way: what turns less is as it is now
-constexpr double kKeptOfMargin = 0.5;  // nearer than this share of it features have no direction to speak of
+// Bodies whose way has a smaller sagitta than this in the step are taken as they are now.
+constexpr double kSlowTurn = 0.125 * kArcSlack;
+constexpr double kKeptOfMargin = 0.5;  // of the margin: features nearer to each other have no reliable direction
 
-// The features are `now` from each other, and move on by `ahead`: the share of the way at which they are nearest.
+// The share of the way at which two features are nearest, that are `now` from each other and move on by `ahead`.
 double nearestShare(const Vec3& now, const Vec3& ahead)
 {
 	const double squared = lengthSquared(ahead);
 	return squared > 0 ? std::max(0.0, std::min(1.0, -dot(now, ahead) / squared)) : 0;
 }
-// The direction nearest to `there` along which `now` is no nearer than the margin. Precondition: it is farther away than that.
+// The direction nearest to `there` along which `now` is no nearer than the margin. Precondition: it is farther away
+// than that.
 Vec3 towards(const Vec3& there, const Vec3& now, double margin)
 {
 	if (dot(there, now) >= margin * length(there)) return there;
@@ -41,9 +43,10 @@ void FacetFinder::findRound()
 			if (ofA->box.meets(ofB->box, m_pair.reach)) vertexOverVertex(*ofA, *ofB);
 }
 
-// Of two features that are so far apart now and at the end of the step, with forces and without. Between is straight.
-// What moves past but for the forces may be held by whom is not known here (a ball that rolls from one body onto the next that
-// lies flush): it is led by as little as need be, the direction is that where they come nearest.
+// How two features meet, given the vectors between them now and at the end of the step, with forces and without; the
+// way is taken as straight. Features that only the forces bring together may be held apart by another body, which is
+// not known here (a ball that rolls from one body onto the next one lying flush with it). They are deflected as little
+// as possible: the direction is the one where they come nearest.
 std::optional<FacetFinder::Approach> FacetFinder::approach(const Vec3& now, const Vec3& then, const Vec3& unforced) const
 {
 	const FacetQuestion& q = *m_question;
@@ -67,8 +70,8 @@ std::optional<FacetFinder::Approach> FacetFinder::approach(const Vec3& now, cons
 	return {};
 }
 
-// A body that turns goes round: between the facet's features is there what lies between them at that pose and forces add,
-// unless the chord is so far off that it tells nothing of where they meet.
+// Corrects the direction where bodies turn: between the features is what lies between them at the pose of that share of
+// the way, and what forces add; unless the straight way is so far off that it tells nothing of where they meet.
 void FacetFinder::bend(const FacetRecord& facet, const Vec3& now, const Vec3& forced, Approach& met)
 {
 	if (met.reach != Facet::Reach::kPath || m_sagitta < kSlowTurn) return;
@@ -78,7 +81,8 @@ void FacetFinder::bend(const FacetRecord& facet, const Vec3& now, const Vec3& fo
 	if (apart >= kKeptOfMargin * margin && kKeptOfMargin * apart <= margin) met.between = towards(there, now, margin);
 }
 
-// In B's frame where they meet: by then it has turned. To half a part of the way, which coneSlack() allows for.
+// The direction in B's frame as B has turned by the time they meet. The pose is that of the nearest multiple of
+// 1 / kArcParts of the way; coneSlack() allows for the difference.
 Vec3 FacetFinder::intoB(const Approach& met, const Vec3& direction)
 {
 	if (m_sagitta < kSlowTurn) return m_bFromA.rotation * direction;
@@ -89,7 +93,7 @@ double FacetFinder::coneSlack() const
 	return m_sagitta < kSlowTurn ? kArcSlack : kArcSlack + 0.5 * 8 * m_sagitta / kArcParts;
 }
 
-// May the vertex touch along this direction, out of its body and in its frame?
+// May the vertex touch something in this direction, which points out of its body, in that body's frame?
 bool FacetFinder::isInCone(const ContactSurface& surface, const MovedCorner& vertex, const Vec3& away) const
 {
 	const double slack = coneSlack();
@@ -98,7 +102,7 @@ bool FacetFinder::isInCone(const ContactSurface& surface, const MovedCorner& ver
 	return true;
 }
 
-// place: the vertex', in frame A.
+// place: where the vertex is, in frame A.
 void FacetFinder::addRound(Facet& facet, const Approach& approach, const Vec3& now, const Vec3& then, const Vec3& normal,
 						   const Vec3& place)
 {
