@@ -65,6 +65,11 @@ struct FacetRecord
 	double then;                       // at the end of the step if nothing intervened, of the same facet
 	// Is it made of two features, which tell of it at any pose?
 	bool hasFeatures() const { return kind != Kind::kDeep && kind != Kind::kHeld; }
+	// Of a vertex and a face: these, and which body has the vertex.
+	bool isOfVertex() const { return kind == Kind::kVertexFace || kind == Kind::kFaceVertex; }
+	bool vertexIsOfA() const { return kind == Kind::kVertexFace; }
+	std::uint32_t vertex() const { return vertexIsOfA() ? featureA : featureB; }
+	std::uint32_t polygon() const { return vertexIsOfA() ? featureB : featureA; }
 	bool isOfMiddle() const { return kind == Kind::kMiddleFace || kind == Kind::kFaceMiddle; }
 	struct Parts
 	{
@@ -86,6 +91,7 @@ struct Facet : FacetRecord
 	double linear;          // what the motion closes by, to first order: negative closes
 	double multiplier = 0;  // of the pair's own solve, an impulse
 	double slowOverlap = 0;  // of what lies below the margin: came with a change of level, and is left slowly
+	void setLinear(const RelativeMotion& motion) { linear = dot(motion.velocity(onA), normal) * motion.timeStep; }
 	double curvature() const { return then - distance - linear; }  // what the first order misses
 	// The points: this one, of A's surface or of B's, and the other's across from it.
 	void span(const Vec3& place, bool isOnA)
@@ -167,14 +173,14 @@ inline std::uint64_t featureOf(const ContactSurface& a, const ContactSurface& b,
 	return name * 0xD6E8FEB86659FD93u + (std::uint64_t(facet.kind) << 16 | facet.levelA << 8 | facet.levelB);
 }
 
-// What the names of a vertex and of a polygon that it is beneath tell, having gone in through it.
+// Makes a contact of a vertex beneath a polygon that it went in through, from the names of the two.
 inline void placeThrough(const FacetQuestion& q, Facet& facet)
 {
 	const ContactSurface &a = q.a.surface(facet.levelA), &b = q.b.surface(facet.levelB);
-	const bool isOfA = facet.kind == Facet::Kind::kVertexFace;
-	const Vec3& own = isOfA ? a.vertices()[facet.featureA] : b.vertices()[facet.featureB];
+	const bool isOfA = facet.vertexIsOfA();
+	const Vec3& own = (isOfA ? a : b).vertices()[facet.vertex()];
 	const Vec3 place = isOfA ? inverse(q.aFromB) * own : q.aFromB * own;
-	const SurfaceFace& face = isOfA ? b.planeOf(facet.featureB) : a.planeOf(facet.featureA);
+	const SurfaceFace& face = (isOfA ? b : a).planeOf(facet.polygon());
 	facet.reach = Facet::Reach::kOverlap;
 	facet.isThrough = true;
 	facet.feature = featureOf(a, b, facet);

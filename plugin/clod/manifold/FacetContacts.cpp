@@ -103,7 +103,7 @@ void FacetContacts::takeUpThrough(const ContactPoint& point, const FacetRecord& 
 	Facet facet{};
 	static_cast<FacetRecord&>(facet) = record;
 	const ContactSurface &a = q.a.surface(facet.levelA), &b = q.b.surface(facet.levelB);
-	const bool isOfA = facet.kind == Facet::Kind::kVertexFace;
+	const bool isOfA = facet.vertexIsOfA();
 	if (b.isSheet())
 	{
 		const Transform lastBFromA = inverse(lastAFromB);
@@ -113,8 +113,8 @@ void FacetContacts::takeUpThrough(const ContactPoint& point, const FacetRecord& 
 	}
 	placeThrough(q, facet);
 	const double touch = kInnerShare * q.length();
-	const bool isOver = isOfA ? b.isOver(facet.featureB, inverse(q.aFromB) * facet.onA, touch)
-							  : a.isOver(facet.featureA, facet.onB, touch);
+	const Vec3 place = isOfA ? inverse(q.aFromB) * facet.onA : facet.onB;
+	const bool isOver = (isOfA ? b : a).isOver(facet.polygon(), place, touch);
 	if (facet.distance < 0 && isOver) m_facets.push_back(facet);
 }
 

@@ -69,7 +69,7 @@ bool SheetCrossing::leadsOut(const Vec3& shift, const std::vector<Facet>& facets
 					   { return dot(f.normal, shift) + f.distance > std::min(0.0, kLeft * f.distance) - touch; });
 }
 
-// Edges of accepted nodes that lead beyond, each once.
+// Collects the edges of accepted nodes that lead beyond, each once.
 void SheetCrossing::collect(const std::vector<Contact>& contacts)
 {
 	const FacetQuestion& q = *m_question;
@@ -83,7 +83,7 @@ void SheetCrossing::collect(const std::vector<Contact>& contacts)
 	m_crossings.erase(std::remove_if(m_crossings.begin(), m_crossings.end(), leadsNowhere), m_crossings.end());
 }
 
-// each(face of the sheet's front): of those that the edge crosses by more than a touch.
+// Calls each(face, start, end of the edge) for the front of every triangle that the edge crosses by more than a touch.
 template <class Each>
 void SheetCrossing::forEachCrossed(std::uint32_t edge, const Vec3& shift, Each each) const
 {
@@ -91,12 +91,11 @@ void SheetCrossing::forEachCrossed(std::uint32_t edge, const Vec3& shift, Each e
 	const auto& [from, to] = m_a->edges()[edge].vertex;
 	const Vec3 start = shift + m_bFromA * m_a->vertices()[from], end = shift + m_bFromA * m_a->vertices()[to];
 	const double least = kLeastDepth * m_question->length();
-	const auto isDeep = [&](const Vec3& point, const SurfaceFace& face)
-	{ return std::abs(dot(face.normal, point) - face.offset) >= least; };
 	const auto eachDeep = [&](std::uint32_t f, double)
 	{
 		const SurfaceFace& face = b.faces()[f];
-		if (f % 2 == 0 && isDeep(start, face) && isDeep(end, face)) each(f, start, end);
+		const auto isDeep = [&](const Vec3& point) { return std::abs(dot(face.normal, point) - face.offset) >= least; };
+		if (f % 2 == 0 && isDeep(start) && isDeep(end)) each(f, start, end);
 	};
 	b.forEachCrossed(start, end, kInnerShare * m_question->length(), eachDeep);
 }
