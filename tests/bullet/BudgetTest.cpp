@@ -248,6 +248,17 @@ TEST(BulletBudget, ACoarseAnswerEndsWithItsBudget)
 	}
 }
 
+TEST(BulletBudget, WhatLiesStillCostsNothingWhereNothingIsBought)
+{
+	Toruses scene(true);
+	scene.run(60, kOff);
+	const Toruses::Step coarse = scene.detect(0);
+	ASSERT_GT(coarse.tests, 100U);
+	const Toruses::Step again = scene.detect(0);
+	EXPECT_LT(again.tests, coarse.tests / 10);  // of a pair that has no points
+	EXPECT_EQ(again.contacts, coarse.contacts);
+}
+
 // An answer that is finer than a smaller budget buys costs nothing while the bodies lie still.
 TEST(BulletBudget, AFinerAnswerStaysWhileNothingMoves)
 {

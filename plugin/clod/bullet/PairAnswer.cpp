@@ -60,7 +60,7 @@ Scratch& scratch()
 // The gap besides the contacts only where it is asked for: it costs a search of the input surfaces.
 void PairState::ask(const PairPose& pose, const Question& question, bool isAsked)
 {
-	const Question* const before = answered();
+	const Question* const before = m_answered.get();
 	if (isAsked)
 		m_result.hold(scratch().result);
 	else if (before && before->withGap == question.withGap && clod::same(before->aFromB, question.aFromB) &&
@@ -202,7 +202,7 @@ void PairState::askPartner(const PairPose& pose)
 	}
 	else
 	{
-		m_facets.levels.isOther = answered() && !isMeshAsItWas(pose);
+		m_facets.levels.isOther = m_answered && !isMeshAsItWas(pose);
 		m_trianglesHash = gatherTriangles(pose, pose.aFromB, pose.tolerance, m_names);
 		const std::vector<Triangle>& triangles = scratch().triangles;
 		const Vec3 way = pose.aFromB.rotation * m_facets.through;
@@ -276,10 +276,10 @@ void PairState::answer(const PairPose& pose, Question& question, bool isAsked)
 	noteAnswered(question);
 }
 
-// What a budget cut short answers only under that budget: the next dispatch asks anew, with what it may cost then.
-void PairState::noteAnswered(const Question& question)
+// What a budget cut short is the coarsest answer: it serves while budgets buy nothing, others have it asked anew.
+void PairState::noteAnswered(Question& question)
 {
-	m_isAnswered = m_result.stats.cutShort == 0;
+	if (m_result.stats.cutShort > 0) question.settings.metric.coarsening = kOff;
 	if (m_clusters.isEmpty())
 		m_answered.reset();
 	else if (m_answered)

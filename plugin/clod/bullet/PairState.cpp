@@ -96,8 +96,8 @@ bool PairState::same(const Question& l, const Question& r)
 bool PairState::isStill(const PairPose& pose, const Question& question) const
 {
 	if (!m_context.keepPoints || pose.prediction != Prediction::kFree || m_facets.isMadeIn) return false;
-	if (!answered() || m_clusters.isEmpty() || (m_facets.levels.goesOn && !isRefinable(pose, question))) return false;
-	const Question& then = *answered();
+	if (!m_answered || m_clusters.isEmpty() || (m_facets.levels.goesOn && !isRefinable(pose, question))) return false;
+	const Question& then = *m_answered;
 	const double most = kStillShare * question.rules.length;
 	if (question.withGap || then.withGap || std::max(question.way, then.way) > most) return false;
 	const Transform since = question.aFromB * inverse(then.aFromB);
@@ -240,15 +240,15 @@ void PairState::open(const btCollisionObjectWrapper& body0, const btCollisionObj
 		// What is finer than a budget buys now costs nothing, and what is coarser is refined with what is left. Where it buys
 		// nothing, answers are the coarsest.
 		const bool isRefined = isRefinable(next.pose, next.question);
-		if (answered() && (isRefined || asked < kOff))
+		if (m_answered && (isRefined || asked < kOff))
 		{
-			const double before = answered()->settings.metric.coarsening;
-			coarsening = isRefined ? before : std::min(asked, before);
+			const double before = m_answered->settings.metric.coarsening;
+			coarsening = isRefined && before < kOff ? before : std::min(asked, before);
 		}
 		// At the very same pose it is no other question because what was found then was little or much (lookAside).
 		const double tolerance = next.question.settings.tolerance;
-		if (answered()) next.question.settings.tolerance = answered()->settings.tolerance;
-		next.isKept = next.pose.isOfTwo() && answered() && same(*answered(), next.question);
+		if (m_answered) next.question.settings.tolerance = m_answered->settings.tolerance;
+		next.isKept = next.pose.isOfTwo() && m_answered && same(*m_answered, next.question);
 		if (!next.isKept) next.question.settings.tolerance = tolerance;
 		next.isStill = !next.isKept && isStill(next.pose, next.question);
 		if (!next.isKept && !next.isStill) coarsening = asked;

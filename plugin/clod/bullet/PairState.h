@@ -108,8 +108,7 @@ private:
 	static Seen seenA(const PairPose& pose);
 	static Seen seenB(const PairPose& pose);
 	static bool same(const Question& l, const Question& r);
-	const Question* answered() const { return m_isAnswered ? m_answered.get() : nullptr; }
-	void noteAnswered(const Question& question);
+	void noteAnswered(Question& question);
 	bool isStill(const PairPose& pose, const Question& question) const;
 
 	bool staysOverPlane(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
@@ -166,7 +165,6 @@ private:
 	HierarchyPair m_asked;
 	GapCache m_cache;
 	std::unique_ptr<Question> m_answered;  // what the clusters answer; none where there are none
-	bool m_isAnswered = false;             // or a budget cut the answer short
 	std::uint32_t m_followed = 0;        // dispatches whose points are those of an earlier pose, nearly the same
 	Foreseen m_foreseen;
 	HeldClusters m_clusters;

@@ -252,7 +252,7 @@ void ContactSurface::split(std::uint32_t box, std::uint32_t first, std::uint32_t
 				low[k] = std::min(low[k], m_vertices[v][k]);
 				high[k] = std::max(high[k], m_vertices[v][k]);
 			}
-	m_boxes[box] = {low, high, first, count};
+	m_boxes[box] = {{low, high}, first, count};
 	if (count <= kLeafFaces) return;
 	const Vec3 size = high - low;
 	const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;

@@ -10,6 +10,7 @@
 //
 // Frame and unit: the body's, of a hierarchy. Immutable once made.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstdint>
@@ -40,6 +41,33 @@ struct SurfaceEdge
 	double length;
 	std::array<Vec3, 2> normal;   // of the faces
 	std::array<Vec3, 2> inward;   // in the faces, away from the edge
+};
+
+struct Box
+{
+	Vec3 low, high;
+	void add(const Vec3& p)
+	{
+		low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+		high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+	}
+	void add(const Box& box)
+	{
+		add(box.low);
+		add(box.high);
+	}
+	double squaredTo(const Box& other) const
+	{
+		const auto out = [](double l, double h, double otherLow, double otherHigh)
+		{ return std::max(0.0, std::max(otherLow - h, l - otherHigh)); };
+		return lengthSquared({out(low.x, high.x, other.low.x, other.high.x), out(low.y, high.y, other.low.y, other.high.y),
+							  out(low.z, high.z, other.low.z, other.high.z)});
+	}
+	bool meets(const Box& other, double reach) const
+	{
+		return low.x <= other.high.x + reach && other.low.x <= high.x + reach && low.y <= other.high.y + reach &&
+			   other.low.y <= high.y + reach && low.z <= other.high.z + reach && other.low.z <= high.z + reach;
+	}
 };
 
 class CLOD_API ContactSurface
@@ -144,6 +172,10 @@ public:
 	// kNone). Precondition: it has faces.
 	Nearest nearest(const Vec3& point, double within) const;
 	bool isInside(const Vec3& point) const;
+	// Calls each(face, share of the way) for every face that the way between two points leads through, or passes by no
+	// farther than `beside`.
+	template <class Each>
+	void forEachCrossed(const Vec3& from, const Vec3& to, double beside, Each each) const;
 	// Makes the tree now, which otherwise the first overlap makes.
 	void makeTree() const;
 
@@ -155,9 +187,8 @@ private:
 		kHalfSpace,
 		kCore
 	};
-	struct TreeBox
+	struct TreeBox : Box
 	{
-		Vec3 low, high;
 		std::uint32_t first, count;  // faces in m_order; count 0: the two boxes from `first`
 	};
 	struct Found
@@ -240,6 +271,36 @@ private:
 	mutable std::vector<TreeBox> m_boxes;
 	mutable std::vector<std::uint32_t> m_order;
 };
+
+template <class Each>
+void ContactSurface::forEachCrossed(const Vec3& from, const Vec3& to, double beside, Each each) const
+{
+	makeTree();
+	Box way{from, from};
+	way.add(to);
+	std::array<std::uint32_t, 64> stack;
+	std::size_t size = 0;
+	stack[size++] = 0;
+	while (size > 0)
+	{
+		const TreeBox& box = m_boxes[stack[--size]];
+		if (!box.meets(way, beside)) continue;
+		if (box.count == 0)
+		{
+			stack[size++] = box.first;
+			stack[size++] = box.first + 1;
+		}
+		for (std::uint32_t i = box.first; i < box.first + box.count; ++i)
+		{
+			const SurfaceFace& face = m_faces[m_order[i]];
+			const double start = dot(face.normal, from) - face.offset, end = dot(face.normal, to) - face.offset;
+			if (!(start * end < 0)) continue;
+			const double share = start / (start - end);
+			if (nearestOnTriangle(triangleOf(m_order[i]), from + share * (to - from)).squared <= beside * beside)
+				each(m_order[i], share);
+		}
+	}
+}
 
 // All levels of a hierarchy, each made when first asked for. Kept with it (Hierarchy::derived).
 class CLOD_API ContactSurfaces

@@ -100,49 +100,45 @@ void DeepOverlap::probe(const FacetQuestion& q, const Contact& contact, bool ofA
 									: q.b.surface(q.b.levelOf(contact.nodeB));
 	const ContactSurface& other = ofA ? q.b.surface(q.b.levelOf(contact.nodeB))
 									  : q.a.surface(q.a.levelOf(contact.nodeA));
-	const Transform bFromA = inverse(q.aFromB);
+	const Transform otherFromOwn = ofA ? inverse(q.aFromB) : q.aFromB;
 	// What is inside near the other's patch is under all of its faces, as patches are convex.
-	const std::uint32_t otherNode = ofA ? contact.nodeB : contact.nodeA;
-	const SurfaceFace* const firstFace = other.faces().data() + other.firstFaceOf(otherNode);
-	const SurfaceFace* const lastFace = firstFace + other.faceCountOf(otherNode);
+	const std::uint32_t otherNode = ofA ? contact.nodeB : contact.nodeA, firstFace = other.firstFaceOf(otherNode);
+	const auto patch = other.polygonsOf(otherNode);
 	const double slack = kLeastDepth * q.length(), least = (atCrossings ? kInnerShare : kLeastDepth) * q.length();
 	if (other.isCore()) return;
 	Inside deepest{};
 	const auto look = [&](const Vec3& place, std::uint32_t feature)
 	{
-		const Vec3 there = ofA ? bFromA * place : q.aFromB * place;
-		for (const SurfaceFace* face = firstFace; face != lastFace; ++face)
-			if (dot(face->normal, there) > face->offset + slack) return;
+		const Vec3 there = otherFromOwn * place;
+		const auto isUnder = [&](const ContactSurface::NodePolygon& polygon)
+		{
+			const SurfaceFace& plane = other.planeOf(polygon.polygon);
+			return dot(plane.normal, there) <= plane.offset + slack;
+		};
+		if (!std::all_of(patch.begin(), patch.end(), isUnder)) return;
 		const ContactSurface::Nearest near = other.nearest(there, std::numeric_limits<double>::infinity());
 		if (near.distance > -least || -near.distance <= length(deepest.way)) return;
 		const Vec3 way = near.point - there;
 		deepest = {ofA ? place : there, ofA ? q.aFromB.rotation * way : -way, contact.nodeA, contact.nodeB, feature, ofA};
 	};
 	// From the crossing on to the edge's end, by halves: it may be out again soon.
-	const auto lookBehindCrossings = [&](const Vec3& from, const Vec3& to, std::uint32_t feature)
+	const auto lookBehindCrossings = [&](const SurfaceEdge& edge, std::uint32_t feature)
 	{
-		const Vec3 start = ofA ? bFromA * from : q.aFromB * from, end = ofA ? bFromA * to : q.aFromB * to;
-		for (const SurfaceFace* face = firstFace; face != lastFace; ++face)
+		const Vec3 &from = own.vertices()[edge.vertex[0]], &to = own.vertices()[edge.vertex[1]];
+		const Vec3 start = otherFromOwn * from, end = otherFromOwn * to;
+		const auto lookBehind = [&](std::uint32_t face, double share)
 		{
-			const double height = dot(face->normal, start) - face->offset, depth = face->offset - dot(face->normal, end);
-			if (!(height > 0 && depth > 0)) continue;
-			const double crossed = height / (height + depth);
-			const Triangle corners{other.vertices()[face->vertex[0]], other.vertices()[face->vertex[1]],
-								   other.vertices()[face->vertex[2]]};
-			if (nearestOnTriangle(corners, start + crossed * (end - start)).squared > slack * slack) continue;
-			for (double share = 1; share > kLeastShare; share *= 0.5)
-				look(from + (crossed + share * (1 - crossed)) * (to - from), feature);
-		}
+			if (face - firstFace >= other.faceCountOf(otherNode)) return;
+			const Vec3 crossing = from + share * (to - from);
+			const Vec3 behind = (dot(other.faces()[face].normal, end - start) < 0 ? to : from) - crossing;
+			for (double part = 1; part > kLeastShare; part *= 0.5) look(crossing + part * behind, feature);
+		};
+		other.forEachCrossed(start, end, slack, lookBehind);
 	};
-	if (!atCrossings)
-		for (const std::uint32_t v : own.verticesOf(node)) look(own.vertices()[v], v);
+	if (atCrossings)
+		for (const std::uint32_t e : own.edgesOf(node)) lookBehindCrossings(own.edges()[e], e);
 	else
-		for (const std::uint32_t e : own.edgesOf(node))
-		{
-			const auto& [from, to] = own.edges()[e].vertex;
-			lookBehindCrossings(own.vertices()[from], own.vertices()[to], e);
-			lookBehindCrossings(own.vertices()[to], own.vertices()[from], e);
-		}
+		for (const std::uint32_t v : own.verticesOf(node)) look(own.vertices()[v], v);
 	if (deepest.way != Vec3{}) m_inside.push_back(deepest);
 }
 

@@ -65,6 +65,11 @@ struct FacetRecord
 	double then;                       // at the end of the step if nothing intervened, of the same facet
 	// Is it made of two features, which tell of it at any pose?
 	bool hasFeatures() const { return kind != Kind::kDeep && kind != Kind::kHeld; }
+	// Of a vertex and a face: these, and which body has the vertex.
+	bool isOfVertex() const { return kind == Kind::kVertexFace || kind == Kind::kFaceVertex; }
+	bool vertexIsOfA() const { return kind == Kind::kVertexFace; }
+	std::uint32_t vertex() const { return vertexIsOfA() ? featureA : featureB; }
+	std::uint32_t polygon() const { return vertexIsOfA() ? featureB : featureA; }
 	bool isOfMiddle() const { return kind == Kind::kMiddleFace || kind == Kind::kFaceMiddle; }
 	struct Parts
 	{
@@ -86,6 +91,7 @@ struct Facet : FacetRecord
 	double linear;          // what the motion closes by, to first order: negative closes
 	double multiplier = 0;  // of the pair's own solve, an impulse
 	double slowOverlap = 0;  // of what lies below the margin: came with a change of level, and is left slowly
+	void setLinear(const RelativeMotion& motion) { linear = dot(motion.velocity(onA), normal) * motion.timeStep; }
 	double curvature() const { return then - distance - linear; }  // what the first order misses
 	// The points: this one, of A's surface or of B's, and the other's across from it.
 	void span(const Vec3& place, bool isOnA)
@@ -165,6 +171,22 @@ inline std::uint64_t featureOf(const ContactSurface& a, const ContactSurface& b,
 	const std::uint64_t name =
 		nameIn(a, ofA, facet.featureA) * 0x9E3779B97F4A7C15u ^ nameIn(b, ofB, facet.featureB);
 	return name * 0xD6E8FEB86659FD93u + (std::uint64_t(facet.kind) << 16 | facet.levelA << 8 | facet.levelB);
+}
+
+// Makes a contact of a vertex beneath a polygon that it went in through, from the names of the two.
+inline void placeThrough(const FacetQuestion& q, Facet& facet)
+{
+	const ContactSurface &a = q.a.surface(facet.levelA), &b = q.b.surface(facet.levelB);
+	const bool isOfA = facet.vertexIsOfA();
+	const Vec3& own = (isOfA ? a : b).vertices()[facet.vertex()];
+	const Vec3 place = isOfA ? inverse(q.aFromB) * own : q.aFromB * own;
+	const SurfaceFace& face = (isOfA ? b : a).planeOf(facet.polygon());
+	facet.reach = Facet::Reach::kOverlap;
+	facet.isThrough = true;
+	facet.feature = featureOf(a, b, facet);
+	facet.distance = dot(face.normal, place) - face.offset;
+	facet.normal = isOfA ? q.aFromB.rotation * face.normal : -face.normal;
+	facet.span(isOfA ? own : place, isOfA);
 }
 
 inline constexpr double kFootShare = 1e-3;      // of the length: how far off its facet a foot may be

@@ -153,8 +153,7 @@ const std::vector<FacetChoice::Ends>& FacetChoice::joinedOf(const ContactSurface
 	m_order.clear();
 	const auto askFor = [this](const Facet& facet)
 	{
-		if (facet.kind == Facet::Kind::kVertexFace) m_order.push_back(facet.featureA);
-		if (facet.kind == Facet::Kind::kFaceVertex) m_order.push_back(facet.featureB);
+		if (facet.isOfVertex()) m_order.push_back(facet.vertex());
 	};
 	std::for_each(m_through.begin(), m_through.end(), askFor);
 	std::for_each(facets.begin(), facets.end(), askFor);
@@ -181,12 +180,9 @@ void FacetChoice::followThrough(std::vector<Facet>& facets)
 		const ContactSurface& b = q.b.surface(facet.levelB);
 		if (b.isSheet() || b.isHalfSpace()) return false;
 		if (facet.kind != through.kind || facet.levelA != through.levelA || facet.levelB != through.levelB) return false;
-		const bool isOfA = facet.kind == Facet::Kind::kVertexFace;
-		const ContactSurface& surface = isOfA ? q.a.surface(facet.levelA) : q.b.surface(facet.levelB);
-		const auto polygonOf = [&](const Facet& f) { return isOfA ? f.featureB : f.featureA; };
-		const auto vertexOf = [&](const Facet& f) { return isOfA ? f.featureA : f.featureB; };
-		if (polygonOf(facet) != polygonOf(through)) return false;
-		const Ends ends = std::minmax({vertexOf(facet), vertexOf(through)});
+		if (facet.polygon() != through.polygon()) return false;
+		const ContactSurface& surface = facet.vertexIsOfA() ? q.a.surface(facet.levelA) : b;
+		const Ends ends = std::minmax({facet.vertex(), through.vertex()});
 		const std::vector<Ends>& joined = joinedOf(surface, facets);
 		return std::binary_search(joined.begin(), joined.end(), ends);
 	};
@@ -213,9 +209,7 @@ void FacetChoice::dropWhatHoldsThrough(std::vector<Facet>& facets)
 	followThrough(facets);
 	const auto isHolding = [](const Facet& facet, const Facet& through)
 	{
-		const bool isSameVertex = facet.kind == through.kind && (facet.kind == Facet::Kind::kVertexFace
-																	 ? facet.featureA == through.featureA
-																	 : facet.featureB == through.featureB);
+		const bool isSameVertex = facet.kind == through.kind && facet.vertex() == through.vertex();
 		return isSameVertex && !facet.isThrough && dot(facet.normal, through.normal) < kAgainst;
 	};
 	const auto holdsAny = [&](const Facet& facet)
@@ -232,26 +226,24 @@ bool FacetChoice::wentThrough(const Facet& facet, const FacetRecord* known, cons
 {
 	const FacetQuestion& q = *m_question;
 	const ContactSurface &a = q.a.surface(facet.levelA), &b = q.b.surface(facet.levelB);
-	const bool isOfA = facet.kind == Facet::Kind::kVertexFace;
-	if (!isOfA && facet.kind != Facet::Kind::kFaceVertex) return false;
+	if (!facet.isOfVertex()) return false;
+	const bool isOfA = facet.vertexIsOfA();
 	const ContactSurface& faces = isOfA ? b : a;
-	const std::uint32_t polygon = isOfA ? facet.featureB : facet.featureA;
-	const auto placeBy = [&](const Transform& aFromB)
-	{ return isOfA ? inverse(aFromB) * a.vertices()[facet.featureA] : aFromB * b.vertices()[facet.featureB]; };
+	const Vec3& own = (isOfA ? a : b).vertices()[facet.vertex()];
+	const auto placeBy = [&](const Transform& aFromB) { return isOfA ? inverse(aFromB) * own : aFromB * own; };
 	const Vec3 now = placeBy(q.aFromB);
-	const auto isOver = [&](const Vec3& point) { return faces.isOver(polygon, point, kInnerShare * q.length()); };
+	const auto isOver = [&](const Vec3& point) { return faces.isOver(facet.polygon(), point, kInnerShare * q.length()); };
 	if (!isOver(now)) return false;
 	if (known && known->isThrough) return true;
 	// The vertex had gone through another face: it is on its way back from beyond the far side, and this is not its
 	// face.
 	const auto isOfVertex = [&](const FacetRecord& record)
 	{
-		return record.isThrough && record.kind == facet.kind &&
-			   (isOfA ? record.featureA == facet.featureA : record.featureB == facet.featureB);
+		return record.isThrough && record.kind == facet.kind && record.vertex() == facet.vertex();
 	};
 	if (!(isOfA ? a : b).isSheet() && std::any_of(last.begin(), last.end(), isOfVertex)) return false;
 	const Vec3 before = placeBy(lastAFromB);
-	const SurfaceFace& face = faces.planeOf(polygon);
+	const SurfaceFace& face = faces.planeOf(facet.polygon());
 	const double height = dot(face.normal, before) - face.offset;
 	if (height < 0) return known && facet.distance < height;
 	const double share = height / (height - facet.distance);

@@ -103,25 +103,19 @@ void FacetContacts::takeUpThrough(const ContactPoint& point, const FacetRecord& 
 	Facet facet{};
 	static_cast<FacetRecord&>(facet) = record;
 	const ContactSurface &a = q.a.surface(facet.levelA), &b = q.b.surface(facet.levelB);
-	const bool isOfA = facet.kind == Facet::Kind::kVertexFace;
-	const ContactSurface& faces = isOfA ? b : a;
-	std::uint32_t& polygon = isOfA ? facet.featureB : facet.featureA;
+	const bool isOfA = facet.vertexIsOfA();
 	if (b.isSheet())
 	{
 		const Transform lastBFromA = inverse(lastAFromB);
-		polygon = isOfA ? b.polygonIn(lastBFromA.rotation * point.normal, lastBFromA * point.pointOnB, q.length()) : kNone;
+		if (isOfA) facet.featureB = b.polygonIn(lastBFromA.rotation * point.normal, lastBFromA * point.pointOnB, q.length());
+		if (!isOfA || facet.featureB == kNone) return;
+		facet.nodeB = b.sheetNodeOf(facet.featureB);
 	}
-	if (polygon == kNone) return;
-	if (b.isSheet()) facet.nodeB = b.sheetNodeOf(polygon);
-	const Vec3 place = isOfA ? inverse(q.aFromB) * a.vertices()[facet.featureA] : q.aFromB * b.vertices()[facet.featureB];
-	const SurfaceFace& face = faces.planeOf(polygon);
-	facet.distance = dot(face.normal, place) - face.offset;
-	if (!(facet.distance < 0) || !faces.isOver(polygon, place, kInnerShare * q.length())) return;
-	facet.feature = featureOf(a, b, facet);
-	facet.reach = Facet::Reach::kOverlap;
-	facet.normal = isOfA ? q.aFromB.rotation * face.normal : -face.normal;
-	facet.span(isOfA ? a.vertices()[facet.featureA] : place, isOfA);
-	m_facets.push_back(facet);
+	placeThrough(q, facet);
+	const double touch = kInnerShare * q.length();
+	const Vec3 place = isOfA ? inverse(q.aFromB) * facet.onA : facet.onB;
+	const bool isOver = (isOfA ? b : a).isOver(facet.polygon(), place, touch);
+	if (facet.distance < 0 && isOver) m_facets.push_back(facet);
 }
 
 // Bodies overlap, and no facet says how deep: one point with a way out. While it is needed the way stays.

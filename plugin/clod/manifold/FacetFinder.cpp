@@ -56,7 +56,7 @@ void FacetFinder::find(const FacetQuestion& question, const std::vector<Contact>
 	noteThrough();
 	m_sought = kFar;
 	m_roamShare = contacts.size() <= kFewPairs ? kRoamOfFew : kRoamShare;
-	for (Facet& facet : facets) facet.linear = dot(m_motion.velocity(facet.onA), facet.normal) * m_motion.timeStep;
+	for (Facet& facet : facets) facet.setLinear(m_motion);
 	std::size_t size = kLeastTable;
 	while (size < 4 * (facets.size() + contacts.size())) size *= 2;
 	tabulate(size);
@@ -70,10 +70,10 @@ void FacetFinder::noteThrough()
 	for (const Facet& facet : *m_facets)
 	{
 		if (!facet.isThrough) continue;
-		const bool isOfB = facet.kind == Facet::Kind::kVertexFace;
+		const bool isOfB = facet.vertexIsOfA();
 		const ContactSurface& surface =
 			isOfB ? m_question->b.surface(facet.levelB) : m_question->a.surface(facet.levelA);
-		if (!surface.isHalfSpace()) m_through.push_back({isOfB, surface.planeOf(isOfB ? facet.featureB : facet.featureA)});
+		if (!surface.isHalfSpace()) m_through.push_back({isOfB, surface.planeOf(facet.polygon())});
 	}
 }
 
@@ -115,7 +115,7 @@ void FacetFinder::add(Facet& facet)
 	facet.levelB = m_pair.levelB;
 	facet.nodeA = m_pair.nodeA;
 	facet.nodeB = m_pair.nodeB;
-	facet.linear = dot(m_motion.velocity(facet.onA), facet.normal) * m_motion.timeStep;
+	facet.setLinear(m_motion);
 	facet.feature = featureOf(*m_pair.a, *m_pair.b, facet);
 	const std::size_t slot = slotOf(facet.feature);
 	if (m_table[slot] != kNone)

@@ -41,9 +41,8 @@ bool SheetCrossing::find(const FacetQuestion& question, const std::vector<Contac
 	const std::size_t stride = 1 + m_crossings.size() / kMostEdges;
 	for (std::size_t i = 0; i < m_crossings.size(); i += stride)
 	{
-		Crossing& crossing = m_crossings[i];
+		const Crossing& crossing = m_crossings[i];
 		m_a = &question.a.surface(question.a.levelOf(crossing.nodeA));
-		if (!findBeyond(crossing)) continue;
 		const Facet facet = facetOf(crossing);
 		const bool isWrong = !isOut || dot(shift, facet.normal) < kAsFar * facet.distance;
 		if (!isWrong && !crossesAny(crossing.edge, m_bFromA.rotation * (kBeyondShift * shift))) continue;
@@ -68,35 +67,35 @@ bool SheetCrossing::leadsOut(const Vec3& shift, const std::vector<Facet>& facets
 					   { return dot(f.normal, shift) + f.distance > std::min(0.0, kLeft * f.distance) - touch; });
 }
 
-// Edges of accepted nodes that cross a triangle, each once.
+// Collects the edges of accepted nodes that lead beyond, each once.
 void SheetCrossing::collect(const std::vector<Contact>& contacts)
 {
 	const FacetQuestion& q = *m_question;
 	m_crossings.clear();
 	for (const Contact& contact : contacts)
-	{
-		m_a = &q.a.surface(q.a.levelOf(contact.nodeA));
-		const std::uint32_t face = q.b.only->firstFaceOf(contact.nodeB);
-		for (const std::uint32_t e : m_a->edgesOf(contact.nodeA))
-		{
-			const auto& [from, to] = m_a->edges()[e].vertex;
-			if (!crosses(m_bFromA * m_a->vertices()[from], m_bFromA * m_a->vertices()[to], face)) continue;
+		for (const std::uint32_t e : q.a.surface(q.a.levelOf(contact.nodeA)).edgesOf(contact.nodeA))
 			m_crossings.push_back({contact.nodeA, e, kNone, kNone});
-		}
-	}
 	std::stable_sort(m_crossings.begin(), m_crossings.end());
 	m_crossings.erase(std::unique(m_crossings.begin(), m_crossings.end()), m_crossings.end());
+	const auto leadsNowhere = [this](Crossing& crossing) { return !findBeyond(crossing); };
+	m_crossings.erase(std::remove_if(m_crossings.begin(), m_crossings.end(), leadsNowhere), m_crossings.end());
 }
 
-bool SheetCrossing::crosses(const Vec3& from, const Vec3& to, std::uint32_t f) const
+// Calls each(face, start, end of the edge) for the front of every triangle that the edge crosses by more than a touch.
+template <class Each>
+void SheetCrossing::forEachCrossed(std::uint32_t edge, const Vec3& shift, Each each) const
 {
 	const ContactSurface& b = *m_question->b.only;
-	const SurfaceFace& face = b.faces()[f];
-	const double least = kLeastDepth * m_question->length(), touch = kInnerShare * m_question->length();
-	const double start = dot(face.normal, from) - face.offset, end = dot(face.normal, to) - face.offset;
-	if (std::max(start, end) < least || std::min(start, end) > -least) return false;
-	const Triangle corners{b.vertices()[face.vertex[0]], b.vertices()[face.vertex[1]], b.vertices()[face.vertex[2]]};
-	return nearestOnTriangle(corners, from + start / (start - end) * (to - from)).squared <= touch * touch;
+	const auto& [from, to] = m_a->edges()[edge].vertex;
+	const Vec3 start = shift + m_bFromA * m_a->vertices()[from], end = shift + m_bFromA * m_a->vertices()[to];
+	const double least = kLeastDepth * m_question->length();
+	const auto eachDeep = [&](std::uint32_t f, double)
+	{
+		const SurfaceFace& face = b.faces()[f];
+		const auto isDeep = [&](const Vec3& point) { return std::abs(dot(face.normal, point) - face.offset) >= least; };
+		if (f % 2 == 0 && isDeep(start) && isDeep(end)) each(f, start, end);
+	};
+	b.forEachCrossed(start, end, kInnerShare * m_question->length(), eachDeep);
 }
 
 // Of a triangle's two the one that looks to where the body belongs.
@@ -118,34 +117,32 @@ double SheetCrossing::sideOf(const PointRules& rules, const Vec3& normal, double
 
 bool SheetCrossing::crossesAny(std::uint32_t edge, const Vec3& shift) const
 {
-	const auto& [from, to] = m_a->edges()[edge].vertex;
-	const Vec3 start = shift + m_bFromA * m_a->vertices()[from], end = shift + m_bFromA * m_a->vertices()[to];
-	for (std::uint32_t f = 0; f < m_question->b.only->faces().size(); f += 2)
-		if (crosses(start, end, f)) return true;
-	return false;
+	bool crosses = false;
+	forEachCrossed(edge, shift, [&](std::uint32_t, const Vec3&, const Vec3&) { crosses = true; });
+	return crosses;
 }
 
 // Which end is beyond? All triangles that the edge crosses have to agree: it may be out again.
-bool SheetCrossing::findBeyond(Crossing& crossing) const
+bool SheetCrossing::findBeyond(Crossing& crossing)
 {
-	const ContactSurface& b = *m_question->b.only;
-	const SurfaceEdge& edge = m_a->edges()[crossing.edge];
-	const Vec3 from = m_bFromA * m_a->vertices()[edge.vertex[0]], to = m_bFromA * m_a->vertices()[edge.vertex[1]];
+	m_a = &m_question->a.surface(m_question->a.levelOf(crossing.nodeA));
 	double nearest = std::numeric_limits<double>::infinity();
-	for (std::uint32_t f = 0; f < b.faces().size(); f += 2)
+	bool agree = true;
+	const auto look = [&](std::uint32_t f, const Vec3& from, const Vec3& to)
 	{
-		if (!crosses(from, to, f)) continue;
 		const std::uint32_t side = faceToSide(f);
-		const auto heightOf = [&](const Vec3& point) { return dot(b.faces()[side].normal, point) - b.faces()[side].offset; };
-		const double start = heightOf(from), end = heightOf(to), share = std::max(start, end) / std::abs(start - end);
-		const std::uint32_t beyond = edge.vertex[start < 0 ? 0 : 1];
-		if (crossing.beyond != kNone && crossing.beyond != beyond) return false;
+		const SurfaceFace& face = m_question->b.only->faces()[side];
+		const double start = dot(face.normal, from) - face.offset, end = dot(face.normal, to) - face.offset;
+		const double share = std::max(start, end) / std::abs(start - end);
+		const std::uint32_t beyond = m_a->edges()[crossing.edge].vertex[start < 0 ? 0 : 1];
+		agree = agree && (crossing.beyond == kNone || crossing.beyond == beyond);
 		crossing.beyond = beyond;
-		if (share >= nearest) continue;
+		if (share > nearest || (share == nearest && side > crossing.face)) return;
 		nearest = share;
 		crossing.face = side;
-	}
-	return crossing.beyond != kNone;
+	};
+	forEachCrossed(crossing.edge, Vec3{}, look);
+	return agree && crossing.beyond != kNone;
 }
 
 // The one that a place is beneath, as far as beneath the face that was crossed; of a rough sheet it may be another.
@@ -175,23 +172,13 @@ Facet SheetCrossing::facetOf(const Crossing& crossing) const
 	const ContactSurface& b = *q.b.only;
 	Facet facet{};
 	facet.kind = Facet::Kind::kVertexFace;
-	facet.reach = Facet::Reach::kOverlap;
-	facet.isThrough = true;
 	facet.nodeA = crossing.nodeA;
 	facet.levelA = q.a.levelOf(crossing.nodeA);
 	facet.featureA = m_a->lowestFrom(crossing.beyond, q.aFromB.rotation * b.faces()[crossing.face].normal);
-	const Vec3& own = m_a->vertices()[facet.featureA];
-	const Vec3 place = m_bFromA * own;
-	facet.featureB = polygonOver(crossing.face, place);
+	facet.featureB = polygonOver(crossing.face, m_bFromA * m_a->vertices()[facet.featureA]);
 	facet.nodeB = b.sheetNodeOf(facet.featureB);
-	facet.levelB = 0;
-	facet.feature = featureOf(*m_a, b, facet);
-	const SurfaceFace& plane = b.planeOf(facet.featureB);
-	facet.normal = q.aFromB.rotation * plane.normal;
-	facet.distance = dot(plane.normal, place) - plane.offset;
-	facet.span(own, true);
-	facet.linear = dot(q.rules.motion().velocity(facet.onA), facet.normal) * q.rules.timeStep;
-	facet.then = facet.distance + facet.linear;
+	placeThrough(q, facet);
+	facet.then = facet.distance;
 	return facet;
 }
 

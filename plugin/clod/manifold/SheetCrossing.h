@@ -32,9 +32,10 @@ private:
 	};
 	bool leadsOut(const Vec3& shift, const std::vector<Facet>& facets) const;
 	void collect(const std::vector<Contact>& contacts);
-	bool crosses(const Vec3& from, const Vec3& to, std::uint32_t face) const;
+	template <class Each>
+	void forEachCrossed(std::uint32_t edge, const Vec3& shift, Each each) const;
 	bool crossesAny(std::uint32_t edge, const Vec3& shift) const;
-	bool findBeyond(Crossing& crossing) const;
+	bool findBeyond(Crossing& crossing);
 	std::uint32_t faceToSide(std::uint32_t face) const;
 	std::uint32_t polygonOver(std::uint32_t face, const Vec3& place) const;
 	Facet facetOf(const Crossing& crossing) const;

@@ -29,8 +29,9 @@ bool isSame(const RelativePose& l, const RelativePose& r)
 	return same(Transform{l.rotation, l.translation}, Transform{r.rotation, r.translation});
 }
 // It depends on the two hierarchies only: all coarsest answers are of one rule.
-StopRule coarsestRule(const QueryContext& context, Metric metric)
+StopRule coarsestRule(const QueryContext& context)
 {
+	Metric metric;
 	metric.coarsening = kOff;
 	return StopRule(context, metric);
 }
@@ -78,7 +79,7 @@ void followMotion(const QueryContext& context, PairCache::State& state)
 	state.sweep = context.sweep;
 }
 
-Outline outline(const QueryContext& context, const ContactSettings& settings, double tolerance, PairCache::State& state)
+Outline outline(const QueryContext& context, double tolerance, PairCache::State& state)
 {
 	if (!state.outline) state.outline = std::make_unique<PairFront>();
 	PairFront& front = *state.outline;
@@ -88,7 +89,7 @@ Outline outline(const QueryContext& context, const ContactSettings& settings, do
 		QueryStats stats;
 		std::vector<Contact> none;
 		ContactSink sink = ContactSink::ofLists(context, tolerance, none, stats);
-		traverse(context, {coarsestRule(context, settings.metric), tolerance, true}, front, sink, stats);
+		traverse(context, {coarsestRule(context), tolerance, true}, front, sink, stats);
 		result.listing = stats.boxTests + stats.hullTests;
 	}
 	const auto answers = std::count_if(front.entries.begin(), front.entries.end(), [](const FrontEntry& entry)
@@ -192,7 +193,7 @@ std::optional<double> ContactSearch::traverseFront(double tolerance)
 {
 	if (m_limit.isSet() && !m_settings.isTrial)
 	{
-		const Outline coarsest = outline(m_context, m_settings, tolerance, m_state);
+		const Outline coarsest = outline(m_context, tolerance, m_state);
 		m_result.stats.boxTests += coarsest.listing;
 		m_limit.holdBack(coarsest.answering);
 	}
@@ -211,10 +212,10 @@ std::optional<double> ContactSearch::traverseFront(double tolerance)
 // Of the outline: nothing is remembered of its pairs, they take what was held back.
 double ContactSearch::answerCoarsest(double tolerance)
 {
-	m_rule.emplace(coarsestRule(m_context, m_settings.metric));
+	m_rule.emplace(coarsestRule(m_context));
 	m_answered = m_state.outline.get();
 	addTo(m_result.stats, m_answered->counts);
-	ContactSink sink(m_context, tolerance, coversOfMixedLevels(), m_result.contacts, m_result.stats);
+	ContactSink sink(m_context, tolerance, coversBy(*m_rule), m_result.contacts, m_result.stats);
 	for (const FrontEntry& entry : m_answered->entries)
 	{
 		CachedSeparation nothing;
@@ -269,14 +270,14 @@ std::optional<double> ContactSearch::answerFrom(Walk& walk, const TraversalSetti
 {
 	m_result.contacts.clear();
 	m_result.stats.front = m_result.stats.frontInner = 0;
-	const auto covers = settings.rule.base().isUsed() ? ContactSink::Covers::kBounded : coversOfMixedLevels();
-	ContactSink sink(m_context, tolerance, covers, m_result.contacts, m_result.stats);
+	ContactSink sink(m_context, tolerance, coversBy(settings.rule), m_result.contacts, m_result.stats);
 	if (!walk(m_context, settings, m_state.front, sink, m_result.stats)) return std::nullopt;
 	return sink.largestCover();
 }
 
-ContactSink::Covers ContactSearch::coversOfMixedLevels() const
+ContactSink::Covers ContactSearch::coversBy(const StopRule& rule) const
 {
+	if (rule.base().isUsed()) return ContactSink::Covers::kBounded;
 	return m_gap.isAsked ? ContactSink::Covers::kWanted : ContactSink::Covers::kUnwanted;
 }
 

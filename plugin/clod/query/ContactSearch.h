@@ -13,7 +13,7 @@ namespace clod
 void followMotion(const QueryContext& context, PairCache::State& state);
 
 // Lists the pairs of the coarsest valid answer, unless that was done at this very pose. Precondition: motion was followed.
-Outline outline(const QueryContext& context, const ContactSettings& settings, double tolerance, PairCache::State& state);
+Outline outline(const QueryContext& context, double tolerance, PairCache::State& state);
 
 struct TraversalSettings;
 
@@ -59,7 +59,7 @@ private:
 	void sort();
 	bool rootIsApart() const;
 	double leastApart() const;
-	ContactSink::Covers coversOfMixedLevels() const;
+	ContactSink::Covers coversBy(const StopRule& rule) const;
 
 	const ContactSettings& m_settings;
 	const AskedGap m_gap;

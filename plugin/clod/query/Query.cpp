@@ -138,7 +138,7 @@ Outline outlineInOrder(const Hierarchy& a, const Hierarchy& b, const Transform& 
 	const QueryContext context(a, b, aFromB, settings.sweep);
 	followMotion(context, state);
 	if (state.separation.holds(context, settings, {})) return {};
-	return outline(context, settings, settings.tolerance, state);
+	return outline(context, settings.tolerance, state);
 }
 }  // namespace
 
