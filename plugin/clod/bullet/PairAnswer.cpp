@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// The second and third step of a dispatch: the query, and the points of what it accepted. Two bodies that stay where they
-// are cost what writing their manifolds costs.
+// The second and third step of a dispatch: the query, and the points made of what it accepted. Two bodies that stay
+// where they are cost no more than writing their manifolds does.
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
 #include <BulletCollision/CollisionShapes/btTriangleCallback.h>
 #include <xxhash.h>
@@ -57,7 +57,7 @@ Scratch& scratch()
 }
 }  // namespace
 
-// The gap besides the contacts only where it is asked for: it costs a search of the input surfaces.
+// Asks the query. The gap is searched only where it is asked for, as that costs a search of the input surfaces.
 void PairState::ask(const PairPose& pose, const Question& question, bool isAsked)
 {
 	const Question* const before = m_answered.get();
@@ -90,13 +90,13 @@ void PairState::query(const PairPose& pose, const Question& question)
 	m_report.coarsestTests = m_outline.listing + m_outline.answering;
 }
 
-// Does its own answer serve until the budget leaves enough for another? Not where a gap is asked for besides.
+// May the pair's own answer serve until the budget leaves enough for a finer one? Not where a gap is asked for, too.
 bool PairState::isRefinable(const PairPose& pose, const Question& question) const
 {
 	return m_budget && m_budget->isLimited() && m_budget->buysAnything() && pose.isOfTwo() && !question.withGap;
 }
 
-// What is asked next of an answer that misses its metric: as of those that move, or finer.
+// The coarsening to ask next for an answer that misses its metric: that of the pairs that move, or finer.
 double PairState::finerCoarsening() const
 {
 	return std::min(m_budget->coarsening(), std::max(1.0, m_result.excess / kFiner));
@@ -121,7 +121,8 @@ void PairState::refine()
 	refine(*m_ahead);
 }
 
-// Where it fails, the answer it has serves on; with all that was left to such as it, others have their turn then.
+// Refines an answer that lies still. Where what is left of the budget is not enough the answer it has goes on to serve,
+// and other pairs have their turn first from then on.
 void PairState::refine(Prepared& prepared)
 {
 	const std::optional<Want> wanted = want(prepared);
@@ -156,7 +157,7 @@ void PairState::refine(Prepared& prepared)
 	m_budget->endSpare();
 }
 
-// Those of a mesh within the tolerance of A at that pose. Returns their hash.
+// Gathers the triangles of a mesh within the tolerance of A at that pose. Returns their hash.
 std::uint64_t PairState::gatherTriangles(const PairPose& pose, const Transform& aFromB, double tolerance,
 										 std::vector<std::array<int, 2>>& names) const
 {
@@ -173,14 +174,15 @@ std::uint64_t PairState::gatherTriangles(const PairPose& pose, const Transform& 
 	return XXH3_64bits(triangles.data(), triangles.size() * sizeof(Triangle));
 }
 
-// A mesh may be another, or elsewhere, though its shape is the same: nobody tells.
+// Are the mesh's near triangles those of the last answer? A program may edit a mesh under the same shape without a
+// word.
 bool PairState::isMeshAsItWas(const PairPose& pose) const
 {
 	thread_local std::vector<std::array<int, 2>> names;
 	return gatherTriangles(pose, m_answered->aFromB, m_answered->settings.tolerance, names) == m_trianglesHash;
 }
 
-// Planes and meshes have no hierarchy: what of them is near is gathered anew.
+// Asks about planes and meshes. They have no hierarchy: what is near of them is gathered anew.
 void PairState::askPartner(const PairPose& pose)
 {
 	GapResult& result = scratch().result;
@@ -227,8 +229,9 @@ void PairState::askPartner(const PairPose& pose)
 	m_result.hold(result);
 }
 
-// Where a body is held between its contacts, and they err, they are asked for with a quarter of that error: the play is
-// about as small as the margins, and what errs by more jams. For as long as the pair is near: what is coarser would jam again.
+// Where a body is held between contacts that err, asks again with a quarter of that error: the play is about as small
+// as the margins, and contacts that err by more jam. It stays so as long as the pair is near, as coarser ones would jam
+// again.
 bool PairState::refineHeld(const PairPose& pose, Question& question)
 {
 	if (m_result.stats.coarsestLevel == 0) return false;
@@ -246,7 +249,8 @@ bool PairState::refineHeld(const PairPose& pose, Question& question)
 	return true;
 }
 
-// A pair that was apart and is costs no more than it must: nothing is copied, and the clock not read again.
+// Answers the question. A pair that was and is apart costs as little as possible: nothing is copied, and the clock is
+// not read again.
 void PairState::answer(const PairPose& pose, Question& question, bool isAsked)
 {
 	const Clock::time_point start = Clock::now();
@@ -276,7 +280,8 @@ void PairState::answer(const PairPose& pose, Question& question, bool isAsked)
 	noteAnswered(question);
 }
 
-// What a budget cut short is the coarsest answer: it serves while budgets buy nothing, others have it asked anew.
+// Remembers what was answered. An answer that a budget cut short is the coarsest: it serves while budgets buy nothing,
+// and is asked anew otherwise.
 void PairState::noteAnswered(Question& question)
 {
 	if (m_result.stats.cutShort > 0) question.settings.metric.coarsening = kOff;
@@ -316,7 +321,7 @@ void PairState::findPoints(const PairPose& pose, Question& question, bool goesOn
 	m_clusters.hold(next);
 }
 
-// Of what is no body of ours: as its owner names it.
+// Names the part and triangle of a mesh that is no shape of ours as its owner names them.
 void PairState::namePartnerFace(const PairPose& pose, ContactPoint& point)
 {
 	const bool hasGap = pose.isOfTwo() && m_context.searchGap && !pose.isRound();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// The way of a dispatch, and its first step: who meets, what is asked.
+// The course of a dispatch, and its first step: which bodies meet, and what is asked about them.
 #include "clod/bullet/PairState.h"
 
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
@@ -21,7 +21,7 @@ constexpr std::uint32_t kLongStill = 16;  // dispatches that ask nothing, until 
 constexpr double kSeldomMet = 0.25;  // so little is expected of what nobody looked at: it may be met, but hardly ever is
 constexpr double kStillShare = 3e-4;  // of the length, more than half of the skin: points found so little motion ago serve
 
-// Every field: one more does not compile before it is named here.
+// All fields, for comparison. A field that is added does not compile before it is named here.
 auto fieldsOf(const PairBody& body)
 {
 	const auto& [inverseMass, inverseInertia, center, linear, angular, force] = body;
@@ -92,7 +92,7 @@ bool PairState::same(const Question& l, const Question& r)
 		   clod::same(l.settings, r.settings) && l.withGap == r.withGap;
 }
 
-// Have bodies moved so little since they were asked about, and do they move so slowly, that the points found then serve?
+// Do the points found last still serve, because the bodies have hardly moved since then and move slowly?
 bool PairState::isStill(const PairPose& pose, const Question& question) const
 {
 	if (!m_context.keepPoints || pose.prediction != Prediction::kFree || m_facets.isMadeIn) return false;
@@ -104,7 +104,7 @@ bool PairState::isStill(const PairPose& pose, const Question& question) const
 	const double moved = length(since * pose.center - pose.center) +
 						 turnBetween(then.aFromB.rotation, question.aFromB.rotation) * pose.radius;
 	if (moved > most) return false;
-	// Forces all but alike, and otherwise the same question but for the motion.
+	// The forces are almost the same, and so is the question but for the motion.
 	const auto isForcedAlike = [&](const PairBody& l, const PairBody& r)
 	{ return l.inverseMass == r.inverseMass && length(l.force - r.force) * question.rules.timeStep < most; };
 	PointRules rules = question.rules;
@@ -121,7 +121,7 @@ bool PairState::isStill(const PairPose& pose, const Question& question) const
 		   (pose.partner != Partner::kConcave || isMeshAsItWas(pose));
 }
 
-// Where a shape is another than in the last dispatch, nothing kept holds.
+// Drops everything kept where one of the shapes is another than in the last dispatch.
 void PairState::noticeShapes(const PairPose& pose)
 {
 	const Seen a = seenA(pose), b = seenB(pose);
@@ -156,9 +156,10 @@ PairPose PairState::begin(const btCollisionObjectWrapper& body0, const btCollisi
 		sayOnce(32, "a pair has no contacts: " + pose.notFinite);
 		return pose;
 	}
-	// Bodies that carry each other are held together; and further passes know who holds whom.
+	// Not for bodies that carry each other, as they are held together; nor in further passes, which know who holds
+	// whom.
 	if (prediction == Prediction::kFree && pose.isOfTwo() && !m_manifolds.carry()) pose.expectHolding();
-	// What met little may meet more where third bodies turn its motion, and to look for it costs little.
+	// A pair that met little may meet more if third bodies turn its motion, and looking for that costs little.
 	if (prediction == Prediction::kFree && pose.isOfTwo() && m_result.pairs.size() <= kFewPairs) pose.lookAside();
 	m_report.motion = pose.motion;
 	m_report.tolerance = pose.tolerance;
@@ -176,7 +177,7 @@ PairPose PairState::begin(const btCollisionObjectWrapper& body0, const btCollisi
 	return pose;
 }
 
-// By the load: that of the body alone, as forces accelerate it.
+// Judged by the load on the points: it is that of the body alone, as forces accelerate it.
 bool PairState::liesAlone(const PairPose& pose) const
 {
 	const PairBody &a = pose.rules.a, &b = pose.rules.b;
@@ -208,7 +209,7 @@ PairState::Question PairState::questionOf(const PairPose& pose)
 	return question;
 }
 
-// Nothing was asked: of the dispatch before, neither points nor report hold any longer.
+// For a dispatch that asks nothing: neither the points nor the report of the dispatch before hold any longer.
 void PairState::forget()
 {
 	m_clusters = {};
@@ -237,15 +238,16 @@ void PairState::open(const btCollisionObjectWrapper& body0, const btCollisionObj
 		next.question = questionOf(next.pose);
 		double& coarsening = next.question.settings.metric.coarsening;
 		const double asked = coarsening;
-		// What is finer than a budget buys now costs nothing, and what is coarser is refined with what is left. Where it buys
-		// nothing, answers are the coarsest.
+		// An answer that lies still is kept: one finer than the budget buys now costs nothing, and a coarser one is
+		// refined with what the budget leaves. Where a budget buys nothing, answers are the coarsest.
 		const bool isRefined = isRefinable(next.pose, next.question);
 		if (m_answered && (isRefined || asked < kOff))
 		{
 			const double before = m_answered->settings.metric.coarsening;
 			coarsening = isRefined && before < kOff ? before : std::min(asked, before);
 		}
-		// At the very same pose it is no other question because what was found then was little or much (lookAside).
+		// At the very same pose the question counts as the same although lookAside() may set another tolerance by how
+		// much was found.
 		const double tolerance = next.question.settings.tolerance;
 		if (m_answered) next.question.settings.tolerance = m_answered->settings.tolerance;
 		next.isKept = next.pose.isOfTwo() && m_answered && same(*m_answered, next.question);
@@ -255,7 +257,7 @@ void PairState::open(const btCollisionObjectWrapper& body0, const btCollisionObj
 	}
 }
 
-// What has found nothing of a plane that rests, and is as it was, costs no more than the bound of its motion.
+// A pair that found nothing of a resting plane, and is as it was, costs no more than a bound of its motion.
 bool PairState::staysOverPlane(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 							   const btDispatcherInfo& info)
 {
@@ -265,7 +267,7 @@ bool PairState::staysOverPlane(const btCollisionObjectWrapper& body0, const btCo
 	const bool planeIsFirst = body0.getCollisionShape() == m_seenB.shape;
 	const btCollisionObject &plane = *(planeIsFirst ? body0 : body1).getCollisionObject(),
 							&body = *(planeIsFirst ? body1 : body0).getCollisionObject();
-	// Of compounds neither.
+	// Neither of the two may be a compound's child.
 	if (plane.getCollisionShape() != m_seenB.shape || body.getCollisionShape() != m_seenA.shape || !isFixed(plane) ||
 		plane.getCollisionShape()->getShapeType() != STATIC_PLANE_PROXYTYPE)
 		return false;
@@ -417,12 +419,12 @@ double PairState::surprise() const
 											  m_foreseen.worldFromA, m_foreseen.scale, dt);
 	const auto wayOf = [&](const RelativeMotion& motion)
 	{ return motion.speedWithin(m_foreseen.center, m_foreseen.radius) * dt; };
-	// Whatever is met on a way that short has been near, and a contact, from the start.
+	// What is met on so short a way was near from the start, and so it is a contact already.
 	const double skin = m_foreseen.skin, nearest = kRestingShare / kSkinShare * skin;
 	if (wayOf(now) <= nearest) return 0;
 	const double otherWay = wayOf({now.linear - m_foreseen.motion.linear, now.angular - m_foreseen.motion.angular, dt});
 	if (otherWay > m_foreseen.spare + skin) return otherWay / skin;
-	// Of the points themselves a solver knows the first order, whatever the motion: they miss what turns meanwhile.
+	// A solver knows the points to first order for any motion. What they miss is how the bodies turn meanwhile.
 	const auto turnOf = [&](const btCollisionObject* body) { return dt * length(solvedMotion(*body).angular); };
 	const double bent = std::min(1.0, std::max(turnOf(m_report.objectA), turnOf(m_report.objectB))) * otherWay / skin;
 	return otherWay <= nearest + skin ? bent : std::max(bent, 1 + kSeldomMet * (otherWay - nearest) / skin);

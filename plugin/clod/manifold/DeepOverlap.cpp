@@ -10,18 +10,19 @@ namespace clod
 {
 namespace
 {
-constexpr double kLeastDepth = 1e-3;   // of the length: less is the facets' business
-constexpr double kOpposing = 0.3;      // cosine to the pair's direction below which a way is not its own
-constexpr double kLeastShare = 1e-3;  // of an edge, the shortest that is looked for inside
-constexpr double kNotConvex = 0.03;  // of a body's volume, that its hull has more
+constexpr double kLeastDepth = 1e-3;  // of the length: shallower overlaps are left to the facets
+constexpr double kOpposing = 0.3;     // cosine: a way out that is farther off the pair's direction is not taken
+constexpr double kLeastShare = 1e-3;  // of an edge: the shortest part that is looked for inside
+constexpr double kNotConvex = 0.03;   // of a body's volume: a hull with that much more is not the body
 constexpr std::size_t kMostHullCorners = 64;
 constexpr double kDifferencesError = 1e-4;  // of the length, of the hull of differences,
 constexpr std::size_t kMostDifferences = 128;  // which has so many corners at most
 constexpr std::size_t kMostProbed = 64;
 constexpr std::size_t kMostVertices = 256;
 
-// Is a body all but its hull? By volume, of the hull of everything: of the input surface as far out as so many corners tell, and
-// of the root, whose few tell exactly, but which may lie within (a landscape's is a box).
+// Is a body convex, or nearly so? Its volume is compared with that of two hulls: of the input surface, as far as so
+// many corners tell; and of the root node, whose few corners are all there, but which may lie within the body (a
+// landscape's root is a box).
 struct Bulk
 {
 	bool isConvex;
@@ -51,7 +52,7 @@ private:
 	}
 };
 
-// How far A goes along the direction until the hulls of the two surfaces are apart.
+// How far A has to go along the direction until the hulls of the two surfaces are apart.
 double hullDepth(const ContactSurface& a, const ContactSurface& b, const Transform& aFromB, const Vec3& direction)
 {
 	double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
@@ -91,8 +92,8 @@ bool DeepOverlap::areConvex(const FacetQuestion& q)
 	return q.a.hierarchy && q.b.hierarchy && q.a.hierarchy->derived<Bulk>().isConvex && q.b.hierarchy->derived<Bulk>().isConvex;
 }
 
-// The deepest of a node's corners inside the other body; or, of bodies that reach through each other and have none, of what
-// their edges have inside behind where they cross the other node's faces.
+// Finds the deepest of a node's corners inside the other body. Where bodies reach through each other without any corner
+// inside (atCrossings), finds the deepest place on the parts of edges behind where they cross the other node's faces.
 void DeepOverlap::probe(const FacetQuestion& q, const Contact& contact, bool ofA, bool atCrossings)
 {
 	const std::uint32_t node = ofA ? contact.nodeA : contact.nodeB;
@@ -101,7 +102,7 @@ void DeepOverlap::probe(const FacetQuestion& q, const Contact& contact, bool ofA
 	const ContactSurface& other = ofA ? q.b.surface(q.b.levelOf(contact.nodeB))
 									  : q.a.surface(q.a.levelOf(contact.nodeA));
 	const Transform otherFromOwn = ofA ? inverse(q.aFromB) : q.aFromB;
-	// What is inside near the other's patch is under all of its faces, as patches are convex.
+	// Patches are convex, so a place inside near the other's patch is beneath all faces of that patch.
 	const std::uint32_t otherNode = ofA ? contact.nodeB : contact.nodeA, firstFace = other.firstFaceOf(otherNode);
 	const auto patch = other.polygonsOf(otherNode);
 	const double slack = kLeastDepth * q.length(), least = (atCrossings ? kInnerShare : kLeastDepth) * q.length();
@@ -121,7 +122,7 @@ void DeepOverlap::probe(const FacetQuestion& q, const Contact& contact, bool ofA
 		const Vec3 way = near.point - there;
 		deepest = {ofA ? place : there, ofA ? q.aFromB.rotation * way : -way, contact.nodeA, contact.nodeB, feature, ofA};
 	};
-	// From the crossing on to the edge's end, by halves: it may be out again soon.
+	// Looks from the crossing towards the edge's end, by halving, as the edge may come out again soon.
 	const auto lookBehindCrossings = [&](const SurfaceEdge& edge, std::uint32_t feature)
 	{
 		const Vec3 &from = own.vertices()[edge.vertex[0]], &to = own.vertices()[edge.vertex[1]];
@@ -142,7 +143,8 @@ void DeepOverlap::probe(const FacetQuestion& q, const Contact& contact, bool ofA
 	if (deepest.way != Vec3{}) m_inside.push_back(deepest);
 }
 
-// The vertex nearest to the way out, of a body no part of which is near the other's surface. Of many some, evenly.
+// For a body no part of which is near the other's surface: finds the vertex nearest to the way out. Of many vertices
+// only some are tried, evenly spread.
 void DeepOverlap::probeWhole(const FacetQuestion& q, bool ofA)
 {
 	const auto coarsest = [](const Hierarchy& h) { return h.coarsestClodLevel(); };
@@ -168,7 +170,8 @@ Vec3 DeepOverlap::wayOut(const FacetQuestion& q, const Vec3& kept, bool isCrossi
 	if (kept != Vec3{}) return kept;
 	Vec3 sum;
 	for (const Inside& inside : m_inside) sum += inside.way;
-	// Hulls know nothing of bodies that reach into each other: they are asked only where nothing is inside.
+	// The hulls tell nothing of concave bodies that reach into each other. They are asked only where no corner is
+	// inside.
 	if (!areHulls && !isCrossing && sum != Vec3{}) return normalized(sum);
 	return shortestWayOut(q, q.a.surface(q.a.levelOf(m_inside[0].nodeA)), q.b.surface(q.b.levelOf(m_inside[0].nodeB)));
 }
@@ -177,7 +180,7 @@ Vec3 DeepOverlap::find(const FacetQuestion& q, const std::vector<Contact>& conta
 					   std::vector<Facet>& facets)
 {
 	m_inside.clear();
-	// A half space's facets tell of any depth, and a sheet has no inside.
+	// Not for half spaces, whose facets tell any depth, nor for sheets, which have no inside.
 	if (q.b.hierarchy == nullptr) return {};
 	const auto probeAll = [&](bool atCrossings)
 	{
@@ -217,7 +220,7 @@ Vec3 DeepOverlap::find(const FacetQuestion& q, const std::vector<Contact>& conta
 		facet.span(inside.point, inside.ofA);
 		facets.push_back(facet);
 	};
-	// Of convex bodies their hulls tell how far it is out, be there little of either inside.
+	// The hulls of convex bodies tell how far it is out, even where little of either body is inside.
 	if (areHulls)
 	{
 		const ContactSurface& a = q.a.surface(q.a.levelOf(m_inside[0].nodeA));

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Zlib
-// A depth that no facet answers: bodies overlap so far that what is inside has lost sight of the surface, or reach through
-// each other with no corner inside, or, convex, are held by facets on either side of what they got through. One direction for
-// the pair, kept from the step before; else the mean way out of the corners inside, or, of convex bodies and where there are
-// none, the shortest out of the hulls (the nearest face of the hull of their differences a - b: some 300 supports). And a
-// contact for each place inside whose own way out does not oppose it. A body that is wholly inside, far from any surface, is
-// looked at as a whole.
+// Overlaps whose depth no facet tells: what is inside is too far from the surface, or the bodies reach through each
+// other with no corner inside, or convex bodies are held by facets on both sides of what they got through.
+//
+// The pair gets one direction out, which is kept from step to step. At first it is the mean way out of the corners
+// inside; for convex bodies, and where no corner is inside, the shortest way out of the two hulls (the nearest face of
+// the hull of their differences a - b: some 300 support values). Each place inside whose own way out does not oppose
+// that direction becomes a contact. A body that is wholly inside, far from any surface, is looked at as a whole.
 #pragma once
 #include <vector>
 
@@ -15,12 +16,12 @@ namespace clod
 class DeepOverlap
 {
 public:
-	// Appends the contacts, and returns the direction, from B to A; zero where nothing is found inside. kept: a direction
-	// to go on with, or zero. isDeep: one body is known to be inside the other, near a surface or not.
+	// Appends the contacts, and returns the direction, from B to A; zero where nothing is found inside. kept: a
+	// direction to go on with, or zero. isDeep: one body is known to be inside the other, near a surface or not.
 	Vec3 find(const FacetQuestion& question, const std::vector<Contact>& contacts, bool isDeep, const Vec3& kept,
 			  std::vector<Facet>& facets);
 
-	// Are both all but their hulls?
+	// Are both bodies convex, or nearly so?
 	static bool areConvex(const FacetQuestion& question);
 
 private:

@@ -19,7 +19,7 @@ Vec3 impulseOf(const ClusterSet& set)
 	return sum;
 }
 
-// The triangle on which a place of the part lies, which may have many; kNone of a core.
+// The triangle on which a place of the part lies (a part may have many); kNone for a thin core.
 std::uint32_t faceOf(const ContactSurface& surface, Part part, std::uint32_t feature, std::uint32_t node, const Vec3& place)
 {
 	if (surface.isCore()) return kNone;
@@ -68,7 +68,7 @@ void FacetContacts::settle(const std::vector<Contact>& contacts, bool isDeep, co
 	m_spare = std::min(m_solve.spare(), m_finder.sought());
 }
 
-// Those that the solver got last, where they were.
+// Takes up the facets that the solver got last, where they were.
 void FacetContacts::takeUp(const ClusterSet& previous, const FacetMemory& memory)
 {
 	const PointRules& rules = m_question.rules;
@@ -87,7 +87,8 @@ void FacetContacts::takeUp(const ClusterSet& previous, const FacetMemory& memory
 				   });
 }
 
-// What went in through a face stays its contact until it is out, be it beyond by more than the body is thick there.
+// Takes up the vertices that went in through a face: each stays a contact of that face until it is out, even if it is
+// beyond by more than the body is thick there.
 void FacetContacts::takeUpWhatIsThrough(const ClusterSet& previous, const FacetMemory& memory)
 {
 	forEachReduced(previous, memory.reduced,
@@ -118,7 +119,8 @@ void FacetContacts::takeUpThrough(const ContactPoint& point, const FacetRecord& 
 	if (facet.distance < 0 && isOver) m_facets.push_back(facet);
 }
 
-// Bodies overlap, and no facet says how deep: one point with a way out. While it is needed the way stays.
+// Where bodies overlap and no facet tells how deep, adds the contacts of a way out (DeepOverlap.h), which stays the
+// same as long as it is needed.
 void FacetContacts::answerDepth(const std::vector<Contact>& contacts, bool isDeep, const ClusterSet& previous)
 {
 	Vec3& wayOut = m_memory->wayOut;
@@ -132,7 +134,7 @@ void FacetContacts::answerDepth(const std::vector<Contact>& contacts, bool isDee
 	const bool overlap =
 		isDeep || std::any_of(contacts.begin(), contacts.end(), [](const Contact& c) { return c.upper <= 0; });
 	const bool isOverlapping = std::any_of(m_facets.begin(), m_facets.end(), [](const Facet& f) { return f.distance < 0; });
-	// Convex bodies are held between each other's facets by nothing but having got through.
+	// Facets hold convex bodies from opposite sides only if the bodies have got through each other.
 	const bool isAnswered = isOverlapping && !(DeepOverlap::areConvex(m_question) && holdBetween());
 	if (!overlap || (isAnswered && wayOut == Vec3{}))
 	{
@@ -143,7 +145,7 @@ void FacetContacts::answerDepth(const std::vector<Contact>& contacts, bool isDee
 	m_deepFacets.clear();
 	wayOut = m_deep.find(m_question, contacts, isDeep, kept, m_deepFacets);
 	if (wayOut == Vec3{}) return;
-	// What opposes the way would hold the bodies where they are.
+	// Overlapping facets that oppose the way out would hold the bodies where they are.
 	m_facets.erase(std::remove_if(m_facets.begin(), m_facets.end(),
 								  [&](const Facet& f) { return dot(f.normal, wayOut) < kAgainst; }),
 				   m_facets.end());
@@ -175,7 +177,8 @@ void FacetContacts::reduce(const ClusterSet& previous, ClusterSet& next)
 	m_memory->through = normalized(bFromA.rotation * through);
 }
 
-// The triangles that a point lies on. Not of one that is held: there may be no surface any longer.
+// Sets the triangles that a point lies on. Not for points that go on after a change of level, whose surface may be
+// gone.
 void FacetContacts::nameFaces(const Facet& facet, const Transform& bFromA, ContactPoint& point) const
 {
 	const ContactSurface &a = m_question.a.surface(facet.levelA), &b = m_question.b.surface(facet.levelB);

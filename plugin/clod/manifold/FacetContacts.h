@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Contact points of a pair as facets of its Minkowski difference: found (FacetFinder.h), chosen (FacetChoice.h), told which
-// carry (PairSolve.h), and reduced to what a solver gets (ContactReducer.h); a way out where none of them tells of a
-// depth (DeepOverlap.h).
+// The contact points of a pair, made of facets of its Minkowski difference: facets are found (FacetFinder.h) and chosen
+// (FacetChoice.h), it is worked out which of them carry (PairSolve.h), and they are reduced to what a solver gets
+// (ContactReducer.h). Where no facet tells a depth there is a way out (DeepOverlap.h).
 #pragma once
 #include <vector>
 
@@ -17,7 +17,7 @@
 
 namespace clod
 {
-// What of a pair lasts from step to step besides its points; all else is scratch.
+// What lasts of a pair from step to step, besides its points. All else is scratch.
 struct FacetMemory
 {
 	std::vector<FacetRecord> reduced;  // those that the solver got, in the order of its points,
@@ -27,7 +27,7 @@ struct FacetMemory
 	bool isMadeIn = false;       // while what is through a sheet was there from the beginning (SheetCrossing.h)
 	Vec3 wayOut;                 // while there is a depth that no facet answers: the points say nothing of it but this
 	bool isDeep() const { return wayOut != Vec3{}; }
-	// The bodies were put elsewhere, or are others.
+	// For when the bodies are put elsewhere, or are others.
 	void forget() { *this = {}; }
 };
 
@@ -35,15 +35,15 @@ struct FacetMemory
 class CLOD_API FacetContacts
 {
 public:
-	// The facets of the accepted pairs. goesOn: those that the solver got last stay, as nothing but the motion of the rules
-	// has changed.
+	// The facets of the accepted pairs. goesOn: those that the solver got last stay, as nothing but the motion of the
+	// rules has changed.
 	void find(const ContactBody& a, const ContactBody& b, const Transform& aFromB, const PointRules& rules,
 			  const std::vector<Contact>& contacts, const ClusterSet& previous, const FacetMemory& memory,
 			  bool goesOn = false);
-	// Of those found last: would they hold the bodies however they move?
+	// Would the facets found last hold the bodies however they move?
 	bool holdBetween() const { return isHeldBetween(m_question, m_facets); }
-	// Makes contacts of those found last. isDeep: one body is known to be inside the other. The memory is the pair's, and
-	// needed until reduce().
+	// Makes contacts of those found last. isDeep: one body is known to be inside the other. The memory is the pair's,
+	// and needed until reduce().
 	void settle(const std::vector<Contact>& contacts, bool isDeep, const ClusterSet& previous, FacetMemory& memory,
 				bool goesOn = false);
 	// Of A's material relative to B's, frame A: the coming step's, as these contacts alone would have it.
@@ -51,8 +51,8 @@ public:
 	std::size_t size() const { return m_facets.size(); }
 	// Of those found last, the ones a solver gets. previous: with placeWithB (carryWithB), and impulses.
 	void reduce(const ClusterSet& previous, ClusterSet& next);
-	// By how much another motion may differ from the expected one, at the bodies' farthest points, before it meets facets that
-	// are none of the reduced.
+	// By how much a motion may differ from the expected one, at the bodies' farthest points, before it meets facets
+	// that are not among the reduced ones.
 	double spare() const { return m_spare; }
 	// Does a point of the reduced set go on as it was named?
 	bool isHeld(std::size_t slot, std::size_t point) const

@@ -9,13 +9,13 @@ namespace clod
 {
 namespace
 {
-constexpr double kLeastDepth = 1e-3;     // of the length: less is the facets' business
-constexpr double kAllButIn = 0.2;        // of the length: from the sheet to the middle
-constexpr double kSameWay = 0.3;  // cosine
-constexpr double kBeyondShift = 1.05;    // times the shift edges are looked for again
-constexpr double kAsFar = 0.8;           // of the depth: from here on out on the wrong side is not meant
-constexpr double kLeft = 0.05;           // of an overlap, what a shift may leave
-constexpr std::size_t kMostEdges = 128;  // evenly, of more
+constexpr double kLeastDepth = 1e-3;     // of the length: shallower overlaps are left to the facets
+constexpr double kAllButIn = 0.2;        // of the length: a middle nearer to the sheet tells no side
+constexpr double kSameWay = 0.3;         // cosine: directions that lie less far apart agree
+constexpr double kBeyondShift = 1.05;    // edges are looked for again at so many times the shift out of what is known
+constexpr double kAsFar = 0.8;           // of the depth: a polygon over a place has to be so far above it
+constexpr double kLeft = 0.05;           // of an overlap: what a shift that leads out may leave
+constexpr std::size_t kMostEdges = 128;  // of more edges that cross, these many are taken, evenly
 }  // namespace
 
 bool SheetCrossing::isDeep(const FacetQuestion& question, const std::vector<Facet>& facets)
@@ -28,7 +28,7 @@ bool SheetCrossing::find(const FacetQuestion& question, const std::vector<Contac
 						 std::vector<Facet>& facets)
 {
 	const auto isThrough = [](const Facet& facet) { return facet.isThrough; };
-	if (!was && std::any_of(facets.begin(), facets.end(), isThrough)) return false;  // by its motion
+	if (!was && std::any_of(facets.begin(), facets.end(), isThrough)) return false;  // it went in by its motion
 	m_question = &question;
 	m_bFromA = inverse(question.aFromB);
 	Vec3 way;
@@ -52,14 +52,14 @@ bool SheetCrossing::find(const FacetQuestion& question, const std::vector<Contac
 	way = normalized(way);
 	const auto goesElsewhere = [&](const Facet& facet)
 	{ return facet.reach == Facet::Reach::kOverlap && dot(facet.normal, way) < kAgainst; };
-	// What is wedged in between is no one's.
+	// A body that is wedged in from several sides belongs to no side.
 	if (way == Vec3{} || std::any_of(m_beyond.begin(), m_beyond.end(), goesElsewhere)) return false;
 	for (const Facet& facet : m_beyond) add(facet, facets);
 	facets.erase(std::remove_if(facets.begin(), facets.end(), goesElsewhere), facets.end());
 	return true;
 }
 
-// Out of all overlaps? Where some are against each other none does.
+// Does the shift lead out of all overlaps? No shift does where overlaps oppose each other.
 bool SheetCrossing::leadsOut(const Vec3& shift, const std::vector<Facet>& facets) const
 {
 	const double touch = kInnerShare * m_question->length();
@@ -98,7 +98,7 @@ void SheetCrossing::forEachCrossed(std::uint32_t edge, const Vec3& shift, Each e
 	b.forEachCrossed(start, end, kInnerShare * m_question->length(), eachDeep);
 }
 
-// Of a triangle's two the one that looks to where the body belongs.
+// Of a triangle's two faces, back to back, the one that looks to the side where the body belongs.
 std::uint32_t SheetCrossing::faceToSide(std::uint32_t f) const
 {
 	const SurfaceFace& face = m_question->b.only->faces()[f];
@@ -122,7 +122,8 @@ bool SheetCrossing::crossesAny(std::uint32_t edge, const Vec3& shift) const
 	return crosses;
 }
 
-// Which end is beyond? All triangles that the edge crosses have to agree: it may be out again.
+// Which end of the edge is beyond the sheet? All triangles that it crosses have to agree, as it may have come out
+// again.
 bool SheetCrossing::findBeyond(Crossing& crossing)
 {
 	m_a = &m_question->a.surface(m_question->a.levelOf(crossing.nodeA));
@@ -145,7 +146,8 @@ bool SheetCrossing::findBeyond(Crossing& crossing)
 	return agree && crossing.beyond != kNone;
 }
 
-// The one that a place is beneath, as far as beneath the face that was crossed; of a rough sheet it may be another.
+// The polygon that a place is beneath. On a rough sheet it may be another than the one that was crossed, but the place
+// has to be about as far beneath it.
 std::uint32_t SheetCrossing::polygonOver(std::uint32_t f, const Vec3& place) const
 {
 	const ContactSurface& b = *m_question->b.only;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Zlib
-// Bodies that were made in a sheet. Of thin walls no facet may tell: nothing of them is near above what is beneath. Their
-// corners beneath are contacts of the faces that they would have gone in through, as if they had (FacetRecord::isThrough), from
-// the side that the body's middle is on, or, where it is all but in the sheet, against the forces.
+// Bodies that were made in a sheet (created, or put, half way through it). No facet may tell of a thin wall beneath the
+// sheet. Its corners beneath become contacts of the faces that they would have gone in through, as if they had
+// (FacetRecord::isThrough): from the side that the body's middle is on or, where the middle is almost in the sheet, the
+// side that the forces come from.
 #pragma once
 #include <vector>
 
@@ -12,13 +13,14 @@ namespace clod
 class SheetCrossing
 {
 public:
-	// May there be more to tell of than facets do? What rests need not be asked.
+	// May there be crossings that no facet tells of? Bodies at rest need not be looked at.
 	static bool isDeep(const FacetQuestion& question, const std::vector<Facet>& facets);
-	// To which side of a face, or of what lies across such a normal, does A belong: by the way of what has gone in through the
-	// sheet, the forces where its middle is all but in it, or its middle? Below zero: beneath. Frame A.
+	// To which side of a plane does A belong? Decided by the way in of what has gone in through the sheet; else by the
+	// forces, where A's middle is almost in the plane; else by the middle. Below zero: beneath. Frame A.
 	static double sideOf(const PointRules& rules, const Vec3& normal, double offset, const Vec3& way);
-	// Adds the contacts of edges of A that would cross B, a sheet, even were A moved by the shift, which is out of the facets
-	// that are known; and removes overlaps that go against it. was: in the last dispatch. Is it made in?
+	// Adds contacts for the edges of A that would still cross B, a sheet, after the shift, which leads out of the
+	// facets known; and removes overlaps that go against them. was: what it returned in the last dispatch. Returns
+	// whether A was made in the sheet.
 	bool find(const FacetQuestion& question, const std::vector<Contact>& contacts, const Vec3& shift, bool was,
 			  std::vector<Facet>& facets);
 
