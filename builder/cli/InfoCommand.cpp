@@ -11,6 +11,7 @@
 
 #include "builder/cli/Commands.h"
 #include "builder/cli/PieceCounts.h"
+#include "cli/Counted.h"
 #include "cli/Files.h"
 #include "cli/MeshPath.h"
 #include "cli/Program.h"
@@ -19,6 +20,7 @@ namespace clod::builder
 {
 namespace
 {
+using cli::counted;
 using cli::ExitCode;
 using cli::Failure;
 
@@ -170,8 +172,6 @@ std::string describeAsText(const Hierarchy& hierarchy, std::uint64_t fileBytes)
 							level.nodeCount, level.maxHausdorff, level.maxDeviation, level.maxCover, level.maxProtrude,
 							isContactLevel(level) ? "yes" : "no");
 	}
-	const auto counted = [](std::size_t count, const char* what)
-	{ return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s"); };
 	text += fmt::format("{}, {} of them for contact; {} triangles, {}, {} bytes{}\n", counted(hierarchy.levels().size, "level"),
 						contactLevelCount(hierarchy), a.triangleCount, counted(hierarchy.nodes().size, "node"), fileBytes,
 						hierarchy.isPaperBuild() ? "; built with --paper" : "");

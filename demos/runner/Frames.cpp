@@ -11,6 +11,7 @@
 #include <set>
 #include <utility>
 
+#include "cli/Counted.h"
 #include "cli/Failure.h"
 #include "demos/render/MetricLength.h"
 
@@ -94,10 +95,8 @@ std::vector<std::string> figures(const FrameAnswer& answer)
 	lines.push_back("selection: " + answer.selection);
 	lines.push_back(gapInWords(row));
 	if (row.contacts == 0 && row.tests() == 0) return lines;
-	const auto counted = [](std::size_t count, const char* what)
-	{ return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s"); };
-	const std::string touching = counted(row.contacts, "touching patch pair");
-	const std::string ofPairs = ", " + counted(answer.pairs.size(), "pair") + " of bodies";
+	const std::string touching = cli::counted(row.contacts, "touching patch pair");
+	const std::string ofPairs = ", " + cli::counted(answer.pairs.size(), "pair") + " of bodies";
 	lines.push_back(touching + (answer.pairs.size() == 1 ? "" : ofPairs));
 	const double us = row.queryMicroseconds;
 	const std::string tests = row.tests() == 1 ? "1 hull or box" : fmt::format("{} hulls and boxes", row.tests());

@@ -48,6 +48,7 @@ struct Scratch
 	ClusterSet previous, next;
 	PartnerContacts partner;
 	std::vector<Triangle> triangles;  // of a mesh, within the tolerance, frame B
+	std::vector<std::array<int, 2>> names;  // of those of the last answer, see isMeshAsItWas()
 	GapResult result;                 // of a query: a pair keeps no more room than its own contacts take
 };
 Scratch& scratch()
@@ -178,8 +179,7 @@ std::uint64_t PairState::gatherTriangles(const PairPose& pose, const Transform& 
 // word.
 bool PairState::isMeshAsItWas(const PairPose& pose) const
 {
-	thread_local std::vector<std::array<int, 2>> names;
-	return gatherTriangles(pose, m_answered->aFromB, m_answered->settings.tolerance, names) == m_trianglesHash;
+	return gatherTriangles(pose, m_answered->aFromB, m_answered->settings.tolerance, scratch().names) == m_trianglesHash;
 }
 
 // Asks about planes and meshes. They have no hierarchy: what is near of them is gathered anew.
