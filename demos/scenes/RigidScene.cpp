@@ -35,8 +35,9 @@ public:
 	{
 		const Stopwatch watch(m_timedBy);
 		btClodDynamicsWorld::performDiscreteCollisionDetection();
-		m_dispatchMicroseconds = watch.microseconds();
+		m_dispatchMicroseconds += watch.microseconds();
 	}
+	void startStep() { m_dispatchMicroseconds = 0; }
 	double dispatchMicroseconds() const { return m_dispatchMicroseconds; }
 
 private:
@@ -211,6 +212,7 @@ void RigidScene::step()
 		if (const auto& course = m_definition.bodies[i].course)
 			m_bullet->bodies[i]->setWorldTransform(
 				bodyTransform(course(time + m_settings.dt), centerOf(hierarchyOf(i)), m_definition.info.worldScale));
+	m_bullet->world.startStep();
 	const Stopwatch watch(m_settings.timedBy);
 	m_bullet->world.stepSimulation(btScalar(m_settings.dt), 0);
 	m_stepMicroseconds = watch.microseconds();

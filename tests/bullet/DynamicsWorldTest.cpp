@@ -218,6 +218,45 @@ TEST(DynamicsWorld, ForcesActOnceAStep)
 	EXPECT_NEAR(double(alone.getLinearVelocity().y()), double(same.getLinearVelocity().y()), 1e-4);
 }
 
+// A motion that a step was divided for goes on: the next step is not tried whole, only to be done again.
+TEST(DynamicsWorld, AfterADividedStepTheNextStartsDivided)
+{
+	int divided = 0;
+	for (int start = 0; start < 5; ++start)
+	{
+		ImpactWorld world(true, 60, 9.81);
+		double longest = 0;  // time that contacts were asked for in a step
+		world.context.pairMetric = [&](const btCollisionObject&, const btCollisionObject&, ContactMetric&)
+		{
+			longest = std::max(longest, double(world.world.getDispatchInfo().m_timeStep));
+			return false;
+		};
+		world.put(patchHierarchy(boxMesh({20, 1, 20}, {2, 1, 2}, 1)), 0, {0, -0.5, 0});
+		for (int i = 0; i < 4; ++i)
+		{
+			btRigidBody& body = world.put(unitCube(), 1, {1.8 * i, 1 + 0.1 * start, 0});
+			body.setAngularVelocity(btVector3(20, btScalar(15 - 10 * i), 30));
+			body.setLinearVelocity(btVector3(btScalar(20 - 10 * i), -5, 0));
+			body.setDamping(btScalar(0.5), btScalar(0.9));
+			body.setFriction(1);
+		}
+		for (int step = 0, before = 1; step < 240; ++step)
+		{
+			longest = 0;
+			world.step();
+			if (before >= 4)
+			{
+				++divided;
+				EXPECT_LE(longest, 1.001 * world.timeStep / 2) << start << ", step " << step;
+				EXPECT_GE(world.ours().parts(), before / 2) << start << ", step " << step;
+			}
+			before = world.ours().parts();
+		}
+		EXPECT_EQ(world.ours().parts(), 1) << "nor is it for ever, start " << start;
+	}
+	EXPECT_GT(divided, 0) << "no step was divided: the test shows nothing";
+}
+
 // Impacts at 1/60 s that fixed steps meet ahead of time are met at theirs: the ball turns round at the floor.
 TEST(DynamicsWorld, StepsToImpacts)
 {

@@ -57,12 +57,24 @@ void btClodDynamicsWorld::solveConstraints(btContactSolverInfo& info)
 		solveToImpacts(info);
 		return;
 	}
-	const double surprise = solveInPasses(info);
-	if (surprise <= kMostSurprise) return;
-	// What contacts miss of a motion grows with the square of the time.
-	int parts = 2;
-	while (parts < m_mostParts && parts * parts * kMostSurprise < surprise) parts *= 2;
-	if (parts <= m_mostParts) solveInParts(info, parts);
+	if (m_expectedParts > 1)
+	{
+		solveInParts(info, m_expectedParts, true);
+		return;
+	}
+	const int parts = partsFor(solveInPasses(info));
+	if (parts == 1) return;
+	putBack();
+	solveInParts(info, parts, false);
+}
+
+// Into how many parts a step is to be divided that left so much surprise. What contacts miss of a motion grows with the
+// square of the time.
+int btClodDynamicsWorld::partsFor(double surprise) const
+{
+	int parts = 1;
+	while (2 * parts <= m_mostParts && parts * parts * kMostSurprise < surprise) parts *= 2;
+	return parts;
 }
 
 double btClodDynamicsWorld::solveInPasses(btContactSolverInfo& info)
@@ -90,25 +102,28 @@ double btClodDynamicsWorld::solveInPasses(btContactSolverInfo& info)
 
 // Solves a part of the step. Joints correct their errors at the same rate as in a whole step: Bullet's share of the
 // error in each part, however short, would throw bodies.
-void btClodDynamicsWorld::solvePart(btContactSolverInfo& info, btScalar whole)
+double btClodDynamicsWorld::solvePart(btContactSolverInfo& info, btScalar whole)
 {
 	const btScalar erp = std::exchange(info.m_erp, info.m_erp * (info.m_timeStep / whole));
-	solveInPasses(info);
+	const double surprise = solveInPasses(info);
 	info.m_erp = erp;
+	return surprise;
 }
 
-void btClodDynamicsWorld::solveInParts(btContactSolverInfo& info, int parts)
+// isBegun: the contacts are those of the first part already.
+void btClodDynamicsWorld::solveInParts(btContactSolverInfo& info, int parts, bool isBegun)
 {
 	const btScalar whole = info.m_timeStep;
-	putBack();
 	info.m_timeStep = whole / btScalar(parts);
+	double surprise = 0;
 	for (int part = 0; part < parts; ++part)
 	{
 		if (part > 0) btDiscreteDynamicsWorld::integrateTransforms(info.m_timeStep);
-		beginPart(info.m_timeStep, btScalar(part) * info.m_timeStep);
-		solvePart(info, whole);
+		if (part > 0 || !isBegun) beginPart(info.m_timeStep, btScalar(part) * info.m_timeStep);
+		surprise = std::max(surprise, solvePart(info, whole));
 	}
 	m_parts = parts;
+	m_expectedParts = std::max(partsFor(parts * parts * surprise), parts / 2);
 	m_lastPart = info.m_timeStep;
 	info.m_timeStep = getDispatchInfo().m_timeStep = whole;
 }
@@ -145,6 +160,24 @@ void btClodDynamicsWorld::solveToImpacts(btContactSolverInfo& info)
 	m_lastPart = info.m_timeStep;
 	info.m_timeStep = getDispatchInfo().m_timeStep = whole;
 	info.m_restitutionVelocityThreshold = threshold;
+}
+
+void btClodDynamicsWorld::internalSingleStepSimulation(btScalar timeStep)
+{
+	m_expectedParts = m_stepping == Stepping::kImpacts ? 1 : std::min(m_expectedParts, m_mostParts);
+	m_firstPart = m_expectedParts > 1 ? timeStep / btScalar(m_expectedParts) : 0;
+	btDiscreteDynamicsWorld::internalSingleStepSimulation(timeStep);
+}
+
+void btClodDynamicsWorld::performDiscreteCollisionDetection()
+{
+	const btScalar part = std::exchange(m_firstPart, btScalar(0));
+	if (part > 0)
+	{
+		predictFree(part);
+		getDispatchInfo().m_timeStep = part;
+	}
+	btDiscreteDynamicsWorld::performDiscreteCollisionDetection();
 }
 
 void btClodDynamicsWorld::integrateTransforms(btScalar timeStep)

@@ -5,7 +5,7 @@
 //   motion. What they find is added to their contacts, the bodies are put back, and the step is solved anew, starting
 //   from the impulses so far: a further pass;
 // - if passes are not enough (a chain that whips around), the step is divided into parts, each with contacts, a solve,
-//   motion and passes of its own.
+//   motion and passes of its own. The next step starts divided, too, until fewer parts are enough.
 // Impact stepping also ends a part where two bodies first meet, as the paper does: see Stepping.
 //
 // Forces, damping, actions and tick callbacks happen once a step. Only pairs of our shapes are queried again; other
@@ -52,8 +52,11 @@ public:
 	// Bullet's boxes enclose only where they are, so a body that moves more than its own size in a step would pass
 	// others unnoticed.
 	void updateAabbs() override;
+	// Within a step that is expected to be divided: for its first part.
+	void performDiscreteCollisionDetection() override;
 
 protected:
+	void internalSingleStepSimulation(btScalar timeStep) override;
 	void integrateTransforms(btScalar timeStep) override;
 
 private:
@@ -70,8 +73,9 @@ private:
 	};
 	// Returns the largest surprise left, in units of its pair's skin.
 	double solveInPasses(btContactSolverInfo& info);
-	void solveInParts(btContactSolverInfo& info, int parts);
-	void solvePart(btContactSolverInfo& info, btScalar whole);
+	int partsFor(double surprise) const;
+	void solveInParts(btContactSolverInfo& info, int parts, bool isBegun);
+	double solvePart(btContactSolverInfo& info, btScalar whole);
 	void solveToImpacts(btContactSolverInfo& info);
 	void beginPart(btScalar timeStep, btScalar gone);
 	struct Impact
@@ -94,6 +98,9 @@ private:
 	Stepping m_stepping = Stepping::kFixed;
 	int m_mostPasses = 3, m_mostParts = 8, m_passes = 1, m_parts = 1, m_pairsAskedAgain = 0;
 	btScalar m_lastPart = 0;  // 0: the whole step
+	// Motions that a step was divided for mostly go on, so the next one is not tried whole.
+	int m_expectedParts = 1;
+	btScalar m_firstPart = 0;  // of it; 0: the whole step, or its contacts are found already
 	std::vector<Start> m_starts;
 	std::vector<clod::PairState*> m_pairs;
 	std::vector<Surprised> m_surprised;
