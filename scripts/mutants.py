@@ -305,7 +305,7 @@ def verdicts(copies, mutants, clean, deadline, also_known):
         yield from pool.map(judge, mutants)
 
 
-def main():
+def options_given():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--mechanical", type=int, default=200, help="how many are drawn [200]")
     parser.add_argument("--seed", type=int, default=1)
@@ -317,27 +317,42 @@ def main():
     parser.add_argument("--known", action="store_true", help="plant known survivors, too: is one caught by now?")
     parser.add_argument("--jobs", type=int, default=2, help="copies that faults are planted in at once [2]")
     parser.add_argument("--list", action="store_true", help="print them, plant none; exit 1 where one no longer fits (a test)")
-    options = parser.parse_args()
-    start = time.monotonic()
-    listed, known, stale = by_hand()
-    print("\n".join(stale), end="\n" if stale else "")
+    return parser.parse_args()
+
+
+def mutants_of(options, listed, known):
+    """The faults that the options choose, each with its kind."""
     kinds = [("by hand", listed), ("mechanical", mechanical(options.seed, options.mechanical, known))]
     mutants = [(kind, m) for kind, list_ in kinds for m in list_
                if options.kind in (None, kind) and any(only in m.file + ": " + m.says for only in options.only)]
     if options.sample:
         mutants = random.Random(options.seed).sample(mutants, min(options.sample, len(mutants)))
     shard, shards = (int(number) for number in options.shard.split("/"))
-    mutants = mutants[shard - 1::shards]
-    if options.list:
-        for kind, mutant in mutants:
-            print(f"{kind}: {mutant.file}: {mutant.says}")
-        sys.exit(1 if stale else 0)
-    tests = sorted({test for _, m in mutants for test in TESTS[folder_of(m.file)]})
+    return mutants[shard - 1::shards]
+
+
+def ready_copies(options, tests):
+    """A copy a job, and the runs of each test where no fault is planted."""
+    shard = int(options.shard.split("/")[0])
     copies = [Copy(index + options.jobs * (shard - 1)) for index in range(options.jobs)]
     copies[0].prepare(tests, options.jobs)
     clean = clean_runs(copies[0], tests)
     for copy in copies[1:]:
         copy.prepare(tests, options.jobs)
+    return copies, clean
+
+
+def main():
+    options = options_given()
+    start = time.monotonic()
+    listed, known, stale = by_hand()
+    print("\n".join(stale), end="\n" if stale else "")
+    mutants = mutants_of(options, listed, known)
+    if options.list:
+        for kind, mutant in mutants:
+            print(f"{kind}: {mutant.file}: {mutant.says}")
+        sys.exit(1 if stale else 0)
+    copies, clean = ready_copies(options, sorted({test for _, m in mutants for test in TESTS[folder_of(m.file)]}))
     counts = collections.Counter()
     survivors = []
     reached, not_planted, spent = 0, 0, collections.Counter()

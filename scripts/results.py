@@ -131,6 +131,11 @@ def plain(value, least):
     return f"{value:.0f}" if value >= 10 else f"{value:.2g}"
 
 
+def times(more, less):
+    """How many times the one is the other."""
+    return f"{plain(more / less, 0)} times"
+
+
 def fall():
     report = load("try")
     smallest = report["smallest_radius"]
@@ -210,14 +215,14 @@ def five():
     theirs = point_of(curve_report, "gimpact", "full")
     checked = fall_report["for_accuracy"]
     lines = [
-        f"**{theirs['us']['median'] / ours['us']['median']:.0f} times** faster than `btGImpactMeshShape` on moving bodies "
-        f"(spoon in cup, whole dispatches), {theirs['us']['median'] / exact['us']['median']:.1f} times when exact",
+        f"**{times(theirs['us']['median'], ours['us']['median'])}** faster than `btGImpactMeshShape` on moving bodies "
+        f"(spoon in cup, whole dispatches), {times(theirs['us']['median'], exact['us']['median'])} when exact",
         f"**{percent(ours['gap_error']['p95'] / radius)} %** of the radius: our error of the reported distance there (95 % of the poses), GImpact's is "
         f"{percent(theirs['gap_error']['p95'] / radius)} %",
         f"**{100 * runs['CLOD']['deepest'] / fall_report['smallest_radius']:.2g} %** of the radius: the deepest that meshes "
         f"sank into each other in a fall, GImpact's {percent(runs['GImpact']['deepest'] / fall_report['smallest_radius'])} %, "
         f"a convex hull's {percent(runs['convex hull']['deepest'] / fall_report['smallest_radius'])} %",
-        f"**{runs['GImpact']['step_us']['median'] / runs['CLOD']['step_us']['median']:.0f} times** less time for a whole step "
+        f"**{times(runs['GImpact']['step_us']['median'], runs['CLOD']['step_us']['median'])}** less time for a whole step "
         "of that fall, solver included, than with GImpact",
         f"**{checked['fresh']['broken']} of {checked['fresh_poses']:,}** fresh poses broke a certified bound"]
     return "\n".join("- " + line for line in lines)

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The last step of a build: from levels of detail to a hierarchy whose numbers are proved.
 #include <algorithm>
-#include <numeric>
 #include <stdexcept>
 
 #include "builder/assemble/Assembler.h"

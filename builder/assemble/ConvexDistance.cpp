@@ -2,8 +2,6 @@
 // Gilbert, Johnson & Keerthi 1988, with closest points of the simplex by its faces (Ericson 2005, sec. 5.1, 9.5).
 #include "builder/assemble/ConvexDistance.h"
 
-#include <cmath>
-
 #include "builder/assemble/Geometry.h"
 
 namespace clod::builder

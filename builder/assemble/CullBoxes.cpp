@@ -2,7 +2,6 @@
 #include "builder/assemble/CullBoxes.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "builder/assemble/Geometry.h"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "builder/intake/FileFrame.h"
 
-#include <algorithm>
 #include <stdexcept>
 
 namespace clod::builder

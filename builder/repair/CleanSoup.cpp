@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "builder/repair/CleanSoup.h"
 
-#include <cmath>
-
 #include "builder/intake/Intake.h"
 #include "builder/repair/FaceEdits.h"
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "demos/extremes/MatrixReport.h"
 #include "demos/trial/Html.h"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // What a frame shows and says.
 #include "demos/runner/Frames.h"
-#include "demos/runner/Selection.h"
 
 #include <fmt/format.h>
 
@@ -14,6 +13,7 @@
 #include "cli/Counted.h"
 #include "cli/Failure.h"
 #include "demos/render/MetricLength.h"
+#include "demos/runner/Selection.h"
 
 namespace clod::demo
 {
@@ -119,6 +119,40 @@ std::vector<std::set<std::uint32_t>> answeringNodes(const FrameSubject& subject,
 	for (std::size_t i = 0; i < nodes.size(); ++i)
 		if (subject.bodies[i].hierarchy->levels()[0].nodeCount == 1) nodes[i].clear();
 	return nodes;
+}
+
+// A body's way from the others: against the contacts' normals of B, along those of A.
+Vec3 wayFromOthers(const FrameSubject& subject, const FrameMoment& moment, const FrameAnswer& answer, std::size_t body)
+{
+	Vec3 way;
+	for (const PairAnswer& pair : answer.pairs)
+		for (const Contact& contact : pair.result.contacts)
+		{
+			const double side = body == pair.bodies.a ? 1 : body == pair.bodies.b ? -1 : 0;
+			const Transform worldFromA =
+				worldFromBody(moment.poses[pair.bodies.a], meshFromBody(*subject.bodies[pair.bodies.a].hierarchy));
+			way += side * (worldFromA.rotation * contact.normal);
+		}
+	return normalized(way);
+}
+
+// Moves the patches of a layer from their middle. A patch's faces stand together, in one colour.
+void pullPatchesApart(PatchLayer& layer)
+{
+	Vec3 middle;
+	for (const ColoredTriangle& triangle : layer.triangles)
+		for (const Vec3& corner : triangle.corners) middle += (1 / (3 * double(layer.triangles.size()))) * corner;
+	const auto isSame = [](const Color& c, const Color& d) { return c.r == d.r && c.g == d.g && c.b == d.b; };
+	for (std::size_t first = 0; first < layer.triangles.size();)
+	{
+		std::size_t end = first;
+		Vec3 center;
+		for (; end < layer.triangles.size() && isSame(layer.triangles[end].color, layer.triangles[first].color); ++end)
+			for (const Vec3& corner : layer.triangles[end].corners) center += corner;
+		const Vec3 shift = kSpread * ((1 / (3 * double(end - first))) * center - middle);
+		for (; first < end; ++first)
+			for (Vec3& corner : layer.triangles[first].corners) corner += shift;
+	}
 }
 
 // Of an error above 0 the first of ... 0.3, 1, 3, 10 ... that is no smaller, counted from 1.
@@ -359,37 +393,12 @@ Image FramePainter::paintExploded(const FrameMoment& moment, const FrameAnswer& 
 	for (std::size_t i = 0; i < bodies.size(); ++i)
 	{
 		PatchLayer& layer = frame.patches[i];
-		// Away from the other bodies: against the contacts' normals of B, along those of A.
-		Vec3 away;
-		for (const PairAnswer& pair : answer.pairs)
-			for (const Contact& contact : pair.result.contacts)
-			{
-				const double side = bodies[i] == pair.bodies.a ? 1 : bodies[i] == pair.bodies.b ? -1 : 0;
-				const Transform worldFromA = worldFromBody(moment.poses[pair.bodies.a],
-														   meshFromBody(*m_subject.bodies[pair.bodies.a].hierarchy));
-				away += side * (worldFromA.rotation * contact.normal);
-			}
-		away = kPulledApart * size * normalized(away);
+		const Vec3 away = kPulledApart * size * wayFromOthers(m_subject, moment, answer, bodies[i]);
 		layer.worldFromBody.translation += away;
 		Transform place = toTransform(moment.poses[bodies[i]]);
 		place.translation += away;
 		frame.instances.push_back({m_meshes[m_subject.bodies[bodies[i]].mesh], place, kGhostColor, true});
-		Vec3 from;
-		for (const ColoredTriangle& triangle : layer.triangles)
-			for (const Vec3& corner : triangle.corners) from += (1 / (3 * double(layer.triangles.size()))) * corner;
-		for (std::size_t first = 0; first < layer.triangles.size();)
-		{
-			// A patch: its faces stand together, in one colour.
-			std::size_t end = first;
-			Vec3 center;
-			const auto isSame = [&](const Color& c, const Color& d) { return c.r == d.r && c.g == d.g && c.b == d.b; };
-			for (; end < layer.triangles.size() && isSame(layer.triangles[end].color, layer.triangles[first].color);
-				 ++end)
-				for (const Vec3& corner : layer.triangles[end].corners) center += corner;
-			const Vec3 shift = kSpread * ((1 / (3 * double(end - first))) * center - from);
-			for (; first < end; ++first)
-				for (Vec3& corner : layer.triangles[first].corners) corner += shift;
-		}
+		pullPatchesApart(layer);
 	}
 	frame.camera = orbitCamera(middle, (1 + kSpread + kPulledApart) * size, m_subject.closeUp.azimuth, 20);
 	Image image = m_renderer->render(frame);

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <memory>
 
 #include "cli/Failure.h"
 #include "cli/Suggestion.h"

@@ -10,7 +10,6 @@
 #include <functional>
 
 #include <cmath>
-#include <cstdio>
 #include <vector>
 
 #include "cli/Failure.h"

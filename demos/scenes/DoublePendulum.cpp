@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Zlib
 // Two arms on flanged pins, one hung on the other: chaotic, undamped, held by contact alone.
-#include <algorithm>
 #include <cmath>
 
 #include "demos/models/Mechanisms.h"

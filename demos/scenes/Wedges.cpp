@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Wedges of 20 to 90 degrees in pairs, edge on edge and crossed: the upper one falls, kept upright, and is held by the
 // one point where the edges cross.
-#include <cmath>
 
 #include "demos/models/Mechanisms.h"
 #include "demos/scenes/SceneDefinition.h"

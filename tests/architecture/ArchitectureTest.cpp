@@ -21,6 +21,9 @@ std::string lines(const Faults& faults)
 	return text;
 }
 
+constexpr const char* kZlib = "// SPDX-License-Identifier: Zlib\n";
+constexpr const char* kGpl = "// SPDX-License-Identifier: GPL-3.0-or-later\n";
+
 // A small product without a fault, with what a test plants in it: files besides, or in place of those of their names.
 Sources planted(const Sources& faulty)
 {
@@ -35,6 +38,11 @@ Sources planted(const Sources& faulty)
 		{"builder/Hull.cpp", "#include <CGAL/Surface_mesh.h>\n#include \"builder/Lod.h\"\n"},
 		{"demos/Main.cpp", "#include \"clod/query/Query.h\"\n"},
 	};
+	for (Source& source : sources)
+	{
+		const bool isOfBuilder = source.path.compare(0, 8, "builder/") == 0;
+		source.text.insert(0, isOfBuilder ? kGpl : kZlib);
+	}
 	for (const Source& source : faulty)
 	{
 		bool replaced = false;
@@ -94,6 +102,20 @@ TEST(Architecture, NoHeaderServesOneForeignSource)
 TEST(Architecture, NoConstantIsDefinedTwice)
 {
 	EXPECT_EQ(lines(constantsDefinedTwice(product())), "");
+}
+
+TEST(Architecture, EachSourceBeginsWithItsLicence)
+{
+	EXPECT_EQ(lines(wrongLicences(product())), "");
+}
+
+TEST(ArchitectureRules, FindAWrongLicence)
+{
+	const std::string fault = " does not begin with '// SPDX-License-Identifier: ";
+	for (const char* text : {"", "// SPDX-License-Identifier: Zlib What the file is for.\n", kGpl, "#pragma once\n"})
+		expectFault(wrongLicences, {{"plugin/clod/query/Rule.h", text}}, "plugin/clod/query/Rule.h" + fault + "Zlib'");
+	expectFault(wrongLicences, {{"builder/Hull.cpp", kZlib}}, "builder/Hull.cpp" + fault + "GPL-3.0-or-later'");
+	EXPECT_EQ(lines(wrongLicences(planted({{"builder/Part.cpp", kGpl}, {"demos/Cup.cpp", kZlib}}))), "");
 }
 
 TEST(ArchitectureRules, FindAConstantDefinedTwice)

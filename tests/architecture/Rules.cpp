@@ -257,4 +257,16 @@ Faults headersOfOneSource(const Sources& sources)
 	}
 	return faults;
 }
+
+Faults wrongLicences(const Sources& sources)
+{
+	Faults faults;
+	for (const Source& source : sources)
+	{
+		const std::string licence = startsWith(source.path, "builder/") ? "GPL-3.0-or-later" : "Zlib";
+		const std::string line = "// SPDX-License-Identifier: " + licence;
+		if (!startsWith(source.text, line + "\n")) faults.push_back(source.path + " does not begin with '" + line + "'");
+	}
+	return faults;
+}
 }  // namespace clod::test

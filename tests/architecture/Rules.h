@@ -37,4 +37,6 @@ Faults longSources(const Sources& sources);
 Faults headersOfOneSource(const Sources& sources);
 // Of the plugin: a constant that two headers define is one of the two, whichever the linker takes.
 Faults constantsDefinedTwice(const Sources& sources);
+// The first line of each names its licence and nothing else: the builder's is the GPL, all others' zlib.
+Faults wrongLicences(const Sources& sources);
 }  // namespace clod::test

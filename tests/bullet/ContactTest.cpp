@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
 
 #include "clod/bullet/ConfigureWorld.h"
 #include "tests/bullet/BulletWorld.h"

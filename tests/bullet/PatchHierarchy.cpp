@@ -57,8 +57,12 @@ struct Maker
 
 	void massProperties();
 	void bounds();
-	std::uint32_t addVertices(const std::vector<std::uint32_t>& used, Node& node);
+	double thickness() const { return std::min(0.5 * mesh.wall, 0.03 * double(out.asset.radius)); }
+	std::vector<std::uint32_t> verticesOf(const std::vector<std::uint32_t>& triangles) const;
+	double bendOf(const std::vector<std::uint32_t>& triangles) const;
+	void addVertices(const std::vector<std::uint32_t>& used, Node& node);
 	void addBox(const std::vector<std::uint32_t>& used, const Vec3& sweep);
+	void addFace(std::uint32_t triangle, const std::vector<std::uint32_t>& used);
 	void addPatch(const std::vector<std::uint32_t>& triangles);
 	void linkFaces();
 	void addParents();
@@ -124,7 +128,37 @@ void Maker::bounds()
 	a.componentCount = 1;
 }
 
-std::uint32_t Maker::addVertices(const std::vector<std::uint32_t>& used, Node& node)
+// Each once, in ascending order.
+std::vector<std::uint32_t> Maker::verticesOf(const std::vector<std::uint32_t>& triangles) const
+{
+	std::vector<std::uint32_t> used;
+	for (const std::uint32_t t : triangles)
+		for (const std::uint32_t v : mesh.triangles[t]) used.push_back(v);
+	std::sort(used.begin(), used.end());
+	used.erase(std::unique(used.begin(), used.end()), used.end());
+	return used;
+}
+
+// Half the angles over the edges between the triangles, each times its edge's length: the integral of a node's curvature.
+double Maker::bendOf(const std::vector<std::uint32_t>& triangles) const
+{
+	double bend = 0;
+	for (const std::uint32_t s : triangles)
+		for (const std::uint32_t t : triangles)
+		{
+			if (s >= t) continue;
+			std::vector<std::uint32_t> common;
+			for (const std::uint32_t v : mesh.triangles[s])
+				for (const std::uint32_t w : mesh.triangles[t])
+					if (v == w) common.push_back(v);
+			if (common.size() != 2) continue;
+			const double edge = length(mesh.vertices[common[0]] - mesh.vertices[common[1]]);
+			bend += 0.5 * edge * std::acos(std::min(1.0, dot(normals[s], normals[t])));
+		}
+	return bend;
+}
+
+void Maker::addVertices(const std::vector<std::uint32_t>& used, Node& node)
 {
 	node.firstVertex = std::uint32_t(out.hullX.size());
 	node.vertexCount = std::uint32_t(used.size());
@@ -135,7 +169,6 @@ std::uint32_t Maker::addVertices(const std::vector<std::uint32_t>& used, Node& n
 		out.hullY.push_back(float(v.y));
 		out.hullZ.push_back(float(v.z));
 	}
-	return node.firstVertex;
 }
 
 void Maker::addBox(const std::vector<std::uint32_t>& used, const Vec3& sweep)
@@ -161,67 +194,54 @@ void Maker::addBox(const std::vector<std::uint32_t>& used, const Vec3& sweep)
 	out.cullBoxes.push_back(box);
 }
 
+void Maker::addFace(std::uint32_t triangle, const std::vector<std::uint32_t>& used)
+{
+	Face face{};
+	double offset = -1e30;
+	store(face.normal, normals[triangle]);
+	for (int i = 0; i < 3; ++i)
+	{
+		const std::uint32_t v = mesh.triangles[triangle][std::size_t(i)];
+		face.vertex[i] = std::uint16_t(std::lower_bound(used.begin(), used.end(), v) - used.begin());
+		Vec3 stored;
+		for (int k = 0; k < 3; ++k) stored[k] = double(face.normal[k]);
+		offset = std::max(offset, dot(stored, mesh.vertices[v]));
+	}
+	face.offset = std::nextafter(float(offset), std::numeric_limits<float>::infinity());
+	face.thickness = boundAtMost(thickness());
+	face.source = triangle;
+	out.faces.push_back(face);
+}
+
 void Maker::addPatch(const std::vector<std::uint32_t>& triangles)
 {
 	Node node{};
-	std::vector<std::uint32_t> used;
 	Vec3 mean;
-	double bend = 0, area = 0;
+	double area = 0;
 	for (const std::uint32_t t : triangles)
 	{
-		for (const std::uint32_t v : mesh.triangles[t]) used.push_back(v);
 		const auto& c = mesh.triangles[t];
 		const Vec3 vector = cross(mesh.vertices[c[1]] - mesh.vertices[c[0]], mesh.vertices[c[2]] - mesh.vertices[c[0]]);
 		mean += vector;
 		area += 0.5 * length(vector);
 	}
-	std::sort(used.begin(), used.end());
-	used.erase(std::unique(used.begin(), used.end()), used.end());
-	for (const std::uint32_t s : triangles)  // convex angle over interior edges
-		for (const std::uint32_t t : triangles)
-		{
-			if (s >= t) continue;
-			std::vector<std::uint32_t> common;
-			for (const std::uint32_t v : mesh.triangles[s])
-				for (const std::uint32_t w : mesh.triangles[t])
-					if (v == w) common.push_back(v);
-			if (common.size() != 2) continue;
-			const double edge = length(mesh.vertices[common[0]] - mesh.vertices[common[1]]);
-			bend += 0.5 * edge * std::acos(std::min(1.0, dot(normals[s], normals[t])));
-		}
+	const std::vector<std::uint32_t> used = verticesOf(triangles);
 	const bool whole = triangles.size() == mesh.triangles.size();
 	Vec3 direction = normalized(mean);
 	if (whole || lengthSquared(direction) == 0) direction = {0, 1, 0};
 	node.flags = kClodNode;
-	node.thickness = whole ? 0 : boundAtMost(std::min(0.5 * mesh.wall, 0.03 * double(out.asset.radius)));
+	node.thickness = whole ? 0 : boundAtMost(thickness());
 	store(node.inward, -direction);
 	store(node.meanNormal, direction);
 	node.contactArea = boundAtMost(area);
-	node.curvature = float(bend / area);
+	node.curvature = float(bendOf(triangles) / area);
 	double cone = 1;
 	for (const std::uint32_t t : triangles) cone = std::min(cone, dot(normals[t], direction));
 	node.coneCosine = float(std::max(-1.0, cone - 1e-6));
 	node.firstFace = std::uint32_t(out.faces.size());
 	node.faceCount = std::uint32_t(triangles.size());
 	addVertices(used, node);
-	for (const std::uint32_t t : triangles)
-	{
-		Face face{};
-		double offset = -1e30;
-		store(face.normal, normals[t]);
-		for (int i = 0; i < 3; ++i)
-		{
-			const std::uint32_t v = mesh.triangles[t][std::size_t(i)];
-			face.vertex[i] = std::uint16_t(std::lower_bound(used.begin(), used.end(), v) - used.begin());
-			Vec3 stored;
-			for (int k = 0; k < 3; ++k) stored[k] = double(face.normal[k]);
-			offset = std::max(offset, dot(stored, mesh.vertices[v]));
-		}
-		face.offset = std::nextafter(float(offset), std::numeric_limits<float>::infinity());
-		face.thickness = boundAtMost(std::min(0.5 * mesh.wall, 0.03 * double(out.asset.radius)));
-		face.source = t;
-		out.faces.push_back(face);
-	}
+	for (const std::uint32_t t : triangles) addFace(t, used);
 	addBox(used, double(node.thickness) * -direction);
 	out.nodes.push_back(node);
 }
@@ -268,20 +288,15 @@ void Maker::addParents()
 		{
 			Node node{};
 			const std::uint32_t last = std::min(child + 4, end);
-			std::vector<std::uint32_t> triangles, used;
+			std::vector<std::uint32_t> triangles;
 			float area = kLargestBound;
-			double thickest = 0;
 			for (std::uint32_t c = child; c < last; ++c)
 			{
 				out.children.push_back(c);
 				triangles.insert(triangles.end(), below[c - first].begin(), below[c - first].end());
 				area = std::min(area, out.nodes[c].contactArea);
 			}
-			thickest = std::min(0.5 * mesh.wall, 0.03 * double(out.asset.radius));
-			for (const std::uint32_t t : triangles)
-				for (const std::uint32_t v : mesh.triangles[t]) used.push_back(v);
-			std::sort(used.begin(), used.end());
-			used.erase(std::unique(used.begin(), used.end()), used.end());
+			const std::vector<std::uint32_t> used = verticesOf(triangles);
 			node.firstChild = std::uint32_t(out.children.size()) - (last - child);
 			node.childCount = node.primaryChildCount = std::uint16_t(last - child);
 			node.level = level;
@@ -293,8 +308,8 @@ void Maker::addParents()
 			addVertices(used, node);
 			addBox(used, {});
 			OrientedBox& box = out.cullBoxes.back();
-			for (float& half : box.half) half = boundAtLeast(double(half) + thickest);
-			box.radius = boundAtLeast(double(box.radius) + 2 * thickest);
+			for (float& half : box.half) half = boundAtLeast(double(half) + thickness());
+			box.radius = boundAtLeast(double(box.radius) + 2 * thickness());
 			out.nodes.push_back(node);
 			above.push_back(triangles);
 		}

@@ -6,7 +6,6 @@
 #include <limits>
 #include <regex>
 #include <set>
-#include <sstream>
 
 #include "cli/Failure.h"
 #include "demos/extremes/MatrixReport.h"

@@ -2,7 +2,6 @@
 // Coarse levels of a file alone: the same records and answers as of the whole, and what they cannot tell is refused.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <functional>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The families themselves.
-#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 

@@ -18,6 +18,12 @@ Mat3 rotationBy(const Vec3& angle)
 	const double s = std::sin(0.5 * size) / size;
 	return rotationFromQuaternion(s * angle.x, s * angle.y, s * angle.z, std::cos(0.5 * size));
 }
+
+void dropRepeated(std::vector<std::uint32_t>& indices)
+{
+	std::sort(indices.begin(), indices.end());
+	indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
+}
 }  // namespace
 
 Transform displacement(const RelativeMotion& motion, const Vec3& center, double t)
@@ -40,11 +46,11 @@ Overlap::Overlap(const Solid& a, const Solid& b, const Transform& aFromB, double
 	collect(reach);
 }
 
-void Overlap::collect(double reach)
+// Pairs of an edge of one and a face of the other whose boxes come within reach.
+std::array<Overlap::EdgeFacePairs, 2> Overlap::nearPairs(double reach) const
 {
 	using Pair = std::pair<std::uint32_t, std::uint32_t>;
-	std::vector<std::pair<Pair, double>> found[2];
-	std::vector<Pair> stack = {{0, 0}};
+	std::array<EdgeFacePairs, 2> found;
 	const auto boxOf = [](const Edge& edge, const std::vector<Vec3>& at)
 	{
 		Box box;
@@ -58,7 +64,7 @@ void Overlap::collect(double reach)
 	{
 		const Box &boxA = m_a.faceBox(fa), &boxB = boxesB[fb];
 		if (gap(boxA, boxB) > reach) return;
-		const auto add = [&](int side, std::uint32_t edge, std::uint32_t face, double apart)
+		const auto add = [&](std::size_t side, std::uint32_t edge, std::uint32_t face, double apart)
 		{
 			if (apart <= reach) found[side].push_back({{edge, face}, apart});
 		};
@@ -67,6 +73,7 @@ void Overlap::collect(double reach)
 		for (const std::uint32_t e : m_b.ownEdges(fb))
 			add(1, e, fa, gap(boxOf(m_b.edges()[e], m_atB), boxA));
 	};
+	std::vector<Pair> stack = {{0, 0}};
 	while (!stack.empty())
 	{
 		const Pair top = stack.back();
@@ -86,11 +93,17 @@ void Overlap::collect(double reach)
 		for (std::uint32_t i = 0; i < 2; ++i)
 			stack.push_back(openA ? Pair{na.first + i, top.second} : Pair{top.first, nb.first + i});
 	}
+	for (EdgeFacePairs& pairs : found) std::sort(pairs.begin(), pairs.end());
+	return found;
+}
+
+void Overlap::collect(double reach)
+{
 	m_sides[0].solid = m_sides[1].other = &m_b;
 	m_sides[1].solid = m_sides[0].other = &m_a;
-	for (int s = 0; s < 2; ++s)
+	const std::array<EdgeFacePairs, 2> found = nearPairs(reach);
+	for (std::size_t s = 0; s < 2; ++s)
 	{
-		std::sort(found[s].begin(), found[s].end());
 		Side& side = m_sides[s];
 		for (const auto& [pair, apart] : found[s])
 		{
@@ -106,15 +119,13 @@ void Overlap::collect(double reach)
 		}
 		side.firstFace.push_back(std::uint32_t(side.faces.size()));
 	}
+	m_usedFacesA = m_sides[1].faces;
+	dropRepeated(m_usedFacesA);
 	for (const std::uint32_t e : m_sides[0].edges)
 		for (const std::uint32_t v : m_a.edges()[e].vertex) m_usedA.push_back(v);
-	m_usedFacesA = m_sides[1].faces;
-	std::sort(m_usedFacesA.begin(), m_usedFacesA.end());
-	m_usedFacesA.erase(std::unique(m_usedFacesA.begin(), m_usedFacesA.end()), m_usedFacesA.end());
 	for (const std::uint32_t f : m_usedFacesA)
 		for (const std::uint32_t v : m_a.mesh().triangles[f]) m_usedA.push_back(v);
-	std::sort(m_usedA.begin(), m_usedA.end());
-	m_usedA.erase(std::unique(m_usedA.begin(), m_usedA.end()), m_usedA.end());
+	dropRepeated(m_usedA);
 }
 
 void Overlap::place(const Transform& moved)

@@ -6,6 +6,10 @@
 // must be moved at right angles to itself: out over the ridge of the faces it entered and left by, or towards the
 // surface nearest to its middle, whichever is less. The largest counts.
 #pragma once
+#include <array>
+#include <utility>
+#include <vector>
+
 #include "tests/oracle/Solid.h"
 
 namespace clod::oracle
@@ -40,6 +44,8 @@ private:
 		std::vector<std::uint32_t> edges, firstFace, faces;
 		std::vector<double> gaps, leastGaps;  // of their boxes at the pose: of each pair, of each edge
 	};
+	using EdgeFacePairs = std::vector<std::pair<std::pair<std::uint32_t, std::uint32_t>, double>>;  // and their gap
+	std::array<EdgeFacePairs, 2> nearPairs(double reach) const;  // as m_sides
 	void collect(double reach);
 	void place(const Transform& moved);
 	double find(const Transform& moved, double way, bool isDepth);

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
-#include <set>
 
 #include "clod/query/HullCull.h"
 #include "clod/collide/MotionBound.h"

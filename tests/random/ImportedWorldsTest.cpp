@@ -6,10 +6,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 
 #include "clod/bullet/ConfigureWorld.h"
 #include "demos/example/Importer.h"

@@ -131,7 +131,7 @@ void PairState::refine(Prepared& prepared)
 	if (!wanted || (isMissed && !m_refining.isOver())) return;
 	const PairPose& pose = prepared.pose;
 	Question& question = prepared.question;
-	ContactSettings settings = question.settings;
+	ContactSettings settings = static_cast<const ContactSettings&>(question.settings);  // no gap is asked for
 	if (isMissed) settings.metric.coarsening = finerCoarsening();
 	const bool isFirst = m_budget->isWholeSpare();
 	settings.budget = m_budget->spare();

@@ -1,5 +1,6 @@
-// SPDX-License-Identifier: Zlib What Bullet's solver is to make of a contact point, beyond its place and normal. For a
-// distance d, Bullet's contact row requires of the normal velocity v_n, in a step dt:
+// SPDX-License-Identifier: Zlib
+// What Bullet's solver is to make of a contact point, beyond its place and normal. For a distance d, Bullet's contact
+// row requires of the normal velocity v_n, in a step dt:
 //   v_n dt >= -d                  if the bodies are apart (d > 0),
 //   v_n dt >= -d * ERP            if they overlap: of velocities if d is above the split threshold, else of positions.
 // Ours requires v_n dt >= -(d + bend), where bend is how far a turning body's path departs from its tangent

@@ -1,7 +1,7 @@
-// SPDX-License-Identifier: Zlib Compounds that have a btClodShape among their children, or meet one. Bullet's own
-// algorithm for compounds tests children whose boxes meet where they are now, so a child that crosses a wall within the
-// step is missed. This one uses boxes that enclose the children's motion in the step, as Bullet's broadphase does for
-// bodies.
+// SPDX-License-Identifier: Zlib
+// Compounds that have a btClodShape among their children, or meet one. Bullet's own algorithm for compounds tests
+// children whose boxes meet where they are now, so a child that crosses a wall within the step is missed. This one
+// uses boxes that enclose the children's motion in the step, as Bullet's broadphase does for bodies.
 #pragma once
 #include <functional>
 #include <memory>

@@ -1,6 +1,6 @@
-// SPDX-License-Identifier: Zlib A collision dispatcher for many bodies. It keeps Context::budget over whole steps and
-// makes the contacts of all pairs on several threads. Without a budget and with one thread it behaves as
-// btCollisionDispatcher.
+// SPDX-License-Identifier: Zlib
+// A collision dispatcher for many bodies. It keeps Context::budget over whole steps and makes the contacts of all
+// pairs on several threads. Without a budget and with one thread it behaves as btCollisionDispatcher.
 //
 // Threads. Queries and contact points of a pair with a btClodShape depend on nothing but the pair. They are made on a
 // thread pool of our own, however Bullet was built, and then written by Bullet's dispatch in Bullet's order. The bits

@@ -1,6 +1,7 @@
-// SPDX-License-Identifier: Zlib A discrete dynamics world that responds to impacts within the step in which they
-// happen. Contacts of a step are found for the motion with which the bodies enter it. An impact changes that motion,
-// and may lead bodies to where no contacts were looked for. So after the solve
+// SPDX-License-Identifier: Zlib
+// A discrete dynamics world that responds to impacts within the step in which they happen. Contacts of a step are
+// found for the motion with which the bodies enter it. An impact changes that motion, and may lead bodies to where no
+// contacts were looked for. So after the solve
 // - pairs whose contacts may miss something of the solved motion (PairState::surprise) are queried again for that
 //   motion. What they find is added to their contacts, the bodies are put back, and the step is solved anew, starting
 //   from the impulses so far: a further pass;

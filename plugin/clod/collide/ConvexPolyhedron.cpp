@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <optional>
 
 namespace clod
 {
@@ -25,6 +26,13 @@ struct HullFace
 	bool isAlive = true;
 };
 
+// An edge between faces that a point is outside of and others: its end, the face that stays, and which edge of that it is.
+struct HorizonEdge
+{
+	std::uint32_t to, outside, edge;
+};
+using Horizon = std::map<std::uint32_t, HorizonEdge>;  // by the vertex that an edge starts at
+
 class Hull
 {
 public:
@@ -43,6 +51,9 @@ private:
 	bool isOutward(const HullFace& face) const { return face.normal != Vec3{} && dot(face.normal, m_inside) < face.offset; }
 	void makeSimplex();
 	void refine();
+	std::vector<std::uint32_t> facesBelow(std::uint32_t from, const Vec3& point);
+	std::optional<Horizon> horizonOf(const std::vector<std::uint32_t>& visible) const;
+	bool isConvexRing(const Horizon& horizon, const Vec3& point) const;
 	bool insert(std::uint32_t from, const Vec3& point);
 	ConvexPolyhedron result() const;
 
@@ -52,6 +63,7 @@ private:
 	double m_size = 0;
 	std::vector<Vec3> m_vertices;
 	std::vector<HullFace> m_faces;
+	std::vector<char> m_isBelow;  // of the faces as facesBelow last found them
 	std::vector<std::array<std::uint32_t, 3>> m_flat;
 	Vec3 m_inside;
 	double m_error = 0;
@@ -185,59 +197,77 @@ void Hull::makeSimplex()
 	m_faces[3].neighbour = {2, 1, 0};
 }
 
-// Faces below the point go, those round them are joined to it. False: rounding forbids it, and nothing has changed.
-bool Hull::insert(std::uint32_t from, const Vec3& point)
+// The faces that the point is outside of, from one of them on.
+std::vector<std::uint32_t> Hull::facesBelow(std::uint32_t from, const Vec3& point)
 {
 	std::vector<std::uint32_t> visible(1, from);
-	std::vector<char> isSeen(m_faces.size(), 0);
-	isSeen[from] = 1;
-	std::map<std::uint32_t, std::array<std::uint32_t, 3>> horizon;  // by its first vertex: the second, the face outside, its edge
+	m_isBelow.assign(m_faces.size(), 0);
+	m_isBelow[from] = 1;
 	for (std::size_t i = 0; i < visible.size(); ++i)
-		for (std::size_t e = 0; e < 3; ++e)
+		for (const std::uint32_t next : m_faces[visible[i]].neighbour)
 		{
-			const HullFace& face = m_faces[visible[i]];
-			const std::uint32_t next = face.neighbour[e];
 			const HullFace& other = m_faces[next];
-			if (isSeen[next] == 1) continue;
-			if (dot(other.normal, point) - other.offset > kVisible * m_size)
-			{
-				isSeen[next] = 1;
-				visible.push_back(next);
-			}
+			if (m_isBelow[next] == 1 || !(dot(other.normal, point) - other.offset > kVisible * m_size)) continue;
+			m_isBelow[next] = 1;
+			visible.push_back(next);
 		}
+	return visible;
+}
+
+// The edges round the faces; nothing where two of them start at one vertex.
+std::optional<Horizon> Hull::horizonOf(const std::vector<std::uint32_t>& visible) const
+{
+	Horizon horizon;
 	for (const std::uint32_t f : visible)
 		for (std::size_t e = 0; e < 3; ++e)
 		{
 			const HullFace& face = m_faces[f];
-			const std::uint32_t next = face.neighbour[e];
-			if (isSeen[next] == 1) continue;
+			const std::uint32_t outside = face.neighbour[e], to = face.vertex[(e + 1) % 3];
+			if (m_isBelow[outside] == 1) continue;
 			std::uint32_t back = 0;
-			while (m_faces[next].neighbour[back] != f || m_faces[next].vertex[back] != face.vertex[(e + 1) % 3]) ++back;
-			if (!horizon.insert({face.vertex[e], {face.vertex[(e + 1) % 3], next, back}}).second) return false;
+			while (m_faces[outside].neighbour[back] != f || m_faces[outside].vertex[back] != to) ++back;
+			if (!horizon.insert({face.vertex[e], {to, outside, back}}).second) return {};
 		}
+	return horizon;
+}
+
+// Is the horizon one ring, and does each of its edges make a face with the point that has the inside below it?
+bool Hull::isConvexRing(const Horizon& horizon, const Vec3& point) const
+{
+	if (horizon.empty()) return false;
+	const std::uint32_t start = horizon.begin()->first;
 	std::size_t length = 0;
-	for (std::uint32_t at = horizon.begin()->first; length <= horizon.size(); ++length)
+	std::uint32_t at = start;
+	do
 	{
 		const auto found = horizon.find(at);
-		if (found == horizon.end()) return false;
+		if (found == horizon.end() || ++length > horizon.size()) return false;
+		const std::uint32_t to = found->second.to;
 		HullFace face;
-		face.vertex = {at, found->second[0], 0};
-		const Vec3 &a = m_vertices[at], &b = m_vertices[found->second[0]];
+		face.vertex = {at, to, 0};
+		const Vec3 &a = m_vertices[at], &b = m_vertices[to];
 		face.normal = normalized(cross(b - a, point - a));
 		face.offset = dot(face.normal, a);
 		if (!isOutward(face)) return false;
-		at = found->second[0];
-		if (at == horizon.begin()->first) break;
-	}
-	if (length + 1 != horizon.size()) return false;
+		at = to;
+	} while (at != start);
+	return length == horizon.size();
+}
+
+// Faces below the point go, those round them are joined to it. False: rounding forbids it, and nothing has changed.
+bool Hull::insert(std::uint32_t from, const Vec3& point)
+{
+	const std::vector<std::uint32_t> visible = facesBelow(from, point);
+	const std::optional<Horizon> horizon = horizonOf(visible);
+	if (!horizon || !isConvexRing(*horizon, point)) return false;
 
 	for (const std::uint32_t f : visible) m_faces[f].isAlive = false;
 	const std::uint32_t apex = std::uint32_t(m_vertices.size());
 	m_vertices.push_back(point);
-	std::uint32_t first = kNobody, last = kNobody, at = horizon.begin()->first;
+	std::uint32_t first = kNobody, last = kNobody, at = horizon->begin()->first;
 	do
 	{
-		const auto& [to, outside, edge] = horizon.at(at);
+		const auto& [to, outside, edge] = horizon->at(at);
 		const std::uint32_t face = addFace(at, to, apex);
 		m_faces[face].neighbour[0] = outside;
 		m_faces[outside].neighbour[edge] = face;
@@ -250,7 +280,7 @@ bool Hull::insert(std::uint32_t from, const Vec3& point)
 			first = face;
 		last = face;
 		at = to;
-	} while (at != horizon.begin()->first);
+	} while (at != horizon->begin()->first);
 	m_faces[first].neighbour[2] = last;
 	m_faces[last].neighbour[1] = first;
 	return true;

@@ -7,7 +7,7 @@
 //
 // Frames: hull a and every result in frame A, hull b in frame B; normals point from B to A.
 // Guarantee: lower <= distance <= upper (to `rounding` of RelativePose). upper - lower <= kHullDistanceAccuracy times
-// the size of the pair (extents and distance), unless stopped early. Measured by tests/query/HullDistanceTest.cpp.
+// the size of the pair (extents and distance), unless stopped early. Measured by tests/collide/HullDistanceTest.cpp.
 //
 // Based on: Gilbert, Johnson & Keerthi 1988; van den Bergen 2003 sec. 4.3 (lower bound, termination).
 #pragma once

@@ -24,7 +24,7 @@ struct Mat3
 	Vec3 column(int i) const { return {row[0][i], row[1][i], row[2][i]}; }
 };
 
-// A proper rigid motion. The rotation is orthonormal to rounding; fromQuaternion normalises its input.
+// A proper rigid motion. The rotation is orthonormal to rounding; rotationFromQuaternion normalises its input.
 struct Transform
 {
 	Mat3 rotation;

@@ -4,6 +4,7 @@
 #pragma once
 #include <vector>
 
+#include "clod/Export.h"
 #include "clod/distance/Penetration.h"
 #include "clod/distance/SignedGap.h"
 #include "clod/distance/SurfaceDistance.h"
@@ -40,6 +41,6 @@ public:
 };
 
 // Sets minDistance, errorBound and deep of a result whose contacts are found and sorted.
-void certifyGap(const QueryContext& context, const GapSettings& settings, GapWalk& walk, GapCache::Search& search,
-				GapResult& result);
+CLOD_API void certifyGap(const QueryContext& context, const GapSettings& settings, GapWalk& walk,
+						 GapCache::Search& search, GapResult& result);
 }  // namespace clod

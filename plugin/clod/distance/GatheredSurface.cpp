@@ -152,14 +152,14 @@ void GatheredSurface::scan(std::uint32_t index, const Vec3& point)
 }
 
 // The triangle is above the thickened hull of a node, along the normal of this face of it: they are apart.
-bool GatheredSurface::isAbove(const ContactSide::Slot& slot, GatheredFace& face, const Triangle& triangle)
+bool GatheredSurface::isAbove(const ContactSide::Slot& slot, GatheredFace& face, const Triangle& triangle) const
 {
 	double lowest = std::numeric_limits<double>::infinity();
 	for (const Vec3& corner : triangle) lowest = std::min(lowest, dot(face.normal, corner - face.center));
 	return lowest > 0 && lowest > topOf(slot, face);
 }
 
-double GatheredSurface::topOf(const ContactSide::Slot& slot, GatheredFace& face)
+double GatheredSurface::topOf(const ContactSide::Slot& slot, GatheredFace& face) const
 {
 	if (face.top >= 0) return face.top;
 	const ConvexHull thickened = contactHull(*m_other.hierarchy, m_other.hierarchy->node(slot.node));

@@ -80,13 +80,13 @@ public:
 	// Only faces of slots that were gathered.
 	std::uint32_t across(std::uint32_t face, int edge) const;
 	// Of a body that is a single leaf: its hull holds all of it.
-	double below(std::uint32_t face, const Triangle& triangle);
+	double below(std::uint32_t index, const Triangle& triangle);
 
 private:
-	void scan(std::uint32_t ball, const Vec3& point);
+	void scan(std::uint32_t index, const Vec3& point);  // of a ball
 	bool isAbove(ContactSide::Slot& slot, const Triangle& triangle);
-	bool isAbove(const ContactSide::Slot& slot, GatheredFace& face, const Triangle& triangle);
-	double topOf(const ContactSide::Slot& slot, GatheredFace& face);
+	bool isAbove(const ContactSide::Slot& slot, GatheredFace& face, const Triangle& triangle) const;
+	double topOf(const ContactSide::Slot& slot, GatheredFace& face) const;
 	bool isSingleLeaf() const { return m_other.hierarchy->node(m_other.hierarchy->root()).childCount == 0; }
 	void meet(std::uint32_t face, const Vec3& point);
 

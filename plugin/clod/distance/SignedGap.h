@@ -1,5 +1,6 @@
-// SPDX-License-Identifier: Zlib The signed gap of two bodies and a bound of its error, besides their contacts
-// (query/Query.h, whose conventions hold).
+// SPDX-License-Identifier: Zlib
+// The signed gap of two bodies and a bound of its error, besides their contacts (query/Query.h, whose conventions
+// hold).
 //
 // gap = the distance of the surfaces if they are apart, else minus the depth of the deepest surface point of either
 // body inside the other. Every answer tells how wrong it can be (GapCertificate.h).

@@ -78,7 +78,7 @@ private:
 		const SectionEntry& entry = m_table[std::uint32_t(section)];
 		const std::size_t size = std::size_t(entry.count * entry.stride), skip = std::size_t(dropped);
 		std::vector<std::byte> records(size);
-		const std::string problem = m_packed.read(records.data());
+		std::string problem = m_packed.read(records.data());
 		if (!problem.empty()) return problem;
 		if (section == Section::nodes)
 			restoreInward(m_version, reinterpret_cast<Node*>(records.data()), std::size_t(entry.count));

@@ -4,7 +4,6 @@
 // then validate() runs.
 #include <algorithm>
 #include <cstring>
-#include <limits>
 
 #include <xxhash.h>
 

@@ -3,7 +3,6 @@
 #include "clod/hierarchy/InputSurface.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "clod/collide/BoxSeparation.h"
 

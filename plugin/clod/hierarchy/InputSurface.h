@@ -9,6 +9,7 @@
 #pragma once
 #include <limits>
 
+#include "clod/Export.h"
 #include "clod/hierarchy/Hierarchy.h"
 
 namespace clod
@@ -29,6 +30,6 @@ struct SignedDistance
 // Distance of a point (body frame) to the input surface, negative inside. Searches level 0 through the culling boxes of
 // the tree; visited counts the boxes. within: the surface is known to be no farther. Cost: some tens of boxes and
 // faces, many more where the surface is far and nothing is known.
-SignedDistance distanceToInput(const Hierarchy& hierarchy, const Vec3& point, std::uint32_t& visited,
-							   double within = std::numeric_limits<double>::infinity());
+CLOD_API SignedDistance distanceToInput(const Hierarchy& hierarchy, const Vec3& point, std::uint32_t& visited,
+										double within = std::numeric_limits<double>::infinity());
 }  // namespace clod

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Zlib
-// The stored records of a dual hierarchy, exactly as they lie in a .clod file (version 1) and in memory.
-// Little-endian, no pointers, explicit zero padding. Reader and writer of the file are HierarchyFile.cpp.
+// The records of a dual hierarchy, exactly as they lie in memory and in a .clod file of version 1, to which packed ones
+// are unpacked. Little-endian, no pointers, explicit zero padding. Reader and writer are HierarchyFile.cpp.
 //
 // Frame: every coordinate is in the *body frame*: the mesh's own axes, origin moved to the centre of mass
 // (Asset::meshFromBody). Unit: the mesh's own (metres for our models). Winding: counter-clockwise from outside.
 //
-// Levels: level 0 is the input surface, each further level has at most half the patches of the one below; levels from
-// Level::kClod bit cleared ("completion", unconstrained merging, paper sec. 4.2) cull but never answer; the last level
-// is one root node. Nodes are stored level by level, level 0 first, the root last.
+// Levels: level 0 is the input surface, each further level has at most half the patches of the one below. Those without
+// kClodNode ("completion", unconstrained merging, paper sec. 4.2) cull but never answer. The last level is one root node.
+// Nodes are stored level by level, level 0 first, the root last.
 //
 // Grid: thicknesses, walls, certified numbers, tolerances, areas, resolutions, feature volumes and the extents of culling
 // volumes have 13 significant bits, each rounded to its safe side; centres are multiples of a power of two (BoundGrid.h).

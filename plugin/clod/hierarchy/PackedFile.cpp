@@ -137,7 +137,7 @@ void unpackGroup(const std::byte* from, std::size_t size, std::size_t left, std:
 	const std::uint64_t mask = (std::uint64_t(1) << bits) - 1;
 	for (std::uint32_t i = 0; i < kGroup; ++i)
 	{
-		std::uint64_t word;
+		std::uint64_t word = 0;
 		std::memcpy(&word, from + i * bits / 8, sizeof word);
 		codes[i] = std::uint32_t(word >> (i * bits % 8) & mask);
 	}

@@ -2,6 +2,7 @@
 #include "clod/hierarchy/ScaledHierarchy.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -64,6 +65,7 @@ private:
 	void node(std::uint32_t index);
 	void normals(Node& n) const;
 	double curvature(const Node& n) const;
+	std::array<Vec3, 3> axesOf(const OrientedBox& old, const Vec3 (&edge)[3]) const;
 	void box(std::uint32_t index);
 	void levels();
 	HullView hull(const Node& n) const
@@ -307,32 +309,35 @@ void Scaling::node(std::uint32_t index)
 	box(index);
 }
 
+// Of a box's image: of a uniform scale its own axes, else those of its two longest edges, made orthogonal.
+std::array<Vec3, 3> Scaling::axesOf(const OrientedBox& old, const Vec3 (&edge)[3]) const
+{
+	Vec3 image[3];
+	for (int i = 0; i < 3; ++i) image[i] = scaled(toVec3(old.axis[i]));
+	int order[3] = {0, 1, 2};
+	if (!m_isUniform)
+		std::sort(order, order + 3, [&](int i, int j) { return lengthSquared(edge[i]) > lengthSquared(edge[j]); });
+	Vec3 first = normalized(image[order[0]]), second = image[order[1]];
+	if (!m_isUniform) second -= dot(second, first) * first;
+	second = normalized(second);
+	// Axes to more than the precision that they are stored in are at right angles.
+	return {first, second, cross(first, second)};
+}
+
 // Nothing that the old box holds lies outside its image, and nothing outside what the node's own hull and the boxes below it
 // hold.
 void Scaling::box(std::uint32_t index)
 {
 	const Node& n = m_to.nodes[index];
 	const OrientedBox& old = m_from.cullBox(index);
-	Vec3 edge[3], axis[3];
+	Vec3 edge[3];
 	for (int i = 0; i < 3; ++i) edge[i] = scaled(double(old.half[i]) * toVec3(old.axis[i]));
-	if (m_isUniform)
-		for (int i = 0; i < 3; ++i) axis[i] = normalized(scaled(toVec3(old.axis[i])));
-	else
-	{
-		Vec3 image[3];
-		for (int i = 0; i < 3; ++i) image[i] = scaled(toVec3(old.axis[i]));
-		int order[3] = {0, 1, 2};
-		std::sort(order, order + 3, [&](int i, int j) { return lengthSquared(edge[i]) > lengthSquared(edge[j]); });
-		axis[0] = normalized(image[order[0]]);
-		axis[1] = normalized(image[order[1]] - dot(image[order[1]], axis[0]) * axis[0]);
-	}
-	// Axes to more than the precision that they are stored in are at right angles.
-	axis[2] = cross(axis[0], axis[1]);
+	const std::array<Vec3, 3> axis = axesOf(old, edge);
 	OrientedBox to{};
 	Vec3 stored[3];
 	for (int i = 0; i < 3; ++i)
 	{
-		store(to.axis[i], axis[i]);
+		store(to.axis[i], axis[std::size_t(i)]);
 		stored[i] = toVec3(to.axis[i]);
 	}
 	Extent image, within;

@@ -5,10 +5,11 @@
 #pragma once
 #include <vector>
 
+#include "clod/Export.h"
 #include "clod/manifold/Facet.h"
 
 namespace clod
 {
 // Of the facets that touch, or overlap.
-bool isHeldBetween(const FacetQuestion& question, const std::vector<Facet>& facets);
+CLOD_API bool isHeldBetween(const FacetQuestion& question, const std::vector<Facet>& facets);
 }  // namespace clod

@@ -6,6 +6,7 @@
 #pragma once
 #include <vector>
 
+#include "clod/Export.h"
 #include "clod/manifold/Facet.h"
 #include "clod/query/Query.h"
 
@@ -46,5 +47,5 @@ private:
 };
 
 // Length a second at which bodies are let down, or leave an overlap that came with a level.
-double switchSpeed(const PointRules& rules);
+CLOD_API double switchSpeed(const PointRules& rules);
 }  // namespace clod

@@ -6,6 +6,7 @@
 #pragma once
 #include <vector>
 
+#include "clod/Export.h"
 #include "clod/manifold/FacetFinder.h"
 
 namespace clod
@@ -17,7 +18,7 @@ public:
 	static bool isDeep(const FacetQuestion& question, const std::vector<Facet>& facets);
 	// To which side of a plane does A belong? Decided by the way in of what has gone in through the sheet; else by the
 	// forces, where A's middle is almost in the plane; else by the middle. Below zero: beneath. Frame A.
-	static double sideOf(const PointRules& rules, const Vec3& normal, double offset, const Vec3& way);
+	CLOD_API static double sideOf(const PointRules& rules, const Vec3& normal, double offset, const Vec3& way);
 	// Adds contacts for the edges of A that would still cross B, a sheet, after the shift, which leads out of the
 	// facets known; and removes overlaps that go against them. was: what it returned in the last dispatch. Returns
 	// whether A was made in the sheet.

@@ -3,12 +3,13 @@
 #pragma once
 #include <vector>
 
+#include "clod/Export.h"
 #include "clod/query/HullCull.h"
 
 namespace clod
 {
 // In the order of their nodes, whatever the walk that found them.
-void sortByNodes(std::vector<Contact>& contacts);
+CLOD_API void sortByNodes(std::vector<Contact>& contacts);
 
 // A pair is a contact iff the lower bound of its hull distance, evaluated from the canonical start, is within the
 // tolerance. Cached values reject a pair only where they exceed the tolerance by more than the accuracy of that

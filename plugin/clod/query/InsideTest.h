@@ -4,13 +4,14 @@
 #pragma once
 #include <vector>
 
+#include "clod/Export.h"
 #include "clod/hierarchy/InputSurface.h"
 #include "clod/query/QueryContext.h"
 
 namespace clod
 {
 // What the test needs of one hierarchy, gathered at the first test: it reads level 0.
-class InsideProbes
+class CLOD_API InsideProbes
 {
 public:
 	void prepare(const Hierarchy& hierarchy);

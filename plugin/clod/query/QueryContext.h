@@ -3,6 +3,7 @@
 #pragma once
 #include <limits>
 
+#include "clod/Export.h"
 #include "clod/collide/BoxSeparation.h"
 #include "clod/query/Query.h"
 #include "clod/query/TraversalTables.h"
@@ -11,7 +12,7 @@ namespace clod
 {
 struct QueryContext
 {
-	QueryContext(const Hierarchy& hierarchyA, const Hierarchy& hierarchyB, const Transform& aFromB,
+	CLOD_API QueryContext(const Hierarchy& hierarchyA, const Hierarchy& hierarchyB, const Transform& aFromB,
 				 const Sweep& motion = {});
 
 	const Hierarchy& a;
@@ -41,7 +42,7 @@ inline std::uint32_t boxSeparations(const QueryContext& context, bool areOfA, st
 
 // Hull distance from the canonical start: a function of the two nodes and the pose, whatever was cached. Stops as soon
 // as lower > stopAbove.
-HullDistance canonicalDistance(const QueryContext& context, std::uint32_t a, std::uint32_t b, double stopAbove);
+CLOD_API HullDistance canonicalDistance(const QueryContext& context, std::uint32_t a, std::uint32_t b, double stopAbove);
 
 // As far as a contact needs it: where nothing moves, a distance beyond the tolerance is not known any better.
 inline HullDistance canonicalContact(const QueryContext& context, std::uint32_t a, std::uint32_t b, double tolerance)
