@@ -32,16 +32,35 @@ struct Tally
 	int queries = 0, withContacts = 0, deep = 0, stillApart = 0, frontKept = 0;
 	// Queries with another number of contacts than the one before, with some after none, with none after some.
 	int changed = 0, came = 0, went = 0;
+	int ofSigns = 0;
 	std::uint64_t boxTests = 0, freshBoxTests = 0, skipped = 0;
 };
 
-// The answer is that of a fresh query, bit for bit.
+// All that contacts tell of signs only.
+void leaveSigns(std::vector<Contact>& contacts)
+{
+	for (Contact& contact : contacts)
+	{
+		const double isApart = contact.lower > 0, isNoOverlap = contact.upper > 0;
+		contact = {contact.nodeA, contact.nodeB, isApart, isNoOverlap, {}, {}, {}};
+	}
+}
+
+// The answer is that of a fresh query, bit for bit; of signs only, that of one that tells all.
 void ask(Walk& walk, Tally& tally)
 {
 	const GapResult& result = walk.result;
 	const std::size_t before = result.contacts.size();
 	query(*walk.pair.a.hierarchy, *walk.pair.b.hierarchy, walk.pose, walk.settings, walk.cache, walk.result);
-	const GapResult expected = fresh(walk.pair, walk.pose, walk.settings);
+	Settings all = walk.settings;
+	all.signsOnly = false;
+	GapResult expected = fresh(walk.pair, walk.pose, all);
+	if (walk.settings.signsOnly)
+	{
+		++tally.ofSigns;
+		leaveSigns(expected.contacts);
+		leaveSigns(walk.result.contacts);
+	}
 	ASSERT_EQ(difference(result, expected), "")
 		<< walk.pair.a.name << " query " << walk.queries << ": " << result.minDistance << " +- " << result.errorBound
 		<< " deep " << result.deep << ", fresh " << expected.minDistance << " +- " << expected.errorBound
@@ -108,6 +127,7 @@ TEST(Query, CachedEqualsFreshBitForBit)
 				if (random() % 3 == 0) settings.metric.maxError = std::pow(10, uniform(random, -3, -1)) * radius;
 				settings.distance = random() % 3 == 0;
 				settings.contactsOnly = !settings.distance && random() % 2;
+				settings.signsOnly = settings.contactsOnly && walk.queries % 2;
 				if (random() % 3 == 0) settings.gapError = uniform(random, 0, 0.01) * radius;
 			}
 			// Half of the steps look ahead, mostly along a motion that changes little.
@@ -122,6 +142,7 @@ TEST(Query, CachedEqualsFreshBitForBit)
 				tally.withContacts, tally.deep, tally.stillApart, tally.frontKept,
 				100.0 * double(tally.boxTests) / double(tally.freshBoxTests));
 	EXPECT_GT(tally.withContacts, steps);
+	EXPECT_GT(tally.ofSigns, steps / 4);
 	EXPECT_GT(tally.frontKept, steps / 2);
 	EXPECT_GT(tally.stillApart, steps / 20);
 	EXPECT_LT(tally.boxTests, tally.freshBoxTests);
@@ -129,7 +150,7 @@ TEST(Query, CachedEqualsFreshBitForBit)
 	EXPECT_LT(tally.skipped, 10 * tally.freshBoxTests);  // more of them than of what a fresh query looks at are none
 }
 
-// Bodies that creep straight into each other: most steps keep the front, and none that brings another contact does.
+// Bodies that creep straight into each other, or apart: most steps keep the front, and none that brings another contact does.
 TEST(Query, CreepingBodiesKeepTheirFrontUntilItChanges)
 {
 	Random random(17);
@@ -141,15 +162,17 @@ TEST(Query, CreepingBodiesKeepTheirFrontUntilItChanges)
 			Settings settings;
 			settings.tolerance = 0.02 * radius;
 			settings.contactsOnly = true;
+			settings.signsOnly = creep % 8 >= 4;
 			if (creep % 4 == 0) settings.metric.exact = true;
 			if (creep % 4 == 1) settings.metric.weightedDeviation = 0.03 * radius;
 			if (creep % 4 == 2) settings.metric.maxError = 0.01 * radius;
 			if (creep % 4 == 3) settings.metric.weightedDeviation = settings.metric.maxError = 0.02 * radius;
 			if (creep % 3 == 2) settings.sweep.linear = 0.01 * radius * randomDirection(random);
-			// One contact at first, or a little more; the motion of a translation is known exactly.
-			Walk walk{pair, poseWithGap(random, pair.a, pair.b, 0.015), settings};
-			const Vec3 way =
-				4e-5 * radius * (randomVector(random, 0, 1) - normalized(walk.pose.translation));
+			// One contact at first, or a little more; the motion of a translation is known exactly. Some part again.
+			const bool parts = creep % 8 >= 6;
+			Walk walk{pair, poseWithGap(random, pair.a, pair.b, parts ? 0.01 : 0.015), settings};
+			const Vec3 towards = normalized(walk.pose.translation);
+			const Vec3 way = 4e-5 * radius * (randomVector(random, 0, 1) + (parts ? 1 : -1) * towards);
 			const auto move = [&](int) { walk.pose.translation += way; };
 			ASSERT_NO_FATAL_FAILURE(go(walk, 400, tally, move)) << "creep " << creep;
 		}

@@ -195,6 +195,7 @@ PairState::Question PairState::questionOf(const PairPose& pose)
 	question.settings.metric = m_report.metric;
 	question.settings.tolerance = pose.tolerance;
 	question.settings.sweep = pose.sweep();
+	question.settings.signsOnly = true;
 	question.rules = pose.rules;
 	question.rules.liesAlone = liesAlone(pose);
 	question.way = pose.seenMotion.speedWithin(pose.center, pose.radius) * pose.rules.timeStep;

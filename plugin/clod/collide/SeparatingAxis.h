@@ -28,6 +28,7 @@ struct CachedSeparation
 	float lower = 0;  // apart: a bound of the distance, of the support planes across the axis if it is known
 	Float3 onA;       // frame A. apart: the axis, unit, from B to A, or zero: it is not known; near: a point of hull a
 	Float3 onB;       // frame B. near: a point of hull b
+	Float3 between;   // frame A. near: an axis that may show that the hulls are apart all the same
 
 	bool isApart() const { return kind == Kind::kApart; }
 	void setApart(double bound, const Vec3& axis)
@@ -36,11 +37,12 @@ struct CachedSeparation
 		lower = lowerAfter(float(bound), 0);
 		onA = toFloat3(axis);
 	}
-	void setNear(const Vec3& pointOnA, const Vec3& pointOnB)
+	void setNear(const Vec3& pointOnA, const Vec3& pointOnB, const Vec3& axis)
 	{
 		kind = Kind::kNear;
 		onA = toFloat3(pointOnA);
 		onB = toFloat3(pointOnB);
+		between = toFloat3(axis);
 	}
 };
 

@@ -215,12 +215,13 @@ double ContactSearch::answerCoarsest(double tolerance)
 	m_rule.emplace(coarsestRule(m_context));
 	m_answered = m_state.outline.get();
 	addTo(m_result.stats, m_answered->counts);
-	ContactSink sink(m_context, tolerance, coversBy(*m_rule), m_result.contacts, m_result.stats);
+	ContactSink sink = sinkOf(*m_rule, tolerance);
 	for (const FrontEntry& entry : m_answered->entries)
 	{
 		CachedSeparation nothing;
 		if (entry.state == NodePairState::kAnswer) sink.answer(entry.a, entry.b, nothing);
 	}
+	m_leastApart = sink.leastApart();
 	return sink.largestCover();
 }
 
@@ -270,15 +271,20 @@ std::optional<double> ContactSearch::answerFrom(Walk& walk, const TraversalSetti
 {
 	m_result.contacts.clear();
 	m_result.stats.front = m_result.stats.frontInner = 0;
-	ContactSink sink(m_context, tolerance, coversBy(settings.rule), m_result.contacts, m_result.stats);
+	ContactSink sink = sinkOf(settings.rule, tolerance);
 	if (!walk(m_context, settings, m_state.front, sink, m_result.stats)) return std::nullopt;
+	m_leastApart = sink.leastApart();
 	return sink.largestCover();
 }
 
-ContactSink::Covers ContactSearch::coversBy(const StopRule& rule) const
+ContactSink ContactSearch::sinkOf(const StopRule& rule, double tolerance) const
 {
-	if (rule.base().isUsed()) return ContactSink::Covers::kBounded;
-	return m_gap.isAsked ? ContactSink::Covers::kWanted : ContactSink::Covers::kUnwanted;
+	using Covers = ContactSink::Covers;
+	const Covers covers =
+		rule.base().isUsed() ? Covers::kBounded : m_gap.isAsked ? Covers::kWanted : Covers::kUnwanted;
+	ContactSink sink(m_context, tolerance, covers, m_result.contacts, m_result.stats);
+	if (m_settings.signsOnly && !m_gap.isAsked) sink.leaveOutDistances();
+	return sink;
 }
 
 bool ContactSearch::rootIsApart() const
@@ -299,13 +305,7 @@ void ContactSearch::sort()
 double ContactSearch::leastApart() const
 {
 	if (!m_rule->base().isUsed()) return 0;
-	double apart = m_tolerance - m_rule->baseCover();
-	for (const Contact& contact : m_result.contacts)
-	{
-		const Node &a = m_context.a.node(contact.nodeA), &b = m_context.b.node(contact.nodeB);
-		apart = std::min(apart, contact.lower - double(a.cover) - double(b.cover));
-	}
-	return apart;
+	return std::min(m_leastApart, m_tolerance - m_rule->baseCover());
 }
 
 double ContactSearch::depthInside()

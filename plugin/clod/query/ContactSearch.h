@@ -59,7 +59,7 @@ private:
 	void sort();
 	bool rootIsApart() const;
 	double leastApart() const;
-	ContactSink::Covers coversBy(const StopRule& rule) const;
+	ContactSink sinkOf(const StopRule& rule, double tolerance) const;
 
 	const ContactSettings& m_settings;
 	const AskedGap m_gap;
@@ -69,7 +69,7 @@ private:
 	const QueryContext m_context;
 	std::optional<StopRule> m_rule;
 	double m_tolerance = 0;  // of the last run
-	double m_largestCover = 0;
+	double m_largestCover = 0, m_leastApart = 0;
 	const PairFront* m_answered;  // the front that gave the answers
 	bool m_isStillApart = false, m_isOfInput = true;
 };

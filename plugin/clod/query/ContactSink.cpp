@@ -3,10 +3,16 @@
 #include "clod/query/ContactSink.h"
 
 #include <algorithm>
+#include <limits>
 #include <tuple>
 
 namespace clod
 {
+namespace
+{
+constexpr double kInfinity = std::numeric_limits<double>::infinity(), kLeast = std::numeric_limits<double>::denorm_min();
+}  // namespace
+
 void sortByNodes(std::vector<Contact>& contacts)
 {
 	const auto before = [](const Contact& l, const Contact& r)
@@ -16,8 +22,12 @@ void sortByNodes(std::vector<Contact>& contacts)
 
 void ContactSink::noContact(std::uint32_t a, std::uint32_t b)
 {
-	const Node &nodeA = m_context.a.node(a), &nodeB = m_context.b.node(b);
-	m_largestCover = std::max(m_largestCover, double(nodeA.cover) + double(nodeB.cover));
+	m_largestCover = std::max(m_largestCover, coversOf(a, b));
+}
+
+double ContactSink::coversOf(std::uint32_t a, std::uint32_t b) const
+{
+	return double(m_context.a.node(a).cover) + double(m_context.b.node(b).cover);
 }
 
 // Beyond the limit not known any better. What was evaluated before may have stopped at the tolerance.
@@ -28,12 +38,67 @@ HullDistance ContactSink::distanceAtRest(std::uint32_t a, std::uint32_t b, doubl
 	return canonicalContact(m_context, a, b, limit);
 }
 
-void ContactSink::answer(std::uint32_t a, std::uint32_t b, CachedSeparation& cached, const HullEvaluations& known)
+void ContactSink::add(std::uint32_t a, std::uint32_t b, const HullDistance& distance)
+{
+	m_leastApart = std::min(m_leastApart, distance.lower - coversOf(a, b));
+	if (m_signsOnly)
+	{
+		const double lower = distance.lower > 0 ? kLeast : 0, upper = distance.upper > 0 ? kInfinity : 0;
+		return m_contacts.push_back({a, b, lower, upper, {}, {}, {}});
+	}
+	m_contacts.push_back({a, b, distance.lower, distance.upper, distance.pointOnA, distance.pointOnB, distance.normal});
+}
+
+// Of signs only, a contact takes no distance where an axis shows the hulls apart and they are near all the same: by their
+// points, or at some time of the way. What had to be evaluated is handed on.
+bool ContactSink::isDecided(std::uint32_t a, std::uint32_t b, CachedSeparation& cached, HullEvaluations& known)
+{
+	const bool wasNear = cached.kind == CachedSeparation::Kind::kNear;
+	double lower = wasNear ? separationAtRest(a, b, toVec3(cached.between)) : 0;
+	if (wasNear && !isBeyond(m_context, a, b, lower, 0)) return false;
+	if (!wasNear || !m_hulls.isStillNear(a, b, m_tolerance, cached))
+	{
+		if (!(m_context.longestMove > 0)) return false;
+		if (!known.onTheWay)
+		{
+			++m_stats.hullTests;
+			known.onTheWay = canonicalSweptBound(m_context, a, b, m_tolerance, m_tolerance);
+		}
+		const SweptBound& way = *known.onTheWay;
+		if (way.lower > m_tolerance)
+		{
+			cached.setApart(way.lower, way.normal);
+			return true;
+		}
+		if (!way.hasPoints) return false;
+		if (!wasNear) lower = separationAtRest(a, b, way.normal);
+		if (!isBeyond(m_context, a, b, lower, 0)) return false;
+		cached.setNear(way.onA, way.onB, wasNear ? toVec3(cached.between) : way.normal);
+	}
+	HullDistance apart;
+	apart.lower = lower;
+	apart.upper = kInfinity;
+	add(a, b, apart);
+	return true;
+}
+
+// A bound by their planes across an axis, if there is one.
+double ContactSink::separationAtRest(std::uint32_t a, std::uint32_t b, const Vec3& axis)
+{
+	if (axis == Vec3{}) return 0;
+	++m_stats.hullTests;
+	return separationAlong(contactHull(m_context.a, m_context.a.node(a)), contactHull(m_context.b, m_context.b.node(b)),
+						   m_context.pose, axis);
+}
+
+void ContactSink::answer(std::uint32_t a, std::uint32_t b, CachedSeparation& cached, const HullEvaluations& evaluated)
 {
 	if (m_onlyLists) return;
 	const bool areWanted = m_covers == Covers::kWanted;
 	const double limit = areWanted ? cullLimit(m_context.a.node(a), m_context.b.node(b), m_tolerance) : m_tolerance;
 	if (m_hulls.isStillApart(a, b, limit, cached)) return;
+	HullEvaluations known = evaluated;
+	if (m_signsOnly && !known.atRest && isDecided(a, b, cached, known)) return;
 	const bool moves = m_context.longestMove > 0;
 	// What was a contact most often is one where it is: the way need not be looked at then.
 	const bool wasNear = moves && cached.kind == CachedSeparation::Kind::kNear;
@@ -65,8 +130,9 @@ void ContactSink::answer(std::uint32_t a, std::uint32_t b, CachedSeparation& cac
 		if (!(distance.lower > limit)) noContact(a, b);
 		return;
 	}
-	cached.setNear(distance.pointOnA, m_context.pose.directionToB(distance.pointOnB - m_context.pose.translation));
-	m_contacts.push_back({a, b, distance.lower, distance.upper, distance.pointOnA, distance.pointOnB, distance.normal});
+	cached.setNear(distance.pointOnA, m_context.pose.directionToB(distance.pointOnB - m_context.pose.translation),
+				   distance.normal);
+	add(a, b, distance);
 }
 
 }  // namespace clod

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Turns accepted pairs into contacts, and keeps what the certificate needs of the pairs that are no contacts.
 #pragma once
+#include <limits>
 #include <vector>
 
 #include "clod/Export.h"
@@ -45,6 +46,9 @@ public:
 		return sink;
 	}
 
+	// Of contacts only whether their hulls overlap. Precondition: covers are not wanted.
+	void leaveOutDistances() { m_signsOnly = true; }
+
 	// An accepted pair of hulls that are so far apart at least needs nothing: one that is no contact leaves no trace.
 	bool skips(double lower) const
 	{
@@ -62,10 +66,16 @@ public:
 	// max over the pairs that are near by their boxes, but no contacts, of cover_a + cover_b; not of those whose hulls
 	// are farther apart than that and the tolerance: their surfaces are beyond it.
 	double largestCover() const { return m_largestCover; }
+	// min over the contacts of a certified bound of their distance less cover_a + cover_b.
+	double leastApart() const { return m_leastApart; }
 
 private:
 	HullDistance distanceAtRest(std::uint32_t a, std::uint32_t b, double limit, const HullEvaluations& known);
 	void noContact(std::uint32_t a, std::uint32_t b);
+	double coversOf(std::uint32_t a, std::uint32_t b) const;
+	void add(std::uint32_t a, std::uint32_t b, const HullDistance& distance);
+	double separationAtRest(std::uint32_t a, std::uint32_t b, const Vec3& axis);
+	bool isDecided(std::uint32_t a, std::uint32_t b, CachedSeparation& cached, HullEvaluations& known);
 
 	const QueryContext& m_context;
 	const double m_tolerance;
@@ -75,7 +85,8 @@ private:
 	QueryStats& m_stats;
 	HullCull m_hulls;
 	double m_largestCover = 0;
-	bool m_onlyLists = false;
+	double m_leastApart = std::numeric_limits<double>::infinity();
+	bool m_onlyLists = false, m_signsOnly = false;
 };
 
 }  // namespace clod

@@ -76,7 +76,7 @@ public:
 			return true;
 		}
 		cached = {};
-		if (bound.hasPoints) cached.setNear(bound.onA, bound.onB);
+		if (bound.hasPoints) cached.setNear(bound.onA, bound.onB, bound.normal);
 		return false;
 	}
 	// How much motion that decision can take, from either side, by what is remembered of it; at most 0: none.

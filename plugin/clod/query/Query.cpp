@@ -41,9 +41,9 @@ bool same(const ContactSettings& l, const ContactSettings& r)
 	// Every field but the metric: one more does not compile before it is named here.
 	const auto fields = [](const ContactSettings& settings)
 	{
-		const auto& [metric, tolerance, sweep, budget, isTrial] = settings;
+		const auto& [metric, tolerance, sweep, budget, isTrial, signsOnly] = settings;
 		const auto& [tests, microseconds] = budget;
-		return std::tie(tolerance, sweep, tests, microseconds, isTrial);
+		return std::tie(tolerance, sweep, tests, microseconds, isTrial, signsOnly);
 	};
 	return fields(l) == fields(r) && same(l.metric, r.metric);
 }

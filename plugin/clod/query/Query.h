@@ -33,6 +33,7 @@ struct ContactSettings
 	// queries are cut off depends on the cache. Usually the metric is coarsened as well (BudgetControl.h).
 	Budget budget;
 	bool isTrial = false;  // if the budget is spent, give no answer instead of the coarsest
+	bool signsOnly = false;  // of contacts only whether their hulls overlap, which takes a fraction of the time
 };
 // Compares field by field; settings with a function of the user's are never the same, see same(Metric).
 CLOD_API bool same(const ContactSettings& l, const ContactSettings& r);
@@ -42,7 +43,9 @@ CLOD_API bool same(const Transform& l, const Transform& r);
 struct Contact
 {
 	std::uint32_t nodeA, nodeB;
-	double lower, upper;      // certified bracket of the thickened hulls' distance; both 0 when they overlap
+	// Certified bracket of the thickened hulls' distance; both 0 when they overlap. Of signs only it tells no more: lower
+	// is 0 or the least number above, upper 0 or infinity; and the rest is not set.
+	double lower, upper;
 	Vec3 pointOnA, pointOnB;  // witness points, frame A
 	Vec3 normal;              // unit, from B to A; zero when the hulls overlap
 };
