@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "clod/query/StopRule.h"
 #include "tests/query/Answers.h"
 #include "tests/query/TriangleGap.h"
 
@@ -85,7 +86,11 @@ Metric enlarged(Metric metric, double factor, double radius)
 	if (metric.exact) metric.maxError = 0;
 	metric.exact = false;
 	enlarge(metric.weightedDeviation);
+	const double asked = metric.maxError;
 	enlarge(metric.maxError);
+	// Beyond half the radius it is no coarser than that.
+	const bool isAlone = !(std::min({metric.weightedDeviation, metric.velocity.time, metric.view.pixels}) < kOff);
+	if (isAlone && metric.maxError < kOff && metric.maxError > std::max(asked, 0.5 * radius)) metric.coarsening = kOff;
 	metric.velocity.time *= factor;
 	metric.velocity.floor *= factor;
 	metric.view.pixels *= factor;
@@ -110,6 +115,48 @@ TEST(Coarsening, IsEveryLimitSoManyTimesAsLarge)
 	};
 	forEachPose(31, 40, check);
 	EXPECT_GT(coarserThanAsked, 20);
+}
+
+// So far of the cup's coarsest levels, that reach over its hollow, none answers a small body.
+TEST(Coarsening, WithoutEndErrsByHalfTheSmallerRadiusWhileApart)
+{
+	Random random(38);
+	const BodyPair pair{body("cup", 3000), body("number8", 600)};
+	const auto error = [&pair](const Contact& contact)
+	{ return certifiedErrorApart(pair.a.hierarchy->node(contact.nodeA), pair.b.hierarchy->node(contact.nodeB)); };
+	const double most = 0.5 * smallerRadius(pair.a, pair.b);
+	int coarse = 0;
+	for (int i = 0; i < 20; ++i)
+	{
+		const Transform pose = poseWithGap(random, pair.a, pair.b, 0);
+		Settings settings = anySettings(random, smallerRadius(pair.a, pair.b));
+		const GapResult coarsest = fresh(pair, pose, coarser(settings, kOff));
+		for (const Contact& contact : coarsest.contacts) EXPECT_LE(error(contact), most);
+		settings.metric = Metric{};
+		for (const Contact& contact : fresh(pair, pose, settings).contacts) coarse += error(contact) > most;
+	}
+	EXPECT_GT(coarse, 5);
+}
+
+// Its levels are others, and so is what it proves of bodies apart.
+TEST(Coarsening, WithoutEndIsNotWhatWasRememberedOfLess)
+{
+	Random random(39);
+	const BodyPair pair{body("cup", 3000), body("number8", 600)};
+	const double radius = smallerRadius(pair.a, pair.b);
+	Settings settings;
+	settings.tolerance = 0.01 * radius;
+	const Transform pose = poseWithGap(random, pair.a, pair.b, 0.3);
+	GapCache cache;
+	GapResult result;
+	std::uint32_t kept = 0;
+	for (const double factor : {2.0, 2.0, kOff, kOff, 2.0})
+	{
+		query(*pair.a.hierarchy, *pair.b.hierarchy, pose, coarser(settings, factor), cache, result);
+		EXPECT_EQ(difference(result, fresh(pair, pose, coarser(settings, factor))), "") << factor;
+		kept += result.stats.stillApart;
+	}
+	EXPECT_EQ(kept, 1U);
 }
 
 TEST(Coarsening, WithoutEndIsTheCoarsestValidAnswer)
@@ -291,6 +338,7 @@ TEST(Budget, CachedEqualsFreshBitForBit)
 				++again;
 			if (random() % 5 == 0) settings = anySettings(random, radius);
 			if (random() % 2) settings.metric.coarsening = random() % 3 ? std::pow(10, uniform(random, 0, 3)) : 1;
+			if (random() % 8 == 0) settings.metric.coarsening = kOff;
 			if (random() % 2)
 				settings.budget.tests = random() % 3 ? std::floor(std::pow(10, uniform(random, 0, 5))) : kOff;
 			query(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache, result);

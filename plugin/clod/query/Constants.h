@@ -48,4 +48,7 @@ inline constexpr std::uint32_t kTestsOfCandidate = 3;  // its box, whether its h
 
 // Metric::coarsening. Below what simplification leaves in any model: the coarsest level that keeps it is the surface itself.
 inline constexpr double kFinestShare = 1e-4;
+// No answer is coarsened beyond so much of the smaller radius: what errs by more meets far more than the surfaces do, and
+// its contacts cost more than those of finer levels.
+inline constexpr double kCoarsestShare = 0.5;
 }  // namespace clod

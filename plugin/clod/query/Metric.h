@@ -79,8 +79,8 @@ struct Metric
 	Combine combine = Combine::kStrict;
 	double maxError = kOff;  // certified: errorBound <= maxError, a hard limit under every combination
 	// >= 1: multiplies every limit above, combined or certified; budgets use it (BudgetControl.h). Once it exceeds 1,
-	// limits below kFinestShare of the smaller radius (also exact) count as that share. Infinite: the coarsest valid
-	// answer.
+	// limits below kFinestShare of the smaller radius (also exact) count as that share. Infinite, or a certified limit beyond
+	// kCoarsestShare: the coarsest answer, of the coarsest levels that err by no more than that share while apart.
 	double coarsening = 1;
 };
 // s0 or a certified limit, coarsened; kOff stays kOff.

@@ -174,7 +174,7 @@ bool SeparationCache::isWithinThresholds(const QueryContext& context, const Metr
 bool SeparationCache::isMeantFor(const ContactSettings& settings, const AskedGap& gap) const
 {
 	const Metric &asked = settings.metric, &known = m_settings.metric;
-	const bool hasLimit = asked.exact || asked.maxError < kOff;
+	const bool hasLimit = asked.exact || asked.maxError < kOff || !(std::max(asked.coarsening, known.coarsening) < kOff);
 	return asked.exact == known.exact && asked.maxError == known.maxError &&
 		   (!hasLimit || asked.coarsening == known.coarsening) && settings.tolerance <= m_settings.tolerance &&
 		   gap == m_gap && !gap.isAskedApart;

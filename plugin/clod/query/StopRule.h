@@ -52,10 +52,10 @@ public:
 		  m_finest(finest(context)),
 		  m_threshold(thresholdOf(context, metric)),
 		  m_isExact(metric.exact && !(metric.coarsening > 1)),
-		  m_maxError(coarsened(metric.exact ? 0 : metric.maxError, metric, m_finest)),
+		  m_maxError(isCoarsest(metric) ? kOff : coarsened(metric.exact ? 0 : metric.maxError, metric, m_finest)),
 		  m_leavesOfA(context.a.levels()[0].nodeCount),
 		  m_leavesOfB(context.b.levels()[0].nodeCount),
-		  m_base(baseLevels())
+		  m_base(baseLevels(metric))
 	{
 		if (m_base.isUsed())  // 0 of input surfaces
 			m_baseCover = double(context.tablesA.bounds(m_base.a).cover) + double(context.tablesB.bounds(m_base.b).cover);
@@ -184,12 +184,22 @@ private:
 	bool isWithinBaseA(std::uint32_t i) const { return m_context->a.node(i).level <= m_base.a; }
 	bool isWithinBaseB(std::uint32_t j) const { return m_context->b.node(j).level <= m_base.b; }
 
-	BaseLevels baseLevels() const
+	// Does no threshold ask for finer nodes here and there?
+	bool isAlone() const { return m_threshold.isConstant() && !(m_threshold.constant() < kOff); }
+	// Coarsened without end, or so far that the coarsest answer errs by less.
+	bool isCoarsest(const Metric& metric) const
+	{
+		const double asked = metric.exact ? 0 : metric.maxError, limit = coarsened(asked, metric, m_finest);
+		return metric.coarsening == kOff || (isAlone() && asked < kOff && limit > std::max(asked, coarsest()));
+	}
+	double coarsest() const { return kCoarsestShare / kFinestShare * m_finest; }
+	BaseLevels baseLevels(const Metric& metric) const
 	{
 		if (m_isExact) return {0, 0};
+		// No limit of the rule, which is then kept without a look at the hulls: where they overlap it may err by more.
+		if (isCoarsest(metric)) return chooseBaseLevels(*m_context, coarsest(), true);
 		if (!std::isfinite(m_maxError)) return {};
-		const bool isAlone = m_threshold.isConstant() && !(m_threshold.constant() < kOff);
-		return chooseBaseLevels(*m_context, m_maxError, isAlone);
+		return chooseBaseLevels(*m_context, m_maxError, isAlone());
 	}
 	bool isWithinThreshold(std::uint32_t i, std::uint32_t j) const
 	{
