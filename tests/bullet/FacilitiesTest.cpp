@@ -96,6 +96,36 @@ TEST(Facilities, AGhostMeetsAndHoldsNothing)
 	scene.world.removeCollisionObject(&ghost);
 }
 
+// A depth is the way out as the bodies lie, not all the way that the ghost has come.
+TEST(Facilities, AGhostThatSweepsThroughABodyIsNoDeeperThanThat)
+{
+	BulletWorld scene;
+	btClodShape& torus = scene.addShape(body("torus", 900).hierarchy);
+	const double radius = double(torus.hierarchy().asset().radius), half = 0.4 * radius;
+	btCollisionObject ghost;
+	ghost.setCollisionShape(&torus);
+	ghost.setCollisionFlags(btCollisionObject::CF_NO_CONTACT_RESPONSE);
+	scene.world.addCollisionObject(&ghost, btBroadphaseProxy::SensorTrigger, btBroadphaseProxy::AllFilter);
+	btClodShape& cube = scene.addShape(body("box", 12).hierarchy);
+	cube.setLocalScaling(vector(1, 1, 1) * btScalar(half * std::sqrt(3) / double(cube.hierarchy().asset().radius)));
+	scene.world.setGravity(vector(0, 0, 0));
+	scene.addBody(cube, 1, {0, 0, 0});
+	double deepest = 0;
+	for (double x = -2 * radius; x < 2 * radius; x += 0.1 * radius)
+	{
+		ghost.setWorldTransform(at(x, 0.2 * radius, 0));
+		scene.step();
+		for (int i = 0; i < scene.dispatcher.getNumManifolds(); ++i)
+		{
+			const btPersistentManifold& manifold = *scene.dispatcher.getManifoldByIndexInternal(i);
+			for (int k = 0; k < manifold.getNumContacts(); ++k)
+				deepest = std::min(deepest, double(manifold.getContactPoint(k).getDistance()));
+		}
+	}
+	EXPECT_TRUE(deepest < -0.2 * radius && deepest > -(std::sqrt(3) * half + 0.1 * radius)) << deepest / radius;
+	scene.world.removeCollisionObject(&ghost);
+}
+
 TEST(Facilities, AKinematicLiftCarriesConvexBodies)
 {
 	BulletWorld scene;

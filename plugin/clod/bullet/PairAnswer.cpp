@@ -299,6 +299,21 @@ ContactBody PairState::bodyB(const PairPose& pose) const
 	return m_partnerSurface ? contactBody(*m_partnerSurface) : ContactBody{};
 }
 
+// Bodies that nothing pushes apart, such as a trigger that sweeps through others, would stay as deep as they have come by
+// the way they went in, which is of use only where it leads out again: from the smaller one's radius on another way is
+// looked for.
+bool PairState::isSweptThrough(const PairPose& pose) const
+{
+	const auto responds = [](const btCollisionObjectWrapper* w) { return w->getCollisionObject()->hasContactResponse(); };
+	if (responds(pose.a) && responds(pose.b)) return false;
+	const auto& slots = scratch().previous.slots;
+	return std::any_of(slots.begin(), slots.end(), [&](const ContactCluster& cluster)
+					   {
+						   return std::any_of(cluster.points.begin(), cluster.points.begin() + cluster.count,
+											  [&](const ClusterPoint& p) { return p.point.height < -pose.radius; });
+					   });
+}
+
 void PairState::findPoints(const PairPose& pose, Question& question, bool goesOn)
 {
 	FacetContacts& facets = scratch().facets;
@@ -307,6 +322,7 @@ void PairState::findPoints(const PairPose& pose, Question& question, bool goesOn
 	carryWithB(previous, pose.aFromB * inverse(m_report.aFromB));
 	const ContactBody a = contactBody(pose.hierarchyA());
 	const std::vector<Contact>& contacts = scratch().result.contacts;
+	if (isSweptThrough(pose)) m_facets.forget();
 	do
 		facets.find(a, bodyB(pose), pose.aFromB, question.rules, contacts, previous, m_facets, goesOn);
 	while (refineHeld(pose, question));

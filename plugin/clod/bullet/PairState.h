@@ -140,6 +140,7 @@ private:
 	void answer(const PairPose& pose, Question& question, bool isAsked = false);
 	void foresee(const PairPose& pose);
 	void findPoints(const PairPose& pose, Question& question, bool goesOn);
+	bool isSweptThrough(const PairPose& pose) const;
 	ContactBody bodyB(const PairPose& pose) const;
 	bool refineHeld(const PairPose& pose, Question& question);
 	void namePartnerFace(const PairPose& pose, ContactPoint& point);
