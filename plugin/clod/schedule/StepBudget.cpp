@@ -8,6 +8,7 @@ namespace clod
 namespace
 {
 constexpr double kClockRoom = 0.2;  // of a budget, that is not spent on what could wait: times scatter
+constexpr double kMostHeld = 0.5;  // of a budget, for coarsest answers: those that alone take more would never become finer
 constexpr double kOfLast = 0.2, kForgotten = 0.05;  // of what refining takes: by one more, and a step
 }  // namespace
 
@@ -16,6 +17,7 @@ void StepBudget::begin(const Budget& budget)
 	m_budget = budget;
 	m_coarsening = m_control.coarsening(budget);
 	m_start = m_spareEnd = Clock::now();
+	m_isSpent = m_areQueriesOver = false;
 	m_tests = m_held = m_spareTests = 0;
 	m_spareMicroseconds = 0;
 	m_ofOneSpare *= 1 - kForgotten;
@@ -32,22 +34,40 @@ void StepBudget::end()
 	if (tests > 0) m_microsecondsATest = microseconds / tests;
 	m_lastTests = tests;
 	m_afterSpare = microsecondsSince(m_spareEnd);
+	if (m_areQueriesOver) m_afterQueries = m_afterSpare;
 }
 
-Budget StepBudget::without(double tests, double timed) const
+Budget StepBudget::without(double tests, double microseconds) const
 {
 	Budget left;
 	if (m_budget.tests < kOff) left.tests = std::max(0.0, m_budget.tests - double(m_tests.load()) - tests);
 	if (m_budget.microseconds < kOff)
-		left.microseconds = std::max(0.0, m_budget.microseconds - microsecondsSince(m_start) - timed * m_microsecondsATest);
+		left.microseconds = std::max(0.0, m_budget.microseconds - microsecondsSince(m_start) - microseconds);
 	return left;
 }
 
-// A query holds back its own tests itself, but no time.
+// A query holds back its own tests itself, but no time. Of time that of all coarsest answers to come is held back, with their
+// points, and of what the dispatch does after them.
 Budget StepBudget::next(std::uint32_t held)
 {
 	const double withItsOwn = double(m_held.fetch_sub(held));
-	return without(withItsOwn - held, withItsOwn);
+	const double toCome = withItsOwn * std::max(m_microsecondsATest, m_ofHeld) + m_afterQueries;
+	const Budget left = without(withItsOwn - held, std::min(toCome, kMostHeld * m_budget.microseconds));
+	if (left.microseconds == 0 && !m_isSpent.exchange(true))
+	{
+		m_spentAt = Clock::now();
+		m_heldWhenSpent = withItsOwn;
+	}
+	return left;
+}
+
+void StepBudget::noneToCome()
+{
+	m_lastTests = 0;
+	m_spareEnd = Clock::now();
+	m_areQueriesOver = true;
+	if (m_isSpent && m_heldWhenSpent > 0)
+		m_ofHeld = microsecondsBetween(m_spentAt, m_spareEnd) / m_heldWhenSpent;
 }
 
 // Of time what is sure to be left: points are found besides, and the dispatch goes on.
@@ -56,7 +76,7 @@ Budget StepBudget::spare()
 	m_spareStart = Clock::now();
 	const double toCome = std::max(0.0, m_lastTests - double(m_tests.load() - m_spareTests));
 	const double others = double(m_held.load()) + toCome;
-	Budget left = without(others, others);
+	Budget left = without(others, others * m_microsecondsATest);
 	if (m_budget.microseconds < kOff)
 		left.microseconds =
 			std::max(0.0, left.microseconds - m_afterSpare - m_ofOneSpare - kClockRoom * m_budget.microseconds);

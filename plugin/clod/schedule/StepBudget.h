@@ -37,26 +37,28 @@ public:
 	void spend(std::uint64_t tests, bool isCut);
 	// For one that lies still, from the first to the last of these, on one thread: what is left now but for what the others
 	// will take by the last step (none are to come where all are answered); what it took tells nothing of the coarsening.
-	void noneToCome()
-	{
-		m_lastTests = 0;
-		m_spareEnd = Clock::now();
-	}
+	void noneToCome();
 	bool isWholeSpare() const { return m_spareTests == 0; }
 	Budget spare();
 	void spendSpare(std::uint64_t tests);
 	void endSpare();
 
 private:
-	// What is left but for so many tests, and of time but for what `timed` take.
-	Budget without(double tests, double timed) const;
+	// What is left but for so many tests and so much time.
+	Budget without(double tests, double microseconds) const;
 
 	BudgetControl m_control;
 	Budget m_budget;
 	double m_coarsening = 1;
 	std::uint64_t m_step = 1;
-	Clock::time_point m_start, m_spareStart, m_spareEnd;
+	Clock::time_point m_start, m_spareStart, m_spareEnd, m_spentAt;
 	double m_microsecondsATest = 0, m_lastTests = 0, m_afterSpare = 0;  // of the last step; the latter in microseconds
+	// A test of coarsest answers with their points, by the last step whose time was spent before all were given; what a step
+	// took after its queries. Microseconds.
+	double m_ofHeld = 0, m_afterQueries = 0;
+	double m_heldWhenSpent = 0;
+	bool m_areQueriesOver = false;
+	std::atomic<bool> m_isSpent{false};
 	std::uint64_t m_spareTests = 0;
 	double m_spareMicroseconds = 0, m_ofOneSpare = 0;
 	std::atomic<std::uint64_t> m_tests{0};
