@@ -304,8 +304,7 @@ ContactBody PairState::bodyB(const PairPose& pose) const
 // looked for.
 bool PairState::isSweptThrough(const PairPose& pose) const
 {
-	const auto responds = [](const btCollisionObjectWrapper* w) { return w->getCollisionObject()->hasContactResponse(); };
-	if (responds(pose.a) && responds(pose.b)) return false;
+	if (pose.responds) return false;
 	const auto& slots = scratch().previous.slots;
 	return std::any_of(slots.begin(), slots.end(), [&](const ContactCluster& cluster)
 					   {

@@ -89,6 +89,7 @@ void setRules(PairPose& pose, double timeStep, Prediction prediction, double clo
 	if (pose.isOfTwo()) rules.length = std::min(rules.length, double(pose.hierarchyB().asset().radius));
 	rules.a = bodyOf(objectA, seenA);
 	rules.b = bodyOf(objectB, seenB);
+	pose.responds = objectA.hasContactResponse() && objectB.hasContactResponse();
 	rules.timeStep = timeStep;
 	rules.friction = double(gCalculateCombinedFrictionCallback(&objectA, &objectB));
 	pose.seenMotion = relativeMotion(seenA, seenB, pose.worldFromA, scale, timeStep);

@@ -41,6 +41,7 @@ struct PairPose
 {
 	Partner partner = Partner::kOther;
 	Prediction prediction = Prediction::kStill;
+	// While the host asks about the pair; what may be needed later is below.
 	const btCollisionObjectWrapper* a = nullptr;
 	const btCollisionObjectWrapper* b = nullptr;
 	const btClodShape* shapeA = nullptr;
@@ -57,6 +58,7 @@ struct PairPose
 	double radius = 0;          // and its
 	double motion = 0;          // bound on the relative motion of the step
 	double tolerance = 0;       // contact distance
+	bool responds = true;       // do contacts push the two apart?
 	std::string notFinite;      // empty, or what is not finite: nothing may be asked then
 
 	bool isAsked() const { return partner != Partner::kOther && notFinite.empty(); }
