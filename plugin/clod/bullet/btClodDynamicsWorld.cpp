@@ -165,13 +165,13 @@ void btClodDynamicsWorld::solveToImpacts(btContactSolverInfo& info)
 void btClodDynamicsWorld::internalSingleStepSimulation(btScalar timeStep)
 {
 	m_expectedParts = m_stepping == Stepping::kImpacts ? 1 : std::min(m_expectedParts, m_mostParts);
-	m_firstPart = m_expectedParts > 1 ? timeStep / btScalar(m_expectedParts) : 0;
+	m_nextPart = m_expectedParts > 1 ? timeStep / btScalar(m_expectedParts) : 0;
 	btDiscreteDynamicsWorld::internalSingleStepSimulation(timeStep);
 }
 
 void btClodDynamicsWorld::performDiscreteCollisionDetection()
 {
-	const btScalar part = std::exchange(m_firstPart, btScalar(0));
+	const btScalar part = std::exchange(m_nextPart, btScalar(0));
 	if (part > 0)
 	{
 		predictFree(part);
@@ -201,8 +201,7 @@ void btClodDynamicsWorld::beginPart(btScalar timeStep, btScalar gone)
 											body->getAngularVelocity(), gone, now);
 		body->setWorldTransform(now);
 	}
-	predictFree(timeStep);
-	getDispatchInfo().m_timeStep = timeStep;
+	m_nextPart = timeStep;
 	performDiscreteCollisionDetection();
 	calculateSimulationIslands();
 	for (const auto& [body, start] : starts) body->setWorldTransform(start);

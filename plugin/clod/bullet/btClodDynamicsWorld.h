@@ -53,7 +53,7 @@ public:
 	// Bullet's boxes enclose only where they are, so a body that moves more than its own size in a step would pass
 	// others unnoticed.
 	void updateAabbs() override;
-	// Within a step that is expected to be divided: for its first part.
+	// Within a step that is divided: for its next part.
 	void performDiscreteCollisionDetection() override;
 
 protected:
@@ -101,7 +101,7 @@ private:
 	btScalar m_lastPart = 0;  // 0: the whole step
 	// Motions that a step was divided for mostly go on, so the next one is not tried whole.
 	int m_expectedParts = 1;
-	btScalar m_firstPart = 0;  // of it; 0: the whole step, or its contacts are found already
+	btScalar m_nextPart = 0;  // whose contacts are to be found; 0: those of the time that Bullet has set
 	std::vector<Start> m_starts;
 	std::vector<clod::PairState*> m_pairs;
 	std::vector<Surprised> m_surprised;

@@ -13,7 +13,7 @@ namespace clod
 struct QueryContext
 {
 	CLOD_API QueryContext(const Hierarchy& hierarchyA, const Hierarchy& hierarchyB, const Transform& aFromB,
-				 const Sweep& motion = {});
+						  const Sweep& motion = {});
 
 	const Hierarchy& a;
 	const Hierarchy& b;
