@@ -5,8 +5,10 @@
 #include <cmath>
 #include <memory>
 
+#include "clod/bullet/BodyState.h"
 #include "tests/bullet/BulletWorld.h"
 #include "tests/bullet/PatchHierarchy.h"
+#include "tests/query/Questions.h"
 
 namespace clod::test
 {
@@ -30,9 +32,10 @@ struct Flight
 		second->setInterpolationWorldTransform(secondTo);
 		if (!algorithm)
 		{
-			const btCollisionObjectWrapper a(nullptr, first->getCollisionShape(), first, first->getWorldTransform(), -1, -1);
-			const btCollisionObjectWrapper b(nullptr, second->getCollisionShape(), second, second->getWorldTransform(), -1,
+			const btCollisionObjectWrapper a(nullptr, first->getCollisionShape(), first, first->getWorldTransform(), -1,
 											 -1);
+			const btCollisionObjectWrapper b(nullptr, second->getCollisionShape(), second, second->getWorldTransform(),
+											 -1, -1);
 			algorithm = scene.dispatcher.findAlgorithm(&a, &b, nullptr, BT_CONTACT_POINT_ALGORITHMS);
 		}
 		btManifoldResult result;
@@ -42,7 +45,8 @@ struct Flight
 
 btTransform at(double x, double y, double z, double turn = 0)
 {
-	return btTransform(btQuaternion(btVector3(0, 0, 1), btScalar(turn)), btVector3(btScalar(x), btScalar(y), btScalar(z)));
+	return btTransform(btQuaternion(btVector3(0, 0, 1), btScalar(turn)),
+					   btVector3(btScalar(x), btScalar(y), btScalar(z)));
 }
 }  // namespace
 
@@ -107,7 +111,8 @@ TEST(TimeOfImpact, OfABoxAndConvexShapes)
 			const btVector3 half(btScalar(0.3), btScalar(0.3), btScalar(0.3));
 			if (kind == 0) convex = std::make_unique<btSphereShape>(btScalar(0.5));
 			if (kind == 1) convex = std::make_unique<btCapsuleShapeX>(btScalar(0.2), btScalar(0.6));
-			if (kind == 2) convex = std::make_unique<btBoxShape>(btVector3(btScalar(0.5), btScalar(0.3), btScalar(0.3)));
+			if (kind == 2)
+				convex = std::make_unique<btBoxShape>(btVector3(btScalar(0.5), btScalar(0.3), btScalar(0.3)));
 			if (kind == 3)
 			{
 				auto hull = std::make_unique<btConvexHullShape>();
@@ -148,16 +153,74 @@ TEST(TimeOfImpact, OfChildrenOfCompounds)
 			inner.addChildShape(at(1, 0, 0), &box);
 			outer.addChildShape(at(0, 0, 0), isNested ? static_cast<btCollisionShape*>(&inner) : &box);
 			flight.first = &flight.scene.addBody(outer, 1, {isNested ? 0.0 : 1.0, 0, 0});
-			flight.second = isOfTwo ? &flight.scene.addBody(behind, 1, {11, 0, 0}) : &flight.scene.addBody(box, 1, {11, 0, 0});
+			flight.second =
+				isOfTwo ? &flight.scene.addBody(behind, 1, {11, 0, 0}) : &flight.scene.addBody(box, 1, {11, 0, 0});
 			flight.scene.world.getDispatchInfo().m_timeStep = 1;
 			const double start = isNested ? 0 : 1, apart = isOfTwo ? 8 : 9;
-			EXPECT_NEAR(flight.timeOfImpact(at(start + 20, 0, 0), at(11 - 20, 0, 0)), apart / 40, 2e-3) << isOfTwo << isNested;
+			EXPECT_NEAR(flight.timeOfImpact(at(start + 20, 0, 0), at(11 - 20, 0, 0)), apart / 40, 2e-3)
+				<< isOfTwo << isNested;
 			EXPECT_EQ(flight.timeOfImpact(at(start - 20, 0, 0), at(11 + 20, 0, 0)), 1) << isOfTwo << isNested;
 			// Half a turn about its own middle carries a child to the other side.
 			if (!isNested) continue;
 			EXPECT_EQ(flight.timeOfImpact(at(apart + 1.5, 0, 0, 3), at(11, 0, 0)), 1) << isOfTwo;
 			EXPECT_LT(flight.timeOfImpact(at(apart + 1.5, 0, 0), at(11, 0, 0)), 1) << isOfTwo;
 		}
+}
+
+// Random ways, turns of up to a whole radian: where the exact gap first vanishes along the way, looked at from pose to
+// pose.
+TEST(TimeOfImpact, OfModelsThatFlyAndTurn)
+{
+	Random random(7);
+	constexpr int kPoses = 20;
+	int met = 0, missed = 0, early = 0;
+	for (const auto& [nameA, nameB] : {std::pair("torus-900", "number8-600"), std::pair("cup-3000", "spoon-3000")})
+		for (int i = 0; i < 30; ++i)
+		{
+			const Body &a = body(nameA), &b = body(nameB);
+			const double radius = smallerRadius(a, b);
+			Flight flight;
+			flight.scene.context.worldMetric = ContactMetric::exactly();
+			flight.first = &flight.scene.addBody(flight.scene.addShape(a.hierarchy), 1, {0, 0, 0});
+			flight.second = &flight.scene.addBody(flight.scene.addShape(b.hierarchy), 1, {0, 0, 0});
+			const Transform pose = poseWithGap(random, a, b, uniform(random, 0.02, 0.2));
+			const auto& [x, y, z] = pose.rotation.row;
+			const btTransform start(
+				btMatrix3x3(btScalar(x.x), btScalar(x.y), btScalar(x.z), btScalar(y.x), btScalar(y.y), btScalar(y.z),
+							btScalar(z.x), btScalar(z.y), btScalar(z.z)),
+				toBullet(pose.translation));
+			flight.second->setWorldTransform(start);
+			const auto turnOf = [&](double most)
+			{
+				const btVector3 axis = toBullet(randomDirection(random));
+				return btQuaternion(axis, btScalar(uniform(random, 0, most)));
+			};
+			const btQuaternion turnA = turnOf(i % 2 ? 1 : 0.1), turnB = turnOf(i % 3 ? 0.5 : 0.02);
+			const btVector3 linear = toBullet(randomVector(random, 0, 1.4 * radius));
+			const auto firstAt = [&](double share)
+			{ return btTransform(btQuaternion::getIdentity().slerp(turnA, btScalar(share))); };
+			const auto secondAt = [&](double share)
+			{
+				return btTransform(btQuaternion::getIdentity().slerp(turnB, btScalar(share)) * start.getRotation(),
+								   start.getOrigin() + btScalar(share) * linear);
+			};
+			const auto gapAt = [&](double share)
+			{
+				Settings settings = exactSettings(0);
+				settings.distance = true;
+				return fresh({a, b}, toTransform(firstAt(share).inverse() * secondAt(share)), settings).minDistance /
+					   radius;
+			};
+			const double impact = flight.timeOfImpact(firstAt(1), secondAt(1));
+			for (int k = 0; double(k) / kPoses < impact; ++k) ASSERT_GT(gapAt(double(k) / kPoses), 0) << nameA << i;
+			const double left = impact < 1 ? gapAt(impact) : 0;
+			EXPECT_LT(left, 5e-3) << nameA << i;  // where steps creep along a grazing way
+			early += left > 1.1e-3;
+			++(impact < 1 ? met : missed);
+		}
+	EXPECT_GT(met, 20);
+	EXPECT_GT(missed, 20);
+	EXPECT_LT(early, 5);
 }
 
 TEST(TimeOfImpact, WhatTouchesAlreadyIsLeftToItsContacts)

@@ -225,8 +225,8 @@ double PairState::timeOfImpact(const btCollisionObjectWrapper& body0, const btCo
 {
 	const PairPose pose =
 		poseOf(body0, body1, info, Prediction::kFree, 0, m_context.m_convexPartners, m_convex);
-	thread_local GapResult result;
-	return pose.isAsked() ? clod::timeOfImpact(pose, m_cache, result) : 1;
+	thread_local ContactResult result;
+	return pose.isAsked() ? clod::timeOfImpact(pose, m_metric.resolve(m_context, pose), m_cache.pair, result) : 1;
 }
 
 void PairState::open(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,

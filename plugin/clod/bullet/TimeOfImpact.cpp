@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "clod/bullet/BodyState.h"
@@ -14,8 +15,9 @@ namespace clod
 {
 namespace
 {
-constexpr double kNear = 1e-3;  // of the smaller radius: nearer is met
-constexpr int kMostSteps = 64;  // each covers what the gap allows; the last ones creep along a grazing way
+constexpr double kNear = 1e-3;   // of the smaller radius: nearer is met
+constexpr double kBend = 1e-2;   // of the smaller radius: what bends less is swept as straight
+constexpr int kMostSteps = 256;  // the last ones creep along a grazing way
 
 // The way of a body, which turns evenly about an axis through its origin; or of a compound's child, which goes with the
 // body.
@@ -36,7 +38,8 @@ struct Way
 	Transform at(double share) const
 	{
 		const btQuaternion turn(axis, angle * btScalar(share));
-		const Transform body = toTransform(btTransform(turn * from.getRotation(), from.getOrigin() + btScalar(share) * linear));
+		const Transform body =
+			toTransform(btTransform(turn * from.getRotation(), from.getOrigin() + btScalar(share) * linear));
 		return child ? body * *child : body;
 	}
 	// The distance of the hierarchy's farthest point from the origin that the body turns about; world length.
@@ -54,49 +57,100 @@ double gapToPlane(const Hierarchy& hierarchy, const Vec3& normal, double offset)
 	for (std::uint32_t i = 0; i < hull.count; ++i) lowest = std::min(lowest, dot(normal, hull.vertex(i)) - offset);
 	return lowest;
 }
+
+// The displacements of `then` to first order in how far it turns.
+Sweep straight(const Transform& then)
+{
+	const Mat3& r = then.rotation;
+	return {then.translation, 0.5 * Vec3{r.row[2].y - r.row[1].z, r.row[0].z - r.row[2].x, r.row[1].x - r.row[0].y}};
+}
+
+// How far apart two bodies are on their way. Lengths are the world's.
+class Approach
+{
+public:
+	Approach(const PairPose& pose, const Metric& metric, PairCache& cache, ContactResult& result)
+		: m_pose(pose), m_scale(pose.scale()), m_wayA(*pose.a), m_wayB(*pose.b), m_cache(cache), m_result(result)
+	{
+		m_settings.metric = metric;
+		m_turns = std::abs(double(m_wayA.angle)) + std::abs(double(m_wayB.angle));
+		const double reachA = m_wayA.reachOf(pose.hierarchyA(), m_scale);
+		double reachB = 0;
+		if (pose.isOfTwo()) reachB = m_wayB.reachOf(pose.hierarchyB(), m_scale);
+		// The part of a plane that counts reaches as far as the body that it might meet.
+		else if (m_wayB.angle != 0)
+			reachB = double((m_wayA.from.getOrigin() - m_wayB.from.getOrigin()).length()) +
+					 double(m_wayA.linear.length()) + reachA;
+		m_length = double((m_wayA.linear - m_wayB.linear).length()) + std::abs(double(m_wayA.angle)) * reachA +
+				   std::abs(double(m_wayB.angle)) * reachB;
+	}
+	// The further share of the way, from that one on, on which they do not meet; 0: they touch.
+	double freeFrom(double share)
+	{
+		const Transform aFromB = aFromBAt(share);
+		const double least = 0.5 * near() / std::max(m_length, 0.5 * near());
+		const auto freeFor = [&](double gap)
+		{ return gap > near() ? std::max((gap - 0.5 * near()) / m_length, least) : 0; };
+		if (!m_pose.isOfTwo()) return freeFor(gapToPlaneAt(aFromB));
+		// Most that meet on their way touch already: what else comes near on it need not be listed.
+		if (isWithin(near(), {}, aFromB)) return 0;
+		// Only what comes near counts, on a part of the way that bends so little that it is all but straight.
+		const double bend = m_turns * m_length, most = kBend * m_pose.rules.length * m_scale;
+		const double part = std::min(1 - share, bend > 0 ? std::sqrt(most / bend) : 1);
+		if (!isWithin(near() + part * part * bend, straight(aFromBAt(share + part) * inverse(aFromB)), aFromB))
+			return part;
+		double nearest = std::numeric_limits<double>::infinity();
+		for (const Contact& contact : m_result.contacts) nearest = std::min(nearest, contact.lower);
+		return std::min(part, freeFor((nearest - m_pose.rules.radiusA - m_pose.rules.radiusB) * m_scale));
+	}
+
+private:
+	// Nearer than this is met.
+	double near() const { return kNear * m_pose.rules.length * m_scale; }
+	Transform aFromBAt(double share) const
+	{
+		Transform aFromB = inverse(m_wayA.at(share)) * m_wayB.at(share);
+		aFromB.translation = (1 / m_scale) * aFromB.translation;
+		return aFromB;
+	}
+	double gapToPlaneAt(const Transform& aFromB) const
+	{
+		const auto& plane = static_cast<const btStaticPlaneShape&>(*m_pose.b->getCollisionShape());
+		const Vec3 normal = aFromB.rotation * normalized(toVec3(plane.getPlaneNormal()));
+		const double offset = double(plane.getPlaneConstant()) / m_scale + dot(normal, aFromB.translation);
+		return gapToPlane(m_pose.hierarchyA(), normal, offset) * m_scale;
+	}
+	// Lists what comes within that distance.
+	bool isWithin(double distance, const Sweep& sweep, const Transform& aFromB)
+	{
+		m_settings.tolerance = distance / m_scale + m_pose.rules.radiusA + m_pose.rules.radiusB;
+		m_settings.sweep = sweep;
+		contacts(m_pose.hierarchyA(), m_pose.hierarchyB(), aFromB, m_settings, m_cache, m_result);
+		return m_result.deep || !m_result.contacts.empty();
+	}
+
+	const PairPose& m_pose;
+	const double m_scale;
+	const Way m_wayA, m_wayB;
+	ContactSettings m_settings;
+	PairCache& m_cache;
+	ContactResult& m_result;
+	double m_turns = 0;   // radians
+	double m_length = 0;  // no point of either goes farther relative to the other
+};
 }  // namespace
 
-double timeOfImpact(const PairPose& pose, GapCache& cache, GapResult& result)
+double timeOfImpact(const PairPose& pose, const Metric& metric, PairCache& cache, ContactResult& result)
 {
 	if (!pose.isOfTwo() && pose.partner != Partner::kPlane) return 1;
-	const double scale = pose.scale();
-	const Way wayA(*pose.a), wayB(*pose.b);
-	double turned = std::abs(double(wayA.angle)) * wayA.reachOf(pose.hierarchyA(), scale);
-	if (pose.isOfTwo()) turned += std::abs(double(wayB.angle)) * wayB.reachOf(pose.hierarchyB(), scale);
-	// The part of a plane that counts reaches as far as the body that it might meet.
-	else if (wayB.angle != 0)
-		turned += std::abs(double(wayB.angle)) *
-				  (double((wayA.from.getOrigin() - wayB.from.getOrigin()).length()) + double(wayA.linear.length()) +
-				   wayA.reachOf(pose.hierarchyA(), scale));
-	const double bound = double((wayA.linear - wayB.linear).length()) + turned;
-	const double near = kNear * pose.rules.length * scale;
-	GapSettings settings;
-	settings.metric.exact = true;
-	settings.distance = true;
+	Approach approach(pose, metric, cache, result);
 	double share = 0;
-	for (int step = 0; step < kMostSteps; ++step)
+	for (int step = 0; step < kMostSteps && share < 1; ++step)
 	{
-		const Transform worldFromA = wayA.at(share), worldFromB = wayB.at(share);
-		Transform aFromB = inverse(worldFromA) * worldFromB;
-		aFromB.translation = (1 / scale) * aFromB.translation;
-		double gap = 0;
-		if (pose.isOfTwo())
-		{
-			signedGap(pose.hierarchyA(), pose.hierarchyB(), aFromB, settings, cache, result);
-			gap = (result.minDistance - result.errorBound - pose.rules.radiusA - pose.rules.radiusB) * scale;
-		}
-		else
-		{
-			const auto& plane = static_cast<const btStaticPlaneShape&>(*pose.b->getCollisionShape());
-			const Vec3 local = normalized(toVec3(plane.getPlaneNormal()));
-			const Vec3 normal = aFromB.rotation * local;
-			const double offset = double(plane.getPlaneConstant()) / scale + dot(normal, aFromB.translation);
-			gap = gapToPlane(pose.hierarchyA(), normal, offset) * scale;
-		}
-		if (gap <= near) return share == 0 ? 1 : share;
-		share += std::max(gap - 0.5 * near, 0.5 * near) / std::max(bound, 0.5 * near);
-		if (share >= 1) return 1;
+		const double free = approach.freeFrom(share);
+		if (!(free > 0)) return share > 0 ? share : 1;
+		share += free;
 	}
-	return share;
+	return std::min(share, 1.0);
 }
 }  // namespace clod
