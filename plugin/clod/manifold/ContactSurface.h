@@ -242,7 +242,6 @@ private:
 	void findBorder(std::uint32_t polygon, Span<std::uint32_t> faces, BorderBuffers& buffers);
 	void listNodes(const std::vector<std::uint32_t>& firstFaceOfNode,
 				   const std::vector<std::array<std::uint32_t, 3>>& edgeOf);
-	void buildTree() const;
 	void split(std::uint32_t box, std::uint32_t first, std::uint32_t count) const;
 	Vec3 pseudonormalAt(std::uint32_t face, int feature) const;
 
