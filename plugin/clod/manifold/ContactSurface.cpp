@@ -75,7 +75,7 @@ ContactSurface::ContactSurface(const Vec3& normal, double offset, const Vec3& ne
 	m_firstPolygonFace = {0, 1};
 	m_firstBorder = {0, 0};
 	m_polygonDiscs = {{foot, std::numeric_limits<double>::infinity()}};
-	listNodes({0}, {{kNone, kNone, kNone}});
+	listNodes({0}, {});
 }
 
 void ContactSurface::makeCore(const HullView& vertices)

@@ -17,6 +17,7 @@
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include "clod/Export.h"
@@ -231,6 +232,7 @@ private:
 	};
 	std::vector<TriangleEdge> triangleEdges() const;
 	SurfaceEdge edgeOf(const TriangleEdge& part) const;
+	using EdgeOfFace = std::pair<std::uint32_t, std::uint32_t>;  // face, edge; sorted by the face
 	void findEdges(const std::vector<std::uint32_t>& firstFaceOfNode);
 	void findBorders();
 	struct BorderBuffers
@@ -240,8 +242,7 @@ private:
 		std::vector<Border> sides;
 	};
 	void findBorder(std::uint32_t polygon, Span<std::uint32_t> faces, BorderBuffers& buffers);
-	void listNodes(const std::vector<std::uint32_t>& firstFaceOfNode,
-				   const std::vector<std::array<std::uint32_t, 3>>& edgeOf);
+	void listNodes(const std::vector<std::uint32_t>& firstFaceOfNode, const std::vector<EdgeOfFace>& edgesOfFaces);
 	void split(std::uint32_t box, std::uint32_t first, std::uint32_t count) const;
 	Vec3 pseudonormalAt(std::uint32_t face, int feature) const;
 
