@@ -419,6 +419,17 @@ bool ContactSurface::isInside(const Vec3& point) const
 	return nearest(point, std::numeric_limits<double>::infinity()).distance < 0;
 }
 
+std::vector<Vec3> cornersOf(const Hierarchy& hierarchy, std::uint32_t firstNode, std::uint32_t count)
+{
+	std::vector<Vec3> corners;
+	for (std::uint32_t n = firstNode; n < firstNode + count; ++n)
+	{
+		const HullView hull = hierarchy.hull(hierarchy.node(n));
+		for (std::uint32_t i = 0; i < hull.count; ++i) corners.push_back(hull.vertex(i));
+	}
+	return corners;
+}
+
 ContactSurfaces::ContactSurfaces(const Hierarchy& hierarchy)
 	: m_hierarchy(hierarchy), m_made(new std::atomic<const ContactSurface*>[hierarchy.levels().size]())
 {

@@ -302,6 +302,9 @@ void ContactSurface::forEachCrossed(const Vec3& from, const Vec3& to, double bes
 	}
 }
 
+// Of the hulls of successive nodes.
+std::vector<Vec3> cornersOf(const Hierarchy& hierarchy, std::uint32_t firstNode, std::uint32_t count);
+
 // All levels of a hierarchy, each made when first asked for. Kept with it (Hierarchy::derived).
 class CLOD_API ContactSurfaces
 {

@@ -82,7 +82,7 @@ private:
 	{
 		double height = 0;  // the least height of the body's hull about its middle; 0: not asked for
 		double radius = 0;  // of a sphere about its middle that holds the body
-		Vec3 own, now, then, unforced;  // in its own frame; the others in the other body's, see FacetQuestion
+		Vec3 own, now, then;    // in its own frame; the others in the other body's, see FacetQuestion
 	};
 	void placeMiddles();
 	void middleOverFace(const Middle& middle, std::uint32_t polygon, bool middleIsOfA);
