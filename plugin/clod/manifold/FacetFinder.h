@@ -47,22 +47,13 @@ private:
 	void edgesOverEdges(bool mayOverlap);
 	double highest(double closing) const;
 	Transform poseAt(double share);
-	struct Way  // of a point: where it is, and at the end of the step with and without forces
-	{
-		Vec3 now, then, unforced;
-	};
-	template <class MeetsOn, class Height, class Meets>
-	bool meetsOnPath(const Way& way, const Vec3& up, double now, double closing, bool mayHold, MeetsOn meetsOn,
-					 Height height, Meets meets) const;
-	template <class Height, class Meets>
-	bool meetsOnArc(double now, double closing, double way, const Vec3& forced, Height height, Meets meets) const;
-	template <class MeetsOn>
-	bool meetsIfHeld(const Vec3& place, const Vec3& normal, double now, MeetsOn meetsOn) const;
+	struct Features;
+	struct VertexOverFace;
+	struct EdgeOverEdge;
+	template <class Kind>
+	class Meeting;
 	double endOf(double now, double then) const;
 	bool isInReach(double now, double then) const;
-	template <class IsOver, class MeetsOnWay, class MeetsAlone, class IsPossible>
-	std::optional<Facet::Reach> reachOf(double now, double then, IsOver isOver, MeetsOnWay meetsOnWay, MeetsAlone meetsAlone,
-										IsPossible isPossible) const;
 	void vertexOverFace(const MovedCorner& vertex, std::uint32_t polygon, bool vertexIsOfA);
 	void edgeOverEdge(const MovedEdge& still, const MovedEdge& moved);
 	// RoundFacets.cpp, frame A.
