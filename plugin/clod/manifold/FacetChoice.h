@@ -33,8 +33,6 @@ private:
 					 const Transform& lastAFromB) const;
 	void dropWhatHoldsThrough(std::vector<Facet>& facets);
 	void followThrough(std::vector<Facet>& facets);
-	using Ends = std::pair<std::uint32_t, std::uint32_t>;  // of an edge, the lower index first
-	const std::vector<Ends>& joinedOf(const ContactSurface& surface, const std::vector<Facet>& facets);
 	void dropInner(std::vector<Facet>& facets);
 	void dropRidges(std::vector<Facet>& facets);
 	bool isBeyondRidge(const Facet& best, const Vec3& center, const Facet& other) const;
@@ -61,8 +59,6 @@ private:
 	std::vector<std::uint32_t> m_order;
 	std::vector<char> m_isKept;
 	std::vector<Facet> m_through;
-	std::vector<std::pair<const ContactSurface*, std::vector<Ends>>> m_joined;  // where something went through
-	std::vector<std::pair<std::uint64_t, std::uint32_t>> m_last;  // of the last step's: feature, index; sorted
-	std::vector<char> m_isKnown;                                  // was a contact in the last step, too
+	std::vector<char> m_isKnown;  // was a contact in the last step, too
 };
 }  // namespace clod
