@@ -134,7 +134,7 @@ void FacetFinder::findPair(const Contact& contact)
 	const FacetQuestion& q = *m_question;
 	MovedNode& nodeB = m_nodesB.of(contact.nodeB);
 	const bool mayOverlap = contact.upper <= 0;
-	const ContactSurface &a = q.a.surface(q.a.levelOf(contact.nodeA)), &b = q.b.surface(nodeB.level);
+	const ContactSurface &a = q.a.surfaceOf(contact.nodeA), &b = q.b.surface(nodeB.level);
 	const double most = m_roamShare * nodeB.displaced, roam = std::min(most, kRoamGrains * std::max(a.grain(), b.grain()));
 	if (roam < most) m_sought = std::min(m_sought, roam);
 	const double beside = kFootShare * q.length() + roam;
@@ -171,19 +171,16 @@ void FacetFinder::verticesOverFaces()
 void FacetFinder::edgesOverEdges(bool mayOverlap)
 {
 	if (m_edgesA.empty()) return;
-	for (MovedEdge* edgeB : m_edgesB)
-	{
-		m_nodesB.turn(*m_pair.b, *edgeB);
+	for (const MovedEdge* edgeB : m_edgesB)
 		for (const MovedEdge* edgeA : m_edgesA)
 			if (mayOverlap || edgeA->box.meets(edgeB->box, m_pair.reach)) edgeOverEdge(*edgeA, *edgeB);
-	}
 }
 
 // Lists the features of either node that come near the other node in the step.
 void FacetFinder::gather(MovedNode& nodeA, MovedNode& nodeB)
 {
 	const auto gatherOf = [this](MovedNode& node, const Box& other, std::vector<const MovedCorner*>& corners,
-								 std::vector<MovedEdge*>& edges, std::vector<std::uint32_t>& polygons)
+								 std::vector<const MovedEdge*>& edges, std::vector<std::uint32_t>& polygons)
 	{
 		const double reach = m_pair.reach;
 		corners.clear();
@@ -195,7 +192,7 @@ void FacetFinder::gather(MovedNode& nodeA, MovedNode& nodeB)
 			if (!corner.isPlaced) m_nodesA.place(*m_pair.a, corner);
 			corners.push_back(&corner);
 		}
-		for (MovedEdge& edge : node.edges)
+		for (const MovedEdge& edge : node.edges)
 			if (edge.box.meets(other, reach)) edges.push_back(&edge);
 		for (const MovedPolygon& polygon : node.polygons)
 			if (polygon.box.meets(other, reach)) polygons.push_back(polygon.index);

@@ -103,7 +103,7 @@ private:
 	MovedNodes m_nodesA, m_nodesB;
 	// The features of the pair's nodes that come near the other node.
 	std::vector<const MovedCorner*> m_cornersA, m_cornersB;
-	std::vector<MovedEdge*> m_edgesA, m_edgesB;
+	std::vector<const MovedEdge*> m_edgesA, m_edgesB;
 	std::vector<std::uint32_t> m_polygonsA, m_polygonsB;
 	std::vector<std::uint32_t> m_table;  // open hash table of facets by their features; its size is a power of two
 };

@@ -39,20 +39,16 @@ double bendBound(const PointRules& rules, const Facet& facet)
 double distanceAt(const FacetQuestion& question, const Facet& facet, const Transform& aFromB, const Transform& bFromA)
 {
 	const ContactSurface &a = question.a.surface(facet.levelA), &b = question.b.surface(facet.levelB);
-	const auto [ofA, ofB] = facet.parts();
-	if (ofB == Part::kPolygon)
+	const Vec3 &centerA = question.rules.a.center, &centerB = question.rules.b.center;
+	const auto above = [](const SurfaceFace& face, const Vec3& place) { return dot(face.normal, place) - face.offset; };
+	switch (facet.kind)
 	{
-		const SurfaceFace& face = b.planeOf(facet.featureB);
-		const Vec3& center = question.rules.a.center;
-		if (ofA == Part::kVertex) return dot(face.normal, bFromA * a.vertices()[facet.featureA]) - face.offset;
-		return dot(face.normal, bFromA * center) - face.offset - length(center - facet.onA);
-	}
-	if (ofA == Part::kPolygon)
-	{
-		const SurfaceFace& face = a.planeOf(facet.featureA);
-		const Vec3& center = question.rules.b.center;
-		if (ofB == Part::kVertex) return dot(face.normal, aFromB * b.vertices()[facet.featureB]) - face.offset;
-		return dot(face.normal, aFromB * (inverse(question.aFromB) * center)) - face.offset - length(center - facet.onB);
+		case Facet::Kind::kVertexFace: return above(b.planeOf(facet.featureB), bFromA * a.vertices()[facet.featureA]);
+		case Facet::Kind::kFaceVertex: return above(a.planeOf(facet.featureA), aFromB * b.vertices()[facet.featureB]);
+		case Facet::Kind::kMiddleFace: return above(b.planeOf(facet.featureB), bFromA * centerA) - length(centerA - facet.onA);
+		case Facet::Kind::kFaceMiddle:
+			return above(a.planeOf(facet.featureA), aFromB * (inverse(question.aFromB) * centerB)) - length(centerB - facet.onB);
+		default: break;
 	}
 	if (isOfRound(facet))
 	{
