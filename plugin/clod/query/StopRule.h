@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "clod/query/BaseLevels.h"
 #include "clod/query/Constants.h"
 #include "clod/query/QueryContext.h"
 
@@ -62,7 +61,7 @@ public:
 			m_baseCover = sumOf(context.tablesA.bounds(m_base.a).cover, context.tablesB.bounds(m_base.b).cover);
 	}
 
-	// The levels that keep a certified limit (BaseLevels.h); in exact mode the input surfaces. A front is of one pair
+	// The levels that keep a certified limit (TraversalTables.h); in exact mode the input surfaces. A front is of one pair
 	// of base levels, or of none.
 	const BaseLevels& base() const { return m_base; }
 	bool isOfLeaves() const { return m_base.isOfLeaves(); }
@@ -198,9 +197,9 @@ private:
 	{
 		if (m_isExact) return {0, 0};
 		// No limit of the rule, which is then kept without a look at the hulls: where they overlap it may err by more.
-		if (isCoarsest(metric)) return chooseBaseLevels(*m_context, coarsest(), true);
+		if (isCoarsest(metric)) return chooseBaseLevels(m_context->tablesA, m_context->tablesB, coarsest(), true);
 		if (!std::isfinite(m_maxError)) return {};
-		return chooseBaseLevels(*m_context, m_maxError, isAlone());
+		return chooseBaseLevels(m_context->tablesA, m_context->tablesB, m_maxError, isAlone());
 	}
 	bool isWithinThreshold(std::uint32_t i, std::uint32_t j) const
 	{
