@@ -98,10 +98,7 @@ public:
 	const std::vector<SurfaceFace>& faces() const { return m_faces; }
 	const std::vector<SurfaceEdge>& edges() const { return m_edges; }
 	// Unit vectors along all edges that leave a vertex.
-	Span<Vec3> fan(std::uint32_t vertex) const
-	{
-		return {m_fans.data() + m_firstFan[vertex], m_firstFan[vertex + 1] - m_firstFan[vertex]};
-	}
+	Span<Vec3> fan(std::uint32_t vertex) const { return slice(m_fans, m_firstFan, vertex); }
 	// Unit; out of the solid.
 	const Vec3& pseudonormal(std::uint32_t vertex) const { return m_pseudonormals[vertex]; }
 	// Down along edges, from a vertex to one that has no lower neighbour.

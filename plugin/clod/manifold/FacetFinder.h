@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Finds the facets (Facet.h) of pairs of nodes within reach.
-//
-// A facet is near when it is within the resting height now (vertex locally lowest, edges' arcs crossing, foot on the
-// facet), on the way when the chord of the coming step meets it, and overlapping when its distance is negative. Facets
-// of vertices over edges and vertices are looked for where a body is round; they never overlap.
+// Finds the facets (Facet.h) of pairs of nodes within reach, and why each counts (FacetRecord::Reach). Facets of vertices
+// over edges and vertices are looked for where a body is round; they never overlap.
 #pragma once
 #include <array>
 #include <cstdint>

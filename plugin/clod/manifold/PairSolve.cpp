@@ -228,22 +228,16 @@ double PairSolve::moveOn(const FacetQuestion& question, std::vector<Facet>& face
 // than above: a third body may push them there. The planes of the others would deflect what flies past.
 void PairSolve::removePassed(const FacetQuestion& question, std::vector<Facet>& facets)
 {
-	std::size_t kept = 0;
-	for (const Facet& facet : facets)
+	const auto isPassed = [&](const Facet& facet)
 	{
-		if (facet.reach == Facet::Reach::kPossible)
-		{
-			const Beside beside = besideAt(question, facet, m_after);
-			const double above = std::min(facet.distance, facet.then) - question.rules.margin;
-			if (above <= 0 || beside.distance > above)
-			{
-				m_spare = std::min(m_spare, std::max(above, beside.way));
-				continue;
-			}
-		}
-		facets[kept++] = facet;
-	}
-	facets.resize(kept, Facet{});
+		if (facet.reach != Facet::Reach::kPossible) return false;
+		const Beside beside = besideAt(question, facet, m_after);
+		const double above = std::min(facet.distance, facet.then) - question.rules.margin;
+		if (above > 0 && beside.distance <= above) return false;
+		m_spare = std::min(m_spare, std::max(above, beside.way));
+		return true;
+	};
+	facets.erase(std::remove_if(facets.begin(), facets.end(), isPassed), facets.end());
 }
 
 void PairSolve::solve(const FacetQuestion& question, std::vector<Facet>& facets)
