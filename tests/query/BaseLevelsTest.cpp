@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The levels that answer a certified limit: against all pairs of levels, what queries find of them against all pairs of
 // their nodes.
-#include "clod/query/BaseLevels.h"
 
 #include <gtest/gtest.h>
 

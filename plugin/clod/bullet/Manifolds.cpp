@@ -141,7 +141,7 @@ bool ManifoldSet::isOf(const Ground& ground, const WorldFrame& frame)
 bool ManifoldSet::isOn(const Ground& ground, const WorldFrame& frame)
 {
 	return isOf(ground, frame) && ground.poseA == ground.a->getWorldTransform() &&
-		   ground.poseB == ground.b->getWorldTransform() && same(ground.worldFromA, frame.worldFromA);
+		   ground.poseB == ground.b->getWorldTransform() && ground.worldFromA == frame.worldFromA;
 }
 
 // May points stay from one dispatch to the next? Not for bodies whose callbacks or flags act on each point as it is

@@ -64,7 +64,7 @@ void PairState::ask(const PairPose& pose, const Question& question, bool isAsked
 	const Question* const before = m_answered.get();
 	if (isAsked)
 		m_result.hold(scratch().result);
-	else if (before && before->withGap == question.withGap && clod::same(before->aFromB, question.aFromB) &&
+	else if (before && before->withGap == question.withGap && before->aFromB == question.aFromB &&
 		clod::same(before->settings, question.settings))
 	{
 		contactsOf(m_report, scratch().result.contacts);

@@ -88,7 +88,7 @@ PairState::Seen PairState::seenB(const PairPose& pose)
 
 bool PairState::same(const Question& l, const Question& r)
 {
-	return clod::same(l.aFromB, r.aFromB) && sameRules(l.rules, r.rules) &&
+	return l.aFromB == r.aFromB && sameRules(l.rules, r.rules) &&
 		   clod::same(l.settings, r.settings) && l.withGap == r.withGap;
 }
 

@@ -176,7 +176,7 @@ private:
 	std::uint64_t m_step = 0;           // of the budget, that this pair was last in,
 	std::uint32_t m_held = 0;           // what is held back of it for this pair
 	BackOff m_refining{kMostRefused};   // of finer answers, where they cost too much
-	double m_heldError = kOff;          // that contacts may have since a body was found held between them (HeldBetween.h)
+	double m_heldError = kOff;          // that contacts may have since a body was found held between them (isHeldBetween)
 	Outline m_outline;                  // of the coming process(), or the last
 	std::unique_ptr<Prepared> m_ahead;  // for the coming process(), if m_isAhead; none where nothing was ever prepared
 	bool m_isAhead = false;

@@ -349,6 +349,19 @@ ConvexPolyhedron Hull::make()
 }
 }  // namespace
 
+ConvexPolyhedron::Plane ConvexPolyhedron::nearestPlane(const Vec3& point) const
+{
+	Plane best{{}, std::numeric_limits<double>::infinity()};
+	for (const auto& t : triangles)
+	{
+		const Vec3& corner = vertices[t[0]];
+		const Vec3 normal = normalized(cross(vertices[t[1]] - corner, vertices[t[2]] - corner));
+		const double height = dot(normal, corner - point);
+		if (normal != Vec3{} && height < best.height) best = {normal, height};
+	}
+	return best;
+}
+
 ConvexPolyhedron convexPolyhedron(const Support& support, double accuracy, std::size_t mostVertices)
 {
 	return Hull(support, accuracy, std::max<std::size_t>(4, mostVertices)).make();

@@ -23,6 +23,13 @@ struct ConvexPolyhedron
 	// polygon is there twice, back to back.
 	std::vector<std::array<std::uint32_t, 3>> triangles;
 	double error = 0;  // no point of the body is farther outside, but for the rounding of vertices to float
+	struct Plane
+	{
+		Vec3 normal;  // unit, outward; zero where there are no triangles
+		double height;
+	};
+	// Of the faces' planes the one that is least high above a point.
+	CLOD_API Plane nearestPlane(const Vec3& point) const;
 };
 
 // The farthest point of the body along a direction, which need not be a unit vector.

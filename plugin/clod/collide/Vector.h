@@ -50,6 +50,14 @@ inline Vec3& operator+=(Vec3& a, const Vec3& b) { return a = a + b; }
 inline Vec3& operator-=(Vec3& a, const Vec3& b) { return a = a - b; }
 inline bool operator==(const Vec3& a, const Vec3& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 inline bool operator!=(const Vec3& a, const Vec3& b) { return !(a == b); }
+inline bool operator==(const Mat3& a, const Mat3& b)
+{
+	return a.row[0] == b.row[0] && a.row[1] == b.row[1] && a.row[2] == b.row[2];
+}
+inline bool operator==(const Transform& a, const Transform& b)
+{
+	return a.rotation == b.rotation && a.translation == b.translation;
+}
 inline double dot(const Vec3& a, const Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 inline Vec3 cross(const Vec3& a, const Vec3& b)
 {

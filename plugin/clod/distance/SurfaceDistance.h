@@ -7,6 +7,11 @@
 
 namespace clod
 {
+// Found last: tried first next time, prunes at once, and decides nothing else.
+struct NearestPair
+{
+	std::uint32_t a = kNone, b = kNone;
+};
 struct SurfaceSearchScratch : NearestPairScratch
 {
 	NearestPair nearest;

@@ -111,7 +111,7 @@ void ContactReducer::match(const ClusterSet& previous)
 			const ContactPoint& now = (*m_points)[i];
 			if (now.feature == point.point.feature)
 			{
-				m_links.push_back({-1, old, i});
+				m_links.emplace_back(-1, old, i);
 				continue;
 			}
 			const double place = std::min(lengthSquared(now.pointOnA - point.point.pointOnA),
@@ -119,23 +119,18 @@ void ContactReducer::match(const ClusterSet& previous)
 			if (place > limit * limit) continue;
 			const double cosine = std::max(dot(now.normal, point.point.normal), dot(now.normal, point.normalWithB));
 			if (cosine < kMatchCosine) continue;
-			m_links.push_back({place + (2 - 2 * cosine) * kMatchNormal * kMatchNormal * m_length * m_length, old, i});
+			m_links.emplace_back(place + (2 - 2 * cosine) * kMatchNormal * kMatchNormal * m_length * m_length, old, i);
 		}
 	}
-	std::sort(m_links.begin(), m_links.end(),
-			  [](const Link& l, const Link& r)
-			  {
-				  if (l.squared != r.squared) return l.squared < r.squared;
-				  return l.old != r.old ? l.old < r.old : l.candidate < r.candidate;
-			  });
+	std::sort(m_links.begin(), m_links.end());
 	std::array<bool, kMostPoints> isLinked{};
-	for (const Link& link : m_links)
+	for (const auto& [squared, old, i] : m_links)
 	{
-		Candidate& candidate = m_candidates[link.candidate];
-		if (isLinked[link.old] || candidate.previous != kNone) continue;
-		isLinked[link.old] = true;
-		candidate.previous = link.old;
-		candidate.weight = std::max(candidate.weight, pointAt(previous, link.old).impulse);
+		Candidate& candidate = m_candidates[i];
+		if (isLinked[old] || candidate.previous != kNone) continue;
+		isLinked[old] = true;
+		candidate.previous = old;
+		candidate.weight = std::max(candidate.weight, pointAt(previous, old).impulse);
 	}
 	for (std::uint32_t i = 0; i < m_candidates.size(); ++i)
 		m_candidates[i].weight = std::max(m_candidates[i].weight, (*m_facets)[i].multiplier);
@@ -166,13 +161,8 @@ void ContactReducer::choose()
 		m_candidates[i].apart = std::numeric_limits<double>::infinity();
 		if (m_isNeeded[i] && m_candidates[i].weight > 0) m_order.push_back(i);
 	}
-	std::sort(m_order.begin(), m_order.end(),
-			  [&](std::uint32_t i, std::uint32_t j)
-			  {
-				  return m_candidates[i].weight != m_candidates[j].weight
-							 ? m_candidates[i].weight > m_candidates[j].weight
-							 : i < j;
-			  });
+	std::sort(m_order.begin(), m_order.end(), [this](std::uint32_t i, std::uint32_t j)
+			  { return std::tie(m_candidates[j].weight, i) < std::tie(m_candidates[i].weight, j); });
 	// Middles first: friction, which is not solved for yet, may turn the bodies so that no other row holds them.
 	for (std::uint32_t i = 0; i < m_candidates.size(); ++i)
 		if ((*m_facets)[i].isOfMiddle()) take(i);
@@ -201,9 +191,8 @@ void ContactReducer::spread(bool withPossible)
 		{
 			if (!m_isNeeded[i] || m_candidates[i].isChosen || m_candidates[i].apart < kSpacing) continue;
 			if (!withPossible && (*m_facets)[i].reach == Facet::Reach::kPossible) continue;
-			if (best == kNone || m_candidates[i].apart > m_candidates[best].apart ||
-				(m_candidates[i].apart == m_candidates[best].apart && lowest(i) < lowest(best)))
-				best = i;
+			const auto worth = [this](std::uint32_t k) { return std::make_pair(m_candidates[k].apart, -lowest(k)); };
+			if (best == kNone || worth(i) > worth(best)) best = i;
 		}
 		if (best == kNone) return;
 		take(best);

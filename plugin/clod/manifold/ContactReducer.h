@@ -4,6 +4,7 @@
 // one of the same two features, or the nearest; it keeps its group.
 #pragma once
 #include <array>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -48,12 +49,7 @@ private:
 	std::vector<char> m_isNeeded;
 	std::vector<std::uint32_t> m_chosen, m_order;
 	std::vector<std::pair<double, std::uint32_t>> m_byNormal;  // its x, sorted
-	struct Link
-	{
-		double squared;
-		std::uint32_t old, candidate;
-	};
-	std::vector<Link> m_links;
+	std::vector<std::tuple<double, std::uint32_t, std::uint32_t>> m_links;  // squared distance, old point, candidate
 	std::array<std::array<std::uint32_t, kClusterPoints>, kMaxClusters> m_facetOf{};
 };
 }  // namespace clod

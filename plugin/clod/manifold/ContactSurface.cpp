@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <tuple>
 
 #include <xxhash.h>
 
@@ -16,6 +18,18 @@ namespace
 {
 constexpr std::uint32_t kLeafFaces = 4;
 constexpr std::size_t kWorthTheTree = 32;  // faces of a polygon: searching fewer one by one is as fast
+
+int widestAxis(const Vec3& size)
+{
+	return size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+}
+
+double squaredFromSegment(const Vec3& point, const Vec3& from, const Vec3& to)
+{
+	const Vec3 along = to - from;
+	const double share = std::max(0.0, std::min(1.0, dot(point - from, along) / lengthSquared(along)));
+	return lengthSquared(point - from - share * along);
+}
 }  // namespace
 
 ContactSurface::ContactSurface(const Hierarchy& hierarchy, std::uint32_t levelIndex)
@@ -61,7 +75,7 @@ ContactSurface::ContactSurface(const Vec3& normal, double offset, const Vec3& ne
 	m_firstPolygonFace = {0, 1};
 	m_firstBorder = {0, 0};
 	m_polygonDiscs = {{foot, std::numeric_limits<double>::infinity()}};
-	listNodes({0}, {{kNone, kNone, kNone}});
+	listNodes({0}, {});
 }
 
 void ContactSurface::makeCore(const HullView& vertices)
@@ -152,9 +166,7 @@ void ContactSurface::weld(const std::vector<Triangle>& triangles)
 	std::sort(corners.begin(), corners.end(),
 			  [](const auto& l, const auto& r)
 			  {
-				  if (l.first.x != r.first.x) return l.first.x < r.first.x;
-				  if (l.first.y != r.first.y) return l.first.y < r.first.y;
-				  return l.first.z != r.first.z ? l.first.z < r.first.z : l.second < r.second;
+				  return std::tie(l.first.x, l.first.y, l.first.z, l.second) < std::tie(r.first.x, r.first.y, r.first.z, r.second);
 			  });
 	m_faces.resize(2 * triangles.size());
 	for (std::size_t i = 0; i < corners.size(); ++i)
@@ -183,22 +195,16 @@ void ContactSurface::joinSides()
 {
 	struct Side
 	{
-		std::uint32_t low, high, face, edge;
+		std::pair<std::uint32_t, std::uint32_t> ends;  // the lower first
+		std::uint32_t face, edge;
+		bool operator<(const Side& other) const
+		{ return std::tie(ends, face, edge) < std::tie(other.ends, other.face, other.edge); }
 	};
 	std::vector<Side> sides;
 	for (std::uint32_t f = 0; f < m_faces.size(); f += 2)
 		for (std::uint32_t e = 0; e < 3; ++e)
-		{
-			const std::uint32_t v = m_faces[f].vertex[e], w = m_faces[f].vertex[(e + 1) % 3];
-			sides.push_back({std::min(v, w), std::max(v, w), f, e});
-		}
-	std::sort(sides.begin(), sides.end(),
-			  [](const Side& l, const Side& r)
-			  {
-				  if (l.low != r.low) return l.low < r.low;
-				  if (l.high != r.high) return l.high < r.high;
-				  return l.face != r.face ? l.face < r.face : l.edge < r.edge;
-			  });
+			sides.push_back({std::minmax({m_faces[f].vertex[e], m_faces[f].vertex[(e + 1) % 3]}), f, e});
+	std::sort(sides.begin(), sides.end());
 	// A back's corners are the front's 0, 2, 1.
 	const auto backEdge = [](std::uint32_t e) { return 2 - e; };
 	const auto join = [&](std::uint32_t f, std::uint32_t e, std::uint32_t g, std::uint32_t h)
@@ -208,9 +214,7 @@ void ContactSurface::joinSides()
 	};
 	for (std::size_t first = 0, next = 0; first < sides.size(); first = next)
 	{
-		for (next = first; next < sides.size() && sides[next].low == sides[first].low &&
-						   sides[next].high == sides[first].high;)
-			++next;
+		for (next = first; next < sides.size() && sides[next].ends == sides[first].ends;) ++next;
 		const Side &one = sides[first], &other = sides[next - 1];
 		if (next - first == 2)
 		{
@@ -230,44 +234,33 @@ void ContactSurface::joinSides()
 
 void ContactSurface::makeTree() const
 {
-	std::call_once(m_treeMade, [this] { buildTree(); });
-}
-
-void ContactSurface::buildTree() const
-{
-	m_order.resize(m_faces.size());
-	for (std::uint32_t f = 0; f < m_faces.size(); ++f) m_order[f] = f;
-	m_boxes.resize(1);
-	split(0, 0, std::uint32_t(m_faces.size()));
+	const auto build = [this]
+	{
+		m_order.resize(m_faces.size());
+		std::iota(m_order.begin(), m_order.end(), 0U);
+		m_boxes.resize(1);
+		split(0, 0, std::uint32_t(m_faces.size()));
+	};
+	std::call_once(m_treeMade, build);
 }
 
 void ContactSurface::split(std::uint32_t box, std::uint32_t first, std::uint32_t count) const
 {
-	constexpr double kFar = std::numeric_limits<double>::infinity();
-	Vec3 low{kFar, kFar, kFar}, high{-kFar, -kFar, -kFar};
+	const Vec3& start = m_vertices[m_faces[m_order[first]].vertex[0]];
+	Box bounds{start, start};
 	for (std::uint32_t i = first; i < first + count; ++i)
-		for (const std::uint32_t v : m_faces[m_order[i]].vertex)
-			for (int k = 0; k < 3; ++k)
-			{
-				low[k] = std::min(low[k], m_vertices[v][k]);
-				high[k] = std::max(high[k], m_vertices[v][k]);
-			}
-	m_boxes[box] = {{low, high}, first, count};
+		for (const std::uint32_t v : m_faces[m_order[i]].vertex) bounds.add(m_vertices[v]);
+	m_boxes[box] = {bounds, first, count};
 	if (count <= kLeafFaces) return;
-	const Vec3 size = high - low;
-	const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+	const int axis = widestAxis(bounds.high - bounds.low);
 	const auto key = [&](std::uint32_t f)
 	{
-		const std::array<std::uint32_t, 3>& v = m_faces[f].vertex;
-		return m_vertices[v[0]][axis] + m_vertices[v[1]][axis] + m_vertices[v[2]][axis];
+		const Triangle t = triangleOf(f);
+		return std::make_pair(t[0][axis] + t[1][axis] + t[2][axis], f);
 	};
 	const std::uint32_t half = count / 2;
 	std::nth_element(m_order.begin() + first, m_order.begin() + first + half, m_order.begin() + first + count,
-					 [&](std::uint32_t i, std::uint32_t j)
-					 {
-						 const double a = key(i), b = key(j);
-						 return a != b ? a < b : i < j;
-					 });
+					 [&](std::uint32_t i, std::uint32_t j) { return key(i) < key(j); });
 	const std::uint32_t children = std::uint32_t(m_boxes.size());
 	m_boxes.resize(children + 2);
 	m_boxes[box].first = children;
@@ -308,17 +301,13 @@ double ContactSurface::squaredBeside(std::uint32_t polygon, const Vec3& point) c
 	}
 	// How often does a ray in the plane cross the border?
 	const Vec3& n = planeOf(polygon).normal;
-	const int drop = std::abs(n.x) >= std::abs(n.y) && std::abs(n.x) >= std::abs(n.z) ? 0
-					 : std::abs(n.y) >= std::abs(n.z)                                  ? 1
-																					   : 2;
-	const int u = (drop + 1) % 3, v = (drop + 2) % 3;
+	const int drop = widestAxis({std::abs(n.x), std::abs(n.y), std::abs(n.z)}), u = (drop + 1) % 3, v = (drop + 2) % 3;
 	bool isInside = false;
 	for (const Border& side : border)
 	{
 		const Vec3 &from = m_vertices[side[0]], &to = m_vertices[side[1]];
 		const Vec3 along = to - from;
-		const double share = std::max(0.0, std::min(1.0, dot(foot - from, along) / lengthSquared(along)));
-		best = std::min(best, lengthSquared(foot - from - share * along));
+		best = std::min(best, squaredFromSegment(foot, from, to));
 		if ((from[v] > foot[v]) == (to[v] > foot[v])) continue;
 		if (foot[u] < from[u] + (foot[v] - from[v]) / along[v] * along[u]) isInside = !isInside;
 	}
@@ -364,20 +353,13 @@ bool ContactSurface::isAround(std::uint32_t polygon, const Vec3& point, double r
 {
 	if (isHalfSpace()) return true;
 	if (!isOver(polygon, point, 1e-6 * radius)) return false;
-	const SurfaceFace& plane = planeOf(polygon);
-	const Vec3 foot = point - (dot(plane.normal, point) - plane.offset) * plane.normal;
-	const auto isNear = [&](std::uint32_t start, std::uint32_t end)
-	{
-		const Vec3 &from = m_vertices[start], along = m_vertices[end] - from;
-		const double share = std::max(0.0, std::min(1.0, dot(foot - from, along) / lengthSquared(along)));
-		return lengthSquared(foot - from - share * along) < radius * radius;
-	};
+	const Vec3 foot = footOn(polygon, point);
+	const auto isClear = [&](const Border& side)
+	{ return squaredFromSegment(foot, m_vertices[side[0]], m_vertices[side[1]]) >= radius * radius; };
+	const std::array<std::uint32_t, 3>& v = planeOf(polygon).vertex;
+	const Border sides[] = {{v[0], v[1]}, {v[1], v[2]}, {v[2], v[0]}};
 	const Span<Border> border = borderOf(polygon);
-	for (const Border& side : border)
-		if (isNear(side[0], side[1])) return false;
-	if (!border.empty()) return true;
-	const std::array<std::uint32_t, 3>& v = plane.vertex;
-	return !isNear(v[0], v[1]) && !isNear(v[1], v[2]) && !isNear(v[2], v[0]);
+	return border.empty() ? std::all_of(sides, sides + 3, isClear) : std::all_of(border.begin(), border.end(), isClear);
 }
 
 // Of faces as near the first.
@@ -394,16 +376,7 @@ void ContactSurface::Found::add(std::uint32_t other, const NearestOnTriangle& th
 ContactSurface::Found ContactSurface::searchTree(const Vec3& point, double within, std::uint32_t polygon) const
 {
 	makeTree();
-	const auto squaredTo = [&](std::uint32_t box)
-	{
-		double sum = 0;
-		for (int k = 0; k < 3; ++k)
-		{
-			const double out = std::max(m_boxes[box].low[k] - point[k], point[k] - m_boxes[box].high[k]);
-			if (out > 0) sum += out * out;
-		}
-		return sum;
-	};
+	const auto squaredTo = [&](std::uint32_t box) { return m_boxes[box].squaredTo({point, point}); };
 	std::array<std::uint32_t, 64> stack;
 	std::size_t size = 0;
 	stack[size++] = 0;
@@ -442,9 +415,19 @@ bool ContactSurface::isInside(const Vec3& point) const
 	if (m_kind == Kind::kSheet || m_kind == Kind::kCore) return false;
 	if (m_kind == Kind::kHalfSpace) return dot(m_faces[0].normal, point) < m_faces[0].offset;
 	makeTree();
-	for (int k = 0; k < 3; ++k)
-		if (point[k] < m_boxes[0].low[k] || point[k] > m_boxes[0].high[k]) return false;
+	if (!m_boxes[0].meets({point, point}, 0)) return false;
 	return nearest(point, std::numeric_limits<double>::infinity()).distance < 0;
+}
+
+std::vector<Vec3> cornersOf(const Hierarchy& hierarchy, std::uint32_t firstNode, std::uint32_t count)
+{
+	std::vector<Vec3> corners;
+	for (std::uint32_t n = firstNode; n < firstNode + count; ++n)
+	{
+		const HullView hull = hierarchy.hull(hierarchy.node(n));
+		for (std::uint32_t i = 0; i < hull.count; ++i) corners.push_back(hull.vertex(i));
+	}
+	return corners;
 }
 
 ContactSurfaces::ContactSurfaces(const Hierarchy& hierarchy)

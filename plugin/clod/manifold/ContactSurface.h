@@ -17,6 +17,7 @@
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include "clod/Export.h"
@@ -97,10 +98,7 @@ public:
 	const std::vector<SurfaceFace>& faces() const { return m_faces; }
 	const std::vector<SurfaceEdge>& edges() const { return m_edges; }
 	// Unit vectors along all edges that leave a vertex.
-	Span<Vec3> fan(std::uint32_t vertex) const
-	{
-		return {m_fans.data() + m_firstFan[vertex], m_firstFan[vertex + 1] - m_firstFan[vertex]};
-	}
+	Span<Vec3> fan(std::uint32_t vertex) const { return slice(m_fans, m_firstFan, vertex); }
 	// Unit; out of the solid.
 	const Vec3& pseudonormal(std::uint32_t vertex) const { return m_pseudonormals[vertex]; }
 	// Down along edges, from a vertex to one that has no lower neighbour.
@@ -231,6 +229,7 @@ private:
 	};
 	std::vector<TriangleEdge> triangleEdges() const;
 	SurfaceEdge edgeOf(const TriangleEdge& part) const;
+	using EdgeOfFace = std::pair<std::uint32_t, std::uint32_t>;  // face, edge; sorted by the face
 	void findEdges(const std::vector<std::uint32_t>& firstFaceOfNode);
 	void findBorders();
 	struct BorderBuffers
@@ -240,9 +239,7 @@ private:
 		std::vector<Border> sides;
 	};
 	void findBorder(std::uint32_t polygon, Span<std::uint32_t> faces, BorderBuffers& buffers);
-	void listNodes(const std::vector<std::uint32_t>& firstFaceOfNode,
-				   const std::vector<std::array<std::uint32_t, 3>>& edgeOf);
-	void buildTree() const;
+	void listNodes(const std::vector<std::uint32_t>& firstFaceOfNode, const std::vector<EdgeOfFace>& edgesOfFaces);
 	void split(std::uint32_t box, std::uint32_t first, std::uint32_t count) const;
 	Vec3 pseudonormalAt(std::uint32_t face, int feature) const;
 
@@ -301,6 +298,9 @@ void ContactSurface::forEachCrossed(const Vec3& from, const Vec3& to, double bes
 		}
 	}
 }
+
+// Of the hulls of successive nodes.
+std::vector<Vec3> cornersOf(const Hierarchy& hierarchy, std::uint32_t firstNode, std::uint32_t count);
 
 // All levels of a hierarchy, each made when first asked for. Kept with it (Hierarchy::derived).
 class CLOD_API ContactSurfaces

@@ -39,6 +39,11 @@ bool fitHalfSpace(Span<Vec3> directions, const Vec3& guess)
 	return false;
 }
 
+std::uint32_t otherEnd(const std::array<std::uint32_t, 2>& ends, std::uint32_t end)
+{
+	return ends[0] == end ? ends[1] : ends[0];
+}
+
 // Where an edge goes on straight. Of a vertex with two edges between polygons, which then are the same two polygons'.
 struct EdgeEnds
 {
@@ -54,8 +59,8 @@ void ContactSurface::mergePolygons(double size)
 	std::vector<std::pair<double, std::uint32_t>> bySize(m_faces.size());  // largest first
 	for (std::uint32_t f = 0; f < m_faces.size(); ++f)
 	{
-		const std::array<std::uint32_t, 3>& v = m_faces[f].vertex;
-		bySize[f] = {-length(cross(m_vertices[v[1]] - m_vertices[v[0]], m_vertices[v[2]] - m_vertices[v[0]])), f};
+		const Triangle t = triangleOf(f);
+		bySize[f] = {-length(cross(t[1] - t[0], t[2] - t[0])), f};
 		m_faces[f].polygon = kNone;
 	}
 	std::sort(bySize.begin(), bySize.end());
@@ -67,6 +72,8 @@ void ContactSurface::mergePolygons(double size)
 		if (m_faces[seed].polygon != kNone) continue;
 		const Vec3 normal = m_faces[seed].normal;
 		const double offset = dot(normal, m_vertices[m_faces[seed].vertex[0]]);
+		const auto isOnPlane = [&](std::uint32_t v)
+		{ return std::abs(dot(normal, m_vertices[v]) - offset) < kCoplanar * size; };
 		open.assign(1, seed);
 		const std::uint32_t polygon = std::uint32_t(m_firstPolygonFace.size());
 		m_firstPolygonFace.push_back(std::uint32_t(m_polygonFaces.size()));
@@ -82,13 +89,7 @@ void ContactSurface::mergePolygons(double size)
 			{
 				SurfaceFace& other = m_faces[next];
 				if (other.polygon != kNone || dot(other.normal, normal) < kCoplanarCosine) continue;
-				const bool isFlat = std::all_of(other.vertex.begin(), other.vertex.end(),
-												[&](std::uint32_t v)
-												{
-													return std::abs(dot(normal, m_vertices[v]) - offset) <
-														   kCoplanar * size;
-												});
-				if (!isFlat) continue;
+				if (!std::all_of(other.vertex.begin(), other.vertex.end(), isOnPlane)) continue;
 				other.polygon = polygon;
 				open.push_back(next);
 			}
@@ -123,9 +124,8 @@ void ContactSurface::findFans()
 			m_pseudonormals[v] += angleBetween(next, previous) * face.normal;
 			m_fans[end[v]++] = next;
 			if (polygon[v] == kNone) polygon[v] = face.polygon;
-			const SurfaceFace& first = m_faces[m_polygonFaces[m_firstPolygonFace[polygon[v]]]];
-			const bool isBack = m_kind == Kind::kSheet && dot(face.normal, first.normal) < -kCoplanarCosine &&
-								!isBorderCorner(face, i);
+			const bool isBack = m_kind == Kind::kSheet && !isBorderCorner(face, i) &&
+								dot(face.normal, planeOf(polygon[v]).normal) < -kCoplanarCosine;
 			if (polygon[v] != face.polygon && !isBack) isFlat[v] = 0;
 		}
 	m_isCorner.resize(m_vertices.size());
@@ -185,13 +185,13 @@ void ContactSurface::findEdges(const std::vector<std::uint32_t>& firstFaceOfNode
 	{
 		if (ends[v].count != 2) continue;
 		const TriangleEdge &one = parts[ends[v].edge[0]], &other = parts[ends[v].edge[1]];
-		const bool samePolygons = m_faces[one.face[0]].polygon + m_faces[one.face[1]].polygon ==
-								  m_faces[other.face[0]].polygon + m_faces[other.face[1]].polygon;
-		ends[v].isStraight = samePolygons && length(cross(directionOf(one), directionOf(other))) < kStraight &&
-							 one.vertex[0] + one.vertex[1] - v != other.vertex[0] + other.vertex[1] - v;
+		const auto polygonsOf = [this](const TriangleEdge& part)
+		{ return m_faces[part.face[0]].polygon + m_faces[part.face[1]].polygon; };
+		ends[v].isStraight = polygonsOf(one) == polygonsOf(other) && otherEnd(one.vertex, v) != otherEnd(other.vertex, v) &&
+							 length(cross(directionOf(one), directionOf(other))) < kStraight;
 		if (ends[v].isStraight) m_isCorner[v] = 0;
 	}
-	std::vector<std::array<std::uint32_t, 3>> edgeOfSide(m_faces.size(), {kNone, kNone, kNone});
+	std::vector<EdgeOfFace> edgesOfFaces;
 	std::vector<char> isUsed(parts.size(), 0);
 	m_edges.reserve(parts.size());
 	for (std::uint32_t first = 0; first < parts.size(); ++first)
@@ -205,24 +205,17 @@ void ContactSurface::findEdges(const std::vector<std::uint32_t>& firstFaceOfNode
 		const auto use = [&](std::uint32_t part)
 		{
 			isUsed[part] = 1;
-			for (const std::uint32_t f : parts[part].face)
-				for (std::size_t i = 0; i < 3; ++i)
-				{
-					const std::uint32_t v = m_faces[f].vertex[i], w = m_faces[f].vertex[(i + 1) % 3];
-					if (std::min(v, w) == std::min(parts[part].vertex[0], parts[part].vertex[1]) &&
-						std::max(v, w) == std::max(parts[part].vertex[0], parts[part].vertex[1]))
-						edgeOfSide[f][i] = index;
-				}
+			for (const std::uint32_t f : parts[part].face) edgesOfFaces.push_back({f, index});
 		};
 		use(first);
 		for (std::size_t side = 0; side < 2; ++side)
 			for (std::uint32_t part = first; ends[edge.vertex[side]].isStraight;)
 			{
 				const EdgeEnds& at = ends[edge.vertex[side]];
-				part = at.edge[0] == part ? at.edge[1] : at.edge[0];
+				part = otherEnd(at.edge, part);
 				if (isUsed[part]) break;
 				use(part);
-				edge.vertex[side] = parts[part].vertex[0] == edge.vertex[side] ? parts[part].vertex[1] : parts[part].vertex[0];
+				edge.vertex[side] = otherEnd(parts[part].vertex, edge.vertex[side]);
 			}
 		edge.length = length(m_vertices[edge.vertex[1]] - m_vertices[edge.vertex[0]]);
 		m_edges.push_back(edge);
@@ -231,7 +224,8 @@ void ContactSurface::findEdges(const std::vector<std::uint32_t>& firstFaceOfNode
 	double lengths = 0;
 	for (const SurfaceEdge& edge : m_edges) lengths += edge.length;
 	if (!m_edges.empty()) m_grain = lengths / double(m_edges.size());
-	listNodes(firstFaceOfNode, edgeOfSide);
+	std::sort(edgesOfFaces.begin(), edgesOfFaces.end());
+	listNodes(firstFaceOfNode, edgesOfFaces);
 }
 
 // Of each polygon, straight sides as one.
@@ -299,9 +293,7 @@ void ContactSurface::findBorder(std::uint32_t polygon, Span<std::uint32_t> faces
 	for (const std::uint32_t v : starts) next[v] = kNone;
 }
 
-// edgeOf: the edge on either side of each face.
-void ContactSurface::listNodes(const std::vector<std::uint32_t>& firstFaceOfNode,
-							   const std::vector<std::array<std::uint32_t, 3>>& edgeOf)
+void ContactSurface::listNodes(const std::vector<std::uint32_t>& firstFaceOfNode, const std::vector<EdgeOfFace>& edgesOfFaces)
 {
 	m_firstFaceOf = firstFaceOfNode;
 	m_firstFaceOf.push_back(std::uint32_t(m_faces.size()));
@@ -309,6 +301,7 @@ void ContactSurface::listNodes(const std::vector<std::uint32_t>& firstFaceOfNode
 	std::vector<std::uint32_t> vertices, edges;
 	std::vector<std::array<std::uint32_t, 2>> polygons;  // polygon, face
 	std::vector<std::uint16_t> placeInNode(m_vertices.size());
+	auto edgeOfFace = edgesOfFaces.begin();
 	const auto sortUnique = [](std::vector<std::uint32_t>& list)
 	{
 		std::sort(list.begin(), list.end());
@@ -325,8 +318,7 @@ void ContactSurface::listNodes(const std::vector<std::uint32_t>& firstFaceOfNode
 		for (std::uint32_t f = m_firstFaceOf[n]; f < m_firstFaceOf[n + 1]; ++f)
 		{
 			vertices.insert(vertices.end(), m_faces[f].vertex.begin(), m_faces[f].vertex.end());
-			for (const std::uint32_t e : edgeOf[f])
-				if (e != kNone) edges.push_back(e);
+			for (; edgeOfFace != edgesOfFaces.end() && edgeOfFace->first == f; ++edgeOfFace) edges.push_back(edgeOfFace->second);
 			polygons.push_back({m_faces[f].polygon, f});
 		}
 		sortUnique(vertices);

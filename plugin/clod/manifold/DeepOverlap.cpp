@@ -10,6 +10,7 @@ namespace clod
 {
 namespace
 {
+constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr double kLeastDepth = 1e-3;  // of the length: shallower overlaps are left to the facets
 constexpr double kOpposing = 0.3;     // cosine: a way out that is farther off the pair's direction is not taken
 constexpr double kLeastShare = 1e-3;  // of an edge: the shortest part that is looked for inside
@@ -29,22 +30,15 @@ struct Bulk
 	explicit Bulk(const Hierarchy& hierarchy)
 	{
 		const double most = (1 + kNotConvex) * hierarchy.asset().volume;
-		const std::uint32_t root = hierarchy.root();
 		const Level& input = hierarchy.levels()[0];
-		isConvex = hullVolume(hierarchy, root, root + 1) <= most &&
-				   hullVolume(hierarchy, input.firstNode, input.firstNode + input.nodeCount) <= most;
+		isConvex = hullVolume(hierarchy, hierarchy.root(), 1) <= most &&
+				   hullVolume(hierarchy, input.firstNode, input.nodeCount) <= most;
 	}
 
 private:
-	static double hullVolume(const Hierarchy& hierarchy, std::uint32_t first, std::uint32_t end)
+	static double hullVolume(const Hierarchy& hierarchy, std::uint32_t firstNode, std::uint32_t count)
 	{
-		std::vector<Vec3> points;
-		for (std::uint32_t n = first; n < end; ++n)
-		{
-			const HullView hull = hierarchy.hull(hierarchy.node(n));
-			for (std::uint32_t i = 0; i < hull.count; ++i) points.push_back(hull.vertex(i));
-		}
-		const ConvexPolyhedron inner = convexPolyhedron(points, kMostHullCorners);
+		const ConvexPolyhedron inner = convexPolyhedron(cornersOf(hierarchy, firstNode, count), kMostHullCorners);
 		double volume = 0;
 		for (const auto& t : inner.triangles)
 			volume += dot(inner.vertices[t[0]], cross(inner.vertices[t[1]], inner.vertices[t[2]])) / 6;
@@ -55,7 +49,7 @@ private:
 // How far A has to go along the direction until the hulls of the two surfaces are apart.
 double hullDepth(const ContactSurface& a, const ContactSurface& b, const Transform& aFromB, const Vec3& direction)
 {
-	double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+	double lowest = kFar, highest = -kFar;
 	for (const Vec3& v : a.vertices()) lowest = std::min(lowest, dot(v, direction));
 	const Vec3 there = transposed(aFromB.rotation) * direction;
 	for (const Vec3& v : b.vertices()) highest = std::max(highest, dot(v, there));
@@ -72,18 +66,7 @@ Vec3 shortestWayOut(const FacetQuestion& q, const ContactSurface& a, const Conta
 	};
 	const auto support = [&](const Vec3& direction)
 	{ return farthest(a, direction) - q.aFromB * farthest(b, -(transposed(q.aFromB.rotation) * direction)); };
-	const ConvexPolyhedron differences = convexPolyhedron(support, kDifferencesError * q.length(), kMostDifferences);
-	Vec3 best;
-	double least = std::numeric_limits<double>::infinity();
-	for (const auto& t : differences.triangles)
-	{
-		const Vec3& corner = differences.vertices[t[0]];
-		const Vec3 normal = normalized(cross(differences.vertices[t[1]] - corner, differences.vertices[t[2]] - corner));
-		if (normal == Vec3{} || dot(normal, corner) >= least) continue;
-		least = dot(normal, corner);
-		best = -normal;
-	}
-	return best;
+	return -convexPolyhedron(support, kDifferencesError * q.length(), kMostDifferences).nearestPlane({}).normal;
 }
 }  // namespace
 
@@ -92,21 +75,27 @@ bool DeepOverlap::areConvex(const FacetQuestion& q)
 	return q.a.hierarchy && q.b.hierarchy && q.a.hierarchy->derived<Bulk>().isConvex && q.b.hierarchy->derived<Bulk>().isConvex;
 }
 
+// place: in its own body's frame.
+DeepOverlap::Inside DeepOverlap::insideAt(const FacetQuestion& q, const Contact& contact, bool ofA, const Vec3& place,
+										  const Vec3& there, const Vec3& outside, std::uint32_t feature)
+{
+	const Vec3 way = outside - there;
+	return {ofA ? place : there, ofA ? q.aFromB.rotation * way : -way, contact.nodeA, contact.nodeB, feature, ofA};
+}
+
 // Finds the deepest of a node's corners inside the other body. Where bodies reach through each other without any corner
 // inside (atCrossings), finds the deepest place on the parts of edges behind where they cross the other node's faces.
 void DeepOverlap::probe(const FacetQuestion& q, const Contact& contact, bool ofA, bool atCrossings)
 {
-	const std::uint32_t node = ofA ? contact.nodeA : contact.nodeB;
-	const ContactSurface& own = ofA ? q.a.surface(q.a.levelOf(contact.nodeA))
-									: q.b.surface(q.b.levelOf(contact.nodeB));
-	const ContactSurface& other = ofA ? q.b.surface(q.b.levelOf(contact.nodeB))
-									  : q.a.surface(q.a.levelOf(contact.nodeA));
+	const ContactSurface &a = q.a.surfaceOf(contact.nodeA), &b = q.b.surfaceOf(contact.nodeB);
+	const ContactSurface &own = ofA ? a : b, &other = ofA ? b : a;
+	if (other.isCore()) return;
 	const Transform otherFromOwn = ofA ? inverse(q.aFromB) : q.aFromB;
+	const std::uint32_t node = ofA ? contact.nodeA : contact.nodeB, otherNode = ofA ? contact.nodeB : contact.nodeA;
 	// Patches are convex, so a place inside near the other's patch is beneath all faces of that patch.
-	const std::uint32_t otherNode = ofA ? contact.nodeB : contact.nodeA, firstFace = other.firstFaceOf(otherNode);
+	const std::uint32_t firstFace = other.firstFaceOf(otherNode);
 	const auto patch = other.polygonsOf(otherNode);
 	const double slack = kLeastDepth * q.length(), least = (atCrossings ? kInnerShare : kLeastDepth) * q.length();
-	if (other.isCore()) return;
 	Inside deepest{};
 	const auto look = [&](const Vec3& place, std::uint32_t feature)
 	{
@@ -117,10 +106,9 @@ void DeepOverlap::probe(const FacetQuestion& q, const Contact& contact, bool ofA
 			return dot(plane.normal, there) <= plane.offset + slack;
 		};
 		if (!std::all_of(patch.begin(), patch.end(), isUnder)) return;
-		const ContactSurface::Nearest near = other.nearest(there, std::numeric_limits<double>::infinity());
+		const ContactSurface::Nearest near = other.nearest(there, kFar);
 		if (near.distance > -least || -near.distance <= length(deepest.way)) return;
-		const Vec3 way = near.point - there;
-		deepest = {ofA ? place : there, ofA ? q.aFromB.rotation * way : -way, contact.nodeA, contact.nodeB, feature, ofA};
+		deepest = insideAt(q, contact, ofA, place, there, near.point, feature);
 	};
 	// Looks from the crossing towards the edge's end, by halving, as the edge may come out again soon.
 	const auto lookBehindCrossings = [&](const SurfaceEdge& edge, std::uint32_t feature)
@@ -143,37 +131,32 @@ void DeepOverlap::probe(const FacetQuestion& q, const Contact& contact, bool ofA
 	if (deepest.way != Vec3{}) m_inside.push_back(deepest);
 }
 
-// For a body no part of which is near the other's surface: finds the vertex nearest to the way out. Of many vertices
-// only some are tried, evenly spread.
+// For a body no part of which is near the other's surface: finds the way out of each of its vertices, of the coarsest
+// level, or of some, evenly spread.
 void DeepOverlap::probeWhole(const FacetQuestion& q, bool ofA)
 {
-	const auto coarsest = [](const Hierarchy& h) { return h.coarsestClodLevel(); };
-	const std::uint32_t levelA = coarsest(*q.a.hierarchy), levelB = coarsest(*q.b.hierarchy);
-	const ContactSurface& own = ofA ? q.a.surface(levelA) : q.b.surface(levelB);
-	const ContactSurface& other = ofA ? q.b.surface(levelB) : q.a.surface(levelA);
+	const auto nodeOf = [](const Hierarchy& h) { return h.levels()[h.coarsestClodLevel()].firstNode; };
+	const Contact contact{nodeOf(*q.a.hierarchy), nodeOf(*q.b.hierarchy), 0, 0, {}, {}, {}};
+	const ContactSurface &a = q.a.surfaceOf(contact.nodeA), &b = q.b.surfaceOf(contact.nodeB), &other = ofA ? b : a;
 	if (other.isCore()) return;
 	const Transform otherFromOwn = ofA ? inverse(q.aFromB) : q.aFromB;
-	const std::size_t stride = 1 + own.vertices().size() / kMostVertices;
-	for (std::uint32_t v = 0; v < own.vertices().size(); v += std::uint32_t(stride))
+	const std::vector<Vec3>& vertices = (ofA ? a : b).vertices();
+	for (std::uint32_t v = 0; v < vertices.size(); v += std::uint32_t(1 + vertices.size() / kMostVertices))
 	{
-		const Vec3 there = otherFromOwn * own.vertices()[v];
+		const Vec3 there = otherFromOwn * vertices[v];
 		if (!other.isInside(there)) continue;
-		const ContactSurface::Nearest near = other.nearest(there, std::numeric_limits<double>::infinity());
-		const Vec3 way = near.point - there;
-		m_inside.push_back({ofA ? own.vertices()[v] : there, ofA ? q.aFromB.rotation * way : -way,
-							q.a.hierarchy->levels()[levelA].firstNode, q.b.hierarchy->levels()[levelB].firstNode, v, ofA});
+		m_inside.push_back(insideAt(q, contact, ofA, vertices[v], there, other.nearest(there, kFar).point, v));
 	}
 }
 
-Vec3 DeepOverlap::wayOut(const FacetQuestion& q, const Vec3& kept, bool isCrossing, bool areHulls) const
+Vec3 DeepOverlap::wayOut(const FacetQuestion& q, bool isCrossing, bool areHulls) const
 {
-	if (kept != Vec3{}) return kept;
 	Vec3 sum;
 	for (const Inside& inside : m_inside) sum += inside.way;
 	// The hulls tell nothing of concave bodies that reach into each other. They are asked only where no corner is
 	// inside.
 	if (!areHulls && !isCrossing && sum != Vec3{}) return normalized(sum);
-	return shortestWayOut(q, q.a.surface(q.a.levelOf(m_inside[0].nodeA)), q.b.surface(q.b.levelOf(m_inside[0].nodeB)));
+	return shortestWayOut(q, q.a.surfaceOf(m_inside[0].nodeA), q.b.surfaceOf(m_inside[0].nodeB));
 }
 
 Vec3 DeepOverlap::find(const FacetQuestion& q, const std::vector<Contact>& contacts, bool isDeep, const Vec3& kept,
@@ -195,14 +178,13 @@ Vec3 DeepOverlap::find(const FacetQuestion& q, const std::vector<Contact>& conta
 	probeAll(false);
 	const bool isWhole = isDeep && m_inside.empty(), isCrossing = !isWhole && m_inside.empty();
 	if (isCrossing) probeAll(true);
-	if (isWhole)
-		for (const bool ofA : {true, false}) probeWhole(q, ofA);
+	if (isWhole) probeWhole(q, true), probeWhole(q, false);
 	if (m_inside.empty()) return {};
 	const bool areHulls = !isWhole && areConvex(q);
 	const auto isShallower = [](const Inside& l, const Inside& r) { return lengthSquared(l.way) < lengthSquared(r.way); };
-	const Vec3 way = !isWhole         ? wayOut(q, kept, isCrossing, areHulls)
-					 : kept != Vec3{} ? kept
-									  : normalized(std::min_element(m_inside.begin(), m_inside.end(), isShallower)->way);
+	const Vec3 way = kept != Vec3{} ? kept
+					 : isWhole      ? normalized(std::min_element(m_inside.begin(), m_inside.end(), isShallower)->way)
+									: wayOut(q, isCrossing, areHulls);
 	if (way == Vec3{}) return {};
 	const auto add = [&](const Inside& inside, const Vec3& normal)
 	{
@@ -223,9 +205,7 @@ Vec3 DeepOverlap::find(const FacetQuestion& q, const std::vector<Contact>& conta
 	// The hulls of convex bodies tell how far it is out, even where little of either body is inside.
 	if (areHulls)
 	{
-		const ContactSurface& a = q.a.surface(q.a.levelOf(m_inside[0].nodeA));
-		const ContactSurface& b = q.b.surface(q.b.levelOf(m_inside[0].nodeB));
-		const double depth = hullDepth(a, b, q.aFromB, way);
+		const double depth = hullDepth(q.a.surfaceOf(m_inside[0].nodeA), q.b.surfaceOf(m_inside[0].nodeB), q.aFromB, way);
 		for (Inside& inside : m_inside) inside.way = depth * way;
 	}
 	const std::size_t before = facets.size();

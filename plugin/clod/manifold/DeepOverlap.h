@@ -31,9 +31,11 @@ private:
 		std::uint32_t nodeA, nodeB, feature;
 		bool ofA;
 	};
+	static Inside insideAt(const FacetQuestion& question, const Contact& contact, bool ofA, const Vec3& place,
+						   const Vec3& there, const Vec3& outside, std::uint32_t feature);
 	void probe(const FacetQuestion& question, const Contact& contact, bool ofA, bool atCrossings);
 	void probeWhole(const FacetQuestion& question, bool ofA);
-	Vec3 wayOut(const FacetQuestion& question, const Vec3& kept, bool isCrossing, bool areHulls) const;
+	Vec3 wayOut(const FacetQuestion& question, bool isCrossing, bool areHulls) const;
 	std::vector<Inside> m_inside;
 };
 }  // namespace clod

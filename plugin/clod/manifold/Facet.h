@@ -118,6 +118,7 @@ struct ContactBody
 	const ContactSurface* only = nullptr;
 	const ContactSurface& surface(std::uint32_t level) const { return only ? *only : levels->level(level); }
 	std::uint32_t levelOf(std::uint32_t node) const { return only ? 0 : hierarchy->node(node).level; }
+	const ContactSurface& surfaceOf(std::uint32_t node) const { return surface(levelOf(node)); }
 	// How far beneath its faces what is inside a node's hull may be.
 	double thicknessOf(std::uint32_t node) const
 	{

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace clod
 {
@@ -18,27 +19,19 @@ constexpr double kSamePlace = 2e-3;  // of the length: points that count as at o
 Vec3 deepPoint(const Vec3 (&normal)[4], const double (&offset)[4], const Vec3& start, double size)
 {
 	Vec3 point = start, best = start;
-	double step = 0.5 * size, least = 1e300;
-	for (int round = 0; round < 24; ++round)
+	double step = 0.5 * size, least = std::numeric_limits<double>::infinity();
+	for (int round = 0; round < 24; ++round, step *= 0.85)
 	{
+		const auto out = [&](int i) { return dot(normal[i], point) - offset[i]; };
 		int worst = 0;
-		double highest = -1e300;
-		for (int i = 0; i < 4; ++i)
+		for (int i = 1; i < 4; ++i)
+			if (out(i) > out(worst)) worst = i;
+		if (out(worst) < least)
 		{
-			const double out = dot(normal[i], point) - offset[i];
-			if (out > highest)
-			{
-				highest = out;
-				worst = i;
-			}
-		}
-		if (highest < least)
-		{
-			least = highest;
+			least = out(worst);
 			best = point;
 		}
 		point -= step * normal[worst];
-		step *= 0.85;
 	}
 	return best;
 }
@@ -128,44 +121,15 @@ void FacetChoice::knowAgain(const std::vector<FacetRecord>& last, const Transfor
 	m_isKnown.assign(facets.size(), 0);
 	const auto isOverlap = [](const Facet& facet) { return facet.reach == Facet::Reach::kOverlap; };
 	if (std::none_of(facets.begin(), facets.end(), isOverlap)) return;
-	m_last.clear();
-	for (std::uint32_t i = 0; i < last.size(); ++i)
-		if (last[i].hasFeatures()) m_last.emplace_back(last[i].feature, i);
-	std::sort(m_last.begin(), m_last.end());
 	for (std::uint32_t i = 0; i < facets.size() && !last.empty(); ++i)
 	{
 		Facet& facet = facets[i];
 		if (!isOverlap(facet)) continue;
-		const auto at = std::lower_bound(m_last.begin(), m_last.end(), std::make_pair(facet.feature, std::uint32_t(0)));
-		const bool isKnown = at != m_last.end() && at->first == facet.feature;
-		facet.isThrough = facet.isThrough || wentThrough(facet, isKnown ? &last[at->second] : nullptr, last, lastAFromB);
-		m_isKnown[i] = isKnown || facet.isThrough;
+		const auto isSame = [&](const FacetRecord& record) { return record.hasFeatures() && record.feature == facet.feature; };
+		const auto known = std::find_if(last.begin(), last.end(), isSame);
+		facet.isThrough = facet.isThrough || wentThrough(facet, known == last.end() ? nullptr : &*known, last, lastAFromB);
+		m_isKnown[i] = known != last.end() || facet.isThrough;
 	}
-}
-
-// The edges of the surface that join two vertices of the facets, sorted. Made once a dispatch: bodies deep in each
-// other ask for tens of thousands of pairs of vertices, and a surface may have a hundred thousand edges.
-const std::vector<FacetChoice::Ends>& FacetChoice::joinedOf(const ContactSurface& surface,
-															   const std::vector<Facet>& facets)
-{
-	const auto known = std::find_if(m_joined.begin(), m_joined.end(), [&](const auto& of) { return of.first == &surface; });
-	if (known != m_joined.end()) return known->second;
-	m_order.clear();
-	const auto askFor = [this](const Facet& facet)
-	{
-		if (facet.isOfVertex()) m_order.push_back(facet.vertex());
-	};
-	std::for_each(m_through.begin(), m_through.end(), askFor);
-	std::for_each(facets.begin(), facets.end(), askFor);
-	std::sort(m_order.begin(), m_order.end());
-	const auto isAsked = [&](std::uint32_t vertex) { return std::binary_search(m_order.begin(), m_order.end(), vertex); };
-	m_joined.emplace_back(&surface, std::vector<Ends>());
-	std::vector<Ends>& joined = m_joined.back().second;
-	for (const SurfaceEdge& edge : surface.edges())
-		if (isAsked(edge.vertex[0]) && isAsked(edge.vertex[1]))
-			joined.push_back(std::minmax({edge.vertex[0], edge.vertex[1]}));
-	std::sort(joined.begin(), joined.end());
-	return joined;
 }
 
 // A vertex beneath the same face as one that is known to have gone through it, and joined to that one by an edge, came
@@ -174,17 +138,21 @@ const std::vector<FacetChoice::Ends>& FacetChoice::joinedOf(const ContactSurface
 void FacetChoice::followThrough(std::vector<Facet>& facets)
 {
 	const FacetQuestion& q = *m_question;
-	m_joined.clear();
 	const auto follows = [&](const Facet& facet, const Facet& through)
 	{
-		const ContactSurface& b = q.b.surface(facet.levelB);
+		const ContactSurface &a = q.a.surface(facet.levelA), &b = q.b.surface(facet.levelB);
 		if (b.isSheet() || b.isHalfSpace()) return false;
 		if (facet.kind != through.kind || facet.levelA != through.levelA || facet.levelB != through.levelB) return false;
 		if (facet.polygon() != through.polygon()) return false;
-		const ContactSurface& surface = facet.vertexIsOfA() ? q.a.surface(facet.levelA) : b;
-		const Ends ends = std::minmax({facet.vertex(), through.vertex()});
-		const std::vector<Ends>& joined = joinedOf(surface, facets);
-		return std::binary_search(joined.begin(), joined.end(), ends);
+		const ContactSurface& surface = facet.vertexIsOfA() ? a : b;
+		const Span<std::uint32_t> edges = surface.edgesOf(facet.vertexIsOfA() ? facet.nodeA : facet.nodeB);
+		const std::uint32_t v = facet.vertex(), w = through.vertex();
+		const auto joins = [&](std::uint32_t e)
+		{
+			const auto& [from, to] = surface.edges()[e].vertex;
+			return (from == v && to == w) || (from == w && to == v);
+		};
+		return std::any_of(edges.begin(), edges.end(), joins);
 	};
 	for (std::size_t i = 0; i < m_through.size(); ++i)
 	{
@@ -213,10 +181,7 @@ void FacetChoice::dropWhatHoldsThrough(std::vector<Facet>& facets)
 		return isSameVertex && !facet.isThrough && dot(facet.normal, through.normal) < kAgainst;
 	};
 	const auto holdsAny = [&](const Facet& facet)
-	{
-		return std::any_of(m_through.begin(), m_through.end(),
-						   [&](const Facet& through) { return isHolding(facet, through); });
-	};
+	{ return std::any_of(m_through.begin(), m_through.end(), [&](const Facet& f) { return isHolding(facet, f); }); };
 	facets.erase(std::remove_if(facets.begin(), facets.end(), holdsAny), facets.end());
 }
 
@@ -238,9 +203,7 @@ bool FacetChoice::wentThrough(const Facet& facet, const FacetRecord* known, cons
 	// The vertex had gone through another face: it is on its way back from beyond the far side, and this is not its
 	// face.
 	const auto isOfVertex = [&](const FacetRecord& record)
-	{
-		return record.isThrough && record.kind == facet.kind && record.vertex() == facet.vertex();
-	};
+	{ return record.isThrough && record.kind == facet.kind && record.vertex() == facet.vertex(); };
 	if (!(isOfA ? a : b).isSheet() && std::any_of(last.begin(), last.end(), isOfVertex)) return false;
 	const Vec3 before = placeBy(lastAFromB);
 	const SurfaceFace& face = faces.planeOf(facet.polygon());
@@ -357,7 +320,7 @@ void FacetChoice::dropRidges(std::vector<Facet>& facets)
 			  [&](std::uint32_t i, std::uint32_t j)
 			  {
 				  const double a = facets[i].distance + facets[i].linear, b = facets[j].distance + facets[j].linear;
-				  return a != b ? a > b : i < j;
+				  return std::tie(b, i) < std::tie(a, j);
 			  });
 	m_placesA.sort(facets, m_order, &Facet::onA);
 	m_placesB.sort(facets, m_order, &Facet::onB);

@@ -1,13 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Which facets are contacts, where several are found at one place.
-//
-// - Facets inside the difference are no part of its boundary. An overlapping one counts only if its overlap point is
-//   inside both surfaces, and if the bodies still overlap there once they are moved out of the shallower ones. A facet
-//   that was a contact in the last step comes before all others. A vertex that was seen to go in through a face stays a
-//   contact of that face until it is out again: what was pressed into a wall, past its middle or through it, goes back
-//   where it came from.
-// - At a convex ridge of the difference the free motions are a union: one facet is kept, the one that the motion
-//   crosses last.
+// Which facets are contacts, where several are found at one place: of those that overlap the ones on the boundary of the
+// difference, of those that meet in a convex ridge the one that the motion crosses last (README.md, rules).
 #pragma once
 #include <utility>
 #include <vector>
@@ -33,8 +26,6 @@ private:
 					 const Transform& lastAFromB) const;
 	void dropWhatHoldsThrough(std::vector<Facet>& facets);
 	void followThrough(std::vector<Facet>& facets);
-	using Ends = std::pair<std::uint32_t, std::uint32_t>;  // of an edge, the lower index first
-	const std::vector<Ends>& joinedOf(const ContactSurface& surface, const std::vector<Facet>& facets);
 	void dropInner(std::vector<Facet>& facets);
 	void dropRidges(std::vector<Facet>& facets);
 	bool isBeyondRidge(const Facet& best, const Vec3& center, const Facet& other) const;
@@ -61,8 +52,6 @@ private:
 	std::vector<std::uint32_t> m_order;
 	std::vector<char> m_isKept;
 	std::vector<Facet> m_through;
-	std::vector<std::pair<const ContactSurface*, std::vector<Ends>>> m_joined;  // where something went through
-	std::vector<std::pair<std::uint64_t, std::uint32_t>> m_last;  // of the last step's: feature, index; sorted
-	std::vector<char> m_isKnown;                                  // was a contact in the last step, too
+	std::vector<char> m_isKnown;  // was a contact in the last step, too
 };
 }  // namespace clod

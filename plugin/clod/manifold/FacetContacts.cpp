@@ -19,6 +19,10 @@ Vec3 impulseOf(const ClusterSet& set)
 	return sum;
 }
 
+// Sine of the angle by which a way out has to leave every facet: two normals that are 154 degrees apart leave none.
+constexpr double kWayOut = 0.225;
+constexpr int kWayOutRounds = 64;
+
 // The triangle on which a place of the part lies (a part may have many); kNone for a thin core.
 std::uint32_t faceOf(const ContactSurface& surface, Part part, std::uint32_t feature, std::uint32_t node, const Vec3& place)
 {
@@ -34,6 +38,28 @@ std::uint32_t faceOf(const ContactSurface& surface, Part part, std::uint32_t fea
 	return surface.firstFaceOf(node);
 }
 }  // namespace
+
+// Finds the shortest vector in the convex hull of the normals (Gilbert, 1966). Its length is the sine of the angle by
+// which the best way out leaves the facet that it leaves least.
+bool isHeldBetween(const FacetQuestion& question, const std::vector<Facet>& facets)
+{
+	const auto touches = [&](const Facet& facet) { return facet.hasFeatures() && facet.distance < question.touching(); };
+	const auto first = std::find_if(facets.begin(), facets.end(), touches);
+	if (first == facets.end()) return false;
+	Vec3 shortest = first->normal;
+	for (int round = 0; round < kWayOutRounds; ++round)
+	{
+		const double size = length(shortest);
+		if (size < kWayOut) return true;
+		const Facet* worst = &*first;
+		for (const Facet& facet : facets)
+			if (touches(facet) && dot(facet.normal, shortest) < dot(worst->normal, shortest)) worst = &facet;
+		if (dot(worst->normal, shortest) >= kWayOut * size) return false;
+		const Vec3 towards = worst->normal - shortest;
+		shortest += std::clamp(-dot(shortest, towards) / lengthSquared(towards), 0.0, 1.0) * towards;
+	}
+	return false;
+}
 
 void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Transform& aFromB, const PointRules& rules,
 						 const std::vector<Contact>& contacts, const ClusterSet& previous, const FacetMemory& memory,

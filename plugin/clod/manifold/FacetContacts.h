@@ -10,7 +10,6 @@
 #include "clod/manifold/DeepOverlap.h"
 #include "clod/manifold/FacetChoice.h"
 #include "clod/manifold/FacetFinder.h"
-#include "clod/manifold/HeldBetween.h"
 #include "clod/manifold/LevelSwitch.h"
 #include "clod/manifold/PairSolve.h"
 #include "clod/manifold/SheetCrossing.h"
@@ -30,6 +29,9 @@ struct FacetMemory
 	// For when the bodies are put elsewhere, or are others.
 	void forget() { *this = {}; }
 };
+
+// Do the facets that touch, or overlap, leave no way out?
+CLOD_API bool isHeldBetween(const FacetQuestion& question, const std::vector<Facet>& facets);
 
 // For any number of pairs, one after the other.
 class CLOD_API FacetContacts

@@ -134,7 +134,7 @@ void FacetFinder::findPair(const Contact& contact)
 	const FacetQuestion& q = *m_question;
 	MovedNode& nodeB = m_nodesB.of(contact.nodeB);
 	const bool mayOverlap = contact.upper <= 0;
-	const ContactSurface &a = q.a.surface(q.a.levelOf(contact.nodeA)), &b = q.b.surface(nodeB.level);
+	const ContactSurface &a = q.a.surfaceOf(contact.nodeA), &b = q.b.surface(nodeB.level);
 	const double most = m_roamShare * nodeB.displaced, roam = std::min(most, kRoamGrains * std::max(a.grain(), b.grain()));
 	if (roam < most) m_sought = std::min(m_sought, roam);
 	const double beside = kFootShare * q.length() + roam;
@@ -171,19 +171,16 @@ void FacetFinder::verticesOverFaces()
 void FacetFinder::edgesOverEdges(bool mayOverlap)
 {
 	if (m_edgesA.empty()) return;
-	for (MovedEdge* edgeB : m_edgesB)
-	{
-		m_nodesB.turn(*m_pair.b, *edgeB);
+	for (const MovedEdge* edgeB : m_edgesB)
 		for (const MovedEdge* edgeA : m_edgesA)
 			if (mayOverlap || edgeA->box.meets(edgeB->box, m_pair.reach)) edgeOverEdge(*edgeA, *edgeB);
-	}
 }
 
 // Lists the features of either node that come near the other node in the step.
 void FacetFinder::gather(MovedNode& nodeA, MovedNode& nodeB)
 {
 	const auto gatherOf = [this](MovedNode& node, const Box& other, std::vector<const MovedCorner*>& corners,
-								 std::vector<MovedEdge*>& edges, std::vector<std::uint32_t>& polygons)
+								 std::vector<const MovedEdge*>& edges, std::vector<std::uint32_t>& polygons)
 	{
 		const double reach = m_pair.reach;
 		corners.clear();
@@ -195,7 +192,7 @@ void FacetFinder::gather(MovedNode& nodeA, MovedNode& nodeB)
 			if (!corner.isPlaced) m_nodesA.place(*m_pair.a, corner);
 			corners.push_back(&corner);
 		}
-		for (MovedEdge& edge : node.edges)
+		for (const MovedEdge& edge : node.edges)
 			if (edge.box.meets(other, reach)) edges.push_back(&edge);
 		for (const MovedPolygon& polygon : node.polygons)
 			if (polygon.box.meets(other, reach)) polygons.push_back(polygon.index);
@@ -228,67 +225,6 @@ Transform FacetFinder::poseAt(double share)
 	return *pose;
 }
 
-// Follows the arc of turning bodies to where the features come within the margin, and asks whether they meet there.
-// height(share, forced) places the features at a share of the way and returns their distance; meets(slack) tells
-// whether they are then over each other up to the slack. forced: what forces displace by the end; way: how far the
-// features go.
-template <class Height, class Meets>
-bool FacetFinder::meetsOnArc(double now, double closing, double way, const Vec3& forced, Height height, Meets meets) const
-{
-	const double near = kInnerShare * m_question->length(), margin = m_question->rules.margin;
-	const double wayOfHeight = kArcSpeed * way / closing;
-	const auto heightAt = [&](double share) { return height(share, share * forced) - margin; };
-	double share = std::round(kArcParts * std::max(0.0, std::min(1.0, (now - margin) / closing))) / kArcParts;
-	double above = heightAt(share);
-	for (int round = 0; std::abs(above) > near; ++round)
-	{
-		const double next = std::max(0.0, std::min(1.0, share + above / closing));
-		if (round == kArcRounds || next == share || !meets(near + wayOfHeight * std::abs(above))) return false;
-		share = next;
-		above = heightAt(share);
-	}
-	return meets(near);
-}
-
-// Do the features meet on their way through the step? meetsOn(move, closing, slack) answers for a straight chord; where
-// the arc departs too far from its chord, height and meets answer for the arc (meetsOnArc). up: the direction in which
-// the height grows; mayHold: this facet may hold the bodies against the forces on them (PointRules::holds).
-template <class MeetsOn, class Height, class Meets>
-bool FacetFinder::meetsOnPath(const Way& way, const Vec3& up, double now, double closing, bool mayHold,
-							  MeetsOn meetsOn, Height height, Meets meets) const
-{
-	const double inner = kInnerShare * m_question->length();
-	const Vec3 move = kPathReach * (along(up, way.unforced, way.then) - way.now);
-	const Vec3 forced = kPathReach * dot(up, way.then - way.unforced) * up;
-	const double bulge = m_sagitta * length(move);
-	if (bulge <= inner ? meetsOn(move, closing, bulge + inner) : meetsOnArc(now, closing, length(move), forced, height, meets))
-		return true;
-	if (forced == Vec3{}) return false;
-	// With the forces in full. A facet that cannot hold the bodies against them counts only if it is met without them,
-	// too.
-	const Vec3 toUnforced = kPathReach * (way.unforced - way.now);
-	const double closingUnforced = -dot(up, toUnforced);
-	return meetsOn(kPathReach * (way.then - way.now), closing, inner) &&
-		   (mayHold || (closingUnforced > 0 && meetsOn(toUnforced, closingUnforced, inner)));
-}
-
-// Would the features meet if a third body held one of the two bodies still, so that only the other moved? place: where
-// the features are, in frame A. meetsOn(way, closing) answers for a straight way of B, in frame A.
-template <class MeetsOn>
-bool FacetFinder::meetsIfHeld(const Vec3& place, const Vec3& normal, double now, MeetsOn meetsOn) const
-{
-	const PointRules& rules = m_question->rules;
-	const auto meetsOnWayOf = [&](const PairBody& body, double sign)
-	{
-		Vec3 way = sign * rules.timeStep * (body.linear + cross(body.angular, place - body.center));
-		const double far = length(way);
-		if (far > rules.heldReach) way = (rules.heldReach / far) * way;
-		const double closing = dot(normal, way);
-		return closing > 0 && now - closing <= rules.margin && meetsOn(way, closing);
-	};
-	return rules.heldReach > 0 && (meetsOnWayOf(rules.b, 1) || meetsOnWayOf(rules.a, -1));
-}
-
 // The distance at the end of the way looked ahead.
 double FacetFinder::endOf(double now, double then) const
 {
@@ -303,166 +239,229 @@ bool FacetFinder::isInReach(double now, double then) const
 									  now <= rules.margin + rules.heldReach);
 }
 
-// Why a facet counts, the strongest reason first: its features are over each other now; they meet on the way of the
-// step, or of one body alone; or they are, at the middle of the step, within what other contacts may lead them.
-// Nothing if it does not count.
-template <class IsOver, class MeetsOnWay, class MeetsAlone, class IsPossible>
-std::optional<Facet::Reach> FacetFinder::reachOf(double now, double then, IsOver isOver, MeetsOnWay meetsOnWay,
-												 MeetsAlone meetsAlone, IsPossible isPossible) const
+// Two features on their way through the step, seen in the frame in which one of them stands still: there the place of the
+// other one (a vertex, or where an edge starts) and the direction of an edge change. `up`: the way their distance grows.
+struct FacetFinder::Features
 {
-	const FacetQuestion& q = *m_question;
-	const double end = endOf(now, then);
-	if (now <= q.touching() && isOver())
-		return now >= -kInnerShare * q.length() ? Facet::Reach::kNear : Facet::Reach::kOverlap;
-	if (now <= 0) return {};
-	if (end <= q.rules.margin ? end < now && meetsOnWay() : meetsAlone()) return Facet::Reach::kPath;
-	if (now <= highest(now - then) && isPossible()) return Facet::Reach::kPossible;
-	return {};
-}
+	double distance, distanceThen;
+	Vec3 normal, up;  // of the facet, in frame A; and there
+	Vec3 now, then, unforced;
+	Vec3 direction{}, directionThen{};
+	Vec3 met = now, metDirection = direction;  // where they were found to be over each other last
+};
+
+struct FacetFinder::VertexOverFace : Features
+{
+	const Vec3& own;  // in the frame of its body
+	const ContactSurface& faces;
+	std::uint32_t polygon;
+	bool isOfA, mayTouch;
+	bool isOver(const Vec3& place, const Vec3&, double slack) const { return faces.isOver(polygon, place, slack); }
+	Vec3 placeAt(const Transform& aFromB) const { return (isOfA ? inverse(aFromB) : aFromB) * own; }
+	Vec3 directionAt(const Transform&) const { return {}; }
+	double distanceAt(const Vec3& place, const Vec3&) const { return dot(up, place) - faces.planeOf(polygon).offset; }
+	Vec3 placeInA() const { return isOfA ? own : now; }
+	Vec3 seen(const Vec3& wayOfB, const Transform& bFromA) const { return isOfA ? -(bFromA.rotation * wayOfB) : wayOfB; }
+};
+
+// A's edge stands still.
+struct FacetFinder::EdgeOverEdge : Features
+{
+	const Vec3& start;  // of A's
+	const SurfaceEdge &edge, &other;
+	const Vec3& otherStart;  // in the frame of B
+	bool mayTouch;
+	bool isOver(const Vec3& place, const Vec3& along, double slack) const
+	{
+		if (lengthSquared(cross(edge.direction, along)) < kParallelSine * kParallelSine) return false;
+		const LinesCrossing at = crossingOf(start, edge.direction, place, along);
+		return isWithin(at.alongA, edge.length, slack) && isWithin(at.alongB, other.length, slack);
+	}
+	Vec3 placeAt(const Transform& aFromB) const { return aFromB * otherStart; }
+	Vec3 directionAt(const Transform& aFromB) const { return aFromB.rotation * other.direction; }
+	double distanceAt(const Vec3& place, const Vec3& along) const
+	{
+		return distanceOfLines(start, edge.direction, place, along, normal);
+	}
+	// Where the edges meet.
+	Vec3 placeInA() const
+	{
+		const double along = crossingOf(start, edge.direction, met, metDirection).alongA;
+		return start + std::max(0.0, std::min(edge.length, along)) * edge.direction;
+	}
+	Vec3 seen(const Vec3& wayOfB, const Transform&) const { return wayOfB; }
+};
+
+// Whether two features make a facet.
+template <class Kind>
+class FacetFinder::Meeting
+{
+public:
+	Meeting(FacetFinder& finder, const Kind& features)
+		: m_finder(finder),
+		  m_question(*finder.m_question),
+		  m_rules(m_question.rules),
+		  m_inner(kInnerShare * m_rules.length),
+		  m_of(features)
+	{
+	}
+	void addTo(Facet& facet, bool isPlacedOnA)
+	{
+		if (!findReach(facet.reach)) return;
+		facet.distance = m_of.distance;
+		facet.then = m_of.distanceThen;
+		facet.normal = m_of.normal;
+		facet.span(m_of.placeInA(), isPlacedOnA);
+		m_finder.add(facet);
+	}
+
+private:
+	// Why the facet counts, the strongest reason first: its features are over each other now; they meet on the way of the
+	// step, or of one body alone; or they are, at the middle of the step, within what other contacts may lead them.
+	bool findReach(Facet::Reach& reach)
+	{
+		const double now = m_of.distance, end = m_finder.endOf(now, m_of.distanceThen);
+		const double beside = m_finder.m_pair.roam + kFootShare * m_rules.length;
+		const Vec3 middle = 0.5 * (m_of.now + m_of.then);
+		if (now <= m_question.touching() && m_of.mayTouch && m_of.isOver(m_of.now, m_of.direction, m_question.footSlack(now)))
+			reach = now >= -m_inner ? Facet::Reach::kNear : Facet::Reach::kOverlap;
+		else if (now <= 0)
+			return false;
+		else if (end <= m_rules.margin ? end < now && meetOnPath(now - end) : meetIfHeld())
+			reach = Facet::Reach::kPath;
+		else if (now <= m_finder.highest(now - m_of.distanceThen) && m_of.isOver(middle, m_of.direction, beside))
+			reach = Facet::Reach::kPossible;
+		else
+			return false;
+		return true;
+	}
+	// On their way through the step, straight or, where the arc departs too far from its chord, on the arc.
+	bool meetOnPath(double closing)
+	{
+		const Vec3 move = kPathReach * (along(m_of.up, m_of.unforced, m_of.then) - m_of.now);
+		const Vec3 turn = kPathReach * (m_of.directionThen - m_of.direction);
+		const Vec3 forced = kPathReach * dot(m_of.up, m_of.then - m_of.unforced) * m_of.up;
+		const double bulge = m_finder.m_sagitta * length(move);
+		if (bulge <= m_inner ? meetOn(move, turn, closing, bulge + m_inner) : meetOnArc(closing, length(move), forced)) return true;
+		if (forced == Vec3{}) return false;
+		// With the forces in full. A facet that cannot hold the bodies against them (PointRules::holds) counts only if it
+		// is met without them, too.
+		const Vec3 toUnforced = kPathReach * (m_of.unforced - m_of.now);
+		const double closingUnforced = -dot(m_of.up, toUnforced);
+		return meetOn(kPathReach * (m_of.then - m_of.now), turn, closing, m_inner) &&
+			   (m_rules.holds(m_of.normal) || (closingUnforced > 0 && meetOn(toUnforced, turn, closingUnforced, m_inner)));
+	}
+	// On a straight way, where they come within the margin or where they cross.
+	bool meetOn(const Vec3& move, const Vec3& turn, double closing, double slack)
+	{
+		const double enters = std::max(0.0, (m_of.distance - m_rules.margin) / closing);
+		for (const double share : {enters, std::min(1.0, m_of.distance / closing)})
+			if (meet(m_of.now + share * move, normalized(m_of.direction + share * turn), slack)) return true;
+		return false;
+	}
+	// Follows the arc of turning bodies to where the features come within the margin, and asks whether they meet there.
+	// forced: what forces displace by the end; way: how far the features go.
+	bool meetOnArc(double closing, double way, const Vec3& forced)
+	{
+		const double wayOfHeight = kArcSpeed * way / closing;
+		Vec3 place, direction;
+		const auto heightAt = [&](double share)
+		{
+			const Transform pose = m_finder.poseAt(share);
+			place = m_of.placeAt(pose) + share * forced;
+			direction = m_of.directionAt(pose);
+			return m_of.distanceAt(place, direction) - m_rules.margin;
+		};
+		double share =
+			std::round(kArcParts * std::max(0.0, std::min(1.0, (m_of.distance - m_rules.margin) / closing))) / kArcParts;
+		double above = heightAt(share);
+		for (int round = 0; std::abs(above) > m_inner; ++round)
+		{
+			const double next = std::max(0.0, std::min(1.0, share + above / closing)), slack = m_inner + wayOfHeight * std::abs(above);
+			if (round == kArcRounds || next == share || !meet(place, direction, slack)) return false;
+			share = next;
+			above = heightAt(share);
+		}
+		return meet(place, direction, m_inner);
+	}
+	// If a third body held one of the two bodies still, so that only the other moved.
+	bool meetIfHeld()
+	{
+		const auto meetOnWayOf = [&](const PairBody& body, double sign)
+		{
+			Vec3 way = sign * m_rules.timeStep * (body.linear + cross(body.angular, m_of.placeInA() - body.center));
+			const double far = length(way);
+			if (far > m_rules.heldReach) way = (m_rules.heldReach / far) * way;
+			const double closing = dot(m_of.normal, way);
+			return closing > 0 && m_of.distance - closing <= m_rules.margin &&
+				   meetOn(m_of.seen(way, m_finder.m_bFromA), Vec3{}, closing, m_inner);
+		};
+		return m_rules.heldReach > 0 && (meetOnWayOf(m_rules.b, 1) || meetOnWayOf(m_rules.a, -1));
+	}
+	bool meet(const Vec3& place, const Vec3& direction, double slack)
+	{
+		if (!m_of.isOver(place, direction, slack)) return false;
+		m_of.met = place;
+		m_of.metDirection = direction;
+		return true;
+	}
+
+	FacetFinder& m_finder;
+	const FacetQuestion& m_question;
+	const PointRules& m_rules;
+	const double m_inner;
+	Kind m_of;
+};
 
 // Works in the frame of the face's body.
 void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygon, bool vertexIsOfA)
 {
-	const FacetQuestion& q = *m_question;
 	const ContactSurface& faces = vertexIsOfA ? *m_pair.b : *m_pair.a;
 	const ContactSurface& vertices = vertexIsOfA ? *m_pair.a : *m_pair.b;
 	const SurfaceFace& face = faces.planeOf(polygon);
-	const double now = dot(face.normal, vertex.now) - face.offset;
-	const Vec3 normal = vertexIsOfA ? q.aFromB.rotation * face.normal : -face.normal;
-	const double then = dot(face.normal, vertex.then) - face.offset;
+	const double now = dot(face.normal, vertex.now) - face.offset, then = dot(face.normal, vertex.then) - face.offset;
 	if (!isInReach(now, then)) return;
-
+	const Vec3 normal = vertexIsOfA ? m_question->aFromB.rotation * face.normal : -face.normal;
 	const Vec3 up = vertexIsOfA ? normal : m_bFromA.rotation * face.normal;
 	if (!mayEnter(vertices, vertex, up, face, vertexIsOfA)) return;
-	const Vec3& own = vertices.vertices()[vertex.index];
 	// A vertex that has sunk in stays a contact although another is lower: turning may make it the lowest within the
 	// step.
-	const auto isOver = [&]
-	{
-		return (now < -kInnerShare * q.length() || isLowest(vertices.fan(vertex.index), up, kArcSlack)) &&
-			   faces.isOver(polygon, vertex.now, q.footSlack(now));
-	};
-	const auto meetsOn = [&](const Vec3& move, double closing, double slack)
-	{
-		const double enters = std::max(0.0, (now - q.rules.margin) / closing), crosses = std::min(1.0, now / closing);
-		return faces.isOver(polygon, vertex.now + enters * move, slack) ||
-			   faces.isOver(polygon, vertex.now + crosses * move, slack);
-	};
-	const auto meetsOnWay = [&]
-	{
-		Vec3 place;
-		const auto height = [&](double share, const Vec3& forced)
-		{
-			const Transform pose = poseAt(share);
-			place = (vertexIsOfA ? inverse(pose) * own : pose * own) + forced;
-			return dot(face.normal, place) - face.offset;
-		};
-		return meetsOnPath({vertex.now, vertex.then, vertex.unforced}, face.normal, now, now - endOf(now, then),
-						   q.rules.holds(normal), meetsOn, height,
-						   [&](double slack) { return faces.isOver(polygon, place, slack); });
-	};
-	const auto meetsOnWayOfOne = [&](const Vec3& way, double closing)
-	{ return meetsOn(vertexIsOfA ? -(m_bFromA.rotation * way) : way, closing, kInnerShare * q.length()); };
-	const auto meetsAlone = [&] { return meetsIfHeld(vertexIsOfA ? own : vertex.now, normal, now, meetsOnWayOfOne); };
-	const auto isPossible = [&]
-	{ return faces.isOver(polygon, 0.5 * (vertex.now + vertex.then), m_pair.roam + kFootShare * q.length()); };
-	const std::optional<Facet::Reach> reach = reachOf(now, then, isOver, meetsOnWay, meetsAlone, isPossible);
-	if (!reach) return;
+	const bool mayTouch = now < -kInnerShare * m_question->length() ||
+						  (now <= m_question->touching() && isLowest(vertices.fan(vertex.index), up, kArcSlack));
+	const Features features{now, then, normal, face.normal, vertex.now, vertex.then, vertex.unforced};
 	Facet facet;
 	facet.kind = vertexIsOfA ? Facet::Kind::kVertexFace : Facet::Kind::kFaceVertex;
-	facet.reach = *reach;
 	facet.featureA = vertexIsOfA ? vertex.index : polygon;
 	facet.featureB = vertexIsOfA ? polygon : vertex.index;
-	facet.distance = now;
-	facet.then = then;
-	facet.normal = normal;
-	facet.span(vertexIsOfA ? own : vertex.now, vertexIsOfA);
-	add(facet);
+	const VertexOverFace both{features, vertices.vertices()[vertex.index], faces, polygon, vertexIsOfA, mayTouch};
+	Meeting<VertexOverFace>(*this, both).addTo(facet, vertexIsOfA);
 }
 
 void FacetFinder::edgeOverEdge(const MovedEdge& still, const MovedEdge& moved)
 {
-	const FacetQuestion& q = *m_question;
-	const SurfaceEdge& edge = m_pair.a->edges()[still.index];
-	const SurfaceEdge& other = m_pair.b->edges()[moved.index];
+	const ContactSurface &a = *m_pair.a, &b = *m_pair.b;
+	const SurfaceEdge &edge = a.edges()[still.index], &other = b.edges()[moved.index];
 	Vec3 normal = cross(edge.direction, moved.direction);
 	if (dot(normal, edge.inward[0] + edge.inward[1] - moved.inward[0] - moved.inward[1]) < 0) normal = -normal;
-	double arc = std::min(std::min(dot(normal, edge.inward[0]), dot(normal, edge.inward[1])),
-						  std::min(-dot(normal, moved.inward[0]), -dot(normal, moved.inward[1])));
+	const double arc = std::min(std::min(dot(normal, edge.inward[0]), dot(normal, edge.inward[1])),
+								std::min(-dot(normal, moved.inward[0]), -dot(normal, moved.inward[1])));
 	const double sineSquared = lengthSquared(normal), mostBeside = kArcSlack + m_turn;
 	if (arc < 0 && arc * arc > mostBeside * mostBeside * sineSquared) return;
 	if (sineSquared < kParallelSine * kParallelSine) return;
 	const double sine = std::sqrt(sineSquared);
 	normal = (1 / sine) * normal;
-	arc /= sine;
 
-	const Vec3& start = m_pair.a->vertices()[edge.vertex[0]];
+	const Vec3& start = a.vertices()[edge.vertex[0]];
 	const double now = dot(normal, start - moved.start);
 	const double then = distanceOfLines(start, edge.direction, moved.thenStart, moved.thenDirection, normal);
 	if (!isInReach(now, then)) return;
-
-	LinesCrossing at = crossingOf(start, edge.direction, moved.start, moved.direction);
-	const auto isOn = [&](const LinesCrossing& there, double slack)
-	{ return isWithin(there.alongA, edge.length, slack) && isWithin(there.alongB, other.length, slack); };
-	// Do the edges cross once B's edge has gone to that place and direction? If so, `at` is where.
-	const auto crossesAt = [&](const Vec3& place, const Vec3& direction, double slack)
-	{
-		const double squared = lengthSquared(cross(edge.direction, direction));
-		if (squared < kParallelSine * kParallelSine) return false;
-		const LinesCrossing there = crossingOf(start, edge.direction, place, direction);
-		if (!isOn(there, slack)) return false;
-		at = there;
-		return true;
-	};
-	const auto meetsOn = [&](const Vec3& move, const Vec3& turn, double closing, double slack)
-	{
-		for (const double share : {std::max(0.0, (now - q.rules.margin) / closing), std::min(1.0, now / closing)})
-			if (crossesAt(moved.start + share * move, normalized(moved.direction + share * turn), slack)) return true;
-		return false;
-	};
-	const auto isOver = [&] { return arc >= -kArcSlack && isOn(at, q.footSlack(now)); };
-	const auto meetsOnWay = [&]
-	{
-		const Vec3 turn = kPathReach * (moved.thenDirection - moved.direction);
-		Vec3 place, direction;
-		const auto height = [&](double share, const Vec3& forced)
-		{
-			const Transform pose = poseAt(share);
-			place = pose * m_pair.b->vertices()[other.vertex[0]] + forced;
-			direction = pose.rotation * other.direction;
-			return distanceOfLines(start, edge.direction, place, direction, normal);
-		};
-		const auto meetsTurning = [&](const Vec3& move, double closing, double slack)
-		{ return meetsOn(move, turn, closing, slack); };
-		return meetsOnPath({moved.start, moved.thenStart, moved.unforcedStart}, -normal, now, now - endOf(now, then),
-						   q.rules.holds(normal), meetsTurning, height,
-						   [&](double slack) { return crossesAt(place, direction, slack); });
-	};
-	const auto meetsOnWayOfOne = [&](const Vec3& way, double closing)
-	{ return meetsOn(way, Vec3{}, closing, kInnerShare * q.length()); };
-	const auto meetsAlone = [&]
-	{
-		const double along = std::max(0.0, std::min(edge.length, at.alongA));
-		return meetsIfHeld(start + along * edge.direction, normal, now, meetsOnWayOfOne);
-	};
-	const auto isPossible = [&]
-	{
-		const Vec3 middle = 0.5 * (moved.start + moved.thenStart);
-		return isOn(crossingOf(start, edge.direction, middle, moved.direction), m_pair.roam + kFootShare * q.length());
-	};
-	const std::optional<Facet::Reach> reach = reachOf(now, then, isOver, meetsOnWay, meetsAlone, isPossible);
-	if (!reach) return;
+	const Features features{now, then, normal, -normal, moved.start, moved.thenStart, moved.unforcedStart, moved.direction,
+							moved.thenDirection};
 	Facet facet;
-	facet.reach = *reach;
 	facet.kind = Facet::Kind::kEdgeEdge;
 	facet.featureA = still.index;
 	facet.featureB = moved.index;
-	facet.normal = normal;
-	facet.distance = now;
-	facet.then = then;
-	// The point is where the edges will meet on the way.
-	at.alongA = std::max(0.0, std::min(edge.length, at.alongA));
-	facet.span(start + at.alongA * edge.direction, true);
-	add(facet);
+	const EdgeOverEdge both{features, start, edge, other, b.vertices()[other.vertex[0]], arc / sine >= -kArcSlack};
+	Meeting<EdgeOverEdge>(*this, both).addTo(facet, true);
 }
 }  // namespace clod

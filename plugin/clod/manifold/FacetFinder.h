@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Finds the facets (Facet.h) of pairs of nodes within reach.
-//
-// A facet is near when it is within the resting height now (vertex locally lowest, edges' arcs crossing, foot on the
-// facet), on the way when the chord of the coming step meets it, and overlapping when its distance is negative. Facets
-// of vertices over edges and vertices are looked for where a body is round; they never overlap.
+// Finds the facets (Facet.h) of pairs of nodes within reach, and why each counts (FacetRecord::Reach). Facets of vertices
+// over edges and vertices are looked for where a body is round; they never overlap.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -47,22 +44,13 @@ private:
 	void edgesOverEdges(bool mayOverlap);
 	double highest(double closing) const;
 	Transform poseAt(double share);
-	struct Way  // of a point: where it is, and at the end of the step with and without forces
-	{
-		Vec3 now, then, unforced;
-	};
-	template <class MeetsOn, class Height, class Meets>
-	bool meetsOnPath(const Way& way, const Vec3& up, double now, double closing, bool mayHold, MeetsOn meetsOn,
-					 Height height, Meets meets) const;
-	template <class Height, class Meets>
-	bool meetsOnArc(double now, double closing, double way, const Vec3& forced, Height height, Meets meets) const;
-	template <class MeetsOn>
-	bool meetsIfHeld(const Vec3& place, const Vec3& normal, double now, MeetsOn meetsOn) const;
+	struct Features;
+	struct VertexOverFace;
+	struct EdgeOverEdge;
+	template <class Kind>
+	class Meeting;
 	double endOf(double now, double then) const;
 	bool isInReach(double now, double then) const;
-	template <class IsOver, class MeetsOnWay, class MeetsAlone, class IsPossible>
-	std::optional<Facet::Reach> reachOf(double now, double then, IsOver isOver, MeetsOnWay meetsOnWay, MeetsAlone meetsAlone,
-										IsPossible isPossible) const;
 	void vertexOverFace(const MovedCorner& vertex, std::uint32_t polygon, bool vertexIsOfA);
 	void edgeOverEdge(const MovedEdge& still, const MovedEdge& moved);
 	// RoundFacets.cpp, frame A.
@@ -82,7 +70,7 @@ private:
 	{
 		double height = 0;  // the least height of the body's hull about its middle; 0: not asked for
 		double radius = 0;  // of a sphere about its middle that holds the body
-		Vec3 own, now, then, unforced;  // in its own frame; the others in the other body's, see FacetQuestion
+		Vec3 own, now, then;    // in its own frame; the others in the other body's, see FacetQuestion
 	};
 	void placeMiddles();
 	void middleOverFace(const Middle& middle, std::uint32_t polygon, bool middleIsOfA);
@@ -112,7 +100,7 @@ private:
 	MovedNodes m_nodesA, m_nodesB;
 	// The features of the pair's nodes that come near the other node.
 	std::vector<const MovedCorner*> m_cornersA, m_cornersB;
-	std::vector<MovedEdge*> m_edgesA, m_edgesB;
+	std::vector<const MovedEdge*> m_edgesA, m_edgesB;
 	std::vector<std::uint32_t> m_polygonsA, m_polygonsB;
 	std::vector<std::uint32_t> m_table;  // open hash table of facets by their features; its size is a power of two
 };

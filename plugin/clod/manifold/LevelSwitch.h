@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Makes a change of level smooth. The surface of another level lies elsewhere although the bodies have not moved: where
-// it lies back the bodies would fall, where it lies forward they would be thrust apart. So points that carried go on
-// while their level is no longer asked for, and let the bodies down slowly until the new surface carries; and an
-// overlap that came with the new level is left as slowly.
+// Makes a change of level smooth. Another level's surface lies elsewhere: where it lies back the bodies would fall, where
+// it lies forward they would be thrust apart. So points that carried go on while their level is no longer asked for, and
+// let the bodies down slowly; and an overlap that came with the new level is left as slowly.
 #pragma once
 #include <vector>
 

@@ -2,9 +2,6 @@
 // Facets of the middles of bodies. An impact may turn a body so far within a step that rows at its surface points do
 // not tell where it ends. But however it turns about its middle (its centre of mass): over a face as wide as the body
 // the middle stays at least the least height of the body's hull about it above the face.
-#include <cmath>
-#include <limits>
-
 #include "clod/collide/ConvexPolyhedron.h"
 #include "clod/manifold/FacetFinder.h"
 
@@ -29,26 +26,12 @@ struct InnerHull
 		while (coarsest < hierarchy.coarsestClodLevel() && double(hierarchy.levels()[coarsest + 1].maxSurf) <= most) ++coarsest;
 		const Level& level = hierarchy.levels()[coarsest];
 		error = double(level.maxSurf);
-		std::vector<Vec3> points;
-		for (std::uint32_t n = level.firstNode; n < level.firstNode + level.nodeCount; ++n)
-		{
-			const HullView hull = hierarchy.hull(hierarchy.node(n));
-			for (std::uint32_t i = 0; i < hull.count; ++i) points.push_back(hull.vertex(i));
-		}
-		inner = convexPolyhedron(points, kInnerVertices);
+		inner = convexPolyhedron(cornersOf(hierarchy, level.firstNode, level.nodeCount), kInnerVertices);
 	}
 	// The least height of the hull about a point, over all directions; negative where the point is outside.
 	double leastHeight(const Vec3& center) const
 	{
-		if (inner.triangles.empty()) return 0;
-		double least = std::numeric_limits<double>::infinity();
-		for (const auto& t : inner.triangles)
-		{
-			const Vec3& corner = inner.vertices[t[0]];
-			const Vec3 normal = normalized(cross(inner.vertices[t[1]] - corner, inner.vertices[t[2]] - corner));
-			if (normal != Vec3{}) least = std::min(least, dot(normal, corner - center));
-		}
-		return least - error;
+		return inner.triangles.empty() ? 0 : inner.nearestPlane(center).height - error;
 	}
 };
 }  // namespace
@@ -70,7 +53,6 @@ void FacetFinder::placeMiddles()
 		middle.radius = length(middle.own - toVec3(asset.sphereCenter)) + double(asset.radius);
 		middle.now = otherFrom(q.aFromB) * middle.own;
 		middle.then = otherFrom(q.aFromBThen) * middle.own;
-		middle.unforced = otherFrom(q.aFromBUnforced) * middle.own;
 	}
 }
 

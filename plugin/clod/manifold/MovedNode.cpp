@@ -46,14 +46,6 @@ void MovedNodes::place(const ContactSurface& surface, MovedCorner& corner) const
 	corner.isPlaced = true;
 }
 
-void MovedNodes::turn(const ContactSurface& surface, MovedEdge& edge) const
-{
-	if (edge.isTurned) return;
-	const SurfaceEdge& own = surface.edges()[edge.index];
-	for (std::size_t side = 0; side < 2; ++side) edge.inward[side] = m_question->aFromB.rotation * own.inward[side];
-	edge.isTurned = true;
-}
-
 // A stands still in its own frame.
 void MovedNodes::listStill(MovedNode& moved, const ContactSurface& surface, const Near& near)
 {
@@ -122,6 +114,7 @@ void MovedNodes::move(MovedNode& moved, const ContactSurface& surface)
 		at.unforcedStart = m_question->aFromBUnforced * from;
 		at.direction = m_question->aFromB.rotation * edge.direction;
 		at.thenDirection = m_question->aFromBThen.rotation * edge.direction;
+		for (std::size_t side = 0; side < 2; ++side) at.inward[side] = m_question->aFromB.rotation * edge.inward[side];
 		at.box = {at.start, at.start};
 		at.box.add(at.start + kPathReach * (at.thenStart - at.start));
 		at.box.add(at.start + kPathReach * (at.unforcedStart - at.start));

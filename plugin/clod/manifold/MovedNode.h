@@ -37,8 +37,7 @@ struct MovedEdge
 	Box box;
 	std::uint32_t index;
 	Vec3 start{}, direction{}, thenStart{}, thenDirection{}, unforcedStart{};  // frame A; not of A's, which stand still
-	bool isTurned = false;
-	std::array<Vec3, 2> inward{};  // of B's, in frame A, if turned
+	std::array<Vec3, 2> inward{};
 };
 struct MovedPolygon
 {
@@ -67,8 +66,6 @@ public:
 	MovedNode& of(std::uint32_t node, const Near& near = {});
 	// Precondition: of such a node, on `surface`.
 	void place(const ContactSurface& surface, MovedCorner& corner) const;
-	// Precondition: of B.
-	void turn(const ContactSurface& surface, MovedEdge& edge) const;
 
 private:
 	static void listStill(MovedNode& moved, const ContactSurface& surface, const Near& near);

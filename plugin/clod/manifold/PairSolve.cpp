@@ -39,20 +39,16 @@ double bendBound(const PointRules& rules, const Facet& facet)
 double distanceAt(const FacetQuestion& question, const Facet& facet, const Transform& aFromB, const Transform& bFromA)
 {
 	const ContactSurface &a = question.a.surface(facet.levelA), &b = question.b.surface(facet.levelB);
-	const auto [ofA, ofB] = facet.parts();
-	if (ofB == Part::kPolygon)
+	const Vec3 &centerA = question.rules.a.center, &centerB = question.rules.b.center;
+	const auto above = [](const SurfaceFace& face, const Vec3& place) { return dot(face.normal, place) - face.offset; };
+	switch (facet.kind)
 	{
-		const SurfaceFace& face = b.planeOf(facet.featureB);
-		const Vec3& center = question.rules.a.center;
-		if (ofA == Part::kVertex) return dot(face.normal, bFromA * a.vertices()[facet.featureA]) - face.offset;
-		return dot(face.normal, bFromA * center) - face.offset - length(center - facet.onA);
-	}
-	if (ofA == Part::kPolygon)
-	{
-		const SurfaceFace& face = a.planeOf(facet.featureA);
-		const Vec3& center = question.rules.b.center;
-		if (ofB == Part::kVertex) return dot(face.normal, aFromB * b.vertices()[facet.featureB]) - face.offset;
-		return dot(face.normal, aFromB * (inverse(question.aFromB) * center)) - face.offset - length(center - facet.onB);
+		case Facet::Kind::kVertexFace: return above(b.planeOf(facet.featureB), bFromA * a.vertices()[facet.featureA]);
+		case Facet::Kind::kFaceVertex: return above(a.planeOf(facet.featureA), aFromB * b.vertices()[facet.featureB]);
+		case Facet::Kind::kMiddleFace: return above(b.planeOf(facet.featureB), bFromA * centerA) - length(centerA - facet.onA);
+		case Facet::Kind::kFaceMiddle:
+			return above(a.planeOf(facet.featureA), aFromB * (inverse(question.aFromB) * centerB)) - length(centerB - facet.onB);
+		default: break;
 	}
 	if (isOfRound(facet))
 	{
@@ -232,22 +228,16 @@ double PairSolve::moveOn(const FacetQuestion& question, std::vector<Facet>& face
 // than above: a third body may push them there. The planes of the others would deflect what flies past.
 void PairSolve::removePassed(const FacetQuestion& question, std::vector<Facet>& facets)
 {
-	std::size_t kept = 0;
-	for (const Facet& facet : facets)
+	const auto isPassed = [&](const Facet& facet)
 	{
-		if (facet.reach == Facet::Reach::kPossible)
-		{
-			const Beside beside = besideAt(question, facet, m_after);
-			const double above = std::min(facet.distance, facet.then) - question.rules.margin;
-			if (above <= 0 || beside.distance > above)
-			{
-				m_spare = std::min(m_spare, std::max(above, beside.way));
-				continue;
-			}
-		}
-		facets[kept++] = facet;
-	}
-	facets.resize(kept, Facet{});
+		if (facet.reach != Facet::Reach::kPossible) return false;
+		const Beside beside = besideAt(question, facet, m_after);
+		const double above = std::min(facet.distance, facet.then) - question.rules.margin;
+		if (above > 0 && beside.distance <= above) return false;
+		m_spare = std::min(m_spare, std::max(above, beside.way));
+		return true;
+	};
+	facets.erase(std::remove_if(facets.begin(), facets.end(), isPassed), facets.end());
 }
 
 void PairSolve::solve(const FacetQuestion& question, std::vector<Facet>& facets)

@@ -42,10 +42,12 @@ bool SheetCrossing::find(const FacetQuestion& question, const std::vector<Contac
 	for (std::size_t i = 0; i < m_crossings.size(); i += stride)
 	{
 		const Crossing& crossing = m_crossings[i];
-		m_a = &question.a.surface(question.a.levelOf(crossing.nodeA));
+		m_a = &question.a.surfaceOf(crossing.nodeA);
 		const Facet facet = facetOf(crossing);
-		const bool isWrong = !isOut || dot(shift, facet.normal) < kAsFar * facet.distance;
-		if (!isWrong && !crossesAny(crossing.edge, m_bFromA.rotation * (kBeyondShift * shift))) continue;
+		bool counts = !isOut || dot(shift, facet.normal) < kAsFar * facet.distance;
+		const auto crosses = [&](std::uint32_t, const Vec3&, const Vec3&) { counts = true; };
+		if (!counts) forEachCrossed(crossing.edge, m_bFromA.rotation * (kBeyondShift * shift), crosses);
+		if (!counts) continue;
 		m_beyond.push_back(facet);
 		if (m_way == Vec3{}) way += facet.normal;
 	}
@@ -54,7 +56,12 @@ bool SheetCrossing::find(const FacetQuestion& question, const std::vector<Contac
 	{ return facet.reach == Facet::Reach::kOverlap && dot(facet.normal, way) < kAgainst; };
 	// A body that is wedged in from several sides belongs to no side.
 	if (way == Vec3{} || std::any_of(m_beyond.begin(), m_beyond.end(), goesElsewhere)) return false;
-	for (const Facet& facet : m_beyond) add(facet, facets);
+	for (const Facet& facet : m_beyond)
+	{
+		const auto isSame = [&](const Facet& other) { return other.feature == facet.feature; };
+		const auto known = std::find_if(facets.begin(), facets.end(), isSame);
+		known == facets.end() ? facets.push_back(facet) : void(*known = facet);
+	}
 	facets.erase(std::remove_if(facets.begin(), facets.end(), goesElsewhere), facets.end());
 	return true;
 }
@@ -70,10 +77,9 @@ bool SheetCrossing::leadsOut(const Vec3& shift, const std::vector<Facet>& facets
 // Collects the edges of accepted nodes that lead beyond, each once.
 void SheetCrossing::collect(const std::vector<Contact>& contacts)
 {
-	const FacetQuestion& q = *m_question;
 	m_crossings.clear();
 	for (const Contact& contact : contacts)
-		for (const std::uint32_t e : q.a.surface(q.a.levelOf(contact.nodeA)).edgesOf(contact.nodeA))
+		for (const std::uint32_t e : m_question->a.surfaceOf(contact.nodeA).edgesOf(contact.nodeA))
 			m_crossings.push_back({contact.nodeA, e, kNone, kNone});
 	std::stable_sort(m_crossings.begin(), m_crossings.end());
 	m_crossings.erase(std::unique(m_crossings.begin(), m_crossings.end()), m_crossings.end());
@@ -98,15 +104,6 @@ void SheetCrossing::forEachCrossed(std::uint32_t edge, const Vec3& shift, Each e
 	b.forEachCrossed(start, end, kInnerShare * m_question->length(), eachDeep);
 }
 
-// Of a triangle's two faces, back to back, the one that looks to the side where the body belongs.
-std::uint32_t SheetCrossing::faceToSide(std::uint32_t f) const
-{
-	const SurfaceFace& face = m_question->b.only->faces()[f];
-	const Vec3 normal = m_question->aFromB.rotation * face.normal;
-	const double offset = face.offset + dot(normal, m_question->aFromB.translation);
-	return sideOf(m_question->rules, normal, offset, m_way) < 0 ? f ^ 1u : f;
-}
-
 double SheetCrossing::sideOf(const PointRules& rules, const Vec3& normal, double offset, const Vec3& way)
 {
 	const double along = dot(normal, way), pull = dot(normal, normalized(rules.a.force - rules.b.force));
@@ -115,23 +112,20 @@ double SheetCrossing::sideOf(const PointRules& rules, const Vec3& normal, double
 	return std::abs(height) < kAllButIn * rules.length && std::abs(pull) >= kSameWay ? -pull : height;
 }
 
-bool SheetCrossing::crossesAny(std::uint32_t edge, const Vec3& shift) const
-{
-	bool crosses = false;
-	forEachCrossed(edge, shift, [&](std::uint32_t, const Vec3&, const Vec3&) { crosses = true; });
-	return crosses;
-}
-
 // Which end of the edge is beyond the sheet? All triangles that it crosses have to agree, as it may have come out
 // again.
 bool SheetCrossing::findBeyond(Crossing& crossing)
 {
-	m_a = &m_question->a.surface(m_question->a.levelOf(crossing.nodeA));
+	m_a = &m_question->a.surfaceOf(crossing.nodeA);
 	double nearest = std::numeric_limits<double>::infinity();
 	bool agree = true;
 	const auto look = [&](std::uint32_t f, const Vec3& from, const Vec3& to)
 	{
-		const std::uint32_t side = faceToSide(f);
+		// Of a triangle's two faces, back to back, the one that looks to the side where the body belongs.
+		const SurfaceFace& front = m_question->b.only->faces()[f];
+		const Vec3 normal = m_question->aFromB.rotation * front.normal;
+		const double offset = front.offset + dot(normal, m_question->aFromB.translation);
+		const std::uint32_t side = sideOf(m_question->rules, normal, offset, m_way) < 0 ? f ^ 1u : f;
 		const SurfaceFace& face = m_question->b.only->faces()[side];
 		const double start = dot(face.normal, from) - face.offset, end = dot(face.normal, to) - face.offset;
 		const double share = std::max(start, end) / std::abs(start - end);
@@ -182,15 +176,5 @@ Facet SheetCrossing::facetOf(const Crossing& crossing) const
 	placeThrough(q, facet);
 	facet.then = facet.distance;
 	return facet;
-}
-
-void SheetCrossing::add(const Facet& facet, std::vector<Facet>& facets)
-{
-	const auto isSame = [&](const Facet& other) { return other.feature == facet.feature; };
-	const auto known = std::find_if(facets.begin(), facets.end(), isSame);
-	if (known == facets.end())
-		facets.push_back(facet);
-	else
-		*known = facet;
 }
 }  // namespace clod

@@ -37,12 +37,9 @@ private:
 	void collect(const std::vector<Contact>& contacts);
 	template <class Each>
 	void forEachCrossed(std::uint32_t edge, const Vec3& shift, Each each) const;
-	bool crossesAny(std::uint32_t edge, const Vec3& shift) const;
 	bool findBeyond(Crossing& crossing);
-	std::uint32_t faceToSide(std::uint32_t face) const;
 	std::uint32_t polygonOver(std::uint32_t face, const Vec3& place) const;
 	Facet facetOf(const Crossing& crossing) const;
-	static void add(const Facet& facet, std::vector<Facet>& facets);
 
 	const FacetQuestion* m_question = nullptr;
 	const ContactSurface* m_a = nullptr;

@@ -20,7 +20,7 @@ inline constexpr double kFarthestMotion = 1e5;
 // Evaluations of one hull distance near a limit differ by up to twice the accuracy each way.
 inline constexpr double kEvaluationRoom = 10 * kHullDistanceAccuracy;
 
-// Choice of base levels (BaseLevels.cpp).
+// Choice of base levels (TraversalTables.cpp).
 inline constexpr double kFewer = 0.75;  // of the boxes that meet, for more pairs of nodes
 
 // Pieces of the body that is asked as A (Query.cpp): a box or a floor against a detailed body, not two detailed ones.

@@ -12,6 +12,20 @@ namespace
 {
 constexpr double kPi = 3.14159265358979323846;
 
+struct NamedThreshold
+{
+	const char* name;
+	double ContactMetric::*value;
+};
+constexpr NamedThreshold kThresholds[] = {{"weightedDeviation", &ContactMetric::weightedDeviation},
+										  {"weightedDeviationShare", &ContactMetric::weightedDeviationShare},
+										  {"velocity", &ContactMetric::velocity},
+										  {"velocityFloor", &ContactMetric::velocityFloor},
+										  {"velocityFloorShare", &ContactMetric::velocityFloorShare},
+										  {"viewPixels", &ContactMetric::viewPixels},
+										  {"maxError", &ContactMetric::maxError},
+										  {"maxErrorShare", &ContactMetric::maxErrorShare}};
+
 // Which metrics set s0.
 unsigned usedMetrics(const ContactMetric& m)
 {
@@ -49,21 +63,16 @@ ContactMetric stricter(const ContactMetric& a, const ContactMetric& b)
 {
 	ContactMetric metric;
 	metric.exact = a.exact || b.exact;
-	metric.weightedDeviation = std::min(a.weightedDeviation, b.weightedDeviation);
-	metric.weightedDeviationShare = std::min(a.weightedDeviationShare, b.weightedDeviationShare);
-	metric.velocity = std::min(a.velocity, b.velocity);
+	for (const auto& [name, value] : kThresholds) metric.*value = std::min(a.*value, b.*value);
 	// The floor of a metric that is not used does not count.
 	const ContactMetric &floorA = a.velocity < kOff ? a : b, &floorB = b.velocity < kOff ? b : a;
 	metric.velocityFloor = std::min(floorA.velocityFloor, floorB.velocityFloor);
 	metric.velocityFloorShare = std::min(floorA.velocityFloorShare, floorB.velocityFloorShare);
-	metric.viewPixels = std::min(a.viewPixels, b.viewPixels);
 	metric.own = smaller(a.own, b.own);
 	// max(min(a1, b1), min(a2, b2)) <= min(max(a1, a2), max(b1, b2)) needs both terms on both sides.
 	const bool relaxed =
 		a.combine == Combine::kRelaxed && b.combine == Combine::kRelaxed && usedMetrics(a) == usedMetrics(b);
 	metric.combine = relaxed ? Combine::kRelaxed : Combine::kStrict;
-	metric.maxError = std::min(a.maxError, b.maxError);
-	metric.maxErrorShare = std::min(a.maxErrorShare, b.maxErrorShare);
 	return metric;
 }
 
@@ -100,16 +109,8 @@ ContactPlace inWorld(const Place& place, const MetricFrame& frame)
 
 std::string contactMetricError(const ContactMetric& metric, const ViewCamera* camera)
 {
-	const std::pair<const char*, double> fields[] = {{"weightedDeviation", metric.weightedDeviation},
-													 {"weightedDeviationShare", metric.weightedDeviationShare},
-													 {"velocity", metric.velocity},
-													 {"velocityFloor", metric.velocityFloor},
-													 {"velocityFloorShare", metric.velocityFloorShare},
-													 {"viewPixels", metric.viewPixels},
-													 {"maxError", metric.maxError},
-													 {"maxErrorShare", metric.maxErrorShare}};
-	for (const auto& [name, value] : fields)
-		if (!(value >= 0)) return std::string(name) + " is " + std::to_string(value) + ", but must be >= 0";
+	for (const auto& [name, value] : kThresholds)
+		if (!(metric.*value >= 0)) return std::string(name) + " is " + std::to_string(metric.*value) + ", but must be >= 0";
 	if (metric.velocity < kOff && std::min(metric.velocityFloor, metric.velocityFloorShare) == kOff)
 		return "velocityFloor and velocityFloorShare are both infinite, but velocity is set";
 	if (metric.own && !*metric.own) return "own is an empty function";

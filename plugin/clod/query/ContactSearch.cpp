@@ -24,10 +24,6 @@ void levelStatistics(const QueryContext& context, ContactResult& result)
 	result.stats.finestLevel = finest;
 	result.stats.coarsestLevel = coarsest;
 }
-bool isSame(const RelativePose& l, const RelativePose& r)
-{
-	return same(Transform{l.rotation, l.translation}, Transform{r.rotation, r.translation});
-}
 // It depends on the two hierarchies only: all coarsest answers are of one rule.
 StopRule coarsestRule(const QueryContext& context)
 {
@@ -57,7 +53,8 @@ void followMotion(const QueryContext& context, PairCache::State& state)
 		state.hashB = context.b.contentHash();
 		state.filled = false;
 	}
-	else if (!isSame(state.pose, context.pose) || !(state.sweep == context.sweep))
+	else if (!(state.pose.rotation == context.pose.rotation && state.pose.translation == context.pose.translation &&
+			   state.sweep == context.sweep))
 	{
 		const double motion = motionBound(state.pose, context.pose, context.radiusA, context.radiusB);
 		const double change = sweepChange(state.pose, state.sweep, context.pose, context.sweep, motion, context.radiusB);
@@ -139,7 +136,7 @@ void ContactSearch::finish(bool isNothingNear)
 	if (isCoarsened()) tellExcess();
 	if (isNothingNear && m_result.stats.cutShort == 0)
 		m_state.separation.seek(m_context, *m_rule, m_settings, m_gap, m_state.lastMove,
-								{m_state.nearest, m_state.probesA, m_state.probesB, m_result.stats, m_limit});
+								{m_state.probesA, m_state.probesB, m_result.stats, m_limit});
 	countQuiet(isNothingNear);
 	m_state.lastMove = 0;
 }

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Zlib
-// The decisions on pairs of nodes that make a front, and what of them is measured, remembered from the query before, or
-// evaluated: which children of an opened pair are near, whether hulls are apart, what answers. Traversal.cpp makes a
-// front of them, FrontValidation.cpp the same front again.
+// The decisions on pairs of nodes that make a front: which children of an opened pair are near, whether hulls are apart,
+// what answers. Traversal.cpp makes a front of them, FrontValidation.cpp the same front again.
 //
-// What the cache may decide: a pair's separation is 1-Lipschitz in the relative motion (BoxSeparation.h), so a value
-// measured once, less the motion since, proves that it is beyond the tolerance still, and plus the motion that it is
-// within, each with some room for rounding. Everything else is measured anew. Both proofs decide as a measurement
-// would, hence the set of visited pairs never depends on the cache.
+// A pair's separation is 1-Lipschitz in the relative motion (BoxSeparation.h). So a value measured once proves, less or
+// plus the motion since and with some room for rounding, that the pair is still beyond the tolerance, or within. Both
+// decide as a measurement would: the set of visited pairs never depends on the cache.
 #pragma once
 #include <algorithm>
 #include <cmath>

@@ -48,13 +48,6 @@ bool same(const ContactSettings& l, const ContactSettings& r)
 	return fields(l) == fields(r) && same(l.metric, r.metric);
 }
 
-bool same(const Transform& l, const Transform& r)
-{
-	for (int i = 0; i < 3; ++i)
-		if (l.rotation.row[i] != r.rotation.row[i]) return false;
-	return l.translation == r.translation;
-}
-
 namespace
 {
 // About as large as a piece of the finest level.

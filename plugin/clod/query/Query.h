@@ -37,7 +37,6 @@ struct ContactSettings
 };
 // Compares field by field; settings with a function of the user's are never the same, see same(Metric).
 CLOD_API bool same(const ContactSettings& l, const ContactSettings& r);
-CLOD_API bool same(const Transform& l, const Transform& r);
 
 // An accepted node pair within the tolerance.
 struct Contact

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Two bodies that are apart: how much they may move before they have to be looked at again. While it lasts a query
-// costs the bound of the motion, whatever the hierarchies hold.
-//
-// The front's own bounds cannot tell: a traversal stops where boxes are beyond the tolerance, hence some always are
-// just beyond it. The search for the nearest pair (NearestPair.h) costs about a fresh traversal, so one that was used
-// up after few queries is not made again at once.
+// Two bodies that are apart: how much they may move before they have to be looked at again. The front's own bounds cannot
+// tell, as some boxes are always just beyond the tolerance. The search for the nearest pair (NearestPair.h) costs about a
+// fresh traversal, so one that was used up after few queries is not made again at once.
 //
 // Based on: conservative advancement (Mirtich 1996).
 #pragma once
@@ -39,7 +36,6 @@ public:
 	// After a traversal that found nothing. lastMove: motion and change of the sweep since the query before.
 	struct Tools
 	{
-		NearestPair& nearest;
 		InsideProbes &probesA, &probesB;
 		QueryStats& stats;
 		const WorkLimit& limit;

@@ -11,29 +11,29 @@
 #include <algorithm>
 #include <limits>
 
-#include "clod/query/BaseLevels.h"
 #include "clod/query/Constants.h"
 #include "clod/query/QueryContext.h"
 
 namespace clod
 {
+inline double sumOf(float a, float b)
+{
+	return double(a) + double(b);
+}
 // Largest error bound that a pair within the tolerance can cause (GapCertificate.h derives the terms). Monotone to the
 // roots. While its hulls are apart: cover and protrude.
 inline double certifiedErrorApart(const Node& a, const Node& b)
 {
-	const auto sum = [](float x, float y) { return double(x) + double(y); };
-	return std::max(sum(a.cover, b.cover), sum(a.protrude, b.protrude));
+	return std::max(sumOf(a.cover, b.cover), sumOf(a.protrude, b.protrude));
 }
 // Overlapping or not: half the width of the interval in which the depth of what the two stand for lies counts as well,
 // going by their real faces, which are within reach of O(n) and within surf of the surface.
 inline double certifiedError(const Node& a, const Node& b)
 {
-	const auto sum = [](float x, float y) { return double(x) + double(y); };
-	const double apart = certifiedErrorApart(a, b);
-	const double below = std::max(sum(a.reach, b.surf), sum(b.reach, a.surf));
-	const double proven = std::max(sum(b.reach, a.surf), sum(a.reach, b.surf));
-	const double shallow = std::max(sum(b.reach, b.protrude), sum(a.reach, a.protrude)) + sum(a.protrude, b.protrude);
-	return std::max(apart, 0.5 * (below + std::max(proven, shallow)));
+	const double below = std::max(sumOf(a.reach, b.surf), sumOf(b.reach, a.surf));
+	const double shallow =
+		std::max(sumOf(b.reach, b.protrude), sumOf(a.reach, a.protrude)) + sumOf(a.protrude, b.protrude);
+	return std::max(certifiedErrorApart(a, b), 0.5 * (below + std::max(below, shallow)));
 }
 
 // Whether a pair of nodes answers.
@@ -58,10 +58,10 @@ public:
 		  m_base(baseLevels(metric))
 	{
 		if (m_base.isUsed())  // 0 of input surfaces
-			m_baseCover = double(context.tablesA.bounds(m_base.a).cover) + double(context.tablesB.bounds(m_base.b).cover);
+			m_baseCover = sumOf(context.tablesA.bounds(m_base.a).cover, context.tablesB.bounds(m_base.b).cover);
 	}
 
-	// The levels that keep a certified limit (BaseLevels.h); in exact mode the input surfaces. A front is of one pair
+	// The levels that keep a certified limit (TraversalTables.h); in exact mode the input surfaces. A front is of one pair
 	// of base levels, or of none.
 	const BaseLevels& base() const { return m_base; }
 	bool isOfLeaves() const { return m_base.isOfLeaves(); }
@@ -197,9 +197,9 @@ private:
 	{
 		if (m_isExact) return {0, 0};
 		// No limit of the rule, which is then kept without a look at the hulls: where they overlap it may err by more.
-		if (isCoarsest(metric)) return chooseBaseLevels(*m_context, coarsest(), true);
+		if (isCoarsest(metric)) return chooseBaseLevels(m_context->tablesA, m_context->tablesB, coarsest(), true);
 		if (!std::isfinite(m_maxError)) return {};
-		return chooseBaseLevels(*m_context, m_maxError, isAlone());
+		return chooseBaseLevels(m_context->tablesA, m_context->tablesB, m_maxError, isAlone());
 	}
 	bool isWithinThreshold(std::uint32_t i, std::uint32_t j) const
 	{

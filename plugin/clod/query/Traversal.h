@@ -1,18 +1,9 @@
 // SPDX-License-Identifier: Zlib
-// The one walk over two hierarchies. Given a stop rule and a sink it visits the pairs of nodes whose culling volumes
-// are within the tolerance, from the roots down and level of the walk by level, and hands every accepted one to the
-// contacts.
-//
-// Where there are no base levels a pair of contact nodes that is not accepted is opened only where
-// its hulls, too, are near: boxes of curved patches are far from tight.
-//
-// Above base levels (StopRule.h; in exact mode the input surfaces) only primary children are followed: a tree, each
-// pair once; and as no level there may answer, it jumps over levels (TraversalTables.h). Otherwise all children:
-// a directed acyclic graph, each pair is opened where it is met first. Either way up to eight children are compared
-// with the other node at once.
-//
-// Children that are apart leave no trace but the smallest of their separations, in the entry of the pair opened: while
-// the motion does not use it up, none of them is looked at.
+// The one walk over two hierarchies, from the roots down and level of the walk by level: visits the pairs of nodes whose
+// culling volumes are within the tolerance, and hands every accepted one to the contacts. Above base levels (StopRule.h)
+// only primary children are followed, a tree; otherwise all, and a pair of contact nodes is opened only where its hulls,
+// too, are near, as boxes of curved patches are far from tight. Children that are apart leave no trace but the smallest of
+// their separations: while the motion does not use it up, none of them is looked at.
 #pragma once
 #include "clod/query/PairDecisions.h"
 

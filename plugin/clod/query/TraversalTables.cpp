@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "clod/query/Constants.h"
+
 namespace clod
 {
 namespace
@@ -33,6 +35,11 @@ void addBox(const OrientedBox& box, LevelBounds& bounds)
 	bounds.volume += x * y * z;
 	bounds.area += 2 * (x * y + y * z + z * x);
 	bounds.edges += x + y + z;
+}
+bool keepLimit(const LevelBounds& a, const LevelBounds& b, double maxError)
+{
+	const double cover = double(a.cover) + double(b.cover), protrude = double(a.protrude) + double(b.protrude);
+	return b.isWhole && std::max(cover, protrude) <= maxError;
 }
 }  // namespace
 
@@ -90,5 +97,32 @@ void TraversalTables::boundLevels(const Hierarchy& h)
 		bounds.isWhole = bounds.isWhole && (node.flags & kClodNode) != 0;
 		addBox(h.cullBox(std::uint32_t(&node - h.nodes().begin())), bounds);
 	}
+}
+
+BaseLevels chooseBaseLevels(const TraversalTables& a, const TraversalTables& b, double maxError, bool isAlone)
+{
+	struct Choice
+	{
+		BaseLevels levels;
+		double pairs, meeting;
+	};
+	const auto choiceOf = [&](std::uint32_t levelA, std::uint32_t levelB)
+	{
+		const LevelBounds &ofA = a.bounds(levelA), &ofB = b.bounds(levelB);
+		return Choice{{levelA, levelB}, ofA.boxes * ofB.boxes, meetingBoxes(ofA, ofB)};
+	};
+	Choice fewest = choiceOf(0, 0), slimmest = fewest;
+	std::uint32_t levelB = b.coarsestLevel();
+	for (std::uint32_t levelA = 0; levelA <= a.coarsestLevel(); ++levelA)
+	{
+		if (!a.bounds(levelA).isWhole) continue;
+		while (levelB > 0 && !keepLimit(a.bounds(levelA), b.bounds(levelB), maxError)) --levelB;
+		if (!keepLimit(a.bounds(levelA), b.bounds(levelB), maxError)) break;
+		const Choice next = choiceOf(levelA, levelB);
+		if (next.pairs < fewest.pairs) fewest = next;
+		if (next.meeting < slimmest.meeting) slimmest = next;
+	}
+	const Choice& best = slimmest.meeting < kFewer * fewest.meeting ? slimmest : fewest;
+	return best.levels.isOfLeaves() || isAlone ? best.levels : BaseLevels{};
 }
 }  // namespace clod

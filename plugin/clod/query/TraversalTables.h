@@ -10,6 +10,17 @@
 
 namespace clod
 {
+// One level of each body that answers all contacts of a query: what a certified limit, the same everywhere, is kept by.
+// No node above them answers. Input surfaces: 0 and 0.
+struct BaseLevels
+{
+	std::uint32_t a = kNone, b = kNone;
+	bool isUsed() const { return a != kNone; }
+	bool isOfLeaves() const { return a == 0 && b == 0; }
+	bool operator==(const BaseLevels& other) const { return a == other.a && b == other.b; }
+	bool operator!=(const BaseLevels& other) const { return !(*this == other); }
+};
+
 inline constexpr std::uint32_t kCollapsedChildren = kBoxLanes;  // as many as are compared at once
 
 // A contact level as a whole.
@@ -42,6 +53,7 @@ public:
 		return {tree.children.data() + range.first, range.count};
 	}
 	const LevelBounds& bounds(std::uint32_t contactLevel) const { return m_bounds[contactLevel]; }
+	std::uint32_t coarsestLevel() const { return std::uint32_t(m_bounds.size() - 1); }
 
 private:
 	struct Range
@@ -60,4 +72,9 @@ private:
 	std::vector<CollapsedTree> m_collapsed;  // one a contact level
 	std::vector<LevelBounds> m_bounds;       // one a contact level
 };
+
+// Of the levels whose worst nodes keep the limit together those with the fewest pairs of nodes, unless of others far
+// fewer boxes meet (meetingBoxes): those of long patches meet many that touch none. O(levels).
+// isAlone: no threshold asks for finer nodes here and there; where one does, the input surfaces or none.
+CLOD_API BaseLevels chooseBaseLevels(const TraversalTables& a, const TraversalTables& b, double maxError, bool isAlone);
 }  // namespace clod
