@@ -96,7 +96,7 @@ bool PairState::same(const Question& l, const Question& r)
 bool PairState::isStill(const PairPose& pose, const Question& question) const
 {
 	if (!m_context.keepPoints || pose.prediction != Prediction::kFree || m_facets.isMadeIn) return false;
-	if (!m_answered || m_clusters.isEmpty() || (m_facets.levels.goesOn && !isRefinable(pose, question))) return false;
+	if (!m_answered || m_clusters.isEmpty()) return false;
 	const Question& then = *m_answered;
 	const double most = kStillShare * question.rules.length;
 	if (question.withGap || then.withGap || std::max(question.way, then.way) > most) return false;
@@ -104,6 +104,8 @@ bool PairState::isStill(const PairPose& pose, const Question& question) const
 	const double moved = length(since * pose.center - pose.center) +
 						 turnBetween(then.aFromB.rotation, question.aFromB.rotation) * pose.radius;
 	if (moved > most) return false;
+	// Bodies that are lifted slowly out of another level tilt, and other points carry.
+	if (m_facets.levels.overlap > 0 && !(m_followed * question.rules.timeStep < kIdle)) return false;
 	// The forces are almost the same, and so is the question but for the motion.
 	const auto isForcedAlike = [&](const PairBody& l, const PairBody& r)
 	{ return l.inverseMass == r.inverseMass && length(l.force - r.force) * question.rules.timeStep < most; };

@@ -43,10 +43,9 @@ public:
 				 const btDispatcherInfo& info);
 	void prepare(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 				 const btDispatcherInfo& info);
-	// Of one prepared, where it lies still: by which factor it misses its metric, and since how many dispatches its points are
-	// old though they should go on. None: it needs nothing. And what a step's budget leaves is spent on it.
-	using Want = std::pair<double, std::uint32_t>;
-	std::optional<Want> want() const;
+	// Of one prepared, where it lies still: by which factor it misses its metric. None: it needs nothing. And what a step's
+	// budget leaves is spent on it.
+	std::optional<double> want() const;
 	void refine();
 	// What a coarsest answer will take in a step that begins, as far as it is not known: what it took last.
 	void expect(StepBudget& budget);
@@ -119,7 +118,7 @@ private:
 			  double closestPoints, Prepared& next);
 	void complete(Prepared& prepared);
 	void outline(Prepared& prepared);
-	std::optional<Want> want(const Prepared& prepared) const;
+	std::optional<double> want(const Prepared& prepared) const;
 	void refine(Prepared& prepared);
 	bool isRefinable(const PairPose& pose, const Question& question) const;
 	double finerCoarsening() const;
