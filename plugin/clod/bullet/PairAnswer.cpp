@@ -78,7 +78,7 @@ void PairState::ask(const PairPose& pose, const Question& question, bool isAsked
 void PairState::query(const PairPose& pose, const Question& question)
 {
 	GapSettings settings = question.settings;
-	if (m_budget) settings.budget = m_budget->next(std::exchange(m_held, 0));
+	if (m_budget) settings.budget = m_budget->next(std::exchange(m_held, {}), m_points);
 	GapResult& result = scratch().result;
 	if (question.withGap)
 		signedGap(pose.hierarchyA(), pose.hierarchyB(), pose.aFromB, settings, m_cache, result);
@@ -266,6 +266,7 @@ void PairState::answer(const PairPose& pose, Question& question, bool isAsked)
 	const bool staysEmpty = m_result.pairs.empty() && !m_result.deep && m_clusters.isEmpty();
 	foresee(pose);
 	m_report.candidates = 0;
+	m_points = 0;
 	if (!staysEmpty)
 		findPoints(pose, question, goesOn);
 	else
@@ -323,6 +324,9 @@ void PairState::findPoints(const PairPose& pose, Question& question, bool goesOn
 	while (refineHeld(pose, question));
 	facets.settle(contacts, m_result.deep, previous, m_facets, goesOn);
 	m_report.candidates = std::uint32_t(facets.size());
+	m_points = worthOfPoints(m_result.pairs.size(), facets.size());
+	if (m_result.stats.cutShort > 0) m_ofCoarsest = m_points;
+	if (m_budget) m_budget->spendPoints(m_points);
 	m_foreseen.motion = facets.expectedMotion();
 	facets.reduce(previous, next);
 	m_foreseen.spare = facets.spare();

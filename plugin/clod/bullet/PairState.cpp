@@ -301,7 +301,7 @@ void PairState::outline(const btCollisionObjectWrapper& body0, const btCollision
 {
 	if (staysOverPlane(body0, body1, info)) return;
 	outline(ahead(body0, body1, info));
-	m_held = m_outline.answering;
+	m_held = {m_outline.answering, m_outline.answering > 0 ? ofCoarsest() : 0};
 	if (m_budget) m_budget->hold(m_held);
 }
 
@@ -318,10 +318,16 @@ void PairState::outline(Prepared& prepared)
 	m_budget->list(m_outline.listing);
 }
 
+// What the points of the coarsest answer to come are worth: as the last ones were, or as many pairs of nodes as it may have.
+std::uint32_t PairState::ofCoarsest() const
+{
+	return m_ofCoarsest > 0 ? m_ofCoarsest : worthOfPoints(m_outline.answering, 0);
+}
+
 void PairState::expect(StepBudget& budget)
 {
 	if (&budget != m_budget || m_step + 1 != budget.step() || m_isAhead) return;
-	m_held = m_report.coarsestTests;
+	m_held = {m_report.coarsestTests, m_ofCoarsest};
 	budget.hold(m_held);
 }
 
@@ -346,7 +352,7 @@ void PairState::complete(Prepared& prepared)
 		m_manifolds.readImpulses(m_clusters);
 		answer(prepared.pose, prepared.question);
 	}
-	if (m_budget && m_held > 0) m_budget->release(std::exchange(m_held, 0));
+	if (m_budget) m_budget->release(std::exchange(m_held, {}));
 }
 
 bool PairState::process(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,

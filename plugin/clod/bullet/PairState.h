@@ -118,6 +118,7 @@ private:
 			  double closestPoints, Prepared& next);
 	void complete(Prepared& prepared);
 	void outline(Prepared& prepared);
+	std::uint32_t ofCoarsest() const;
 	std::optional<double> want(const Prepared& prepared) const;
 	void refine(Prepared& prepared);
 	bool isRefinable(const PairPose& pose, const Question& question) const;
@@ -173,7 +174,8 @@ private:
 	std::vector<std::pair<unsigned, std::string>> m_toSay;  // by cause
 	StepBudget* const m_budget;         // null: answers in full, whatever the budget
 	std::uint64_t m_step = 0;           // of the budget, that this pair was last in,
-	std::uint32_t m_held = 0;           // what is held back of it for this pair
+	Work m_held;                        // what is held back of it for this pair
+	std::uint32_t m_points = 0, m_ofCoarsest = 0;  // what its last points were worth, and those of its coarsest answer
 	BackOff m_refining{kMostRefused};   // of finer answers, where they cost too much
 	double m_heldError = kOff;          // that contacts may have since a body was found held between them (HeldBetween.h)
 	Outline m_outline;                  // of the coming process(), or the last
