@@ -45,6 +45,47 @@ TEST(StepBudget, WhatLiesStillLeavesWhatOthersTookInTheStepBefore)
 	EXPECT_EQ(budget.spare().tests, 1000);
 }
 
+double spin(double microseconds)
+{
+	const Clock::time_point start = Clock::now();
+	while (microsecondsSince(start) < microseconds) {}
+	return microsecondsSince(start);
+}
+
+// Of time, at what the work of the step has taken so far: from the first step on.
+TEST(StepBudget, HoldsBackWhatPointsWillTake)
+{
+	StepBudget budget;
+	budget.begin({kOff, 1e6});
+	budget.hold({10, 1000});
+	budget.hold({10, 1000});
+	spin(1000);
+	budget.spend(100, false);  // 10 us each, at least
+	EXPECT_LT(budget.next({10, 1000}, 1000).microseconds, 1e6 - 1000 - 10 * 2020);
+	EXPECT_LT(budget.next({10, 1000}, 3000).microseconds, 1e6 - 1000 - 10 * (1010 + 2000));
+}
+
+// Whatever stops the program for a while tells nothing of what a coarsening costs.
+TEST(StepBudget, AStepThatWasHeldUpChangesNothing)
+{
+	StepBudget budget;
+	const auto step = [&budget](double microseconds)
+	{
+		budget.begin({kOff, 3000});
+		const double taken = spin(microseconds);
+		budget.spend(600, false);
+		budget.spendPoints(400);
+		budget.end();
+		return taken;
+	};
+	ASSERT_LT(step(30), 1000);
+	for (int i = 0; i < 20; ++i) step(30);
+	EXPECT_EQ(budget.coarsening(), 1);
+	for (int i = 0; i < 3; ++i) step(20000);
+	step(30);
+	EXPECT_EQ(budget.coarsening(), 1);
+}
+
 TEST(BulletBudget, AFullOneGivesTheTrajectoryOfNone)
 {
 	const std::uint64_t none = Toruses(false).run(120, kOff);

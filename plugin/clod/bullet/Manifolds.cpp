@@ -218,6 +218,13 @@ bool ManifoldSet::slip() const
 	return friction.length() >= kSlips * most;
 }
 
+// As LevelSwitch would, that is not asked while the points follow: the bodies sink as if the point were found anew.
+void ManifoldSet::letDown(const WorldFrame& frame, HeldPoint& held, ContactPoint& now)
+{
+	now.height = std::max(now.height, frame.switchSpeed * frame.timeStep / frame.scale);
+	held.point.idle = held.impulse > 0 ? 0 : held.point.idle + frame.timeStep;
+}
+
 bool ManifoldSet::follow(HeldClusters& written, const WorldFrame& frame, btManifoldResult& out)
 {
 	if (!isAsLeft(frame, out)) return false;
@@ -234,6 +241,7 @@ bool ManifoldSet::follow(HeldClusters& written, const WorldFrame& frame, btManif
 				if (!slot.points[j].isOf(point)) continue;
 				ContactPoint now = written.at(i, j).point;
 				now.height = double(point.m_distance1) / frame.scale;
+				if (now.goesOn) letDown(frame, written.at(i, j), now);
 				now.slowOverlap = std::max(0.0, std::min(now.slowOverlap, -now.height));
 				point.m_combinedRestitution = slot.restitution;
 				setSolverTerms(now, frame, point);

@@ -130,6 +130,7 @@ private:
 	bool slip() const;  // did friction give all it could in the last step?
 	bool isAsLeft(const WorldFrame& frame, const btManifoldResult& out) const;
 	void refresh(std::size_t slot, HeldClusters& written, btManifoldResult& out);
+	static void letDown(const WorldFrame& frame, HeldPoint& held, ContactPoint& now);
 	bool mayKeep(const WorldFrame& frame, const btManifoldResult& out) const;
 	void beginWrite(const HeldClusters& clusters);
 	bool openSlot(std::size_t index, HeldClusters& clusters, const WorldFrame& frame, btManifoldResult& out);

@@ -78,7 +78,7 @@ void PairState::ask(const PairPose& pose, const Question& question, bool isAsked
 void PairState::query(const PairPose& pose, const Question& question)
 {
 	GapSettings settings = question.settings;
-	if (m_budget) settings.budget = m_budget->next(std::exchange(m_held, 0));
+	if (m_budget) settings.budget = m_budget->next(std::exchange(m_held, {}), m_points);
 	GapResult& result = scratch().result;
 	if (question.withGap)
 		signedGap(pose.hierarchyA(), pose.hierarchyB(), pose.aFromB, settings, m_cache, result);
@@ -103,16 +103,14 @@ double PairState::finerCoarsening() const
 	return std::min(m_budget->coarsening(), std::max(1.0, m_result.excess / kFiner));
 }
 
-std::optional<PairState::Want> PairState::want(const Prepared& prepared) const
+std::optional<double> PairState::want(const Prepared& prepared) const
 {
 	if (!(prepared.isKept || prepared.isStill) || !isRefinable(prepared.pose, prepared.question)) return std::nullopt;
 	const bool isMissed = m_result.excess > 0 && finerCoarsening() < prepared.question.settings.metric.coarsening;
-	const bool goesOn = prepared.isStill && m_facets.levels.goesOn;
-	if (!isMissed && !goesOn) return std::nullopt;
-	return Want{isMissed ? m_result.excess : 0, m_followed};
+	return isMissed ? std::optional<double>(m_result.excess) : std::nullopt;
 }
 
-std::optional<PairState::Want> PairState::want() const
+std::optional<double> PairState::want() const
 {
 	return m_isAhead ? want(*m_ahead) : std::nullopt;
 }
@@ -126,13 +124,11 @@ void PairState::refine()
 // and other pairs have their turn first from then on.
 void PairState::refine(Prepared& prepared)
 {
-	const std::optional<Want> wanted = want(prepared);
-	const bool isMissed = wanted && wanted->first > 0;
-	if (!wanted || (isMissed && !m_refining.isOver())) return;
+	if (!want(prepared) || !m_refining.isOver()) return;
 	const PairPose& pose = prepared.pose;
 	Question& question = prepared.question;
 	ContactSettings settings = static_cast<const ContactSettings&>(question.settings);  // no gap is asked for
-	if (isMissed) settings.metric.coarsening = finerCoarsening();
+	settings.metric.coarsening = finerCoarsening();
 	const bool isFirst = m_budget->isWholeSpare();
 	settings.budget = m_budget->spare();
 	const bool isEnough = settings.budget.tests > kLeastOfTrial * m_report.coarsestTests;
@@ -144,12 +140,12 @@ void PairState::refine(Prepared& prepared)
 	m_budget->spendSpare(tests);
 	if (result.stats.cutShort > 0)
 	{
-		if (isMissed && isFirst) m_refining.fail();
+		if (isFirst) m_refining.fail();
 		m_report.vainTests += tests;
 	}
 	else
 	{
-		if (isMissed) m_refining.succeed();
+		m_refining.succeed();
 		question.settings.metric.coarsening = settings.metric.coarsening;
 		prepared.isKept = prepared.isStill = false;
 		m_manifolds.readImpulses(m_clusters);
@@ -270,6 +266,7 @@ void PairState::answer(const PairPose& pose, Question& question, bool isAsked)
 	const bool staysEmpty = m_result.pairs.empty() && !m_result.deep && m_clusters.isEmpty();
 	foresee(pose);
 	m_report.candidates = 0;
+	m_points = 0;
 	if (!staysEmpty)
 		findPoints(pose, question, goesOn);
 	else
@@ -327,6 +324,9 @@ void PairState::findPoints(const PairPose& pose, Question& question, bool goesOn
 	while (refineHeld(pose, question));
 	facets.settle(contacts, m_result.deep, previous, m_facets, goesOn);
 	m_report.candidates = std::uint32_t(facets.size());
+	m_points = worthOfPoints(m_result.pairs.size(), facets.size());
+	if (m_result.stats.cutShort > 0) m_ofCoarsest = m_points;
+	if (m_budget) m_budget->spendPoints(m_points);
 	m_foreseen.motion = facets.expectedMotion();
 	facets.reduce(previous, next);
 	m_foreseen.spare = facets.spare();

@@ -96,7 +96,7 @@ bool PairState::same(const Question& l, const Question& r)
 bool PairState::isStill(const PairPose& pose, const Question& question) const
 {
 	if (!m_context.keepPoints || pose.prediction != Prediction::kFree || m_facets.isMadeIn) return false;
-	if (!m_answered || m_clusters.isEmpty() || (m_facets.levels.goesOn && !isRefinable(pose, question))) return false;
+	if (!m_answered || m_clusters.isEmpty()) return false;
 	const Question& then = *m_answered;
 	const double most = kStillShare * question.rules.length;
 	if (question.withGap || then.withGap || std::max(question.way, then.way) > most) return false;
@@ -104,6 +104,8 @@ bool PairState::isStill(const PairPose& pose, const Question& question) const
 	const double moved = length(since * pose.center - pose.center) +
 						 turnBetween(then.aFromB.rotation, question.aFromB.rotation) * pose.radius;
 	if (moved > most) return false;
+	// Bodies that are lifted slowly out of another level tilt, and other points carry.
+	if (m_facets.levels.overlap > 0 && !(m_followed * question.rules.timeStep < kIdle)) return false;
 	// The forces are almost the same, and so is the question but for the motion.
 	const auto isForcedAlike = [&](const PairBody& l, const PairBody& r)
 	{ return l.inverseMass == r.inverseMass && length(l.force - r.force) * question.rules.timeStep < most; };
@@ -299,7 +301,7 @@ void PairState::outline(const btCollisionObjectWrapper& body0, const btCollision
 {
 	if (staysOverPlane(body0, body1, info)) return;
 	outline(ahead(body0, body1, info));
-	m_held = m_outline.answering;
+	m_held = {m_outline.answering, m_outline.answering > 0 ? ofCoarsest() : 0};
 	if (m_budget) m_budget->hold(m_held);
 }
 
@@ -316,10 +318,16 @@ void PairState::outline(Prepared& prepared)
 	m_budget->list(m_outline.listing);
 }
 
+// What the points of the coarsest answer to come are worth: as the last ones were, or as many pairs of nodes as it may have.
+std::uint32_t PairState::ofCoarsest() const
+{
+	return m_ofCoarsest > 0 ? m_ofCoarsest : worthOfPoints(m_outline.answering, 0);
+}
+
 void PairState::expect(StepBudget& budget)
 {
 	if (&budget != m_budget || m_step + 1 != budget.step() || m_isAhead) return;
-	m_held = m_report.coarsestTests;
+	m_held = {m_report.coarsestTests, m_ofCoarsest};
 	budget.hold(m_held);
 }
 
@@ -344,7 +352,7 @@ void PairState::complete(Prepared& prepared)
 		m_manifolds.readImpulses(m_clusters);
 		answer(prepared.pose, prepared.question);
 	}
-	if (m_budget && m_held > 0) m_budget->release(std::exchange(m_held, 0));
+	if (m_budget) m_budget->release(std::exchange(m_held, {}));
 }
 
 bool PairState::process(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,

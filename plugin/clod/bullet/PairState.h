@@ -43,10 +43,9 @@ public:
 				 const btDispatcherInfo& info);
 	void prepare(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 				 const btDispatcherInfo& info);
-	// Of one prepared, where it lies still: by which factor it misses its metric, and since how many dispatches its points are
-	// old though they should go on. None: it needs nothing. And what a step's budget leaves is spent on it.
-	using Want = std::pair<double, std::uint32_t>;
-	std::optional<Want> want() const;
+	// Of one prepared, where it lies still: by which factor it misses its metric. None: it needs nothing. And what a step's
+	// budget leaves is spent on it.
+	std::optional<double> want() const;
 	void refine();
 	// What a coarsest answer will take in a step that begins, as far as it is not known: what it took last.
 	void expect(StepBudget& budget);
@@ -119,7 +118,8 @@ private:
 			  double closestPoints, Prepared& next);
 	void complete(Prepared& prepared);
 	void outline(Prepared& prepared);
-	std::optional<Want> want(const Prepared& prepared) const;
+	std::uint32_t ofCoarsest() const;
+	std::optional<double> want(const Prepared& prepared) const;
 	void refine(Prepared& prepared);
 	bool isRefinable(const PairPose& pose, const Question& question) const;
 	double finerCoarsening() const;
@@ -174,7 +174,8 @@ private:
 	std::vector<std::pair<unsigned, std::string>> m_toSay;  // by cause
 	StepBudget* const m_budget;         // null: answers in full, whatever the budget
 	std::uint64_t m_step = 0;           // of the budget, that this pair was last in,
-	std::uint32_t m_held = 0;           // what is held back of it for this pair
+	Work m_held;                        // what is held back of it for this pair
+	std::uint32_t m_points = 0, m_ofCoarsest = 0;  // what its last points were worth, and those of its coarsest answer
 	BackOff m_refining{kMostRefused};   // of finer answers, where they cost too much
 	double m_heldError = kOff;          // that contacts may have since a body was found held between them (isHeldBetween)
 	Outline m_outline;                  // of the coming process(), or the last

@@ -95,7 +95,7 @@ struct btClodDispatcher::Step
 	std::unique_ptr<clod::ThreadPool> pool = std::make_unique<clod::ThreadPool>(1);
 	std::vector<btBroadphasePair*> pairs;
 	std::vector<Job> jobs;
-	std::vector<std::pair<clod::PairState::Want, std::size_t>> wants;  // and how many jobs there are from theirs on
+	std::vector<std::pair<double, std::size_t>> wants;  // and how many jobs there are from theirs on
 };
 
 btClodDispatcher::btClodDispatcher(btCollisionConfiguration* configuration, clod::Context* context)
@@ -170,7 +170,7 @@ void btClodDispatcher::refine()
 	auto& wants = m_step->wants;
 	wants.clear();
 	for (std::size_t i = 0; i < jobs.size(); ++i)
-		if (const std::optional<clod::PairState::Want> want = jobs[i].pair->want()) wants.emplace_back(*want, jobs.size() - i);
+		if (const std::optional<double> want = jobs[i].pair->want()) wants.emplace_back(*want, jobs.size() - i);
 	std::sort(wants.begin(), wants.end(), std::greater<>());
 	m_step->budget.noneToCome();
 	for (const auto& [want, from] : wants) jobs[jobs.size() - from].pair->refine();

@@ -24,8 +24,9 @@ struct ContactPoint
 	double height = 0;        // signed distance of the surfaces grown by the margin; negative is penetration
 	double bend = 0;  // height at the end of the step, less what the first order of the motion makes of this one
 	double slowOverlap = 0;  // the part of a penetration that came with a change of level: it is left at switchSpeed()
-	double idle = 0;         // seconds since a point whose level is no longer asked for carried last
+	double idle = 0;         // seconds since it carried last, of a point that goes on
 	std::uint64_t feature = 0;  // the two features that make it, hashed
+	bool goesOn = false;   // its level is no longer asked for: it lets the bodies down at switchSpeed()
 	bool rebounds = true;  // false: as far as this pair knows no surface is met there, so nothing may bounce
 	std::uint32_t nodeA = 0, nodeB = 0;
 	std::uint32_t faceA = kNone, faceB = kNone;  // global face indices; kNone where there is none (a plane)

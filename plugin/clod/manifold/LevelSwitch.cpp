@@ -11,7 +11,6 @@ namespace
 constexpr double kSwitchShare = 5e-5;   // of the speed of a fall by the length; a motion gains some ten times of it
 constexpr double kBesideShare = 0.01;   // of the length: the most that a point that goes on may have slid
 constexpr double kUnmovedShare = 1e-5;  // of the length a step: bodies that move less lose no contact by their motion
-constexpr double kIdle = 0.1;           // seconds that a point goes on without a load, as loads wander between points
 }  // namespace
 
 double switchSpeed(const PointRules& rules)
@@ -41,6 +40,7 @@ bool LevelSwitch::goOn(const FacetQuestion& question, const ClusterPoint& old, F
 	facet.linear = facet.multiplier = facet.slowOverlap = 0;
 	m_points.push_back(point);
 	m_points.back().pointOnB = onB;
+	m_points.back().goesOn = true;
 	return true;
 }
 
@@ -95,7 +95,6 @@ void LevelSwitch::apply(const FacetQuestion& question, const std::vector<Contact
 					   facets.push_back(facet);
 					   m_points.back().idle = carried ? 0 : old.point.idle + (stays ? 0 : question.rules.timeStep);
 				   });
-	memory.goesOn = !m_points.empty();
 	if (!stays) memory.overlap = std::min(deepest, std::max(memory.overlap, fresh - before));
 	memory.asked = m_asked;
 	for (Facet& facet : facets)

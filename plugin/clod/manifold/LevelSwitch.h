@@ -11,6 +11,8 @@
 
 namespace clod
 {
+inline constexpr double kIdle = 0.1;  // seconds that a point goes on without a load, as loads wander between points
+
 // Of a pair, from step to step.
 struct SwitchMemory
 {
@@ -20,8 +22,7 @@ struct SwitchMemory
 		bool operator==(const Levels& other) const { return a == other.a && b == other.b; }
 	};
 	std::vector<Levels> asked;  // of the last dispatch
-	double overlap = 0;         // came with a change of level, and is left slowly,
-	bool goesOn = false;        // or points go on
+	double overlap = 0;         // came with a change of level, and is left slowly
 	bool isOther = false;       // B's surface is another than in the last dispatch, by no change of level: nothing goes on
 };
 

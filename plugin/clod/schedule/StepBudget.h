@@ -14,6 +14,16 @@
 
 namespace clod
 {
+// What a pair takes of a step's time: the tests of its query, and its points at their worth in tests. A budget of tests is of
+// the former alone.
+struct Work
+{
+	std::uint32_t tests = 0, points = 0;
+	double sum() const { return double(tests) + double(points); }
+};
+// What it takes to make points of so many accepted pairs of nodes and the facets found between them.
+CLOD_API std::uint32_t worthOfPoints(std::size_t pairs, std::size_t facets);
+
 class CLOD_API StepBudget
 {
 public:
@@ -29,12 +39,21 @@ public:
 		return m_budget.tests == budget.tests && m_budget.microseconds == budget.microseconds;
 	}
 	// For the coarsest answer of a pair to come.
-	void hold(std::uint32_t tests) { m_held += tests; }
-	void release(std::uint32_t tests) { m_held -= tests; }
-	// Of a pair for which so much was held.
-	Budget next(std::uint32_t held);
+	void hold(const Work& work)
+	{
+		m_held += work.tests;
+		m_heldPoints += work.points;
+	}
+	void release(const Work& work)
+	{
+		m_held -= work.tests;
+		m_heldPoints -= work.points;
+	}
+	// Of a pair for which so much was held, and whose points will take about so much.
+	Budget next(const Work& held, std::uint32_t points);
 	void list(std::uint64_t tests) { m_tests += tests; }  // of its coarsest answer
 	void spend(std::uint64_t tests, bool isCut);
+	void spendPoints(std::uint32_t points) { m_points += points; }
 	// For one that lies still, from the first to the last of these, on one thread: what is left now but for what the others
 	// will take by the last step (none are to come where all are answered); what it took tells nothing of the coarsening.
 	void noneToCome();
@@ -46,23 +65,28 @@ public:
 private:
 	// What is left but for so many tests and so much time.
 	Budget without(double tests, double microseconds) const;
+	double work() const { return double(m_tests.load() - m_spareTests) + double(m_points.load() - m_sparePoints); }
+	// Microseconds that work takes, as far as it is known.
+	double ofWork() const;
 
 	BudgetControl m_control;
 	Budget m_budget;
 	double m_coarsening = 1;
 	std::uint64_t m_step = 1;
 	Clock::time_point m_start, m_spareStart, m_spareEnd, m_spentAt;
-	double m_microsecondsATest = 0, m_lastTests = 0, m_afterSpare = 0;  // of the last step; the latter in microseconds
-	// A test of coarsest answers with their points, by the last step whose time was spent before all were given; what a step
-	// took after its queries. Microseconds.
+	double m_ofWork = 0;  // microseconds, by the last steps
+	double m_lastTests = 0, m_lastWork = 0, m_afterSpare = 0;  // of the last step; the latter in microseconds
+	// The work of coarsest answers, by the last step whose time was spent before all were given; what a step took after its
+	// queries. Microseconds.
 	double m_ofHeld = 0, m_afterQueries = 0;
 	double m_heldWhenSpent = 0;
 	bool m_areQueriesOver = false;
 	std::atomic<bool> m_isSpent{false};
-	std::uint64_t m_spareTests = 0;
+	std::uint64_t m_spareTests = 0, m_sparePoints = 0, m_pointsBefore = 0;
 	double m_spareMicroseconds = 0, m_ofOneSpare = 0;
 	std::atomic<std::uint64_t> m_tests{0};
-	std::atomic<std::uint64_t> m_held{0};
+	std::atomic<std::uint64_t> m_points{0};  // at their worth
+	std::atomic<std::uint64_t> m_held{0}, m_heldPoints{0};
 	std::atomic<std::uint32_t> m_answered{0}, m_cut{0};
 	std::atomic<std::uint64_t> m_ofCut{0};
 };
