@@ -12,6 +12,7 @@ namespace
 constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr std::size_t kLeastTable = 64;
 constexpr int kArcRounds = 6;    // of the search for where an arc meets the margin, each by the slope of the chord
+constexpr double kMostSagitta = 0.05;  // up to which an arc is known to stay near its chord: a third of a radian
 constexpr double kArcSpeed = 2;  // the largest speed on an arc is at most this many times its mean speed
 // Other contacts may lead a feature off its predicted way. Facets are looked for up to this share of the farthest
 // displacement of the step around the middle of the way, the larger share where few pairs of nodes are near
@@ -320,6 +321,17 @@ std::optional<Facet::Reach> FacetFinder::reachOf(double now, double then, IsOver
 	return {};
 }
 
+// How far beside a polygon the foot of a vertex may be now for any of the questions of reachOf() to find it over the
+// polygon. Most vertices are farther beside, which one distance tells in the place of four.
+double FacetFinder::mostBeside(const MovedCorner& vertex, double now) const
+{
+	if (m_sagitta > kMostSagitta) return kFar;
+	const Vec3 ahead = vertex.then - vertex.now, unforced = vertex.unforced - vertex.now;
+	const double way = kPathReach * std::sqrt(std::max(lengthSquared(ahead), lengthSquared(unforced)));
+	const FacetQuestion& q = *m_question;
+	return q.footSlack(now) + 2 * kInnerShare * q.length() + m_pair.roam + q.rules.heldReach + (1 + 2 * m_sagitta) * way;
+}
+
 // Works in the frame of the face's body.
 void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygon, bool vertexIsOfA)
 {
@@ -333,14 +345,15 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 	if (!isInReach(now, then)) return;
 
 	const Vec3 up = vertexIsOfA ? normal : m_bFromA.rotation * face.normal;
-	if (!mayEnter(vertices, vertex, up, face, vertexIsOfA)) return;
+	const double squaredBeside = faces.squaredBesideWithin(polygon, vertex.now, mostBeside(vertex, now));
+	if (squaredBeside == kFar || !mayEnter(vertices, vertex, up, face, vertexIsOfA)) return;
 	const Vec3& own = vertices.vertices()[vertex.index];
 	// A vertex that has sunk in stays a contact although another is lower: turning may make it the lowest within the
 	// step.
 	const auto isOver = [&]
 	{
 		return (now < -kInnerShare * q.length() || isLowest(vertices.fan(vertex.index), up, kArcSlack)) &&
-			   faces.isOver(polygon, vertex.now, q.footSlack(now));
+			   squaredBeside <= q.footSlack(now) * q.footSlack(now);
 	};
 	const auto meetsOn = [&](const Vec3& move, double closing, double slack)
 	{

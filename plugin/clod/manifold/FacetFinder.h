@@ -63,6 +63,7 @@ private:
 	template <class IsOver, class MeetsOnWay, class MeetsAlone, class IsPossible>
 	std::optional<Facet::Reach> reachOf(double now, double then, IsOver isOver, MeetsOnWay meetsOnWay, MeetsAlone meetsAlone,
 										IsPossible isPossible) const;
+	double mostBeside(const MovedCorner& vertex, double now) const;
 	void vertexOverFace(const MovedCorner& vertex, std::uint32_t polygon, bool vertexIsOfA);
 	void edgeOverEdge(const MovedEdge& still, const MovedEdge& moved);
 	// RoundFacets.cpp, frame A.
