@@ -140,10 +140,10 @@ void FacetFinder::findPair(const Contact& contact)
 	if (roam < most) m_sought = std::min(m_sought, roam);
 	const double beside = kFootShare * q.length() + roam;
 	double reach = q.touching() + q.rules.heldReach + beside;
-	// The features of a facet are no farther apart than its height and the distance of its foot from either feature.
-	// For a ball this straight distance leaves out much that boxes grown by the reach still hold.
-	const bool isStraight = !mayOverlap && b.isCore();
-	const double straight = isStraight ? reach + 2 * beside : kFar;
+	// The features of a facet are as far apart as its height and, at a right angle to it, as far as its foot is from both
+	// features, when it is nearest. For a ball this straight distance leaves out most that boxes grown by the reach hold.
+	const double aside = 2 * beside + std::max(0.0, 0.5 - m_roamShare) * nodeB.displaced;
+	const double straight = !mayOverlap && b.isCore() ? std::sqrt(reach * reach + aside * aside) : kFar;
 	if (mayOverlap) reach += q.a.thicknessOf(contact.nodeA) + q.b.thicknessOf(contact.nodeB);
 	MovedNode& nodeA = m_nodesA.of(contact.nodeA, m_nodesB.isOne() ? Near{&nodeB.box, reach, straight} : Near{});
 	m_pair = {&a, &b, contact.nodeA, contact.nodeB, nodeA.level, nodeB.level};
