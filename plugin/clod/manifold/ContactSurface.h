@@ -46,6 +46,11 @@ struct SurfaceEdge
 struct Box
 {
 	Vec3 low, high;
+	static Box none()
+	{
+		constexpr double kFar = std::numeric_limits<double>::infinity();
+		return {{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
+	}
 	void add(const Vec3& p)
 	{
 		low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
