@@ -40,7 +40,8 @@ public:
 	}
 
 private:
-	// Bullet's importer makes bodies anew: as their shapes alone have them turn, at rest, and solid.
+	// Bullet's importer makes bodies anew: as their shapes alone have them turn, at rest, solid, awake, meeting all others
+	// and under the world's gravity.
 	template <class Data>
 	void restore(const Data& saved)
 	{
@@ -54,7 +55,21 @@ private:
 		body->setLinearVelocity(vector(saved.m_linearVelocity));
 		body->setAngularVelocity(vector(saved.m_angularVelocity));
 		body->setDamping(btScalar(saved.m_linearDamping), btScalar(saved.m_angularDamping));
-		body->setCollisionFlags(saved.m_collisionObjectData.m_collisionFlags);
+		const auto& object = saved.m_collisionObjectData;
+		body->setCollisionFlags(object.m_collisionFlags);
+		if (btBroadphaseProxy* const proxy = body->getBroadphaseHandle(); proxy && object.m_collisionFilterGroup != 0)
+		{
+			proxy->m_collisionFilterGroup = object.m_collisionFilterGroup;
+			proxy->m_collisionFilterMask = object.m_collisionFilterMask;
+			m_dynamicsWorld->refreshBroadphaseProxy(body);
+		}
+		body->setGravity(vector(saved.m_gravity_acceleration));
+		body->setRollingFriction(btScalar(object.m_rollingFriction));
+		body->setCcdMotionThreshold(btScalar(object.m_ccdMotionThreshold));
+		body->setCcdSweptSphereRadius(btScalar(object.m_ccdSweptSphereRadius));
+		body->setSleepingThresholds(btScalar(saved.m_linearSleepingThreshold), btScalar(saved.m_angularSleepingThreshold));
+		body->forceActivationState(object.m_activationState1);
+		body->setDeactivationTime(btScalar(object.m_deactivationTime));
 	}
 	// Once for all bodies of a shape. All shapes have been read when the first body is made.
 	btCollisionShape* inPlaceOf(btCollisionShape* read)

@@ -67,16 +67,28 @@ TEST(Example, ASavedWorldIsReadBack)
 	ground.setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, -1, 0)));
 	world.addRigidBody(&body);
 	world.addRigidBody(&ground);
+	// One that floats, and one that meets nothing of the floor's group.
+	btRigidBody floats(btRigidBody::btRigidBodyConstructionInfo(1, nullptr, &shape, btVector3(1, 1, 1)));
+	btRigidBody passes(btRigidBody::btRigidBodyConstructionInfo(1, nullptr, &shape, btVector3(1, 1, 1)));
+	floats.setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, 5, 0)));
+	passes.setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(3, 3, 0)));
+	world.addRigidBody(&floats);
+	floats.setGravity(btVector3(0, 0, 0));
+	world.addRigidBody(&passes, btBroadphaseProxy::DebrisFilter, btBroadphaseProxy::DebrisFilter);
 	btDefaultSerializer serializer;
 	world.serialize(&serializer);
 	world.removeRigidBody(&body);
 	world.removeRigidBody(&ground);
+	world.removeRigidBody(&floats);
+	world.removeRigidBody(&passes);
 	std::vector<std::byte> bytes(std::size_t(serializer.getCurrentBufferSize()));
 	std::memcpy(bytes.data(), serializer.getBufferPointer(), bytes.size());
 	const std::string saved = folder.fileOf("saved.bullet", bytes);
 	const Output output = run(CLOD_IMPORT " " + saved);
 	EXPECT_EQ(output.status, 0) << output.text;
 	EXPECT_NE(output.text.find("at height 1.000"), std::string::npos) << output.text;
+	EXPECT_NE(output.text.find("at height 5.0000"), std::string::npos) << output.text;
+	EXPECT_NE(output.text.find("at height -1.925"), std::string::npos) << output.text;  // 3 less g (1 + 1/240) / 2
 	// Another file under the name is told of.
 	folder.fileOf("model.clod", patchHierarchy(boxMesh({1, 1, 1}, {3, 2, 2}, 1))->bytes());
 	const Output other = run(CLOD_IMPORT " " + saved);

@@ -47,6 +47,11 @@ struct SurfaceEdge
 struct Box
 {
 	Vec3 low, high;
+	static Box none()
+	{
+		constexpr double kFar = std::numeric_limits<double>::infinity();
+		return {{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
+	}
 	void add(const Vec3& p)
 	{
 		low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
@@ -149,6 +154,15 @@ public:
 	}
 	// Squared distance of a point's foot on a polygon's plane from the polygon.
 	double squaredBeside(std::uint32_t polygon, const Vec3& point) const;
+	// Infinity where it is more than `most`.
+	double squaredBesideWithin(std::uint32_t polygon, const Vec3& point, double most) const
+	{
+		const Disc& disc = m_polygonDiscs[polygon];
+		const double farthest = most + disc.radius;
+		if (!(lengthSquared(footOn(polygon, point) - disc.center) > farthest * farthest))
+			if (const double squared = squaredBeside(polygon, point); squared <= most * most) return squared;
+		return std::numeric_limits<double>::infinity();
+	}
 	// Within so much?
 	bool isOver(std::uint32_t polygon, const Vec3& point, double slack) const
 	{

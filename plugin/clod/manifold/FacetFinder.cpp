@@ -12,6 +12,7 @@ namespace
 constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr std::size_t kLeastTable = 64;
 constexpr int kArcRounds = 6;    // of the search for where an arc meets the margin, each by the slope of the chord
+constexpr double kMostSagitta = 0.05;  // up to which an arc is known to stay near its chord: a third of a radian
 constexpr double kArcSpeed = 2;  // the largest speed on an arc is at most this many times its mean speed
 // Other contacts may lead a feature off its predicted way. Facets are looked for up to this share of the farthest
 // displacement of the step around the middle of the way, the larger share where few pairs of nodes are near
@@ -139,12 +140,12 @@ void FacetFinder::findPair(const Contact& contact)
 	if (roam < most) m_sought = std::min(m_sought, roam);
 	const double beside = kFootShare * q.length() + roam;
 	double reach = q.touching() + q.rules.heldReach + beside;
-	// The features of a facet are no farther apart than its height and the distance of its foot from either feature.
-	// For a ball this straight distance leaves out much that boxes grown by the reach still hold.
-	const bool isStraight = !mayOverlap && b.isCore();
-	const double straight = isStraight ? reach + 2 * beside : kFar;
+	// The features of a facet are as far apart as its height and, at a right angle to it, as far as its foot is from both
+	// features, when it is nearest. For a ball this straight distance leaves out most that boxes grown by the reach hold.
+	const double aside = 2 * beside + std::max(0.0, 0.5 - m_roamShare) * nodeB.displaced;
+	const double straight = !mayOverlap && b.isCore() ? std::sqrt(reach * reach + aside * aside) : kFar;
 	if (mayOverlap) reach += q.a.thicknessOf(contact.nodeA) + q.b.thicknessOf(contact.nodeB);
-	MovedNode& nodeA = m_nodesA.of(contact.nodeA, m_nodesB.isOne() ? Near{&nodeB.box, reach, straight} : Near{});
+	MovedNode& nodeA = m_nodesA.of(contact.nodeA, m_nodesB.isOne() ? Near(nodeB.box, reach, straight) : Near());
 	m_pair = {&a, &b, contact.nodeA, contact.nodeB, nodeA.level, nodeB.level};
 	m_pair.roam = roam;
 	m_pair.deepest = mayOverlap ? kFar : kInnerShare * q.length();
@@ -413,6 +414,17 @@ private:
 	Kind m_of;
 };
 
+// How far beside a polygon the foot of a vertex may be now for any of the questions of Meeting to find it over the polygon.
+// Most vertices are farther beside, which one distance tells in the place of four.
+double FacetFinder::mostBeside(const MovedCorner& vertex, double now) const
+{
+	if (m_sagitta > kMostSagitta) return kFar;
+	const Vec3 ahead = vertex.then - vertex.now, unforced = vertex.unforced - vertex.now;
+	const double way = kPathReach * std::sqrt(std::max(lengthSquared(ahead), lengthSquared(unforced)));
+	const FacetQuestion& q = *m_question;
+	return q.footSlack(now) + 2 * kInnerShare * q.length() + m_pair.roam + q.rules.heldReach + (1 + 2 * m_sagitta) * way;
+}
+
 // Works in the frame of the face's body.
 void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygon, bool vertexIsOfA)
 {
@@ -423,7 +435,8 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygo
 	if (!isInReach(now, then)) return;
 	const Vec3 normal = vertexIsOfA ? m_question->aFromB.rotation * face.normal : -face.normal;
 	const Vec3 up = vertexIsOfA ? normal : m_bFromA.rotation * face.normal;
-	if (!mayEnter(vertices, vertex, up, face, vertexIsOfA)) return;
+	const double squaredBeside = faces.squaredBesideWithin(polygon, vertex.now, mostBeside(vertex, now));
+	if (squaredBeside == kFar || !mayEnter(vertices, vertex, up, face, vertexIsOfA)) return;
 	// A vertex that has sunk in stays a contact although another is lower: turning may make it the lowest within the
 	// step.
 	const bool mayTouch = now < -kInnerShare * m_question->length() ||

@@ -51,6 +51,7 @@ private:
 	class Meeting;
 	double endOf(double now, double then) const;
 	bool isInReach(double now, double then) const;
+	double mostBeside(const MovedCorner& vertex, double now) const;
 	void vertexOverFace(const MovedCorner& vertex, std::uint32_t polygon, bool vertexIsOfA);
 	void edgeOverEdge(const MovedEdge& still, const MovedEdge& moved);
 	// RoundFacets.cpp, frame A.

@@ -50,14 +50,19 @@ void MovedNodes::place(const ContactSurface& surface, MovedCorner& corner) const
 void MovedNodes::listStill(MovedNode& moved, const ContactSurface& surface, const Near& near)
 {
 	moved.displaced = 0;
+	moved.box = Box::none();
 	const Span<std::uint32_t> vertices = surface.verticesOf(moved.node);
 	const auto placeOf = [&](std::size_t i) -> const Vec3& { return surface.vertices()[vertices[i]]; };
-	moved.box = {placeOf(0), placeOf(0)};
+	const auto isListed = [&](const Box& box)
+	{
+		if (!near.holds(box)) return false;
+		moved.box.add(box);
+		return true;
+	};
 	for (const std::uint32_t v : vertices)
 	{
 		const Vec3& place = surface.vertices()[v];
-		moved.box.add(place);
-		if (surface.isCorner(v) && near.holds({place, place})) moved.corners.push_back({{place, place}, v});
+		if (surface.isCorner(v) && isListed({place, place})) moved.corners.push_back({{place, place}, v});
 	}
 	for (const ContactSurface::NodePolygon& polygon : surface.polygonsOf(moved.node))
 	{
@@ -67,14 +72,14 @@ void MovedNodes::listStill(MovedNode& moved, const ContactSurface& surface, cons
 		const Span<std::uint16_t> corners = surface.cornersOf(polygon);
 		Box box{placeOf(corners[0]), placeOf(corners[0])};
 		for (const std::uint16_t corner : corners) box.add(placeOf(corner));
-		if (near.holds(box)) moved.polygons.push_back({box, polygon.polygon});
+		if (isListed(box)) moved.polygons.push_back({box, polygon.polygon});
 	}
 	for (const std::uint32_t index : surface.edgesOf(moved.node))
 	{
 		const SurfaceEdge& edge = surface.edges()[index];
 		Box box{surface.vertices()[edge.vertex[0]], surface.vertices()[edge.vertex[0]]};
 		box.add(surface.vertices()[edge.vertex[1]]);
-		if (near.holds(box)) moved.edges.push_back({box, index});
+		if (isListed(box)) moved.edges.push_back({box, index});
 	}
 }
 

@@ -14,14 +14,23 @@
 namespace clod
 {
 // To a box, if there is one: along the axes, and in a straight line.
-struct Near
+class Near
 {
-	const Box* box = nullptr;
-	double reach = 0, straight = 0;
+public:
+	Near() = default;
+	Near(const Box& box, double reach, double straight)
+		: m_box(&box), m_straight(straight), m_grown{box.low - Vec3{reach, reach, reach}, box.high + Vec3{reach, reach, reach}}
+	{
+	}
 	bool holds(const Box& other) const
 	{
-		return box == nullptr || (other.meets(*box, reach) && other.squaredTo(*box) <= straight * straight);
+		return m_box == nullptr || (other.meets(m_grown, 0) && other.squaredTo(*m_box) <= m_straight * m_straight);
 	}
+
+private:
+	const Box* m_box = nullptr;
+	double m_straight = 0;
+	Box m_grown{};
 };
 
 // Boxes are in frame A, over the step as far ahead as contacts are looked for (kPathReach).
@@ -48,7 +57,7 @@ struct MovedNode
 {
 	std::uint32_t node = kNone, level = 0;
 	double displaced = 0;  // the farthest that one of its points goes in the step, as predicted; of B's
-	Box box;
+	Box box;  // of A's, of what is listed
 	std::vector<MovedCorner> corners;
 	std::vector<MovedEdge> edges;
 	std::vector<MovedPolygon> polygons;
