@@ -57,10 +57,12 @@ private:
 		body->setDamping(btScalar(saved.m_linearDamping), btScalar(saved.m_angularDamping));
 		const auto& object = saved.m_collisionObjectData;
 		body->setCollisionFlags(object.m_collisionFlags);
-		if (btBroadphaseProxy* const proxy = body->getBroadphaseHandle(); proxy && object.m_collisionFilterGroup != 0)
+		const int group = object.m_collisionFilterGroup, mask = object.m_collisionFilterMask;
+		btBroadphaseProxy* const proxy = body->getBroadphaseHandle();
+		if (group != 0 && proxy && (proxy->m_collisionFilterGroup != group || proxy->m_collisionFilterMask != mask))
 		{
-			proxy->m_collisionFilterGroup = object.m_collisionFilterGroup;
-			proxy->m_collisionFilterMask = object.m_collisionFilterMask;
+			proxy->m_collisionFilterGroup = group;
+			proxy->m_collisionFilterMask = mask;
 			m_dynamicsWorld->refreshBroadphaseProxy(body);
 		}
 		body->setGravity(vector(saved.m_gravity_acceleration));

@@ -139,7 +139,10 @@ private:
 		if (mass > 0 && m_draw.pick(2)) m_bodies.back()->setAngularVelocity(m_draw.vector(2));
 		constexpr int kNoResponse = btCollisionObject::CF_NO_CONTACT_RESPONSE;
 		if (mass > 0 && m_draw.oneOf(6)) m_bodies.back()->setCollisionFlags(kNoResponse);
+		m_bodies.back()->setRollingFriction(btScalar(0.125 * double(m_draw.pick(2))));
+		if (m_draw.oneOf(4)) m_bodies.back()->setActivationState(DISABLE_DEACTIVATION);
 		world.addRigidBody(m_bodies.back().get());
+		if (mass > 0 && m_draw.oneOf(4)) m_bodies.back()->setGravity(btVector3(0, btScalar(0.25), -1));
 	}
 	void join(btRigidBody& a, btRigidBody& b)
 	{
