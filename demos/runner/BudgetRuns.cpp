@@ -52,11 +52,11 @@ std::string budgetName(const nlohmann::ordered_json& run)
 	return run["budget"].is_null() ? "none" : fmt::format("{:g}", run["budget"].get<double>());
 }
 
-// Of what the budgets are.
-const char* spentOf(const nlohmann::ordered_json& scene)
+// Are the budgets counted in tests?
+bool isCounted(const nlohmann::ordered_json& scene)
 {
-	const auto isCounted = [](const auto& run) { return run["in_tests"].template get<bool>(); };
-	return std::any_of(scene["runs"].begin(), scene["runs"].end(), isCounted) ? "tests" : "dispatch_us";
+	const auto isOfTests = [](const auto& run) { return run["in_tests"].template get<bool>(); };
+	return std::any_of(scene["runs"].begin(), scene["runs"].end(), isOfTests);
 }
 
 // Lines of `T median p95 error-median error-p95`, of runs with a budget above 0.
@@ -66,7 +66,7 @@ std::string plotData(const nlohmann::ordered_json& scene)
 	for (const auto& run : scene["runs"])
 	{
 		if (run["budget"].is_null() || run["budget"] == 0 || run["steps"] == 0) continue;
-		const auto& spent = run[spentOf(scene)];
+		const auto& spent = run["dispatch_us"];
 		const auto percent = [&](const char* figure)
 		{ return std::max(kSmallestPercent, run["error_percent"][figure].get<double>()); };
 		text += fmt::format("{} {} {} {} {}\n", run["budget"].get<double>(), spent["median"].get<double>(),
@@ -75,43 +75,55 @@ std::string plotData(const nlohmann::ordered_json& scene)
 	return text;
 }
 
-// The run that has the budget (null: none) as levels of comparison; NaN where there is no such run.
-double figureAt(const nlohmann::ordered_json& scene, bool unlimited, const std::string& group, const char* figure)
+// Of the run without a budget; NaN where there is none.
+double unbudgeted(const nlohmann::ordered_json& scene, const std::string& group, const char* figure)
 {
 	for (const auto& run : scene["runs"])
-		if (run["steps"] != 0 && (unlimited ? run["budget"].is_null() : run["budget"] == 0))
-			return run[group][figure].get<double>();
+		if (run["steps"] != 0 && run["budget"].is_null()) return run[group][figure].get<double>();
 	return std::nan("");
 }
 
-std::string panel(const nlohmann::ordered_json& scene, std::size_t index, bool isSpent)
+std::string panel(const nlohmann::ordered_json& scene, bool isSpent)
 {
-	const std::string spent = spentOf(scene), group = isSpent ? spent : "error_percent";
-	const double least = figureAt(scene, false, group, "median"), full = figureAt(scene, true, group, "median");
+	const bool areTests = isCounted(scene);
 	std::string text = fmt::format(
-		"set title \"{}\"\nset ylabel \"{}\"\nset xlabel \"{}\"\n", isSpent ? scene["scene"].get<std::string>() : "",
-		index > 0            ? ""
-		: !isSpent           ? "certified error of the coarsest contact, % of R"
-		: spent == "tests" ? "hull and culling tests of a step"
-						   : "dispatch of a step, microseconds",
-		isSpent ? "" : std::string("budget T of a step, ") + (spent == "tests" ? "tests" : "microseconds"));
-	text += index == 0 && isSpent ? "set key at screen 0.5,0.01 center bottom maxrows 3 Left reverse width 2\n"
-								 : "unset key\n";
+		"set title \"{}\"\nset ylabel \"{}\"\nset xlabel \"{}\"\n",
+		isSpent ? scene["scene"].get<std::string>() + " under a budget a step" : "",
+		isSpent ? "dispatch of a step, microseconds" : "error of the coarsest contact, % of R",
+		isSpent ? "" : areTests ? "budget, hull and culling tests a step" : "budget, microseconds a step");
+	text += isSpent ? "set key at screen 0.55,0.01 center bottom maxrows 2 Left reverse\n" : "unset key\n";
 	const int first = isSpent ? 2 : 4;
-	text += fmt::format(
-		"plot $scene{0} using 1:{1} with linespoints lw 2 pt 7 lc rgb \"#0072B2\" title \"median\", "
-		"$scene{0} using 1:{2} with linespoints lw 2 pt 9 lc rgb \"#D55E00\" title \"95th percentile\"",
-		index, first, first + 1);
-	if (isSpent) text += ", x with lines lw 1 dt 2 lc rgb \"#000000\" title \"the budget\"";
-	if (std::isfinite(least))
-		text += fmt::format(", {} with lines lw 2 dt 3 lc rgb \"#009E73\" title \"budget 0, median\"",
-							std::max(least, isSpent ? 0 : kSmallestPercent));
-	if (std::isfinite(full))
-		text += fmt::format(", {} with lines lw 2 dt 4 lc rgb \"#999999\" title \"no budget, median\"",
-							std::max(full, isSpent ? 0 : kSmallestPercent));
+	text += fmt::format("plot $scene using 1:{} with linespoints lw 2 pt 7 lc rgb \"#0072B2\" title \"median\", "
+						"$scene using 1:{} with linespoints lw 2 pt 9 lc rgb \"#D55E00\" title \"95th percentile\"",
+						first, first + 1);
+	if (isSpent && !areTests) text += ", x with lines lw 1 dt 2 lc rgb \"#000000\" title \"the budget\"";
+	for (const char* figure : {"median", "p95"})
+	{
+		const double free = unbudgeted(scene, isSpent ? "dispatch_us" : "error_percent", figure);
+		const bool isMedian = std::string(figure) == "median";
+		if (std::isfinite(free))
+			text += fmt::format(", {} with lines lw 2 dt 4 lc rgb \"{}\" title \"{}, no budget\"",
+								std::max(free, isSpent ? 0 : kSmallestPercent), isMedian ? "#56B4E9" : "#E69F00",
+								isMedian ? "median" : "95th");
+	}
 	return text + "\n";
 }
 }  // namespace
+
+std::vector<double> budgetsBetween(const SceneUnderBudgets& ends, bool areTests)
+{
+	constexpr int kBudgets = 12;
+	const auto spent = [areTests](const BudgetRow& row)
+	{ return areTests ? double(row.tests) : row.dispatchMicroseconds; };
+	if (ends.runs.front().rows.empty() || ends.runs.back().rows.empty()) return {};
+	const std::vector<double> free = column(ends.runs.back(), spent);
+	const double low = std::max(1.0, quantile(column(ends.runs.front(), spent), 0.5));
+	// By the clock a step takes long, too, where others have the processor.
+	const double high = std::max(low, 2 * quantile(free, areTests ? 1 : 0.95));
+	std::vector<double> budgets;
+	for (int i = 0; i < kBudgets; ++i) budgets.push_back(std::floor(low * std::pow(high / low, i / (kBudgets - 1.0))));
+	return budgets;
+}
 
 SceneUnderBudgets runUnderBudgets(const SceneInfo& info, const SceneSettings& settings, int steps,
 								  std::vector<BudgetRun> runs, const std::function<void(double)>& progress)
@@ -203,20 +215,16 @@ std::string formatTable(const std::vector<nlohmann::ordered_json>& scenes)
 	return text;
 }
 
-bool plotBudgets(const std::vector<nlohmann::ordered_json>& scenes, const std::string& path)
+bool plotBudget(const nlohmann::ordered_json& scene, const std::string& path)
 {
-	const double width = 200 + 600 * double(scenes.size());
-	std::string text = pngTerminal(int(width), 1150);
-	for (std::size_t i = 0; i < scenes.size(); ++i)
-		text += fmt::format("$scene{} << END\n{}END\n", i, plotData(scenes[i]));
-	text += fmt::format(
-		"set multiplot layout 2,{} margins {},{},0.15,0.90 spacing 0.08,0.09 title \"Steps under a "
-		"budget T, and the error it leaves\" font \"DejaVu Sans,19\"\n"
-		"set logscale xy\nset format \"%g\"\nset grid xtics ytics lc rgb \"#dddddd\"\n",
-		scenes.size(), 0.04 + 0.1 / double(scenes.size()), 1 - kHalfANumber / width);
-	for (const bool isSpent : {true, false})
-		for (std::size_t i = 0; i < scenes.size(); ++i)
-			if (!plotData(scenes[i]).empty()) text += panel(scenes[i], i, isSpent);
+	constexpr int kWidth = 1000, kHeight = 1150;
+	const std::string data = plotData(scene);
+	if (data.empty()) return true;  // nothing touched
+	std::string text = pngTerminal(kWidth, kHeight) + "$scene << END\n" + data + "END\n";
+	text += fmt::format("set multiplot layout 2,1 margins 0.14,{},0.13,0.95 spacing 0.08,0.07\n"
+						"set logscale xy\nset format \"%g\"\nset grid xtics ytics lc rgb \"#dddddd\"\n",
+						1 - kHalfANumber / kWidth);
+	for (const bool isSpent : {true, false}) text += panel(scene, isSpent);
 	return drawPlot(text + "unset multiplot\n", path);
 }
 }  // namespace clod::demo

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// A scene under budgets of time: what a step's collision dispatch takes against what it was given, and how far its
+// A scene under budgets: what a step's collision dispatch takes against what it was given, and how far its
 // contacts may then be off.
 #pragma once
 #include <functional>
@@ -40,11 +40,16 @@ struct SceneUnderBudgets
 SceneUnderBudgets runUnderBudgets(const SceneInfo& info, const SceneSettings& settings, int steps,
 								  std::vector<BudgetRun> runs, const std::function<void(double fraction)>& progress);
 
+// Of a run under a budget of nothing: twelve, by equal factors from the median of what its steps took to twice what the
+// dearest step without a budget took, or of microseconds all but the dearest twentieth.
+std::vector<double> budgetsBetween(const SceneUnderBudgets& ends, bool areTests);
+
 // One element a run: budget (null: none) in microseconds or tests, steps, dispatch_us, tests, over (what was used less the budget), share_over (more
 // than a tenth over the budget), error_bound and excess as spreads.
 nlohmann::ordered_json toJson(const SceneUnderBudgets& scene);
 std::string formatCsv(const std::vector<SceneUnderBudgets>& scenes);         // a row a step that touches
 std::string formatTable(const std::vector<nlohmann::ordered_json>& scenes);  // of toJson's
-// A column a scene: time above, certified error below, both over T. False: gnuplot is not installed or failed.
-bool plotBudgets(const std::vector<nlohmann::ordered_json>& scenes, const std::string& path);
+// Of one of toJson's: what a step's dispatch took above, its certified error below, both over the budget. False: gnuplot is
+// not installed or failed.
+bool plotBudget(const nlohmann::ordered_json& scene, const std::string& path);
 }  // namespace clod::demo

@@ -363,6 +363,13 @@ TEST_F(RunnerCommand, BudgetsAreRunAtTheSamePosesAndLargerOnesLeaveSmallerErrors
 	const auto tests = [&](std::size_t run) { return counted[run]["tests"]["median"].get<double>(); };
 	EXPECT_GE(tests(2), tests(3));
 	EXPECT_LE(tests(2), tests(3) + tests(0));
+	// Without any given, twelve from what coarsest answers take to twice what all do, where they are dearest.
+	ASSERT_EQ(bench(words + " --in-tests -o " + path("chosen")).code, 0);
+	const json chosen = report("chosen/budget.json")["scenes"][0]["runs"];
+	ASSERT_EQ(chosen.size(), 13u);
+	EXPECT_EQ(chosen[0]["budget"], std::floor(std::max(1.0, tests(0))));
+	EXPECT_NEAR(chosen[11]["budget"].get<double>(), 2 * counted[3]["tests"]["max"].get<double>(), 1);
+	EXPECT_EQ(chosen[11]["error_percent"], chosen[12]["error_percent"]);
 	EXPECT_EQ(bench("budget spoon-cub -o " + path("x") + cache()).code, 2);
 	EXPECT_EQ(bench("budget spoon-cup --budgets 5,-1 -o " + path("x") + cache()).code, 2);
 	EXPECT_EQ(bench("budget spoon-cup --budget-us 5 -o " + path("x") + cache()).code, 2);
