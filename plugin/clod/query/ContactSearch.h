@@ -31,6 +31,7 @@ struct PairCache::State
 	double lastApproach = 0;  // approachBound since then
 	SeparationCache separation;
 	InsideProbes probesA, probesB;
+	NearestPair nearest;
 
 	void clearFronts()
 	{
