@@ -137,9 +137,7 @@ SurfaceDistance surfaceDistance(const QueryContext& context, double known, Surfa
 	const std::uint32_t before = stats.hullTests;
 	SurfaceJudge judge{{context, stats, known, scratch.axes}, scratch.nearest};
 	const auto [a, b] = scratch.nearest;
-	// What was remembered may be of other bodies.
-	const bool isLeafPair = a < context.a.levels()[0].nodeCount && b < context.b.levels()[0].nodeCount;
-	if (isLeafPair) judge.best = std::min(known, judge.ofPair({0, a, b}));
+	if (isAnswer(context, rule, scratch.nearest)) judge.best = std::min(known, judge.ofPair({0, a, b}));
 	NearestPairSearch<SurfaceJudge>(context, rule, judge, scratch, stats).run();
 	scratch.axes.reserve(stats.hullTests - before);
 	// No bracket is wider than an evaluation's accuracy, and what was not evaluated is beyond the best.

@@ -7,11 +7,6 @@
 
 namespace clod
 {
-// Found last: tried first next time, prunes at once, and decides nothing else.
-struct NearestPair
-{
-	std::uint32_t a = kNone, b = kNone;
-};
 struct SurfaceSearchScratch : NearestPairScratch
 {
 	NearestPair nearest;

@@ -1,15 +1,26 @@
 // SPDX-License-Identifier: Zlib
 // What a query, or all queries of a step, may cost.
 #pragma once
+#include <chrono>
 #include <cstdint>
 #include <string>
 
 #include "clod/Export.h"
-#include "clod/query/Clock.h"
 #include "clod/query/Metric.h"
 
 namespace clod
 {
+// What budgets of time and reports are measured with.
+using Clock = std::chrono::steady_clock;
+inline double microsecondsBetween(Clock::time_point start, Clock::time_point end)
+{
+	return std::chrono::duration<double, std::micro>(end - start).count();
+}
+inline double microsecondsSince(Clock::time_point start)
+{
+	return microsecondsBetween(start, Clock::now());
+}
+
 // Tests are box tests and hull distances up to the contact list; searching the depth of an overlap is not counted. Time
 // is wall time from the start. kOff means no limit.
 struct Budget

@@ -136,7 +136,7 @@ void ContactSearch::finish(bool isNothingNear)
 	if (isCoarsened()) tellExcess();
 	if (isNothingNear && m_result.stats.cutShort == 0)
 		m_state.separation.seek(m_context, *m_rule, m_settings, m_gap, m_state.lastMove,
-								{m_state.probesA, m_state.probesB, m_result.stats, m_limit});
+								{m_state.nearest, m_state.probesA, m_state.probesB, m_result.stats, m_limit});
 	countQuiet(isNothingNear);
 	m_state.lastMove = 0;
 }

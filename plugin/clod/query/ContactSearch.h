@@ -1,14 +1,47 @@
 // SPDX-License-Identifier: Zlib
 // One query in progress, from pose to accepted node pairs: what both entry points, contacts() and signedGap(), do first.
 #pragma once
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "clod/query/ContactSink.h"
-#include "clod/query/PairCacheState.h"
+#include "clod/query/InsideTest.h"
+#include "clod/query/PairFront.h"
+#include "clod/query/SeparationCache.h"
 
 namespace clod
 {
+// What a pair's cache holds between queries.
+struct PairCache::State
+{
+	const Hierarchy* a = nullptr;
+	const Hierarchy* b = nullptr;
+	std::uint64_t hashA = 0, hashB = 0;
+	bool filled = false;
+	double threshold = 0, maxError = 0;  // of the rule that the front was made with: constantThreshold, maxError
+	BaseLevels base;                     // StopRule::base
+	RelativePose pose;  // that the fronts have followed to,
+	Sweep sweep;        // with this motion from there
+	PairFront front;
+	std::unique_ptr<PairFront> outline;  // of the coarsest valid answer, its pairs listed only; where there are budgets
+	std::uint32_t quietFor = 0;  // queries that found nothing, one after the other
+	std::uint32_t calmFor = kCalm;  // queries that moved by little, one after the other
+	double lastMove = 0;  // of front.motion, what came since the last query
+	double lastApproach = 0;  // approachBound since then
+	SeparationCache separation;
+	InsideProbes probesA, probesB;
+	NearestPair nearest;
+
+	void clearFronts()
+	{
+		front.clear();
+		separation.forget();
+		probesA.clear();
+		probesB.clear();
+	}
+};
+
 // Drops what was cached for other hierarchies, then adds the motion since the fronts were asked last.
 void followMotion(const QueryContext& context, PairCache::State& state);
 

@@ -13,6 +13,11 @@
 
 namespace clod
 {
+// Found last: tried first next time, prunes at once, and decides nothing else.
+struct NearestPair
+{
+	std::uint32_t a = kNone, b = kNone;
+};
 struct NearestPairScratch
 {
 	struct Candidate
@@ -117,4 +122,11 @@ private:
 	std::vector<Candidate>& m_stack;
 	QueryStats& m_stats;
 };
+
+// Of these hierarchies, and at these settings: what a cache holds may be of others.
+inline bool isAnswer(const QueryContext& context, const StopRule& rule, const NearestPair& pair)
+{
+	return pair.a < context.a.nodes().size && pair.b < context.b.nodes().size &&
+		   rule.acceptance(pair.a, pair.b) == Acceptance::kYes;
+}
 }  // namespace clod

@@ -103,7 +103,7 @@ public:
 	void clear();
 	// Frees its memory; the next query begins afresh.
 	void giveBack();
-	struct State;  // PairCacheState.h
+	struct State;  // ContactSearch.h
 	State& state() { return *m_state; }
 
 private:

@@ -25,6 +25,7 @@ struct MotionJudge
 	QueryStats& stats;
 	const Searched& what;
 	double best;
+	NearestPair& nearest;
 	NearestPairScratch& scratch;
 	const WorkLimit& limitOfWork;
 	bool isSpent = false;
@@ -58,7 +59,9 @@ struct MotionJudge
 		const double reached =
 			what.surfaces ? cullLimit(context.a.node(pair.a), context.b.node(pair.b), what.tolerance) : what.tolerance;
 		const SweptBound bound = canonicalSweptBound(context, pair.a, pair.b, reached + best);
-		return std::max(pair.separation - what.tolerance, bound.lower - reached);
+		const double motion = std::max(pair.separation - what.tolerance, bound.lower - reached);
+		if (motion < best) nearest = {pair.a, pair.b};
+		return motion;
 	}
 };
 
@@ -69,8 +72,15 @@ double safeMotion(const QueryContext& context, const Searched& what, double cap,
 	thread_local NearestPairScratch scratch;
 	QueryStats& stats = tools.stats;
 	scratch.visited.clear();
-	MotionJudge judge{context, stats, what, cap, scratch, tools.limit};
+	MotionJudge judge{context, stats, what, cap, tools.nearest, scratch, tools.limit};
 	if (!judge.affords(kTestsOfCandidate)) return 0;
+	const auto [a, b] = tools.nearest;
+	if (isAnswer(context, what.relaxed, tools.nearest))
+	{
+		++stats.boxTests;
+		judge.best = std::min(
+			cap, judge.ofPair({boxSeparation(context.boxes, context.a.cullBox(a), context.b.cullBox(b)), a, b}));
+	}
 	NearestPairSearch<MotionJudge>(context, what.strict, judge, scratch, stats).run();
 	if (judge.isSpent) return 0;
 	return judge.best > 0 ? kShareOfNearest * judge.best : judge.best;

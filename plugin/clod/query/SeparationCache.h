@@ -36,6 +36,7 @@ public:
 	// After a traversal that found nothing. lastMove: motion and change of the sweep since the query before.
 	struct Tools
 	{
+		NearestPair& nearest;
 		InsideProbes &probesA, &probesB;
 		QueryStats& stats;
 		const WorkLimit& limit;
