@@ -122,6 +122,7 @@ std::vector<double> budgetsBetween(const SceneUnderBudgets& ends, bool areTests)
 	const double high = std::max(low, 2 * quantile(free, areTests ? 1 : 0.95));
 	std::vector<double> budgets;
 	for (int i = 0; i < kBudgets; ++i) budgets.push_back(std::floor(low * std::pow(high / low, i / (kBudgets - 1.0))));
+	budgets.erase(std::unique(budgets.begin(), budgets.end()), budgets.end());
 	return budgets;
 }
 

@@ -68,8 +68,7 @@ TEST(StepBudget, HoldsBackWhatPointsWillTake)
 // Whatever stops the program for a while tells nothing of what a coarsening costs.
 TEST(StepBudget, AStepThatWasHeldUpChangesNothing)
 {
-	StepBudget budget;
-	const auto step = [&budget](double microseconds)
+	const auto step = [](StepBudget& budget, double microseconds)
 	{
 		budget.begin({kOff, 3000});
 		const double taken = spin(microseconds);
@@ -78,12 +77,14 @@ TEST(StepBudget, AStepThatWasHeldUpChangesNothing)
 		budget.end();
 		return taken;
 	};
-	ASSERT_LT(step(30), 1000);
-	for (int i = 0; i < 20; ++i) step(30);
-	EXPECT_EQ(budget.coarsening(), 1);
-	for (int i = 0; i < 3; ++i) step(20000);
-	step(30);
-	EXPECT_EQ(budget.coarsening(), 1);
+	// The first step tells what work takes, unless others had the processor in it.
+	auto budget = std::make_unique<StepBudget>();
+	while (step(*budget, 30) > 1000) budget = std::make_unique<StepBudget>();
+	for (int i = 0; i < 20; ++i) step(*budget, 30);
+	EXPECT_EQ(budget->coarsening(), 1);
+	for (int i = 0; i < 3; ++i) step(*budget, 20000);
+	step(*budget, 30);
+	EXPECT_EQ(budget->coarsening(), 1);
 }
 
 TEST(BulletBudget, AFullOneGivesTheTrajectoryOfNone)

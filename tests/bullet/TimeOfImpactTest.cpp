@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "clod/bullet/BodyState.h"
 #include "tests/bullet/BulletWorld.h"
@@ -97,6 +99,9 @@ TEST(TimeOfImpact, OfABodyAndAPlane)
 	flight.second = &flight.scene.addBody(plane, 0, {0, 0, 0});
 	EXPECT_NEAR(flight.timeOfImpact(at(3, -4.5, 0), at(0, 0, 0)), 0.5, 2e-3);
 	EXPECT_EQ(flight.timeOfImpact(at(3, 1, 0), at(0, 0, 0)), 1);
+	box.setMargin(btScalar(0.5));
+	EXPECT_NEAR(flight.timeOfImpact(at(3, -4.5, 0), at(0, 0, 0)), 0.45, 2e-3) << "the margin meets it first";
+	EXPECT_EQ(flight.timeOfImpact(at(btScalar(NAN), -4.5, 0), at(0, 0, 0)), 1);
 }
 
 // Ten are between the faces; a ball, a capsule and a hull are met with their radii.
@@ -168,16 +173,21 @@ TEST(TimeOfImpact, OfChildrenOfCompounds)
 }
 
 // Random ways, turns of up to a whole radian: where the exact gap first vanishes along the way, looked at from pose to
-// pose.
-TEST(TimeOfImpact, OfModelsThatFlyAndTurn)
+// pose. Of models alike in size, and of a rod that flies and turns by a plate, far from its middle, whichever of the
+// two is A.
+TEST(TimeOfImpact, OfBodiesThatFlyAndTurn)
 {
 	Random random(7);
 	constexpr int kPoses = 20;
 	int met = 0, missed = 0, early = 0;
-	for (const auto& [nameA, nameB] : {std::pair("torus-900", "number8-600"), std::pair("cup-3000", "spoon-3000")})
+	std::vector<std::pair<Body, Body>> flights{{body("torus-900"), body("number8-600")},
+											   {body("cup-3000"), body("spoon-3000")}};
+	for (const int cells : {1, 2, 3, 4})
+		flights.push_back({bodyOf("plate", patchHierarchy(boxMesh({40, 1, 40}, {8, 1, 8}, 1))),
+						   bodyOf("rod", patchHierarchy(boxMesh({0.4, 0.05, 0.05}, {cells, 1, 1}, 1)))});
+	for (const auto& [a, b] : flights)
 		for (int i = 0; i < 30; ++i)
 		{
-			const Body &a = body(nameA), &b = body(nameB);
 			const double radius = smallerRadius(a, b);
 			Flight flight;
 			flight.scene.context.worldMetric = ContactMetric::exactly();
@@ -195,7 +205,12 @@ TEST(TimeOfImpact, OfModelsThatFlyAndTurn)
 				const btVector3 axis = toBullet(randomDirection(random));
 				return btQuaternion(axis, btScalar(uniform(random, 0, most)));
 			};
-			const btQuaternion turnA = turnOf(i % 2 ? 1 : 0.1), turnB = turnOf(i % 3 ? 0.5 : 0.02);
+			// A large body that turns sweeps the small one away at once.
+			const bool isLarge = double(a.hierarchy->asset().radius) > 5 * radius;
+			const btQuaternion turnA = turnOf(isLarge ? 0
+											  : i % 2 ? 1
+													  : 0.1),
+							   turnB = turnOf(i % 3 ? 0.5 + isLarge : 0.02);
 			const btVector3 linear = toBullet(randomVector(random, 0, 1.4 * radius));
 			const auto firstAt = [&](double share)
 			{ return btTransform(btQuaternion::getIdentity().slerp(turnA, btScalar(share))); };
@@ -212,15 +227,55 @@ TEST(TimeOfImpact, OfModelsThatFlyAndTurn)
 					   radius;
 			};
 			const double impact = flight.timeOfImpact(firstAt(1), secondAt(1));
-			for (int k = 0; double(k) / kPoses < impact; ++k) ASSERT_GT(gapAt(double(k) / kPoses), 0) << nameA << i;
+			// Nothing is passed over: to the rounding of poses far from the middle.
+			for (int k = 0; double(k) / kPoses < impact; ++k)
+				ASSERT_GT(gapAt(double(k) / kPoses), -1e-4) << a.name << i;
 			const double left = impact < 1 ? gapAt(impact) : 0;
-			EXPECT_LT(left, 5e-3) << nameA << i;  // where steps creep along a grazing way
+			EXPECT_GT(left, -1e-4) << a.name << i;
+			EXPECT_LT(left, 5e-3) << a.name << i;  // where steps creep along a grazing way
 			early += left > 1.1e-3;
 			++(impact < 1 ? met : missed);
 		}
-	EXPECT_GT(met, 20);
-	EXPECT_GT(missed, 20);
-	EXPECT_LT(early, 5);
+	EXPECT_GT(met, 40);
+	EXPECT_GT(missed, 40);
+	EXPECT_LT(early, 10);
+}
+
+// A small rod that turns flies at the end of a long bar, far from the bar's middle: the face at 50 is met after 0.3 of
+// 0.5.
+TEST(TimeOfImpact, OfARodAndTheEndOfALongBar)
+{
+	int barIsA = 0;
+	for (int cells = 1; cells < 13; ++cells)
+	{
+		const auto ofBar = patchHierarchy(boxMesh({100, 1, 1}, {cells, 1, 1}, 1));
+		const auto ofRod = patchHierarchy(boxMesh({0.05, 0.05, 0.4}, {1, 1, 13 - cells}, 1));
+		const double ahead = 0.325 + 0.005 * cells;
+		barIsA += ofBar->contentHash() < ofRod->contentHash();
+		Flight flight;
+		flight.scene.context.worldMetric = ContactMetric::exactly();
+		flight.first = &flight.scene.addBody(flight.scene.addShape(ofBar), 1, {0, 0, 0});
+		flight.second = &flight.scene.addBody(flight.scene.addShape(ofRod), 1, {50 + ahead, 0, 0});
+		// Turned about its own length by half a radian, it is wider by its edges.
+		const double share = flight.timeOfImpact(at(0, 0, 0), at(49.5 + ahead, 0, 0, 0.5)), turn = 0.5 * share;
+		const double gap = ahead - 0.5 * share - 0.025 * (std::cos(turn) + std::sin(turn));
+		EXPECT_GT(gap, 0) << cells;
+		EXPECT_LT(gap, 3e-4) << cells;
+	}
+	EXPECT_GT(barIsA, 0);
+	EXPECT_LT(barIsA, 12);
+}
+
+// A bullet that spins fast, on a long way past nothing, meets nothing.
+TEST(TimeOfImpact, OfASpinningBulletThatMeetsNothing)
+{
+	Flight flight;
+	btClodShape& bullet = flight.scene.addShape(patchHierarchy(boxMesh({0.02, 0.01, 0.01}, {2, 1, 1}, 1)));
+	btClodShape& box = flight.scene.addShape(patchHierarchy(boxMesh({1, 1, 1}, {2, 2, 2}, 1)));
+	flight.first = &flight.scene.addBody(bullet, 1, {0, 3, 0});
+	flight.second = &flight.scene.addBody(box, 1, {5, 0, 0});
+	EXPECT_EQ(flight.timeOfImpact(at(20, 3, 0, 1.7), at(5, 0, 0)), 1);
+	EXPECT_NEAR(flight.timeOfImpact(at(20, -9, 0, 1.7), at(5, 0, 0)), 0.25, 0.03);
 }
 
 TEST(TimeOfImpact, WhatTouchesAlreadyIsLeftToItsContacts)

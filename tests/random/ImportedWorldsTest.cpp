@@ -137,6 +137,8 @@ private:
 		m_bodies.push_back(std::make_unique<btRigidBody>(info));
 		if (mass > 0 && m_draw.pick(2)) m_bodies.back()->setLinearVelocity(m_draw.vector(1));
 		if (mass > 0 && m_draw.pick(2)) m_bodies.back()->setAngularVelocity(m_draw.vector(2));
+		if (mass > 0 && m_draw.oneOf(3)) m_bodies.back()->setLinearFactor(btVector3(1, 1, 0));
+		if (mass > 0 && m_draw.oneOf(3)) m_bodies.back()->setAngularFactor(btVector3(0, 0, 1));
 		constexpr int kNoResponse = btCollisionObject::CF_NO_CONTACT_RESPONSE;
 		if (mass > 0 && m_draw.oneOf(6)) m_bodies.back()->setCollisionFlags(kNoResponse);
 		m_bodies.back()->setRollingFriction(btScalar(0.125 * double(m_draw.pick(2))));

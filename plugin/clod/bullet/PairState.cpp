@@ -105,7 +105,7 @@ bool PairState::isStill(const PairPose& pose, const Question& question) const
 						 turnBetween(then.aFromB.rotation, question.aFromB.rotation) * pose.radius;
 	if (moved > most) return false;
 	// Bodies that are lifted slowly out of another level tilt, and other points carry.
-	if (m_facets.levels.overlap > 0 && !(m_followed * question.rules.timeStep < kIdle)) return false;
+	if (m_facets.levels.overlap > most && !(m_followed * question.rules.timeStep < kIdle)) return false;
 	// The forces are almost the same, and so is the question but for the motion.
 	const auto isForcedAlike = [&](const PairBody& l, const PairBody& r)
 	{ return l.inverseMass == r.inverseMass && length(l.force - r.force) * question.rules.timeStep < most; };
@@ -133,10 +133,19 @@ void PairState::noticeShapes(const PairPose& pose)
 	m_answered.reset();
 	m_facets.forget();
 	m_heldError = kOff;
+	m_points = m_ofCoarsest = 0;
 	m_seenA = a;
 	m_seenB = b;
 	m_convex = pose.convex;
 	m_asked = pose.asked;  // held: the caches are of them
+}
+
+// The one asked for, or a stricter one where levels have jammed.
+Metric PairState::metricFor(const PairPose& pose)
+{
+	Metric metric = m_metric.resolve(m_context, pose);
+	metric.maxError = std::min(metric.maxError, m_heldError);
+	return metric;
 }
 
 PairPose PairState::begin(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
@@ -165,8 +174,7 @@ PairPose PairState::begin(const btCollisionObjectWrapper& body0, const btCollisi
 	if (prediction == Prediction::kFree && pose.isOfTwo() && m_result.pairs.size() <= kFewPairs) pose.lookAside();
 	m_report.motion = pose.motion;
 	m_report.tolerance = pose.tolerance;
-	m_report.metric = m_metric.resolve(m_context, pose);
-	m_report.metric.maxError = std::min(m_report.metric.maxError, m_heldError);
+	m_report.metric = metricFor(pose);
 	m_report.metricError = m_metric.error();
 	const std::string badBudget = m_budget ? budgetError(m_context.budget) : std::string();
 	if (!badBudget.empty()) sayOnce(16, "the budget cannot be used: " + badBudget);
@@ -218,6 +226,7 @@ void PairState::forget()
 	m_clusters = {};
 	m_result = {};
 	m_heldError = kOff;
+	m_points = m_ofCoarsest = 0;
 	m_answered.reset();
 	static_cast<DispatchReport&>(m_report) = {};
 }
@@ -227,8 +236,9 @@ double PairState::timeOfImpact(const btCollisionObjectWrapper& body0, const btCo
 {
 	const PairPose pose =
 		poseOf(body0, body1, info, Prediction::kFree, 0, m_context.m_convexPartners, m_convex);
+	if (!pose.isAsked()) return 1;
 	thread_local ContactResult result;
-	return pose.isAsked() ? clod::timeOfImpact(pose, m_metric.resolve(m_context, pose), m_cache.pair, result) : 1;
+	return clod::timeOfImpact(pose, metricFor(pose), m_cache.pair, result);
 }
 
 void PairState::open(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
@@ -326,7 +336,9 @@ std::uint32_t PairState::ofCoarsest() const
 
 void PairState::expect(StepBudget& budget)
 {
-	if (&budget != m_budget || m_step + 1 != budget.step() || m_isAhead) return;
+	if (&budget != m_budget || m_isAhead) return;
+	m_held = {};  // of a step in which it was not dispatched
+	if (m_step + 1 != budget.step()) return;
 	m_held = {m_report.coarsestTests, m_ofCoarsest};
 	budget.hold(m_held);
 }
@@ -352,7 +364,7 @@ void PairState::complete(Prepared& prepared)
 		m_manifolds.readImpulses(m_clusters);
 		answer(prepared.pose, prepared.question);
 	}
-	if (m_budget) m_budget->release(std::exchange(m_held, {}));
+	if (m_held.tests > 0 || m_held.points > 0) m_budget->release(std::exchange(m_held, {}));
 }
 
 bool PairState::process(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,

@@ -124,6 +124,7 @@ private:
 	bool isRefinable(const PairPose& pose, const Question& question) const;
 	double finerCoarsening() const;
 	// Pose.
+	Metric metricFor(const PairPose& pose);
 	PairPose begin(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 				   const btDispatcherInfo& info, double closestPoints);
 	void noticeShapes(const PairPose& pose);

@@ -17,7 +17,7 @@ namespace
 {
 constexpr double kNear = 1e-3;   // of the smaller radius: nearer is met
 constexpr double kBend = 1e-2;   // of the smaller radius: what bends less is swept as straight
-constexpr int kMostSteps = 256;  // the last ones creep along a grazing way
+constexpr int kMostSteps = 128;  // near each other; the last ones creep along a grazing way
 
 // The way of a body, which turns evenly about an axis through its origin; or of a compound's child, which goes with the
 // body.
@@ -58,11 +58,13 @@ double gapToPlane(const Hierarchy& hierarchy, const Vec3& normal, double offset)
 	return lowest;
 }
 
-// The displacements of `then` to first order in how far it turns.
-Sweep straight(const Transform& then)
+// The displacements of `then` to first order in how far it turns: exact at the center, and near it off by at most half
+// the square of the turn times the distance.
+Sweep straight(const Transform& then, const Vec3& center)
 {
 	const Mat3& r = then.rotation;
-	return {then.translation, 0.5 * Vec3{r.row[2].y - r.row[1].z, r.row[0].z - r.row[2].x, r.row[1].x - r.row[0].y}};
+	const Vec3 turn = 0.5 * Vec3{r.row[2].y - r.row[1].z, r.row[0].z - r.row[2].x, r.row[1].x - r.row[0].y};
+	return {then * center - center - cross(turn, center), turn};
 }
 
 // How far apart two bodies are on their way. Lengths are the world's.
@@ -84,25 +86,29 @@ public:
 		m_length = double((m_wayA.linear - m_wayB.linear).length()) + std::abs(double(m_wayA.angle)) * reachA +
 				   std::abs(double(m_wayB.angle)) * reachB;
 	}
+	bool isFinite() const { return std::isfinite(m_length); }
 	// The further share of the way, from that one on, on which they do not meet; 0: they touch.
 	double freeFrom(double share)
 	{
+		m_isNear = true;
 		const Transform aFromB = aFromBAt(share);
-		const double least = 0.5 * near() / std::max(m_length, 0.5 * near());
-		const auto freeFor = [&](double gap)
-		{ return gap > near() ? std::max((gap - 0.5 * near()) / m_length, least) : 0; };
 		if (!m_pose.isOfTwo()) return freeFor(gapToPlaneAt(aFromB));
 		// Most that meet on their way touch already: what else comes near on it need not be listed.
 		if (isWithin(near(), {}, aFromB)) return 0;
-		// Only what comes near counts, on a part of the way that bends so little that it is all but straight.
-		const double bend = m_turns * m_length, most = kBend * m_pose.rules.length * m_scale;
+		// Only what comes near counts, on a part of the way that bends so little that it is all but straight. A path
+		// departs from the sweep by the square of the part, half of it by the turning of the path, half by that of the
+		// body.
+		const double bend = 2 * m_turns * m_length, most = kBend * m_pose.rules.length * m_scale;
 		const double part = std::min(1 - share, bend > 0 ? std::sqrt(most / bend) : 1);
-		if (!isWithin(near() + part * part * bend, straight(aFromBAt(share + part) * inverse(aFromB)), aFromB))
-			return part;
+		const Sweep sweep = straight(aFromBAt(share + part) * inverse(aFromB), centerOfSmaller(aFromB));
+		m_isNear = isWithin(near() + part * part * bend, sweep, aFromB);
+		if (!m_isNear) return part;
 		double nearest = std::numeric_limits<double>::infinity();
 		for (const Contact& contact : m_result.contacts) nearest = std::min(nearest, contact.lower);
 		return std::min(part, freeFor((nearest - m_pose.rules.radiusA - m_pose.rules.radiusB) * m_scale));
 	}
+	// Did something come near in the last answer, so that the next may be as short?
+	bool isNear() const { return m_isNear; }
 
 private:
 	// Nearer than this is met.
@@ -113,12 +119,23 @@ private:
 		aFromB.translation = (1 / m_scale) * aFromB.translation;
 		return aFromB;
 	}
+	double freeFor(double gap) const
+	{
+		if (!(gap > near())) return 0;
+		return std::max(gap - 0.5 * near(), 0.5 * near()) / std::max(m_length, 0.5 * near());
+	}
+	// In frame A: what is near both bodies is near it.
+	Vec3 centerOfSmaller(const Transform& aFromB) const
+	{
+		const Asset &a = m_pose.hierarchyA().asset(), &b = m_pose.hierarchyB().asset();
+		return a.radius < b.radius ? toVec3(a.sphereCenter) : aFromB * toVec3(b.sphereCenter);
+	}
 	double gapToPlaneAt(const Transform& aFromB) const
 	{
 		const auto& plane = static_cast<const btStaticPlaneShape&>(*m_pose.b->getCollisionShape());
 		const Vec3 normal = aFromB.rotation * normalized(toVec3(plane.getPlaneNormal()));
 		const double offset = double(plane.getPlaneConstant()) / m_scale + dot(normal, aFromB.translation);
-		return gapToPlane(m_pose.hierarchyA(), normal, offset) * m_scale;
+		return (gapToPlane(m_pose.hierarchyA(), normal, offset) - m_pose.rules.radiusA) * m_scale;
 	}
 	// Lists what comes within that distance.
 	bool isWithin(double distance, const Sweep& sweep, const Transform& aFromB)
@@ -135,6 +152,7 @@ private:
 	ContactSettings m_settings;
 	PairCache& m_cache;
 	ContactResult& m_result;
+	bool m_isNear = true;
 	double m_turns = 0;   // radians
 	double m_length = 0;  // no point of either goes farther relative to the other
 };
@@ -144,8 +162,9 @@ double timeOfImpact(const PairPose& pose, const Metric& metric, PairCache& cache
 {
 	if (!pose.isOfTwo() && pose.partner != Partner::kPlane) return 1;
 	Approach approach(pose, metric, cache, result);
+	if (!approach.isFinite()) return 1;
 	double share = 0;
-	for (int step = 0; step < kMostSteps && share < 1; ++step)
+	for (int steps = 0; steps < kMostSteps && share < 1; steps += approach.isNear())
 	{
 		const double free = approach.freeFrom(share);
 		if (!(free > 0)) return share > 0 ? share : 1;

@@ -26,9 +26,9 @@ struct ConvexPolyhedron
 	struct Plane
 	{
 		Vec3 normal;  // unit, outward; zero where there are no triangles
-		double height;
+		double height;  // of the plane over the point; infinite where there are none
 	};
-	// Of the faces' planes the one that is least high above a point.
+	// Of the faces' planes the one that is least high above a point. Looks at all triangles.
 	CLOD_API Plane nearestPlane(const Vec3& point) const;
 };
 

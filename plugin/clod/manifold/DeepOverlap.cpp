@@ -178,7 +178,8 @@ Vec3 DeepOverlap::find(const FacetQuestion& q, const std::vector<Contact>& conta
 	probeAll(false);
 	const bool isWhole = isDeep && m_inside.empty(), isCrossing = !isWhole && m_inside.empty();
 	if (isCrossing) probeAll(true);
-	if (isWhole) probeWhole(q, true), probeWhole(q, false);
+	if (isWhole)
+		for (const bool ofA : {true, false}) probeWhole(q, ofA);
 	if (m_inside.empty()) return {};
 	const bool areHulls = !isWhole && areConvex(q);
 	const auto isShallower = [](const Inside& l, const Inside& r) { return lengthSquared(l.way) < lengthSquared(r.way); };

@@ -30,7 +30,8 @@ struct FacetMemory
 	void forget() { *this = {}; }
 };
 
-// Do the facets that touch, or overlap, leave no way out?
+// Is a body held between its contacts, like a pin in its hole, so that no direction leads out of all that touch or overlap?
+// The play is then of the order of the margins, and a level that deviates by more jams although it keeps its error bound.
 CLOD_API bool isHeldBetween(const FacetQuestion& question, const std::vector<Facet>& facets);
 
 // For any number of pairs, one after the other.

@@ -12,7 +12,7 @@ namespace
 constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr std::size_t kLeastTable = 64;
 constexpr int kArcRounds = 6;    // of the search for where an arc meets the margin, each by the slope of the chord
-constexpr double kMostSagitta = 0.05;  // up to which an arc is known to stay near its chord: a third of a radian
+constexpr double kMostBend = 0.05;  // up to which an arc is known to stay near its chord: a third of a radian
 constexpr double kArcSpeed = 2;  // the largest speed on an arc is at most this many times its mean speed
 // Other contacts may lead a feature off its predicted way. Facets are looked for up to this share of the farthest
 // displacement of the step around the middle of the way, the larger share where few pairs of nodes are near
@@ -49,6 +49,8 @@ void FacetFinder::find(const FacetQuestion& question, const std::vector<Contact>
 	m_nodesB.start(question, contacts, false);
 	m_motion = question.rules.motion();
 	m_sagitta = 0.125 * kPathReach * length(m_motion.angular) * m_motion.timeStep;
+	const double turns = length(question.rules.a.angular) + length(question.rules.b.angular);
+	m_bend = 0.125 * kPathReach * std::max(turns, length(m_motion.angular)) * m_motion.timeStep;
 	// What an impact of that speed may add to the turning, besides.
 	const double speed = length(m_motion.velocity(question.rules.b.center));
 	m_turn = (length(m_motion.angular) + speed / question.length()) * m_motion.timeStep;
@@ -232,7 +234,7 @@ double FacetFinder::endOf(double now, double then) const
 	return now + kPathReach * (then - now);
 }
 
-// Can features at this distance now and at the end of the step make a facet that reachOf() would accept?
+// Can features at this distance now and at the end of the step make a facet that Meeting::findReach() would accept?
 bool FacetFinder::isInReach(double now, double then) const
 {
 	const PointRules& rules = m_question->rules;
@@ -418,11 +420,11 @@ private:
 // Most vertices are farther beside, which one distance tells in the place of four.
 double FacetFinder::mostBeside(const MovedCorner& vertex, double now) const
 {
-	if (m_sagitta > kMostSagitta) return kFar;
+	if (m_bend > kMostBend) return kFar;
 	const Vec3 ahead = vertex.then - vertex.now, unforced = vertex.unforced - vertex.now;
 	const double way = kPathReach * std::sqrt(std::max(lengthSquared(ahead), lengthSquared(unforced)));
 	const FacetQuestion& q = *m_question;
-	return q.footSlack(now) + 2 * kInnerShare * q.length() + m_pair.roam + q.rules.heldReach + (1 + 2 * m_sagitta) * way;
+	return q.footSlack(now) + 2 * kInnerShare * q.length() + m_pair.roam + q.rules.heldReach + (1 + 2 * m_bend) * way;
 }
 
 // Works in the frame of the face's body.

@@ -91,6 +91,7 @@ private:
 	Transform m_bFromA;
 	RelativeMotion m_motion;  // of A's material relative to B's
 	double m_sagitta = 0;     // of the arc of a point's way over its chord, as a share of the chord
+	double m_bend = 0;        // the same of a way in frame A, which turns itself, at most
 	double m_turn = 0;  // radians: the most that contacts may turn B relative to A in the step
 	std::array<std::optional<Transform>, kArcParts + 1> m_poses;
 	Middle m_middleA, m_middleB;

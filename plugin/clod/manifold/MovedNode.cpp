@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "clod/manifold/MovedNode.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace clod

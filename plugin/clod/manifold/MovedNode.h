@@ -3,7 +3,6 @@
 // are asked for, where they are and where the step carries them. A node is near many others, so what is computed for
 // it is kept for the whole dispatch.
 #pragma once
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>

@@ -3,7 +3,6 @@
 #pragma once
 #include <memory>
 #include <optional>
-#include <vector>
 
 #include "clod/query/ContactSink.h"
 #include "clod/query/InsideTest.h"

@@ -9,7 +9,6 @@
 // Based on: Otaduy & Lin 2003, sec. 3.3, 5.1, 5.2 (stop rule eq. 2, 3).
 #pragma once
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <vector>
 

@@ -39,9 +39,10 @@ void StepBudget::end()
 {
 	const double tests = double(m_tests.load() - m_spareTests), done = work();
 	double microseconds = microsecondsSince(m_start) - m_spareMicroseconds;
-	if (m_ofWork > 0) microseconds = std::min(microseconds, kMostSlower * m_ofWork * done);
+	if (m_work > 0) microseconds = std::min(microseconds, kMostSlower * ofWork() * done);
 	m_control.observe({tests, microseconds, m_cut, m_answered, double(m_ofCut.load())});
-	if (done > 0) m_ofWork = m_ofWork > 0 ? m_ofWork + kOfLast * (microseconds / done - m_ofWork) : microseconds / done;
+	m_microseconds += microseconds - kOfLast * m_microseconds;
+	m_work += done - kOfLast * m_work;
 	m_lastTests = tests;
 	m_lastWork = done;
 	m_afterSpare = microsecondsSince(m_spareEnd);
@@ -65,7 +66,7 @@ Budget StepBudget::next(const Work& held, std::uint32_t points)
 	const double withItsOwn = tests + ofPoints, toCome = withItsOwn * std::max(ofWork(), m_ofHeld) + m_afterQueries;
 	const double ofIts = (double(points) - double(held.points)) * ofWork();
 	const Budget left =
-		without(tests - held.tests, std::min(toCome, kMostHeld * m_budget.microseconds) + std::max(0.0, ofIts));
+		without(tests - held.tests, std::min(toCome + std::max(0.0, ofIts), kMostHeld * m_budget.microseconds));
 	if (left.microseconds == 0 && !m_isSpent.exchange(true))
 	{
 		m_spentAt = Clock::now();
@@ -76,7 +77,7 @@ Budget StepBudget::next(const Work& held, std::uint32_t points)
 
 double StepBudget::ofWork() const
 {
-	if (m_ofWork > 0) return m_ofWork;
+	if (m_work > 0) return m_microseconds / m_work;
 	const double done = work();
 	return done > 0 ? microsecondsSince(m_start) / done : 0;
 }
@@ -98,7 +99,7 @@ Budget StepBudget::spare()
 	const double toCome = std::max(0.0, m_lastTests - double(m_tests.load() - m_spareTests));
 	const double others = double(m_held.load()) + toCome;
 	const double workToCome = double(m_held.load() + m_heldPoints.load()) + std::max(0.0, m_lastWork - work());
-	Budget left = without(others, workToCome * m_ofWork);
+	Budget left = without(others, workToCome * ofWork());
 	if (m_budget.microseconds < kOff)
 		left.microseconds =
 			std::max(0.0, left.microseconds - m_afterSpare - m_ofOneSpare - kClockRoom * m_budget.microseconds);

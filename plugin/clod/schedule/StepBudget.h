@@ -19,7 +19,6 @@ namespace clod
 struct Work
 {
 	std::uint32_t tests = 0, points = 0;
-	double sum() const { return double(tests) + double(points); }
 };
 // What it takes to make points of so many accepted pairs of nodes and the facets found between them.
 CLOD_API std::uint32_t worthOfPoints(std::size_t pairs, std::size_t facets);
@@ -74,7 +73,8 @@ private:
 	double m_coarsening = 1;
 	std::uint64_t m_step = 1;
 	Clock::time_point m_start, m_spareStart, m_spareEnd, m_spentAt;
-	double m_ofWork = 0;  // microseconds, by the last steps
+	// Of the last steps, fading; so what work takes is known by the steps that had much of it.
+	double m_microseconds = 0, m_work = 0;
 	double m_lastTests = 0, m_lastWork = 0, m_afterSpare = 0;  // of the last step; the latter in microseconds
 	// The work of coarsest answers, by the last step whose time was spent before all were given; what a step took after its
 	// queries. Microseconds.
