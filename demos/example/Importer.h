@@ -66,11 +66,8 @@ private:
 			m_dynamicsWorld->refreshBroadphaseProxy(body);
 		}
 		body->setGravity(vector(saved.m_gravity_acceleration));
-		body->setLinearFactor(vector(saved.m_linearFactor));
-		body->setAngularFactor(vector(saved.m_angularFactor));
 		body->setRollingFriction(btScalar(object.m_rollingFriction));
 		body->setAnisotropicFriction(vector(object.m_anisotropicFriction), object.m_hasAnisotropicFriction);
-		body->setContactProcessingThreshold(btScalar(object.m_contactProcessingThreshold));
 		body->setCcdMotionThreshold(btScalar(object.m_ccdMotionThreshold));
 		body->setCcdSweptSphereRadius(btScalar(object.m_ccdSweptSphereRadius));
 		body->setSleepingThresholds(btScalar(saved.m_linearSleepingThreshold), btScalar(saved.m_angularSleepingThreshold));

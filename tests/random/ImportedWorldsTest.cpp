@@ -138,7 +138,7 @@ private:
 		if (mass > 0 && m_draw.pick(2)) m_bodies.back()->setLinearVelocity(m_draw.vector(1));
 		if (mass > 0 && m_draw.pick(2)) m_bodies.back()->setAngularVelocity(m_draw.vector(2));
 		if (mass > 0 && m_draw.oneOf(3)) m_bodies.back()->setLinearFactor(btVector3(1, 1, 0));
-		if (mass > 0 && m_draw.oneOf(3)) m_bodies.back()->setAngularFactor(btVector3(0, 0, 1));
+		if (m_draw.oneOf(3)) m_bodies.back()->setAnisotropicFriction(btVector3(1, btScalar(0.25), btScalar(0.5)));
 		constexpr int kNoResponse = btCollisionObject::CF_NO_CONTACT_RESPONSE;
 		if (mass > 0 && m_draw.oneOf(6)) m_bodies.back()->setCollisionFlags(kNoResponse);
 		m_bodies.back()->setRollingFriction(btScalar(0.125 * double(m_draw.pick(2))));
