@@ -185,9 +185,10 @@ TEST(TimeOfImpact, OfBodiesThatFlyAndTurn)
 	for (const int cells : {1, 2, 3, 4})
 		flights.push_back({bodyOf("plate", patchHierarchy(boxMesh({40, 1, 40}, {8, 1, 8}, 1))),
 						   bodyOf("rod", patchHierarchy(boxMesh({0.4, 0.05, 0.05}, {cells, 1, 1}, 1)))});
-	for (const auto& [a, b] : flights)
+	for (const auto& bodies : flights)
 		for (int i = 0; i < 30; ++i)
 		{
+			const Body &a = bodies.first, &b = bodies.second;
 			const double radius = smallerRadius(a, b);
 			Flight flight;
 			flight.scene.context.worldMetric = ContactMetric::exactly();
