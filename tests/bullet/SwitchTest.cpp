@@ -114,10 +114,29 @@ TEST(LevelSwitch, BodiesAtRestNeitherJumpNorFall)
 	}
 }
 
+// How a body at rest goes on, after its level was changed.
+struct Settling
+{
+	std::vector<double> heights;  // after each 40 steps, over the one given
+	int kept = 0;                 // pairs that kept their points, over all steps
+	double fastest = 0;
+
+	void follow(Resting& scene, double from, int steps)
+	{
+		for (int i = 0; i < steps; ++i)
+		{
+			scene.step();
+			kept += scene.keptPairs();
+			fastest = std::max(fastest, scene.speed());
+			if (i % 40 == 39) heights.push_back(scene.height() - from);
+		}
+	}
+};
+
 // The surface that is asked for is reached in the end, and as slowly whether points are found anew in every step or not.
 TEST(LevelSwitch, ABodyIsLetDownOntoTheSurfaceThatIsAskedFor)
 {
-	std::vector<double> heights[2];
+	Settling settling[2];
 	for (const bool keeps : {false, true})
 	{
 		Resting scene("cup-3000", Resting::Ground::kPlane);
@@ -128,45 +147,37 @@ TEST(LevelSwitch, ABodyIsLetDownOntoTheSurfaceThatIsAskedFor)
 		const double coarse = scene.height();
 		EXPECT_GT(coarse - fine, 1e-4);
 		scene.choose(true);
-		int kept = 0;
-		for (int i = 0; i < 2400; ++i)
-		{
-			scene.step();
-			kept += i < 240 ? scene.keptPairs() : 0;
-			if (i % 40 == 39) heights[keeps].push_back(scene.height() - fine);
-		}
+		settling[keeps].follow(scene, fine, 240);
+		EXPECT_EQ(settling[keeps].kept > 200, keeps) << settling[keeps].kept;
+		settling[keeps].follow(scene, fine, 2160);
 		EXPECT_NEAR(scene.height(), fine, 1e-5);
-		EXPECT_EQ(kept > 200, keeps) << kept;
 	}
-	const double whole = heights[false].front();
-	for (std::size_t i = 0; i < heights[0].size(); ++i)
+	const std::vector<double>&found = settling[false].heights, &kept = settling[true].heights;
+	ASSERT_EQ(found.size(), 60u);
+	for (std::size_t i = 0; i < found.size(); ++i)
 	{
 		const bool hasLanded = i >= 30;
-		EXPECT_NEAR(heights[true][i], heights[false][i], hasLanded ? 1e-6 : 0.04 * whole) << i;
+		EXPECT_NEAR(kept[i], found[i], hasLanded ? 1e-6 : 0.04 * found.front()) << i;
 	}
 }
 
 // The coarse surface reaches deeper: the body is lifted as slowly whether its points are found anew in every step or not.
 TEST(LevelSwitch, AnOverlapIsLeftAsSlowlyByPointsThatAreKept)
 {
-	std::vector<double> heights[2];
+	Settling settling[2];
 	for (const bool keeps : {false, true})
 	{
 		Resting scene("cup-3000", Resting::Ground::kPlane);
 		const double fine = scene.height();
 		scene.keepPoints(keeps);
 		scene.choose(false);
-		int kept = 0;
-		for (int i = 0; i < 480; ++i)
-		{
-			scene.step();
-			kept += scene.keptPairs();
-			EXPECT_LT(scene.speed(), 1e-3) << i;
-			if (i % 40 == 39) heights[keeps].push_back(scene.height() - fine);
-		}
-		EXPECT_GT(heights[keeps].back(), 5e-5);
-		EXPECT_EQ(kept > 240, keeps) << kept;
+		settling[keeps].follow(scene, fine, 480);
+		EXPECT_LT(settling[keeps].fastest, 1e-3);
+		EXPECT_GT(settling[keeps].heights.back(), 5e-5);
+		EXPECT_EQ(settling[keeps].kept > 240, keeps) << settling[keeps].kept;
 	}
-	for (std::size_t i = 0; i < heights[0].size(); ++i) EXPECT_NEAR(heights[true][i], heights[false][i], 3e-6) << i;
+	const std::vector<double>&found = settling[false].heights, &kept = settling[true].heights;
+	ASSERT_EQ(found.size(), 12u);
+	for (std::size_t i = 0; i < found.size(); ++i) EXPECT_NEAR(kept[i], found[i], 3e-6) << i;
 }
 }  // namespace clod::test

@@ -364,7 +364,7 @@ void PairState::complete(Prepared& prepared)
 		m_manifolds.readImpulses(m_clusters);
 		answer(prepared.pose, prepared.question);
 	}
-	if (m_held.tests > 0 || m_held.points > 0) m_budget->release(std::exchange(m_held, {}));
+	if (m_budget && (m_held.tests > 0 || m_held.points > 0)) m_budget->release(std::exchange(m_held, {}));
 }
 
 bool PairState::process(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
