@@ -2,8 +2,11 @@
 // Overlapping starts, hard pressing, fast falls: bodies leave on the side they came in, and nothing is silent.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
+#include "clod/bullet/ConfigureWorld.h"
 #include "tests/bullet/BulletWorld.h"
 #include "tests/bullet/PatchHierarchy.h"
 
@@ -15,6 +18,22 @@ std::shared_ptr<const Hierarchy> sheet(double thickness)
 {
 	return patchHierarchy(boxMesh({20, thickness, 20}, {20, 1, 20}, 2));
 }
+// Of a convex body.
+PatchedMesh onePiece(PatchedMesh mesh)
+{
+	mesh.patch.assign(mesh.triangles.size(), 0);
+	return mesh;
+}
+struct Distances : btCollisionWorld::ContactResultCallback
+{
+	std::vector<double> distances;
+	btScalar addSingleResult(btManifoldPoint& point, const btCollisionObjectWrapper*, int, int,
+							 const btCollisionObjectWrapper*, int, int) override
+	{
+		distances.push_back(double(point.getDistance()));
+		return 0;
+	}
+};
 bool finite(const btRigidBody& body)
 {
 	return std::isfinite(double(body.getWorldTransform().getOrigin().length2())) &&
@@ -89,6 +108,78 @@ TEST(Press, OverlapThatNoContactAnswersIsReportedDeep)
 	scene.step(1);
 	EXPECT_EQ(scene.context.lastStep().deepPairs, 1u);
 	EXPECT_EQ(scene.warnings.size(), 1u);
+}
+
+// Of a body of one piece only what is near the other is looked at. That must not hide corners deep inside, beside
+// shallow ones that tell of an overlap.
+TEST(Press, DeepCornersAreToldOfBesideShallowOnes)
+{
+	for (const double lean : {0.003, 0.01, 0.03, 0.1})
+	{
+		BulletWorld scene;
+		const double shallow = 0.0005, deep = shallow + 2 * std::sin(lean);
+		const PatchedMesh floor = onePiece(boxMesh({20, 2, 20}, {1, 1, 1}, 1)), box = onePiece(boxMesh({2, 1, 2}, {1, 1, 1}, 1));
+		btRigidBody& ground = scene.addBody(scene.addShape(patchHierarchy(floor)), 0, {0, -1, 0});
+		btRigidBody& body = scene.addBody(scene.addShape(patchHierarchy(box)), 1,
+										  {0.1, 0.5 * std::cos(lean) - std::sin(lean) - shallow, 0.2},
+										  btQuaternion(btVector3(0, 0, 1), btScalar(lean)));
+		Distances found;
+		scene.world.contactPairTest(&body, &ground, found);
+		ASSERT_FALSE(found.distances.empty()) << lean;
+		EXPECT_NEAR(*std::min_element(found.distances.begin(), found.distances.end()), -deep, 1e-5) << lean;
+	}
+}
+
+// A press that nothing stops comes down on a box on a floor: the box yields to the press, not to the floor.
+TEST(Press, NothingIsPressedThroughAFloor)
+{
+	for (const bool meetsImpacts : {false, true})
+		for (const double rate : {60.0, 240.0})
+		{
+			BulletWorld scene(meetsImpacts);
+			scene.timeStep = 1 / rate;
+			configureWorld(scene.world);
+			const auto add = [&](const Vec3& size, double mass, double height) -> btRigidBody&
+			{
+				const PatchedMesh mesh = onePiece(boxMesh(size, {1, 1, 1}, 1));
+				return scene.addBody(scene.addShape(patchHierarchy(mesh)), mass, {0, height, 0});
+			};
+			add({10, 1, 10}, 0, -0.5);
+			const btRigidBody& body = add({1, 0.4, 0.6}, 1, 0.201);
+			btRigidBody& press = add({3, 0.4, 3}, 0, 0.7);
+			press.setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+			double lowest = 1;
+			for (double time = 0; time < 2.5; time += scene.timeStep)
+			{
+				btTransform pose = btTransform::getIdentity();
+				pose.setOrigin(btVector3(0, btScalar(std::max(0.22, 0.7 - 0.3 * time)), 0));
+				press.setWorldTransform(pose);
+				scene.step();
+				lowest = std::min(lowest, heightOf(body));
+			}
+			EXPECT_GT(lowest, 0.17) << rate << (meetsImpacts ? " in passes" : "");
+		}
+}
+
+// Nothing holds the body: it is carried along by a kinematic one that started deep in it, and comes out of it.
+TEST(Press, ABodyDeepInAKinematicOneIsStillPushedOn)
+{
+	BulletWorld scene;
+	scene.world.setGravity(btVector3(0, 0, 0));
+	configureWorld(scene.world);
+	const PatchedMesh mesh = onePiece(boxMesh({1, 1, 1}, {1, 1, 1}, 1));
+	const btRigidBody& body = scene.addBody(scene.addShape(patchHierarchy(mesh)), 1, {0.8, 0, 0});
+	btRigidBody& pusher = scene.addBody(scene.addShape(patchHierarchy(mesh)), 0, {});
+	pusher.setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+	for (int i = 1; i <= 240; ++i)
+	{
+		btTransform pose = btTransform::getIdentity();
+		pose.setOrigin(btVector3(btScalar(2 * i * scene.timeStep), 0, 0));
+		pusher.setWorldTransform(pose);
+		scene.step();
+	}
+	EXPECT_GT(double(body.getWorldTransform().getOrigin().x()), 2.99);
+	EXPECT_NEAR(double(body.getLinearVelocity().x()), 2, 0.02);
 }
 
 // The edge of a slab: a triangle that touches the sharp edge with a corner must not be pushed sideways.

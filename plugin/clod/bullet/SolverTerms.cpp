@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "clod/bullet/SolverTerms.h"
 
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -15,6 +17,7 @@ namespace
 constexpr double kDepthStep = 1.0 / 240;  // s: a step in which kTakenBackShare of a depth is taken back; as much a second
 										  // in longer ones,
 constexpr double kMostDepthShare = 0.6;   // but no more than this
+constexpr double kUnyielding = 20;        // skins: a body that merely lies on a kinematic one is less deep in it
 
 // The restitution to give Bullet so that bodies part with e times the speed at which they touch, wherever in the step
 // that is. speed: at which they close now; pull: by how much forces raise it a second; distance: what is left to go.
@@ -42,6 +45,18 @@ void setRestitution(const WorldFrame& frame, double row, btManifoldPoint& point)
 	const bool isMet = then * frame.timeStep >= row;
 	point.m_combinedRestitution =
 		btScalar(isMet ? restitutionOf(e, now, (then - now) / frame.timeStep, row, frame.timeStep) : 0);
+}
+
+// A kinematic body goes on whatever it meets. Where a floor leaves a body no room, the floor and the kinematic body ask
+// for speeds that exclude each other, and the last that the solver looks at would win. So a point that is deep in a
+// kinematic body is softened by the other body's inverse mass: its impulse is at most what stops that body.
+void setYielding(const WorldFrame& frame, double depth, btManifoldPoint& point)
+{
+	if (!(depth > kUnyielding * frame.restingGap)) return;
+	const auto *a = btRigidBody::upcast(frame.a->getCollisionObject()), *b = btRigidBody::upcast(frame.b->getCollisionObject());
+	if (!a || !b || a->isKinematicObject() == b->isKinematicObject()) return;
+	point.m_contactPointFlags |= BT_CONTACT_FLAG_HAS_CONTACT_CFM;
+	point.m_contactCFM = btScalar(double(a->getInvMass() + b->getInvMass()) * frame.timeStep);
 }
 
 void setErp(double erp, btManifoldPoint& point)
@@ -72,6 +87,7 @@ void setSolverTerms(const ContactPoint& point, const WorldFrame& frame, btManifo
 		written.m_distance1 = btScalar(height);
 		const double left = std::min(std::max(kTakenBackShare, share) * (-height - slow), frame.pushSpeed * dt);
 		setErp((left + std::min(slow, frame.switchSpeed * dt)) / -height, written);
+		setYielding(frame, -height, written);
 	}
 	else if (row >= 0)
 		written.m_distance1 = btScalar(row);

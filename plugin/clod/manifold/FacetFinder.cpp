@@ -147,7 +147,7 @@ void FacetFinder::findPair(const Contact& contact)
 	const double aside = 2 * beside + std::max(0.0, 0.5 - m_roamShare) * nodeB.displaced;
 	const double straight = !mayOverlap && b.isCore() ? std::sqrt(reach * reach + aside * aside) : kFar;
 	if (mayOverlap) reach += q.a.thicknessOf(contact.nodeA) + q.b.thicknessOf(contact.nodeB);
-	MovedNode& nodeA = m_nodesA.of(contact.nodeA, m_nodesB.isOne() ? Near(nodeB.box, reach, straight) : Near());
+	MovedNode& nodeA = m_nodesA.of(contact.nodeA, m_nodesB.isOne() ? Near(nodeB.box, reach, straight, mayOverlap) : Near());
 	m_pair = {&a, &b, contact.nodeA, contact.nodeB, nodeA.level, nodeB.level};
 	m_pair.roam = roam;
 	m_pair.deepest = mayOverlap ? kFar : kInnerShare * q.length();

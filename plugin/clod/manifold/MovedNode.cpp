@@ -63,6 +63,7 @@ void MovedNodes::listStill(MovedNode& moved, const ContactSurface& surface, cons
 	for (const std::uint32_t v : vertices)
 	{
 		const Vec3& place = surface.vertices()[v];
+		if (near.mayBeInside()) moved.box.add(place);
 		if (surface.isCorner(v) && isListed({place, place})) moved.corners.push_back({{place, place}, v});
 	}
 	for (const ContactSurface::NodePolygon& polygon : surface.polygonsOf(moved.node))

@@ -12,15 +12,20 @@
 
 namespace clod
 {
-// To a box, if there is one: along the axes, and in a straight line.
+// To a box, if there is one: along the axes, and in a straight line. What is near may be deep inside a node and far from
+// its faces.
 class Near
 {
 public:
 	Near() = default;
-	Near(const Box& box, double reach, double straight)
-		: m_box(&box), m_straight(straight), m_grown{box.low - Vec3{reach, reach, reach}, box.high + Vec3{reach, reach, reach}}
+	Near(const Box& box, double reach, double straight, bool mayBeInside)
+		: m_box(&box),
+		  m_straight(straight),
+		  m_mayBeInside(mayBeInside),
+		  m_grown{box.low - Vec3{reach, reach, reach}, box.high + Vec3{reach, reach, reach}}
 	{
 	}
+	bool mayBeInside() const { return m_mayBeInside; }
 	bool holds(const Box& other) const
 	{
 		return m_box == nullptr || (other.meets(m_grown, 0) && other.squaredTo(*m_box) <= m_straight * m_straight);
@@ -29,6 +34,7 @@ public:
 private:
 	const Box* m_box = nullptr;
 	double m_straight = 0;
+	bool m_mayBeInside = false;
 	Box m_grown{};
 };
 
@@ -56,7 +62,7 @@ struct MovedNode
 {
 	std::uint32_t node = kNone, level = 0;
 	double displaced = 0;  // the farthest that one of its points goes in the step, as predicted; of B's
-	Box box;  // of A's, of what is listed
+	Box box;  // of A's, of what is listed, or of all of the node if the other may be inside it
 	std::vector<MovedCorner> corners;
 	std::vector<MovedEdge> edges;
 	std::vector<MovedPolygon> polygons;
