@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "clod/bullet/SolverTerms.h"
 
+#include <BulletCollision/CollisionShapes/btCollisionShape.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <algorithm>
@@ -17,7 +18,9 @@ namespace
 constexpr double kDepthStep = 1.0 / 240;  // s: a step in which kTakenBackShare of a depth is taken back; as much a second
 										  // in longer ones,
 constexpr double kMostDepthShare = 0.6;   // but no more than this
-constexpr double kUnyielding = 20;        // skins: a body that merely lies on a kinematic one is less deep in it
+// In skins: a body that merely lies on a kinematic one is less deep in it than the first, and yields wholly when it is
+// deeper by the second.
+constexpr double kUnyielding = 20, kYielding = 200;
 
 // The restitution to give Bullet so that bodies part with e times the speed at which they touch, wherever in the step
 // that is. speed: at which they close now; pull: by how much forces raise it a second; distance: what is left to go.
@@ -47,16 +50,20 @@ void setRestitution(const WorldFrame& frame, double row, btManifoldPoint& point)
 		btScalar(isMet ? restitutionOf(e, now, (then - now) / frame.timeStep, row, frame.timeStep) : 0);
 }
 
-// A kinematic body goes on whatever it meets. Where a floor leaves a body no room, the floor and the kinematic body ask
-// for speeds that exclude each other, and the last that the solver looks at would win. So a point that is deep in a
-// kinematic body is softened by the other body's inverse mass: its impulse is at most what stops that body.
+// A kinematic body goes on whatever it meets. Where a floor leaves a body no room, the two push it against each other,
+// and the one that the solver looks at last would win. So what is deep in a kinematic body yields to it: points are
+// softened, at most by the body's inverse mass; their impulse is then at most what stops the body. A plane is a floor
+// itself.
 void setYielding(const WorldFrame& frame, double depth, btManifoldPoint& point)
 {
-	if (!(depth > kUnyielding * frame.restingGap)) return;
+	const double share = std::min(1.0, depth / (kYielding * frame.restingGap) - kUnyielding / kYielding);
+	if (!(share > 0)) return;
 	const auto *a = btRigidBody::upcast(frame.a->getCollisionObject()), *b = btRigidBody::upcast(frame.b->getCollisionObject());
 	if (!a || !b || a->isKinematicObject() == b->isKinematicObject()) return;
+	const btRigidBody& kinematic = a->isKinematicObject() ? *a : *b;
+	if (kinematic.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE) return;
 	point.m_contactPointFlags |= BT_CONTACT_FLAG_HAS_CONTACT_CFM;
-	point.m_contactCFM = btScalar(double(a->getInvMass() + b->getInvMass()) * frame.timeStep);
+	point.m_contactCFM = btScalar(share * double(a->getInvMass() + b->getInvMass()) * frame.timeStep);
 }
 
 void setErp(double erp, btManifoldPoint& point)
