@@ -11,6 +11,7 @@
 #include "clod/bullet/ConfigureWorld.h"
 #include "tests/bullet/BulletWorld.h"
 #include "tests/bullet/PatchHierarchy.h"
+#include "tests/query/Bodies.h"
 
 namespace clod::test
 {
@@ -288,6 +289,37 @@ TEST_P(AtRate, WhatReachesThroughIsMovedOut)
 		EXPECT_LT(overlapOf(world, cube, plate), 0.1 * before) << i;
 		EXPECT_LT(fastest, world.context.pushSpeed) << i;
 	}
+}
+
+// Thin walls all through each other: what is inside a wall is near its surface, but the bodies have a long way to go.
+TEST(HollowBodies, MadeInEachOtherPartWithinASecond)
+{
+	Random random(3);
+	const std::array<const char*, 4> names = {"cup-3000", "ring", "torus-900", "number8-600"};
+	int made = 0, late = 0;
+	for (int i = 0; i < 28; ++i)
+	{
+		SceneWorld world(60, 0);
+		const auto put = [&](const Vec3& place) -> btRigidBody&
+		{
+			const Body& model = body(names[std::size_t(random() % names.size())]);
+			btClodShape& shape = world.addShape(model.hierarchy);
+			const btScalar scale = btScalar(0.5 / double(model.hierarchy->asset().radius));
+			shape.setLocalScaling(btVector3(scale, scale, scale));
+			const Vec3 axis = randomDirection(random);
+			const btQuaternion turn(btVector3(btScalar(axis.x), btScalar(axis.y), btScalar(axis.z)), btScalar(uniform(random, 0, kPi)));
+			return world.addBody(shape, 1, place, turn);
+		};
+		btRigidBody& first = put({});
+		btRigidBody& second = put(randomVector(random, 0, 0.4));
+		const double before = overlapOf(world, first, second);
+		if (before < 0.01) continue;
+		++made;
+		world.step(60);
+		if (overlapOf(world, first, second) > 0.005) ++late;
+	}
+	EXPECT_GT(made, 20);
+	EXPECT_LE(late, 4);  // what is held from all sides stays
 }
 
 // Past the wall's upper edge on the side that it comes from, 2 mm off it, level or climbing, and turning.

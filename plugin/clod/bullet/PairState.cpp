@@ -187,13 +187,16 @@ PairPose PairState::begin(const btCollisionObjectWrapper& body0, const btCollisi
 	return pose;
 }
 
-// Judged by the load on the points: it is that of the body alone, as forces accelerate it.
+// Judged by the load on the points: it is that of the body alone, as forces accelerate it along the load. On a slope
+// friction bears the rest.
 bool PairState::liesAlone(const PairPose& pose) const
 {
 	const PairBody &a = pose.rules.a, &b = pose.rules.b;
 	if (m_clusters.isEmpty() || (a.inverseMass > 0) == (b.inverseMass > 0)) return false;
-	const double weight = a.inverseMass > 0 ? length(a.force) / a.inverseMass : length(b.force) / b.inverseMass;
-	const double load = length(m_manifolds.impulse()) / pose.scale();
+	const PairBody& body = a.inverseMass > 0 ? a : b;
+	const Vec3 impulse = transposed(pose.worldFromA.rotation) * m_manifolds.impulse();
+	const double weight = std::abs(dot(body.force, normalized(impulse))) / body.inverseMass;
+	const double load = length(impulse) / pose.scale();
 	const double most = m_answered && m_answered->rules.liesAlone ? kStaysAlone : kAlone;  // not to and fro
 	return weight > 0 && std::abs(load - weight) <= most * weight;
 }

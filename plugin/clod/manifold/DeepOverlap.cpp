@@ -12,7 +12,6 @@ namespace
 {
 constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr double kLeastDepth = 1e-3;  // of the length: shallower overlaps are left to the facets
-constexpr double kOpposing = 0.3;     // cosine: a way out that is farther off the pair's direction is not taken
 constexpr double kLeastShare = 1e-3;  // of an edge: the shortest part that is looked for inside
 constexpr double kNotConvex = 0.03;   // of a body's volume: a hull with that much more is not the body
 constexpr std::size_t kMostHullCorners = 64;
@@ -187,7 +186,7 @@ Vec3 DeepOverlap::find(const FacetQuestion& q, const std::vector<Contact>& conta
 					 : isWhole      ? normalized(std::min_element(m_inside.begin(), m_inside.end(), isShallower)->way)
 									: wayOut(q, isCrossing, areHulls);
 	if (way == Vec3{}) return {};
-	const auto add = [&](const Inside& inside, const Vec3& normal)
+	const auto add = [&](const Inside& inside, const Vec3& normal, double depth)
 	{
 		Facet facet{};
 		facet.kind = Facet::Kind::kDeep;
@@ -199,21 +198,14 @@ Vec3 DeepOverlap::find(const FacetQuestion& q, const std::vector<Contact>& conta
 		facet.featureA = inside.ofA ? inside.feature : inside.nodeA;
 		facet.featureB = inside.ofA ? inside.nodeB : inside.feature;
 		facet.normal = normal;
-		facet.distance = facet.then = -length(inside.way);
+		facet.distance = facet.then = -depth;
 		facet.span(inside.point, inside.ofA);
 		facets.push_back(facet);
 	};
-	// The hulls of convex bodies tell how far it is out, even where little of either body is inside.
-	if (areHulls)
-	{
-		const double depth = hullDepth(q.a.surfaceOf(m_inside[0].nodeA), q.b.surfaceOf(m_inside[0].nodeB), q.aFromB, way);
-		for (Inside& inside : m_inside) inside.way = depth * way;
-	}
-	const std::size_t before = facets.size();
-	for (const Inside& inside : m_inside)
-		if (dot(inside.way, way) >= kOpposing * length(inside.way)) add(inside, normalized(inside.way));
-	if (facets.size() > before) return way;
-	add(*std::max_element(m_inside.begin(), m_inside.end(), isShallower), way);
+	// A place may be near a surface on its way through thin walls. The hulls tell how far it is out of them all, and the
+	// bodies part at the full speed until nothing is inside.
+	const double depth = hullDepth(q.a.surfaceOf(m_inside[0].nodeA), q.b.surfaceOf(m_inside[0].nodeB), q.aFromB, way);
+	for (const Inside& inside : m_inside) add(inside, way, depth);
 	return way;
 }
 }  // namespace clod
