@@ -182,8 +182,8 @@ TEST(Still, WhatIsTooSteepSlides)
 		}
 }
 
-// Bullet leaves the friction of points whose load goes within a solve as it is, so many hold more than mu N. On a slope, too,
-// what lies alone has few.
+// Bullet leaves the friction of points whose load goes within a solve as it is, so many hold more than mu N. On a slope,
+// too, what lies alone has few.
 TEST(Still, WhatHasManyCornersSlidesAsSoon)
 {
 	for (const double rate : {60.0, 240.0})

@@ -4,8 +4,8 @@
 //
 // The pair gets one direction out, which is kept from step to step. At first it is the mean way out of the corners
 // inside; for convex bodies, and where no corner is inside, the shortest way out of the two hulls (the nearest face of
-// the hull of their differences a - b: some 300 support values). Each place inside whose own way out does not oppose
-// that direction becomes a contact. A body that is wholly inside, far from any surface, is looked at as a whole.
+// the hull of their differences a - b: some 300 support values). Each place inside becomes a contact that goes that way,
+// as far as it is out of both hulls. A body that is wholly inside, far from any surface, is looked at as a whole.
 #pragma once
 #include <vector>
 
