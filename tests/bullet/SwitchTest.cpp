@@ -180,4 +180,30 @@ TEST(LevelSwitch, AnOverlapIsLeftAsSlowlyByPointsThatAreKept)
 	ASSERT_EQ(found.size(), 12u);
 	for (std::size_t i = 0; i < found.size(); ++i) EXPECT_NEAR(kept[i], found[i], 3e-6) << i;
 }
+
+// On a coarse level the underside of a flat body is uneven. Nothing that is met within the error of the level is met
+// before the rest.
+TEST(Bounce, FlatBodiesDoNotTurnOnCoarseLevels)
+{
+	for (const char* name : {"cup-3000", "number8-600"})
+		for (int i = 0; i < 40; ++i)
+		{
+			BulletWorld scene;
+			configureWorld(scene.world);
+			scene.context.worldMetric = ContactMetric::deviationShare(0.1);
+			auto& plane = scene.add(std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), btScalar(0)));
+			btRigidBody& ground = scene.addBody(plane, 0, {});
+			ground.setRestitution(1);
+			ground.setFriction(0);
+			btClodShape& shape = scene.addShape(body(name).hierarchy);
+			const btScalar scale = btScalar(0.7 / double(shape.hierarchy().asset().radius));
+			shape.setLocalScaling(btVector3(scale, scale, scale));
+			const btQuaternion flat(btVector3(1, 0, 0), btScalar(name[0] == 'n' ? 1.57079632679 : 0));
+			btRigidBody& moving = scene.addBody(shape, 1, {0, 1 + 0.0137 * i, 0}, flat);
+			moving.setRestitution(1);
+			moving.setDamping(0, 0);
+			for (int k = 0; k < 240 && !(moving.getLinearVelocity().y() > 0); ++k) scene.step();
+			EXPECT_LT(double(moving.getAngularVelocity().length()), 0.1) << name << " " << i;
+		}
+}
 }  // namespace clod::test

@@ -10,6 +10,7 @@
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 
 #include <array>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -32,6 +33,8 @@ struct WorldFrame
 	double switchSpeed = 0;         // and one that came with a change of level
 	double restingGap = 0;          // world length: where points carry, gaps up to it close slowly, by
 	double closedShare = 1;         // this of them a step (SolverTerms.h)
+	double firstMet = std::numeric_limits<double>::infinity();  // world length: of all points the lowest row (PairSolve.h),
+	double alike = 0;  // and by how much a coarse surface may set others above it that are met as soon
 };
 
 class ManifoldSet

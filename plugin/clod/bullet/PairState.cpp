@@ -4,6 +4,7 @@
 
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
 
+#include <algorithm>
 #include <limits>
 #include <tuple>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "clod/bullet/BodyState.h"
 #include "clod/bullet/TimeOfImpact.h"
 #include "clod/collide/MotionBound.h"
+#include "clod/manifold/PairSolve.h"
 
 namespace clod
 {
@@ -461,6 +463,10 @@ void PairState::write(const PairPose& pose, const WorldFrame& frame, btManifoldR
 		levelA = pose.hierarchyA().node(point.nodeA).level;
 		levelB = pose.partner == Partner::kClod ? pose.hierarchyB().node(point.nodeB).level : point.nodeB;
 	};
-	m_manifolds.write(m_clusters, frame, levelOf, out);
+	WorldFrame whole = frame;
+	whole.alike = frame.scale * m_report.contactError;
+	for (const HeldPoint& held : m_clusters.points())
+		whole.firstMet = std::min(whole.firstMet, frame.scale * velocityRow(held.point.height, held.point.bend));
+	m_manifolds.write(m_clusters, whole, levelOf, out);
 }
 }  // namespace clod

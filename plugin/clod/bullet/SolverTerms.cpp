@@ -45,7 +45,9 @@ void setRestitution(const WorldFrame& frame, double row, btManifoldPoint& point)
 	{ return -dot(normal, worldMotion(*first, dt).velocity(onA) - worldMotion(*second, dt).velocity(onB)); };
 	const double now = closing(0), then = closing(frame.timeStep);
 	const double e = double(point.m_combinedRestitution);
-	const bool isMet = then * frame.timeStep >= row;
+	// On a coarse surface points may be at different heights that are at one on the surface it stands for. They are met
+	// together, as else the first of them would turn the body.
+	const bool isMet = then * frame.timeStep >= (row <= frame.firstMet + frame.alike ? frame.firstMet : row);
 	point.m_combinedRestitution =
 		btScalar(isMet ? restitutionOf(e, now, (then - now) / frame.timeStep, row, frame.timeStep) : 0);
 }
