@@ -304,6 +304,8 @@ void ContactSurface::forEachCrossed(const Vec3& from, const Vec3& to, double bes
 	}
 }
 
+// The coarsest level whose surface is nowhere farther than that from the input's; level 0 if there is none.
+const Level& coarsestWithin(const Hierarchy& hierarchy, double error);
 // Of the hulls of successive nodes.
 std::vector<Vec3> cornersOf(const Hierarchy& hierarchy, std::uint32_t firstNode, std::uint32_t count);
 
