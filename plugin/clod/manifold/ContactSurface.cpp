@@ -419,6 +419,13 @@ bool ContactSurface::isInside(const Vec3& point) const
 	return nearest(point, std::numeric_limits<double>::infinity()).distance < 0;
 }
 
+const Level& coarsestWithin(const Hierarchy& hierarchy, double error)
+{
+	std::uint32_t level = 0;
+	while (level < hierarchy.coarsestClodLevel() && double(hierarchy.levels()[level + 1].maxSurf) <= error) ++level;
+	return hierarchy.levels()[level];
+}
+
 std::vector<Vec3> cornersOf(const Hierarchy& hierarchy, std::uint32_t firstNode, std::uint32_t count)
 {
 	std::vector<Vec3> corners;

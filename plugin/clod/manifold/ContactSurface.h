@@ -154,15 +154,6 @@ public:
 	}
 	// Squared distance of a point's foot on a polygon's plane from the polygon.
 	double squaredBeside(std::uint32_t polygon, const Vec3& point) const;
-	// Infinity where it is more than `most`.
-	double squaredBesideWithin(std::uint32_t polygon, const Vec3& point, double most) const
-	{
-		const Disc& disc = m_polygonDiscs[polygon];
-		const double farthest = most + disc.radius;
-		if (!(lengthSquared(footOn(polygon, point) - disc.center) > farthest * farthest))
-			if (const double squared = squaredBeside(polygon, point); squared <= most * most) return squared;
-		return std::numeric_limits<double>::infinity();
-	}
 	// Within so much?
 	bool isOver(std::uint32_t polygon, const Vec3& point, double slack) const
 	{
@@ -313,6 +304,8 @@ void ContactSurface::forEachCrossed(const Vec3& from, const Vec3& to, double bes
 	}
 }
 
+// The coarsest level whose surface is nowhere farther than that from the input's; level 0 if there is none.
+const Level& coarsestWithin(const Hierarchy& hierarchy, double error);
 // Of the hulls of successive nodes.
 std::vector<Vec3> cornersOf(const Hierarchy& hierarchy, std::uint32_t firstNode, std::uint32_t count);
 

@@ -14,24 +14,25 @@ constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr double kLeastDepth = 1e-3;  // of the length: shallower overlaps are left to the facets
 constexpr double kLeastShare = 1e-3;  // of an edge: the shortest part that is looked for inside
 constexpr double kNotConvex = 0.03;   // of a body's volume: a hull with that much more is not the body
+constexpr double kNotConvexError = 2e-3;  // of the radius, of the surface that is looked at: 0.6 % of a ball's volume
 constexpr std::size_t kMostHullCorners = 64;
 constexpr double kDifferencesError = 1e-4;  // of the length, of the hull of differences,
 constexpr std::size_t kMostDifferences = 128;  // which has so many corners at most
 constexpr std::size_t kMostProbed = 64;
 constexpr std::size_t kMostVertices = 256;
 
-// Is a body convex, or nearly so? Its volume is compared with that of two hulls: of the input surface, as far as so
-// many corners tell; and of the root node, whose few corners are all there, but which may lie within the body (a
-// landscape's root is a box).
+// Is a body convex, or nearly so? One patch is. Else its volume is compared with that of two hulls: of its surface, as
+// far as so many corners tell; and of the root node, whose few corners are all there, but which may lie within the body
+// (a landscape's root is a box).
 struct Bulk
 {
 	bool isConvex;
 	explicit Bulk(const Hierarchy& hierarchy)
 	{
 		const double most = (1 + kNotConvex) * hierarchy.asset().volume;
-		const Level& input = hierarchy.levels()[0];
-		isConvex = hullVolume(hierarchy, hierarchy.root(), 1) <= most &&
-				   hullVolume(hierarchy, input.firstNode, input.nodeCount) <= most;
+		const Level& level = coarsestWithin(hierarchy, kNotConvexError * double(hierarchy.asset().radius));
+		isConvex = level.nodeCount == 1 || (hullVolume(hierarchy, hierarchy.root(), 1) <= most &&
+											hullVolume(hierarchy, level.firstNode, level.nodeCount) <= most);
 	}
 
 private:

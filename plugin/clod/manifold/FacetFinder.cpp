@@ -156,18 +156,18 @@ void FacetFinder::findPair(const Contact& contact)
 	verticesOverFaces();
 	edgesOverEdges(mayOverlap);
 	if (m_middleA.height > 0)
-		for (const std::uint32_t polygon : m_polygonsB) middleOverFace(m_middleA, polygon, true);
+		for (const MovedPolygon* polygon : m_polygonsB) middleOverFace(m_middleA, polygon->index, true);
 	if (m_middleB.height > 0)
-		for (const std::uint32_t polygon : m_polygonsA) middleOverFace(m_middleB, polygon, false);
+		for (const MovedPolygon* polygon : m_polygonsA) middleOverFace(m_middleB, polygon->index, false);
 	if (q.isRound()) findRound();
 }
 
 void FacetFinder::verticesOverFaces()
 {
 	for (const MovedCorner* corner : m_cornersA)
-		for (const std::uint32_t polygon : m_polygonsB) vertexOverFace(*corner, polygon, true);
+		for (const MovedPolygon* polygon : m_polygonsB) vertexOverFace(*corner, *polygon, true);
 	for (const MovedCorner* corner : m_cornersB)
-		for (const std::uint32_t polygon : m_polygonsA) vertexOverFace(*corner, polygon, false);
+		for (const MovedPolygon* polygon : m_polygonsA) vertexOverFace(*corner, *polygon, false);
 }
 
 // Where the hulls overlap, edges may have sunk past each other by any depth: no box leaves them out.
@@ -183,7 +183,7 @@ void FacetFinder::edgesOverEdges(bool mayOverlap)
 void FacetFinder::gather(MovedNode& nodeA, MovedNode& nodeB)
 {
 	const auto gatherOf = [this](MovedNode& node, const Box& other, std::vector<const MovedCorner*>& corners,
-								 std::vector<const MovedEdge*>& edges, std::vector<std::uint32_t>& polygons)
+								 std::vector<const MovedEdge*>& edges, std::vector<const MovedPolygon*>& polygons)
 	{
 		const double reach = m_pair.reach;
 		corners.clear();
@@ -198,7 +198,7 @@ void FacetFinder::gather(MovedNode& nodeA, MovedNode& nodeB)
 		for (const MovedEdge& edge : node.edges)
 			if (edge.box.meets(other, reach)) edges.push_back(&edge);
 		for (const MovedPolygon& polygon : node.polygons)
-			if (polygon.box.meets(other, reach)) polygons.push_back(polygon.index);
+			if (polygon.box.meets(other, reach)) polygons.push_back(&polygon);
 	};
 	gatherOf(nodeA, nodeB.box, m_cornersA, m_edgesA, m_polygonsA);
 	gatherOf(nodeB, nodeA.box, m_cornersB, m_edgesB, m_polygonsB);
@@ -428,22 +428,21 @@ double FacetFinder::mostBeside(const MovedCorner& vertex, double now) const
 }
 
 // Works in the frame of the face's body.
-void FacetFinder::vertexOverFace(const MovedCorner& vertex, std::uint32_t polygon, bool vertexIsOfA)
+void FacetFinder::vertexOverFace(const MovedCorner& vertex, const MovedPolygon& moved, bool vertexIsOfA)
 {
+	const std::uint32_t polygon = moved.index;
 	const ContactSurface& faces = vertexIsOfA ? *m_pair.b : *m_pair.a;
 	const ContactSurface& vertices = vertexIsOfA ? *m_pair.a : *m_pair.b;
 	const SurfaceFace& face = faces.planeOf(polygon);
 	const double now = dot(face.normal, vertex.now) - face.offset, then = dot(face.normal, vertex.then) - face.offset;
 	if (!isInReach(now, then)) return;
-	const Vec3 normal = vertexIsOfA ? m_question->aFromB.rotation * face.normal : -face.normal;
-	const Vec3 up = vertexIsOfA ? normal : m_bFromA.rotation * face.normal;
-	const double squaredBeside = faces.squaredBesideWithin(polygon, vertex.now, mostBeside(vertex, now));
-	if (squaredBeside == kFar || !mayEnter(vertices, vertex, up, face, vertexIsOfA)) return;
+	const Vec3& up = moved.up;
+	if (!faces.isOver(polygon, vertex.now, mostBeside(vertex, now)) || !mayEnter(vertices, vertex, up, face, vertexIsOfA)) return;
 	// A vertex that has sunk in stays a contact although another is lower: turning may make it the lowest within the
 	// step.
 	const bool mayTouch = now < -kInnerShare * m_question->length() ||
 						  (now <= m_question->touching() && isLowest(vertices.fan(vertex.index), up, kArcSlack));
-	const Features features{now, then, normal, face.normal, vertex.now, vertex.then, vertex.unforced};
+	const Features features{now, then, vertexIsOfA ? up : -face.normal, face.normal, vertex.now, vertex.then, vertex.unforced};
 	Facet facet;
 	facet.kind = vertexIsOfA ? Facet::Kind::kVertexFace : Facet::Kind::kFaceVertex;
 	facet.featureA = vertexIsOfA ? vertex.index : polygon;
@@ -458,10 +457,12 @@ void FacetFinder::edgeOverEdge(const MovedEdge& still, const MovedEdge& moved)
 	const SurfaceEdge &edge = a.edges()[still.index], &other = b.edges()[moved.index];
 	Vec3 normal = cross(edge.direction, moved.direction);
 	if (dot(normal, edge.inward[0] + edge.inward[1] - moved.inward[0] - moved.inward[1]) < 0) normal = -normal;
-	const double arc = std::min(std::min(dot(normal, edge.inward[0]), dot(normal, edge.inward[1])),
-								std::min(-dot(normal, moved.inward[0]), -dot(normal, moved.inward[1])));
 	const double sineSquared = lengthSquared(normal), mostBeside = kArcSlack + m_turn;
-	if (arc < 0 && arc * arc > mostBeside * mostBeside * sineSquared) return;
+	const auto isBeside = [&](double arc) { return arc < 0 && arc * arc > mostBeside * mostBeside * sineSquared; };
+	const double arcOfA = std::min(dot(normal, edge.inward[0]), dot(normal, edge.inward[1]));
+	if (isBeside(arcOfA)) return;
+	const double arc = std::min(arcOfA, std::min(-dot(normal, moved.inward[0]), -dot(normal, moved.inward[1])));
+	if (isBeside(arc)) return;
 	if (sineSquared < kParallelSine * kParallelSine) return;
 	const double sine = std::sqrt(sineSquared);
 	normal = (1 / sine) * normal;

@@ -52,7 +52,7 @@ private:
 	double endOf(double now, double then) const;
 	bool isInReach(double now, double then) const;
 	double mostBeside(const MovedCorner& vertex, double now) const;
-	void vertexOverFace(const MovedCorner& vertex, std::uint32_t polygon, bool vertexIsOfA);
+	void vertexOverFace(const MovedCorner& vertex, const MovedPolygon& moved, bool vertexIsOfA);
 	void edgeOverEdge(const MovedEdge& still, const MovedEdge& moved);
 	// RoundFacets.cpp, frame A.
 	struct Approach
@@ -103,7 +103,7 @@ private:
 	// The features of the pair's nodes that come near the other node.
 	std::vector<const MovedCorner*> m_cornersA, m_cornersB;
 	std::vector<const MovedEdge*> m_edgesA, m_edgesB;
-	std::vector<std::uint32_t> m_polygonsA, m_polygonsB;
+	std::vector<const MovedPolygon*> m_polygonsA, m_polygonsB;
 	std::vector<std::uint32_t> m_table;  // open hash table of facets by their features; its size is a power of two
 };
 }  // namespace clod

@@ -21,10 +21,7 @@ struct InnerHull
 	double error;
 	explicit InnerHull(const Hierarchy& hierarchy)
 	{
-		std::uint32_t coarsest = 0;
-		const double most = kInnerError * double(hierarchy.asset().radius);
-		while (coarsest < hierarchy.coarsestClodLevel() && double(hierarchy.levels()[coarsest + 1].maxSurf) <= most) ++coarsest;
-		const Level& level = hierarchy.levels()[coarsest];
+		const Level& level = coarsestWithin(hierarchy, kInnerError * double(hierarchy.asset().radius));
 		error = double(level.maxSurf);
 		inner = convexPolyhedron(cornersOf(hierarchy, level.firstNode, level.nodeCount), kInnerVertices);
 	}

@@ -47,8 +47,13 @@ void MovedNodes::place(const ContactSurface& surface, MovedCorner& corner) const
 	corner.isPlaced = true;
 }
 
+Vec3 MovedNodes::upOf(const ContactSurface& surface, std::uint32_t polygon) const
+{
+	return m_otherFromThis.rotation * surface.planeOf(polygon).normal;
+}
+
 // A stands still in its own frame.
-void MovedNodes::listStill(MovedNode& moved, const ContactSurface& surface, const Near& near)
+void MovedNodes::listStill(MovedNode& moved, const ContactSurface& surface, const Near& near) const
 {
 	moved.displaced = 0;
 	moved.box = Box::none();
@@ -74,7 +79,7 @@ void MovedNodes::listStill(MovedNode& moved, const ContactSurface& surface, cons
 		const Span<std::uint16_t> corners = surface.cornersOf(polygon);
 		Box box{placeOf(corners[0]), placeOf(corners[0])};
 		for (const std::uint16_t corner : corners) box.add(placeOf(corner));
-		if (isListed(box)) moved.polygons.push_back({box, polygon.polygon});
+		if (isListed(box)) moved.polygons.push_back({box, polygon.polygon, upOf(surface, polygon.polygon)});
 	}
 	for (const std::uint32_t index : surface.edgesOf(moved.node))
 	{
@@ -108,7 +113,7 @@ void MovedNodes::move(MovedNode& moved, const ContactSurface& surface)
 		const Span<std::uint16_t> corners = surface.cornersOf(polygon);
 		Box box = m_boxes[corners[0]];
 		for (const std::uint16_t corner : corners) box.add(m_boxes[corner]);
-		moved.polygons.push_back({box, polygon.polygon});
+		moved.polygons.push_back({box, polygon.polygon, upOf(surface, polygon.polygon)});
 	}
 	for (const std::uint32_t index : surface.edgesOf(moved.node))
 	{

@@ -57,6 +57,7 @@ struct MovedPolygon
 {
 	Box box;  // of what the node has of it
 	std::uint32_t index;
+	Vec3 up;  // its normal, in the other body's frame
 };
 struct MovedNode
 {
@@ -82,7 +83,8 @@ public:
 	void place(const ContactSurface& surface, MovedCorner& corner) const;
 
 private:
-	static void listStill(MovedNode& moved, const ContactSurface& surface, const Near& near);
+	Vec3 upOf(const ContactSurface& surface, std::uint32_t polygon) const;
+	void listStill(MovedNode& moved, const ContactSurface& surface, const Near& near) const;
 	void move(MovedNode& moved, const ContactSurface& surface);
 
 	const FacetQuestion* m_question = nullptr;
