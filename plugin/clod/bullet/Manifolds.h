@@ -32,6 +32,7 @@ struct WorldFrame
 	double switchSpeed = 0;         // and one that came with a change of level
 	double restingGap = 0;          // world length: where points carry, gaps up to it close slowly, by
 	double closedShare = 1;         // this of them a step (SolverTerms.h)
+	bool rocks = false;             // one lies alone on the other (PointRules), but not still
 };
 
 class ManifoldSet
@@ -138,6 +139,7 @@ private:
 	void writePoint(const HeldPoint& held, const WorldFrame& frame, btManifoldResult& out);
 	void closeSlot(std::size_t index, btManifoldResult& out);
 	void endWrite(const HeldClusters& clusters, const WorldFrame& frame, const btManifoldResult& out);
+	void balance(const WorldFrame& frame);
 
 	btDispatcher& m_dispatcher;
 	btPersistentManifold* m_shared;
