@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // What a pair's contacts alone would make of the coming step: which of many facets carry (a multiplier each), and where
 // the bodies end, which is where the second order of each facet is taken. A few Gauss-Seidel sweeps, Coulomb's friction
-// in the direction of sliding.
+// in the direction of sliding; of a body that lies alone on another the exact balance besides (BodyBalance.h).
 #pragma once
 #include <vector>
 
