@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "clod/bullet/Manifolds.h"
 
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
 #include <algorithm>
 #include <typeinfo>
 #include <utility>
@@ -8,6 +10,7 @@
 #include "clod/bullet/BodyState.h"
 #include "clod/bullet/SolverTerms.h"
 #include "clod/collide/Room.h"
+#include "clod/manifold/BodyBalance.h"
 #include "clod/query/Query.h"
 
 namespace clod
@@ -55,6 +58,7 @@ struct Scratch
 	std::array<btManifoldPoint, std::size_t(kMaxClusters) * kClusterPoints> old;      // points of the last write,
 	std::array<btManifoldPoint*, std::size_t(kMaxClusters) * kClusterPoints> live{};  // where they are still there
 	std::array<btManifoldPoint, kClusterPoints> fresh;                            // of the slot being written
+	BodyBalance balance;
 };
 Scratch& scratch()
 {
@@ -399,6 +403,7 @@ void ManifoldSet::setDistances(btPersistentManifold& manifold, const Slot& slot)
 void ManifoldSet::endWrite(const HeldClusters& clusters, const WorldFrame& frame, const btManifoldResult& out)
 {
 	m_ground.reset();
+	if (frame.rocks) balance(frame);
 	if (!mayKeep(frame, out)) return;
 	for (std::size_t i = 0; i < m_slots.size(); ++i)
 		if (std::uint32_t(m_slots[i].count) != clusters.count(i)) return;
@@ -413,5 +418,39 @@ void ManifoldSet::endWrite(const HeldClusters& clusters, const WorldFrame& frame
 					  frame.worldFromA,
 					  frame.scale,
 					  frame.breakingThreshold};
+}
+
+// What Bullet's iterations would end at, if there were enough of them, as the impulses that they start from: the share
+// that Bullet takes of them is closedShare's counterpart.
+void ManifoldSet::balance(const WorldFrame& frame)
+{
+	const btCollisionObject &objectA = *frame.a->getCollisionObject(), &objectB = *frame.b->getCollisionObject();
+	const bool aMoves = !objectA.isStaticOrKinematicObject();
+	const btRigidBody* body = btRigidBody::upcast(aMoves ? &objectA : &objectB);
+	if (m_shared || !body || !(frame.timeStep > 0 && frame.closedShare < 1)) return;
+	const RelativeMotion other = worldMotion(aMoves ? objectB : objectA, frame.timeStep);
+	PairBody moving = pairBody(*body, Transform(), 1, worldMotion(*body, frame.timeStep), {});
+	if ((body->getFlags() & BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY) != 0)
+		moving.angular += toVec3(body->computeGyroscopicImpulseImplicit_Body(btScalar(frame.timeStep)));
+	BodyBalance& balance = scratch().balance;
+	balance.start(moving);
+	const auto forEachPoint = [&](const auto& each)
+	{
+		for (std::size_t i = 0; i < m_slots.size(); ++i)
+			for (int k = 0; k < std::min(m_slots[i].count, m_manifolds[i]->getNumContacts()); ++k)
+				each(m_manifolds[i]->getContactPoint(k), m_manifolds[i]->getBody0() == body);
+	};
+	forEachPoint(
+		[&](const btManifoldPoint& point, bool isFirst)
+		{
+			const Vec3 normal = toVec3(point.m_normalWorldOnB),
+					   place = toVec3(isFirst ? point.m_positionWorldOnA : point.m_positionWorldOnB);
+			balance.add({place, isFirst ? normal : -normal, other.velocity(place), speedOf(point, frame.timeStep),
+						 double(point.m_combinedFriction), double(point.m_appliedImpulse)});
+		});
+	if (!balance.solve()) return;
+	std::size_t at = 0;
+	forEachPoint([&](btManifoldPoint& point, bool)
+				 { point.m_appliedImpulse = btScalar(balance.contact(at++).impulse / (1 - frame.closedShare)); });
 }
 }  // namespace clod

@@ -35,6 +35,7 @@ struct WorldFrame
 	double closedShare = 1;         // this of them a step (SolverTerms.h)
 	double firstMet = std::numeric_limits<double>::infinity();  // world length: of all points the lowest row (PairSolve.h),
 	double alike = 0;  // and by how much a coarse surface may set others above it that are met as soon
+	bool rocks = false;             // one lies alone on the other (PointRules), but not still
 };
 
 class ManifoldSet
@@ -141,6 +142,7 @@ private:
 	void writePoint(const HeldPoint& held, const WorldFrame& frame, btManifoldResult& out);
 	void closeSlot(std::size_t index, btManifoldResult& out);
 	void endWrite(const HeldClusters& clusters, const WorldFrame& frame, const btManifoldResult& out);
+	void balance(const WorldFrame& frame);
 
 	btDispatcher& m_dispatcher;
 	btPersistentManifold* m_shared;

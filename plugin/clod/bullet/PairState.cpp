@@ -40,23 +40,6 @@ bool sameRules(const PointRules& l, const PointRules& r)
 	};
 	return fields(l) == fields(r);
 }
-
-WorldFrame worldFrame(const PairPose& pose, const Context& context, bool aIsFirst, double closestPoints)
-{
-	WorldFrame frame;
-	frame.a = pose.a;
-	frame.b = pose.b;
-	frame.aIsFirst = aIsFirst;
-	frame.worldFromA = pose.worldFromA;
-	frame.scale = pose.scale();
-	frame.timeStep = pose.rules.timeStep;
-	frame.pushSpeed = context.pushSpeed * pose.rules.length * frame.scale;
-	frame.switchSpeed = switchSpeed(pose.rules) * frame.scale;
-	frame.restingGap = kSkinShare * pose.rules.length * frame.scale;
-	frame.closedShare = std::min(1.0, std::max(0.0, context.closedShare));
-	frame.breakingThreshold = kBreakingShare * pose.rules.length * frame.scale + closestPoints;
-	return frame;
-}
 }  // namespace
 
 PairState::PairState(Context& context, btDispatcher& dispatcher, btPersistentManifold* shared, bool isClosestPoints)
@@ -394,7 +377,7 @@ bool PairState::process(const btCollisionObjectWrapper& body0, const btCollision
 		m_manifolds.write(m_clusters, {}, [](const ContactPoint&, std::uint32_t&, std::uint32_t&) {}, out);
 		return pose.partner != Partner::kOther;
 	}
-	const WorldFrame frame = worldFrame(pose, m_context, now.aIsFirst, closestPoints);
+	const WorldFrame frame = worldFrame(now, closestPoints);
 	if (now.isKept)
 	{
 		m_report.queryMicroseconds = m_report.contactMicroseconds = 0;
@@ -454,6 +437,26 @@ double PairState::surprise() const
 	const auto turnOf = [&](const btCollisionObject* body) { return dt * length(solvedMotion(*body).angular); };
 	const double bent = std::min(1.0, std::max(turnOf(m_report.objectA), turnOf(m_report.objectB))) * otherWay / skin;
 	return otherWay <= nearest + skin ? bent : std::max(bent, 1 + kSeldomMet * (otherWay - nearest) / skin);
+}
+
+WorldFrame PairState::worldFrame(const Prepared& prepared, double closestPoints) const
+{
+	const PairPose& pose = prepared.pose;
+	WorldFrame frame;
+	frame.a = pose.a;
+	frame.b = pose.b;
+	frame.aIsFirst = prepared.aIsFirst;
+	frame.worldFromA = pose.worldFromA;
+	frame.scale = pose.scale();
+	frame.timeStep = pose.rules.timeStep;
+	frame.pushSpeed = m_context.pushSpeed * pose.rules.length * frame.scale;
+	frame.switchSpeed = switchSpeed(pose.rules) * frame.scale;
+	frame.restingGap = kSkinShare * pose.rules.length * frame.scale;
+	frame.closedShare = std::min(1.0, std::max(0.0, m_context.closedShare));
+	frame.breakingThreshold = kBreakingShare * pose.rules.length * frame.scale + closestPoints;
+	const PointRules& rules = prepared.question.rules;
+	frame.rocks = rules.liesAlone && prepared.question.way > kStillShare * rules.length;
+	return frame;
 }
 
 void PairState::write(const PairPose& pose, const WorldFrame& frame, btManifoldResult& out)

@@ -104,6 +104,7 @@ private:
 			(aIsFirst ? pose.b : pose.a) = &body1;
 		}
 	};
+	WorldFrame worldFrame(const Prepared& prepared, double closestPoints) const;
 	static Seen seenA(const PairPose& pose);
 	static Seen seenB(const PairPose& pose);
 	static bool same(const Question& l, const Question& r);

@@ -110,4 +110,11 @@ void setSolverTerms(const ContactPoint& point, const WorldFrame& frame, btManifo
 	else
 		written.m_combinedRestitution = 0;
 }
+
+double speedOf(const btManifoldPoint& point, double timeStep)
+{
+	const double distance = double(point.m_distance1);
+	if (distance < -2 * kTokenOverlap) return 0;  // of positions
+	return -distance / timeStep * (distance > 0 ? 1 : double(point.m_contactERP));
+}
 }  // namespace clod

@@ -28,4 +28,7 @@ inline constexpr double kTokenOverlap = 1e-7;
 // Sets distance, ERP and restitution of a point, after Bullet has combined the materials and the impulse of the last
 // step has been set.
 void setSolverTerms(const ContactPoint& point, const WorldFrame& frame, btManifoldPoint& written);
+
+// The speed of separation that Bullet then requires of velocities there, but for a rebound.
+double speedOf(const btManifoldPoint& point, double timeStep);
 }  // namespace clod

@@ -35,6 +35,13 @@ double bendBound(const PointRules& rules, const Facet& facet)
 											turnB * turnB * length(facet.onB - rules.b.center));
 }
 
+// The least speed at which the bodies have to part at the facet.
+double wantedSpeed(const PointRules& rules, const Facet& facet)
+{
+	const double height = facet.distance - rules.margin + facet.slowOverlap;
+	return -velocityRow(height, facet.curvature()) / rules.timeStep;
+}
+
 // The distance of the same facet at another pose of the bodies.
 double distanceAt(const FacetQuestion& question, const Facet& facet, const Transform& aFromB, const Transform& bFromA)
 {
@@ -144,8 +151,7 @@ void PairSolve::sweep(const FacetQuestion& question, const std::vector<Facet>& f
 		{
 			if (facets[i].reach == Facet::Reach::kPossible) continue;
 			const Row& row = m_rows[i];
-			const double height = facets[i].distance - question.rules.margin + facets[i].slowOverlap;
-			const double wanted = -velocityRow(height, facets[i].curvature()) / question.rules.timeStep;
+			const double wanted = wantedSpeed(question.rules, facets[i]);
 			const double speed = speedOf(row);
 			const double old = m_multipliers[i];
 			m_multipliers[i] = std::max(0.0, old + row.effectiveMass * (wanted - speed));
@@ -159,6 +165,35 @@ void PairSolve::sweep(const FacetQuestion& question, const std::vector<Facet>& f
 				rub(facets[i], question.rules.friction * m_multipliers[i], m_frictions[i]);
 		}
 		if (change * question.rules.timeStep < kSettled * question.length()) break;
+	}
+	if (question.rules.liesAlone) balance(question, facets);
+}
+
+// From what the sweeps have left, exactly: where a body that rolls or rocks ends is told by the balance of contacts that
+// are close together.
+void PairSolve::balance(const FacetQuestion& question, const std::vector<Facet>& facets)
+{
+	const bool isA = m_a.inverseMass > 0;
+	const double sign = isA ? 1 : -1;
+	const PairBody& other = isA ? m_b : m_a;
+	m_balance.start(isA ? question.rules.a : question.rules.b);
+	for (std::size_t i = 0; i < facets.size(); ++i)
+	{
+		const Facet& facet = facets[i];
+		if (facet.reach == Facet::Reach::kPossible) continue;
+		const Vec3& place = isA ? facet.onA : facet.onB;
+		m_balance.add({place, sign * facet.normal, other.linear + cross(other.angular, place - other.center),
+					   wantedSpeed(question.rules, facet), question.rules.friction, m_multipliers[i],
+					   sign * m_frictions[i]});
+	}
+	if (!m_balance.solve()) return;
+	(isA ? m_a : m_b) = m_balance.body();
+	for (std::size_t i = 0, at = 0; i < facets.size(); ++i)
+	{
+		if (facets[i].reach == Facet::Reach::kPossible) continue;
+		const BodyBalance::Contact& found = m_balance.contact(at++);
+		m_multipliers[i] = found.impulse;
+		m_frictions[i] = sign * found.rub;
 	}
 }
 

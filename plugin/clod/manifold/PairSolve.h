@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Zlib
 // What a pair's contacts alone would make of the coming step: which of many facets carry (a multiplier each), and where
 // the bodies end, which is where the second order of each facet is taken. A few Gauss-Seidel sweeps, Coulomb's friction
-// in the direction of sliding.
+// in the direction of sliding; of a body that lies alone on another the exact balance besides (BodyBalance.h).
 #pragma once
 #include <vector>
 
+#include "clod/manifold/BodyBalance.h"
 #include "clod/manifold/FacetFinder.h"
 
 namespace clod
@@ -48,11 +49,13 @@ private:
 	void push(const Facet& facet, const Vec3& impulse);
 	void rub(const Facet& facet, double most, Vec3& friction);
 	void sweep(const FacetQuestion& question, const std::vector<Facet>& facets);
+	void balance(const FacetQuestion& question, const std::vector<Facet>& facets);
 	double moveOn(const FacetQuestion& question, std::vector<Facet>& facets);
 	void removePassed(const FacetQuestion& question, std::vector<Facet>& facets);
 	std::vector<Row> m_rows;
 	std::vector<Vec3> m_frictions;  // of the facets, impulses
 	std::vector<double> m_multipliers;
+	BodyBalance m_balance;
 	PairBody m_a, m_b;  // as solved,
 	Transform m_after;  // and B in A by it at the end of the step
 	double m_timeStep = 0, m_spare = 0;
