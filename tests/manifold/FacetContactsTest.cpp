@@ -328,46 +328,6 @@ TEST(FacetContacts, AHalfSpaceHoldsCornersAtAnyDepth)
 	EXPECT_GT(deep, 0);
 }
 
-// What is near a convex body is listed for some moves: the points are those of features listed anew, to the bit.
-TEST(FacetContacts, FeaturesListedForSomeMovesAreThoseListedAnew)
-{
-	Random random(19);
-	std::size_t found = 0, wanted = 0;
-	for (const char* const convex : {"sphere-300", "box-12"})
-		for (int round = 0; round < 6; ++round)
-		{
-			FacetPair pair(body("torus-900").hierarchy, body(convex).hierarchy, {});
-			const double length = pair.rules.length, far = double(pair.a->asset().radius) + 0.6 * double(pair.b->asset().radius);
-			const Vec3 start = far * randomDirection(random);
-			Vec3 along = randomDirection(random);
-			NearFeatures kept;
-			pair.aFromB = {randomRotation(random), start};
-			for (int step = 0; step < 80; ++step)
-			{
-				if (step % 16 == 0) along = normalized(randomDirection(random) - 0.8 * normalized(pair.aFromB.translation));
-				const Vec3 way = (step % 7 == 0 ? 0.08 : 0.02) * length * along;
-				pair.aFromB.translation += way;
-				pair.rules.b.center = pair.aFromB.translation;
-				pair.move(way);
-				FacetMemory fresh, held;
-				held.near = std::move(kept);
-				const std::vector<ContactPoint> points = pair.points(held), anew = pair.points(fresh);
-				kept = std::move(held.near);
-				ASSERT_EQ(points.size(), anew.size()) << convex << round << " " << step;
-				for (std::size_t i = 0; i < points.size(); ++i)
-				{
-					EXPECT_EQ(points[i].feature, anew[i].feature) << convex << round << " " << step;
-					EXPECT_EQ(points[i].height, anew[i].height);
-					EXPECT_EQ(points[i].pointOnA, anew[i].pointOnA);
-				}
-				found += points.empty() ? 0 : 1;
-				++wanted;
-			}
-		}
-	EXPECT_GT(10 * found, 3 * wanted);
-	EXPECT_LT(10 * found, 9 * wanted);
-}
-
 // Of all directions, sampled: is one off every facet?
 TEST(FacetContacts, ABodyIsHeldBetweenFacetsThatLeaveNoWayOut)
 {
