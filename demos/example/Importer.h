@@ -26,11 +26,10 @@ public:
 		m_saved.clear();
 		m_inPlaceOf.clear();
 		const bool isRead = btBulletWorldImporter::convertAllObjects(file);
-		for (int i = 0; i < file->m_rigidBodies.size(); ++i)
-			if ((file->getFlags() & bParse::FD_DOUBLE_PRECISION) != 0)
-				restore(*reinterpret_cast<const btRigidBodyDoubleData*>(file->m_rigidBodies[i]));
-			else
-				restore(*reinterpret_cast<const btRigidBodyFloatData*>(file->m_rigidBodies[i]));
+		if ((file->getFlags() & bParse::FD_DOUBLE_PRECISION) != 0)
+			restoreAll<btRigidBodyDoubleData, btCollisionObjectDoubleData>(*file);
+		else
+			restoreAll<btRigidBodyFloatData, btCollisionObjectFloatData>(*file);
 		return isRead;
 	}
 	btRigidBody* createRigidBody(bool isDynamic, btScalar mass, const btTransform& pose, btCollisionShape* shape,
@@ -40,39 +39,74 @@ public:
 	}
 
 private:
-	// Bullet's importer makes bodies anew: as their shapes alone have them turn, at rest, solid, awake, meeting all others
-	// and under the world's gravity.
-	template <class Data>
-	void restore(const Data& saved)
+	// Bullet's importer makes bodies and objects anew: as their shapes alone have them turn, at rest, without a past, solid,
+	// awake, meeting all others and under the world's gravity.
+	template <class BodyData, class ObjectData>
+	void restoreAll(bParse::btBulletFile& file)
 	{
-		btCollisionObject** const made = m_bodyMap.find(&saved);
-		btRigidBody* const body = made ? btRigidBody::upcast(*made) : nullptr;
-		if (!body) return;
-		const auto vector = [](const auto& stored)
-		{ return btVector3(btScalar(stored.m_floats[0]), btScalar(stored.m_floats[1]), btScalar(stored.m_floats[2])); };
-		body->setInvInertiaDiagLocal(vector(saved.m_invInertiaLocal));
-		body->updateInertiaTensor();
-		body->setLinearVelocity(vector(saved.m_linearVelocity));
-		body->setAngularVelocity(vector(saved.m_angularVelocity));
-		body->setDamping(btScalar(saved.m_linearDamping), btScalar(saved.m_angularDamping));
-		const auto& object = saved.m_collisionObjectData;
-		body->setCollisionFlags(object.m_collisionFlags);
-		const int group = object.m_collisionFilterGroup, mask = object.m_collisionFilterMask;
-		btBroadphaseProxy* const proxy = body->getBroadphaseHandle();
+		for (int i = 0; i < file.m_rigidBodies.size(); ++i)
+		{
+			const auto& saved = *reinterpret_cast<const BodyData*>(file.m_rigidBodies[i]);
+			if (btRigidBody* const body = made(&saved)) restoreBody(saved, *body);
+		}
+		for (int i = 0; i < file.m_collisionObjects.size(); ++i)
+		{
+			const auto& saved = *reinterpret_cast<const ObjectData*>(file.m_collisionObjects[i]);
+			if (btRigidBody* const object = made(&saved)) restoreObject(saved, *object);
+		}
+	}
+	btRigidBody* made(const void* saved)
+	{
+		btCollisionObject** const object = m_bodyMap.find(saved);
+		return object ? btRigidBody::upcast(*object) : nullptr;
+	}
+	template <class Vector>
+	static btVector3 vector(const Vector& stored)
+	{
+		return {btScalar(stored.m_floats[0]), btScalar(stored.m_floats[1]), btScalar(stored.m_floats[2])};
+	}
+	template <class Data>
+	void restoreBody(const Data& saved, btRigidBody& body)
+	{
+		body.setInvInertiaDiagLocal(vector(saved.m_invInertiaLocal));
+		body.updateInertiaTensor();
+		body.setLinearVelocity(vector(saved.m_linearVelocity));
+		body.setAngularVelocity(vector(saved.m_angularVelocity));
+		body.setDamping(btScalar(saved.m_linearDamping), btScalar(saved.m_angularDamping));
+		body.setGravity(vector(saved.m_gravity_acceleration));
+		body.applyCentralForce(vector(saved.m_totalForce));
+		body.applyTorque(vector(saved.m_totalTorque));
+		body.setSleepingThresholds(btScalar(saved.m_linearSleepingThreshold), btScalar(saved.m_angularSleepingThreshold));
+		restoreObject(saved.m_collisionObjectData, body);
+	}
+	template <class Data>
+	void restoreObject(const Data& saved, btRigidBody& body)
+	{
+		// Where it was last: a kinematic body's velocity is its way from there.
+		const auto& lastPose = saved.m_interpolationWorldTransform;
+		btTransform last(btMatrix3x3::getIdentity(), vector(lastPose.m_origin));
+		for (int row = 0; row < 3; ++row) last.getBasis()[row] = vector(lastPose.m_basis.m_el[row]);
+		body.setInterpolationWorldTransform(last);
+		body.setInterpolationLinearVelocity(vector(saved.m_interpolationLinearVelocity));
+		body.setInterpolationAngularVelocity(vector(saved.m_interpolationAngularVelocity));
+		if ((saved.m_collisionFlags & btCollisionObject::CF_HAS_CONTACT_STIFFNESS_DAMPING) != 0)
+			body.setContactStiffnessAndDamping(btScalar(saved.m_contactStiffness), btScalar(saved.m_contactDamping));
+		body.setCollisionFlags(saved.m_collisionFlags);
+		const int group = saved.m_collisionFilterGroup, mask = saved.m_collisionFilterMask;
+		btBroadphaseProxy* const proxy = body.getBroadphaseHandle();
 		if (group != 0 && proxy && (proxy->m_collisionFilterGroup != group || proxy->m_collisionFilterMask != mask))
 		{
 			proxy->m_collisionFilterGroup = group;
 			proxy->m_collisionFilterMask = mask;
-			m_dynamicsWorld->refreshBroadphaseProxy(body);
+			m_dynamicsWorld->refreshBroadphaseProxy(&body);
 		}
-		body->setGravity(vector(saved.m_gravity_acceleration));
-		body->setRollingFriction(btScalar(object.m_rollingFriction));
-		body->setAnisotropicFriction(vector(object.m_anisotropicFriction), object.m_hasAnisotropicFriction);
-		body->setCcdMotionThreshold(btScalar(object.m_ccdMotionThreshold));
-		body->setCcdSweptSphereRadius(btScalar(object.m_ccdSweptSphereRadius));
-		body->setSleepingThresholds(btScalar(saved.m_linearSleepingThreshold), btScalar(saved.m_angularSleepingThreshold));
-		body->forceActivationState(object.m_activationState1);
-		body->setDeactivationTime(btScalar(object.m_deactivationTime));
+		body.setContactProcessingThreshold(btScalar(saved.m_contactProcessingThreshold));
+		body.setRollingFriction(btScalar(saved.m_rollingFriction));
+		body.setAnisotropicFriction(vector(saved.m_anisotropicFriction), saved.m_hasAnisotropicFriction);
+		body.setCcdMotionThreshold(btScalar(saved.m_ccdMotionThreshold));
+		body.setCcdSweptSphereRadius(btScalar(saved.m_ccdSweptSphereRadius));
+		body.forceActivationState(saved.m_activationState1);
+		body.setDeactivationTime(btScalar(saved.m_deactivationTime));
 	}
 	// Once for all bodies of a shape. All shapes have been read when the first body is made.
 	btCollisionShape* inPlaceOf(btCollisionShape* read)

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "clod/bullet/ConfigureWorld.h"
 #include "tests/bullet/BulletWorld.h"
@@ -392,5 +393,60 @@ TEST(SweepTest, AConvexShapeMeetsOurs)
 	scene.world.convexSweepTest(&ball, from, to, hit);
 	ASSERT_TRUE(hit.hasHit());
 	EXPECT_NEAR(double(hit.m_hitPointWorld.y()), 0.5, 0.01);
+}
+
+// A box that turns on its way meets first what it meets of all triangles, each cast alone: Bullet asks for those in a box of
+// its last pose, and its own mesh passes over others.
+TEST(SweepTest, ATurningBoxMeetsWhatItMeetsOfAllTriangles)
+{
+	struct Whole : btTriangleMeshShape
+	{
+		explicit Whole(btStridingMeshInterface& mesh) : btTriangleMeshShape(&mesh) { m_shapeType = CUSTOM_CONCAVE_SHAPE_TYPE; }
+		void processAllTriangles(btTriangleCallback* callback, const btVector3&, const btVector3&) const override
+		{
+			const btVector3 far(btScalar(1e3), btScalar(1e3), btScalar(1e3));
+			btTriangleMeshShape::processAllTriangles(callback, -far, far);
+		}
+	};
+	struct ToMesh : btTriangleCallback
+	{
+		btTriangleMesh mesh;
+		void processTriangle(btVector3* corners, int, int) override { mesh.addTriangle(corners[0], corners[1], corners[2]); }
+	} all;
+	const btClodShape ours(patchHierarchy(ballMesh(1, 2)));
+	const btVector3 far(btScalar(1e3), btScalar(1e3), btScalar(1e3));
+	ours.processAllTriangles(&all, -far, far);
+	Whole whole(all.mesh);
+	const btBoxShape box(btVector3(btScalar(0.1), btScalar(0.05), btScalar(0.6)));
+	std::mt19937 random(5);
+	const auto direction = [&random]
+	{
+		const auto number = [&random] { return btScalar(random()) / btScalar(std::mt19937::max()) - btScalar(0.5); };
+		const btScalar x = number(), y = number();
+		return btVector3(x, y, number()).normalized();
+	};
+	int hits = 0;
+	for (int round = 0; round < 150; ++round)
+	{
+		const btQuaternion before(direction(), 2), after(direction(), 2);
+		const btTransform from(before, 2 * direction());
+		const btTransform to(after, btScalar(1.8) * direction());
+		double share[2] = {};
+		for (const bool isOurs : {true, false})
+		{
+			BulletWorld scene;
+			btCollisionObject object;
+			object.setCollisionShape(isOurs ? const_cast<btClodShape*>(&ours) : static_cast<btCollisionShape*>(&whole));
+			scene.world.addCollisionObject(&object);
+			btCollisionWorld::ClosestConvexResultCallback hit(from.getOrigin(), to.getOrigin());
+			scene.world.convexSweepTest(&box, from, to, hit);
+			share[isOurs] = double(hit.m_closestHitFraction);
+			scene.world.removeCollisionObject(&object);
+		}
+		EXPECT_EQ(share[true], share[false]) << round;
+		hits += share[false] < 1;
+	}
+	EXPECT_GT(hits, 45);
+	EXPECT_LT(hits, 145);
 }
 }  // namespace clod::test

@@ -37,6 +37,11 @@ struct FacetPair
 	}
 	std::vector<ContactPoint> points() const
 	{
+		FacetMemory memory;
+		return points(memory);
+	}
+	std::vector<ContactPoint> points(FacetMemory& memory) const
+	{
 		ContactSettings settings;
 		settings.metric.exact = true;
 		settings.tolerance = rules.margin + rules.resting;
@@ -45,7 +50,6 @@ struct FacetPair
 		ContactResult result;
 		contacts(*a, *b, aFromB, settings, cache, result);
 		FacetContacts facets;
-		FacetMemory memory;
 		ClusterSet none, set;
 		facets.find(contactBody(*a), contactBody(*b), aFromB, rules, result.contacts, none, memory);
 		facets.settle(result.contacts, result.deep, none, memory);

@@ -67,6 +67,7 @@ public:
 			add(anyShape(), masses[m_draw.pick(3)], m_draw.vector(0.4) + btVector3(0, btScalar(0.8 + 1.3 * double(i)), 0));
 			if (i > 0 && m_draw.oneOf(3)) join(*m_bodies[i], *m_bodies[i + 1]);
 		}
+		if (m_draw.pick(2)) addKinematic();
 		if (m_draw.pick(2)) addObject();
 	}
 	~SavedWorld()
@@ -138,13 +139,26 @@ private:
 		if (mass > 0 && m_draw.pick(2)) m_bodies.back()->setLinearVelocity(m_draw.vector(1));
 		if (mass > 0 && m_draw.pick(2)) m_bodies.back()->setAngularVelocity(m_draw.vector(2));
 		if (mass > 0 && m_draw.oneOf(3)) m_bodies.back()->setLinearFactor(btVector3(1, 1, 0));
+		if (mass > 0 && m_draw.oneOf(3)) m_bodies.back()->setAngularFactor(btVector3(0, 0, 1));
 		if (m_draw.oneOf(3)) m_bodies.back()->setAnisotropicFriction(btVector3(1, btScalar(0.25), btScalar(0.5)));
 		constexpr int kNoResponse = btCollisionObject::CF_NO_CONTACT_RESPONSE;
 		if (mass > 0 && m_draw.oneOf(6)) m_bodies.back()->setCollisionFlags(kNoResponse);
 		m_bodies.back()->setRollingFriction(btScalar(0.125 * double(m_draw.pick(2))));
 		if (m_draw.oneOf(4)) m_bodies.back()->setActivationState(DISABLE_DEACTIVATION);
+		if (mass > 0 && m_draw.oneOf(8)) m_bodies.back()->setContactStiffnessAndDamping(1024, 32);
+		if (mass > 0 && m_draw.oneOf(8)) m_bodies.back()->setContactProcessingThreshold(0);
+		if (mass > 0 && m_draw.oneOf(4)) m_bodies.back()->applyForce(m_draw.vector(32), m_draw.vector(0.25));
 		world.addRigidBody(m_bodies.back().get());
 		if (mass > 0 && m_draw.oneOf(4)) m_bodies.back()->setGravity(btVector3(0, btScalar(0.25), -1));
+	}
+	void addKinematic()
+	{
+		add(anyShape(), 0, btVector3(btScalar(0.5), btScalar(0.5), btScalar(0.25)));
+		btRigidBody& body = *m_bodies.back();
+		world.removeRigidBody(&body);
+		body.setCollisionFlags(body.getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
+		body.setActivationState(DISABLE_DEACTIVATION);
+		world.addRigidBody(&body);
 	}
 	void join(btRigidBody& a, btRigidBody& b)
 	{
@@ -162,6 +176,7 @@ private:
 		m_object = std::make_unique<btCollisionObject>();
 		m_object->setCollisionShape(&asStored(m_draw.ours(0.5)));
 		m_object->setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, btScalar(0.25), 0)));
+		if (m_draw.pick(2)) m_object->setCollisionFlags(m_object->getCollisionFlags() | btCollisionObject::CF_NO_CONTACT_RESPONSE);
 		world.addCollisionObject(m_object.get());
 	}
 
@@ -198,11 +213,13 @@ struct ReadWorld : World
 	}
 };
 
+// To the bit: Bullet's solver may make a body that turns about one axis alone fly off to infinity, which then is so in both
+// worlds. Its rows divide by a term that is below zero for some contacts unless that axis is one of the body's own.
 std::string differing(const std::vector<double>& a, const std::vector<double>& b)
 {
 	if (a.size() != b.size()) return std::to_string(a.size() / 12) + " and " + std::to_string(b.size() / 12) + " bodies";
 	for (std::size_t i = 0; i < a.size(); ++i)
-		if (a[i] != b[i]) return "number " + std::to_string(i % 12) + " of body " + std::to_string(i / 12) + " differs";
+		if (std::memcmp(&a[i], &b[i], sizeof a[i]) != 0) return "number " + std::to_string(i % 12) + " of body " + std::to_string(i / 12) + " differs";
 	return "";
 }
 }  // namespace

@@ -116,7 +116,7 @@ void PairState::noticeShapes(const PairPose& pose)
 	m_cache.clear();
 	m_clusters = {};
 	m_answered.reset();
-	m_facets.forget();
+	m_facets = {};
 	m_heldError = kOff;
 	m_points = m_ofCoarsest = 0;
 	m_seenA = a;

@@ -80,6 +80,7 @@ struct Path
 {
 	Vec3 from, to, grown;
 	const btScalar* share = nullptr;
+	bool turns = false;
 	bool misses(const OrientedBox& box) const { return clod::misses(box, grown, from, from + double(*share) * (to - from)); }
 };
 
@@ -98,8 +99,9 @@ std::optional<Path> pathOf(const btTriangleCallback& callback, double scale)
 	const btTransform from = shapeFromWorld * sweep->m_convexShapeFrom, to = shapeFromWorld * sweep->m_convexShapeTo;
 	btVector3 low, high, center;
 	btScalar radius = 0;
+	const bool turns = !(from.getBasis() == to.getBasis());
 	sweep->m_convexShape->getAabb(btTransform(from.getBasis()), low, high);
-	if (!(from.getBasis() == to.getBasis()))
+	if (turns)
 	{
 		sweep->m_convexShape->getBoundingSphere(center, radius);
 		const btScalar around = center.length() + radius;
@@ -109,7 +111,7 @@ std::optional<Path> pathOf(const btTriangleCallback& callback, double scale)
 	const btVector3 middle = btScalar(0.5) * (low + high);
 	const btScalar room = sweep->m_triangleCollisionMargin + sweep->m_allowedPenetration;
 	const btVector3 half = btScalar(0.5) * (high - low) + btVector3(room, room, room);
-	return Path{inUnit(from.getOrigin() + middle), inUnit(to.getOrigin() + middle), inUnit(half), &sweep->m_hitFraction};
+	return Path{inUnit(from.getOrigin() + middle), inUnit(to.getOrigin() + middle), inUnit(half), &sweep->m_hitFraction, turns};
 }
 
 // Walks the tree to the input surface; `skip` cuts branches, `visit` gets the level-0 nodes.
@@ -304,8 +306,15 @@ void btClodShape::processAllTriangles(btTriangleCallback* callback, const btVect
 									  const btVector3& aabbMax) const
 {
 	const Hierarchy& hierarchy = *m_hierarchy;
-	const Query query = boxQuery(aabbMin, aabbMax, m_scale);
 	const std::optional<Path> path = pathOf(*callback, m_scale);
+	btVector3 low = aabbMin, high = aabbMax;
+	if (path && path->turns)  // Bullet's box is then of the last pose alone
+		for (const Vec3& end : {path->from, path->to})
+		{
+			low.setMin(scaled(end - path->grown, m_scale));
+			high.setMax(scaled(end + path->grown, m_scale));
+		}
+	const Query query = boxQuery(low, high, m_scale);
 	const auto skip = [&](const OrientedBox& box)
 	{ return query.separated(box) || (path && path->misses(box)); };
 	const auto visit = [&](const clod::Node& node)
@@ -316,7 +325,7 @@ void btClodShape::processAllTriangles(btTriangleCallback* callback, const btVect
 			const clod::Face& face = hierarchy.faces()[node.firstFace + i];
 			btVector3 corners[3];
 			for (int k = 0; k < 3; ++k) corners[k] = scaled(hull.vertex(face.vertex[k]), m_scale);
-			if (TestTriangleAgainstAabb2(corners, aabbMin, aabbMax))
+			if (TestTriangleAgainstAabb2(corners, low, high))
 				callback->processTriangle(corners, 0, int(node.firstFace + i));
 		}
 	};

@@ -62,7 +62,7 @@ bool isHeldBetween(const FacetQuestion& question, const std::vector<Facet>& face
 }
 
 void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Transform& aFromB, const PointRules& rules,
-						 const std::vector<Contact>& contacts, const ClusterSet& previous, const FacetMemory& memory,
+						 const std::vector<Contact>& contacts, const ClusterSet& previous, FacetMemory& memory,
 						 bool goesOn)
 {
 	m_facets.clear();
@@ -76,7 +76,8 @@ void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Trans
 		takeUp(previous, memory);
 	else if (!contacts.empty())
 		takeUpWhatIsThrough(previous, memory);
-	m_finder.find(m_question, contacts, m_facets);
+	if (contacts.empty()) memory.near.giveBack();
+	m_finder.find(m_question, contacts, memory.near, m_facets);
 	m_choice.choose(m_question, memory.reduced, memory.aFromB, m_facets);
 }
 

@@ -19,6 +19,8 @@ constexpr double kArcSpeed = 2;  // the largest speed on an arc is at most this 
 // (kFewPairs); and never farther than this many grains (mean edges) of the coarser surface.
 constexpr double kRoamShare = 0.35, kRoamOfFew = 0.8, kRoamGrains = 1;
 
+constexpr double kMovesListed = 4;  // of a body of one node, near features are listed for so many moves as the coming one
+
 // Where a point ends, as a facet sees it: forces are counted along the normal only. Sideways another body may bear
 // them, which is not known here, and a body that slides over the border of a face must not be seen to fall beneath that
 // face.
@@ -40,12 +42,13 @@ bool isWithin(double along, double length, double slack)
 }
 }  // namespace
 
-void FacetFinder::find(const FacetQuestion& question, const std::vector<Contact>& contacts, std::vector<Facet>& facets)
+void FacetFinder::find(const FacetQuestion& question, const std::vector<Contact>& contacts, NearFeatures& near,
+					   std::vector<Facet>& facets)
 {
 	m_question = &question;
 	m_facets = &facets;
 	m_bFromA = inverse(question.aFromB);
-	m_nodesA.start(question, contacts, true);
+	m_nodesA.start(question, contacts, true, &near);
 	m_nodesB.start(question, contacts, false);
 	m_motion = question.rules.motion();
 	m_sagitta = 0.125 * kPathReach * length(m_motion.angular) * m_motion.timeStep;
@@ -147,7 +150,8 @@ void FacetFinder::findPair(const Contact& contact)
 	const double aside = 2 * beside + std::max(0.0, 0.5 - m_roamShare) * nodeB.displaced;
 	const double straight = !mayOverlap && b.isCore() ? std::sqrt(reach * reach + aside * aside) : kFar;
 	if (mayOverlap) reach += q.a.thicknessOf(contact.nodeA) + q.b.thicknessOf(contact.nodeB);
-	MovedNode& nodeA = m_nodesA.of(contact.nodeA, m_nodesB.isOne() ? Near(nodeB.box, reach, straight, mayOverlap) : Near());
+	const double ahead = std::min(kMovesListed * nodeB.displaced, q.length());
+	MovedNode& nodeA = m_nodesA.of(contact.nodeA, m_nodesB.isOne() ? Near(nodeB.box, reach, straight, ahead, mayOverlap) : Near());
 	m_pair = {&a, &b, contact.nodeA, contact.nodeB, nodeA.level, nodeB.level};
 	m_pair.roam = roam;
 	m_pair.deepest = mayOverlap ? kFar : kInnerShare * q.length();

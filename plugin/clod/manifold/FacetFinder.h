@@ -15,8 +15,9 @@ namespace clod
 class FacetFinder
 {
 public:
-	// Appends the facets of node pairs within reach. Each comes once; those that are there stay.
-	void find(const FacetQuestion& question, const std::vector<Contact>& contacts, std::vector<Facet>& facets);
+	// Appends the facets of node pairs within reach. Each comes once; those that are there stay. near: the pair's.
+	void find(const FacetQuestion& question, const std::vector<Contact>& contacts, NearFeatures& near,
+			  std::vector<Facet>& facets);
 	// Up to this distance from the predicted way all facets were looked for. Infinity, unless both bodies are detailed
 	// and move so fast that looking for all would cost too much (kRoamGrains).
 	double sought() const { return m_sought; }

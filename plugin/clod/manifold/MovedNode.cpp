@@ -6,9 +6,97 @@
 
 namespace clod
 {
-void MovedNodes::start(const FacetQuestion& question, const std::vector<Contact>& contacts, bool isA)
+namespace
+{
+constexpr double kRounding = 1e-9;  // of a distance from a box, more than its own
+
+// Calls each(0: a corner, 1: a polygon, 2: an edge; its box; which) for what a node of A has near: it stands still in its
+// own frame.
+template <class Each>
+void forEachStill(const ContactSurface& surface, std::uint32_t node, const Near& near, const Each& each)
+{
+	const auto call = [&](std::size_t kind, const Box& box, std::uint32_t index)
+	{
+		if (near.holds(box)) each(kind, box, index);
+	};
+	const Span<std::uint32_t> vertices = surface.verticesOf(node);
+	const auto placeOf = [&](std::size_t i) -> const Vec3& { return surface.vertices()[vertices[i]]; };
+	for (const std::uint32_t v : vertices)
+		if (surface.isCorner(v)) call(0, {surface.vertices()[v], surface.vertices()[v]}, v);
+	for (const ContactSurface::NodePolygon& polygon : surface.polygonsOf(node))
+	{
+		const double radius = surface.radiusOf(polygon.polygon);
+		const Vec3 &center = surface.centerOf(polygon.polygon), far{radius, radius, radius};
+		if (!near.holds({center - far, center + far})) continue;
+		const Span<std::uint16_t> corners = surface.cornersOf(polygon);
+		Box box{placeOf(corners[0]), placeOf(corners[0])};
+		for (const std::uint16_t corner : corners) box.add(placeOf(corner));
+		call(1, box, polygon.polygon);
+	}
+	for (const std::uint32_t index : surface.edgesOf(node))
+	{
+		const SurfaceEdge& edge = surface.edges()[index];
+		Box box{surface.vertices()[edge.vertex[0]], surface.vertices()[edge.vertex[0]]};
+		box.add(surface.vertices()[edge.vertex[1]]);
+		call(2, box, index);
+	}
+}
+}  // namespace
+
+// Is all that is near listed, by how far the box has come out of the one that features were listed for?
+bool NearFeatures::holds(const Near& near) const
+{
+	Vec3 out;
+	for (int axis = 0; axis < 3; ++axis)
+		out[axis] = std::max({0.0, m_box.low[axis] - near.m_box->low[axis], near.m_box->high[axis] - m_box.high[axis]});
+	const double far = std::max({out.x, out.y, out.z});
+	return (1 + kRounding) * (near.m_reach + far) < m_reach && (1 + kRounding) * (near.m_straight + length(out)) <= m_straight;
+}
+
+NearFeatures::OfNode NearFeatures::of(std::uint32_t node, const ContactSurface& surface, const Near& near)
+{
+	if (!holds(near))
+	{
+		m_box = *near.m_box;
+		m_reach = (1 + 2 * kRounding) * (near.m_reach + near.m_ahead);
+		m_straight = (1 + 2 * kRounding) * (near.m_straight + near.m_ahead);
+		m_nodes.clear();
+		m_features.clear();
+	}
+	const Listed& at = listed(node, surface);
+	const Feature* const first = m_features.data() + at.first;
+	const auto& [corners, polygons, edges] = at.counts;
+	return {{first, corners}, {first + corners, polygons}, {first + corners + polygons, edges}};
+}
+
+const NearFeatures::Listed& NearFeatures::listed(std::uint32_t node, const ContactSurface& surface)
+{
+	for (std::size_t k = 0; k < m_nodes.size(); ++k)
+	{
+		if (m_next >= m_nodes.size()) m_next = 0;
+		const Listed& at = m_nodes[m_next++];
+		if (at.node == node) return at;
+	}
+	list(node, surface);
+	return m_nodes.back();
+}
+
+void NearFeatures::list(std::uint32_t node, const ContactSurface& surface)
+{
+	Listed listed{node, std::uint32_t(m_features.size()), {}};
+	forEachStill(surface, node, Near(m_box, m_reach, m_straight),
+				 [&](std::size_t kind, const Box& box, std::uint32_t index)
+				 {
+					 m_features.push_back({box, index});
+					 ++listed.counts[kind];
+				 });
+	m_nodes.push_back(listed);
+}
+
+void MovedNodes::start(const FacetQuestion& question, const std::vector<Contact>& contacts, bool isA, NearFeatures* kept)
 {
 	m_question = &question;
+	m_kept = kept;
 	m_isA = isA;
 	m_otherFromThis = isA ? inverse(question.aFromB) : question.aFromB;
 	m_otherFromThisThen = isA ? inverse(question.aFromBThen) : question.aFromBThen;
@@ -52,42 +140,32 @@ Vec3 MovedNodes::upOf(const ContactSurface& surface, std::uint32_t polygon) cons
 	return m_otherFromThis.rotation * surface.planeOf(polygon).normal;
 }
 
-// A stands still in its own frame.
 void MovedNodes::listStill(MovedNode& moved, const ContactSurface& surface, const Near& near) const
 {
 	moved.displaced = 0;
 	moved.box = Box::none();
-	const Span<std::uint32_t> vertices = surface.verticesOf(moved.node);
-	const auto placeOf = [&](std::size_t i) -> const Vec3& { return surface.vertices()[vertices[i]]; };
-	const auto isListed = [&](const Box& box)
+	const auto add = [&](std::size_t kind, const Box& box, std::uint32_t index)
 	{
-		if (!near.holds(box)) return false;
 		moved.box.add(box);
-		return true;
+		if (kind == 0)
+			moved.corners.push_back({box, index});
+		else if (kind == 1)
+			moved.polygons.push_back({box, index, upOf(surface, index)});
+		else
+			moved.edges.push_back({box, index});
 	};
-	for (const std::uint32_t v : vertices)
+	if (near.isAnywhere()) return forEachStill(surface, moved.node, near, add);
+	const NearFeatures::OfNode listed = m_kept->of(moved.node, surface, near);
+	const auto addNear = [&](std::size_t kind, const Span<NearFeatures::Feature>& features)
 	{
-		const Vec3& place = surface.vertices()[v];
-		if (near.mayBeInside()) moved.box.add(place);
-		if (surface.isCorner(v) && isListed({place, place})) moved.corners.push_back({{place, place}, v});
-	}
-	for (const ContactSurface::NodePolygon& polygon : surface.polygonsOf(moved.node))
-	{
-		const double radius = surface.radiusOf(polygon.polygon);
-		const Vec3 &center = surface.centerOf(polygon.polygon), far{radius, radius, radius};
-		if (!near.holds({center - far, center + far})) continue;
-		const Span<std::uint16_t> corners = surface.cornersOf(polygon);
-		Box box{placeOf(corners[0]), placeOf(corners[0])};
-		for (const std::uint16_t corner : corners) box.add(placeOf(corner));
-		if (isListed(box)) moved.polygons.push_back({box, polygon.polygon, upOf(surface, polygon.polygon)});
-	}
-	for (const std::uint32_t index : surface.edgesOf(moved.node))
-	{
-		const SurfaceEdge& edge = surface.edges()[index];
-		Box box{surface.vertices()[edge.vertex[0]], surface.vertices()[edge.vertex[0]]};
-		box.add(surface.vertices()[edge.vertex[1]]);
-		if (isListed(box)) moved.edges.push_back({box, index});
-	}
+		for (const NearFeatures::Feature& feature : features)
+			if (near.holds(feature.box)) add(kind, feature.box, feature.index);
+	};
+	addNear(0, listed.corners);
+	addNear(1, listed.polygons);
+	addNear(2, listed.edges);
+	if (near.mayBeInside())
+		for (const std::uint32_t v : surface.verticesOf(moved.node)) moved.box.add(surface.vertices()[v]);
 }
 
 void MovedNodes::move(MovedNode& moved, const ContactSurface& surface)

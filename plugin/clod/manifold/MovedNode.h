@@ -12,19 +12,22 @@
 
 namespace clod
 {
-// To a box, if there is one: along the axes, and in a straight line. What is near may be deep inside a node and far from
-// its faces.
+// To a box, if there is one: along the axes, and in a straight line. The box may come `ahead` nearer in some moves. What
+// is in it may be deep inside a node and far from its faces.
 class Near
 {
 public:
 	Near() = default;
-	Near(const Box& box, double reach, double straight, bool mayBeInside)
+	Near(const Box& box, double reach, double straight, double ahead = 0, bool mayBeInside = false)
 		: m_box(&box),
+		  m_reach(reach),
 		  m_straight(straight),
+		  m_ahead(ahead),
 		  m_mayBeInside(mayBeInside),
-		  m_grown{box.low - Vec3{reach, reach, reach}, box.high + Vec3{reach, reach, reach}}
+		  m_grown(grown(reach))
 	{
 	}
+	bool isAnywhere() const { return m_box == nullptr; }
 	bool mayBeInside() const { return m_mayBeInside; }
 	bool holds(const Box& other) const
 	{
@@ -32,10 +35,47 @@ public:
 	}
 
 private:
+	friend class NearFeatures;
+	Box grown(double by) const { return {m_box->low - Vec3{by, by, by}, m_box->high + Vec3{by, by, by}}; }
+
 	const Box* m_box = nullptr;
-	double m_straight = 0;
+	double m_reach = 0, m_straight = 0, m_ahead = 0;
 	bool m_mayBeInside = false;
 	Box m_grown{};
+};
+
+// Of A's nodes, the features that are near, or may be before the box has gone on by as much as was looked ahead: listed
+// once for some moves.
+class NearFeatures
+{
+public:
+	struct Feature
+	{
+		Box box;  // of what the node has of it
+		std::uint32_t index;
+	};
+	struct OfNode
+	{
+		Span<Feature> corners, polygons, edges;
+	};
+	OfNode of(std::uint32_t node, const ContactSurface& surface, const Near& near);
+	void giveBack() { *this = {}; }
+
+private:
+	struct Listed
+	{
+		std::uint32_t node, first;
+		std::array<std::uint32_t, 3> counts;  // corners, polygons, edges
+	};
+	bool holds(const Near& near) const;
+	const Listed& listed(std::uint32_t node, const ContactSurface& surface);
+	void list(std::uint32_t node, const ContactSurface& surface);
+
+	Box m_box{};
+	double m_reach = -1, m_straight = -1;  // all that is so near to it is listed
+	std::vector<Listed> m_nodes;
+	std::vector<Feature> m_features;
+	std::size_t m_next = 0;  // of the nodes, most likely: they are asked for in order
 };
 
 // Boxes are in frame A, over the step as far ahead as contacts are looked for (kPathReach).
@@ -73,8 +113,8 @@ struct MovedNode
 class MovedNodes
 {
 public:
-	// The nodes on side A or B of the contacts.
-	void start(const FacetQuestion& question, const std::vector<Contact>& contacts, bool isA);
+	// The nodes on side A or B of the contacts. kept: of A's, from step to step.
+	void start(const FacetQuestion& question, const std::vector<Contact>& contacts, bool isA, NearFeatures* kept = nullptr);
 	// Is there one alone?
 	bool isOne() const { return m_nodes.size() == 1; }
 	// Precondition: one of them. What comes nowhere so near may be left out.
@@ -88,6 +128,7 @@ private:
 	void move(MovedNode& moved, const ContactSurface& surface);
 
 	const FacetQuestion* m_question = nullptr;
+	NearFeatures* m_kept = nullptr;
 	bool m_isA = false;
 	Transform m_otherFromThis, m_otherFromThisThen, m_otherFromThisUnforced;
 	std::vector<std::uint32_t> m_nodes;  // sorted, each once
