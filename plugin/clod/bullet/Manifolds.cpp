@@ -421,7 +421,8 @@ void ManifoldSet::endWrite(const HeldClusters& clusters, const WorldFrame& frame
 }
 
 // What Bullet's iterations would end at, if there were enough of them, as the impulses that they start from: the share
-// that Bullet takes of them is closedShare's counterpart.
+// that Bullet takes of them is closedShare's counterpart. Not of a body that slides: Bullet starts friction from nothing,
+// so that loads shift while it grows, and leaves friction on points whose load has gone: more than mu N in sum.
 void ManifoldSet::balance(const WorldFrame& frame)
 {
 	const btCollisionObject &objectA = *frame.a->getCollisionObject(), &objectB = *frame.b->getCollisionObject();
@@ -448,7 +449,7 @@ void ManifoldSet::balance(const WorldFrame& frame)
 			balance.add({place, isFirst ? normal : -normal, other.velocity(place), speedOf(point, frame.timeStep),
 						 double(point.m_combinedFriction), double(point.m_appliedImpulse)});
 		});
-	if (!balance.solve()) return;
+	if (!balance.solve() || balance.slides()) return;
 	std::size_t at = 0;
 	forEachPoint([&](btManifoldPoint& point, bool)
 				 { point.m_appliedImpulse = btScalar(balance.contact(at++).impulse / (1 - frame.closedShare)); });

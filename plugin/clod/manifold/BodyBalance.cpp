@@ -14,6 +14,7 @@ constexpr double kGoodEnough = 1e-3;  // of it: where friction has not settled a
 // Of the inverse mass, added to each contact's own: it makes contacts solvable that do the same, and is far below what
 // tells those apart that are close together.
 constexpr double kSoftness = 1e-7;
+constexpr double kSliding = 0.999;  // of the most that friction can
 constexpr int kRounds = 20;         // of normal impulses and friction by turns
 
 using Six = std::array<double, 6>;
@@ -198,5 +199,12 @@ bool BodyBalance::solve()
 		if (change <= m_least) return true;
 	}
 	return change <= kGoodEnough / kSettled * m_least;
+}
+
+bool BodyBalance::slides() const
+{
+	const auto rubs = [](const Row& row)
+	{ return row.carries() && length(row.contact.rub) >= kSliding * row.contact.friction * row.contact.impulse; };
+	return std::any_of(m_rows.begin(), m_rows.end(), [&](const Row& row) { return row.contact.friction > 0 && rubs(row); });
 }
 }  // namespace clod

@@ -8,11 +8,12 @@
 #pragma once
 #include <vector>
 
+#include "clod/Export.h"
 #include "clod/manifold/ContactPoints.h"
 
 namespace clod
 {
-class BodyBalance
+class CLOD_API BodyBalance
 {
 public:
 	struct Contact
@@ -29,6 +30,8 @@ public:
 	void add(const Contact& contact) { m_rows.push_back({contact, {}, {}, 0}); }
 	// False if the body cannot turn freely, or if friction wedges it: then the answer is none.
 	bool solve();
+	// Does one that carries rub as much as it can?
+	bool slides() const;
 	const Contact& contact(std::size_t i) const { return m_rows[i].contact; }
 	const PairBody& body() const { return m_body; }  // as they move it
 
