@@ -288,4 +288,24 @@ TEST(WrittenPoints, AreWrittenAheadOfBodiesThatTurn)
 			EXPECT_EQ(scene.contacts(), 0) << lowerTurns << onPlane;
 		}
 }
+
+// What points are made for is what the solver can do: a body that must not turn about an axis does not.
+TEST(WrittenPoints, AreOfBodiesThatTurnAsTheirFactorsAllow)
+{
+	BulletWorld scene;
+	auto& box = scene.add(std::make_unique<btBoxShape>(btVector3(btScalar(0.3), btScalar(0.2), btScalar(0.1))));
+	btRigidBody& body = scene.addBody(box, 2, {0.4, 0, 0});
+	body.getWorldTransform().setRotation(btQuaternion(btVector3(1, 2, 3).normalized(), 1));
+	body.updateInertiaTensor();
+	const auto turnedBy = [&](const Vec3& torque)
+	{ return pairBody(body, Transform(), 1, worldMotion(body, 0), {}).inverseInertia * torque; };
+	const Vec3 free = turnedBy({1, 2, 3});
+	for (int i = 0; i < 3; ++i)
+		EXPECT_EQ(free[i], double(dot(toVec3(body.getInvInertiaTensorWorld()[i]), {1, 2, 3})));
+	body.setAngularFactor(btVector3(0, 0, 1));
+	const Vec3 held = turnedBy({1, 2, 3});
+	EXPECT_EQ(held.x, 0);
+	EXPECT_EQ(held.y, 0);
+	EXPECT_EQ(held.z, 3 * double(body.getInvInertiaTensorWorld()[2].z()));
+}
 }  // namespace clod::test

@@ -124,8 +124,11 @@ PairBody pairBody(const btCollisionObject& object, const Transform& worldFromFra
 	body.force = body.linear - (1 / scale) * (frameFromWorld * withoutForces.velocity(center));
 	const btRigidBody* rigid = btRigidBody::upcast(&object);
 	if (!rigid || object.isStaticOrKinematicObject()) return body;
+	// Bullet scales what impulses turn by the factor, on one side of the tensor; on both, no contact has a negative mass.
 	const btMatrix3x3& inertia = rigid->getInvInertiaTensorWorld();
-	const Mat3 world = {{toVec3(inertia[0]), toVec3(inertia[1]), toVec3(inertia[2])}};
+	const btVector3& turns = rigid->getAngularFactor();
+	Mat3 world;
+	for (int i = 0; i < 3; ++i) world.row[i] = toVec3(turns[i] * turns * inertia[i]);
 	body.inverseMass = double(rigid->getInvMass());
 	body.inverseInertia = frameFromWorld * (world * worldFromFrame.rotation);
 	for (Vec3& row : body.inverseInertia.row) row = scale * scale * row;
