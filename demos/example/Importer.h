@@ -65,6 +65,13 @@ private:
 	{
 		return {btScalar(stored.m_floats[0]), btScalar(stored.m_floats[1]), btScalar(stored.m_floats[2])};
 	}
+	// As it was given: Bullet multiplies it by the factor.
+	static btVector3 given(btVector3 stored, const btVector3& factor)
+	{
+		for (int i = 0; i < 3; ++i)
+			if (factor[i] != 0) stored[i] /= factor[i];
+		return stored;
+	}
 	template <class Data>
 	void restoreBody(const Data& saved, btRigidBody& body)
 	{
@@ -74,8 +81,8 @@ private:
 		body.setAngularVelocity(vector(saved.m_angularVelocity));
 		body.setDamping(btScalar(saved.m_linearDamping), btScalar(saved.m_angularDamping));
 		body.setGravity(vector(saved.m_gravity_acceleration));
-		body.applyCentralForce(vector(saved.m_totalForce));
-		body.applyTorque(vector(saved.m_totalTorque));
+		body.applyCentralForce(given(vector(saved.m_totalForce), body.getLinearFactor()));
+		body.applyTorque(given(vector(saved.m_totalTorque), body.getAngularFactor()));
 		body.setSleepingThresholds(btScalar(saved.m_linearSleepingThreshold), btScalar(saved.m_angularSleepingThreshold));
 		restoreObject(saved.m_collisionObjectData, body);
 	}

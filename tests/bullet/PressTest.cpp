@@ -182,6 +182,51 @@ TEST(Press, ABodyDeepInAKinematicOneIsStillPushedOn)
 	EXPECT_NEAR(double(body.getLinearVelocity().x()), 2, 0.02);
 }
 
+// A platform that moves by itself is a floor for what lies on it, however heavy, standing or starting to rise.
+TEST(Press, AKinematicPlatformBearsWhatIsHeavy)
+{
+	for (const double lift : {0.0, 1.0})
+	{
+		BulletWorld scene;
+		scene.timeStep = 1.0 / 60;
+		configureWorld(scene.world);
+		btRigidBody& platform = scene.addBody(scene.addShape(patchHierarchy(onePiece(boxMesh({6, 1, 6}, {1, 1, 1}, 1)))), 0, {});
+		platform.setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+		btClodShape& crate = scene.addShape(patchHierarchy(onePiece(boxMesh({1, 1, 1}, {1, 1, 1}, 1))));
+		const btRigidBody& light = scene.addBody(crate, 1, {0, 1, 0});
+		scene.addBody(crate, 100, {0, 2, 0});
+		for (int i = 1; i <= 120; ++i)
+		{
+			btTransform pose = btTransform::getIdentity();
+			pose.setOrigin(btVector3(0, btScalar(lift * i * scene.timeStep), 0));
+			platform.setWorldTransform(pose);
+			scene.step();
+			const double over = double(light.getWorldTransform().getOrigin().y() - platform.getWorldTransform().getOrigin().y());
+			ASSERT_GT(over, 0.95) << lift << " " << i;
+		}
+	}
+}
+
+// Points that follow the bodies are those that they come to bounce on.
+TEST(Bounce, BodiesThatComeSlowlyBounceToo)
+{
+	for (const bool keeps : {false, true})
+	{
+		BulletWorld scene;
+		configureWorld(scene.world);
+		scene.world.setGravity(btVector3(0, 0, 0));
+		scene.context.keepPoints = keeps;
+		scene.timeStep = 1e-3;
+		btClodShape& shape = scene.addShape(patchHierarchy(boxMesh({2, 2, 2}, {1, 1, 1}, 1)));
+		scene.addBody(shape, 0, {}).setRestitution(1);
+		btRigidBody& moving = scene.addBody(shape, 1, {0, 2.01, 0});
+		moving.setRestitution(1);
+		moving.setLinearVelocity(btVector3(0, btScalar(-0.25), 0));
+		for (int i = 0; i < 100; ++i) scene.step();
+		EXPECT_NEAR(double(moving.getLinearVelocity().y()), 0.25, 0.01) << keeps;
+	}
+}
+
 // The edge of a slab: a triangle that touches the sharp edge with a corner must not be pushed sideways.
 TEST(Press, ABoxOverASharpEdgeIsNotStopped)
 {

@@ -203,6 +203,7 @@ TEST(Bounce, FlatBodiesDoNotTurnOnCoarseLevels)
 			moving.setRestitution(1);
 			moving.setDamping(0, 0);
 			for (int k = 0; k < 240 && !(moving.getLinearVelocity().y() > 0); ++k) scene.step();
+			EXPECT_GT(double(moving.getLinearVelocity().y()), 1) << name << " " << i;
 			EXPECT_LT(double(moving.getAngularVelocity().length()), 0.1) << name << " " << i;
 		}
 }

@@ -428,7 +428,8 @@ void ManifoldSet::balance(const WorldFrame& frame)
 	const btCollisionObject &objectA = *frame.a->getCollisionObject(), &objectB = *frame.b->getCollisionObject();
 	const bool aMoves = !objectA.isStaticOrKinematicObject();
 	const btRigidBody* body = btRigidBody::upcast(aMoves ? &objectA : &objectB);
-	if (m_shared || !body || !(frame.timeStep > 0 && frame.closedShare < 1)) return;
+	if (m_shared || !body || !(aMoves ? objectB : objectA).isStaticOrKinematicObject()) return;  // a link gives way
+	if (!(frame.timeStep > 0 && frame.closedShare < 1) || body->getLinearFactor() != btVector3(1, 1, 1)) return;
 	const RelativeMotion other = worldMotion(aMoves ? objectB : objectA, frame.timeStep);
 	PairBody moving = pairBody(*body, Transform(), 1, worldMotion(*body, frame.timeStep), {});
 	if ((body->getFlags() & BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY) != 0)
@@ -449,7 +450,7 @@ void ManifoldSet::balance(const WorldFrame& frame)
 			balance.add({place, isFirst ? normal : -normal, other.velocity(place), speedOf(point, frame.timeStep),
 						 double(point.m_combinedFriction), double(point.m_appliedImpulse)});
 		});
-	if (!balance.solve() || balance.slides()) return;
+	if (balance.size() < 2 || !balance.solve() || balance.slides()) return;
 	std::size_t at = 0;
 	forEachPoint([&](btManifoldPoint& point, bool)
 				 { point.m_appliedImpulse = btScalar(balance.contact(at++).impulse / (1 - frame.closedShare)); });

@@ -10,7 +10,6 @@
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 
 #include <array>
-#include <limits>
 #include <optional>
 #include <vector>
 
@@ -33,8 +32,8 @@ struct WorldFrame
 	double switchSpeed = 0;         // and one that came with a change of level
 	double restingGap = 0;          // world length: where points carry, gaps up to it close slowly, by
 	double closedShare = 1;         // this of them a step (SolverTerms.h)
-	double firstMet = std::numeric_limits<double>::infinity();  // world length: of all points the lowest row (PairSolve.h),
-	double alike = 0;  // and by how much a coarse surface may set others above it that are met as soon
+	const HeldClusters* points = nullptr;  // all that are written, of which a coarse surface
+	double alike = 0;                    // may set some, by so much, above others that are met as soon (world length)
 	bool rocks = false;             // one lies alone on the other (PointRules), but not still
 };
 

@@ -216,6 +216,7 @@ void PairState::forget()
 	m_heldError = kOff;
 	m_points = m_ofCoarsest = 0;
 	m_answered.reset();
+	m_facets.near.giveBack();
 	static_cast<DispatchReport&>(m_report) = {};
 }
 
@@ -403,7 +404,11 @@ bool PairState::follow(const PairPose& pose, const WorldFrame& frame, btManifold
 	m_report.queryMicroseconds = m_report.contactMicroseconds = 0;
 	foresee(pose);
 	m_foreseen.motion = {{}, {}, pose.rules.timeStep};
-	if (++m_followed == kLongStill) m_cache.pair.giveBack();
+	if (++m_followed == kLongStill)
+	{
+		m_cache.pair.giveBack();
+		m_facets.near.giveBack();
+	}
 	return true;
 }
 
@@ -468,8 +473,7 @@ void PairState::write(const PairPose& pose, const WorldFrame& frame, btManifoldR
 	};
 	WorldFrame whole = frame;
 	whole.alike = frame.scale * m_report.contactError;
-	for (const HeldPoint& held : m_clusters.points())
-		whole.firstMet = std::min(whole.firstMet, frame.scale * velocityRow(held.point.height, held.point.bend));
+	whole.points = &m_clusters;
 	m_manifolds.write(m_clusters, whole, levelOf, out);
 }
 }  // namespace clod

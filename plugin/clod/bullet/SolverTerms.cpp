@@ -9,6 +9,7 @@
 
 #include "clod/bullet/BodyState.h"
 #include "clod/bullet/Manifolds.h"
+#include "clod/manifold/Facet.h"
 #include "clod/manifold/PairSolve.h"
 
 namespace clod
@@ -34,7 +35,7 @@ double restitutionOf(double e, double speed, double pull, double distance, doubl
 	return std::max(0.0, (rebound + d / dt) / speed);
 }
 
-void setRestitution(const WorldFrame& frame, double row, btManifoldPoint& point)
+void setRestitution(const ContactPoint& ofPoint, const WorldFrame& frame, double row, btManifoldPoint& point)
 {
 	if (!(point.m_combinedRestitution > 0)) return;
 	const btCollisionObject *first = (frame.aIsFirst ? frame.a : frame.b)->getCollisionObject(),
@@ -45,27 +46,37 @@ void setRestitution(const WorldFrame& frame, double row, btManifoldPoint& point)
 	{ return -dot(normal, worldMotion(*first, dt).velocity(onA) - worldMotion(*second, dt).velocity(onB)); };
 	const double now = closing(0), then = closing(frame.timeStep);
 	const double e = double(point.m_combinedRestitution);
-	// On a coarse surface points may be at different heights that are at one on the surface it stands for. They are met
-	// together, as else the first of them would turn the body.
-	const bool isMet = then * frame.timeStep >= (row <= frame.firstMet + frame.alike ? frame.firstMet : row);
+	// On a coarse surface points of one side may be at different heights that are at one on the surface it stands for. They
+	// are met together, as else the first of them would turn the body.
+	double met = row;
+	if (frame.points)
+		for (const HeldPoint& held : frame.points->points())
+		{
+			const double other = frame.scale * velocityRow(held.point.height, held.point.bend);
+			if (other < met && row <= other + frame.alike && dot(held.point.normal, ofPoint.normal) > kSameNormal) met = other;
+		}
+	const bool isMet = then * frame.timeStep >= met;
 	point.m_combinedRestitution =
 		btScalar(isMet ? restitutionOf(e, now, (then - now) / frame.timeStep, row, frame.timeStep) : 0);
 }
 
 // A kinematic body goes on whatever it meets. Where a floor leaves a body no room, the two push it against each other,
 // and the one that the solver looks at last would win. So what is deep in a kinematic body yields to it: points are
-// softened, at most by the body's inverse mass; their impulse is then at most what stops the body. A plane is a floor
-// itself.
+// softened, at most by the body's inverse mass; their impulse is then at most what stops the body. But a plane is a floor
+// itself, and so is what bears the body against its force: it carries what lies on the body, too.
 void setYielding(const WorldFrame& frame, double depth, btManifoldPoint& point)
 {
 	const double share = std::min(1.0, depth / (kYielding * frame.restingGap) - kUnyielding / kYielding);
 	if (!(share > 0)) return;
 	const auto *a = btRigidBody::upcast(frame.a->getCollisionObject()), *b = btRigidBody::upcast(frame.b->getCollisionObject());
 	if (!a || !b || a->isKinematicObject() == b->isKinematicObject()) return;
-	const btRigidBody& kinematic = a->isKinematicObject() ? *a : *b;
+	const btRigidBody &kinematic = a->isKinematicObject() ? *a : *b, &body = a->isKinematicObject() ? *b : *a;
+	const bool isFirst = (&body == a) == frame.aIsFirst;
+	const Vec3 onto = (isFirst ? 1.0 : -1.0) * toVec3(point.m_normalWorldOnB), pull = toVec3(body.getTotalForce());
+	if (dot(pull, onto) < -kHolds * length(pull)) return;
 	if (kinematic.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE) return;
 	point.m_contactPointFlags |= BT_CONTACT_FLAG_HAS_CONTACT_CFM;
-	point.m_contactCFM = btScalar(share * double(a->getInvMass() + b->getInvMass()) * frame.timeStep);
+	point.m_contactCFM = btScalar(share * double(body.getInvMass()) * frame.timeStep);
 }
 
 void setErp(double erp, btManifoldPoint& point)
@@ -106,7 +117,7 @@ void setSolverTerms(const ContactPoint& point, const WorldFrame& frame, btManifo
 		setErp(-row / kTokenOverlap, written);
 	}
 	if (point.rebounds)
-		setRestitution(frame, row, written);
+		setRestitution(point, frame, row, written);
 	else
 		written.m_combinedRestitution = 0;
 }

@@ -157,14 +157,16 @@ BodyBalance::Row* BodyBalance::addLowest()
 	return lowest;
 }
 
-// An active set: each round makes the whole nearer to balance, so that no set of contacts comes twice.
-void BodyBalance::balanceNormals()
+// An active set: each round makes the whole nearer to balance, so that no set of contacts comes twice. False if there are
+// more rounds than it should take.
+bool BodyBalance::balanceNormals()
 {
 	for (std::size_t round = 0; round < 3 * m_rows.size(); ++round)
 	{
 		findSteps();
-		if (!takeSteps() && !addLowest()) return;
+		if (!takeSteps() && !addLowest()) return true;
 	}
+	return false;
 }
 
 // Friction against the sliding, contact by contact. Returns the largest speed that it changes.
@@ -194,7 +196,7 @@ bool BodyBalance::solve()
 	double change = 0;
 	for (int round = 0; round < kRounds; ++round)
 	{
-		balanceNormals();
+		if (!balanceNormals()) return false;
 		change = rub();
 		if (change <= m_least) return true;
 	}

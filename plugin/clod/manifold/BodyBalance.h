@@ -27,8 +27,9 @@ public:
 	};
 	// The body as forces alone would move it. In any frame and unit.
 	void start(const PairBody& body);
+	std::size_t size() const { return m_rows.size(); }
 	void add(const Contact& contact) { m_rows.push_back({contact, {}, {}, 0}); }
-	// False if the body cannot turn freely, or if friction wedges it: then the answer is none.
+	// False if the body cannot turn freely, or where friction does not settle: then the answer is none.
 	bool solve();
 	// Does one that carries rub as much as it can?
 	bool slides() const;
@@ -51,7 +52,7 @@ private:
 	void findSteps();
 	Row* takeSteps();
 	Row* addLowest();
-	void balanceNormals();
+	bool balanceNormals();
 	double rub();
 	PairBody m_body;
 	Mat3 m_inertiaShare;  // inertia over mass

@@ -12,6 +12,7 @@ namespace
 {
 constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr double kLeastDepth = 1e-3;  // of the length: shallower overlaps are left to the facets
+constexpr double kOwnWay = 0.9;       // cosine: a place's own way out is the pair's
 constexpr double kLeastShare = 1e-3;  // of an edge: the shortest part that is looked for inside
 constexpr double kNotConvex = 0.03;   // of a body's volume: a hull with that much more is not the body
 constexpr double kNotConvexError = 2e-3;  // of the radius, of the surface that is looked at: 0.6 % of a ball's volume
@@ -206,7 +207,10 @@ Vec3 DeepOverlap::find(const FacetQuestion& q, const std::vector<Contact>& conta
 	// A place may be near a surface on its way through thin walls. The hulls tell how far it is out of them all, and the
 	// bodies part at the full speed until nothing is inside.
 	const double depth = hullDepth(q.a.surfaceOf(m_inside[0].nodeA), q.b.surfaceOf(m_inside[0].nodeB), q.aFromB, way);
-	for (const Inside& inside : m_inside) add(inside, way, depth);
+	// Where each place comes out that way by itself, its own way tells.
+	const auto isOwnWay = [&](const Inside& inside) { return dot(inside.way, way) >= kOwnWay * length(inside.way); };
+	const bool areOwn = !areHulls && std::all_of(m_inside.begin(), m_inside.end(), isOwnWay);
+	for (const Inside& inside : m_inside) add(inside, way, areOwn ? length(inside.way) : depth);
 	return way;
 }
 }  // namespace clod

@@ -5,7 +5,7 @@
 // The pair gets one direction out, which is kept from step to step. At first it is the mean way out of the corners
 // inside; for convex bodies, and where no corner is inside, the shortest way out of the two hulls (the nearest face of
 // the hull of their differences a - b: some 300 support values). Each place inside becomes a contact that goes that way,
-// as far as it is out of both hulls. A body that is wholly inside, far from any surface, is looked at as a whole.
+// as far as it is out of both hulls, or as itself comes out where all go that way. A body that is wholly inside, far from any surface, is looked at as a whole.
 #pragma once
 #include <vector>
 

@@ -11,6 +11,7 @@ namespace
 {
 constexpr int kPasses = 3;
 constexpr int kSweeps = 12;
+constexpr std::size_t kMostBalanced = 100;  // facets, which take up to 0.2 ms; of a pair's 32 points they are several times
 constexpr double kSettled = 1e-6;  // of the length: the solve ends once rows change by less
 constexpr double kMostTurn = 0.2;  // radians a step: beyond it, the second order says less and less of an arc
 
@@ -166,7 +167,7 @@ void PairSolve::sweep(const FacetQuestion& question, const std::vector<Facet>& f
 		}
 		if (change * question.rules.timeStep < kSettled * question.length()) break;
 	}
-	if (question.rules.liesAlone) balance(question, facets);
+	if (question.rules.liesAlone && facets.size() <= kMostBalanced) balance(question, facets);
 }
 
 // From what the sweeps have left, exactly: where a body that rolls or rocks ends is told by the balance of contacts that
@@ -186,7 +187,7 @@ void PairSolve::balance(const FacetQuestion& question, const std::vector<Facet>&
 					   wantedSpeed(question.rules, facet), question.rules.friction, m_multipliers[i],
 					   sign * m_frictions[i]});
 	}
-	if (!m_balance.solve()) return;
+	if (m_balance.size() < 2 || !m_balance.solve()) return;  // one alone is settled
 	(isA ? m_a : m_b) = m_balance.body();
 	for (std::size_t i = 0, at = 0; i < facets.size(); ++i)
 	{
