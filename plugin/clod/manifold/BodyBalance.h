@@ -27,7 +27,6 @@ public:
 	};
 	// The body as forces alone would move it. In any frame and unit.
 	void start(const PairBody& body);
-	std::size_t size() const { return m_rows.size(); }
 	void add(const Contact& contact) { m_rows.push_back({contact, {}, {}, 0}); }
 	// False if the body cannot turn freely, or where friction does not settle: then the answer is none.
 	bool solve();

@@ -187,7 +187,7 @@ void PairSolve::balance(const FacetQuestion& question, const std::vector<Facet>&
 					   wantedSpeed(question.rules, facet), question.rules.friction, m_multipliers[i],
 					   sign * m_frictions[i]});
 	}
-	if (m_balance.size() < 2 || !m_balance.solve()) return;  // one alone is settled
+	if (!m_balance.solve()) return;
 	(isA ? m_a : m_b) = m_balance.body();
 	for (std::size_t i = 0, at = 0; i < facets.size(); ++i)
 	{
