@@ -12,7 +12,6 @@
 #include "clod/bullet/BodyState.h"
 #include "clod/bullet/TimeOfImpact.h"
 #include "clod/collide/MotionBound.h"
-#include "clod/manifold/PairSolve.h"
 
 namespace clod
 {

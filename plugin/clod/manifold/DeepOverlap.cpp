@@ -204,12 +204,13 @@ Vec3 DeepOverlap::find(const FacetQuestion& q, const std::vector<Contact>& conta
 		facet.span(inside.point, inside.ofA);
 		facets.push_back(facet);
 	};
-	// A place may be near a surface on its way through thin walls. The hulls tell how far it is out of them all, and the
-	// bodies part at the full speed until nothing is inside.
-	const double depth = hullDepth(q.a.surfaceOf(m_inside[0].nodeA), q.b.surfaceOf(m_inside[0].nodeB), q.aFromB, way);
-	// Where each place comes out that way by itself, its own way tells.
+	// Where each place comes out that way by itself, its own way tells how deep it is. Else it may be near a surface on its
+	// way through thin walls: the hulls tell how far it is out of them all, and the bodies part at the full speed until
+	// nothing is inside.
 	const auto isOwnWay = [&](const Inside& inside) { return dot(inside.way, way) >= kOwnWay * length(inside.way); };
 	const bool areOwn = !areHulls && std::all_of(m_inside.begin(), m_inside.end(), isOwnWay);
+	const double depth =
+		areOwn ? 0 : hullDepth(q.a.surfaceOf(m_inside[0].nodeA), q.b.surfaceOf(m_inside[0].nodeB), q.aFromB, way);
 	for (const Inside& inside : m_inside) add(inside, way, areOwn ? length(inside.way) : depth);
 	return way;
 }
