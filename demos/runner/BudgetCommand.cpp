@@ -82,12 +82,13 @@ void runBudget(const BudgetCommandOptions& options)
 	writeText(base + ".txt", table);
 	writeReport(base + ".json", report);
 	writeReport(options.common.json, report);
-	bool plotted = true;
+	std::string plots;
 	for (std::size_t i = 0; i < figures.size(); ++i)
-		plotted = plotBudget(figures[i], base + "-" + options.scenes[i] + ".png") && plotted;
-	if (!options.common.textOnStdout()) return;
-	fmt::print("{}wrote {}.csv, .txt, .json{}\n", table, base,
-			   plotted ? ", -SCENE.png" : " (no plot: gnuplot is not installed)");
+	{
+		const std::string plot = "-" + options.scenes[i] + ".png", why = plotBudget(figures[i], base + plot);
+		plots += why.empty() ? ", " + plot : fmt::format(" (no {}: {})", plot, why);
+	}
+	if (options.common.textOnStdout()) fmt::print("{}wrote {}.csv, .txt, .json{}\n", table, base, plots);
 }
 }  // namespace
 

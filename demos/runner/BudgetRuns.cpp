@@ -216,16 +216,16 @@ std::string formatTable(const std::vector<nlohmann::ordered_json>& scenes)
 	return text;
 }
 
-bool plotBudget(const nlohmann::ordered_json& scene, const std::string& path)
+std::string plotBudget(const nlohmann::ordered_json& scene, const std::string& path)
 {
 	constexpr int kWidth = 1000, kHeight = 1150;
 	const std::string data = plotData(scene);
-	if (data.empty()) return true;  // nothing touched
+	if (data.empty()) return "nothing touched";
 	std::string text = pngTerminal(kWidth, kHeight) + "$scene << END\n" + data + "END\n";
 	text += fmt::format("set multiplot layout 2,1 margins 0.14,{},0.13,0.95 spacing 0.08,0.07\n"
 						"set logscale xy\nset format \"%g\"\nset grid xtics ytics lc rgb \"#dddddd\"\n",
 						1 - kHalfANumber / kWidth);
 	for (const bool isSpent : {true, false}) text += panel(scene, isSpent);
-	return drawPlot(text + "unset multiplot\n", path);
+	return drawPlot(text + "unset multiplot\n", path) ? "" : "gnuplot is missing or failed";
 }
 }  // namespace clod::demo

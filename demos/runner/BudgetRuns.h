@@ -49,7 +49,7 @@ std::vector<double> budgetsBetween(const SceneUnderBudgets& ends, bool areTests)
 nlohmann::ordered_json toJson(const SceneUnderBudgets& scene);
 std::string formatCsv(const std::vector<SceneUnderBudgets>& scenes);         // a row a step that touches
 std::string formatTable(const std::vector<nlohmann::ordered_json>& scenes);  // of toJson's
-// Of one of toJson's: what a step's dispatch took above, its certified error below, both over the budget. False: gnuplot is
-// not installed or failed.
-bool plotBudget(const nlohmann::ordered_json& scene, const std::string& path);
+// Of one of toJson's: what a step's dispatch took above, its certified error below, both over the budget. Empty, or why there is
+// no plot.
+std::string plotBudget(const nlohmann::ordered_json& scene, const std::string& path);
 }  // namespace clod::demo

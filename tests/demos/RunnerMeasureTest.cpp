@@ -370,6 +370,11 @@ TEST_F(RunnerCommand, BudgetsAreRunAtTheSamePosesAndLargerOnesLeaveSmallerErrors
 	EXPECT_EQ(chosen[0]["budget"], std::floor(std::max(1.0, tests(0))));
 	EXPECT_NEAR(chosen[11]["budget"].get<double>(), 2 * counted[3]["tests"]["max"].get<double>(), 1);
 	EXPECT_EQ(chosen[11]["error_percent"], chosen[12]["error_percent"]);
+	// Where nothing touches there is nothing to plot, which is told.
+	const Outcome apart =
+		bench("budget spoon-cup --resolution 0.03 --steps 5 --quiet --budgets 1 -o " + path("apart") + cache());
+	EXPECT_NE(apart.out.find("(no -spoon-cup.png: nothing touched)"), std::string::npos) << apart.out;
+	EXPECT_FALSE(std::filesystem::exists(path("apart/budget-spoon-cup.png")));
 	EXPECT_EQ(bench("budget spoon-cub -o " + path("x") + cache()).code, 2);
 	EXPECT_EQ(bench("budget spoon-cup --budgets 5,-1 -o " + path("x") + cache()).code, 2);
 	EXPECT_EQ(bench("budget spoon-cup --budget-us 5 -o " + path("x") + cache()).code, 2);
