@@ -327,6 +327,38 @@ TEST(ContactPairTest, FindsPointsOfItsOwnKindAndOfAPlane)
 	}
 }
 
+// Where the bodies are, that is, and not where a step would bring them; and no pair of the world's counts it.
+TEST(ContactPairTest, TellsOfCompoundsAsOfTheirChildren)
+{
+	for (const double gap : {0.0002, -0.01})
+		for (const bool isFirst : {true, false})
+		{
+			BulletWorld scene;
+			scene.world.getDispatchInfo().m_timeStep = btScalar(1.0 / 60);
+			btClodShape& child = scene.addShape(cube());
+			auto& compound = scene.add(std::make_unique<btCompoundShape>());
+			compound.addChildShape(btTransform::getIdentity(), &child);
+			auto& withBox = scene.add(std::make_unique<btCompoundShape>());
+			const btVector3 half(btScalar(0.5), btScalar(0.5), btScalar(0.5));
+			withBox.addChildShape(btTransform::getIdentity(), &scene.add(std::make_unique<btBoxShape>(half)));
+			btRigidBody& body = scene.addBody(compound, 1, {0, 0, 0});
+			body.setLinearVelocity(btVector3(50, 0, 0));
+			body.setInterpolationLinearVelocity(btVector3(50, 0, 0));
+			body.setInterpolationWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(1, 0, 0)));
+			for (btCollisionShape* other : std::initializer_list<btCollisionShape*>{&child, &compound, &withBox})
+			{
+				btRigidBody& second = scene.addBody(*other, 1, {1 + gap, 0.1, 0.2});
+				Collected found;
+				scene.world.contactPairTest(isFirst ? &body : &second, isFirst ? &second : &body, found);
+				EXPECT_GE(found.points.size(), 4u);
+				for (const btManifoldPoint& point : found.points) EXPECT_NEAR(double(point.getDistance()), gap, 1e-6);
+				scene.world.removeRigidBody(&second);
+			}
+			EXPECT_EQ(scene.dispatcher.getNumManifolds(), 0);
+			EXPECT_TRUE(scene.warnings.empty()) << scene.warnings.front();
+		}
+}
+
 TEST(ContactPairTest, SwappedBodiesNegateTheNormalAndKeepTheDistance)
 {
 	BulletWorld scene;

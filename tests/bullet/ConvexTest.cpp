@@ -6,6 +6,9 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <utility>
+
+#include <BulletCollision/CollisionShapes/btConvexTriangleMeshShape.h>
 
 #include "clod/hierarchy/InputSurface.h"
 #include "tests/bullet/BulletWorld.h"
@@ -341,13 +344,15 @@ TEST(Convex, SpheresOfAnyRadiiAreAsFarAsTheLowest)
 	const btVector3 places[3] = {btVector3(btScalar(-0.2), 0, 0), btVector3(btScalar(0.2), 0, 0),
 								 btVector3(0, btScalar(0.2), btScalar(0.04))};
 	for (const double size : {0.3, 1.0, 4.0})
-		for (const bool isEqual : {true, false})
+		for (const auto& [isEqual, unit] : {std::pair{true, 1.0}, std::pair{false, 1.0}, std::pair{false, 100.0}})
 		{
 			btScalar radii[3] = {btScalar(0.06), btScalar(0.1), btScalar(0.03)};
 			if (isEqual) radii[1] = radii[2] = radii[0];
 			BulletWorld scene;
 			scene.context.worldMetric = ContactMetric::exactly();
-			btRigidBody& ground = scene.addBody(scene.addShape(patchHierarchy(boxMesh({9, 1, 9}, {1, 1, 1}, 1))), 0, {0, -0.5, 0});
+			btClodShape& slab = scene.addShape(patchHierarchy(boxMesh({9 / unit, 1 / unit, 9 / unit}, {1, 1, 1}, 1)));
+			slab.setLocalScaling(btVector3(btScalar(unit), btScalar(unit), btScalar(unit)));
+			btRigidBody& ground = scene.addBody(slab, 0, {0, -0.5, 0});
 			auto& shape = scene.add(std::make_unique<btMultiSphereShape>(places, radii, 3));
 			shape.setLocalScaling(btVector3(btScalar(size), btScalar(size), btScalar(size)));
 			btRigidBody& body = scene.addBody(shape, 1, {});
@@ -367,7 +372,8 @@ TEST(Convex, SpheresOfAnyRadiiAreAsFarAsTheLowest)
 				body.setWorldTransform(btTransform(basis, btVector3(0, btScalar(height), 0)));
 				Closest nearest(size);
 				scene.world.contactPairTest(&ground, &body, nearest);
-				EXPECT_NEAR(nearest.least, expected, 0.004 * size) << size << ", equal " << isEqual << ", pose " << pose;
+				EXPECT_NEAR(nearest.least, expected, 0.004 * size)
+					<< size << ", equal " << isEqual << ", unit " << unit << ", pose " << pose;
 			}
 		}
 }
@@ -402,5 +408,39 @@ TEST(Convex, WhatIsNotFiniteIsRefusedWithAReason)
 	ASSERT_FALSE(scene.warnings.empty());
 	EXPECT_NE(scene.warnings.front().find("not finite"), std::string::npos) << scene.warnings.front();
 	EXPECT_EQ(scene.contacts(), 0);
+}
+
+// Shapes of the same type that agree wherever they are looked at are two all the same: prisms of 8 and 64 sides, whose
+// extremes along 26 directions are the same.
+TEST(Convex, ShapesKnownByTheirSupportAreNotTakenForEachOther)
+{
+	BulletWorld scene;
+	btRigidBody& ground = scene.addBody(scene.addShape(slab()), 0, {0, -0.5, 0});
+	const auto prism = [](int sides, btTriangleMesh& mesh)
+	{
+		const auto corner = [&](int i, double z)
+		{
+			const double angle = 2 * 3.14159265358979 * i / sides;
+			return btVector3(btScalar(0.5 * std::cos(angle)), btScalar(0.5 * std::sin(angle)), btScalar(z));
+		};
+		for (int i = 0; i < sides; ++i)
+		{
+			mesh.addTriangle(corner(i, -0.5), corner(i + 1, -0.5), corner(i, 0.5));
+			mesh.addTriangle(corner(i + 1, -0.5), corner(i + 1, 0.5), corner(i, 0.5));
+		}
+	};
+	for (const int sides : {8, 64})
+	{
+		btTriangleMesh mesh;
+		prism(sides, mesh);
+		btConvexTriangleMeshShape shape(&mesh);
+		shape.setMargin(0);
+		const double half = 3.14159265358979 / 8;
+		btRigidBody& body = scene.addBody(shape, 1, {0, 0.6, 0}, btQuaternion(btVector3(0, 0, 1), btScalar(half)));
+		Closest nearest(1);
+		scene.world.contactPairTest(&ground, &body, nearest);
+		EXPECT_NEAR(nearest.least, 0.6 - (sides == 8 ? 0.5 * std::cos(half) : 0.5), 1e-3) << sides;
+		scene.world.removeRigidBody(&body);
+	}
 }
 }  // namespace clod::test

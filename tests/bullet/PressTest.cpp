@@ -242,4 +242,28 @@ TEST(Press, ABoxOverASharpEdgeIsNotStopped)
 	EXPECT_GT(heightOf(body), 0.9);
 	EXPECT_LT(double(body.getAngularVelocity().length()), 0.1);
 }
+
+// A program may have contacts give way as springs do: a ball then sinks in by its weight over the stiffness, as it does
+// between Bullet's own shapes where impulses are not split.
+TEST(Press, ContactsGiveWayAsSpringsWhereAskedTo)
+{
+	for (const bool isOurs : {false, true})
+		for (const bool isSplit : {false, true})
+			for (const double stiffness : {100.0, 400.0})
+			{
+				if (isSplit && !isOurs) continue;
+				BulletWorld scene;
+				configureWorld(scene.world);
+				scene.world.getSolverInfo().m_splitImpulse = isSplit;
+				auto box = std::make_unique<btBoxShape>(btVector3(5, btScalar(0.5), 5));
+				btCollisionShape& bullets = scene.add(std::move(box));
+				scene.addBody(isOurs ? scene.addShape(slab()) : bullets, 0, {0, -0.5, 0});
+				btRigidBody& ball = scene.addBody(scene.add(std::make_unique<btSphereShape>(btScalar(0.5))), 1, {0, 0.5, 0});
+				ball.setContactStiffnessAndDamping(btScalar(stiffness), btScalar(2 * std::sqrt(stiffness)));
+				scene.step(960);
+				const double expected = 9.81 / stiffness;
+				EXPECT_NEAR(0.5 - heightOf(ball), expected, 0.02 * expected) << isOurs << isSplit << " " << stiffness;
+				EXPECT_LT(double(ball.getLinearVelocity().length()), 1e-3) << isOurs << isSplit;
+			}
+}
 }  // namespace clod::test

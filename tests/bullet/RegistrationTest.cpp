@@ -121,7 +121,9 @@ TEST(Registration, RefusesWithAReason)
 	Context context;
 	EXPECT_NE(btClodCollisionAlgorithm::registerAlgorithm(nullptr, &context).error(), "");
 	EXPECT_NE(btClodCollisionAlgorithm::registerAlgorithm(&dispatcher, nullptr).error(), "");
-	for (const int type : {int(STATIC_PLANE_PROXYTYPE), int(BOX_SHAPE_PROXYTYPE), int(EMPTY_SHAPE_PROXYTYPE), 77})
+	// Of the latter types' shapes Bullet asks what no other has, such as their own trees for rays.
+	for (const int type : {int(STATIC_PLANE_PROXYTYPE), int(BOX_SHAPE_PROXYTYPE), int(EMPTY_SHAPE_PROXYTYPE), 77,
+						   int(TRIANGLE_MESH_SHAPE_PROXYTYPE), int(SCALED_TRIANGLE_MESH_SHAPE_PROXYTYPE), int(TERRAIN_SHAPE_PROXYTYPE)})
 		EXPECT_FALSE(btClodCollisionAlgorithm::registerAlgorithm(&dispatcher, &context, type)) << type;
 }
 

@@ -145,4 +145,28 @@ TEST(Scale, RaysMeetTheStretchedSurface)
 	EXPECT_NEAR(double(ray.m_hitPointWorld.y()), 1.5, 1e-4);
 	EXPECT_GT(double(ray.m_hitNormalWorld.y()), 0.99);
 }
+
+// A program may set a shape's scale in every step. The same one again changes nothing: what is kept of contacts stays.
+TEST(Scale, TheSameScaleAgainChangesNothing)
+{
+	for (const Vec3& scale : {Vec3{0.5, 0.5, 0.5}, Vec3{1, 2, 1}})
+	{
+		BulletWorld scene;
+		scene.addBody(scene.addShape(slab()), 0, {0, -0.5, 0});
+		btClodShape& shape = scene.addShape(cube());
+		shape.setLocalScaling(vector(scale.x, scale.y, scale.z));
+		scene.addBody(shape, 1, {0.1, 0.5 * scale.y, 0.2});
+		scene.step(240);
+		const Hierarchy* before = &shape.hierarchy();
+		shape.setLocalScaling(vector(scale.x, 0, scale.z));
+		EXPECT_NE(shape.scalingError(), "");
+		shape.setLocalScaling(vector(scale.x, scale.y, scale.z));
+		EXPECT_EQ(shape.scalingError(), "");
+		EXPECT_EQ(&shape.hierarchy(), before);
+		scene.step();
+		EXPECT_EQ(scene.context.lastStep().keptPairs, 1u);
+		for (int i = 0; i < scene.dispatcher.getNumManifolds(); ++i)
+			EXPECT_GT(scene.dispatcher.getManifoldByIndexInternal(i)->getContactPoint(0).getLifeTime(), 100);
+	}
+}
 }  // namespace clod::test

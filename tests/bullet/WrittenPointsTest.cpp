@@ -308,4 +308,21 @@ TEST(WrittenPoints, AreOfBodiesThatTurnAsTheirFactorsAllow)
 	EXPECT_EQ(held.y, 0);
 	EXPECT_EQ(held.z, 3 * double(body.getInvInertiaTensorWorld()[2].z()));
 }
+
+// A force is held back by a body's linear factor once, as Bullet does when the force is applied.
+TEST(WrittenPoints, AreForForcesThatTheSolverWillApply)
+{
+	for (const double factor : {1.0, 0.5, 0.0, 2.0})
+	{
+		BulletWorld scene;
+		auto& box = scene.add(std::make_unique<btBoxShape>(btVector3(1, 1, 1)));
+		btRigidBody& body = scene.addBody(box, 2, {0, 5, 0});
+		body.setLinearFactor(btVector3(1, btScalar(factor), 1));
+		body.applyGravity();
+		const double foreseen = worldMotion(body, scene.timeStep).linear.y;
+		body.clearForces();
+		scene.step();
+		EXPECT_NEAR(foreseen, double(body.getLinearVelocity().y()), 1e-6) << factor;
+	}
+}
 }  // namespace clod::test

@@ -86,8 +86,8 @@ RelativeMotion worldMotion(const btCollisionObject& object, double timeStep)
 	Vec3 angular = toVec3(object.getInterpolationAngularVelocity());
 	if (const btRigidBody* body = btRigidBody::upcast(&object))
 	{
-		const double impulse = timeStep * double(body->getInvMass());
-		linear = toVec3(body->getLinearVelocity()) + impulse * toVec3(body->getTotalForce() * body->getLinearFactor());
+		// Forces and torques are sums of what was applied, and the body's factors are in them.
+		linear = toVec3(body->getLinearVelocity()) + timeStep * double(body->getInvMass()) * toVec3(body->getTotalForce());
 		angular = toVec3(body->getAngularVelocity()) +
 				  timeStep * toVec3(body->getInvInertiaTensorWorld() * body->getTotalTorque());
 	}

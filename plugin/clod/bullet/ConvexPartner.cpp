@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "clod/bullet/BodyState.h"
@@ -33,7 +34,9 @@ struct Description
 	std::vector<Vec3> points;
 	double radius = 0;
 	bool isBySupport = false;
+	bool isSeen = false;  // numbers are what is seen of it, and where it is; else all that makes it
 	double error = 0;
+	double size = 0;  // of what is known by its support: how far it reaches
 };
 
 Vec3 centerOf(const btMultiSphereShape& shape, int i)
@@ -110,7 +113,8 @@ void describeCapsule(const btCapsuleShape& shape, Description& description)
 	description.points = {end, -end};
 }
 
-// Spheres are grown by the least of their radii. Where all radii are equal only the centres are left.
+// Spheres are grown by the least of their radii. Where all radii are equal only the centres are left; else the points
+// tell which spheres they are.
 void describeSpheres(const btMultiSphereShape& shape, Description& description)
 {
 	btScalar least = shape.getSphereRadius(0);
@@ -121,7 +125,12 @@ void describeSpheres(const btMultiSphereShape& shape, Description& description)
 		description.points.push_back(centerOf(shape, i));
 		if (shape.getSphereRadius(i) != least) description.isBySupport = true;
 	}
-	if (description.isBySupport) description.points.clear();
+	for (int i = 0; description.isBySupport && i < shape.getSphereCount(); ++i)
+	{
+		const double radius = double(shape.getSphereRadius(i)) * double(shape.getLocalScaling().x());
+		description.size = std::max(description.size, length(centerOf(shape, i)) + radius);
+		description.points.push_back({radius, 0, 0});
+	}
 }
 
 void describePolyhedron(const btPolyhedralConvexShape& shape, Description& description)
@@ -137,11 +146,26 @@ void describePolyhedron(const btPolyhedralConvexShape& shape, Description& descr
 	description.isBySupport = description.points.empty();
 }
 
+// What is seen of a shape along some directions tells when it changes, but not whether another is the same.
+void look(const btConvexShape& shape, Description& description)
+{
+	std::vector<double>& numbers = description.numbers;
+	numbers.push_back(double(reinterpret_cast<std::uintptr_t>(&shape)));
+	for (int x = -1; x <= 1; ++x)
+		for (int y = -1; y <= 1; ++y)
+			for (int z = -1; z <= 1; ++z)
+			{
+				const Vec3 p = coreSupport(shape, description.radius, {double(x), double(y), double(z)});
+				numbers.insert(numbers.end(), {p.x, p.y, p.z});
+				description.size = std::max({description.size, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+			}
+}
+
 void describe(const btConvexShape& shape, Description& description)
 {
 	description.points.clear();
-	description.isBySupport = false;
-	description.error = 0;
+	description.isBySupport = description.isSeen = false;
+	description.error = description.size = 0;
 	description.radius = double(shape.getMargin());
 	if (shape.isPolyhedral())
 		describePolyhedron(static_cast<const btPolyhedralConvexShape&>(shape), description);
@@ -160,13 +184,8 @@ void describe(const btConvexShape& shape, Description& description)
 	std::vector<double>& numbers = description.numbers;
 	numbers.assign({double(shape.getShapeType()), description.radius});
 	for (const Vec3& p : description.points) numbers.insert(numbers.end(), {p.x, p.y, p.z});
-	for (int x = -1; description.isBySupport && x <= 1; ++x)
-		for (int y = -1; y <= 1; ++y)
-			for (int z = -1; z <= 1; ++z)
-			{
-				const Vec3 p = coreSupport(shape, description.radius, {double(x), double(y), double(z)});
-				numbers.insert(numbers.end(), {p.x, p.y, p.z});
-			}
+	description.isSeen = description.points.empty();
+	if (description.isSeen) look(shape, description);
 }
 
 // Makes a thin solid of a flat body, which encloses no volume.
@@ -191,12 +210,8 @@ void make(const btConvexShape& shape, double unit, const Description& descriptio
 	partner.radius = description.radius / unit;
 	ConvexPolyhedron polyhedron;
 	if (description.isBySupport)
-	{
-		double size = 0;
-		for (std::size_t i = 2; i < description.numbers.size(); ++i) size = std::max(size, std::abs(description.numbers[i]));
 		polyhedron = convexPolyhedron([&](const Vec3& d) { return (1 / unit) * coreSupport(shape, description.radius, d); },
-									  kCurved * (size + description.radius) / unit, kMostCorners);
-	}
+									  kCurved * (description.size + description.radius) / unit, kMostCorners);
 	else
 	{
 		std::vector<Vec3> points;
@@ -227,6 +242,11 @@ std::shared_ptr<const ConvexPartner> ConvexPartners::of(const btConvexShape& sha
 	{
 		made.problem = "a number of the shape is not finite";
 		return std::make_shared<const ConvexPartner>(made);
+	}
+	if (description.isSeen)  // no other pair's serves: each has its own
+	{
+		make(shape, unit, description, made);
+		return std::make_shared<const ConvexPartner>(std::move(made));
 	}
 	const std::lock_guard<std::mutex> lock(m_mutex);
 	std::shared_ptr<const ConvexPartner>& partner = m_partners[made.shape];

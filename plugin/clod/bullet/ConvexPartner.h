@@ -21,7 +21,7 @@ namespace clod
 {
 struct ConvexPartner
 {
-	std::vector<double> shape;  // all that makes it, the unit included: equal lists are equal partners
+	std::vector<double> shape;  // all that makes it, or what is seen of it and where it is; and the unit
 	std::shared_ptr<const Hierarchy> hierarchy;  // none where the shape cannot be used,
 	std::string problem;                         // and why
 	double radius = 0;  // that the hierarchy is grown by

@@ -110,6 +110,7 @@ bool PairState::isStill(const PairPose& pose, const Question& question) const
 // Drops everything kept where one of the shapes is another than in the last dispatch.
 void PairState::noticeShapes(const PairPose& pose)
 {
+	if (m_convex != pose.convex) m_convex = pose.convex;
 	const Seen a = seenA(pose), b = seenB(pose);
 	if (m_seenA == a && m_seenB == b) return;
 	m_cache.clear();
@@ -120,7 +121,6 @@ void PairState::noticeShapes(const PairPose& pose)
 	m_points = m_ofCoarsest = 0;
 	m_seenA = a;
 	m_seenB = b;
-	m_convex = pose.convex;
 	m_asked = pose.asked;  // held: the caches are of them
 }
 

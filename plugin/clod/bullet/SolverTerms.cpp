@@ -84,6 +84,18 @@ void setErp(double erp, btManifoldPoint& point)
 	point.m_contactPointFlags |= BT_CONTACT_FLAG_HAS_CONTACT_ERP;
 	point.m_contactERP = btScalar(erp);
 }
+
+// A spring and damper that is pressed in so far: the row that Bullet makes of it where impulses are not split. It takes
+// the place of the two numbers in the point.
+void setSpring(double depth, double dt, btManifoldPoint& point)
+{
+	const double pull = dt * double(point.m_combinedContactStiffness1);
+	const double sum = std::max(pull + double(point.m_combinedContactDamping1), double(SIMD_EPSILON));
+	point.m_distance1 = btScalar(-kTokenOverlap);
+	setErp(pull / sum * depth / kTokenOverlap, point);
+	point.m_contactPointFlags |= BT_CONTACT_FLAG_HAS_CONTACT_CFM;
+	point.m_contactCFM = btScalar(1 / sum);
+}
 }  // namespace
 
 void setSolverTerms(const ContactPoint& point, const WorldFrame& frame, btManifoldPoint& written)
@@ -100,7 +112,9 @@ void setSolverTerms(const ContactPoint& point, const WorldFrame& frame, btManifo
 	// An overlap is left by positions (split impulse) if they take back more of it than the path bends into it.
 	// Otherwise velocities answer for both, with at most twice what the bend itself asks for.
 	const bool isDepth = height < 0 && -bend < kTakenBackShare * -height;
-	if (isDepth)
+	if (height < 0 && (written.m_contactPointFlags & BT_CONTACT_FLAG_CONTACT_STIFFNESS_DAMPING) != 0)
+		setSpring(-height, dt, written);
+	else if (isDepth)
 	{
 		// The share is such that as much is taken back a second whatever the step.
 		const double share = std::min(kMostDepthShare, 1 - std::pow(1 - kTakenBackShare, dt / kDepthStep));

@@ -38,12 +38,19 @@ bool takesOver(int type)
 	return isMesh(type) || btBroadphaseProxy::isConvex(type);
 }
 
+// Types by which Bullet takes a shape for one of its own classes, as when it follows a ray.
+bool isBulletsOwn(int type)
+{
+	return type == STATIC_PLANE_PROXYTYPE || type == TRIANGLE_MESH_SHAPE_PROXYTYPE ||
+		   type == SCALED_TRIANGLE_MESH_SHAPE_PROXYTYPE || type == TERRAIN_SHAPE_PROXYTYPE;
+}
+
 std::string reasonAgainst(btCollisionDispatcher* dispatcher, const clod::Context* context, int shapeType)
 {
 	if (!dispatcher) return "registerAlgorithm: the dispatcher is null";
 	if (!context) return "registerAlgorithm: the context is null";
-	if (!isMesh(shapeType) || shapeType == STATIC_PLANE_PROXYTYPE)
-		return "registerAlgorithm: shape type " + std::to_string(shapeType) + " is not a concave mesh type";
+	if (!isMesh(shapeType) || isBulletsOwn(shapeType))
+		return "registerAlgorithm: shape type " + std::to_string(shapeType) + " is not a concave mesh type, or is Bullet's";
 	const bool isDouble = sizeof(btScalar) == sizeof(double);
 	if (bool(btIsDoublePrecision()) != isDouble) return "registerAlgorithm: Bullet and this plugin differ in precision";
 	const int room = dispatcher->getCollisionConfiguration()->getCollisionAlgorithmPool()->getElementSize();
@@ -129,12 +136,15 @@ clod::Result<int> btClodCollisionAlgorithm::registerAlgorithm(btCollisionDispatc
 	if (!reason.empty()) return clod::Error{reason};
 	auto contacts = std::make_unique<CreateFunction>(*context, false);
 	auto closestPoints = std::make_unique<CreateFunction>(*context, true);
-	auto compounds = btClodCompoundAlgorithm::createFunction(*dispatcher);
+	auto compounds = btClodCompoundAlgorithm::createFunction(*dispatcher, BT_CONTACT_POINT_ALGORITHMS);
+	auto closestOfCompounds = btClodCompoundAlgorithm::createFunction(*dispatcher, BT_CLOSEST_POINT_ALGORITHMS);
 	for (int type = 0; type < MAX_BROADPHASE_COLLISION_TYPES; ++type)
 	{
 		if (type != COMPOUND_SHAPE_PROXYTYPE && (!takesOver(type))) continue;
 		dispatcher->registerCollisionCreateFunc(COMPOUND_SHAPE_PROXYTYPE, type, compounds.get());
 		dispatcher->registerCollisionCreateFunc(type, COMPOUND_SHAPE_PROXYTYPE, compounds.get());
+		dispatcher->registerClosestPointsCreateFunc(COMPOUND_SHAPE_PROXYTYPE, type, closestOfCompounds.get());
+		dispatcher->registerClosestPointsCreateFunc(type, COMPOUND_SHAPE_PROXYTYPE, closestOfCompounds.get());
 	}
 	int count = 0;
 	for (int type = 0; type < MAX_BROADPHASE_COLLISION_TYPES; ++type)
@@ -149,6 +159,7 @@ clod::Result<int> btClodCollisionAlgorithm::registerAlgorithm(btCollisionDispatc
 	clod::Context::noteRegistration();
 	const std::lock_guard<std::mutex> lock(context->m_mutex);
 	context->m_createFunctions.push_back(std::move(compounds));
+	context->m_createFunctions.push_back(std::move(closestOfCompounds));
 	context->m_createFunctions.push_back(std::move(contacts));
 	context->m_createFunctions.push_back(std::move(closestPoints));
 	return count;

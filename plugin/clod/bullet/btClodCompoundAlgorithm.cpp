@@ -41,16 +41,22 @@ bool hasClod(const btCollisionShape& shape)
 struct CreateFunction : btCollisionAlgorithmCreateFunc
 {
 	btCollisionConfiguration& others;
-	explicit CreateFunction(btCollisionConfiguration& configuration) : others(configuration) {}
+	ebtDispatcherQueryType query;
+	CreateFunction(btCollisionConfiguration& configuration, ebtDispatcherQueryType asked)
+		: others(configuration), query(asked)
+	{
+	}
 	btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info, const Wrapper* body0,
 												   const Wrapper* body1) override
 	{
 		const btCollisionShape &shape0 = *body0->getCollisionShape(), &shape1 = *body1->getCollisionShape();
+		const int type0 = shape0.getShapeType(), type1 = shape1.getShapeType();
 		if (!hasClod(shape0) && !hasClod(shape1))
-			return others.getCollisionAlgorithmCreateFunc(shape0.getShapeType(), shape1.getShapeType())
+			return (query == BT_CONTACT_POINT_ALGORITHMS ? others.getCollisionAlgorithmCreateFunc(type0, type1)
+														 : others.getClosestPointsAlgorithmCreateFunc(type0, type1))
 				->CreateCollisionAlgorithm(info, body0, body1);
 		void* memory = info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(btClodCompoundAlgorithm));
-		return new (memory) btClodCompoundAlgorithm(info, body0, body1);
+		return new (memory) btClodCompoundAlgorithm(info, body0, body1, query);
 	}
 };
 
@@ -77,16 +83,16 @@ btScalar turnBetween(const btTransform& from, const btTransform& to)
 class Side
 {
 public:
-	Side(const Wrapper& body, const btDispatcherInfo& info, btScalar reach)
+	Side(const Wrapper& body, btScalar timeStep, btScalar reach)
 		: m_body(body), m_reach(reach, reach, reach), m_compound(compoundOf(*body.getCollisionShape()))
 	{
 		const btCollisionObject& object = *body.getCollisionObject();
-		m_moves = info.m_timeStep > 0 && !clod::isFixed(object);
+		m_moves = timeStep > 0 && !clod::isFixed(object);
 		if (!m_moves) return;
 		btTransform then = object.getInterpolationWorldTransform();
 		if (object.isKinematicObject())
 			btTransformUtil::integrateTransform(object.getWorldTransform(), object.getInterpolationLinearVelocity(),
-												object.getInterpolationAngularVelocity(), info.m_timeStep, then);
+												object.getInterpolationAngularVelocity(), timeStep, then);
 		m_then = body.m_parent ? then * (object.getWorldTransform().inverse() * body.getWorldTransform()) : then;
 		m_bend = 1 - btCos(btScalar(0.5) * turnBetween(body.getWorldTransform(), m_then));
 	}
@@ -225,6 +231,7 @@ struct btClodCompoundAlgorithm::Children
 	};
 	btDispatcher& dispatcher;
 	btPersistentManifold* shared;
+	const ebtDispatcherQueryType query;
 	std::vector<Pair> pairs;  // sorted by children
 	std::vector<int> list0, list1;
 	std::array<int, 2> revisions{};
@@ -286,7 +293,7 @@ struct btClodCompoundAlgorithm::Children
 			const Wrapper child0 = side0.childAt(pose0, pair.child0), child1 = side1.childAt(pose1, pair.child1);
 			if (!pair.algorithm)
 			{
-				pair.algorithm = dispatcher.findAlgorithm(&child0, &child1, shared, BT_CONTACT_POINT_ALGORITHMS);
+				pair.algorithm = dispatcher.findAlgorithm(&child0, &child1, shared, query);
 				pair.asked0 = pair.shape0;
 				pair.asked1 = pair.shape1;
 			}
@@ -295,15 +302,16 @@ struct btClodCompoundAlgorithm::Children
 	}
 };
 
-std::unique_ptr<btCollisionAlgorithmCreateFunc> btClodCompoundAlgorithm::createFunction(btCollisionDispatcher& dispatcher)
+std::unique_ptr<btCollisionAlgorithmCreateFunc> btClodCompoundAlgorithm::createFunction(
+	btCollisionDispatcher& dispatcher, ebtDispatcherQueryType query)
 {
-	return std::make_unique<CreateFunction>(*dispatcher.getCollisionConfiguration());
+	return std::make_unique<CreateFunction>(*dispatcher.getCollisionConfiguration(), query);
 }
 
 btClodCompoundAlgorithm::btClodCompoundAlgorithm(const btCollisionAlgorithmConstructionInfo& info, const Wrapper* body0,
-												 const Wrapper* body1)
+												 const Wrapper* body1, ebtDispatcherQueryType query)
 	: btClodPairAlgorithm(info, body0, body1),
-	  m_children(new Children{*info.m_dispatcher1, info.m_manifold, {}, {}, {}, {}})
+	  m_children(new Children{*info.m_dispatcher1, info.m_manifold, query, {}, {}, {}, {}})
 {
 }
 
@@ -316,7 +324,8 @@ void btClodCompoundAlgorithm::processCollision(const Wrapper* body0, const Wrapp
 											   btManifoldResult* out)
 {
 	BT_PROFILE("btClodCompoundAlgorithm::processCollision");
-	const Side side0(*body0, info, out->m_closestPointDistanceThreshold), side1(*body1, info, 0);
+	const btScalar timeStep = m_children->query == BT_CONTACT_POINT_ALGORITHMS ? info.m_timeStep : 0;
+	const Side side0(*body0, timeStep, out->m_closestPointDistanceThreshold), side1(*body1, timeStep, 0);
 	m_children->listNear(side0, side1);
 	m_children->releaseOthers();
 	m_children->forEachNear(side0, side1,
@@ -342,7 +351,7 @@ btScalar btClodCompoundAlgorithm::timeOfImpact(const Wrapper& body0, const Wrapp
 void btClodCompoundAlgorithm::forEachChild(const Wrapper& body0, const Wrapper& body1, const btDispatcherInfo& info,
 										   const Visit& visit)
 {
-	const Side side0(body0, info, 0), side1(body1, info, 0);
+	const Side side0(body0, info.m_timeStep, 0), side1(body1, info.m_timeStep, 0);
 	m_children->listNear(side0, side1);
 	m_children->forEachNear(side0, side1,
 							[&](const Children::Pair& pair, const Wrapper& child0, const Wrapper& child1)

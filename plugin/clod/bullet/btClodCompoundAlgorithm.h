@@ -13,11 +13,12 @@ class CLOD_API btClodCompoundAlgorithm : public btClodPairAlgorithm
 {
 public:
 	// Makes algorithms for pairs of compounds; those without a shape of ours are left to the dispatcher's
-	// configuration.
-	static std::unique_ptr<btCollisionAlgorithmCreateFunc> createFunction(btCollisionDispatcher& dispatcher);
+	// configuration. For contactTest and the like (closest points) children are asked where they are.
+	static std::unique_ptr<btCollisionAlgorithmCreateFunc> createFunction(btCollisionDispatcher& dispatcher,
+																		  ebtDispatcherQueryType query);
 
 	btClodCompoundAlgorithm(const btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* body0,
-							const btCollisionObjectWrapper* body1);
+							const btCollisionObjectWrapper* body1, ebtDispatcherQueryType query);
 	~btClodCompoundAlgorithm() override;
 
 	void processCollision(const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1,

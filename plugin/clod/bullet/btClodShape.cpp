@@ -155,6 +155,8 @@ void btClodShape::updateBounds()
 void btClodShape::setLocalScaling(const btVector3& scaling)
 {
 	const Vec3 factors{double(scaling.x()), double(scaling.y()), double(scaling.z())};
+	const Vec3 before{double(m_scaling.x()), double(m_scaling.y()), double(m_scaling.z())};
+	if (factors == before) return m_scalingError.clear();  // what is kept of contacts stays
 	const double scale = factors.x;
 	const double spread = std::max(std::abs(factors.y - scale), std::abs(factors.z - scale));
 	const bool isUniform = isFinite(factors) && scale > 0 && spread <= kSameScale * scale;

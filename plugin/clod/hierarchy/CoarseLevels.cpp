@@ -205,11 +205,9 @@ std::string readCoarse(std::ifstream& stream, const std::optional<std::vector<st
 								kept.hullY.data(), kept.hullZ.data(), kept.hullX.size()});
 	return problem;
 }
-}  // namespace
 
-Result<std::shared_ptr<const Hierarchy>> Hierarchy::load(const std::string& path, std::uint32_t finest)
+Result<std::shared_ptr<const Hierarchy>> loadCoarse(const std::string& path, std::uint32_t finest)
 {
-	if (finest == 0) return load(path);
 	const auto refused = [&path](const std::string& problem) { return Error{path + ": " + problem}; };
 	std::ifstream stream;
 	const Result<std::uint64_t> size = openFile(path, stream);
@@ -234,11 +232,18 @@ Result<std::shared_ptr<const Hierarchy>> Hierarchy::load(const std::string& path
 		problem = readCoarse(stream, packed, versionOf(start), table, coarse);
 		if (!problem.empty()) return refused(problem);
 		if (!coarse.isWhole) continue;
-		std::shared_ptr<const Hierarchy> hierarchy = fromOwnBytes(encode(coarse.content), coarse.finest);
+		std::shared_ptr<const Hierarchy> hierarchy = Hierarchy::fromOwnBytes(encode(coarse.content), coarse.finest);
 		problem = validate(*hierarchy);
 		if (!problem.empty()) return refused("levels from " + std::to_string(coarse.finest) + " on: " + problem);
 		return hierarchy;
 	}
-	return load(path);
+	return Hierarchy::load(path);
+}
+}  // namespace
+
+Result<std::shared_ptr<const Hierarchy>> Hierarchy::load(const std::string& path, std::uint32_t finest)
+{
+	if (finest == 0) return load(path);
+	return withinMemory(path + ": ", [&] { return loadCoarse(path, finest); });
 }
 }  // namespace clod

@@ -61,10 +61,14 @@ Result<std::shared_ptr<const Hierarchy>> Hierarchy::load(const std::string& path
 	std::ifstream stream;
 	const Result<std::uint64_t> size = openFile(path, stream);
 	if (!size) return Error{size.error()};
-	std::vector<std::byte> bytes;
-	const std::string problem = readBlock(stream, size.value(), bytes);
-	if (!problem.empty()) return fileError(path, problem);
-	Result<std::shared_ptr<const Hierarchy>> result = fromBytes(std::move(bytes));
+	const auto read = [&]() -> Result<std::shared_ptr<const Hierarchy>>
+	{
+		std::vector<std::byte> bytes;
+		const std::string problem = readBlock(stream, size.value(), bytes);
+		if (!problem.empty()) return Error{problem};
+		return fromBytes(std::move(bytes));
+	};
+	Result<std::shared_ptr<const Hierarchy>> result = withinMemory("", read);
 	if (!result) return fileError(path, result.error());
 	return result;
 }

@@ -237,7 +237,7 @@ struct HierarchyReader
 
 Result<std::shared_ptr<const Hierarchy>> Hierarchy::fromBytes(std::vector<std::byte> bytes)
 {
-	return HierarchyReader::read(std::move(bytes));
+	return withinMemory("", [&] { return HierarchyReader::read(std::move(bytes)); });
 }
 
 std::shared_ptr<const Hierarchy> Hierarchy::fromOwnBytes(std::vector<std::byte> bytes, std::uint32_t finestLevel)

@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <iosfwd>
+#include <new>
 #include <string>
 #include <vector>
 
@@ -78,6 +79,20 @@ bool isPacked(const std::vector<std::byte>& start);
 void finishHeader(std::uint32_t version, std::vector<std::byte>& bytes);
 // Of a packed file: empty where what follows its table is what was written.
 std::string checkPacked(const std::vector<std::byte>& start, const std::byte* packed, std::size_t size);
+
+// What `make` returns, a Result, or that there is too little memory for it.
+template <class Make>
+auto withinMemory(const std::string& name, const Make& make) -> decltype(make())
+{
+	try
+	{
+		return make();
+	}
+	catch (const std::bad_alloc&)
+	{
+		return Error{name + "there is not enough memory"};
+	}
+}
 
 // Opens a regular file that is no larger than any of ours: its size.
 Result<std::uint64_t> openFile(const std::string& path, std::ifstream& stream);

@@ -195,7 +195,7 @@ std::string faces(const Hierarchy& h)
 	std::vector<std::uint32_t> owner(h.faces().size);
 	for (std::uint32_t i = 0; i < h.nodes().size; ++i)
 		for (std::uint32_t f = 0; f < h.node(i).faceCount; ++f) owner[h.node(i).firstFace + f] = i;
-	std::vector<std::uint8_t> seen(h.asset().triangleCount, 0);
+	std::vector<std::uint8_t> seen(h.isCoarse() ? 0 : h.asset().triangleCount, 0);
 	for (std::size_t i = 0; i < h.faces().size; ++i)
 	{
 		const Face& f = h.faces()[i];

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "clod/hierarchy/BoundGrid.h"
+#include "clod/hierarchy/HierarchyFormat.h"
 #include "clod/hierarchy/HierarchyRules.h"
 #include "clod/hierarchy/PrincipalAxes.h"
 #include "clod/hierarchy/ThinnestWall.h"
@@ -409,12 +410,16 @@ Result<std::shared_ptr<const Hierarchy>> scaledHierarchy(const Hierarchy& hierar
 	// The cube of a length, and its inverse, must be a float.
 	if (!(farthest < 1e12) || !(farthest > 1e-12))
 		return Error{name + "makes a body that is too large or too small for its file"};
-	std::shared_ptr<const Hierarchy> result =
-		Hierarchy::fromOwnBytes(encode(Scaling(hierarchy, scale).content()), hierarchy.finestLevel());
-	// What rounding may break; the rest holds as it held before.
-	for (const auto rule : {rules::asset, rules::nodeNumbers, rules::faces})
-		if (const std::string problem = rule(*result); !problem.empty())
-			return Error{std::string(name).append("makes a body that floats cannot hold: ").append(problem)};
-	return result;
+	const auto make = [&]() -> Result<std::shared_ptr<const Hierarchy>>
+	{
+		std::shared_ptr<const Hierarchy> result =
+			Hierarchy::fromOwnBytes(encode(Scaling(hierarchy, scale).content()), hierarchy.finestLevel());
+		// What rounding may break; the rest holds as it held before.
+		for (const auto rule : {rules::asset, rules::nodeNumbers, rules::faces})
+			if (const std::string problem = rule(*result); !problem.empty())
+				return Error{std::string(name).append("makes a body that floats cannot hold: ").append(problem)};
+		return result;
+	};
+	return withinMemory(name, make);
 }
 }  // namespace clod
