@@ -43,7 +43,7 @@ check::GivenMesh readGiven(const std::string& path, const FileFrame& frame)
 	}
 }
 
-nlohmann::ordered_json describe(const std::vector<check::Invariant>& invariants)
+nlohmann::ordered_json describeAll(const std::vector<check::Invariant>& invariants)
 {
 	nlohmann::ordered_json report = {{"schema", 1}};
 	report["invariants"] = nlohmann::ordered_json::array();
@@ -76,7 +76,7 @@ void run(const CheckOptions& options)
 	}
 	const std::vector<check::Invariant> invariants = check::checkHierarchy(*hierarchy, settings);
 	bar.finish();
-	if (!options.json.empty()) writeReport(options.json, describe(invariants));
+	if (!options.json.empty()) writeReport(options.json, describeAll(invariants));
 	for (const check::Invariant& i : invariants)
 		if (options.textOnStdout())
 			fmt::print("{} {:<20} {:>9} checked, {:>4} broken, {:>4} undecided, worst {:.4g}\n",

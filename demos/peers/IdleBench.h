@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // What a pair costs while nothing happens: whole dispatches of Bullet for a pair that is apart though its boxes
-// overlap, and for one none of whose transforms changed, ours beside two btConvexHullShapes in the same state. Compiled
-// once per Bullet precision.
+// overlap, and for one none of whose transforms changed, ours beside two btConvexHullShapes in the same state.
 #pragma once
 #include <string>
 #include <vector>

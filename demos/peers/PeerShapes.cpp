@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/peers/PeerShapes.h"
 
+#include <LinearMath/btConvexHullComputer.h>
 #include <fmt/format.h>
 
 #include <cmath>
 #include <string_view>
 
 #include "demos/models/Sweep.h"
-#include "demos/scenes/BulletShapes.h"
+#include "demos/scenes/BulletPose.h"
 
 namespace clod::demo
 {
@@ -42,6 +43,27 @@ std::string describePeerShape(const std::string& name)
 	if (kind == "vhacd") return "btCompoundShape of at most " + amount + " hulls a mesh";
 	if (kind == "coacd") return "btCompoundShape of hulls, concavity " + amount;
 	return "btConvexHullShape, one a mesh";
+}
+
+ModelMesh convexHullOf(const ModelMesh& mesh)
+{
+	std::vector<double> coordinates;
+	for (const Vec3& vertex : mesh.vertices) coordinates.insert(coordinates.end(), {vertex.x, vertex.y, vertex.z});
+	btConvexHullComputer computer;
+	computer.compute(coordinates.data(), 3 * int(sizeof(double)), int(mesh.vertices.size()), 0, 0);
+	ModelMesh hull;
+	for (int i = 0; i < computer.vertices.size(); ++i) hull.vertices.push_back(fromBullet(computer.vertices[i]));
+	for (int i = 0; i < computer.faces.size(); ++i)
+	{
+		// A fan round the first corner; Bullet's faces go round clockwise.
+		const btConvexHullComputer::Edge* const first = &computer.edges[computer.faces[i]];
+		const std::uint32_t corner = std::uint32_t(first->getSourceVertex());
+		for (const auto* edge = first->getNextEdgeOfFace(); edge->getTargetVertex() != int(corner);
+			 edge = edge->getNextEdgeOfFace())
+			hull.triangles.push_back(
+				{corner, std::uint32_t(edge->getTargetVertex()), std::uint32_t(edge->getSourceVertex())});
+	}
+	return hull;
 }
 
 Result<std::vector<SceneShape>> peerShapes(const std::string& name, const std::vector<ModelMesh>& surfaces,

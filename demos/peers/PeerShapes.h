@@ -20,6 +20,9 @@ inline constexpr double kPeerConcavity = 0.05;
 // "bvh-": concave models that stay where they are keep their triangles, in a static tree.
 inline const std::vector<std::string> kPeerShapes{"gimpact",   "vhacd",     "coacd",    "hull",
 												  "bvh-vhacd", "bvh-coacd", "bvh-hull"};
+// The surface of a mesh's convex hull.
+ModelMesh convexHullOf(const ModelMesh& mesh);
+
 // In words: "btCompoundShape of at most 32 hulls a mesh".
 std::string describePeerShape(const std::string& kind);
 

@@ -18,7 +18,7 @@ namespace clod::demo
 {
 namespace
 {
-constexpr const char* kScene = "contact-area";
+constexpr const char* kAreaScene = "contact-area";
 constexpr std::size_t kParts = 6;  // of the largest area
 constexpr int kPasses = 5;         // a row keeps its least time
 
@@ -54,7 +54,7 @@ struct AreaRuns
 	std::size_t partOf(std::size_t row) const { return (areaOf(row) - 1) * kParts / largestArea(); }
 };
 
-AreaRuns measure(const SceneInfo& info, const FigureOptions& options, HierarchyCache& cache,
+AreaRuns measureAreas(const SceneInfo& info, const FigureOptions& options, HierarchyCache& cache,
 				 const FigureProgress& progress)
 {
 	SceneRunOptions run;
@@ -132,7 +132,7 @@ std::string formatCsv(const AreaRuns& runs)
 }
 
 // A line a selection: query time in each part of the area, and growth.
-std::string formatTable(const nlohmann::ordered_json& curves)
+std::string formatAreas(const nlohmann::ordered_json& curves)
 {
 	std::string text =
 		fmt::format("median query us by parts of the contact area, and growth from first to last\n{:<17}", "selection");
@@ -179,8 +179,8 @@ std::string plotScript(const std::string& csv)
 nlohmann::ordered_json makeAreaCurve(const FigureOptions& options, HierarchyCache& cache,
 									 const FigureProgress& progress)
 {
-	const SceneInfo& info = *findScene(kScene);
-	const AreaRuns runs = measure(info, options, cache, progress);
+	const SceneInfo& info = *findScene(kAreaScene);
+	const AreaRuns runs = measureAreas(info, options, cache, progress);
 	nlohmann::ordered_json report = {{"scene", info.name},
 									 {"tolerance", info.tolerance},
 									 {"largest_area", runs.largestArea()},
@@ -188,7 +188,7 @@ nlohmann::ordered_json makeAreaCurve(const FigureOptions& options, HierarchyCach
 									 {"curves", nlohmann::ordered_json::array()}};
 	for (std::size_t i = 0; i < selections().size(); ++i) report["curves"].push_back(describe(runs, i));
 	const std::string base = options.directory + "/area";
-	const std::string table = formatTable(report["curves"]);
+	const std::string table = formatAreas(report["curves"]);
 	writeText(base + ".csv", formatCsv(runs));
 	writeText(base + ".txt", table);
 	report["table"] = table;

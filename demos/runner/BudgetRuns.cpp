@@ -17,7 +17,7 @@ namespace clod::demo
 namespace
 {
 constexpr double kOverShare = 1.1;         // of the budget: a step that takes more counts as over it
-constexpr double kSmallestPercent = 0.01;  // smaller errors are drawn here: an axis in decades has no zero
+constexpr double kLeastDrawn = 0.01;  // smaller errors are drawn here: an axis in decades has no zero
 constexpr double kHalfANumber = 40;        // pixels, beyond the end of an axis
 
 std::vector<double> column(const BudgetRun& run, const std::function<double(const BudgetRow&)>& value)
@@ -68,7 +68,7 @@ std::string plotData(const nlohmann::ordered_json& scene)
 		if (run["budget"].is_null() || run["budget"] == 0 || run["steps"] == 0) continue;
 		const auto& spent = run["dispatch_us"];
 		const auto percent = [&](const char* figure)
-		{ return std::max(kSmallestPercent, run["error_percent"][figure].get<double>()); };
+		{ return std::max(kLeastDrawn, run["error_percent"][figure].get<double>()); };
 		text += fmt::format("{} {} {} {} {}\n", run["budget"].get<double>(), spent["median"].get<double>(),
 							spent["p95"].get<double>(), percent("median"), percent("p95"));
 	}
@@ -103,7 +103,7 @@ std::string panel(const nlohmann::ordered_json& scene, bool isSpent)
 		const bool isMedian = std::string(figure) == "median";
 		if (std::isfinite(free))
 			text += fmt::format(", {} with lines lw 2 dt 4 lc rgb \"{}\" title \"{}, no budget\"",
-								std::max(free, isSpent ? 0 : kSmallestPercent), isMedian ? "#56B4E9" : "#E69F00",
+								std::max(free, isSpent ? 0 : kLeastDrawn), isMedian ? "#56B4E9" : "#E69F00",
 								isMedian ? "median" : "95th");
 	}
 	return text + "\n";

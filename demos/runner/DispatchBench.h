@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Whole collision dispatches of Bullet at recorded poses, for our shape and for Bullet's btGImpactMeshShape on the same
-// meshes: what a user's simulation pays, clustering and manifolds included. Compiled once per Bullet precision.
+// meshes: what a user's simulation pays, clustering and manifolds included.
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 #include <vector>

@@ -17,7 +17,7 @@ namespace clod::demo
 {
 namespace
 {
-constexpr const char* kScene = "spoon-cup";
+constexpr const char* kFigureScene = "spoon-cup";
 
 struct Selection4
 {
@@ -109,7 +109,7 @@ std::string formatCsv(const std::vector<Curve>& curves, const std::vector<Regime
 }
 
 // Medians, a line a curve and regime.
-std::string formatTable(const nlohmann::ordered_json& curves)
+std::string formatCurves(const nlohmann::ordered_json& curves)
 {
 	std::string text = fmt::format("{:<7}{:<14}{:<10}{:>6}{:>12}{:>12}{:>10}{:>10}\n", "mode", "selection", "regime",
 								   "rows", "query us", "p95 us", "front", "churn");
@@ -162,7 +162,7 @@ std::string plotScript(const std::vector<Curve>& curves, const std::string& csv)
 	return text + "unset multiplot\n";
 }
 
-std::vector<Curve> measure(const SceneInfo& info, const FigureOptions& options, HierarchyCache& cache,
+std::vector<Curve> measureCurves(const SceneInfo& info, const FigureOptions& options, HierarchyCache& cache,
 						   const FigureProgress& progress)
 {
 	std::vector<Curve> curves;
@@ -195,8 +195,8 @@ std::vector<Curve> measure(const SceneInfo& info, const FigureOptions& options, 
 
 nlohmann::ordered_json makeFigure4(const FigureOptions& options, HierarchyCache& cache, const FigureProgress& progress)
 {
-	const SceneInfo& info = *findScene(kScene);
-	const std::vector<Curve> curves = measure(info, options, cache, progress);
+	const SceneInfo& info = *findScene(kFigureScene);
+	const std::vector<Curve> curves = measureCurves(info, options, cache, progress);
 	const std::vector<Regime> regimes = regimesOf(curves.front().rows, info.tolerance);
 	nlohmann::ordered_json report = {{"scene", info.name},
 									 {"opening_radius", CUP_OPENING_RADIUS},
@@ -209,7 +209,7 @@ nlohmann::ordered_json makeFigure4(const FigureOptions& options, HierarchyCache&
 									{"regimes", byRegime(curve, regimes)}});
 	const std::string base = options.directory + "/figure4";
 	writeText(base + ".csv", formatCsv(curves, regimes, info.dt));
-	writeText(base + ".txt", formatTable(report["curves"]));
+	writeText(base + ".txt", formatCurves(report["curves"]));
 	report["files"] = {base + ".csv", base + ".txt"};
 	if (drawPlot(plotScript(curves, base + ".csv"), base + ".png")) report["files"].push_back(base + ".png");
 	return report;

@@ -22,7 +22,7 @@ namespace clod::demo
 namespace
 {
 constexpr int kCell = 400;         // pixels, each way; wider and lower for what looks long
-constexpr int kSheetWidth = 2000;  // pixels, about
+constexpr int kLevelsWidth = 2000;  // pixels, about
 constexpr double kLongest = 2.4;   // width over height of a cell
 constexpr double kFovy = 30;
 constexpr double kDetail = 0.22;  // of the radius, what the detail shows
@@ -214,7 +214,7 @@ public:
 		m_renderer = std::move(renderer.value());
 		m_camera = m_view.camera(m_finest);
 	}
-	int columns() const { return kSheetWidth / m_width; }
+	int columns() const { return kLevelsWidth / m_width; }
 	std::vector<CaptionedImage> paint()
 	{
 		std::vector<CaptionedImage> cells;

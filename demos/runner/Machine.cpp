@@ -31,6 +31,11 @@ std::string processor()
 }
 }  // namespace
 
+bool hasDoublePrecision()
+{
+	return sizeof(btScalar) == 8;
+}
+
 nlohmann::ordered_json machine()
 {
 	return {{"processor", processor()},
@@ -43,7 +48,7 @@ nlohmann::ordered_json machine()
 			{"assertions", true},
 #endif
 			{"bullet", btGetVersion()},
-			{"precision", sizeof(btScalar) == 8 ? "float64" : "float32"},
+			{"precision", hasDoublePrecision() ? "float64" : "float32"},
 			{"commit", cli::gitHash()}};
 }
 }  // namespace clod::demo

@@ -4,11 +4,13 @@
 
 #include "cli/Program.h"
 #include "demos/runner/Commands.h"
+#include "demos/runner/Statistics.h"
 
 int main(int argc, char** argv)
 {
-	CLI::App app("Contact levels of detail: models, scenes and measurements", CLOD_PROGRAM_NAME);
-	clod::cli::setUpProgram(app, CLOD_BULLET_PRECISION_NAME " (Bullet)",
+	const bool isDouble = clod::demo::hasDoublePrecision();
+	CLI::App app("Contact levels of detail: models, scenes and measurements", isDouble ? "clod-bench-float64" : "clod-bench");
+	clod::cli::setUpProgram(app, isDouble ? "double (Bullet)" : "single (Bullet)",
 							"Licence: Zlib. Uses Bullet, CLI11, fmt, nlohmann-json.");
 	app.footer("Example: clod-bench run spoon-cup --size 3.5 --frames frames");
 	clod::demo::addModelCommand(app);

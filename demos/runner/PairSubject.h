@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Two bodies at recorded poses, as the commands that compare methods take them: a scene, which is simulated in exact
-// mode, or two models and POSES.csv, or none. Compiled once per Bullet precision.
+// mode, or two models and POSES.csv, or none.
 #pragma once
 #include <optional>
 #include <string>

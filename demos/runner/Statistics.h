@@ -18,4 +18,6 @@ std::vector<double> swingAmplitudes(const std::vector<double>& values, double no
 nlohmann::ordered_json spread(const std::vector<double>& values);
 // Processor, cores, clock governor, compiler, build type, Bullet's version and precision, commit.
 nlohmann::ordered_json machine();
+// Of the Bullet that the program is linked with.
+bool hasDoublePrecision();
 }  // namespace clod::demo

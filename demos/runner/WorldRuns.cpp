@@ -18,7 +18,7 @@ namespace clod::demo
 {
 namespace
 {
-constexpr const char* kColors[] = {"#000000", "#E69F00", "#56B4E9", "#009E73", "#D55E00", "#CC79A7", "#0072B2"};  // Okabe & Ito
+constexpr const char* kContenderColors[] = {"#000000", "#E69F00", "#56B4E9", "#009E73", "#D55E00", "#CC79A7", "#0072B2"};  // Okabe & Ito
 
 using Json = nlohmann::ordered_json;
 
@@ -68,7 +68,7 @@ std::string panel(std::size_t sweep, const WorldSweep& figures, const char* memb
 		data += fmt::format("$d{}_{}_{} << END\n{}END\n", member, sweep, count, points);
 		plot += fmt::format("{}$d{}_{}_{} using 1:2 with linespoints lw 2 pt {} lc rgb \"{}\" title \"{}\"",
 							count == 0 ? "plot " : ", ", member, sweep, count, 4 + count,
-							kColors[count % std::size(kColors)], name);
+							kContenderColors[count % std::size(kContenderColors)], name);
 		++count;
 	}
 	return count == 0 ? std::string("set multiplot next\n") : data + plot + "\n";

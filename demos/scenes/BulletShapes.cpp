@@ -2,7 +2,6 @@
 #include "demos/scenes/BulletShapes.h"
 
 #include <BulletCollision/Gimpact/btGImpactShape.h>
-#include <LinearMath/btConvexHullComputer.h>
 
 #include "demos/scenes/BulletPose.h"
 
@@ -20,27 +19,6 @@ BulletMesh::BulletMesh(const ModelMesh& mesh, const Vec3& origin, double scale)
 	m_array.reset(new btTriangleIndexVertexArray(int(mesh.triangles.size()), m_indices.data(), 3 * int(sizeof(int)),
 												 int(mesh.vertices.size()), m_vertices.data(),
 												 3 * int(sizeof(btScalar))));
-}
-
-ModelMesh convexHullOf(const ModelMesh& mesh)
-{
-	std::vector<double> coordinates;
-	for (const Vec3& vertex : mesh.vertices) coordinates.insert(coordinates.end(), {vertex.x, vertex.y, vertex.z});
-	btConvexHullComputer computer;
-	computer.compute(coordinates.data(), 3 * int(sizeof(double)), int(mesh.vertices.size()), 0, 0);
-	ModelMesh hull;
-	for (int i = 0; i < computer.vertices.size(); ++i) hull.vertices.push_back(fromBullet(computer.vertices[i]));
-	for (int i = 0; i < computer.faces.size(); ++i)
-	{
-		// A fan round the first corner; Bullet's faces go round clockwise.
-		const btConvexHullComputer::Edge* const first = &computer.edges[computer.faces[i]];
-		const std::uint32_t corner = std::uint32_t(first->getSourceVertex());
-		for (const auto* edge = first->getNextEdgeOfFace(); edge->getTargetVertex() != int(corner);
-			 edge = edge->getNextEdgeOfFace())
-			hull.triangles.push_back(
-				{corner, std::uint32_t(edge->getTargetVertex()), std::uint32_t(edge->getSourceVertex())});
-	}
-	return hull;
 }
 
 std::unique_ptr<btConvexHullShape> convexHull(const ModelMesh& mesh, const Vec3& origin, double scale, double margin)

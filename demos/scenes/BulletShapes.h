@@ -27,8 +27,6 @@ private:
 	std::unique_ptr<btTriangleIndexVertexArray> m_array;
 };
 
-// The surface of a mesh's convex hull.
-ModelMesh convexHullOf(const ModelMesh& mesh);
 // The vertices are one btConvexHullShape.
 std::unique_ptr<btConvexHullShape> convexHull(const ModelMesh& mesh, const Vec3& origin, double scale, double margin);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Who runs the trial's scene: ours at its default, and what users of Bullet have. Compiled once per Bullet precision.
+// Who runs the trial's scene: ours at its default, and what users of Bullet have.
 #pragma once
 #include "demos/peers/Preparation.h"
 #include "demos/trial/Trial.h"

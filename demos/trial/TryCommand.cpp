@@ -20,7 +20,6 @@
 #include "demos/runner/Commands.h"
 #include "demos/runner/InputSurface.h"
 #include "demos/runner/SceneModels.h"
-#include "demos/scenes/BulletShapes.h"
 #include "demos/trial/Contenders.h"
 #include "demos/trial/TrialFilm.h"
 #include "demos/trial/TrialReport.h"

@@ -40,7 +40,7 @@ double outside(const Hierarchy& hierarchy, int level, int face, const Vec3& poin
 	return kOff;
 }
 
-std::shared_ptr<const Hierarchy> ring()
+std::shared_ptr<const Hierarchy> torus()
 {
 	return body("ring").hierarchy;
 }
@@ -53,7 +53,7 @@ std::shared_ptr<const Hierarchy> plate()
 // child of a compound, and be made first.
 struct RingOnPlate : BulletWorld
 {
-	btClodShape& ringShape = addShape(ring());
+	btClodShape& ringShape = addShape(torus());
 	btClodShape& plateShape = addShape(plate());
 	btCompoundShape& compound = add(std::make_unique<btCompoundShape>());
 	btRigidBody* upper = nullptr;
@@ -91,7 +91,7 @@ TEST(WrittenPoints, NameTheFaceAndTheLevelOfEachBodyThatTheyLieOn)
 				[&](const PairReport& pair)
 				{
 					for (const HeldPoint& held : pair.clusters->points())
-						ringLevel = pair.hierarchyA == ring().get() ? pair.hierarchyA->node(held.point.nodeA).level
+						ringLevel = pair.hierarchyA == torus().get() ? pair.hierarchyA->node(held.point.nodeA).level
 																	: pair.hierarchyB->node(held.point.nodeB).level;
 				});
 			for (btPersistentManifold* manifold : manifoldsOf(scene))

@@ -175,15 +175,10 @@ TEST(ExtremesRows, ThatAreChosenAreThoseAskedFor)
 class Extremes : public RunnerCommand
 {
 protected:
-	static HierarchyCache& hierarchies()
-	{
-		static HierarchyCache cache({path("cache"), true}, true);
-		return cache;
-	}
 	// One row at 1/240 s, its first case.
 	static Matrix run(const std::string& id, double shareOfBounds = 1)
 	{
-		Workshop workshop(hierarchies());
+		Workshop workshop(keptHierarchies());
 		MatrixOptions options;
 		options.only = id;
 		options.isQuick = true;
@@ -332,7 +327,7 @@ TEST_F(Extremes, ARowIsTheSameEveryTime)
 	const std::string once = csvOf("once");
 	EXPECT_GT(lines(once), 20u);
 	EXPECT_EQ(once, csvOf("again"));
-	Workshop workshop(hierarchies());
+	Workshop workshop(keptHierarchies());
 	MatrixOptions options;
 	options.isQuick = true;
 	std::vector<Row> rows;

@@ -11,8 +11,8 @@
 #include "demos/runner/Penetration.h"
 #include "demos/runner/SceneModels.h"
 #include "demos/scenes/SceneDefinition.h"
+#include "tests/demos/KeptHierarchies.h"
 #include "tests/query/TriangleGap.h"
-#include "tests/support/Files.h"
 
 namespace
 {
@@ -34,9 +34,7 @@ const SceneDefinition& definitionOf(const std::string& name)
 
 std::vector<HierarchyPointer> modelsOf(const SceneInfo& scene)
 {
-	static const test::TemporaryFolder folder;
-	static HierarchyCache cache({folder.path().string(), true}, true);
-	return buildModels(scene, {kResolution, false}, cache);
+	return buildModels(scene, {kResolution, false}, test::keptHierarchies());
 }
 
 SceneSettings settingsOf(const SceneInfo& scene)

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/demos/KeptHierarchies.h"
 #include "tests/support/Files.h"
 
 namespace clod::test
@@ -49,7 +50,7 @@ inline std::vector<double> column(const std::string& csv, const std::string& nam
 	return values;
 }
 
-// One folder for the whole program, so that all tests share one cache.
+// One folder for the whole program.
 class RunnerCommand : public testing::Test
 {
 protected:
@@ -58,7 +59,8 @@ protected:
 
 	static std::string path(const std::string& name) { return s_folder->file(name); }
 	static std::string file(const std::string& name, const std::string& text) { return s_folder->file(name, text); }
-	static std::string cache() { return " --cache-dir " + path("cache"); }
+	static std::string cache() { return std::string(" --cache-dir ") + kKeptHierarchies; }
+	static std::string ownCache() { return " --cache-dir " + path("cache"); }
 	static Outcome runProgram(const std::string& program, const std::string& words)
 	{
 		const std::string command = program + " " + words + " >" + path("out") + " 2>" + path("err");

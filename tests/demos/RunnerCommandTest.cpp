@@ -309,7 +309,7 @@ TEST_F(RunnerCommand, DistanceReportsAFiniteGapWhereTheToleranceDoesNot)
 TEST_F(RunnerCommand, ADamagedCacheEntryIsBuiltAgain)
 {
 	needRecording();
-	const std::string words = replayWords() + cache() + " --exact --csv ";
+	const std::string words = replayWords() + ownCache() + " --exact --csv ";
 	ASSERT_EQ(bench(words + path("before.csv")).code, 0);
 	int damaged = 0;
 	for (const auto& entry : fs::directory_iterator(path("cache")))
@@ -424,7 +424,7 @@ TEST_F(RunnerCommand, GivenMeshesFallOnEachOther)
 	ASSERT_EQ(bench("model number3 --triangles 600 -o " + path("three.obj")).code, 0);
 	ASSERT_EQ(bench("model torus --triangles 800 -o " + path("ring.obj")).code, 0);
 	ASSERT_EQ(bench("model spoon --triangles 500 -o " + path("large.obj")).code, 0);
-	const std::string ring = " --model " + path("ring.obj"), cache = " --quiet --cache-dir " + path("cache");
+	const std::string ring = " --model " + path("ring.obj"), cache = " --quiet" + RunnerCommand::cache();
 	const Outcome run = bench("run drop --size 3.5 --verify-penetration --steps 1400 --model " + path("three.obj") +
 							  ring + ring + cache + " --csv " + path("steps.csv"));
 	EXPECT_EQ(run.code, 0) << run.err;

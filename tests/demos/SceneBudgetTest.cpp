@@ -11,8 +11,8 @@
 #include "demos/runner/BudgetRuns.h"
 #include "demos/runner/SceneModels.h"
 #include "demos/runner/Statistics.h"
+#include "tests/demos/KeptHierarchies.h"
 #include "tests/query/Questions.h"
-#include "tests/support/Files.h"
 
 namespace
 {
@@ -58,13 +58,11 @@ class SceneBudgets : public testing::TestWithParam<const char*>
 
 TEST_P(SceneBudgets, AreKeptAndWellSpent)
 {
-	static const test::TemporaryFolder folder;
-	static demo::HierarchyCache cache({folder.path().string(), true}, true);
 	Asked ask;
 	ask.info = &demo::sceneNamed(GetParam());
 	const int bodySteps = setting("CLOD_BUDGET_BODY_STEPS", 4000), bodies = int(ask.info->bodies.size());
 	ask.steps = std::min({bodySteps / bodies, ask.info->steps, 240});
-	ask.settings.models = demo::buildModels(*ask.info, {0.01 * setting("CLOD_SCENE_PERCENT", 3), false}, cache);
+	ask.settings.models = demo::buildModels(*ask.info, {0.01 * setting("CLOD_SCENE_PERCENT", 3), false}, test::keptHierarchies());
 	ask.settings.metric = ContactMetric::errorShare(0.005);
 	ask.settings.dt = ask.info->dt;
 	const ContactMetric metric = ask.settings.metric;

@@ -14,9 +14,9 @@
 #include "demos/runner/Selection.h"
 #include "demos/runner/Statistics.h"
 #include "demos/scenes/SceneDefinition.h"
+#include "tests/demos/KeptHierarchies.h"
 #include "tests/query/Questions.h"
 #include "tests/query/TriangleGap.h"
-#include "tests/support/Files.h"
 
 namespace
 {
@@ -30,9 +30,7 @@ constexpr int kPeriod = 40;  // steps, of which the first CLOD_SCENE_BLOCK are a
 
 std::vector<demo::HierarchyPointer> modelsOf(const SceneInfo& scene)
 {
-	static const test::TemporaryFolder folder;
-	static demo::HierarchyCache cache({folder.path().string(), true}, true);
-	return demo::buildModels(scene, {0.01 * setting("CLOD_SCENE_PERCENT", 3), false}, cache);
+	return demo::buildModels(scene, {0.01 * setting("CLOD_SCENE_PERCENT", 3), false}, test::keptHierarchies());
 }
 
 // How contacts are asked for, as users write it.

@@ -39,12 +39,6 @@ const HierarchyContent& levels()
 	return content;
 }
 
-std::string refusal(Bytes bytes)
-{
-	const auto result = Hierarchy::fromBytes(std::move(bytes));
-	return result ? "" : result.error();
-}
-
 void setHeaderHash(Bytes& bytes)
 {
 	if (bytes.size() < kFileStartBytes) throw std::invalid_argument("no header to hash");

@@ -18,12 +18,6 @@ namespace
 {
 using Bytes = std::vector<std::byte>;
 
-std::string refusal(const Bytes& bytes)
-{
-	const auto result = Hierarchy::fromBytes(bytes);
-	return result ? "" : result.error();
-}
-
 TEST(PackedFile, IsTheBlockAgainAndMuchSmaller)
 {
 	for (const char* name : {"torus-900", "cup-3000", "spoon-3000"})

@@ -13,14 +13,14 @@ namespace clod::oracle
 {
 namespace
 {
-constexpr std::size_t kPoses = 150;
+constexpr std::size_t kSubjectPoses = 150;
 
 // Of poses that overlap: no fault of any kind. Returns how many there were.
 int expectRightWhereFlat(const MakeSubject& make)
 {
 	FamilyTrials trials(boxOverFloor(0), make, TrialRules());
 	int looked = 0;
-	for (std::size_t i = 0; i < kPoses; ++i)
+	for (std::size_t i = 0; i < kSubjectPoses; ++i)
 	{
 		const std::optional<Trial> trial = trials.run(i);
 		if (!trial || trial->verdict.startDepth < 1e-5) continue;
@@ -65,7 +65,7 @@ TEST(Oracle, WhatMeetsLittleIsLookedForAside)
 	{
 		if (family.name != "box-on-seam" && family.name != "corner-in-corner") continue;
 		++asked;
-		const FamilyResult result = FamilyTrials(family, make, TrialRules()).runAll(2 * kPoses);
+		const FamilyResult result = FamilyTrials(family, make, TrialRules()).runAll(2 * kSubjectPoses);
 		const Tally& aside = result.of(Kind::near30);
 		EXPECT_GT(aside.bestHalfSpace, 10) << family.name;
 		EXPECT_LE(aside.faults(), 1.2 * aside.bestHalfSpace) << family.name;

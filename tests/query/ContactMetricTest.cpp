@@ -10,14 +10,12 @@
 #include <memory>
 
 #include "clod/query/StopRule.h"
-#include "tests/query/Answers.h"
+#include "tests/query/Questions.h"
 
 namespace
 {
 using namespace clod;
 using namespace clod::test;
-
-constexpr double kAnySpeed = 1e300;  // nothing may be folded into a constant
 
 TEST(ContactMetric, ResolvesForAScaledPairSeenFromTheWorld)
 {

@@ -14,8 +14,6 @@ namespace
 using namespace clod;
 using namespace clod::test;
 
-constexpr double kAnySpeed = 1e300;  // nothing may be folded into a constant
-
 double thresholdAt(const Metric& metric, const Vec3& center, double radius = 0)
 {
 	return Threshold(metric, kAnySpeed).at({center, radius});

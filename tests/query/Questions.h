@@ -24,6 +24,8 @@ inline double deviationOfNearest(const Hierarchy& a, const Hierarchy& b, const G
 	return double(a.node(nearest.nodeA).deviation) + double(b.node(nearest.nodeB).deviation);
 }
 
+inline constexpr double kAnySpeed = 1e300;  // nothing may be folded into a constant
+
 inline Settings exactSettings(double tolerance)
 {
 	Settings settings;

@@ -17,7 +17,7 @@ namespace clod::test
 {
 namespace
 {
-constexpr double kRadius = 0.5, kHalfGround = 4;
+constexpr double kRadius = 0.5, kHalfWidth = 4;
 constexpr double kMostFallen = 0.03;  // of all: rings and cups on heightfields as rough as they; 10 of 400 do
 constexpr double kMostThrown = 4;     // m/s, on the way out and down again
 constexpr int kRough = 48;            // heights along a side
@@ -71,7 +71,7 @@ private:
 		const bool isUp = m_draw.pick(2) == 1;
 		const auto corner = [cells](int i, int j)
 		{
-			const auto along = [cells](int k) { return btScalar(2 * kHalfGround * k / cells - kHalfGround); };
+			const auto along = [cells](int k) { return btScalar(2 * kHalfWidth * k / cells - kHalfWidth); };
 			return btVector3(along(i), 0, along(j));
 		};
 		for (int i = 0; i < cells; ++i)
@@ -92,7 +92,7 @@ private:
 														   m_draw.between(-0.3, 0.3)));
 		auto& ground = m_scene.add(std::make_unique<btHeightfieldTerrainShape>(
 			kRough, kRough, m_heights.data(), btScalar(1), btScalar(-0.5), btScalar(0.5), 1, PHY_FLOAT, false));
-		const btScalar cell = btScalar(2 * kHalfGround / kRough);
+		const btScalar cell = btScalar(2 * kHalfWidth / kRough);
 		ground.setLocalScaling(btVector3(cell, 1, cell));
 		return ground;
 	}

@@ -31,4 +31,10 @@ HierarchyContent contentOf(const Hierarchy& hierarchy)
 	content.faces.assign(hierarchy.faces().begin(), hierarchy.faces().end());
 	return content;
 }
+
+std::string refusal(std::vector<std::byte> bytes)
+{
+	const auto result = Hierarchy::fromBytes(std::move(bytes));
+	return result ? "" : result.error();
+}
 }  // namespace clod::test
