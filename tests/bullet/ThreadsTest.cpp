@@ -3,8 +3,11 @@
 // be (ThreadSanitizer: nightly_threads_sanitized).
 #include <gtest/gtest.h>
 
+#include <sys/resource.h>
+
 #include <array>
 #include <atomic>
+#include <cstdlib>
 #include <set>
 #include <stdexcept>
 #include <thread>
@@ -116,6 +119,24 @@ TEST(ThreadPool, DoesEveryPartOnceAndIsUsedAgain)
 			}
 	}
 }
+
+#if !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__)
+// A machine may give fewer threads than are asked for, as where their number is limited. (In a process of its own, where there
+// is room for few stacks.)
+TEST(ThreadPool, MakesDoWithTheThreadsThatThereAre)
+{
+	const auto work = []
+	{
+		const rlimit few{rlim_t(1) << 30, rlim_t(1) << 30};
+		setrlimit(RLIMIT_AS, &few);
+		ThreadPool pool(10000);
+		std::atomic<int> done{0};
+		pool.run(1000, [&done](std::uint32_t) { ++done; });
+		std::_Exit(done == 1000 && pool.threads() > 1 && pool.threads() < 10000 ? 0 : 1);
+	};
+	EXPECT_EXIT(work(), testing::ExitedWithCode(0), "");
+}
+#endif
 
 TEST(ThreadPool, UsesItsThreadsAndThrowsOn)
 {

@@ -1,13 +1,21 @@
 // SPDX-License-Identifier: Zlib
 #include "clod/schedule/ThreadPool.h"
 
+#include <system_error>
 #include <utility>
 
 namespace clod
 {
 ThreadPool::ThreadPool(unsigned threads)
 {
-	for (unsigned i = 1; i < threads; ++i) m_workers.emplace_back([this] { serve(); });
+	try
+	{
+		for (unsigned i = 1; i < threads; ++i) m_workers.emplace_back([this] { serve(); });
+	}
+	catch (const std::system_error&)
+	{
+		// There are no more: those that there are do all of it.
+	}
 }
 
 ThreadPool::~ThreadPool()

@@ -17,7 +17,7 @@ namespace clod
 class CLOD_API ThreadPool
 {
 public:
-	// The calling thread included; at least 1.
+	// The calling thread included; at least 1. Fewer, where the machine gives no more.
 	explicit ThreadPool(unsigned threads);
 	~ThreadPool();
 	ThreadPool(const ThreadPool&) = delete;
