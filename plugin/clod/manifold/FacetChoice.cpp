@@ -12,6 +12,7 @@ namespace
 {
 constexpr double kSatisfied = 0.02;       // of its depth: what a facet may lack and is satisfied
 constexpr double kSatisfiedShare = 1e-6;  // of the length, likewise
+constexpr double kSettledShare = 1e-9;    // of the length: a least shift is known to this
 constexpr double kBeyond = 1.05;     // overlaps are looked for again at this many times the least shift, and a touch
 constexpr double kTie = 1e-3;        // of the length: heights, now and at the end of the step, that count as equal
 constexpr double kSamePlace = 2e-3;  // of the length: points that count as at one place
@@ -85,27 +86,6 @@ bool FacetChoice::overlapsAt(const Facet& facet, const Vec3& shift) const
 							  dot(normal[3], facet.onB)};
 	const Vec3 point = deepPoint(normal, offset, 0.5 * (onA + facet.onB), std::abs(facet.distance));
 	return isInA(point) && isInB(point);
-}
-
-// The shortest x with normal . x + distance >= 0 for all planes (Hildreth's row action).
-Vec3 FacetChoice::leastShift()
-{
-	Vec3 shift;
-	for (Plane& plane : m_planes) plane.multiplier = 0;
-	for (int round = 0; round < 50; ++round)
-	{
-		double change = 0;
-		for (Plane& plane : m_planes)
-		{
-			const double lacking = -(dot(plane.normal, shift) + plane.distance);
-			const double old = plane.multiplier;
-			plane.multiplier = std::max(0.0, old + lacking);
-			shift += (plane.multiplier - old) * plane.normal;
-			change = std::max(change, std::abs(plane.multiplier - old));
-		}
-		if (change < 1e-9 * m_question->length()) break;
-	}
-	return shift;
 }
 
 void FacetChoice::removeDropped(std::vector<Facet>& facets) const
@@ -233,10 +213,11 @@ void FacetChoice::dropInner(std::vector<Facet>& facets)
 				  return facets[i].distance != facets[j].distance ? facets[i].distance > facets[j].distance : i < j;
 			  });
 	m_planes.clear();
+	const double settled = kSettledShare * m_question->length();
 	for (const Facet& facet : facets)
 		if (facet.reach != Facet::Reach::kOverlap && facet.distance < 0)
-			m_planes.push_back({facet.normal, facet.distance, 0});
-	m_shift = m_planes.empty() || m_order.empty() ? Vec3{} : leastShift();
+			m_planes.push_back({facet.normal, facet.distance});
+	m_shift = m_planes.empty() || m_order.empty() ? Vec3{} : leastShift(m_planes, settled);
 	for (const std::uint32_t i : m_order)
 	{
 		const Facet& facet = facets[i];
@@ -251,8 +232,8 @@ void FacetChoice::dropInner(std::vector<Facet>& facets)
 			m_isKept[i] = 0;
 			continue;
 		}
-		m_planes.push_back({facet.normal, facet.distance, 0});
-		m_shift = leastShift();
+		m_planes.push_back({facet.normal, facet.distance});
+		m_shift = leastShift(m_planes, settled);
 	}
 	removeDropped(facets);
 }
