@@ -398,7 +398,9 @@ bool PairState::process(const btCollisionObjectWrapper& body0, const btCollision
 
 bool PairState::follow(const PairPose& pose, const WorldFrame& frame, btManifoldResult& out)
 {
-	m_report.kept = m_manifolds.follow(m_clusters, frame, out);
+	WorldFrame whole = frame;
+	whole.wayOut = frame.scale * wayOut(pose.rules.length);
+	m_report.kept = m_manifolds.follow(m_clusters, whole, out);
 	if (!m_report.kept) return false;
 	m_report.queryMicroseconds = m_report.contactMicroseconds = 0;
 	foresee(pose);
@@ -473,6 +475,7 @@ void PairState::write(const PairPose& pose, const WorldFrame& frame, btManifoldR
 	WorldFrame whole = frame;
 	whole.alike = frame.scale * m_report.contactError;
 	whole.points = &m_clusters;
+	whole.wayOut = frame.scale * wayOut(pose.rules.length);
 	m_manifolds.write(m_clusters, whole, levelOf, out);
 }
 }  // namespace clod

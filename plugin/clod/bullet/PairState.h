@@ -129,6 +129,7 @@ private:
 	PairPose begin(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 				   const btDispatcherInfo& info, double closestPoints);
 	void noticeShapes(const PairPose& pose);
+	double wayOut(double length) const;
 	bool liesAlone(const PairPose& pose) const;
 	Question questionOf(const PairPose& pose);
 	// Query.

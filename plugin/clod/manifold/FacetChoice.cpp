@@ -12,8 +12,10 @@ namespace
 {
 constexpr double kSatisfied = 0.02;       // of its depth: what a facet may lack and is satisfied
 constexpr double kSatisfiedShare = 1e-6;  // of the length, likewise
+constexpr double kSettledShare = 1e-9;    // of the length: a least shift is known to this
 constexpr double kBeyond = 1.05;     // overlaps are looked for again at this many times the least shift, and a touch
-constexpr double kTie = 1e-3;        // of the length: heights, now and at the end of the step, that count as equal
+constexpr double kTie = 1e-4;        // of the length: heights, now and at the end of the step, that count as equal
+constexpr double kAsShallow = 1e-3;  // of the length: overlaps that count as equally deep
 constexpr double kSamePlace = 2e-3;  // of the length: points that count as at one place
 
 // A point deep inside the wedge of four half-spaces through two points: where the smallest distance to them is large.
@@ -85,27 +87,6 @@ bool FacetChoice::overlapsAt(const Facet& facet, const Vec3& shift) const
 							  dot(normal[3], facet.onB)};
 	const Vec3 point = deepPoint(normal, offset, 0.5 * (onA + facet.onB), std::abs(facet.distance));
 	return isInA(point) && isInB(point);
-}
-
-// The shortest x with normal . x + distance >= 0 for all planes (Hildreth's row action).
-Vec3 FacetChoice::leastShift()
-{
-	Vec3 shift;
-	for (Plane& plane : m_planes) plane.multiplier = 0;
-	for (int round = 0; round < 50; ++round)
-	{
-		double change = 0;
-		for (Plane& plane : m_planes)
-		{
-			const double lacking = -(dot(plane.normal, shift) + plane.distance);
-			const double old = plane.multiplier;
-			plane.multiplier = std::max(0.0, old + lacking);
-			shift += (plane.multiplier - old) * plane.normal;
-			change = std::max(change, std::abs(plane.multiplier - old));
-		}
-		if (change < 1e-9 * m_question->length()) break;
-	}
-	return shift;
 }
 
 void FacetChoice::removeDropped(std::vector<Facet>& facets) const
@@ -215,7 +196,7 @@ bool FacetChoice::wentThrough(const Facet& facet, const FacetRecord* known, cons
 }
 
 // Drops overlapping facets inside the difference. Those that were contacts in the last step are taken first, then the
-// shallowest; each next one counts only if the bodies still overlap there once they are moved out of those before.
+// shallowest, of several as shallow the one that the motion leaves least beneath; each next one counts only if the bodies still overlap there once they are moved out of those before.
 void FacetChoice::dropInner(std::vector<Facet>& facets)
 {
 	m_order.clear();
@@ -226,17 +207,22 @@ void FacetChoice::dropInner(std::vector<Facet>& facets)
 		m_isKept[i] = facets[i].isThrough || overlapsAt(facets[i], Vec3{}) ? 1 : 0;
 		if (m_isKept[i]) m_order.push_back(i);
 	}
-	std::sort(m_order.begin(), m_order.end(),
-			  [&](std::uint32_t i, std::uint32_t j)
-			  {
-				  if (m_isKnown[i] != m_isKnown[j]) return m_isKnown[i] > m_isKnown[j];
-				  return facets[i].distance != facets[j].distance ? facets[i].distance > facets[j].distance : i < j;
-			  });
+	const auto isDeeper = [&](std::uint32_t i, std::uint32_t j) { return facets[i].distance < facets[j].distance; };
+	const auto shallowest = std::max_element(m_order.begin(), m_order.end(), isDeeper);
+	const double tie = shallowest == m_order.end() ? 0 : facets[*shallowest].distance - kAsShallow * m_question->length();
+	const auto placeOf = [&](std::uint32_t i)
+	{
+		const Facet& facet = facets[i];
+		const bool isTied = facet.distance >= tie;
+		return std::make_tuple(m_isKnown[i] == 0, !isTied, -facet.distance - (isTied ? facet.linear : 0), i);
+	};
+	std::sort(m_order.begin(), m_order.end(), [&](std::uint32_t i, std::uint32_t j) { return placeOf(i) < placeOf(j); });
 	m_planes.clear();
+	const double settled = kSettledShare * m_question->length();
 	for (const Facet& facet : facets)
 		if (facet.reach != Facet::Reach::kOverlap && facet.distance < 0)
-			m_planes.push_back({facet.normal, facet.distance, 0});
-	m_shift = m_planes.empty() || m_order.empty() ? Vec3{} : leastShift();
+			m_planes.push_back({facet.normal, facet.distance});
+	m_shift = m_planes.empty() || m_order.empty() ? Vec3{} : leastShift(m_planes, settled);
 	for (const std::uint32_t i : m_order)
 	{
 		const Facet& facet = facets[i];
@@ -251,8 +237,8 @@ void FacetChoice::dropInner(std::vector<Facet>& facets)
 			m_isKept[i] = 0;
 			continue;
 		}
-		m_planes.push_back({facet.normal, facet.distance, 0});
-		m_shift = leastShift();
+		m_planes.push_back({facet.normal, facet.distance});
+		m_shift = leastShift(m_planes, settled);
 	}
 	removeDropped(facets);
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "clod/manifold/FacetFinder.h"
+#include "clod/manifold/LeastShift.h"
 
 namespace clod
 {
@@ -30,14 +31,8 @@ private:
 	void dropRidges(std::vector<Facet>& facets);
 	bool isBeyondRidge(const Facet& best, const Vec3& center, const Facet& other) const;
 	void removeDropped(std::vector<Facet>& facets) const;
-	Vec3 leastShift();
 
 	const FacetQuestion* m_question = nullptr;
-	struct Plane
-	{
-		Vec3 normal;
-		double distance, multiplier;
-	};
 	// Facets of m_order by their points' coordinate on the axis where these are spread farthest.
 	struct Places
 	{
@@ -46,7 +41,7 @@ private:
 		void sort(const std::vector<Facet>& facets, const std::vector<std::uint32_t>& order, Vec3 Facet::*point);
 	};
 
-	std::vector<Plane> m_planes;
+	std::vector<ShiftPlane> m_planes;
 	Vec3 m_shift;
 	Places m_placesA, m_placesB;
 	std::vector<std::uint32_t> m_order;

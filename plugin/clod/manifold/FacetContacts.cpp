@@ -22,6 +22,8 @@ Vec3 impulseOf(const ClusterSet& set)
 // Sine of the angle by which a way out has to leave every facet: two normals that are 154 degrees apart leave none.
 constexpr double kWayOut = 0.225;
 constexpr int kWayOutRounds = 64;
+constexpr double kWith = 0.9;       // cosine: the same way
+constexpr double kTightFit = 0.03;  // of the length: deeper no fit holds a body between its contacts
 
 // The triangle on which a place of the part lies (a part may have many); kNone for a thin core.
 std::uint32_t faceOf(const ContactSurface& surface, Part part, std::uint32_t feature, std::uint32_t node, const Vec3& place)
@@ -41,9 +43,9 @@ std::uint32_t faceOf(const ContactSurface& surface, Part part, std::uint32_t fea
 
 // Finds the shortest vector in the convex hull of the normals (Gilbert, 1966). Its length is the sine of the angle by
 // which the best way out leaves the facet that it leaves least.
-bool isHeldBetween(const FacetQuestion& question, const std::vector<Facet>& facets)
+bool isHeldBetween(const std::vector<Facet>& facets, double upTo)
 {
-	const auto touches = [&](const Facet& facet) { return facet.hasFeatures() && facet.distance < question.touching(); };
+	const auto touches = [&](const Facet& facet) { return facet.hasFeatures() && facet.distance < upTo; };
 	const auto first = std::find_if(facets.begin(), facets.end(), touches);
 	if (first == facets.end()) return false;
 	Vec3 shortest = first->normal;
@@ -161,21 +163,26 @@ void FacetContacts::answerDepth(const std::vector<Contact>& contacts, bool isDee
 	const bool overlap =
 		isDeep || std::any_of(contacts.begin(), contacts.end(), [](const Contact& c) { return c.upper <= 0; });
 	const bool isOverlapping = std::any_of(m_facets.begin(), m_facets.end(), [](const Facet& f) { return f.distance < 0; });
-	// Facets hold convex bodies from opposite sides only if the bodies have got through each other.
-	const bool isAnswered = isOverlapping && !(DeepOverlap::areConvex(m_question) && holdBetween());
+	// Facets hold convex bodies from opposite sides only if the bodies have got through each other. Others may be held so
+	// in a tight fit, but not as deep as this.
+	const auto reachThrough = [&]
+	{
+		const double upTo = DeepOverlap::areConvex(m_question) ? m_question.touching() : -kTightFit * m_question.length();
+		return isHeldBetween(m_facets, upTo);
+	};
+	const bool isHeld = isOverlapping && reachThrough(), isAnswered = isOverlapping && !isHeld;
 	if (!overlap || (isAnswered && wayOut == Vec3{}))
 	{
 		wayOut = {};
 		return;
 	}
-	const Vec3 kept = wayOut != Vec3{} ? wayOut : normalized(impulseOf(previous));
+	const Vec3 kept = wayOut != Vec3{} ? wayOut : isHeld ? Vec3{} : normalized(impulseOf(previous));
 	m_deepFacets.clear();
-	wayOut = m_deep.find(m_question, contacts, isDeep, kept, m_deepFacets);
+	wayOut = m_deep.find(m_question, contacts, isDeep, isHeld, kept, m_deepFacets);
 	if (wayOut == Vec3{}) return;
-	// Overlapping facets that oppose the way out would hold the bodies where they are.
-	m_facets.erase(std::remove_if(m_facets.begin(), m_facets.end(),
-								  [&](const Facet& f) { return dot(f.normal, wayOut) < kAgainst; }),
-				   m_facets.end());
+	// Overlapping facets that oppose the way out would hold the bodies where they are; those on all sides drive each other.
+	const auto holds = [&](const Facet& f) { return dot(f.normal, wayOut) < (isHeld && f.distance < 0 ? kWith : kAgainst); };
+	m_facets.erase(std::remove_if(m_facets.begin(), m_facets.end(), holds), m_facets.end());
 	m_facets.insert(m_facets.end(), m_deepFacets.begin(), m_deepFacets.end());
 }
 
