@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // clod-build as people and scripts use it: exit codes, streams, nothing half written; and the helpers both programs
 // share.
+#include <CLI/CLI.hpp>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <unistd.h>
@@ -18,6 +19,7 @@
 #include "cli/Files.h"
 #include "cli/Length.h"
 #include "cli/MeshPath.h"
+#include "cli/Program.h"
 #include "cli/Progress.h"
 #include "cli/Suggestion.h"
 #include "tests/builder/ObjText.h"
@@ -371,7 +373,7 @@ TEST_F(Cli, WrongMeshIsExitCode4)
 // In every phase of a build: the exit code, no file beside, and what lay at the output's place is untouched.
 TEST_F(Cli, InterruptionLeavesNothing)
 {
-	writeMesh("large.obj", wrinkledTorusMesh(1, 0.35, 0.05, 30, 200, 60));
+	writeMesh("large.obj", wrinkledTorusMesh(1, 0.35, 0.05, 15, 60, 30));
 	writeText("a.clod", "what was there before");
 	// Levels are certified while coarser ones are made; bridging comes after all of them.
 	for (const char* phase : {"decompose: ", "simplify: ", "bridge: "})
@@ -384,6 +386,28 @@ TEST_F(Cli, InterruptionLeavesNothing)
 		EXPECT_EQ(filesBesides("a."), 1u) << phase;
 		EXPECT_EQ(readText(path("a.clod")), "what was there before") << phase;
 	}
+}
+
+// Files are written in no time: here half of one is, when the signal comes.
+TEST_F(Cli, InterruptionRemovesWhatIsHalfWritten)
+{
+	const pid_t child = fork();
+	if (child == 0)
+	{
+		CLI::App app;
+		app.add_subcommand("write")->callback(
+			[&]
+			{
+				const cli::PartialFile partial(path("a.txt"));
+				std::ofstream(partial.temporaryPath()) << "half";
+				kill(getpid(), SIGINT);
+			});
+		char program[] = "program", command[] = "write";
+		char* words[] = {program, command};
+		_exit(cli::runProgram(app, 2, words));
+	}
+	EXPECT_EQ(exitCode(child), 130);
+	EXPECT_EQ(filesBesides("a."), 0u);
 }
 
 TEST_F(Cli, FilesAppearWholeOrNotAtAll)

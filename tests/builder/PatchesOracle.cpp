@@ -65,12 +65,32 @@ double windingNumber(const Mesh& mesh, const Vec3& p)
 	return sum / (2 * 3.14159265358979323846);
 }
 
+// Farther along an axis than the limit: the triangle's distance need not be worked out.
+bool isBeyond(const Mesh& mesh, std::size_t f, const Vec3& p, double limit)
+{
+	const auto& t = mesh.triangles[f];
+	const Vec3 &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
+	for (int k = 0; k < 3; ++k)
+	{
+		const double low = p[k] - limit, high = p[k] + limit;
+		if ((a[k] > high && b[k] > high && c[k] > high) || (a[k] < low && b[k] < low && c[k] < low)) return true;
+	}
+	return false;
+}
+
 double distanceToSurface(const Mesh& mesh, const Vec3& p)
 {
 	double nearest = 1e300;
 	for (std::size_t f = 0; f < mesh.triangles.size(); ++f)
-		nearest = std::min(nearest, distanceToTriangle(p, cornersOf(mesh, f)));
+		if (!isBeyond(mesh, f, p, nearest)) nearest = std::min(nearest, distanceToTriangle(p, cornersOf(mesh, f)));
 	return nearest;
+}
+
+bool isFarFromSurface(const Mesh& mesh, const Vec3& p, double limit)
+{
+	for (std::size_t f = 0; f < mesh.triangles.size(); ++f)
+		if (!isBeyond(mesh, f, p, limit) && distanceToTriangle(p, cornersOf(mesh, f)) <= limit) return false;
+	return true;
 }
 
 // The exact hull's triangles; empty where all points lie in a plane.
@@ -177,7 +197,7 @@ std::string faultOfVirtualFaces(const Lod& lod, const std::vector<Corners>& hull
 		const Vec3 samples[] = {(1.0 / 3) * (t[0] + t[1] + t[2]), 0.5 * (t[0] + t[1]), 0.5 * (t[1] + t[2]),
 								0.5 * (t[2] + t[0])};
 		for (const Vec3& p : samples)
-			if (distanceToSurface(lod.mesh, p) > 32 * eps && windingNumber(lod.mesh, p) < 0.5)
+			if (isFarFromSurface(lod.mesh, p, 32 * eps) && windingNumber(lod.mesh, p) < 0.5)
 				return "the hull of patch " + std::to_string(patch) + " leaves the solid";
 	}
 	return "";
@@ -192,7 +212,7 @@ std::string faultOfFlat(const Lod& lod, const PatchView& view, double eps, std::
 			for (const double s : {0.25, 0.5, 0.75})
 			{
 				const Vec3 p = view.vertices[i] + s * (view.vertices[j] - view.vertices[i]);
-				if (distanceToSurface(lod.mesh, p) > 32 * eps && windingNumber(lod.mesh, p) < 0.5)
+				if (isFarFromSurface(lod.mesh, p, 32 * eps) && windingNumber(lod.mesh, p) < 0.5)
 					return "flat patch " + std::to_string(patch) + " spans a notch";
 			}
 	return "";

@@ -54,7 +54,7 @@ TEST(Lifecycle, PointsPersistAndKeepTheirImpulses)
 			impulse += double(manifolds[i]->getContactPoint(k).m_appliedImpulse);
 			oldest = std::max(oldest, manifolds[i]->getContactPoint(k).getLifeTime());
 		}
-	EXPECT_NEAR(impulse, 9.81 / 240, 0.1 * 9.81 / 240);
+	EXPECT_NEAR(impulse, 9.81 / 240, 1e-3 * 9.81 / 240);
 	EXPECT_GT(oldest, 100);
 }
 

@@ -53,7 +53,7 @@ void expectSmooth(const Ride& ride, double size)
 {
 	EXPECT_LT(ride.vertical, 1e-3 * std::sqrt(kGravity * size));
 	EXPECT_NEAR(ride.forward, kSpeed, 1e-3 * kSpeed);
-	EXPECT_LT(ride.spin, 0.5);  // a rocking polyhedron, bounded
+	EXPECT_LT(ride.spin, 0.02);  // a rocking polyhedron, bounded
 }
 }  // namespace
 

@@ -2,6 +2,7 @@
 // The benchmark models: counts, topology, triangle quality, size, fit; and each measure failing on a planted fault.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -85,84 +86,50 @@ TEST(Models, CountsAreThePapers)
 	EXPECT_NEAR(double(digits) / 10, 1080, 10);
 }
 
-TEST(Models, AreClosedManifoldsOfTheRightGenus)
+// One process a model, which builds it once for all that is asked of every model.
+class EachModel : public testing::TestWithParam<std::string>
 {
-	for (const std::string& name : allNames())
-		for (const size_t wanted : {coarseCount(name), paperTriangleCount(name)})
-		{
-			const ModelMesh& mesh = built(name, wanted);
-			EXPECT_EQ(manifoldFault(mesh), "") << name << " " << wanted;
-			EXPECT_EQ(pieceCount(mesh), 1u) << name;
-			EXPECT_EQ(eulerCharacteristic(mesh), 2 - 2 * genus(name)) << name << " " << wanted;
-			EXPECT_GT(volume(mesh), 0) << name;
-			EXPECT_NEAR(double(mesh.triangles.size()), double(wanted), std::max(12.0, 0.1 * double(wanted))) << name;
-		}
+};
+
+void expectAClosedManifoldOfTheRightGenus(const std::string& name)
+{
+	for (const size_t wanted : {coarseCount(name), paperTriangleCount(name)})
+	{
+		const ModelMesh& mesh = built(name, wanted);
+		EXPECT_EQ(manifoldFault(mesh), "") << wanted;
+		EXPECT_EQ(pieceCount(mesh), 1u);
+		EXPECT_EQ(eulerCharacteristic(mesh), 2 - 2 * genus(name)) << wanted;
+		EXPECT_GT(volume(mesh), 0);
+		EXPECT_NEAR(double(mesh.triangles.size()), double(wanted), std::max(12.0, 0.1 * double(wanted)));
+	}
 }
 
-TEST(Models, DoNotIntersectThemselves)
+void expectNoIntersections(const std::string& name)
 {
-	for (const std::string& name : allNames())
-		for (const size_t wanted : {std::max<size_t>(1000, paperTriangleCount(name) / 16), paperTriangleCount(name)})
-			EXPECT_FALSE(intersectsItself(built(name, wanted))) << name << " " << wanted;
+	for (const size_t wanted : {std::max<size_t>(1000, paperTriangleCount(name) / 16), paperTriangleCount(name)})
+		EXPECT_FALSE(intersectsItself(built(name, wanted))) << wanted;
 }
 
 // Mechanisms that have some still; each leaves the list with its slivers.
 const std::set<std::string> kWithSlivers = {"piston", "tumbler", "dish"};
 
-TEST(Models, HaveNoSlivers)
+void expectNoSlivers(const std::string& name)
 {
-	for (const std::string& name : allNames())
+	const ModelMesh& mesh = built(name);
+	if (kWithSlivers.count(name) > 0)
 	{
-		if (kWithSlivers.count(name) > 0)
-		{
-			const ModelMesh& mesh = built(name);
-			EXPECT_TRUE(worstAspect(mesh) >= 12 ||
-						double(aspectsOver(mesh, 6)) >= 0.01 * double(mesh.triangles.size()))
-				<< name << " has none any more: take it off the list";
-			continue;
-		}
-		const ModelMesh& mesh = built(name);
-		EXPECT_LT(worstAspect(mesh), 12) << name;
-		EXPECT_LT(double(aspectsOver(mesh, 6)), 0.01 * double(mesh.triangles.size())) << name;
-		const double size = length(highCorner(mesh) - lowCorner(mesh));
-		EXPECT_GT(smallestHeight(mesh), 1e-4 * size) << name;
+		EXPECT_TRUE(worstAspect(mesh) >= 12 || double(aspectsOver(mesh, 6)) >= 0.01 * double(mesh.triangles.size()))
+			<< "has none any more: take it off the list";
+		return;
 	}
-}
-
-TEST(Models, ScaleByFourAndSixteen)
-{
-	for (const std::string name : {"cup", "spoon", "spiral", "torus", "bowl"})
-		for (const size_t factor : {4, 16})
-			EXPECT_EQ(built(name, factor * paperTriangleCount(name)).triangles.size(),
-					  factor * paperTriangleCount(name))
-				<< name;
-}
-
-TEST(Models, AreTheSameBytesEveryTime)
-{
-	for (const std::string& name : allNames()) EXPECT_TRUE(sameBytes(built(name), builtAfresh(name, 0))) << name;
-	EXPECT_FALSE(sameBytes(built("bowl"), built("bowl", 12000)));
-}
-
-TEST(Models, VolumesMeetTheClosedForms)
-{
-	// Inscribed meshes are smaller; the error falls with the square of the edge.
-	const double torus = 2 * PI * PI * TORUS_RING_RADIUS * TORUS_TUBE_RADIUS * TORUS_TUBE_RADIUS;
-	const double ball = 4.0 / 3 * PI * 1e-6;
-	for (const auto& [name, exact] :
-		 std::map<std::string, double>{{"smooth-torus", torus}, {"sphere", ball}, {"slab", 8e-4}, {"box", 8e-6}})
-	{
-		const double coarse = exact - volume(built(name, 3200)), fine = exact - volume(built(name, 12800));
-		if (name == "slab" || name == "box")
-			EXPECT_NEAR(coarse, 0, 1e-12 * exact) << name;
-		else
-			EXPECT_NEAR(coarse / fine, 4, 0.25) << name;
-		EXPECT_NEAR(fine, 0, 0.01 * exact) << name;
-	}
+	EXPECT_LT(worstAspect(mesh), 12);
+	EXPECT_LT(double(aspectsOver(mesh, 6)), 0.01 * double(mesh.triangles.size()));
+	const double size = length(highCorner(mesh) - lowCorner(mesh));
+	EXPECT_GT(smallestHeight(mesh), 1e-4 * size);
 }
 
 // What results were measured on: volume, surface, and how far vertices are from the origin in the mean, in metres.
-TEST(Models, AreThoseOfTheResults)
+void expectThatOfTheResults(const std::string& name)
 {
 	static const std::map<std::string, std::array<double, 3>> expected = {
 		{"cup", {7.766615e-05, 0.05113453, 0.05562573}},
@@ -213,15 +180,60 @@ TEST(Models, AreThoseOfTheResults)
 		{"wedge90", {1.6e-05, 0.004662742, 0.0223257}},
 		{"voussoir25", {11.27103, 33.04289, 10.09546}},
 		{"voussoir101", {2.78999, 21.72021, 10.07135}}};
-	for (const std::string& name : allNames())
+	const ModelMesh& mesh = built(name);
+	double area = 0, away = 0;
+	for (const auto& t : mesh.triangles)
+		area += 0.5 * length(cross(mesh.vertices[t[1]] - mesh.vertices[t[0]], mesh.vertices[t[2]] - mesh.vertices[t[0]]));
+	for (const Vec3& v : mesh.vertices) away += length(v) / double(mesh.vertices.size());
+	const std::array<double, 3> found = {volume(mesh), area, away};
+	for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(found[i] / expected.at(name)[i], 1, 1e-5) << i;
+}
+
+TEST_P(EachModel, IsSoundAndTheSameEveryTime)
+{
+	const std::string& name = GetParam();
+	expectAClosedManifoldOfTheRightGenus(name);
+	expectNoIntersections(name);
+	expectNoSlivers(name);
+	expectThatOfTheResults(name);
+	EXPECT_TRUE(sameBytes(built(name, coarseCount(name)), builtAfresh(name, coarseCount(name))));
+}
+INSTANTIATE_TEST_SUITE_P(All, EachModel, testing::ValuesIn(allNames()),
+						 [](const testing::TestParamInfo<std::string>& model)
+						 {
+							 std::string name = model.param;
+							 std::replace(name.begin(), name.end(), '-', '_');
+							 return name;
+						 });
+
+TEST(Models, OfOtherCountsAreOthers)
+{
+	EXPECT_FALSE(sameBytes(built("bowl"), built("bowl", 12000)));
+}
+
+TEST(Models, ScaleByFourAndSixteen)
+{
+	for (const std::string name : {"cup", "spoon", "spiral", "torus", "bowl"})
+		for (const size_t factor : {4, 16})
+			EXPECT_EQ(built(name, factor * paperTriangleCount(name)).triangles.size(),
+					  factor * paperTriangleCount(name))
+				<< name;
+}
+
+TEST(Models, VolumesMeetTheClosedForms)
+{
+	// Inscribed meshes are smaller; the error falls with the square of the edge.
+	const double torus = 2 * PI * PI * TORUS_RING_RADIUS * TORUS_TUBE_RADIUS * TORUS_TUBE_RADIUS;
+	const double ball = 4.0 / 3 * PI * 1e-6;
+	for (const auto& [name, exact] :
+		 std::map<std::string, double>{{"smooth-torus", torus}, {"sphere", ball}, {"slab", 8e-4}, {"box", 8e-6}})
 	{
-		const ModelMesh& mesh = built(name);
-		double area = 0, away = 0;
-		for (const auto& t : mesh.triangles)
-			area += 0.5 * length(cross(mesh.vertices[t[1]] - mesh.vertices[t[0]], mesh.vertices[t[2]] - mesh.vertices[t[0]]));
-		for (const Vec3& v : mesh.vertices) away += length(v) / double(mesh.vertices.size());
-		const std::array<double, 3> found = {volume(mesh), area, away};
-		for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(found[i] / expected.at(name)[i], 1, 1e-5) << name << ' ' << i;
+		const double coarse = exact - volume(built(name, 3200)), fine = exact - volume(built(name, 12800));
+		if (name == "slab" || name == "box")
+			EXPECT_NEAR(coarse, 0, 1e-12 * exact) << name;
+		else
+			EXPECT_NEAR(coarse / fine, 4, 0.25) << name;
+		EXPECT_NEAR(fine, 0, 0.01 * exact) << name;
 	}
 }
 

@@ -247,6 +247,7 @@ TEST(Budget, TellsWhatTheCoarsestAnswerTakes)
 		GapCache cache;
 		GapResult result;
 		const Outline outline = outlineCoarsest(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache.pair);
+		EXPECT_GT(outline.listing, 0U);
 		EXPECT_EQ(outlineCoarsest(*pair.a.hierarchy, *pair.b.hierarchy, pose, settings, cache.pair).listing, 0U);
 		query(*pair.a.hierarchy, *pair.b.hierarchy, pose, with(settings, 0), cache, result);
 		EXPECT_EQ(difference(result, nothing), "");
