@@ -91,15 +91,17 @@ TEST(NearFeatures, NothingNearIsLeftOut)
 	EXPECT_GT(seen, 1000u);
 }
 
-// Nodes share corners and edges at their borders, which a dispatch asks once. The oracle asks each pair of nodes by itself:
-// the same facets come of it, and of each what counts most.
+// Nodes share corners and edges at their borders, which a dispatch asks once. The oracle asks each pair of nodes by
+// itself: the same facets come of it, and of each what counts most.
 TEST(FacetFinder, WhatNodesShareIsAskedOnceAndNothingIsLost)
 {
 	Random random(11);
 	const HierarchyPointer torus = body("torus-900").hierarchy, sphere = body("sphere-300").hierarchy;
 	std::size_t found = 0, overlapping = 0, most = 0;
 	const HierarchyPointer cube = cubeOf(8);
-	for (const auto& [a, b] : {std::pair{torus, sphere}, std::pair{sphere, torus}, std::pair{torus, cube}, std::pair{cube, cubeOf(12)}})
+	const std::pair<HierarchyPointer, HierarchyPointer> pairs[] = {
+		{torus, sphere}, {sphere, torus}, {torus, cube}, {cube, cubeOf(12)}};
+	for (const auto& [a, b] : pairs)
 		for (int round = 0; round < 16; ++round)
 		{
 			const double radius = std::min(double(a->asset().radius), double(b->asset().radius));
