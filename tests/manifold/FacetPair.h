@@ -40,7 +40,7 @@ struct FacetPair
 		FacetMemory memory;
 		return points(memory);
 	}
-	std::vector<ContactPoint> points(FacetMemory& memory) const
+	ContactResult result() const
 	{
 		ContactSettings settings;
 		settings.metric.exact = true;
@@ -49,6 +49,11 @@ struct FacetPair
 		PairCache cache;
 		ContactResult result;
 		contacts(*a, *b, aFromB, settings, cache, result);
+		return result;
+	}
+	std::vector<ContactPoint> points(FacetMemory& memory) const
+	{
+		const ContactResult result = this->result();
 		FacetContacts facets;
 		ClusterSet none, set;
 		facets.find(contactBody(*a), contactBody(*b), aFromB, rules, result.contacts, none, memory);

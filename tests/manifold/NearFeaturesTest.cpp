@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <map>
+#include <set>
+
 #include "clod/hierarchy/ConvexPiece.h"
+#include "clod/manifold/FacetFinder.h"
 #include "tests/manifold/FacetPair.h"
 #include "tests/query/Bodies.h"
 
@@ -85,5 +89,57 @@ TEST(NearFeatures, NothingNearIsLeftOut)
 		seen += list.size();
 	}
 	EXPECT_GT(seen, 1000u);
+}
+
+// Nodes share corners and edges at their borders, which a dispatch asks once. The oracle asks each pair of nodes by
+// itself: the same facets come of it, and of each what counts most.
+TEST(FacetFinder, WhatNodesShareIsAskedOnceAndNothingIsLost)
+{
+	Random random(11);
+	const HierarchyPointer torus = body("torus-900").hierarchy, sphere = body("sphere-300").hierarchy;
+	std::size_t found = 0, overlapping = 0, most = 0;
+	const HierarchyPointer cube = cubeOf(8);
+	const std::pair<HierarchyPointer, HierarchyPointer> pairs[] = {
+		{torus, sphere}, {sphere, torus}, {torus, cube}, {cube, cubeOf(12)}};
+	for (const auto& [a, b] : pairs)
+		for (int round = 0; round < 16; ++round)
+		{
+			const double radius = std::min(double(a->asset().radius), double(b->asset().radius));
+			const Vec3 away = randomDirection(random);
+			FacetPair pair(a, b, {randomRotation(random), uniform(random, 0.5, 1.5) * radius * away});
+			pair.move(-uniform(random, 0.05, 1) * radius * away);
+			pair.rules.b.angular = uniform(random, 0, 0.3) / pair.rules.timeStep * randomDirection(random);
+			const FacetQuestion question{contactBody(*a), contactBody(*b), pair.aFromB,
+										 aFromBAfter(pair.rules.a, pair.rules.b, pair.aFromB, pair.rules.timeStep),
+										 aFromBAfter(pair.rules.a, pair.rules.b, pair.aFromB, pair.rules.timeStep), pair.rules};
+			const std::vector<Contact> contacts = pair.result().contacts;
+			if (contacts.size() <= kFewPairs) continue;
+			NearFeatures near;
+			FacetFinder finder;
+			std::vector<Facet> facets;
+			finder.find(question, contacts, near, facets);
+			std::map<std::uint64_t, Facet::Reach> expected, asked;
+			for (const Facet& facet : facets) EXPECT_TRUE(asked.insert({facet.feature, facet.reach}).second);
+			for (const Contact& contact : contacts)
+			{
+				std::vector<Facet> alone;
+				NearFeatures fresh;
+				finder.find(question, std::vector<Contact>(kFewPairs + 1, contact), fresh, alone);
+				for (const Facet& facet : alone)
+				{
+					const auto at = expected.insert({facet.feature, facet.reach}).first;
+					at->second = std::min(at->second, facet.reach);
+				}
+				overlapping += contact.upper <= 0 ? 1 : 0;
+			}
+			EXPECT_EQ(asked, expected) << round;
+			found += facets.size();
+			std::set<std::uint32_t> nodesOfB;
+			for (const Contact& contact : contacts) nodesOfB.insert(contact.nodeB);
+			most = std::max(most, nodesOfB.size());
+		}
+	EXPECT_GT(found, 2000u);
+	EXPECT_GT(overlapping, 100u);
+	EXPECT_GT(most, 64u);  // that are told apart at a time
 }
 }  // namespace clod::test

@@ -288,7 +288,8 @@ std::uint32_t ContactSurface::nearestFaceOf(std::uint32_t polygon, const Vec3& p
 	return found.face;
 }
 
-double ContactSurface::squaredBeside(std::uint32_t polygon, const Vec3& point) const
+// Of a point over a polygon of many sides none of these is measured.
+double ContactSurface::squaredBeside(std::uint32_t polygon, const Vec3& point, double enough) const
 {
 	const Span<std::uint32_t> faces = facesOf(polygon);
 	const Vec3 foot = footOn(polygon, point);
@@ -296,7 +297,8 @@ double ContactSurface::squaredBeside(std::uint32_t polygon, const Vec3& point) c
 	const Span<Border> border = borderOf(polygon);
 	if (border.empty() || faces.size <= border.size)
 	{
-		for (const std::uint32_t face : faces) best = std::min(best, nearestOnTriangle(triangleOf(face), foot).squared);
+		for (std::size_t i = 0; i < faces.size && best > enough; ++i)
+			best = std::min(best, nearestOnTriangle(triangleOf(faces[i]), foot).squared);
 		return best;
 	}
 	// How often does a ray in the plane cross the border?
@@ -306,12 +308,13 @@ double ContactSurface::squaredBeside(std::uint32_t polygon, const Vec3& point) c
 	for (const Border& side : border)
 	{
 		const Vec3 &from = m_vertices[side[0]], &to = m_vertices[side[1]];
-		const Vec3 along = to - from;
-		best = std::min(best, squaredFromSegment(foot, from, to));
 		if ((from[v] > foot[v]) == (to[v] > foot[v])) continue;
-		if (foot[u] < from[u] + (foot[v] - from[v]) / along[v] * along[u]) isInside = !isInside;
+		if (foot[u] < from[u] + (foot[v] - from[v]) / (to[v] - from[v]) * (to[u] - from[u])) isInside = !isInside;
 	}
-	return isInside ? 0 : best;
+	if (isInside) return 0;
+	for (std::size_t i = 0; i < border.size && best > enough; ++i)
+		best = std::min(best, squaredFromSegment(foot, m_vertices[border[i][0]], m_vertices[border[i][1]]));
+	return best;
 }
 
 std::uint64_t ContactSurface::nameOfVertex(std::uint32_t vertex) const

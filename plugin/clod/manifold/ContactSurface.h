@@ -152,8 +152,9 @@ public:
 		const SurfaceFace& plane = planeOf(polygon);
 		return point - (dot(plane.normal, point) - plane.offset) * plane.normal;
 	}
-	// Squared distance of a point's foot on a polygon's plane from the polygon.
-	double squaredBeside(std::uint32_t polygon, const Vec3& point) const;
+	// Squared distance of a point's foot on a polygon's plane from the polygon; or what is found first that is no more
+	// than `enough`.
+	double squaredBeside(std::uint32_t polygon, const Vec3& point, double enough = 0) const;
 	// Within so much?
 	bool isOver(std::uint32_t polygon, const Vec3& point, double slack) const
 	{
@@ -161,7 +162,7 @@ public:
 		const double fromCenter = lengthSquared(footOn(polygon, point) - disc.center);
 		const double farthest = slack + disc.radius, sure = slack - disc.radius;
 		if (fromCenter > farthest * farthest) return false;
-		return (sure > 0 && fromCenter <= sure * sure) || squaredBeside(polygon, point) <= slack * slack;
+		return (sure > 0 && fromCenter <= sure * sure) || squaredBeside(polygon, point, slack * slack) <= slack * slack;
 	}
 	// A node of a sheet that has a triangle of the polygon.
 	std::uint32_t sheetNodeOf(std::uint32_t polygon) const { return facesOf(polygon)[0] / 2; }

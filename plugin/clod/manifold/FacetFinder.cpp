@@ -156,56 +156,66 @@ void FacetFinder::findPair(const Contact& contact)
 	m_pair.roam = roam;
 	m_pair.deepest = mayOverlap ? kFar : kInnerShare * q.length();
 	m_pair.reach = reach;
-	gather(nodeA, nodeB);
+	gather(nodeA, nodeB, mayOverlap);
 	verticesOverFaces();
 	edgesOverEdges(mayOverlap);
 	if (m_middleA.height > 0)
-		for (const MovedPolygon* polygon : m_polygonsB) middleOverFace(m_middleA, polygon->index, true);
+		for (const auto& polygon : m_polygonsB) middleOverFace(m_middleA, polygon->index, true);
 	if (m_middleB.height > 0)
-		for (const MovedPolygon* polygon : m_polygonsA) middleOverFace(m_middleB, polygon->index, false);
+		for (const auto& polygon : m_polygonsA) middleOverFace(m_middleB, polygon->index, false);
 	if (q.isRound()) findRound();
 }
 
 void FacetFinder::verticesOverFaces()
 {
-	for (const MovedCorner* corner : m_cornersA)
-		for (const MovedPolygon* polygon : m_polygonsB) vertexOverFace(*corner, *polygon, true);
-	for (const MovedCorner* corner : m_cornersB)
-		for (const MovedPolygon* polygon : m_polygonsA) vertexOverFace(*corner, *polygon, false);
+	forEachNew(m_cornersA, m_polygonsB, [this](const MovedCorner& a, const MovedPolygon& b) { vertexOverFace(a, b, true); });
+	forEachNew(m_cornersB, m_polygonsA, [this](const MovedCorner& b, const MovedPolygon& a) { vertexOverFace(b, a, false); });
 }
 
 // Where the hulls overlap, edges may have sunk past each other by any depth: no box leaves them out.
 void FacetFinder::edgesOverEdges(bool mayOverlap)
 {
-	if (m_edgesA.empty()) return;
-	for (const MovedEdge* edgeB : m_edgesB)
-		for (const MovedEdge* edgeA : m_edgesA)
-			if (mayOverlap || edgeA->box.meets(edgeB->box, m_pair.reach)) edgeOverEdge(*edgeA, *edgeB);
+	const auto ask = [&](const MovedEdge& b, const MovedEdge& a)
+	{
+		if (mayOverlap || a.box.meets(b.box, m_pair.reach)) edgeOverEdge(a, b);
+	};
+	forEachNew(m_edgesB, m_edgesA, ask);
 }
 
-// Lists the features of either node that come near the other node in the step.
-void FacetFinder::gather(MovedNode& nodeA, MovedNode& nodeB)
+// Lists the features of either node that come near the other node in the step, and of each the nodes by which forEachNew()
+// knows what was asked: of faces and of A's edges those that they were near to before, of what is asked against them those
+// that share it. Where hulls overlap more is looked for than elsewhere, and all is asked.
+void FacetFinder::gather(MovedNode& nodeA, MovedNode& nodeB, bool mayOverlap)
 {
-	const auto gatherOf = [this](MovedNode& node, const Box& other, std::vector<const MovedCorner*>& corners,
-								 std::vector<const MovedEdge*>& edges, std::vector<const MovedPolygon*>& polygons)
+	const double reach = m_pair.reach;
+	const auto gatherOf = [reach](auto& features, const Box& other, auto& list, const auto& nodesOf)
 	{
-		const double reach = m_pair.reach;
-		corners.clear();
-		edges.clear();
-		polygons.clear();
-		for (MovedCorner& corner : node.corners)
-		{
-			if (!corner.box.meets(other, reach)) continue;
-			if (!corner.isPlaced) m_nodesA.place(*m_pair.a, corner);
-			corners.push_back(&corner);
-		}
-		for (const MovedEdge& edge : node.edges)
-			if (edge.box.meets(other, reach)) edges.push_back(&edge);
-		for (const MovedPolygon& polygon : node.polygons)
-			if (polygon.box.meets(other, reach)) polygons.push_back(&polygon);
+		list.clear();
+		for (auto& feature : features)
+			if (feature.box.meets(other, reach)) list.push_back({&feature, nodesOf(feature)});
 	};
-	gatherOf(nodeA, nodeB.box, m_cornersA, m_edgesA, m_polygonsA);
-	gatherOf(nodeB, nodeA.box, m_cornersB, m_edgesB, m_polygonsB);
+	const auto near = [mayOverlap](MovedNodes& nodes, const MovedNodes& others, const MovedNode& other)
+	{
+		return [&, mayOverlap](const MovedFeature& feature)
+		{
+			const std::uint64_t before = nodes.noteNear(feature.number, others.blocks(), other.place);
+			return mayOverlap ? 0 : before;
+		};
+	};
+	const auto ofCornerA = [&](MovedCorner& corner)
+	{
+		if (!corner.isPlaced) m_nodesA.place(*m_pair.a, corner);
+		return m_nodesA.sharing(corner.number, nodeA.place);
+	};
+	const std::uint64_t asWide = m_nodesB.displaced(m_pair.roam / m_roamShare, nodeB.place);
+	const auto ofB = [&](const MovedFeature& feature) { return m_nodesB.sharing(feature.number, nodeB.place) & asWide; };
+	const auto nearA = near(m_nodesA, m_nodesB, nodeB), nearB = near(m_nodesB, m_nodesA, nodeA);
+	gatherOf(nodeA.corners, nodeB.box, m_cornersA, ofCornerA);
+	gatherOf(nodeA.edges, nodeB.box, m_edgesA, nearA);
+	gatherOf(nodeA.polygons, nodeB.box, m_polygonsA, nearA);
+	gatherOf(nodeB.corners, nodeA.box, m_cornersB, ofB);
+	gatherOf(nodeB.edges, nodeA.box, m_edgesB, ofB);
+	gatherOf(nodeB.polygons, nodeA.box, m_polygonsB, nearB);
 }
 
 // The largest distance from which other contacts may lead the features of a facet together, if the predicted motion
@@ -441,7 +451,7 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, const MovedPolygon& 
 	const double now = dot(face.normal, vertex.now) - face.offset, then = dot(face.normal, vertex.then) - face.offset;
 	if (!isInReach(now, then)) return;
 	const Vec3& up = moved.up;
-	if (!faces.isOver(polygon, vertex.now, mostBeside(vertex, now)) || !mayEnter(vertices, vertex, up, face, vertexIsOfA)) return;
+	if (!mayEnter(vertices, vertex, up, face, vertexIsOfA) || !faces.isOver(polygon, vertex.now, mostBeside(vertex, now))) return;
 	// A vertex that has sunk in stays a contact although another is lower: turning may make it the lowest within the
 	// step.
 	const bool mayTouch = now < -kInnerShare * m_question->length() ||

@@ -40,7 +40,15 @@ private:
 	bool mayEnter(const ContactSurface& surface, const MovedCorner& vertex, const Vec3& up, const SurfaceFace& face,
 				  bool faceIsOfB) const;
 	void findPair(const Contact& contact);
-	void gather(MovedNode& nodeA, MovedNode& nodeB);
+	void gather(MovedNode& nodeA, MovedNode& nodeB, bool mayOverlap);
+	// Calls each(of one body, of the other) for what was not asked yet in another pair of nodes that share the two.
+	template <class One, class Other, class Each>
+	static void forEachNew(const One& ofOne, const Other& ofOther, const Each& each)
+	{
+		for (const auto& one : ofOne)
+			for (const auto& other : ofOther)
+				if ((one.nodes & other.nodes) == 0) each(*one, *other);
+	}
 	void verticesOverFaces();
 	void edgesOverEdges(bool mayOverlap);
 	double highest(double closing) const;
@@ -102,9 +110,19 @@ private:
 	Pair m_pair;
 	MovedNodes m_nodesA, m_nodesB;
 	// The features of the pair's nodes that come near the other node.
-	std::vector<const MovedCorner*> m_cornersA, m_cornersB;
-	std::vector<const MovedEdge*> m_edgesA, m_edgesB;
-	std::vector<const MovedPolygon*> m_polygonsA, m_polygonsB;
+	template <class Moved>
+	struct Gathered
+	{
+		const Moved* feature;
+		std::uint64_t nodes;  // 64 of the other body's or of its own, see gather()
+		const Moved& operator*() const { return *feature; }
+		const Moved* operator->() const { return feature; }
+	};
+	template <class Moved>
+	using List = std::vector<Gathered<Moved>>;
+	List<MovedCorner> m_cornersA, m_cornersB;
+	List<MovedEdge> m_edgesA, m_edgesB;
+	List<MovedPolygon> m_polygonsA, m_polygonsB;
 	std::vector<std::uint32_t> m_table;  // open hash table of facets by their features; its size is a power of two
 };
 }  // namespace clod

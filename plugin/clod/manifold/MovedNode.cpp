@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace clod
 {
 namespace
 {
 constexpr double kRounding = 1e-9;  // of a distance from a box, more than its own
+constexpr std::size_t kNumbered = 2048;  // a power of two, see FeatureNumbers
 
 // Calls each(0: a corner, 1: a polygon, 2: an edge; its box; which) for what a node of A has near: it stands still in its
 // own frame.
@@ -93,6 +95,22 @@ void NearFeatures::list(std::uint32_t node, const ContactSurface& surface)
 	m_nodes.push_back(listed);
 }
 
+void FeatureNumbers::start()
+{
+	m_count = 0;
+	if (++m_dispatch > 1) return;
+	m_dispatch = 1;
+	m_entries.assign(kNumbered, Entry{});
+}
+
+std::uint32_t FeatureNumbers::of(std::uint32_t level, bool isEdge, std::uint32_t index)
+{
+	const std::uint64_t feature = std::uint64_t(level) << 33 | std::uint64_t(isEdge) << 32 | index;
+	Entry& entry = m_entries[(index + (isEdge ? kNumbered / 2 : 0)) & (kNumbered - 1)];
+	if (entry.dispatch != m_dispatch || entry.feature != feature) entry = {feature, m_dispatch, next()};
+	return entry.number;
+}
+
 void MovedNodes::start(const FacetQuestion& question, const std::vector<Contact>& contacts, bool isA, NearFeatures* kept)
 {
 	m_question = &question;
@@ -107,6 +125,36 @@ void MovedNodes::start(const FacetQuestion& question, const std::vector<Contact>
 	m_nodes.erase(std::unique(m_nodes.begin(), m_nodes.end()), m_nodes.end());
 	if (m_moved.size() < m_nodes.size()) m_moved.resize(m_nodes.size());
 	for (std::size_t i = 0; i < m_nodes.size(); ++i) m_moved[i].node = kNone;
+	m_numbers.start();
+	m_sharing.clear();
+	m_near.clear();
+	m_blocks = std::uint32_t((m_nodes.size() + 63) / 64);
+}
+
+std::uint64_t MovedNodes::displaced(double least, std::uint32_t place) const
+{
+	std::uint64_t nodes = 0;
+	const std::size_t first = place / 64 * 64, end = std::min(m_nodes.size(), first + 64);
+	for (std::size_t i = first; i < end; ++i)
+		if (m_moved[i].node != kNone && m_moved[i].displaced >= least) nodes |= std::uint64_t(1) << (i - first);
+	return nodes;
+}
+
+std::uint64_t MovedNodes::noteNear(std::uint32_t number, std::uint32_t otherBlocks, std::uint32_t otherPlace)
+{
+	const std::size_t at = std::size_t(number) * otherBlocks + otherPlace / 64;
+	if (m_near.size() <= at) m_near.resize(at + 1, 0);
+	return std::exchange(m_near[at], m_near[at] | std::uint64_t(1) << otherPlace % 64);
+}
+
+// The number of a corner or an edge, of which it is noted that the node has it.
+std::uint32_t MovedNodes::numberOf(const MovedNode& moved, bool isEdge, std::uint32_t index)
+{
+	const std::uint32_t number = m_numbers.of(moved.level, isEdge, index);
+	const std::size_t at = std::size_t(number) * m_blocks + moved.place / 64;
+	if (m_sharing.size() <= at) m_sharing.resize(at + 1, 0);
+	m_sharing[at] |= std::uint64_t(1) << moved.place % 64;
+	return number;
 }
 
 MovedNode& MovedNodes::of(std::uint32_t node, const Near& near)
@@ -116,6 +164,7 @@ MovedNode& MovedNodes::of(std::uint32_t node, const Near& near)
 	if (moved.node == node) return moved;
 	const ContactBody& body = m_isA ? m_question->a : m_question->b;
 	moved.node = node;
+	moved.place = std::uint32_t(at);
 	moved.level = body.levelOf(node);
 	moved.corners.clear();
 	moved.edges.clear();
@@ -140,7 +189,7 @@ Vec3 MovedNodes::upOf(const ContactSurface& surface, std::uint32_t polygon) cons
 	return m_otherFromThis.rotation * surface.planeOf(polygon).normal;
 }
 
-void MovedNodes::listStill(MovedNode& moved, const ContactSurface& surface, const Near& near) const
+void MovedNodes::listStill(MovedNode& moved, const ContactSurface& surface, const Near& near)
 {
 	moved.displaced = 0;
 	moved.box = Box::none();
@@ -148,11 +197,11 @@ void MovedNodes::listStill(MovedNode& moved, const ContactSurface& surface, cons
 	{
 		moved.box.add(box);
 		if (kind == 0)
-			moved.corners.push_back({box, index});
+			moved.corners.push_back({{box, index, numberOf(moved, false, index)}});
 		else if (kind == 1)
-			moved.polygons.push_back({box, index, upOf(surface, index)});
+			moved.polygons.push_back({{box, index, m_numbers.next()}, upOf(surface, index)});
 		else
-			moved.edges.push_back({box, index});
+			moved.edges.push_back({{box, index, numberOf(moved, true, index)}});
 	};
 	if (near.isAnywhere()) return forEachStill(surface, moved.node, near, add);
 	const NearFeatures::OfNode listed = m_kept->of(moved.node, surface, near);
@@ -173,14 +222,18 @@ void MovedNodes::move(MovedNode& moved, const ContactSurface& surface)
 	double displaced = 0;
 	for (const std::uint32_t v : surface.verticesOf(moved.node))
 	{
-		MovedCorner corner{{}, v};
+		MovedCorner corner{{{}, v, 0}};
 		place(surface, corner);
 		const Vec3 &now = corner.now, ahead = corner.then - now, unforced = corner.unforced - now;
 		displaced = std::max(displaced, std::max(lengthSquared(ahead), lengthSquared(unforced)));
 		corner.box = {now, now};
 		corner.box.add(now + kPathReach * ahead);
 		corner.box.add(now + kPathReach * unforced);
-		if (surface.isCorner(v)) moved.corners.push_back(corner);
+		if (surface.isCorner(v))
+		{
+			corner.number = numberOf(moved, false, v);
+			moved.corners.push_back(corner);
+		}
 		if (m_boxes.empty()) moved.box = corner.box;
 		moved.box.add(corner.box);
 		m_boxes.push_back(corner.box);
@@ -191,7 +244,7 @@ void MovedNodes::move(MovedNode& moved, const ContactSurface& surface)
 		const Span<std::uint16_t> corners = surface.cornersOf(polygon);
 		Box box = m_boxes[corners[0]];
 		for (const std::uint16_t corner : corners) box.add(m_boxes[corner]);
-		moved.polygons.push_back({box, polygon.polygon, upOf(surface, polygon.polygon)});
+		moved.polygons.push_back({{box, polygon.polygon, m_numbers.next()}, upOf(surface, polygon.polygon)});
 	}
 	for (const std::uint32_t index : surface.edgesOf(moved.node))
 	{
@@ -199,6 +252,7 @@ void MovedNodes::move(MovedNode& moved, const ContactSurface& surface)
 		const Vec3& from = surface.vertices()[edge.vertex[0]];
 		MovedEdge at;
 		at.index = index;
+		at.number = numberOf(moved, true, index);
 		at.start = m_question->aFromB * from;
 		at.thenStart = m_question->aFromBThen * from;
 		at.unforcedStart = m_question->aFromBUnforced * from;

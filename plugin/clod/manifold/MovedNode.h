@@ -79,34 +79,55 @@ private:
 };
 
 // Boxes are in frame A, over the step as far ahead as contacts are looked for (kPathReach).
-struct MovedCorner
+struct MovedFeature
 {
-	Box box;
+	Box box;  // of a polygon, of what the node has of it
 	std::uint32_t index;
+	std::uint32_t number;  // see FeatureNumbers
+};
+struct MovedCorner : MovedFeature
+{
 	bool isPlaced = false;
 	Vec3 now{}, then{}, unforced{};  // in the other body's frame, if placed; see FacetQuestion
 };
-struct MovedEdge
+struct MovedEdge : MovedFeature
 {
-	Box box;
-	std::uint32_t index;
 	Vec3 start{}, direction{}, thenStart{}, thenDirection{}, unforcedStart{};  // frame A; not of A's, which stand still
 	std::array<Vec3, 2> inward{};
 };
-struct MovedPolygon
+struct MovedPolygon : MovedFeature
 {
-	Box box;  // of what the node has of it
-	std::uint32_t index;
 	Vec3 up;  // its normal, in the other body's frame
 };
 struct MovedNode
 {
 	std::uint32_t node = kNone, level = 0;
+	std::uint32_t place = 0;  // among the nodes of its body that the dispatch looks at
 	double displaced = 0;  // the farthest that one of its points goes in the step, as predicted; of B's
 	Box box;  // of A's, of what is listed, or of all of the node if the other may be inside it
 	std::vector<MovedCorner> corners;
 	std::vector<MovedEdge> edges;
 	std::vector<MovedPolygon> polygons;
+};
+
+// A corner or an edge has one number in a dispatch, in whichever node it is met: neighbours share their borders, and what
+// one of them was asked need not be asked of the other. So that it costs next to nothing this is a table without search:
+// what finds its place taken by another feature goes on under several numbers. Polygons have one in each node.
+class FeatureNumbers
+{
+public:
+	void start();
+	std::uint32_t next() { return m_count++; }
+	std::uint32_t of(std::uint32_t level, bool isEdge, std::uint32_t index);
+
+private:
+	struct Entry
+	{
+		std::uint64_t feature;
+		std::uint32_t dispatch = 0, number;
+	};
+	std::vector<Entry> m_entries;
+	std::uint32_t m_dispatch = 0, m_count = 0;
 };
 
 // The nodes of one body that a dispatch looks at.
@@ -119,12 +140,24 @@ public:
 	bool isOne() const { return m_nodes.size() == 1; }
 	// Precondition: one of them. What comes nowhere so near may be left out.
 	MovedNode& of(std::uint32_t node, const Near& near = {});
+	// Nodes are told apart 64 at a time, in order; here as bits of those round one of them. Those met so far that have the
+	// corner or edge of this number,
+	std::uint64_t sharing(std::uint32_t number, std::uint32_t place) const
+	{
+		return m_sharing[std::size_t(number) * m_blocks + place / 64];
+	}
+	// or of which a point goes at least so far.
+	std::uint64_t displaced(double least, std::uint32_t place) const;
+	std::uint32_t blocks() const { return m_blocks; }
+	// Notes that this feature is near a node of the other body, which has so many blocks. Returns those noted before.
+	std::uint64_t noteNear(std::uint32_t number, std::uint32_t otherBlocks, std::uint32_t otherPlace);
 	// Precondition: of such a node, on `surface`.
 	void place(const ContactSurface& surface, MovedCorner& corner) const;
 
 private:
 	Vec3 upOf(const ContactSurface& surface, std::uint32_t polygon) const;
-	void listStill(MovedNode& moved, const ContactSurface& surface, const Near& near) const;
+	std::uint32_t numberOf(const MovedNode& moved, bool isEdge, std::uint32_t index);
+	void listStill(MovedNode& moved, const ContactSurface& surface, const Near& near);
 	void move(MovedNode& moved, const ContactSurface& surface);
 
 	const FacetQuestion* m_question = nullptr;
@@ -134,5 +167,8 @@ private:
 	std::vector<std::uint32_t> m_nodes;  // sorted, each once
 	std::vector<MovedNode> m_moved;      // as many, or more; buffers are kept
 	std::vector<Box> m_boxes;            // of a node's vertices
+	FeatureNumbers m_numbers;
+	std::vector<std::uint64_t> m_sharing, m_near;
+	std::uint32_t m_blocks = 0;  // of 64 nodes, as many as hold all
 };
 }  // namespace clod

@@ -32,14 +32,14 @@ Vec3 towards(const Vec3& there, const Vec3& now, double margin)
 
 void FacetFinder::findRound()
 {
-	for (const MovedCorner* corner : m_cornersA)
-		for (const MovedEdge* edge : m_edgesB)
+	for (const auto& corner : m_cornersA)
+		for (const auto& edge : m_edgesB)
 			if (corner->box.meets(edge->box, m_pair.reach)) vertexOverEdge(*corner, *edge, true);
-	for (const MovedCorner* corner : m_cornersB)
-		for (const MovedEdge* edge : m_edgesA)
+	for (const auto& corner : m_cornersB)
+		for (const auto& edge : m_edgesA)
 			if (corner->box.meets(edge->box, m_pair.reach)) vertexOverEdge(*corner, *edge, false);
-	for (const MovedCorner* ofA : m_cornersA)
-		for (const MovedCorner* ofB : m_cornersB)
+	for (const auto& ofA : m_cornersA)
+		for (const auto& ofB : m_cornersB)
 			if (ofA->box.meets(ofB->box, m_pair.reach)) vertexOverVertex(*ofA, *ofB);
 }
 
