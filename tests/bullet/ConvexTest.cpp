@@ -443,4 +443,22 @@ TEST(Convex, ShapesKnownByTheirSupportAreNotTakenForEachOther)
 		scene.world.removeRigidBody(&body);
 	}
 }
+
+// Two spheres of which one is larger, and four whose centres are the numbers that tell of those.
+TEST(Convex, SpheresOfTwoSizesAreNotTakenForMoreOfOneSize)
+{
+	BulletWorld scene;
+	btRigidBody& ground = scene.addBody(scene.addShape(slab()), 0, {0, -0.5, 0});
+	const btVector3 centers[] = {{btScalar(-0.25), 0, 0}, {btScalar(0.5), 0, 0}, {btScalar(0.125), 0, 0}, {btScalar(0.25), 0, 0}};
+	const btScalar radii[] = {btScalar(0.125), btScalar(0.25)}, equal[] = {radii[0], radii[0], radii[0], radii[0]};
+	btMultiSphereShape two(centers, radii, 2), four(centers, equal, 4);
+	for (btMultiSphereShape* shape : {&two, &four})
+	{
+		btRigidBody& body = scene.addBody(*shape, 1, {0, 0.5, 0});
+		Closest nearest(1);
+		scene.world.contactPairTest(&ground, &body, nearest);
+		EXPECT_NEAR(nearest.least, shape == &two ? 0.25 : 0.375, 1e-3);
+		scene.world.removeRigidBody(&body);
+	}
+}
 }  // namespace clod::test

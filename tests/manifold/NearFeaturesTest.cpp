@@ -3,6 +3,7 @@
 
 #include <map>
 #include <set>
+#include <tuple>
 
 #include "clod/hierarchy/ConvexPiece.h"
 #include "clod/manifold/FacetFinder.h"
@@ -141,5 +142,30 @@ TEST(FacetFinder, WhatNodesShareIsAskedOnceAndNothingIsLost)
 	EXPECT_GT(found, 2000u);
 	EXPECT_GT(overlapping, 100u);
 	EXPECT_GT(most, 64u);  // that are told apart at a time
+}
+
+// A number is of one feature only, however many find their place in the table taken; one that nothing displaces keeps it.
+TEST(FeatureNumbers, AreOfOneFeatureEach)
+{
+	Random random(3);
+	FeatureNumbers numbers;
+	for (int dispatch = 0; dispatch < 3; ++dispatch)
+	{
+		numbers.start();
+		std::map<std::uint32_t, std::tuple<std::uint32_t, bool, std::uint32_t>> owner;
+		std::uint32_t again = 0;
+		for (int i = 0; i < 20000; ++i)
+		{
+			const std::tuple<std::uint32_t, bool, std::uint32_t> feature{
+				std::uint32_t(uniform(random, 0, 2)), uniform(random, 0, 1) < 0.5, std::uint32_t(uniform(random, 0, 3000))};
+			const auto [level, isEdge, index] = feature;
+			const auto [at, isNew] = owner.insert({numbers.of(level, isEdge, index), feature});
+			EXPECT_EQ(at->second, feature);
+			again += isNew ? 0 : 1;
+			EXPECT_EQ(numbers.of(level, isEdge, index), at->first);
+		}
+		EXPECT_GT(again, 1000u);
+		EXPECT_EQ(numbers.next(), owner.size());
+	}
 }
 }  // namespace clod::test

@@ -182,7 +182,7 @@ void describe(const btConvexShape& shape, Description& description)
 	else
 		description.isBySupport = true;
 	std::vector<double>& numbers = description.numbers;
-	numbers.assign({double(shape.getShapeType()), description.radius});
+	numbers.assign({double(shape.getShapeType()), description.radius, double(description.isBySupport)});
 	for (const Vec3& p : description.points) numbers.insert(numbers.end(), {p.x, p.y, p.z});
 	description.isSeen = description.points.empty();
 	if (description.isSeen) look(shape, description);

@@ -442,15 +442,17 @@ void ManifoldSet::balance(const WorldFrame& frame)
 			for (int k = 0; k < std::min(m_slots[i].count, m_manifolds[i]->getNumContacts()); ++k)
 				each(m_manifolds[i]->getContactPoint(k), m_manifolds[i]->getBody0() == body);
 	};
+	bool isRigid = true;  // springs have a law of their own
 	forEachPoint(
 		[&](const btManifoldPoint& point, bool isFirst)
 		{
+			isRigid = isRigid && (point.m_contactPointFlags & BT_CONTACT_FLAG_CONTACT_STIFFNESS_DAMPING) == 0;
 			const Vec3 normal = toVec3(point.m_normalWorldOnB),
 					   place = toVec3(isFirst ? point.m_positionWorldOnA : point.m_positionWorldOnB);
 			balance.add({place, isFirst ? normal : -normal, other.velocity(place), speedOf(point, frame.timeStep),
 						 double(point.m_combinedFriction), double(point.m_appliedImpulse)});
 		});
-	if (!balance.solve() || balance.slides()) return;
+	if (!isRigid || !balance.solve() || balance.slides()) return;
 	std::size_t at = 0;
 	forEachPoint([&](btManifoldPoint& point, bool)
 				 { point.m_appliedImpulse = btScalar(balance.contact(at++).impulse / (1 - frame.closedShare)); });

@@ -337,6 +337,7 @@ void PairState::findPoints(const PairPose& pose, Question& question, bool goesOn
 		for (std::size_t i = 0; i < std::size_t(next.slots[slot].count); ++i)
 			if (!facets.isHeld(slot, i)) namePartnerFace(pose, next.slots[slot].points[i].point);
 	m_clusters.hold(next);
+	m_wayOut = wayOut(pose.rules.length);
 }
 
 // How far one of the bodies has to go until both are out of all that the points tell of. Of a wedge it is far more than
@@ -353,7 +354,7 @@ double PairState::wayOut(double length) const
 		deepest = std::max(deepest, depth);
 	}
 	if (deepest < kShallow * length) return 0;
-	// The square of the shift is the multipliers' sum of depths; where nothing leads out of all, that sum goes on growing.
+	// The square of the shift is the multipliers' sum of depths; where nothing leads out of all, it goes on growing.
 	leastShift(planes, kShallow * deepest);
 	double squared = 0;
 	for (const ShiftPlane& plane : planes) squared -= plane.multiplier * plane.distance;

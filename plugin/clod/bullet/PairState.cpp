@@ -110,7 +110,7 @@ bool PairState::isStill(const PairPose& pose, const Question& question) const
 // Drops everything kept where one of the shapes is another than in the last dispatch.
 void PairState::noticeShapes(const PairPose& pose)
 {
-	if (m_convex != pose.convex) m_convex = pose.convex;
+	if (m_convex != pose.convex) m_convex = pose.convex;  // in use: what looks the same may have been made anew
 	const Seen a = seenA(pose), b = seenB(pose);
 	if (m_seenA == a && m_seenB == b) return;
 	m_cache.clear();
@@ -398,9 +398,7 @@ bool PairState::process(const btCollisionObjectWrapper& body0, const btCollision
 
 bool PairState::follow(const PairPose& pose, const WorldFrame& frame, btManifoldResult& out)
 {
-	WorldFrame whole = frame;
-	whole.wayOut = frame.scale * wayOut(pose.rules.length);
-	m_report.kept = m_manifolds.follow(m_clusters, whole, out);
+	m_report.kept = m_manifolds.follow(m_clusters, frame, out);
 	if (!m_report.kept) return false;
 	m_report.queryMicroseconds = m_report.contactMicroseconds = 0;
 	foresee(pose);
@@ -475,7 +473,7 @@ void PairState::write(const PairPose& pose, const WorldFrame& frame, btManifoldR
 	WorldFrame whole = frame;
 	whole.alike = frame.scale * m_report.contactError;
 	whole.points = &m_clusters;
-	whole.wayOut = frame.scale * wayOut(pose.rules.length);
+	whole.wayOut = frame.scale * m_wayOut;
 	m_manifolds.write(m_clusters, whole, levelOf, out);
 }
 }  // namespace clod

@@ -181,6 +181,7 @@ private:
 	std::uint32_t m_points = 0, m_ofCoarsest = 0;  // what its last points were worth, and those of its coarsest answer
 	BackOff m_refining{kMostRefused};   // of finer answers, where they cost too much
 	double m_heldError = kOff;          // that contacts may have since a body was found held between them (isHeldBetween)
+	double m_wayOut = 0;                // of the last points, see wayOut()
 	Outline m_outline;                  // of the coming process(), or the last
 	std::unique_ptr<Prepared> m_ahead;  // for the coming process(), if m_isAhead; none where nothing was ever prepared
 	bool m_isAhead = false;

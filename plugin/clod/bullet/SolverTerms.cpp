@@ -86,7 +86,7 @@ void setErp(double erp, btManifoldPoint& point)
 }
 
 // A spring and damper that is pressed in so far: the row that Bullet makes of it where impulses are not split. It takes
-// the place of the two numbers in the point.
+// the place of the two numbers in the point. Before it is pressed in, what the path bends into it is met like any other.
 void setSpring(double depth, double dt, btManifoldPoint& point)
 {
 	const double pull = dt * double(point.m_combinedContactStiffness1);
@@ -113,7 +113,7 @@ void setSolverTerms(const ContactPoint& point, const WorldFrame& frame, btManifo
 	// Otherwise velocities answer for both, with at most twice what the bend itself asks for.
 	const bool isDepth = height < 0 && -bend < kTakenBackShare * -height;
 	if (height < 0 && (written.m_contactPointFlags & BT_CONTACT_FLAG_CONTACT_STIFFNESS_DAMPING) != 0)
-		setSpring(-height, dt, written);
+		setSpring(std::max(0.0, -height - slow), dt, written);
 	else if (isDepth)
 	{
 		// The share is such that as much is taken back a second whatever the step.

@@ -50,7 +50,8 @@ std::string reasonAgainst(btCollisionDispatcher* dispatcher, const clod::Context
 	if (!dispatcher) return "registerAlgorithm: the dispatcher is null";
 	if (!context) return "registerAlgorithm: the context is null";
 	if (!isMesh(shapeType) || isBulletsOwn(shapeType))
-		return "registerAlgorithm: shape type " + std::to_string(shapeType) + " is not a concave mesh type, or is Bullet's";
+		return "registerAlgorithm: shape type " + std::to_string(shapeType) +
+			   " is not a concave type, or one by which Bullet knows a class of its own";
 	const bool isDouble = sizeof(btScalar) == sizeof(double);
 	if (bool(btIsDoublePrecision()) != isDouble) return "registerAlgorithm: Bullet and this plugin differ in precision";
 	const int room = dispatcher->getCollisionConfiguration()->getCollisionAlgorithmPool()->getElementSize();

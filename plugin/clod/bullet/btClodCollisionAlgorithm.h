@@ -38,7 +38,8 @@ public:
 	// both dispatch tables and both orders, and for compounds that have such a child or meet one
 	// (btClodCompoundAlgorithm.h). Soft bodies keep Bullet's entries, which call processAllTriangles. Call it before
 	// the first pair exists and after any other registration. The context must outlive the dispatcher's pairs; several
-	// dispatchers may share one. Returns how many pairs of shape types were set.
+	// dispatchers may share one. A shape type is concave, and none by which Bullet knows a class of its own (plane,
+	// triangle mesh, scaled one, heightfield). Returns how many pairs of shape types were set.
 	static clod::Result<int> registerAlgorithm(btCollisionDispatcher* dispatcher, clod::Context* context,
 											   int shapeType = FAST_CONCAVE_MESH_PROXYTYPE);
 

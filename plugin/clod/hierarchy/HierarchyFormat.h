@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <iosfwd>
 #include <new>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -90,8 +91,11 @@ auto withinMemory(const std::string& name, const Make& make) -> decltype(make())
 	}
 	catch (const std::bad_alloc&)
 	{
-		return Error{name + "there is not enough memory"};
 	}
+	catch (const std::length_error&)
+	{
+	}
+	return Error{name + "there is not enough memory"};
 }
 
 // Opens a regular file that is no larger than any of ours: its size.

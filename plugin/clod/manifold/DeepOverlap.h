@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Zlib
 // Overlaps whose depth no facet tells: what is inside is too far from the surface, or the bodies reach through each
-// other with no corner inside, or facets hold them on all sides: convex ones of what they got through, others deeper than
-// any tight fit.
+// other with no corner inside, or facets hold them on all sides: convex ones of what they got through, others deeper
+// than any tight fit.
 //
 // The pair gets one direction out, which is kept from step to step. At first it is the mean way out of the corners
-// inside; for convex or held bodies, and where no corner is inside, the shortest way out of the two hulls (the nearest face of
-// the hull of their differences a - b: some 300 support values). Each place inside becomes a contact that goes that way,
-// as far as it is out of both hulls, or as itself comes out where all go that way. A body that is wholly inside, far from any surface, is looked at as a whole.
+// inside; for convex or held bodies, and where no corner is inside, the shortest way out of the two hulls (the nearest
+// face of the hull of their differences a - b: some 300 support values). Each place inside becomes a contact that goes
+// that way, as far as it is out of both hulls, or as itself comes out where all go that way. A body that is wholly
+// inside, far from any surface, is looked at as a whole.
 #pragma once
 #include <vector>
 

@@ -196,7 +196,8 @@ bool FacetChoice::wentThrough(const Facet& facet, const FacetRecord* known, cons
 }
 
 // Drops overlapping facets inside the difference. Those that were contacts in the last step are taken first, then the
-// shallowest, of several as shallow the one that the motion leaves least beneath; each next one counts only if the bodies still overlap there once they are moved out of those before.
+// shallowest, of several as shallow the one that the motion leaves least beneath; each next one counts only if the
+// bodies still overlap there once they are moved out of those before.
 void FacetChoice::dropInner(std::vector<Facet>& facets)
 {
 	m_order.clear();
@@ -207,13 +208,14 @@ void FacetChoice::dropInner(std::vector<Facet>& facets)
 		m_isKept[i] = facets[i].isThrough || overlapsAt(facets[i], Vec3{}) ? 1 : 0;
 		if (m_isKept[i]) m_order.push_back(i);
 	}
-	const auto isDeeper = [&](std::uint32_t i, std::uint32_t j) { return facets[i].distance < facets[j].distance; };
-	const auto shallowest = std::max_element(m_order.begin(), m_order.end(), isDeeper);
-	const double tie = shallowest == m_order.end() ? 0 : facets[*shallowest].distance - kAsShallow * m_question->length();
+	double shallowest = -std::numeric_limits<double>::infinity();  // of those that are new
+	for (const std::uint32_t i : m_order)
+		if (m_isKnown[i] == 0) shallowest = std::max(shallowest, facets[i].distance);
+	const double tie = shallowest - kAsShallow * m_question->length();
 	const auto placeOf = [&](std::uint32_t i)
 	{
 		const Facet& facet = facets[i];
-		const bool isTied = facet.distance >= tie;
+		const bool isTied = m_isKnown[i] == 0 && facet.distance >= tie;
 		return std::make_tuple(m_isKnown[i] == 0, !isTied, -facet.distance - (isTied ? facet.linear : 0), i);
 	};
 	std::sort(m_order.begin(), m_order.end(), [&](std::uint32_t i, std::uint32_t j) { return placeOf(i) < placeOf(j); });

@@ -163,12 +163,12 @@ void FacetContacts::answerDepth(const std::vector<Contact>& contacts, bool isDee
 	const bool overlap =
 		isDeep || std::any_of(contacts.begin(), contacts.end(), [](const Contact& c) { return c.upper <= 0; });
 	const bool isOverlapping = std::any_of(m_facets.begin(), m_facets.end(), [](const Facet& f) { return f.distance < 0; });
-	// Facets hold convex bodies from opposite sides only if the bodies have got through each other. Others may be held so
-	// in a tight fit, but not as deep as this.
+	// Facets hold convex bodies from opposite sides only if the bodies have got through each other. Others may be held
+	// so in a tight fit, but not as deep as this.
 	const auto reachThrough = [&]
 	{
-		const double upTo = DeepOverlap::areConvex(m_question) ? m_question.touching() : -kTightFit * m_question.length();
-		return isHeldBetween(m_facets, upTo);
+		const FacetQuestion& q = m_question;
+		return isHeldBetween(m_facets, DeepOverlap::areConvex(q) ? q.touching() : -kTightFit * q.length());
 	};
 	const bool isHeld = isOverlapping && reachThrough(), isAnswered = isOverlapping && !isHeld;
 	if (!overlap || (isAnswered && wayOut == Vec3{}))
@@ -180,8 +180,10 @@ void FacetContacts::answerDepth(const std::vector<Contact>& contacts, bool isDee
 	m_deepFacets.clear();
 	wayOut = m_deep.find(m_question, contacts, isDeep, isHeld, kept, m_deepFacets);
 	if (wayOut == Vec3{}) return;
-	// Overlapping facets that oppose the way out would hold the bodies where they are; those on all sides drive each other.
-	const auto holds = [&](const Facet& f) { return dot(f.normal, wayOut) < (isHeld && f.distance < 0 ? kWith : kAgainst); };
+	// Overlapping facets that oppose the way out would hold the bodies where they are. Where they do so on all sides, only
+	// those along the way out stay: the others would push the bodies to and fro.
+	const double least = isHeld ? kWith : kAgainst;
+	const auto holds = [&](const Facet& f) { return dot(f.normal, wayOut) < (f.distance < 0 ? least : kAgainst); };
 	m_facets.erase(std::remove_if(m_facets.begin(), m_facets.end(), holds), m_facets.end());
 	m_facets.insert(m_facets.end(), m_deepFacets.begin(), m_deepFacets.end());
 }

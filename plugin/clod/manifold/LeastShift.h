@@ -18,7 +18,7 @@ struct ShiftPlane
 };
 
 // The shortest x with normal . x + distance >= 0 for all planes (Hildreth's row action), up to `settled`. Where there is
-// none it is some x that is out of the last ones.
+// none, some x.
 inline Vec3 leastShift(std::vector<ShiftPlane>& planes, double settled)
 {
 	Vec3 shift;

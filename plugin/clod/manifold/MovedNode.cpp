@@ -11,6 +11,7 @@ namespace
 {
 constexpr double kRounding = 1e-9;  // of a distance from a box, more than its own
 constexpr std::size_t kNumbered = 2048;  // a power of two, see FeatureNumbers
+constexpr std::uint32_t kMostBlocks = 16;  // of 64 nodes: of more, tables of features and blocks take more than they save
 
 // Calls each(0: a corner, 1: a polygon, 2: an edge; its box; which) for what a node of A has near: it stands still in its
 // own frame.
@@ -129,6 +130,7 @@ void MovedNodes::start(const FacetQuestion& question, const std::vector<Contact>
 	m_sharing.clear();
 	m_near.clear();
 	m_blocks = std::uint32_t((m_nodes.size() + 63) / 64);
+	if (m_blocks > kMostBlocks) m_blocks = 0;
 }
 
 std::uint64_t MovedNodes::displaced(double least, std::uint32_t place) const
@@ -142,6 +144,7 @@ std::uint64_t MovedNodes::displaced(double least, std::uint32_t place) const
 
 std::uint64_t MovedNodes::noteNear(std::uint32_t number, std::uint32_t otherBlocks, std::uint32_t otherPlace)
 {
+	if (otherBlocks == 0) return 0;
 	const std::size_t at = std::size_t(number) * otherBlocks + otherPlace / 64;
 	if (m_near.size() <= at) m_near.resize(at + 1, 0);
 	return std::exchange(m_near[at], m_near[at] | std::uint64_t(1) << otherPlace % 64);
@@ -151,6 +154,7 @@ std::uint64_t MovedNodes::noteNear(std::uint32_t number, std::uint32_t otherBloc
 std::uint32_t MovedNodes::numberOf(const MovedNode& moved, bool isEdge, std::uint32_t index)
 {
 	const std::uint32_t number = m_numbers.of(moved.level, isEdge, index);
+	if (m_blocks == 0) return number;
 	const std::size_t at = std::size_t(number) * m_blocks + moved.place / 64;
 	if (m_sharing.size() <= at) m_sharing.resize(at + 1, 0);
 	m_sharing[at] |= std::uint64_t(1) << moved.place % 64;

@@ -144,7 +144,7 @@ public:
 	// corner or edge of this number,
 	std::uint64_t sharing(std::uint32_t number, std::uint32_t place) const
 	{
-		return m_sharing[std::size_t(number) * m_blocks + place / 64];
+		return m_blocks == 0 ? 0 : m_sharing[std::size_t(number) * m_blocks + place / 64];
 	}
 	// or of which a point goes at least so far.
 	std::uint64_t displaced(double least, std::uint32_t place) const;
@@ -169,6 +169,6 @@ private:
 	std::vector<Box> m_boxes;            // of a node's vertices
 	FeatureNumbers m_numbers;
 	std::vector<std::uint64_t> m_sharing, m_near;
-	std::uint32_t m_blocks = 0;  // of 64 nodes, as many as hold all
+	std::uint32_t m_blocks = 0;  // of 64 nodes, as many as hold all; 0: too many, none are told apart
 };
 }  // namespace clod

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "clod/schedule/ThreadPool.h"
 
+#include <new>
 #include <system_error>
 #include <utility>
 
@@ -8,13 +9,17 @@ namespace clod
 {
 ThreadPool::ThreadPool(unsigned threads)
 {
+	m_workers.reserve(threads);
 	try
 	{
 		for (unsigned i = 1; i < threads; ++i) m_workers.emplace_back([this] { serve(); });
 	}
+	// There are no more: those that there are do all of it.
 	catch (const std::system_error&)
 	{
-		// There are no more: those that there are do all of it.
+	}
+	catch (const std::bad_alloc&)
+	{
 	}
 }
 
