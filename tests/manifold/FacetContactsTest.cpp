@@ -365,13 +365,13 @@ TEST(FacetContacts, ABodyIsHeldBetweenFacetsThatLeaveNoWayOut)
 		const bool isFree = best > 0.225, isHeld = best < 0.17;  // what was sampled is a little less than the best
 		if (isFree || isHeld)
 		{
-			EXPECT_EQ(isHeldBetween(facets, question.touching()), isHeld) << i;
+			EXPECT_EQ(isHeldBetween(question, facets), isHeld) << i;
 		}
 		(isFree ? free : held) += 1;
 	}
 	EXPECT_GT(held, 40);
 	EXPECT_GT(free, 40);
-	EXPECT_FALSE(isHeldBetween({}, question.touching()));
+	EXPECT_FALSE(isHeldBetween(question, {}));
 }
 
 // A corner that a step of fast turning carries round another to its far side has not been pushed through it: what its row

@@ -30,7 +30,6 @@ struct WorldFrame
 	double timeStep = 0;           // 0: points are for the poses as they are
 	double pushSpeed = 0;           // at which an overlap is left at most, world lengths a second,
 	double switchSpeed = 0;         // and one that came with a change of level
-	double wayOut = 0;              // world length: so far is the way out of all that the points tell of together
 	double restingGap = 0;          // world length: where points carry, gaps up to it close slowly, by
 	double closedShare = 1;         // this of them a step (SolverTerms.h)
 	const HeldClusters* points = nullptr;  // all that are written, of which a coarse surface

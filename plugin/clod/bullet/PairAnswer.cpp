@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "clod/bullet/BodyState.h"
 #include "clod/bullet/PairState.h"
@@ -40,7 +39,6 @@ struct TriangleSink : btTriangleCallback
 
 constexpr double kFiner = 2;         // by so much a trial is finer than what missed: levels differ by about that
 constexpr double kLeastOfTrial = 4;  // of what the coarsest answer takes: a finer one takes more
-constexpr double kShallow = 1e-3;   // of the length: overlaps that are left within a step or two, however they lead out
 constexpr double kStricter = 0.25;  // of the error of contacts that hold a body between them
 
 // What a thread needs while it answers a pair.
@@ -49,7 +47,6 @@ struct Scratch
 	FacetContacts facets;
 	ClusterSet previous, next;
 	PartnerContacts partner;
-	std::vector<ShiftPlane> planes;   // of what overlaps
 	std::vector<Triangle> triangles;  // of a mesh, within the tolerance, frame B
 	std::vector<std::array<int, 2>> names;  // of those of the last answer, see isMeshAsItWas()
 	GapResult result;                 // of a query: a pair keeps no more room than its own contacts take
@@ -337,28 +334,6 @@ void PairState::findPoints(const PairPose& pose, Question& question, bool goesOn
 		for (std::size_t i = 0; i < std::size_t(next.slots[slot].count); ++i)
 			if (!facets.isHeld(slot, i)) namePartnerFace(pose, next.slots[slot].points[i].point);
 	m_clusters.hold(next);
-	m_wayOut = wayOut(pose.rules.length);
-}
-
-// How far one of the bodies has to go until both are out of all that the points tell of. Of a wedge it is far more than
-// its flanks are deep.
-double PairState::wayOut(double length) const
-{
-	std::vector<ShiftPlane>& planes = scratch().planes;
-	planes.clear();
-	double deepest = 0;
-	for (const HeldPoint& held : m_clusters.points())
-	{
-		const double depth = -held.point.height - held.point.slowOverlap;
-		if (depth > 0) planes.push_back({held.point.normal, -depth});
-		deepest = std::max(deepest, depth);
-	}
-	if (deepest < kShallow * length) return 0;
-	// The square of the shift is the multipliers' sum of depths; where nothing leads out of all, it goes on growing.
-	leastShift(planes, kShallow * deepest);
-	double squared = 0;
-	for (const ShiftPlane& plane : planes) squared -= plane.multiplier * plane.distance;
-	return std::sqrt(squared);
 }
 
 // Names the part and triangle of a mesh that is no shape of ours as its owner names them.

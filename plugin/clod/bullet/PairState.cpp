@@ -473,7 +473,6 @@ void PairState::write(const PairPose& pose, const WorldFrame& frame, btManifoldR
 	WorldFrame whole = frame;
 	whole.alike = frame.scale * m_report.contactError;
 	whole.points = &m_clusters;
-	whole.wayOut = frame.scale * m_wayOut;
 	m_manifolds.write(m_clusters, whole, levelOf, out);
 }
 }  // namespace clod

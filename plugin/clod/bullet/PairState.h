@@ -129,7 +129,6 @@ private:
 	PairPose begin(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 				   const btDispatcherInfo& info, double closestPoints);
 	void noticeShapes(const PairPose& pose);
-	double wayOut(double length) const;
 	bool liesAlone(const PairPose& pose) const;
 	Question questionOf(const PairPose& pose);
 	// Query.
@@ -181,7 +180,6 @@ private:
 	std::uint32_t m_points = 0, m_ofCoarsest = 0;  // what its last points were worth, and those of its coarsest answer
 	BackOff m_refining{kMostRefused};   // of finer answers, where they cost too much
 	double m_heldError = kOff;          // that contacts may have since a body was found held between them (isHeldBetween)
-	double m_wayOut = 0;                // of the last points, see wayOut()
 	Outline m_outline;                  // of the coming process(), or the last
 	std::unique_ptr<Prepared> m_ahead;  // for the coming process(), if m_isAhead; none where nothing was ever prepared
 	bool m_isAhead = false;

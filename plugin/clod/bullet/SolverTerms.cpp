@@ -119,8 +119,7 @@ void setSolverTerms(const ContactPoint& point, const WorldFrame& frame, btManifo
 		// The share is such that as much is taken back a second whatever the step.
 		const double share = std::min(kMostDepthShare, 1 - std::pow(1 - kTakenBackShare, dt / kDepthStep));
 		written.m_distance1 = btScalar(height);
-		const double depth = -height - slow, far = std::max(depth, frame.wayOut);
-		const double left = std::min(std::max(kTakenBackShare, share), frame.pushSpeed * dt / far) * depth;
+		const double left = std::min(std::max(kTakenBackShare, share) * (-height - slow), frame.pushSpeed * dt);
 		setErp((left + std::min(slow, frame.switchSpeed * dt)) / -height, written);
 		setYielding(frame, -height, written);
 	}

@@ -160,8 +160,8 @@ Vec3 DeepOverlap::wayOut(const FacetQuestion& q, bool isCrossing, bool areHulls)
 	return shortestWayOut(q, q.a.surfaceOf(m_inside[0].nodeA), q.b.surfaceOf(m_inside[0].nodeB));
 }
 
-Vec3 DeepOverlap::find(const FacetQuestion& q, const std::vector<Contact>& contacts, bool isDeep, bool isHeld,
-					   const Vec3& kept, std::vector<Facet>& facets)
+Vec3 DeepOverlap::find(const FacetQuestion& q, const std::vector<Contact>& contacts, bool isDeep, const Vec3& kept,
+					   std::vector<Facet>& facets)
 {
 	m_inside.clear();
 	// Not for half spaces, whose facets tell any depth, nor for sheets, which have no inside.
@@ -182,7 +182,7 @@ Vec3 DeepOverlap::find(const FacetQuestion& q, const std::vector<Contact>& conta
 	if (isWhole)
 		for (const bool ofA : {true, false}) probeWhole(q, ofA);
 	if (m_inside.empty()) return {};
-	const bool areHulls = !isWhole && (isHeld || areConvex(q));
+	const bool areHulls = !isWhole && areConvex(q);
 	const auto isShallower = [](const Inside& l, const Inside& r) { return lengthSquared(l.way) < lengthSquared(r.way); };
 	const Vec3 way = kept != Vec3{} ? kept
 					 : isWhole      ? normalized(std::min_element(m_inside.begin(), m_inside.end(), isShallower)->way)

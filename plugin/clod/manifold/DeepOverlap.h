@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Zlib
 // Overlaps whose depth no facet tells: what is inside is too far from the surface, or the bodies reach through each
-// other with no corner inside, or facets hold them on all sides: convex ones of what they got through, others deeper
-// than any tight fit.
+// other with no corner inside, or convex bodies are held by facets on both sides of what they got through.
 //
 // The pair gets one direction out, which is kept from step to step. At first it is the mean way out of the corners
-// inside; for convex or held bodies, and where no corner is inside, the shortest way out of the two hulls (the nearest
-// face of the hull of their differences a - b: some 300 support values). Each place inside becomes a contact that goes
-// that way, as far as it is out of both hulls, or as itself comes out where all go that way. A body that is wholly
-// inside, far from any surface, is looked at as a whole.
+// inside; for convex bodies, and where no corner is inside, the shortest way out of the two hulls (the nearest face of
+// the hull of their differences a - b: some 300 support values). Each place inside becomes a contact that goes that way,
+// as far as it is out of both hulls, or as itself comes out where all go that way. A body that is wholly inside, far from any surface, is looked at as a whole.
 #pragma once
 #include <vector>
 
@@ -19,10 +17,9 @@ class DeepOverlap
 {
 public:
 	// Appends the contacts, and returns the direction, from B to A; zero where nothing is found inside. kept: a
-	// direction to go on with, or zero. isDeep: one body is known to be inside the other, near a surface or not. isHeld:
-	// it is held from all sides.
-	Vec3 find(const FacetQuestion& question, const std::vector<Contact>& contacts, bool isDeep, bool isHeld,
-			  const Vec3& kept, std::vector<Facet>& facets);
+	// direction to go on with, or zero. isDeep: one body is known to be inside the other, near a surface or not.
+	Vec3 find(const FacetQuestion& question, const std::vector<Contact>& contacts, bool isDeep, const Vec3& kept,
+			  std::vector<Facet>& facets);
 
 	// Are both bodies convex, or nearly so?
 	static bool areConvex(const FacetQuestion& question);

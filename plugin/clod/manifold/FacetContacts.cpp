@@ -22,8 +22,6 @@ Vec3 impulseOf(const ClusterSet& set)
 // Sine of the angle by which a way out has to leave every facet: two normals that are 154 degrees apart leave none.
 constexpr double kWayOut = 0.225;
 constexpr int kWayOutRounds = 64;
-constexpr double kWith = 0.9;       // cosine: the same way
-constexpr double kTightFit = 0.03;  // of the length: deeper no fit holds a body between its contacts
 
 // The triangle on which a place of the part lies (a part may have many); kNone for a thin core.
 std::uint32_t faceOf(const ContactSurface& surface, Part part, std::uint32_t feature, std::uint32_t node, const Vec3& place)
@@ -43,9 +41,9 @@ std::uint32_t faceOf(const ContactSurface& surface, Part part, std::uint32_t fea
 
 // Finds the shortest vector in the convex hull of the normals (Gilbert, 1966). Its length is the sine of the angle by
 // which the best way out leaves the facet that it leaves least.
-bool isHeldBetween(const std::vector<Facet>& facets, double upTo)
+bool isHeldBetween(const FacetQuestion& question, const std::vector<Facet>& facets)
 {
-	const auto touches = [&](const Facet& facet) { return facet.hasFeatures() && facet.distance < upTo; };
+	const auto touches = [&](const Facet& facet) { return facet.hasFeatures() && facet.distance < question.touching(); };
 	const auto first = std::find_if(facets.begin(), facets.end(), touches);
 	if (first == facets.end()) return false;
 	Vec3 shortest = first->normal;
@@ -163,28 +161,21 @@ void FacetContacts::answerDepth(const std::vector<Contact>& contacts, bool isDee
 	const bool overlap =
 		isDeep || std::any_of(contacts.begin(), contacts.end(), [](const Contact& c) { return c.upper <= 0; });
 	const bool isOverlapping = std::any_of(m_facets.begin(), m_facets.end(), [](const Facet& f) { return f.distance < 0; });
-	// Facets hold convex bodies from opposite sides only if the bodies have got through each other. Others may be held
-	// so in a tight fit, but not as deep as this.
-	const auto reachThrough = [&]
-	{
-		const FacetQuestion& q = m_question;
-		return isHeldBetween(m_facets, DeepOverlap::areConvex(q) ? q.touching() : -kTightFit * q.length());
-	};
-	const bool isHeld = isOverlapping && reachThrough(), isAnswered = isOverlapping && !isHeld;
+	// Facets hold convex bodies from opposite sides only if the bodies have got through each other.
+	const bool isAnswered = isOverlapping && !(DeepOverlap::areConvex(m_question) && holdBetween());
 	if (!overlap || (isAnswered && wayOut == Vec3{}))
 	{
 		wayOut = {};
 		return;
 	}
-	const Vec3 kept = wayOut != Vec3{} ? wayOut : isHeld ? Vec3{} : normalized(impulseOf(previous));
+	const Vec3 kept = wayOut != Vec3{} ? wayOut : normalized(impulseOf(previous));
 	m_deepFacets.clear();
-	wayOut = m_deep.find(m_question, contacts, isDeep, isHeld, kept, m_deepFacets);
+	wayOut = m_deep.find(m_question, contacts, isDeep, kept, m_deepFacets);
 	if (wayOut == Vec3{}) return;
-	// Overlapping facets that oppose the way out would hold the bodies where they are. Where they do so on all sides, only
-	// those along the way out stay: the others would push the bodies to and fro.
-	const double least = isHeld ? kWith : kAgainst;
-	const auto holds = [&](const Facet& f) { return dot(f.normal, wayOut) < (f.distance < 0 ? least : kAgainst); };
-	m_facets.erase(std::remove_if(m_facets.begin(), m_facets.end(), holds), m_facets.end());
+	// Overlapping facets that oppose the way out would hold the bodies where they are.
+	m_facets.erase(std::remove_if(m_facets.begin(), m_facets.end(),
+								  [&](const Facet& f) { return dot(f.normal, wayOut) < kAgainst; }),
+				   m_facets.end());
 	m_facets.insert(m_facets.end(), m_deepFacets.begin(), m_deepFacets.end());
 }
 

@@ -39,8 +39,7 @@ struct FacetMemory
 
 // Is a body held between its contacts, like a pin in its hole, so that no direction leads out of all that touch or overlap?
 // The play is then of the order of the margins, and a level that deviates by more jams although it keeps its error bound.
-// Only facets up to that distance count.
-CLOD_API bool isHeldBetween(const std::vector<Facet>& facets, double upTo);
+CLOD_API bool isHeldBetween(const FacetQuestion& question, const std::vector<Facet>& facets);
 
 // For any number of pairs, one after the other.
 class CLOD_API FacetContacts
@@ -52,7 +51,7 @@ public:
 			  const std::vector<Contact>& contacts, const ClusterSet& previous, FacetMemory& memory,
 			  bool goesOn = false);
 	// Would the facets found last hold the bodies however they move?
-	bool holdBetween() const { return isHeldBetween(m_facets, m_question.touching()); }
+	bool holdBetween() const { return isHeldBetween(m_question, m_facets); }
 	// Makes contacts of those found last. isDeep: one body is known to be inside the other. The memory is the pair's,
 	// and needed until reduce().
 	void settle(const std::vector<Contact>& contacts, bool isDeep, const ClusterSet& previous, FacetMemory& memory,
