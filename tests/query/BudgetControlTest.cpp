@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "clod/schedule/BudgetControl.h"
+#include "clod/schedule/StepBudget.h"
 #include "tests/query/Bodies.h"
 
 namespace
@@ -229,5 +230,22 @@ TEST(BudgetControl, WhatDoesNotFitIsTriedSeldom)
 	}
 	EXPECT_LT(tries, 30);
 	EXPECT_GT(tries, 0);
+}
+
+// What waits gets what is left once all others have taken as much as in the last step; or have taken more already.
+TEST(StepBudget, WhatWaitsLeavesWhatTheLastStepTook)
+{
+	StepBudget step;
+	const Budget budget{1000, kOff};
+	step.begin(budget);
+	step.spend(600, false);
+	step.end();
+	step.begin(budget);
+	step.spend(200, false);
+	EXPECT_EQ(step.spare().tests, 1000 - 600);
+	step.spend(500, false);
+	EXPECT_EQ(step.spare().tests, 1000 - 700);
+	step.noneToCome();
+	EXPECT_EQ(step.spare().tests, 1000 - 700);
 }
 }  // namespace
