@@ -55,7 +55,7 @@ struct AreaRuns
 };
 
 AreaRuns measureAreas(const SceneInfo& info, const FigureOptions& options, HierarchyCache& cache,
-				 const FigureProgress& progress)
+					  const FigureProgress& progress)
 {
 	SceneRunOptions run;
 	run.info = info;

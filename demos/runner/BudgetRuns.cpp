@@ -16,9 +16,9 @@ namespace clod::demo
 {
 namespace
 {
-constexpr double kOverShare = 1.1;         // of the budget: a step that takes more counts as over it
-constexpr double kLeastDrawn = 0.01;  // smaller errors are drawn here: an axis in decades has no zero
-constexpr double kHalfANumber = 40;        // pixels, beyond the end of an axis
+constexpr double kOverShare = 1.1;        // of the budget: a step that takes more counts as over it
+constexpr double kLeastDrawn = 0.01;       // smaller errors are drawn here: an axis in decades has no zero
+constexpr double kHalfANumber = 40;       // pixels, beyond the end of an axis
 
 std::vector<double> column(const BudgetRun& run, const std::function<double(const BudgetRow&)>& value)
 {

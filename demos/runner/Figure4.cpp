@@ -163,7 +163,7 @@ std::string plotScript(const std::vector<Curve>& curves, const std::string& csv)
 }
 
 std::vector<Curve> measureCurves(const SceneInfo& info, const FigureOptions& options, HierarchyCache& cache,
-						   const FigureProgress& progress)
+								 const FigureProgress& progress)
 {
 	std::vector<Curve> curves;
 	std::vector<PoseRow> poses;

@@ -13,6 +13,7 @@
 #include "demos/scenes/SceneDefinition.h"
 #include "tests/demos/KeptHierarchies.h"
 #include "tests/query/TriangleGap.h"
+#include "tests/support/NamedTests.h"
 
 namespace
 {
@@ -151,13 +152,7 @@ TEST_P(Mechanisms, StartApartRunAndTellEveryOutcome)
 	}
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, Mechanisms, testing::ValuesIn(kScenes),
-						 [](const testing::TestParamInfo<std::string>& scene)
-						 {
-							 std::string name = scene.param;
-							 std::replace(name.begin(), name.end(), '-', '_');
-							 return name;
-						 });
+INSTANTIATE_TEST_SUITE_P(Scenes, Mechanisms, testing::ValuesIn(kScenes), clod::test::nameOfTest);
 
 // A level that keeps the metric, but deviates by more than the play, would jam the joint.
 TEST(MechanismLevels, AThresholdAboveThePlayLeavesAPendulumItsSwing)

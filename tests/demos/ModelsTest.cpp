@@ -14,6 +14,7 @@
 #include "demos/models/Models.h"
 #include "tests/demos/MeshFacts.h"
 #include "tests/support/Files.h"
+#include "tests/support/NamedTests.h"
 
 namespace clod::demo::test
 {
@@ -198,13 +199,7 @@ TEST_P(EachModel, IsSoundAndTheSameEveryTime)
 	expectThatOfTheResults(name);
 	EXPECT_TRUE(sameBytes(built(name, coarseCount(name)), builtAfresh(name, coarseCount(name))));
 }
-INSTANTIATE_TEST_SUITE_P(All, EachModel, testing::ValuesIn(allNames()),
-						 [](const testing::TestParamInfo<std::string>& model)
-						 {
-							 std::string name = model.param;
-							 std::replace(name.begin(), name.end(), '-', '_');
-							 return name;
-						 });
+INSTANTIATE_TEST_SUITE_P(All, EachModel, testing::ValuesIn(allNames()), clod::test::nameOfTest);
 
 TEST(Models, OfOtherCountsAreOthers)
 {

@@ -17,6 +17,7 @@
 #include "tests/demos/KeptHierarchies.h"
 #include "tests/query/Questions.h"
 #include "tests/query/TriangleGap.h"
+#include "tests/support/NamedTests.h"
 
 namespace
 {
@@ -286,13 +287,7 @@ std::vector<std::string> sceneNames()
 		if (std::find(names.begin(), names.end(), scene.name) == names.end()) names.push_back(scene.name);
 	return names;
 }
-INSTANTIATE_TEST_SUITE_P(Scenes, SceneCertificates, testing::ValuesIn(sceneNames()),
-						 [](const testing::TestParamInfo<std::string>& scene)
-						 {
-							 std::string name = scene.param;
-							 std::replace(name.begin(), name.end(), '-', '_');
-							 return name;
-						 });
+INSTANTIATE_TEST_SUITE_P(Scenes, SceneCertificates, testing::ValuesIn(sceneNames()), clod::test::nameOfTest);
 
 TEST(SceneCertificate, TheCheckSeesPlantedFaults)
 {

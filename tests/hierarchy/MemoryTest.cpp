@@ -6,7 +6,6 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdlib>
-#include <cstring>
 #include <limits>
 #include <vector>
 
