@@ -20,7 +20,7 @@ constexpr int kImportant = 1;
 
 void setUp(btDiscreteDynamicsWorld& world)
 {
-	clod::Context context;
+	clod::Context context;  // declare it before the world, which uses it to the end
 	const clod::Result<int> ready = clod::setUpWorld(world, context);
 	if (!ready) throw std::runtime_error(ready.error());
 
