@@ -342,11 +342,10 @@ private:
 		const Vec3 middle = 0.5 * (m_of.now + m_of.then);
 		if (now <= m_question.touching() && m_of.mayTouch && m_of.isOver(m_of.now, m_of.direction, m_question.footSlack(now)))
 			reach = now >= -m_inner ? Facet::Reach::kNear : Facet::Reach::kOverlap;
-		else if (now <= 0)
-			return false;
-		else if (end <= m_rules.margin ? end < now && meetOnPath(now - end) : meetIfHeld())
+		else if (now > 0 && (end <= m_rules.margin ? end < now && meetOnPath(now - end) : meetIfHeld()))
 			reach = Facet::Reach::kPath;
-		else if (now <= m_finder.highest(now - m_of.distanceThen) && m_of.isOver(middle, m_of.direction, beside))
+		else if (now > 0 && now <= m_finder.highest(now - m_of.distanceThen) &&
+				 m_of.isOver(middle, m_of.direction, beside))
 			reach = Facet::Reach::kPossible;
 		else
 			return false;

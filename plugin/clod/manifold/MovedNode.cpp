@@ -136,7 +136,7 @@ void MovedNodes::start(const FacetQuestion& question, const std::vector<Contact>
 std::uint64_t MovedNodes::displaced(double least, std::uint32_t place) const
 {
 	std::uint64_t nodes = 0;
-	const std::size_t first = place / 64 * 64, end = std::min(m_nodes.size(), first + 64);
+	const std::size_t first = std::size_t(place) / 64 * 64, end = std::min(m_nodes.size(), first + 64);
 	for (std::size_t i = first; i < end; ++i)
 		if (m_moved[i].node != kNone && m_moved[i].displaced >= least) nodes |= std::uint64_t(1) << (i - first);
 	return nodes;
