@@ -14,7 +14,6 @@ namespace clod
 {
 namespace
 {
-constexpr double kSameScale = 1e-6;  // scales whose ratio differs by less are equal
 constexpr double kAside = 0.4;  // of the way of the step
 const char* const kNoFloats = "floats cannot hold a body at its scale";
 

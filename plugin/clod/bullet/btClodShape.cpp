@@ -25,10 +25,10 @@ namespace
 {
 using clod::OrientedBox;
 using clod::Hierarchy;
+using clod::kSameScale;
 using clod::toVec3;
 using clod::Vec3;
 
-constexpr double kSameScale = 1e-6;  // factors that differ by less are one
 constexpr const char* kSerializedAs = "clod:";
 constexpr std::size_t kCheckLength = 9;
 

@@ -24,6 +24,7 @@
 namespace clod
 {
 inline constexpr double kBreakingShare = 0.003;  // contact breaking threshold, as a share of the radius
+inline constexpr double kSameScale = 1e-6;       // scales whose ratio differs from 1 by less are equal
 }
 
 ATTRIBUTE_ALIGNED16(class)
