@@ -2,8 +2,8 @@
 // The point of a triangle nearest to another, once for the builder and for its checker: of a sheet's rims, slivers, it
 // tells which side a point is on, where a wall starts and how far a hull stands out, which both must see alike.
 //
-// Based on: Ericson, Real-Time Collision Detection, 2005, sec. 5.1.5. Departs from it for slivers, whose width is lost in
-// the products of products that weigh the regions.
+// Based on: Ericson, Real-Time Collision Detection, 2005, sec. 5.1.5. Departs from it for slivers, whose width is lost
+// in the products of products that weigh the regions.
 #pragma once
 #include <array>
 #include <cmath>

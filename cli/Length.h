@@ -27,7 +27,8 @@ struct Length
 // Finite and >= 0; anything else is an error naming the text. `inf` is not a length.
 Result<Length> parseLength(const std::string& text);
 
-// How the length was understood: "1% of the radius 0.04 = 0.0004", lengths as `inWords` puts them, else in the mesh's unit.
+// How the length was understood: "1% of the radius 0.04 = 0.0004", lengths as `inWords` puts them, else in the mesh's
+// unit.
 std::string describe(const Length& length, double radius, const std::function<std::string(double)>& inWords = {});
 
 // The words to try on a mesh that was refused with these: --repair, then wraps, each coarser than the last.

@@ -37,8 +37,8 @@ void addThreads(CLI::App& command, CommonOptions& options);
 // -o, of a command that writes several files.
 void addFolder(CLI::App& command, std::string& folder, const std::string& files);
 
-// Before minutes are spent on what could not be written: throws Failure for the first of these files that cannot be (1),
-// and where two of them are stdout (2). An empty name is no file.
+// Before minutes are spent on what could not be written: throws Failure for the first of these files that cannot be
+// (1), and where two of them are stdout (2). An empty name is no file.
 void requireWritable(std::initializer_list<std::string> files);
 
 // One of `choices`; anything else is a usage error naming the nearest one.

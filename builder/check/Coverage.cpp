@@ -112,8 +112,8 @@ private:
 						   { return distanceToHull(m_hulls[node], p, 0.1 * m_s.slack, bound) <= bound; });
 	}
 
-	// An upper bound of the piece's distance to the real faces, infinite beyond `farthest`; stops at the first face within
-	// `enough`.
+	// An upper bound of the piece's distance to the real faces, infinite beyond `farthest`; stops at the first face
+	// within `enough`.
 	double distanceToFaces(std::uint32_t node, const Triangle& piece, double enough, double farthest) const
 	{
 		double best = std::numeric_limits<double>::infinity();

@@ -51,8 +51,8 @@ double radiusFrom(const Vec3& from, const std::vector<Vec3>& points)
 	return most;
 }
 
-// What lies over the triangle, and what lies beyond each of its edges; all of it in one piece where no edge cuts off more
-// than a strip of width `least`.
+// What lies over the triangle, and what lies beyond each of its edges; all of it in one piece where no edge cuts off
+// more than a strip of width `least`.
 std::vector<Part> cutByEdges(const Part& part, const Triangle& t, double least)
 {
 	std::vector<Part> pieces;
@@ -95,8 +95,9 @@ std::vector<Part> halves(const Part& part, const Vec3& center)
 	return {std::move(near), std::move(far)};
 }
 
-// Distance from a triangle to the surface against `bound`. What one triangle of the surface does not settle is cut along
-// the edges of the nearest where that is larger than the bound, as what lies over it settles at once then, else halved.
+// Distance from a triangle to the surface against `bound`. What one triangle of the surface does not settle is cut
+// along the edges of the nearest where that is larger than the bound, as what lies over it settles at once then, else
+// halved.
 Finding judgeTriangle(const TriangleTree& surface, const Triangle& whole, double bound, double slack)
 {
 	constexpr int kBudget = 4000;

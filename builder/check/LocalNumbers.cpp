@@ -205,8 +205,9 @@ Range leafArea(const Subject& s, std::uint32_t i)
 	return range;
 }
 
-// Of a scaled body, whose areas only choose and were not measured anew, none exceeds the recipe's by much. Above the leaves: 1 / D is the root mean square of theirs, weighted by surface (with paper: the least of the
-// children's), and nothing is below a parent's.
+// Of a scaled body, whose areas only choose and were not measured anew, none exceeds the recipe's by much. Above the
+// leaves: 1 / D is the root mean square of theirs, weighted by surface (with paper: the least of the children's), and
+// nothing is below a parent's.
 Invariant contactAreas(const Subject& s)
 {
 	Tally tally("contact-areas");

@@ -199,7 +199,8 @@ Invariants checkWalls(const Subject& s)
 			  [&](std::size_t f) { faceThickness(s, surface, std::uint32_t(f), walls[f], faces); });
 	s.forEach("node-thickness", first.nodeCount,
 			  [&](std::size_t i) { nodeThickness(s, surface, std::uint32_t(i), nodes); });
-	// Walls were followed as far as faces may be thick; a model all thicker is looked through once more, as far as it says.
+	// Walls were followed as far as faces may be thick; a model all thicker is looked through once more, as far as it
+	// says.
 	Wall least{2.1 * kMost * s.radius, 2.1 * kMost * s.radius};
 	walls.resize(first.faceCount);
 	const double rounding = double(s.h.asset().storageTolerance) * (1 - kRadius);  // nothing thinner is a wall

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Worlds saved by btSerializer, with shapes of ours, read back: an importer of Bullet's Extras that puts a shape of the same
-// file and scale where the saved world has a box under our name (btClodShape::serialize), in compounds, too.
+// Worlds saved by btSerializer, with shapes of ours, read back: an importer of Bullet's Extras that puts a shape of the
+// same file and scale where the saved world has a box under our name (btClodShape::serialize), in compounds, too.
 //   clod_import saved.bullet
 #pragma once
 #include <BulletFileLoader/btBulletFile.h>
@@ -39,8 +39,8 @@ public:
 	}
 
 private:
-	// Bullet's importer makes bodies and objects anew: as their shapes alone have them turn, at rest, without a past, solid,
-	// awake, meeting all others and under the world's gravity.
+	// Bullet's importer makes bodies and objects anew: as their shapes alone have them turn, at rest, without a past,
+	// solid, awake, meeting all others and under the world's gravity.
 	template <class BodyData, class ObjectData>
 	void restoreAll(bParse::btBulletFile& file)
 	{

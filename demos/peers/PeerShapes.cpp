@@ -16,7 +16,8 @@ namespace
 {
 constexpr double kConvex = 1e-4;  // a hull of no more volume than this beyond the mesh's is the mesh
 
-// A kind taken apart: whether static models keep their triangles, and prepare.py's tool and amount, where one is needed.
+// A kind taken apart: whether static models keep their triangles, and prepare.py's tool and amount, where one is
+// needed.
 struct PeerKind
 {
 	bool hasStaticTrees;

@@ -26,8 +26,8 @@ ModelMesh convexHullOf(const ModelMesh& mesh);
 // In words: "btCompoundShape of at most 32 hulls a mesh".
 std::string describePeerShape(const std::string& kind);
 
-// `kind`: one of kPeerShapes, or "vhacd:N" for at most N hulls. A convex model is a hull whatever the kind. `surfaces`: one a model. Fails with a sentence
-// where pieces cannot be made.
+// `kind`: one of kPeerShapes, or "vhacd:N" for at most N hulls. A convex model is a hull whatever the kind. `surfaces`:
+// one a model. Fails with a sentence where pieces cannot be made.
 Result<std::vector<SceneShape>> peerShapes(const std::string& kind, const std::vector<ModelMesh>& surfaces,
 										   const std::vector<bool>& moves, double margin,
 										   const Preparation& preparation,

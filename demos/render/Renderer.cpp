@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Order of drawing: background, ground, shadows, opaque bodies, coloured patches (first their hidden parts, faintly, then
-// the visible ones), markers, transparent bodies, patches half over those, and the same of markers: what hides them, be it
-// a body or a patch, is drawn before their faint parts.
+// Order of drawing: background, ground, shadows, opaque bodies, coloured patches (first their hidden parts, faintly,
+// then the visible ones), markers, transparent bodies, patches half over those, and the same of markers: what hides
+// them, be it a body or a patch, is drawn before their faint parts.
 #include "demos/render/Renderer.h"
 
 #include <algorithm>

@@ -22,7 +22,8 @@ namespace
 constexpr double kPi = 3.14159265358979323846;
 constexpr int kPanel = kViewImageHeight;  // pixels, each way
 constexpr Color kGlassColor = {0.45f, 0.62f, 0.78f, 0.22f};
-// Neighbours differ: a chain's links, what lies between two others. So do their patches, by so much of the way to white.
+// Neighbours differ: a chain's links, what lies between two others. So do their patches, by so much of the way to
+// white.
 constexpr Color kSolidColors[] = {{0.72f, 0.74f, 0.77f, 1}, {0.58f, 0.57f, 0.55f, 1}, {0.80f, 0.73f, 0.64f, 1}};
 constexpr float kPaler[] = {0, 0.3f, 0.15f};
 constexpr Color kContactColor = {0.85f, 0.1f, 0.1f, 1};

@@ -101,8 +101,8 @@ public:
 	Image paint(const FrameMoment& moment, const FrameAnswer& answer, const std::vector<FrameContact>& contacts);
 	// Overview, then a close-up for each of two answers to the same moment.
 	Image paintComparison(const FrameMoment& moment, const FrameAnswer& left, const FrameAnswer& right);
-	// The patches in contact alone, of the pair that shows most (one body at least has some): the two sides pulled apart
-	// along the contacts, the patches of a side from each other.
+	// The patches in contact alone, of the pair that shows most (one body at least has some): the two sides pulled
+	// apart along the contacts, the patches of a side from each other.
 	Image paintExploded(const FrameMoment& moment, const FrameAnswer& answer);
 
 private:

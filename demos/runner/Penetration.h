@@ -48,8 +48,8 @@ private:
 };
 
 // Deepest vertex over a sequence of relative poses. A vertex that was d outside is not looked at again before it is d
-// away from where it was then; and it is still outside where a ball clear of the other surface round its new place meets
-// the one round its old place. So following all steps of a simulation costs little more than the first.
+// away from where it was then; and it is still outside where a ball clear of the other surface round its new place
+// meets the one round its old place. So following all steps of a simulation costs little more than the first.
 class PenetrationMeter
 {
 public:
@@ -58,7 +58,8 @@ public:
 	double depth(const Transform& aFromB);
 
 private:
-	// Where a vertex was in the other's frame when it was last looked at, and how far round it all was outside the other.
+	// Where a vertex was in the other's frame when it was last looked at, and how far round it all was outside the
+	// other.
 	struct Look
 	{
 		Vec3 place;

@@ -35,9 +35,9 @@ struct ScalingOptions
 
 // Replays the poses at every resolution under every selection, passes outermost. Measured are the moving rows that
 // touch within the tolerance at every resolution. One element a selection: name, and sizes[] with triangles, bytes,
-// build_seconds, loaded_bytes (of the levels that any of the rows asked), alike_bytes (of levels that err by no more than
-// the first size's so asked: the same detail), query_us, front, contacts, finest_level and coarsest_level (medians) and
-// growth (time over that of the first size).
+// build_seconds, loaded_bytes (of the levels that any of the rows asked), alike_bytes (of levels that err by no more
+// than the first size's so asked: the same detail), query_us, front, contacts, finest_level and coarsest_level
+// (medians) and growth (time over that of the first size).
 nlohmann::ordered_json measureScaling(const std::vector<ScaledPair>& pairs, const std::vector<PoseRow>& poses,
 									  const std::vector<ScalingSelection>& selections, const ScalingOptions& options,
 									  const std::function<void(double)>& progress);

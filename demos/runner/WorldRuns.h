@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// How whole steps and memory of a world grow with its bodies, threads and triangles: ours, and what users of Bullet have
-// instead.
+// How whole steps and memory of a world grow with its bodies, threads and triangles: ours, and what users of Bullet
+// have instead.
 #pragma once
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
@@ -25,9 +25,10 @@ struct WorldRunOptions
 	unsigned threads = 1;
 };
 
-// One run: bodies (that move), triangles of all; medians of step_us and dispatch_us, processor time on one thread; bytes (that the heap has grown by since before the world was made; null
-// where the machine does not tell), pairs, points and levels at the end; how many steps there were time for; began_only: time was up
-// before the first that was to be measured, whose growth is not told.
+// One run: bodies (that move), triangles of all; medians of step_us and dispatch_us, processor time on one thread;
+// bytes (that the heap has grown by since before the world was made; null where the machine does not tell), pairs,
+// points and levels at the end; how many steps there were time for; began_only: time was up before the first that was
+// to be measured, whose growth is not told.
 nlohmann::ordered_json measureWorld(const SceneDefinition& scene, const std::vector<std::shared_ptr<const Hierarchy>>& models,
 									const WorldContender& contender, const WorldRunOptions& options);
 

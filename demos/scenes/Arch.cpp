@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Half circles of dry stones, the lowest on either side held: they stand by friction and thrust alone, as wide as a Roman
-// bridge. What a step falls by counts against the stones' thickness: a hundredth of the size wants many times the
+// Half circles of dry stones, the lowest on either side held: they stand by friction and thrust alone, as wide as a
+// Roman bridge. What a step falls by counts against the stones' thickness: a hundredth of the size wants many times the
 // iterations, of Bullet's own hulls as well.
 #include <algorithm>
 #include <cmath>

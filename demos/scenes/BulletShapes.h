@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Collision shapes that users of Bullet make of a mesh: triangles for GImpact or a static tree, a convex hull, a compound
-// of hulls; and Bullet's own solids in its place.
+// Collision shapes that users of Bullet make of a mesh: triangles for GImpact or a static tree, a convex hull, a
+// compound of hulls; and Bullet's own solids in its place.
 // Compiled once per Bullet precision. Lengths are the meshes' unit; vertices are moved by -origin, then scaled.
 #pragma once
 #include <btBulletCollisionCommon.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Digits on a floor: lying flat in stacks of ten (pile-stacks), poured onto a heap (pile-heap), or each by itself. A hundred,
-// or as many as wanted.
+// Digits on a floor: lying flat in stacks of ten (pile-stacks), poured onto a heap (pile-heap), or each by itself. A
+// hundred, or as many as wanted.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

@@ -37,8 +37,8 @@ struct TrialFrame
 	SceneState state;
 	double stepMicroseconds = 0;  // median over the steps since the last frame
 	double deepest = 0;           // of any vertex of a full mesh in another body
-	// How far the worst contact point is off the full meshes' surfaces, as a share of the smaller radius of the two that
-	// touch, as certified limits are; NaN without contacts.
+	// How far the worst contact point is off the full meshes' surfaces, as a share of the smaller radius of the two
+	// that touch, as certified limits are; NaN without contacts.
 	double offSurface = 0;
 };
 

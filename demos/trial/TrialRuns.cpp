@@ -16,7 +16,8 @@ namespace clod::demo
 namespace
 {
 constexpr double kEndSeconds = 0.1;
-// Of the smaller radius: bodies of ours rest 0.05 % of it apart, and what is a millimetre off a radius of one metre touches.
+// Of the smaller radius: bodies of ours rest 0.05 % of it apart, and what is a millimetre off a radius of one metre
+// touches.
 constexpr double kTouching = 1e-3;
 
 bool isFinite(const SceneState& state)
@@ -42,9 +43,9 @@ public:
 		}
 		return deepest;
 	}
-	// The contact points of bodies that touch are said to lie on the two surfaces, where those were before the step. Points
-	// of bodies still apart are for what the step may bring together: their place on the second body is where that will be
-	// met. A share: see TrialFrame.
+	// The contact points of bodies that touch are said to lie on the two surfaces, where those were before the step.
+	// Points of bodies still apart are for what the step may bring together: their place on the second body is where
+	// that will be met. A share: see TrialFrame.
 	double offSurface(const SceneState& before, const std::vector<ScenePoint>& points) const
 	{
 		double farthest = std::nan("");

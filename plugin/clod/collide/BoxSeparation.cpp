@@ -22,8 +22,8 @@ constexpr double kRounding = kAxisRounding + 40 * kRootOf3 * kFloatUnit;
 #include "clod/collide/CompiledTwice.h"
 
 // Of lengths that floats cannot square.
-std::uint32_t sphereSeparations(const BoxFrame& frame, const OrientedBox& one, bool oneIsOfA, const OrientedBox* const* others,
-								std::uint32_t count, float* separations, float limit)
+std::uint32_t sphereSeparations(const BoxFrame& frame, const OrientedBox& one, bool oneIsOfA,
+								const OrientedBox* const* others, std::uint32_t count, float* separations, float limit)
 {
 	std::uint32_t within = 0;
 	for (std::uint32_t i = 0; i < count; ++i)
@@ -61,15 +61,16 @@ double BoxFrame::roundingOfTwo() const
 	return 2 * (kRounding * size + double(rounding));
 }
 
-std::uint32_t boxSeparations(const BoxFrame& frame, const OrientedBox& one, bool oneIsOfA, const OrientedBox* const* others,
-							 std::uint32_t count, float* separations, float limit)
+std::uint32_t boxSeparations(const BoxFrame& frame, const OrientedBox& one, bool oneIsOfA,
+							 const OrientedBox* const* others, std::uint32_t count, float* separations, float limit)
 {
 	const auto separate = frame.isHuge ? sphereSeparations : kWide ? wide::boxSeparations : plain::boxSeparations;
 	return separate(frame, one, oneIsOfA, others, count, separations, limit);
 }
 
 std::uint32_t boxSeparationsPlain(const BoxFrame& frame, const OrientedBox& one, bool oneIsOfA,
-								  const OrientedBox* const* others, std::uint32_t count, float* separations, float limit)
+								  const OrientedBox* const* others, std::uint32_t count, float* separations,
+								  float limit)
 {
 	return (frame.isHuge ? sphereSeparations : plain::boxSeparations)(frame, one, oneIsOfA, others, count, separations,
 																	  limit);

@@ -41,8 +41,8 @@ struct BoxFrame
 // step, rounded down; negative where none of the axes separates them. 1 <= count <= kBoxLanes; room for kBoxLanes. What
 // a pair of boxes gets depends on the two and the frame only. Returns the set of i, as bits, whose separation is at
 // most `limit`.
-std::uint32_t boxSeparations(const BoxFrame& frame, const OrientedBox& one, bool oneIsOfA, const OrientedBox* const* others,
-							 std::uint32_t count, float* separations,
+std::uint32_t boxSeparations(const BoxFrame& frame, const OrientedBox& one, bool oneIsOfA,
+							 const OrientedBox* const* others, std::uint32_t count, float* separations,
 							 float limit = std::numeric_limits<float>::infinity());
 // The same from the code for any machine.
 std::uint32_t boxSeparationsPlain(const BoxFrame& frame, const OrientedBox& one, bool oneIsOfA,

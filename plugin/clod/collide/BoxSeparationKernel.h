@@ -205,8 +205,8 @@ CLOD_INLINED void separate(const BoxFrame& frame, const Boxes& a, const Boxes& b
 	result -= slack;
 }
 
-std::uint32_t boxSeparations(const BoxFrame& frame, const OrientedBox& one, bool oneIsOfA, const OrientedBox* const* others,
-							 std::uint32_t count, float* separations, float limit)
+std::uint32_t boxSeparations(const BoxFrame& frame, const OrientedBox& one, bool oneIsOfA,
+							 const OrientedBox* const* others, std::uint32_t count, float* separations, float limit)
 {
 	Boxes single, row;
 	spreadOver(one, single);

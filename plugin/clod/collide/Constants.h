@@ -14,8 +14,8 @@ inline constexpr double kRootOf3 = 1.7321;  // rounded up: a vector's length by 
 // A bracket of a hull distance is no wider, of the size of the pair. Ten thousand times what GJK converges to (below);
 // 60 times the widest of 150,000 pairs (README.md).
 inline constexpr double kHullDistanceAccuracy = 1e-7;
-// GJK stops at a bracket this narrow, of the length of the support points: 10^5 roundings. 1e-6 takes 0.2 of 8 iterations
-// fewer (docs/tried.md).
+// GJK stops at a bracket this narrow, of the length of the support points: 10^5 roundings. 1e-6 takes 0.2 of 8
+// iterations fewer (docs/tried.md).
 inline constexpr double kConverged = 1e-11;
 // 150,000 pairs take 16 at most. Whatever is reached is a true bracket.
 inline constexpr int kMaxIterations = 128;

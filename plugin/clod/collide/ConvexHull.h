@@ -7,7 +7,7 @@
 
 namespace clod
 {
-inline constexpr std::uint32_t kVertexLanes = 4;  // hull vertices are padded to a multiple of this by repeating the last
+inline constexpr std::uint32_t kVertexLanes = 4;  // hull vertices are padded to a multiple of this by the last one
 
 // Vertices as structure of arrays, 16-byte aligned, padded to kVertexLanes by repeating the last one.
 struct HullView

@@ -26,7 +26,7 @@ struct HullFace
 	bool isAlive = true;
 };
 
-// An edge between faces that a point is outside of and others: its end, the face that stays, and which edge of that it is.
+// An edge between faces that a point is outside of and others: its end, the face that stays, and its edge there.
 struct HorizonEdge
 {
 	std::uint32_t to, outside, edge;
@@ -48,7 +48,10 @@ private:
 	void makeFlat(const Vec3& normal);
 	std::uint32_t addFace(std::uint32_t a, std::uint32_t b, std::uint32_t c);
 	void measure(HullFace& face) const;
-	bool isOutward(const HullFace& face) const { return face.normal != Vec3{} && dot(face.normal, m_inside) < face.offset; }
+	bool isOutward(const HullFace& face) const
+	{
+		return face.normal != Vec3{} && dot(face.normal, m_inside) < face.offset;
+	}
 	void makeSimplex();
 	void refine();
 	std::vector<std::uint32_t> facesBelow(std::uint32_t from, const Vec3& point);

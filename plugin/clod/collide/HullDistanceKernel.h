@@ -23,8 +23,8 @@ CLOD_INLINED void supportAgainst(const ConvexHull& a, const ConvexHull& b, const
 				 std::uint64_t(sweptB) << 1 | std::uint64_t(moved);
 }
 
-// By the number of corners: lanes that are free. By the bits of the corners that stay: their lanes, packed, in halves as
-// AVX2 moves them; how many.
+// By the number of corners: lanes that are free. By the bits of the corners that stay: their lanes, packed, in halves
+// as AVX2 moves them; how many.
 constexpr Indices kFree[4]{{-1, -1, -1, -1}, {0, -1, -1, -1}, {0, 0, -1, -1}, {0, 0, 0, -1}};
 constexpr std::int32_t kPacked[16][8]{
 	{0, 1, 0, 1, 0, 1, 0, 1}, {0, 1, 0, 1, 0, 1, 0, 1}, {2, 3, 2, 3, 2, 3, 2, 3}, {0, 1, 2, 3, 2, 3, 2, 3},

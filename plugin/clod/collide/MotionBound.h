@@ -54,8 +54,8 @@ inline double motionBound(const RelativePose& from, const RelativePose& to, doub
 	return (1 + kMotionRounding) * std::max(whole.ofA, whole.ofB) + from.rounding + to.rounding;
 }
 
-// How much nearer any two convex parts of the bodies can have come, each on its way of the step: a distance, unlike what is
-// measured along axes fixed to either body, is the same seen from A as seen from B.
+// How much nearer any two convex parts of the bodies can have come, each on its way of the step: a distance, unlike
+// what is measured along axes fixed to either body, is the same seen from A as seen from B.
 inline double approachBound(const RelativePose& from, const Sweep& before, const RelativePose& to, const Sweep& now,
 							double radiusA, double radiusB)
 {
@@ -129,12 +129,13 @@ inline double sweepChange(const RelativePose& from, const Sweep& before, const R
 }
 
 // The same along directions fixed to A alone: only B's points count.
-inline double sweepChangeOfParts(const RelativePose& from, const Sweep& before, const RelativePose& to, const Sweep& now,
-								 double radiusB)
+inline double sweepChangeOfParts(const RelativePose& from, const Sweep& before, const RelativePose& to,
+								 const Sweep& now, double radiusB)
 {
 	if (before.isZero() && now.isZero()) return 0;
 	const double moved = length(to.translation - from.translation) + turnBetween(from.rotation, to.rotation) * radiusB;
 	return (1 + kMotionRounding) * (length(now.of(to.translation) - before.of(to.translation)) +
-									2 * length(now.angular - before.angular) * radiusB + length(before.angular) * moved);
+									2 * length(now.angular - before.angular) * radiusB +
+									length(before.angular) * moved);
 }
 }  // namespace clod

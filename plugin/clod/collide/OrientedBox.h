@@ -11,8 +11,8 @@ struct OrientedBox
 {
 	float center[3];
 	float radius;      // of the sphere
-	float axis[3][3];  // orthonormal rows to kAxisTolerance; the box is { c + sum_i t_i axis[i], |t_i| <= half[i] } with
-	float half[3];     // half enlarged for the rounding of the axes
+	float axis[3][3];  // orthonormal rows to kAxisTolerance; the box is { c + sum_i t_i axis[i], |t_i| <= half[i] },
+	float half[3];     // with half enlarged for the rounding of the axes
 };
 static_assert(sizeof(OrientedBox) == 64);
 // Of the axes' squared lengths and of their products. Rounding unit vectors to float takes 1.1e-7.
@@ -25,8 +25,8 @@ inline Vec3 centerOf(const OrientedBox& box)
 	return toVec3(box.center);
 }
 
-// Does a segment miss the box grown by an axis-aligned one of half size `grown`? Slab by slab in the box's own axes; rounded
-// to the side of no.
+// Does a segment miss the box grown by an axis-aligned one of half size `grown`? Slab by slab in the box's own axes;
+// rounded to the side of no.
 inline bool misses(const OrientedBox& box, const Vec3& grown, const Vec3& from, const Vec3& to)
 {
 	double enter = 0, leave = 1;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Room that a pair keeps from step to step: hardly more than twice what it needs. What an impact took is given back, and what
-// goes to and fro a little allocates nothing.
+// Room that a pair keeps from step to step: hardly more than twice what it needs. What an impact took is given back,
+// and what goes to and fro a little allocates nothing.
 #pragma once
 #include <vector>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
-// The separating-axis cache: what two hulls showed at one pose that the next pose is tried with before GJK. Nothing of it
-// is taken on trust: an axis is tried by its support planes (separationAlong), a bound is widened by the motion since.
+// The separating-axis cache: what two hulls showed at one pose, tried at the next before GJK. Nothing of it is taken on
+// trust: an axis is tried by its support planes (separationAlong), a bound is widened by the motion since.
 //
-// A pair that has a place of its own, such as an entry of the front, keeps a CachedSeparation there. SeparatingAxes is a
-// table for pairs that have none.
+// A pair that has a place of its own, such as an entry of the front, keeps a CachedSeparation there. SeparatingAxes is
+// a table for pairs that have none.
 //
 // Based on: van den Bergen, "A Fast and Robust GJK Implementation for Collision Detection of Convex Objects", 1999
 // (incremental separating-axis GJK).

@@ -102,8 +102,8 @@ inline Mat3 rotationFromQuaternion(double x, double y, double z, double w)
 
 inline Vec3 toVec3(const Float3& v) { return {double(v.x), double(v.y), double(v.z)}; }
 inline Vec3 toVec3(const float (&v)[3]) { return {double(v[0]), double(v[1]), double(v[2])}; }
-// GCC 12 at -O2 pairs float conversions into vectors and then cancels (double)(float)x as if it were exact: the volatile
-// keeps the rounding, which every stored bound relies on.
+// GCC 12 at -O2 pairs float conversions into vectors and then cancels (double)(float)x as if it were exact: the
+// volatile keeps the rounding, which every stored bound relies on.
 inline float roundToFloat(double x)
 {
 	const volatile float rounded = float(x);

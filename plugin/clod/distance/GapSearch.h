@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// From accepted node pairs to the signed gap and its certificate: from the nodes' own proofs, or from the input surfaces
-// where those do not tell enough.
+// From accepted node pairs to the signed gap and its certificate: from the nodes' own proofs, or from the input
+// surfaces where those do not tell enough.
 #pragma once
 #include <vector>
 

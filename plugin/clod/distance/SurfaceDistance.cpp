@@ -56,8 +56,8 @@ struct LeafJudge
 
 protected:
 	// From the canonical start, unless a cached axis shows that the distance is beyond `best`: then that is what comes
-	// back, and no more. Tried are the pair's own axis and the last one of the smaller leaf: what that is near lies much
-	// the same way.
+	// back, and no more. Tried are the pair's own axis and the last one of the smaller leaf: what that is near lies
+	// much the same way.
 	HullDistance distanceOf(const NearestPairScratch::Candidate& pair)
 	{
 		++stats.hullTests;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // A hierarchy of a file's coarse levels alone. The file is read through once, as the checksums are of whole sections, a
-// packed one at once and then unpacked section by section; what is finer is dropped as it comes, what is kept is numbered
-// anew and held to the same rules.
+// packed one at once and then unpacked section by section; what is finer is dropped as it comes, what is kept is
+// numbered anew and held to the same rules.
 #include <algorithm>
 #include <cstring>
 #include <fstream>
@@ -31,7 +31,8 @@ public:
 		  m_table(table),
 		  m_version(version),
 		  m_isPacked(packed.has_value()),
-		  m_packed(m_isPacked ? packed->data() : nullptr, m_isPacked ? packed->data() + packed->size() : nullptr, table),
+		  m_packed(m_isPacked ? packed->data() : nullptr, m_isPacked ? packed->data() + packed->size() : nullptr,
+				   table),
 		  m_hash(XXH3_createState(), &XXH3_freeState),
 		  m_chunk(kChunk)
 	{
@@ -53,7 +54,8 @@ public:
 		{
 			const std::size_t size = take(entry.offset - m_at);
 			if (!m_stream) return unreadable(section);
-			if (std::any_of(m_chunk.begin(), m_chunk.begin() + std::ptrdiff_t(size), [](std::byte b) { return b != std::byte(0); }))
+			const auto end = m_chunk.begin() + std::ptrdiff_t(size);
+			if (std::any_of(m_chunk.begin(), end, [](std::byte b) { return b != std::byte(0); }))
 				return std::string("padding before section ") + sectionName(section) + " is not zero";
 		}
 		XXH3_64bits_reset(m_hash.get());
@@ -82,7 +84,7 @@ private:
 		if (!problem.empty()) return problem;
 		if (section == Section::nodes)
 			restoreInward(m_version, reinterpret_cast<Node*>(records.data()), std::size_t(entry.count));
-		// Faces lack their planes still, and corners that these follow from are dropped: the file's own checksum holds them.
+		// Faces lack their planes still, corners that these follow from are dropped: the file's checksum holds them.
 		if (section != Section::faces && XXH3_64bits(records.data(), size) != entry.hash)
 			return std::string("damaged (checksum of section ") + sectionName(section) + ")";
 		if (size > skip) std::memcpy(to, records.data() + skip, size - skip);
@@ -95,7 +97,10 @@ private:
 		m_at += size;
 		return size;
 	}
-	static std::string unreadable(Section section) { return std::string("cannot be read to the end of section ") + sectionName(section); }
+	static std::string unreadable(Section section)
+	{
+		return std::string("cannot be read to the end of section ") + sectionName(section);
+	}
 
 	std::ifstream& m_stream;
 	const SectionEntry* m_table;
@@ -171,8 +176,8 @@ std::string readNodes(SectionReader& reader, Coarse& coarse, std::uint32_t& firs
 }
 
 // Precondition: the file's start is sound. The first problem, or empty.
-std::string readCoarse(std::ifstream& stream, const std::optional<std::vector<std::byte>>& packed, std::uint32_t version,
-					   const SectionEntry* table, Coarse& coarse)
+std::string readCoarse(std::ifstream& stream, const std::optional<std::vector<std::byte>>& packed,
+					   std::uint32_t version, const SectionEntry* table, Coarse& coarse)
 {
 	HierarchyContent& kept = coarse.content;
 	SectionReader reader(stream, packed, version, table);
@@ -201,8 +206,8 @@ std::string readCoarse(std::ifstream& stream, const std::optional<std::vector<st
 	if (!problem.empty()) return problem;
 	renumber(coarse, firstChild);
 	if (packed)
-		restorePlanes(version, {kept.nodes.data(), kept.nodes.size(), kept.faces.data(), kept.faces.size(), kept.hullX.data(),
-								kept.hullY.data(), kept.hullZ.data(), kept.hullX.size()});
+		restorePlanes(version, {kept.nodes.data(), kept.nodes.size(), kept.faces.data(), kept.faces.size(),
+								kept.hullX.data(), kept.hullY.data(), kept.hullZ.data(), kept.hullX.size()});
 	return problem;
 }
 

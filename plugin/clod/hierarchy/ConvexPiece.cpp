@@ -190,7 +190,8 @@ Result<std::shared_ptr<const Hierarchy>> convexPiece(const ConvexPolyhedron& pol
 	for (const Vec3& v : polyhedron.vertices)
 		if (!isFinite(v)) return Error{"a vertex of a convex piece is not finite"};
 	if (polyhedron.vertices.size() > std::numeric_limits<std::uint16_t>::max())
-		return Error{"a convex piece has " + std::to_string(polyhedron.vertices.size()) + " vertices, at most 65535 can be named"};
+		return Error{"a convex piece has " + std::to_string(polyhedron.vertices.size()) +
+					 " vertices, at most 65535 can be named"};
 	if (polyhedron.triangles.empty() && polyhedron.vertices.size() > 2)
 		return Error{"a convex piece has more than two vertices, but no triangles"};
 	Piece piece(polyhedron, radius);

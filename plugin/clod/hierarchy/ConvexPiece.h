@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Zlib
-// A hierarchy of one piece: an engine's convex shape, as its partners meet it. What is round is a core grown by a radius: a
-// sphere is a point, a capsule a segment. Such thin cores have a surface of no area (kThinCore), whose triangles are there
-// twice, back to back: queries of contacts take them as they take any, of a file they would be refused.
+// A hierarchy of one piece: an engine's convex shape, as its partners meet it. What is round is a core grown by a
+// radius: a sphere is a point, a capsule a segment. Such thin cores have a surface of no area (kThinCore), whose
+// triangles are there twice, back to back: queries of contacts take them as they take any, of a file they would be
+// refused.
 #pragma once
 #include <memory>
 

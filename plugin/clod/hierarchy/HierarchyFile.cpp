@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Writer and reader of the block (HierarchyFormat.h), and of files that are packed (PackedFile.h). Nothing of the input is
-// trusted: sizes are compared by division with the bytes that remain, hashes are compared before a record is looked at,
-// then validate() runs.
+// Writer and reader of the block (HierarchyFormat.h), and of files that are packed (PackedFile.h). Nothing of the input
+// is trusted: sizes are compared by division with the bytes that remain, hashes are compared before a record is looked
+// at, then validate() runs.
 #include <algorithm>
 #include <cstring>
 
@@ -54,8 +54,8 @@ std::string checkHeader(const FileHeader& header, std::uint64_t fileBytes)
 	if (std::memcmp(header.magic, kFileMagic, sizeof kFileMagic) != 0) return "not a .clod file (wrong first bytes)";
 	if (header.endianMark != kEndianMark) return "written with another byte order";
 	if (header.version < kFileVersion || header.version > kPackedVersion)
-		return "format version " + number(header.version) + "; this library reads versions " + number(kFileVersion) + " to " +
-			   number(kPackedVersion) +
+		return "format version " + number(header.version) + "; this library reads versions " + number(kFileVersion) +
+			   " to " + number(kPackedVersion) +
 			   (header.version < kFileVersion ? ": build it again from its mesh" : ": a newer library is needed");
 	if (header.headerBytes != sizeof(FileHeader)) return "header size " + number(header.headerBytes) + " is not 64";
 	if (header.fileBytes != fileBytes)
@@ -131,7 +131,7 @@ void finishHeader(std::uint32_t version, std::vector<std::byte>& bytes)
 	header.version = version;
 	header.fileBytes = bytes.size();
 	header.packedHash =
-		version >= kFirstPackedVersion ? XXH3_64bits(bytes.data() + kFileStartBytes, bytes.size() - kFileStartBytes) : 0;
+		version < kFirstPackedVersion ? 0 : XXH3_64bits(bytes.data() + kFileStartBytes, bytes.size() - kFileStartBytes);
 	std::memcpy(bytes.data(), &header, sizeof header);
 	header.headerHash = hashOfStart(bytes.data());
 	std::memcpy(bytes.data(), &header, sizeof header);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// The frame of a hierarchy's block, which is a .clod file of version 1: header, section table, sections. Files are written
-// packed, as version 3 (PackedFile.h), and unpacked to this.
+// The frame of a hierarchy's block, which is a .clod file of version 1: header, section table, sections. Files are
+// written packed, as version 3 (PackedFile.h), and unpacked to this.
 //
 //   [header 64 bytes][table: kSectionCount entries of 32 bytes][zero padding][section][zero padding][section]...
 //

@@ -104,7 +104,8 @@ std::string hulls(const Hierarchy& h)
 			for (int k = 0; k < 3; ++k)
 				if (p[k] < a.boxMin[k] || p[k] > a.boxMax[k])
 					return element("node", i) + "hull vertex outside the asset's box";
-			if (h.nodes()[i].level == 0 && !h.isCoarse() && length(toVec3(p) - toVec3(a.sphereCenter)) > double(a.radius))
+			if (h.nodes()[i].level == 0 && !h.isCoarse() &&
+				length(toVec3(p) - toVec3(a.sphereCenter)) > double(a.radius))
 				return element("node", i) + "input vertex outside the bounding sphere";
 		}
 	}
@@ -167,7 +168,8 @@ std::string faceRecord(const Hierarchy& h, const Node& n, const Face& f)
 	if (area != Vec3{} && dot(area, normal) <= 0) return "normal points inward";
 	if (dot(normal, toVec3(n.meanNormal)) < double(n.coneCosine) - kUnitTolerance)
 		return "normal outside its node's cone";
-	return (f.source == kNone) == (n.level > 0 || h.isCoarse()) ? "" : "source belongs to level 0 faces and only to them";
+	const bool hasNone = n.level > 0 || h.isCoarse();
+	return (f.source == kNone) == hasNone ? "" : "source belongs to level 0 faces and only to them";
 }
 
 // The neighbour across edge e lies in the same level and holds the same edge, reversed, with this face across it.

@@ -61,7 +61,8 @@ std::string asset(const Hierarchy& h)
 	if ((a.flags & ~(kPaperBuild | kScaled)) != 0) return "asset: unknown flags";
 	if (a.componentCount == 0) return "asset: componentCount is zero";
 	if (a.padding[0] != 0 || a.padding[1] != 0) return "asset: padding is not zero";
-	if (!h.isCoarse() && a.triangleCount != h.levels()[0].faceCount) return "asset: triangleCount is not the number of level 0 faces";
+	if (!h.isCoarse() && a.triangleCount != h.levels()[0].faceCount)
+		return "asset: triangleCount is not the number of level 0 faces";
 	return "";
 }
 

@@ -105,7 +105,8 @@ std::vector<std::byte> packedBy(Predictor predictor, const std::vector<std::uint
 	return packed;
 }
 
-void packColumn(const std::byte* records, const SectionEntry& entry, const Column& column, std::vector<std::byte>& packed)
+void packColumn(const std::byte* records, const SectionEntry& entry, const Column& column,
+				std::vector<std::byte>& packed)
 {
 	std::vector<std::uint32_t> values(std::size_t(entry.count), 0);
 	for (std::size_t i = 0; i < values.size(); ++i)
@@ -120,7 +121,8 @@ void packColumn(const std::byte* records, const SectionEntry& entry, const Colum
 }
 
 // `size` bytes are the group's, which may have fewer codes than others; `left` may be read.
-void unpackGroup(const std::byte* from, std::size_t size, std::size_t left, std::uint32_t bits, std::uint32_t (&codes)[kGroup])
+void unpackGroup(const std::byte* from, std::size_t size, std::size_t left, std::uint32_t bits,
+				 std::uint32_t (&codes)[kGroup])
 {
 	if (bits == 0)
 	{
@@ -246,7 +248,8 @@ PlaneRecords planesOf(std::vector<std::byte>& block, const SectionEntry (&table)
 	const auto at = [&](Section section) { return block.data() + table[std::uint32_t(section)].offset; };
 	const auto count = [&](Section section) { return std::size_t(table[std::uint32_t(section)].count); };
 	const auto values = [&](Section section) { return reinterpret_cast<const float*>(at(section)); };
-	return {nodesOf(block, table), count(Section::nodes), reinterpret_cast<Face*>(at(Section::faces)), count(Section::faces),
+	return {nodesOf(block, table), count(Section::nodes),
+			reinterpret_cast<Face*>(at(Section::faces)), count(Section::faces),
 			values(Section::hullX), values(Section::hullY), values(Section::hullZ),
 			std::min({count(Section::hullX), count(Section::hullY), count(Section::hullZ)})};
 }

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Zlib
-// A .clod file as it is stored, version 3: header and section table are those of the block (HierarchyFormat.h), offsets and
-// hashes of sections included, but for the header's version, bytes and hashes; then all sections, packed. Unpacked it is the
-// block again, bit for bit, so that nothing that was proved is another.
+// A .clod file as it is stored, version 3: header and section table are those of the block (HierarchyFormat.h), offsets
+// and hashes of sections included, but for the header's version, bytes and hashes; then all sections, packed. Unpacked
+// it is the block again, bit for bit, so that nothing that was proved is another.
 //
-// Planes of faces follow from their corners, and mostly inward directions from mean normals: stored is by how much, as whole
-// numbers, they differ (version 2: as they are).
+// Planes of faces follow from their corners, and mostly inward directions from mean normals: stored is by how much, as
+// whole numbers, they differ (version 2: as they are).
 //
 // A section's records are packed column by column (of 2 or 4 bytes), a column as
 //   [predictor: 1 byte][group][group]...     of 16 values: [bits: 1 byte, 0..32][differences of so many bits]
-// a difference being that to the value before or to the record's number, zigzag, or the value itself, whichever is least.
-// Groups end on whole bytes; the last one has the values that are left.
+// a difference being that to the value before or to the record's number, zigzag, or the value itself, whichever is
+// least. Groups end on whole bytes; the last one has the values that are left.
 //
 // Based on: Lemire & Boytsov 2015, "Decoding billions of integers per second through vectorization" (binary packing);
 // Kapoulkine, meshoptimizer's vertex codec (records as columns, differences, zigzag).
@@ -41,8 +41,8 @@ public:
 		: m_at(begin), m_end(end), m_table(table)
 	{
 	}
-	// The next section's records. Room: their bytes. Empty, or what is wrong: the file ends before, or has more bits than a
-	// value, or goes on after the last.
+	// The next section's records. Room: their bytes. Empty, or what is wrong: the file ends before, or has more bits
+	// than a value, or goes on after the last.
 	std::string read(std::byte* records);
 
 private:

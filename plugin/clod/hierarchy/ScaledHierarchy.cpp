@@ -114,7 +114,8 @@ Scaling::Scaling(const Hierarchy& from, const Vec3& scale)
 	bounds();
 	levels();
 	const double least = std::min({std::abs(scale.x), std::abs(scale.y), std::abs(scale.z)});
-	m_to.asset.thinnestWall = boundAtMost(from.isCoarse() ? least * double(from.asset().thinnestWall) : thinnestWall(m_to));
+	m_to.asset.thinnestWall =
+		boundAtMost(from.isCoarse() ? least * double(from.asset().thinnestWall) : thinnestWall(m_to));
 }
 
 void Scaling::vertices()
@@ -293,7 +294,8 @@ void Scaling::node(std::uint32_t index)
 	n.contactArea = boundAtMost(double(n.contactArea) * m_volume / m_largest);
 	if (std::isfinite(n.featureVolume) && n.featureVolume > 0)
 	{
-		const double byResolution = n.resolution > 0 ? double(n.deviation) / (double(n.resolution) * double(n.resolution)) : 0;
+		const double squared = double(n.resolution) * double(n.resolution);
+		const double byResolution = n.resolution > 0 ? double(n.deviation) / squared : 0;
 		n.featureVolume =
 			boundAtLeast(std::max(double(n.featureVolume) * m_largest * m_largest * m_largest, byResolution));
 	}
@@ -325,8 +327,8 @@ std::array<Vec3, 3> Scaling::axesOf(const OrientedBox& old, const Vec3 (&edge)[3
 	return {first, second, cross(first, second)};
 }
 
-// Nothing that the old box holds lies outside its image, and nothing outside what the node's own hull and the boxes below it
-// hold.
+// Nothing that the old box holds lies outside its image, and nothing outside what the node's own hull and the boxes
+// below it hold.
 void Scaling::box(std::uint32_t index)
 {
 	const Node& n = m_to.nodes[index];
@@ -353,7 +355,8 @@ void Scaling::box(std::uint32_t index)
 	for (std::uint32_t k = 0; k < n.childCount; ++k)
 	{
 		const OrientedBox& below = m_to.cullBoxes[m_to.children[n.firstChild + k]];
-		const Vec3 half[3] = {double(below.half[0]) * toVec3(below.axis[0]), double(below.half[1]) * toVec3(below.axis[1]),
+		const Vec3 half[3] = {double(below.half[0]) * toVec3(below.axis[0]),
+							  double(below.half[1]) * toVec3(below.axis[1]),
 							  double(below.half[2]) * toVec3(below.axis[2])};
 		within.add(stored, toVec3(below.center), half);
 	}

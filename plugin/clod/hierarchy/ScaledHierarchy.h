@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// A hierarchy of the body stretched or mirrored along its axes: all vertices scaled and rounded, every bound worked out anew
-// so that it holds for them. Patches stay convex, as a linear map keeps what is convex; certified lengths grow by the largest
-// factor, thicknesses and walls by the smallest.
+// A hierarchy of the body stretched or mirrored along its axes: all vertices scaled and rounded, every bound worked out
+// anew so that it holds for them. Patches stay convex, as a linear map keeps what is convex; certified lengths grow by
+// the largest factor, thicknesses and walls by the smallest.
 #pragma once
 #include <memory>
 
@@ -10,9 +10,9 @@
 
 namespace clod
 {
-// Factors along the body frame's axes; an odd number of negative ones mirrors the body, whose faces are then wound the other
-// way. Refused: a factor of zero or not finite, and a body that floats or the rules of a file cannot hold. `clod-build check`
-// proves the result as it proves a built file, what a builder takes by a recipe as a bound (kScaled). O(bytes), about a
-// microsecond a triangle.
+// Factors along the body frame's axes; an odd number of negative ones mirrors the body, whose faces are then wound the
+// other way. Refused: a factor of zero or not finite, and a body that floats or the rules of a file cannot hold.
+// `clod-build check` proves the result as it proves a built file, what a builder takes by a recipe as a bound
+// (kScaled). O(bytes), about a microsecond a triangle.
 CLOD_API Result<std::shared_ptr<const Hierarchy>> scaledHierarchy(const Hierarchy& hierarchy, const Vec3& scale);
 }  // namespace clod

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// The triangles of the input surface lie in a grid of cells; each face looks through the cells along its way, no farther than
-// the shortest way met so far. Based on: Amanatides & Woo, A fast voxel traversal algorithm for ray tracing, 1987.
+// The triangles of the input surface lie in a grid of cells; each face looks through the cells along its way, no
+// farther than the shortest way met so far. Based on: Amanatides & Woo, A fast voxel traversal algorithm for ray
+// tracing, 1987.
 #include "clod/hierarchy/ThinnestWall.h"
 
 #include <algorithm>

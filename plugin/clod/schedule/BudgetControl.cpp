@@ -18,7 +18,7 @@ constexpr double kProgress = 0.8;  // of the pairs cut in the step before: so fe
 constexpr int kSettled = 3, kMostSettled = 10;
 constexpr int kHopeless = 3;       // failures: what is cut at once again is not gone on with
 
-// Of what was spent: had those that were cut cost as much as the others. Halfway: of these some were new, and cost less again.
+// Of what was spent: had those that were cut cost as much as the others. Halfway: some were new, and cost less again.
 double ofAll(const StepCost& cost)
 {
 	if (!(cost.tests > 0)) return 1;

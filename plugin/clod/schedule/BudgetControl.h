@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Zlib
-// Which coarsening (Metric.h) a budget buys, from what the last steps cost. To refine in the order of s*/s0 until time is
-// up ends where all pairs have s*/s0 below one factor: this factor is what is looked for, and fronts, levels and caches
-// then work under a budget as without one.
+// Which coarsening (Metric.h) a budget buys, from what the last steps cost. To refine in the order of s*/s0 until time
+// is up ends where all pairs have s*/s0 below one factor: this factor is what is looked for, and fronts, levels and
+// caches then work under a budget as without one.
 //
 // The finest factor is taken that is expected to fit in (CostCurve.h). What goes over is cut off by the query
-// (ContactSettings::budget). The first step at another factor costs more, as fronts are made anew: where it was cut, the
-// next go on with them while each cuts off fewer pairs, and say what the factor costs: had those that were cut off cost as
-// much as the others.
+// (ContactSettings::budget). The first step at another factor costs more, as fronts are made anew: where it was cut,
+// the next go on with them while each cuts off fewer pairs, and say what the factor costs: had those that were cut off
+// cost as much as the others.
 //
 // Based on: Otaduy & Lin 2003, sec. 3.3 and 5.2 ("constant frame-rate"); Hubbard 1994 (time-critical collision
 // detection).

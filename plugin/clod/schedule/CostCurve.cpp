@@ -14,8 +14,8 @@ constexpr double kExponent = 1;
 // Of a surprise: what is taken for a change of the condition, what for one of the notch's share, and of the variance.
 constexpr double kOfCondition = 0.4, kOfShare = 0.15, kOfVariance = 0.05;
 constexpr double kLeastVariance = 4e-4, kMostSurprise = 0.5;
-// What was too dear is thought to be dearer still by so much, twice as much with each failure; and becomes cheaper by so
-// little a step: so it is tried again, later and later.
+// What was too dear is thought to be dearer still by so much, twice as much with each failure; and becomes cheaper by
+// so little a step: so it is tried again, later and later.
 constexpr double kFailure = 0.2, kForgotten = 0.004;
 constexpr int kMostFailures = 4;
 constexpr int kTrial = 20;  // steps that must fit in until a failure is forgotten

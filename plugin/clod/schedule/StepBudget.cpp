@@ -8,9 +8,11 @@ namespace clod
 namespace
 {
 constexpr double kClockRoom = 0.2;  // of a budget, that is not spent on what could wait: times scatter
-constexpr double kMostHeld = 0.5;  // of a budget, for coarsest answers: those that alone take more would never become finer
+// Of a budget, for coarsest answers: those that alone take more would never become finer.
+constexpr double kMostHeld = 0.5;
 constexpr double kOfLast = 0.2, kForgotten = 0.05;  // of what refining takes: by one more, and a step
-// In tests, that took 0.09 to 0.3 us: what all points of a pair take, and one more pair of nodes, or facet (1.3 to 2.8 us).
+// In tests, that took 0.09 to 0.3 us: what all points of a pair take, and one more pair of nodes, or facet (1.3 to
+// 2.8 us).
 constexpr std::size_t kOfPoints = 50, kOfOne = 10;
 constexpr double kMostSlower = 2;  // times: what a step took longer than its work tells nothing of the coarsening
 }  // namespace
@@ -58,8 +60,8 @@ Budget StepBudget::without(double tests, double microseconds) const
 	return left;
 }
 
-// A query holds back its own tests itself, but no time. Of time that of all coarsest answers to come is held back, with their
-// points, and of what the dispatch does after them.
+// A query holds back its own tests itself, but no time. Of time that of all coarsest answers to come is held back, with
+// their points, and of what the dispatch does after them.
 Budget StepBudget::next(const Work& held, std::uint32_t points)
 {
 	const double tests = double(m_held.fetch_sub(held.tests)), ofPoints = double(m_heldPoints.fetch_sub(held.points));

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Zlib
-// One budget for all pairs of a step: one coarsening of all that move, chosen before the step (BudgetControl.h), and what
-// is left to each query before it gives its coarsest answer instead. What the coarsest answers still to come take is held
-// back: a step never exceeds its tests unless these alone do. Several threads may spend at once.
+// One budget for all pairs of a step: one coarsening of all that move, chosen before the step (BudgetControl.h), and
+// what is left to each query before it gives its coarsest answer instead. What the coarsest answers still to come take
+// is held back: a step never exceeds its tests unless these alone do. Several threads may spend at once.
 //
-// Pairs that lie still keep the answers they have, be they finer or coarser, and cost nothing. What those that move leave
-// refines them, the worst first: a pile comes down to the metric some pairs a step, where to ask all of them at once
-// would cost many steps' budgets.
+// Pairs that lie still keep the answers they have, be they finer or coarser, and cost nothing. What those that move
+// leave refines them, the worst first: a pile comes down to the metric some pairs a step, where to ask all of them at
+// once would cost many steps' budgets.
 #pragma once
 #include <atomic>
 
@@ -14,8 +14,8 @@
 
 namespace clod
 {
-// What a pair takes of a step's time: the tests of its query, and its points at their worth in tests. A budget of tests is of
-// the former alone.
+// What a pair takes of a step's time: the tests of its query, and its points at their worth in tests. A budget of tests
+// is of the former alone.
 struct Work
 {
 	std::uint32_t tests = 0, points = 0;
@@ -53,8 +53,9 @@ public:
 	void list(std::uint64_t tests) { m_tests += tests; }  // of its coarsest answer
 	void spend(std::uint64_t tests, bool isCut);
 	void spendPoints(std::uint32_t points) { m_points += points; }
-	// For one that lies still, from the first to the last of these, on one thread: what is left now but for what the others
-	// will take by the last step (none are to come where all are answered); what it took tells nothing of the coarsening.
+	// For one that lies still, from the first to the last of these, on one thread: what is left now but for what the
+	// others will take by the last step (none are to come where all are answered); what it took tells nothing of the
+	// coarsening.
 	void noneToCome();
 	bool isWholeSpare() const { return m_spareTests == 0; }
 	Budget spare();
@@ -76,8 +77,8 @@ private:
 	// Of the last steps, fading; so what work takes is known by the steps that had much of it.
 	double m_microseconds = 0, m_work = 0;
 	double m_lastTests = 0, m_lastWork = 0, m_afterSpare = 0;  // of the last step; the latter in microseconds
-	// The work of coarsest answers, by the last step whose time was spent before all were given; what a step took after its
-	// queries. Microseconds.
+	// The work of coarsest answers, by the last step whose time was spent before all were given; what a step took after
+	// its queries. Microseconds.
 	double m_ofHeld = 0, m_afterQueries = 0;
 	double m_heldWhenSpent = 0;
 	bool m_areQueriesOver = false;

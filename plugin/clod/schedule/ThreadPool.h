@@ -24,8 +24,8 @@ public:
 	ThreadPool& operator=(const ThreadPool&) = delete;
 
 	unsigned threads() const { return unsigned(m_workers.size()) + 1; }
-	// work(i) for all i < count, in any order, and back when all are done. The first exception is thrown on. By one thread
-	// at a time.
+	// work(i) for all i < count, in any order, and back when all are done. The first exception is thrown on. By one
+	// thread at a time.
 	void run(std::uint32_t count, const std::function<void(std::uint32_t)>& work);
 
 private:
