@@ -207,6 +207,60 @@ TEST(Still, WhatHasManyCornersSlidesAsSoon)
 		}
 }
 
+// With a friction of 2 the load wanders to the lower edge within a solve. What is held beyond mu N, by Bullet's own shapes as
+// by ours, is what Bullet leaves on points whose load has gone.
+TEST(Still, FrictionBeyondMuNIsOnPointsWithoutLoad)
+{
+	constexpr double kMu = 2, kSlope = 2.2, kHalf = 0.15;
+	for (const bool isOurs : {false, true})
+	{
+		double most = 0;
+		for (const double rate : {60.0, 240.0})
+		{
+			BulletWorld world;
+			world.timeStep = 1 / rate;
+			const double angle = std::atan(kSlope);
+			world.world.setGravity(btVector3(btScalar(9.81 * std::sin(angle)), btScalar(-9.81 * std::cos(angle)), 0));
+			world.addBody(world.add(std::make_unique<btBoxShape>(btVector3(300, 1, 30))), 0, {0, -1, 0}).setFriction(btScalar(kMu));
+			auto& cylinder = world.add(std::make_unique<btCylinderShape>(btVector3(btScalar(0.5), btScalar(kHalf), btScalar(0.5))));
+			btCollisionShape* shape = &cylinder;
+			if (isOurs)
+			{
+				btClodShape& ours = world.addShape(body("number8-600").hierarchy);
+				const btScalar scale = btScalar(kSize / double(ours.hierarchy().asset().radius));
+				ours.setLocalScaling({scale, scale, scale});
+				shape = &ours;
+			}
+			const btQuaternion flat(btVector3(1, 0, 0), btScalar(isOurs ? -1.57079632679 : 0));
+			world.addBody(*shape, 1, {0, isOurs ? 0.2 : kHalf + 0.001, 0}, flat).setFriction(1);
+			for (int step = 0; step < int(1.5 * rate); ++step)
+			{
+				world.step();
+				double load = 0, held = 0;
+				for (int i = 0; i < world.dispatcher.getNumManifolds(); ++i)
+				{
+					const btPersistentManifold& manifold = *world.dispatcher.getManifoldByIndexInternal(i);
+					for (int k = 0; k < manifold.getNumContacts(); ++k)
+					{
+						const btManifoldPoint& point = manifold.getContactPoint(k);
+						const double friction =
+							std::hypot(double(point.m_appliedImpulseLateral1), double(point.m_appliedImpulseLateral2));
+						load += double(point.m_appliedImpulse);
+						held += friction;
+						if (point.m_appliedImpulse > 0)
+						{
+							EXPECT_LE(friction, 1.0001 * kMu * double(point.m_appliedImpulse)) << isOurs << " " << step;
+						}
+					}
+				}
+				if (load > 0) most = std::max(most, held / (kMu * load));
+			}
+		}
+		EXPECT_GT(most, 1.05) << isOurs;
+		EXPECT_LT(most, 2) << isOurs;
+	}
+}
+
 // A digit lies flat on the ground by few points, and under another by many.
 TEST(Still, WhatLiesAloneHasFewPoints)
 {

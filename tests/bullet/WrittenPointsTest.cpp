@@ -325,4 +325,20 @@ TEST(WrittenPoints, AreForForcesThatTheSolverWillApply)
 		EXPECT_NEAR(foreseen, double(body.getLinearVelocity().y()), 1e-6) << factor;
 	}
 }
+
+// So is what the turning of a body that is not round does to it.
+TEST(WrittenPoints, AreForBodiesThatTumbleAsTheSolverHasThemTumble)
+{
+	for (const int flag : {0, int(BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_WORLD), int(BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY)})
+	{
+		BulletWorld scene;
+		auto& box = scene.add(std::make_unique<btBoxShape>(btVector3(1, btScalar(0.2), btScalar(0.5))));
+		btRigidBody& body = scene.addBody(box, 2, {0, 5, 0});
+		body.setFlags(flag);
+		body.setAngularVelocity(btVector3(3, 12, -7));
+		const Vec3 foreseen = worldMotion(body, scene.timeStep).angular;
+		scene.step();
+		EXPECT_NEAR(length(foreseen - toVec3(body.getAngularVelocity())), 0, 1e-5) << flag;
+	}
+}
 }  // namespace clod::test

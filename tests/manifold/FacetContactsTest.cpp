@@ -374,6 +374,33 @@ TEST(FacetContacts, ABodyIsHeldBetweenFacetsThatLeaveNoWayOut)
 	EXPECT_FALSE(isHeldBetween(question, {}));
 }
 
+// A tooth between two flanks that lean: held where they lean by less than 13 degrees, jammed up to 27 where it is pressed in
+// on either side.
+TEST(FacetContacts, WhatIsPressedBetweenFlanksJams)
+{
+	FacetQuestion question;
+	question.rules.length = 1;
+	question.rules.margin = 1e-3;
+	question.rules.resting = 1e-3;
+	for (const double lean : {5.0, 12.0, 14.0, 20.0, 26.0, 28.0, 45.0})
+		for (const double height : {-1e-2, 0.5e-3, 1e-3, 1.9e-3, 3e-3})
+			for (const bool isOther : {false, true})
+			{
+				std::vector<Facet> facets(2);
+				for (const int side : {0, 1})
+				{
+					facets[std::size_t(side)].kind = Facet::Kind::kVertexFace;
+					facets[std::size_t(side)].distance = side == 1 && isOther ? 0.95e-3 : height;
+					const double angle = lean * std::acos(-1.0) / 180;
+					facets[std::size_t(side)].normal = {side == 0 ? std::cos(angle) : -std::cos(angle), std::sin(angle), 0};
+				}
+				const bool isHeld = lean < 13 && height < 2e-3;
+				EXPECT_EQ(isHeldBetween(question, facets), isHeld) << lean << " " << height;
+				const bool isPressed = height < 0.9e-3 && !isOther;
+				EXPECT_EQ(isJammedBetween(question, facets), isHeld || (lean < 27 && isPressed)) << lean << " " << height;
+			}
+}
+
 // A corner that a step of fast turning carries round another to its far side has not been pushed through it: what its row
 // asks of velocities is no more than turning bends a way by.
 // A coarsest level may lie within the body: a landscape's is a box.

@@ -45,6 +45,8 @@ bool isFinite(const RelativeMotion& motion)
 
 namespace
 {
+constexpr double kRounding = 1e-12;  // of speeds: differences that are no more
+
 // Forces and torques are taken to act on each link as if it were free, as they are for bodies that constraints hold.
 RelativeMotion motionOfLink(const btMultiBodyLinkCollider& link, double timeStep)
 {
@@ -71,6 +73,17 @@ RelativeMotion motionOfLink(const btMultiBodyLinkCollider& link, double timeStep
 	}
 	return {linear - cross(angular, toVec3(link.getWorldTransform().getOrigin())), angular, 0};
 }
+
+// What Bullet adds in a step to the turning of a body that is not round.
+Vec3 gyroscopicImpulse(const btRigidBody& body, double timeStep)
+{
+	const int flags = body.getFlags();
+	if ((flags & BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY) != 0)
+		return toVec3(body.computeGyroscopicImpulseImplicit_Body(btScalar(timeStep)));
+	if ((flags & BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_WORLD) != 0)
+		return toVec3(body.computeGyroscopicImpulseImplicit_World(btScalar(timeStep)));
+	return {};
+}
 }  // namespace
 
 bool isFixed(const btCollisionObject& object)
@@ -90,6 +103,7 @@ RelativeMotion worldMotion(const btCollisionObject& object, double timeStep)
 		linear = toVec3(body->getLinearVelocity()) + timeStep * double(body->getInvMass()) * toVec3(body->getTotalForce());
 		angular = toVec3(body->getAngularVelocity()) +
 				  timeStep * toVec3(body->getInvInertiaTensorWorld() * body->getTotalTorque());
+		if (timeStep > 0 && !body->isStaticOrKinematicObject()) angular += gyroscopicImpulse(*body, timeStep);
 	}
 	return {linear - cross(angular, toVec3(object.getWorldTransform().getOrigin())), angular, 0};
 }
@@ -119,9 +133,12 @@ PairBody pairBody(const btCollisionObject& object, const Transform& worldFromFra
 	const Mat3 frameFromWorld = transposed(worldFromFrame.rotation);
 	PairBody body;
 	body.center = (1 / scale) * (frameFromWorld * (center - worldFromFrame.translation));
-	body.linear = (1 / scale) * (frameFromWorld * motion.velocity(center));
+	const Vec3 velocity = motion.velocity(center), gained = velocity - withoutForces.velocity(center);
+	body.linear = (1 / scale) * (frameFromWorld * velocity);
 	body.angular = frameFromWorld * motion.angular;
-	body.force = body.linear - (1 / scale) * (frameFromWorld * withoutForces.velocity(center));
+	// What rounding leaves of no force is none: paths are asked for once more where forces bend them.
+	const double largest = length(motion.linear) + length(motion.angular) * length(center);
+	if (length(gained) > kRounding * largest) body.force = (1 / scale) * (frameFromWorld * gained);
 	const btRigidBody* rigid = btRigidBody::upcast(&object);
 	if (!rigid || object.isStaticOrKinematicObject()) return body;
 	// Bullet scales what impulses turn by the factor, on one side of the tensor; on both, no contact has a negative mass.

@@ -431,9 +431,7 @@ void ManifoldSet::balance(const WorldFrame& frame)
 	if (m_shared || !body || !(aMoves ? objectB : objectA).isStaticOrKinematicObject()) return;  // a link gives way
 	if (!(frame.timeStep > 0 && frame.closedShare < 1) || body->getLinearFactor() != btVector3(1, 1, 1)) return;
 	const RelativeMotion other = worldMotion(aMoves ? objectB : objectA, frame.timeStep);
-	PairBody moving = pairBody(*body, Transform(), 1, worldMotion(*body, frame.timeStep), {});
-	if ((body->getFlags() & BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY) != 0)
-		moving.angular += toVec3(body->computeGyroscopicImpulseImplicit_Body(btScalar(frame.timeStep)));
+	const PairBody moving = pairBody(*body, Transform(), 1, worldMotion(*body, frame.timeStep), {});
 	BodyBalance& balance = scratch().balance;
 	balance.start(moving);
 	const auto forEachPoint = [&](const auto& each)

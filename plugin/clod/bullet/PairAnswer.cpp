@@ -236,7 +236,7 @@ bool PairState::refineHeld(const PairPose& pose, Question& question)
 	Metric& metric = question.settings.metric;
 	if (pose.prediction != Prediction::kFree || !canMove || isCoarse || metric.coarsening > 1) return false;
 	const double stricter = kStricter * errorOfContacts(pose);
-	if (!(stricter < metric.maxError) || !scratch().facets.holdBetween()) return false;
+	if (!(stricter < metric.maxError) || !scratch().facets.jamBetween()) return false;
 	metric.maxError = m_report.metric.maxError = m_heldError = stricter;
 	if (pose.isOfTwo())
 		ask(pose, question);

@@ -11,6 +11,7 @@ namespace
 {
 constexpr double kSettled = 1e-6;   // of the largest speed that contacts have to change
 constexpr double kGoodEnough = 1e-3;  // of it: where friction has not settled any better
+constexpr double kJammed = 1e-5;      // of it: what contacts that carry may lack; their impulses are a hundred times the body's
 // Of the inverse mass, added to each contact's own: it makes contacts solvable that do the same, and is far below what
 // tells those apart that are close together.
 constexpr double kSoftness = 1e-7;
@@ -194,9 +195,12 @@ bool BodyBalance::solve()
 {
 	if (!prepare()) return false;
 	double change = 0;
+	// Contacts that ask for what they cannot have together, as those of a jammed nut do, lack speed under any impulses, and
+	// get such as are beyond all measure.
+	const auto isJammed = [&](const Row& row) { return row.carries() && lacking(row) > kJammed / kSettled * m_least; };
 	for (int round = 0; round < kRounds; ++round)
 	{
-		if (!balanceNormals()) return false;
+		if (!balanceNormals() || std::any_of(m_rows.begin(), m_rows.end(), isJammed)) return false;
 		change = rub();
 		if (change <= m_least) return true;
 	}

@@ -28,7 +28,7 @@ public:
 	// The body as forces alone would move it. In any frame and unit.
 	void start(const PairBody& body);
 	void add(const Contact& contact) { m_rows.push_back({contact, {}, {}, 0}); }
-	// False if the body cannot turn freely, or where friction does not settle: then the answer is none.
+	// False if the body cannot turn freely, where friction does not settle, or where it is jammed: then the answer is none.
 	bool solve();
 	// Does one that carries rub as much as it can?
 	bool slides() const;

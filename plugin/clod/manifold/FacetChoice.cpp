@@ -6,6 +6,8 @@
 #include <limits>
 #include <tuple>
 
+#include "clod/manifold/PairSolve.h"
+
 namespace clod
 {
 namespace
@@ -296,14 +298,24 @@ bool FacetChoice::isBeyondRidge(const Facet& best, const Vec3& center, const Fac
 	return dot(best.normal, between) > slack && dot(other.normal, between) < -slack;
 }
 
+// May the facet tell on which side of a ridge the bodies pass? One that is merely possible, where they touch, and the
+// motion as predicted ends over it: a corner on its way round a ridge leaves the face that it was over.
+bool FacetChoice::mayDecide(const Facet& facet) const
+{
+	const FacetQuestion& q = *m_question;
+	if (facet.isOfMiddle() || facet.reach == Facet::Reach::kOverlap) return false;
+	return facet.reach != Facet::Reach::kPossible ||
+		   (!q.isRound() && facet.distance <= q.touching() &&
+			besideAt(q, facet, q.aFromBThen).distance <= kInnerShare * q.length());
+}
+
 void FacetChoice::dropRidges(std::vector<Facet>& facets)
 {
 	const double near = kSamePlace * m_question->length();
 	m_isKept.assign(facets.size(), 1);
 	m_order.clear();
 	for (std::uint32_t i = 0; i < facets.size(); ++i)
-		if ((facets[i].reach == Facet::Reach::kNear || facets[i].reach == Facet::Reach::kPath) && !facets[i].isOfMiddle())
-			m_order.push_back(i);
+		if (mayDecide(facets[i])) m_order.push_back(i);
 	// The facet that the motion crosses last comes first; ties go by the order in which facets were found.
 	std::sort(m_order.begin(), m_order.end(),
 			  [&](std::uint32_t i, std::uint32_t j)
@@ -325,8 +337,9 @@ void FacetChoice::dropRidges(std::vector<Facet>& facets)
 											   std::make_pair(coordinate - near, std::uint32_t(0)));
 				 place != places.sorted.end() && place->first <= coordinate + near; ++place)
 			{
-				if (place->second <= k || !m_isKept[m_order[place->second]]) continue;
-				if (isBeyondRidge(best, center, facets[m_order[place->second]])) m_isKept[m_order[place->second]] = 0;
+				const std::uint32_t other = m_order[place->second];
+				if (place->second <= k || !m_isKept[other] || facets[other].reach == Facet::Reach::kPossible) continue;
+				if (isBeyondRidge(best, center, facets[other])) m_isKept[other] = 0;
 			}
 		};
 		drop(m_placesA, best.onA);

@@ -29,6 +29,7 @@ private:
 	void followThrough(std::vector<Facet>& facets);
 	void dropInner(std::vector<Facet>& facets);
 	void dropRidges(std::vector<Facet>& facets);
+	bool mayDecide(const Facet& facet) const;
 	bool isBeyondRidge(const Facet& best, const Vec3& center, const Facet& other) const;
 	void removeDropped(std::vector<Facet>& facets) const;
 

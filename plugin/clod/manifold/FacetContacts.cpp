@@ -21,6 +21,9 @@ Vec3 impulseOf(const ClusterSet& set)
 
 // Sine of the angle by which a way out has to leave every facet: two normals that are 154 degrees apart leave none.
 constexpr double kWayOut = 0.225;
+// The same where bodies are pressed in, as a tooth is between flanks of 25 degrees: what joints do not let out by that way
+// is pushed back and forth.
+constexpr double kWayOutOfPress = 0.45;
 constexpr int kWayOutRounds = 64;
 
 // The triangle on which a place of the part lies (a part may have many); kNone for a thin core.
@@ -37,28 +40,40 @@ std::uint32_t faceOf(const ContactSurface& surface, Part part, std::uint32_t fea
 	}
 	return surface.firstFaceOf(node);
 }
-}  // namespace
 
-// Finds the shortest vector in the convex hull of the normals (Gilbert, 1966). Its length is the sine of the angle by
-// which the best way out leaves the facet that it leaves least.
-bool isHeldBetween(const FacetQuestion& question, const std::vector<Facet>& facets)
+// Does no way leave all facets nearer than that, each by at least the angle of that sine? Finds the shortest vector in the
+// convex hull of the normals (Gilbert, 1966). Its length is the sine of the angle by which the best way out leaves the facet
+// that it leaves least.
+bool leaveNoWay(const std::vector<Facet>& facets, double nearer, double sine)
 {
-	const auto touches = [&](const Facet& facet) { return facet.hasFeatures() && facet.distance < question.touching(); };
-	const auto first = std::find_if(facets.begin(), facets.end(), touches);
+	const auto counts = [&](const Facet& facet) { return facet.hasFeatures() && facet.distance < nearer; };
+	const auto first = std::find_if(facets.begin(), facets.end(), counts);
 	if (first == facets.end()) return false;
 	Vec3 shortest = first->normal;
 	for (int round = 0; round < kWayOutRounds; ++round)
 	{
 		const double size = length(shortest);
-		if (size < kWayOut) return true;
+		if (size < sine) return true;
 		const Facet* worst = &*first;
 		for (const Facet& facet : facets)
-			if (touches(facet) && dot(facet.normal, shortest) < dot(worst->normal, shortest)) worst = &facet;
-		if (dot(worst->normal, shortest) >= kWayOut * size) return false;
+			if (counts(facet) && dot(facet.normal, shortest) < dot(worst->normal, shortest)) worst = &facet;
+		if (dot(worst->normal, shortest) >= sine * size) return false;
 		const Vec3 towards = worst->normal - shortest;
 		shortest += std::clamp(-dot(shortest, towards) / lengthSquared(towards), 0.0, 1.0) * towards;
 	}
 	return false;
+}
+}  // namespace
+
+bool isHeldBetween(const FacetQuestion& question, const std::vector<Facet>& facets)
+{
+	return leaveNoWay(facets, question.touching(), kWayOut);
+}
+
+bool isJammedBetween(const FacetQuestion& question, const std::vector<Facet>& facets)
+{
+	const double pressed = question.rules.margin - kInnerShare * question.length();
+	return isHeldBetween(question, facets) || leaveNoWay(facets, pressed, kWayOutOfPress);
 }
 
 void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Transform& aFromB, const PointRules& rules,

@@ -40,6 +40,8 @@ struct FacetMemory
 // Is a body held between its contacts, like a pin in its hole, so that no direction leads out of all that touch or overlap?
 // The play is then of the order of the margins, and a level that deviates by more jams although it keeps its error bound.
 CLOD_API bool isHeldBetween(const FacetQuestion& question, const std::vector<Facet>& facets);
+// Or is it pressed in, like a tooth between flanks, so that only a direction at a sharp angle to these leads out?
+CLOD_API bool isJammedBetween(const FacetQuestion& question, const std::vector<Facet>& facets);
 
 // For any number of pairs, one after the other.
 class CLOD_API FacetContacts
@@ -52,6 +54,7 @@ public:
 			  bool goesOn = false);
 	// Would the facets found last hold the bodies however they move?
 	bool holdBetween() const { return isHeldBetween(m_question, m_facets); }
+	bool jamBetween() const { return isJammedBetween(m_question, m_facets); }
 	// Makes contacts of those found last. isDeep: one body is known to be inside the other. The memory is the pair's,
 	// and needed until reduce().
 	void settle(const std::vector<Contact>& contacts, bool isDeep, const ClusterSet& previous, FacetMemory& memory,

@@ -69,8 +69,7 @@ double distanceAt(const FacetQuestion& question, const Facet& facet, const Trans
 }
 }  // namespace
 
-// How far the facet's two features are from being over each other at that pose; at most 0 where they are.
-PairSolve::Beside PairSolve::besideAt(const FacetQuestion& q, const Facet& facet, const Transform& after) const
+Beside besideAt(const FacetQuestion& q, const Facet& facet, const Transform& after)
 {
 	const ContactSurface &a = q.a.surface(facet.levelA), &b = q.b.surface(facet.levelB);
 	const auto [ofA, ofB] = facet.parts();

@@ -18,6 +18,14 @@ inline double velocityRow(double height, double bend)
 	return height > 0 ? height + bend : kTakenBackShare * height + (bend < 0 ? bend : 0);
 }
 
+// How far a facet's two features are from being over each other; at most 0 where they are.
+struct Beside
+{
+	double distance;        // in the facet, along edges
+	double way = distance;  // that features have to go, at least
+};
+Beside besideAt(const FacetQuestion& question, const Facet& facet, const Transform& aFromB);
+
 class PairSolve
 {
 public:
@@ -37,12 +45,6 @@ private:
 		Vec3 pushA, pushB;          // change of angular velocity of a unit impulse
 		double effectiveMass;
 	};
-	struct Beside
-	{
-		double distance;        // in the facet, along edges
-		double way = distance;  // that features have to go, at least
-	};
-	Beside besideAt(const FacetQuestion& question, const Facet& facet, const Transform& after) const;
 	void makeRows(const PointRules& rules, const std::vector<Facet>& facets);
 	double speedOf(const Row& row) const;
 	void push(const Row& row, double impulse);
