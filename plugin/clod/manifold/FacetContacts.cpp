@@ -72,8 +72,7 @@ bool isHeldBetween(const FacetQuestion& question, const std::vector<Facet>& face
 
 bool isJammedBetween(const FacetQuestion& question, const std::vector<Facet>& facets)
 {
-	const double pressed = question.rules.margin - kInnerShare * question.length();
-	return isHeldBetween(question, facets) || leaveNoWay(facets, pressed, kWayOutOfPress);
+	return isHeldBetween(question, facets) || leaveNoWay(facets, -kInnerShare * question.length(), kWayOutOfPress);
 }
 
 void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Transform& aFromB, const PointRules& rules,
