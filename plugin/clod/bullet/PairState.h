@@ -76,7 +76,8 @@ private:
 		double scale = 1, timeStep = 0, tolerance = 0;
 		double skin = 1, radius = 0;  // of the smaller body,
 		Vec3 center;                  // frame A
-		RelativeMotion motion;        // of A's material relative to B's,
+		RelativeMotion motion;        // of A's geometry relative to B's,
+		bool bIsPoint = false;        // (PairBody)
 		double spare = 0;             // and by how much another may differ before it meets what was looked at and given up
 	};
 	// What a dispatch asks of two shapes of ours: equal questions have equal answers.
