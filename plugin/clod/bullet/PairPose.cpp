@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "clod/bullet/BodyState.h"
+#include "clod/query/Query.h"
 
 namespace clod
 {
@@ -119,7 +120,7 @@ void setRules(PairPose& pose, double timeStep, Prediction prediction, double clo
 std::string whatIsNotFinite(const PairPose& pose, double timeStep)
 {
 	if (isFinite(pose.a->getWorldTransform()) && isFinite(pose.b->getWorldTransform()) && isFinite(pose.aFromB) &&
-		isFinite(pose.rules.motion()))
+		isFinite(pose.rules.motion()) && !isBeyondFloats({{}, pose.sweep().linear}))
 		return {};
 	for (const btCollisionObjectWrapper* body : {pose.a, pose.b})
 	{
@@ -130,7 +131,7 @@ std::string whatIsNotFinite(const PairPose& pose, double timeStep)
 			   std::to_string(object.getWorldArrayIndex()) + " (user index " + std::to_string(object.getUserIndex()) +
 			   ") is not finite";
 	}
-	return "the motion of its bodies relative to each other is not finite";
+	return "the motion of its bodies relative to each other is not finite, or farther in a step than floats hold";
 }
 }  // namespace
 
