@@ -41,12 +41,13 @@ bool sameRules(const PointRules& l, const PointRules& r)
 }
 }  // namespace
 
-PairState::PairState(Context& context, btDispatcher& dispatcher, btPersistentManifold* shared, bool isClosestPoints)
+PairState::PairState(Context& context, btDispatcher& dispatcher, btPersistentManifold* shared, bool isClosestPoints,
+					 StepBudget* budget)
 	: m_context(context),
 	  m_isSolved(context.isSolvedIn(dispatcher)),
 	  m_manifolds(dispatcher, shared),
 	  m_isClosestPoints(isClosestPoints),
-	  m_budget(isClosestPoints ? nullptr : &context.budgetOf(dispatcher))
+	  m_budget(budget)
 {
 	m_report.result = &m_result;
 	m_report.clusters = &m_clusters;

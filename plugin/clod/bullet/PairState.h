@@ -25,8 +25,10 @@ namespace clod
 class PairState
 {
 public:
-	// A pair made for contactTest and the like predicts nothing: it answers for the poses as they are.
-	PairState(Context& context, btDispatcher& dispatcher, btPersistentManifold* shared, bool isClosestPoints);
+	// A pair made for contactTest and the like predicts nothing: it answers for the poses as they are. budget: of the
+	// steps that the pair takes part in; null: answers in full, whatever the budget.
+	PairState(Context& context, btDispatcher& dispatcher, btPersistentManifold* shared, bool isClosestPoints,
+			  StepBudget* budget);
 	~PairState();
 	PairState(const PairState&) = delete;
 	PairState& operator=(const PairState&) = delete;
@@ -175,7 +177,7 @@ private:
 	PairReport m_report;
 	unsigned m_warned = 0;
 	std::vector<std::pair<unsigned, std::string>> m_toSay;  // by cause
-	StepBudget* const m_budget;         // null: answers in full, whatever the budget
+	StepBudget* const m_budget;
 	std::uint64_t m_step = 0;           // of the budget, that this pair was last in,
 	Work m_held;                        // what is held back of it for this pair
 	std::uint32_t m_points = 0, m_ofCoarsest = 0;  // what its last points were worth, and those of its coarsest answer
