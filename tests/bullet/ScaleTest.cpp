@@ -175,6 +175,24 @@ TEST(Scale, TheSameScaleAgainChangesNothing)
 	}
 }
 
+TEST(Scale, ShapesOfBulletsThatChangeAreSeen)
+{
+	BulletWorld scene;
+	scene.addBody(scene.addShape(slab()), 0, {0, -0.5, 0});
+	auto& box = scene.add(std::make_unique<btBoxShape>(btVector3(btScalar(0.5), btScalar(0.5), btScalar(0.5))));
+	btRigidBody& body = scene.addBody(box, 1, {0, 0.5, 0});
+	scene.step(120);
+	EXPECT_NEAR(heightOf(body), 0.5, 2e-3);
+	box.setLocalScaling(btVector3(1, btScalar(0.5), 1));
+	scene.step(240);
+	EXPECT_NEAR(heightOf(body), 0.25, 2e-3);
+	auto& sphere = scene.add(std::make_unique<btSphereShape>(btScalar(0.4)));
+	body.setCollisionShape(&sphere);
+	body.translate(btVector3(0, btScalar(0.2), 0));
+	scene.step(240);
+	EXPECT_NEAR(heightOf(body), 0.4, 2e-3);
+}
+
 // What is made of a shape whose points are known is exact, whoever holds the points, and however it is scaled.
 TEST(Scale, PointsOfMeshesAndScaledShapesAreTakenAsTheyAre)
 {
