@@ -4,6 +4,9 @@
 
 #include <algorithm>
 
+#include <BulletCollision/CollisionDispatch/btGhostObject.h>
+#include <BulletDynamics/Character/btKinematicCharacterController.h>
+
 #include "clod/schedule/StepBudget.h"
 #include "tests/bullet/Toruses.h"
 
@@ -235,6 +238,46 @@ TEST(BulletBudget, BodiesComeAndGo)
 	EXPECT_EQ(run(true, 1e9), none);
 	EXPECT_EQ(run(false, 1e9), none);
 	EXPECT_EQ(run(true, 400), run(true, 400));
+}
+
+// What a character asks between the steps is no step, and takes nothing of one: the others go as they go without it.
+TEST(BulletBudget, CharactersTakeNothingOfIt)
+{
+	const auto run = [](bool ours, bool isThere)
+	{
+		Toruses scene(ours);
+		btGhostPairCallback callback;
+		scene.world().getPairCache()->setInternalGhostPairCallback(&callback);
+		scene.setPresent(7, false);
+		btCapsuleShape capsule(btScalar(0.2), btScalar(0.3));
+		btPairCachingGhostObject ghost;
+		ghost.setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(btScalar(12.7), btScalar(0.7), 0)));
+		ghost.setCollisionShape(&capsule);
+		ghost.setCollisionFlags(btCollisionObject::CF_CHARACTER_OBJECT);
+		btKinematicCharacterController character(&ghost, &capsule, btScalar(0.1), btVector3(0, 1, 0));
+		const int met = btBroadphaseProxy::StaticFilter | btBroadphaseProxy::DefaultFilter;
+		if (isThere) scene.world().addCollisionObject(&ghost, btBroadphaseProxy::CharacterFilter, met);
+		std::uint64_t hash = 0;
+		for (int step = 0; step < 60; ++step)
+		{
+			scene.place(0.8 - 2e-3 * step, 2e-3 * step);
+			scene.detect(1500);
+			scene.context.forEachPair(
+				[&](const PairReport& pair)
+				{
+					if (pair.objectA == &ghost || pair.objectB == &ghost) return;
+					const QueryStats& stats = pair.result->stats;
+					hash = mixed(hash, double(stats.boxTests) + double(stats.hullTests));
+					hash = mixed(mixed(hash, pair.result->excess), double(pair.result->pairs.size()));
+				});
+			if (isThere) character.updateAction(&scene.world(), btScalar(1.0 / 60));
+		}
+		const double height = double(ghost.getWorldTransform().getOrigin().y());
+		EXPECT_TRUE(!isThere || (height > 0.3 && height < 0.69)) << "it met nothing at " << height;
+		if (isThere) scene.world().removeCollisionObject(&ghost);
+		return hash;
+	};
+	for (const bool ours : {false, true}) EXPECT_EQ(run(ours, true), run(ours, false)) << ours;
 }
 
 // Each has its budget, and neither takes from the other's.

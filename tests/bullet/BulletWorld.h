@@ -3,6 +3,8 @@
 #pragma once
 #include <btBulletDynamicsCommon.h>
 
+#include <algorithm>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -84,6 +86,18 @@ struct BulletWorld
 		for (int i = 0; i < dispatcher.getNumManifolds(); ++i)
 			count += const_cast<btCollisionDispatcher&>(dispatcher).getManifoldByIndexInternal(i)->getNumContacts();
 		return count;
+	}
+};
+// The least distance of what contactPairTest says, by points no farther apart than the threshold.
+struct Closest : btCollisionWorld::ContactResultCallback
+{
+	double least = std::numeric_limits<double>::infinity();
+	explicit Closest(double threshold) { m_closestDistanceThreshold = btScalar(threshold); }
+	btScalar addSingleResult(btManifoldPoint& point, const btCollisionObjectWrapper*, int, int,
+							 const btCollisionObjectWrapper*, int, int) override
+	{
+		least = std::min(least, double(point.getDistance()));
+		return 0;
 	}
 };
 inline double heightOf(const btRigidBody& body)

@@ -8,8 +8,9 @@
 #include <limits>
 #include <utility>
 
-#include <BulletCollision/CollisionShapes/btConvexTriangleMeshShape.h>
+#include <BulletCollision/CollisionShapes/btConvexInternalShape.h>
 
+#include "clod/bullet/ConvexPartner.h"
 #include "clod/hierarchy/InputSurface.h"
 #include "tests/bullet/BulletWorld.h"
 #include "tests/bullet/PatchHierarchy.h"
@@ -103,19 +104,6 @@ TEST(Convex, RestsWhereItsSurfaceSays)
 
 namespace
 {
-// The least distance of what contactPairTest says, by points no farther apart than the threshold.
-struct Closest : btCollisionWorld::ContactResultCallback
-{
-	double least = std::numeric_limits<double>::infinity();
-	explicit Closest(double threshold) { m_closestDistanceThreshold = btScalar(threshold); }
-	btScalar addSingleResult(btManifoldPoint& point, const btCollisionObjectWrapper*, int, int,
-							 const btCollisionObjectWrapper*, int, int) override
-	{
-		least = std::min(least, double(point.getDistance()));
-		return 0;
-	}
-};
-
 // A convex shape of Bullet's as triangles, those of a point or a segment without area, grown by a radius.
 struct Grown
 {
@@ -335,6 +323,32 @@ TEST(Convex, BallsOnFlatGroundDoNotRollOff)
 	for (const btRigidBody* one : balls) EXPECT_LT(double(one->getLinearVelocity().length()), 1e-3);
 }
 
+// As a ball turns nothing of it moves: contacts are looked for no farther.
+TEST(Convex, ABallThatSpinsMeetsWhatOneThatDoesNotMeets)
+{
+	PairReport reports[2];
+	std::uint32_t tests[2];
+	for (const int spins : {0, 1})
+	{
+		BulletWorld scene;
+		scene.addBody(scene.addShape(slab()), 0, {0, -0.5, 0});
+		btRigidBody& ball = scene.addBody(scene.add(std::make_unique<btSphereShape>(btScalar(0.3))), 1, {0, 0.3, 0});
+		ball.setLinearVelocity(btVector3(1, 0, 0));
+		ball.setAngularVelocity(btVector3(0, 5, -40) * btScalar(spins));
+		scene.step();
+		scene.context.forEachPair(
+			[&](const PairReport& report)
+			{
+				reports[spins] = report;
+				tests[spins] = report.result->stats.boxTests;
+			});
+	}
+	EXPECT_GT(reports[0].motion, 1.0 / 240);
+	EXPECT_EQ(reports[1].motion, reports[0].motion);
+	EXPECT_EQ(reports[1].tolerance, reports[0].tolerance);
+	EXPECT_EQ(tests[1], tests[0]);
+}
+
 // Radii and dimensions may change while a pair lives.
 // Radii below Bullet's margin too, which its own support takes off all of them: over a flat ground the distance is that of the
 // lowest sphere.
@@ -378,24 +392,6 @@ TEST(Convex, SpheresOfAnyRadiiAreAsFarAsTheLowest)
 		}
 }
 
-TEST(Convex, ShapesThatChangeAreSeen)
-{
-	BulletWorld scene;
-	scene.addBody(scene.addShape(slab()), 0, {0, -0.5, 0});
-	auto& box = scene.add(std::make_unique<btBoxShape>(btVector3(btScalar(0.5), btScalar(0.5), btScalar(0.5))));
-	btRigidBody& body = scene.addBody(box, 1, {0, 0.5, 0});
-	scene.step(120);
-	EXPECT_NEAR(heightOf(body), 0.5, 2e-3);
-	box.setLocalScaling(btVector3(1, btScalar(0.5), 1));
-	scene.step(240);
-	EXPECT_NEAR(heightOf(body), 0.25, 2e-3);
-	auto& sphere = scene.add(std::make_unique<btSphereShape>(btScalar(0.4)));
-	body.setCollisionShape(&sphere);
-	body.translate(btVector3(0, btScalar(0.2), 0));
-	scene.step(240);
-	EXPECT_NEAR(heightOf(body), 0.4, 2e-3);
-}
-
 // A bad shape is told of, by name of its cause, and is no contact.
 TEST(Convex, WhatIsNotFiniteIsRefusedWithAReason)
 {
@@ -410,37 +406,69 @@ TEST(Convex, WhatIsNotFiniteIsRefusedWithAReason)
 	EXPECT_EQ(scene.contacts(), 0);
 }
 
-// Shapes of the same type that agree wherever they are looked at are two all the same: prisms of 8 and 64 sides, whose
-// extremes along 26 directions are the same.
+// A user's own class, of which no more is known than its support: an upright prism.
+class Prism : public btConvexInternalShape
+{
+public:
+	int sides = 8;
+	Prism()
+	{
+		m_shapeType = CUSTOM_CONVEX_SHAPE_TYPE;
+		setMargin(0);
+	}
+	btVector3 localGetSupportingVertex(const btVector3& d) const override
+	{
+		btVector3 best(0, 0, 0);
+		btScalar most = -BT_LARGE_FLOAT;
+		for (int i = 0; i < 2 * sides; ++i)
+		{
+			const double angle = 2 * 3.14159265358979 * (i / 2) / sides;
+			const btVector3 corner(btScalar(0.5 * std::cos(angle)), btScalar(0.5 * std::sin(angle)),
+								   btScalar(i % 2 == 0 ? -0.5 : 0.5));
+			if (corner.dot(d) <= most) continue;
+			best = corner;
+			most = corner.dot(d);
+		}
+		return best;
+	}
+	btVector3 localGetSupportingVertexWithoutMargin(const btVector3& d) const override
+	{
+		return localGetSupportingVertex(d);
+	}
+	void batchedUnitVectorGetSupportingVertexWithoutMargin(const btVector3* d, btVector3* out, int count) const override
+	{
+		for (int i = 0; i < count; ++i) out[i] = localGetSupportingVertex(d[i]);
+	}
+	void calculateLocalInertia(btScalar, btVector3& inertia) const override { inertia.setValue(1, 1, 1); }
+	void getAabb(const btTransform& pose, btVector3& low, btVector3& high) const override
+	{
+		low = pose.getOrigin() - btVector3(1, 1, 1), high = pose.getOrigin() + btVector3(1, 1, 1);
+	}
+	const char* getName() const override { return "Prism"; }
+};
+
+// A shape that changes where nobody looks at it is another all the same, also in the same place: prisms of 8 and 64
+// sides, whose extremes along 26 directions are the same. What does not change is prepared once.
 TEST(Convex, ShapesKnownByTheirSupportAreNotTakenForEachOther)
 {
 	BulletWorld scene;
 	btRigidBody& ground = scene.addBody(scene.addShape(slab()), 0, {0, -0.5, 0});
-	const auto prism = [](int sides, btTriangleMesh& mesh)
+	Prism shape;
+	ConvexPartners partners;
+	std::shared_ptr<const ConvexPartner> last;
+	for (const int sides : {8, 64, 8})
 	{
-		const auto corner = [&](int i, double z)
-		{
-			const double angle = 2 * 3.14159265358979 * i / sides;
-			return btVector3(btScalar(0.5 * std::cos(angle)), btScalar(0.5 * std::sin(angle)), btScalar(z));
-		};
-		for (int i = 0; i < sides; ++i)
-		{
-			mesh.addTriangle(corner(i, -0.5), corner(i + 1, -0.5), corner(i, 0.5));
-			mesh.addTriangle(corner(i + 1, -0.5), corner(i + 1, 0.5), corner(i, 0.5));
-		}
-	};
-	for (const int sides : {8, 64})
-	{
-		btTriangleMesh mesh;
-		prism(sides, mesh);
-		btConvexTriangleMeshShape shape(&mesh);
-		shape.setMargin(0);
+		shape.sides = sides;
 		const double half = 3.14159265358979 / 8;
 		btRigidBody& body = scene.addBody(shape, 1, {0, 0.6, 0}, btQuaternion(btVector3(0, 0, 1), btScalar(half)));
 		Closest nearest(1);
 		scene.world.contactPairTest(&ground, &body, nearest);
 		EXPECT_NEAR(nearest.least, 0.6 - (sides == 8 ? 0.5 * std::cos(half) : 0.5), 1e-3) << sides;
 		scene.world.removeRigidBody(&body);
+		const auto prepared = partners.of(shape, 1, nullptr);
+		EXPECT_NE(prepared, last);
+		EXPECT_EQ(prepared, partners.of(shape, 1, nullptr));
+		last = prepared;
 	}
 }
 

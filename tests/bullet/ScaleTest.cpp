@@ -2,8 +2,13 @@
 // Bodies of any scale: they rest, roll and answer as those that were made at that size.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <tuple>
+#include <vector>
+
+#include <BulletCollision/CollisionShapes/btConvexTriangleMeshShape.h>
+#include <BulletCollision/CollisionShapes/btUniformScalingShape.h>
 
 #include "clod/hierarchy/ScaledHierarchy.h"
 #include "tests/bullet/BulletWorld.h"
@@ -168,5 +173,68 @@ TEST(Scale, TheSameScaleAgainChangesNothing)
 		for (int i = 0; i < scene.dispatcher.getNumManifolds(); ++i)
 			EXPECT_GT(scene.dispatcher.getManifoldByIndexInternal(i)->getContactPoint(0).getLifeTime(), 100);
 	}
+}
+
+TEST(Scale, ShapesOfBulletsThatChangeAreSeen)
+{
+	BulletWorld scene;
+	scene.addBody(scene.addShape(slab()), 0, {0, -0.5, 0});
+	auto& box = scene.add(std::make_unique<btBoxShape>(btVector3(btScalar(0.5), btScalar(0.5), btScalar(0.5))));
+	btRigidBody& body = scene.addBody(box, 1, {0, 0.5, 0});
+	scene.step(120);
+	EXPECT_NEAR(heightOf(body), 0.5, 2e-3);
+	box.setLocalScaling(btVector3(1, btScalar(0.5), 1));
+	scene.step(240);
+	EXPECT_NEAR(heightOf(body), 0.25, 2e-3);
+	auto& sphere = scene.add(std::make_unique<btSphereShape>(btScalar(0.4)));
+	body.setCollisionShape(&sphere);
+	body.translate(btVector3(0, btScalar(0.2), 0));
+	scene.step(240);
+	EXPECT_NEAR(heightOf(body), 0.4, 2e-3);
+}
+
+// What is made of a shape whose points are known is exact, whoever holds the points, and however it is scaled.
+TEST(Scale, PointsOfMeshesAndScaledShapesAreTakenAsTheyAre)
+{
+	Random random(6);
+	btTriangleMesh mesh;
+	btConvexHullShape points;
+	for (int i = 0; i < 900; ++i)
+	{
+		btVector3 corners[3];
+		for (btVector3& corner : corners)
+		{
+			const Vec3 p = 0.4 * randomDirection(random);
+			points.addPoint(corner = vector(p.x, p.y, p.z), false);
+		}
+		mesh.addTriangle(corners[0], corners[1], corners[2]);
+	}
+	btConvexTriangleMeshShape hull(&mesh);
+	const btVector3 stretch = vector(0.5, 1, 1.5);
+	hull.setLocalScaling(stretch), points.setLocalScaling(stretch);
+	btCapsuleShape capsule(btScalar(0.1), btScalar(0.3)), larger(btScalar(0.15), btScalar(0.45));
+	const btVector3 centers[] = {vector(-0.2, 0, 0), vector(0.2, 0, 0)}, wider = btScalar(1.5) * centers[1];
+	const btVector3 widerCenters[] = {-wider, wider};
+	const btScalar radii[] = {btScalar(0.1), btScalar(0.2)}, widerRadii[] = {btScalar(0.15), btScalar(0.3)};
+	btMultiSphereShape spheres(centers, radii, 2), widerSpheres(widerCenters, widerRadii, 2);
+	btUniformScalingShape scaledCapsule(&capsule, btScalar(1.5)), scaledSpheres(&spheres, btScalar(1.5));
+	BulletWorld scene;
+	btRigidBody& ground = scene.addBody(scene.addShape(slab()), 0, {0, -0.5, 0});
+	for (const auto& [shape, same] : std::vector<std::array<btConvexShape*, 2>>{
+			 {&hull, &points}, {&scaledCapsule, &larger}, {&scaledSpheres, &widerSpheres}})
+		for (int pose = 0; pose < 6; ++pose)
+		{
+			const btQuaternion turn(vector(1, pose, 0.5).normalized(), btScalar(pose));
+			double least[2];
+			for (int i = 0; i < 2; ++i)
+			{
+				btRigidBody& body = scene.addBody(i == 0 ? *shape : *same, 1, {0, 0.9, 0}, turn);
+				Closest nearest(1);
+				scene.world.contactPairTest(&ground, &body, nearest);
+				least[i] = nearest.least;
+				scene.world.removeRigidBody(&body);
+			}
+			EXPECT_NEAR(least[0], least[1], 2e-6) << shape->getName() << pose;
+		}
 }
 }  // namespace clod::test

@@ -121,6 +121,7 @@ public:
 	}
 	void setNearCallback(btNearCallback callback) { m_dispatcher->setNearCallback(callback); }
 	btClodShape& shape() { return m_shape; }
+	btDiscreteDynamicsWorld& world() { return *m_world; }
 	const btRigidBody& body(std::size_t which) const { return *m_bodies[which]; }
 
 private:

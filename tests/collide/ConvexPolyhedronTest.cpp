@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "tests/query/Bodies.h"
@@ -90,6 +91,32 @@ TEST(ConvexPolyhedron, WhatIsLeftOutIsWithinTheError)
 		leftOut += out > 1e-10;
 	}
 	EXPECT_GT(leftOut, 20);
+}
+
+// Points are found through a tree: as one after the other they make the same hull, of equal ones the first counting.
+TEST(ConvexPolyhedron, IsTheSameWhereAllPointsAreLookedAt)
+{
+	Random random(4);
+	for (int round = 0; round < 24; ++round)
+	{
+		std::vector<Vec3> points;
+		for (int i = 0; i < 3 + 17 * round; ++i)
+		{
+			Vec3 p = round % 3 == 0 ? randomDirection(random)
+									: Vec3{uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1)};
+			for (int axis = 0; axis < 3 && round % 3 == 1; ++axis) p[axis] = 0.25 * std::round(4 * p[axis]);
+			points.push_back(toVec3(toFloat3(p)));
+		}
+		const Support one = [&points](const Vec3& direction)
+		{
+			return *std::max_element(points.begin(), points.end(), [&](const Vec3& l, const Vec3& r)
+									 { return dot(l, direction) < dot(r, direction); });
+		};
+		const ConvexPolyhedron hull = convexPolyhedron(points, 65535), expected = convexPolyhedron(one, 0, 65535);
+		EXPECT_EQ(hull.vertices, expected.vertices) << round;
+		EXPECT_EQ(hull.triangles, expected.triangles) << round;
+		EXPECT_EQ(hull.error, expected.error) << round;
+	}
 }
 
 TEST(ConvexPolyhedron, PointsOfACubeAddNothingButItsCorners)

@@ -385,5 +385,28 @@ TEST(Query, RefusesBadSettings)
 	settings = Settings{};
 	settings.metric.maxError = -1;
 	EXPECT_NE(settingsError(settings).find("maxError"), std::string::npos);
+	settings = exactSettings(1e38);
+	EXPECT_NE(settingsError(settings).find("tolerance"), std::string::npos);
+	settings = exactSettings(0.1);
+	settings.sweep.linear = {0, 1e200, 0};
+	EXPECT_NE(settingsError(settings).find("sweep"), std::string::npos);
+}
+
+// Of bodies as far from each other as doubles reach the distance is that of their frames, and nothing is near.
+TEST(Query, WhatIsFartherThanFloatsHoldIsAnsweredAllTheSame)
+{
+	Random random(12);
+	const Body& small = body("number8", 600);
+	for (const double far : {1e30, 1e36, 1e38, 1e100, 1e155, 1e300})
+		for (const bool distance : {false, true})
+		{
+			Settings settings = exactSettings(0.1);
+			settings.distance = distance;
+			const GapResult result = fresh({small, small}, {randomRotation(random), {0.6 * far, -0.8 * far, 0}}, settings);
+			EXPECT_TRUE(result.contacts.empty()) << far;
+			EXPECT_LT(result.errorBound, 1e-6 * far) << far;
+			if (distance) EXPECT_NEAR(result.minDistance / far, 1, 1e-6) << far;
+			else EXPECT_TRUE(std::isinf(result.minDistance)) << far;
+		}
 }
 }  // namespace

@@ -4,9 +4,13 @@
 #include <BulletCollision/CollisionShapes/btCapsuleShape.h>
 #include <BulletCollision/CollisionShapes/btConeShape.h>
 #include <BulletCollision/CollisionShapes/btConvexShape.h>
+#include <BulletCollision/CollisionShapes/btConvexTriangleMeshShape.h>
 #include <BulletCollision/CollisionShapes/btCylinderShape.h>
 #include <BulletCollision/CollisionShapes/btMultiSphereShape.h>
 #include <BulletCollision/CollisionShapes/btPolyhedralConvexShape.h>
+#include <BulletCollision/CollisionShapes/btStridingMeshInterface.h>
+#include <BulletCollision/CollisionShapes/btTriangleCallback.h>
+#include <BulletCollision/CollisionShapes/btUniformScalingShape.h>
 
 #include <algorithm>
 #include <cmath>
@@ -67,6 +71,12 @@ Vec3 coreSupport(const btConvexShape& shape, double radius, const Vec3& directio
 {
 	if (shape.getShapeType() == MULTI_SPHERE_SHAPE_PROXYTYPE)
 		return coreSupport(static_cast<const btMultiSphereShape&>(shape), radius, direction);
+	if (shape.getShapeType() == UNIFORM_SCALING_SHAPE_PROXYTYPE)
+	{
+		const auto& scaled = static_cast<const btUniformScalingShape&>(shape);
+		const double factor = double(scaled.getUniformScalingFactor());
+		return factor * coreSupport(*scaled.getChildShape(), radius / factor, direction);
+	}
 	return toVec3(shape.localGetSupportingVertexWithoutMargin(
 		btVector3(btScalar(direction.x), btScalar(direction.y), btScalar(direction.z))));
 }
@@ -133,6 +143,23 @@ void describeSpheres(const btMultiSphereShape& shape, Description& description)
 	}
 }
 
+// All corners of its triangles, each as often as it is one: its hull's corners are among them.
+void describeMesh(const btConvexTriangleMeshShape& shape, Description& description)
+{
+	struct : btInternalTriangleIndexCallback
+	{
+		std::vector<Vec3>* points = nullptr;
+		void internalProcessTriangleIndex(btVector3* corners, int, int) override
+		{
+			for (int i = 0; i < 3; ++i) points->push_back(toVec3(corners[i]));
+		}
+	} sink;
+	sink.points = &description.points;
+	const btScalar far = BT_LARGE_FLOAT;
+	shape.getMeshInterface()->InternalProcessAllTriangles(&sink, btVector3(-far, -far, -far), btVector3(far, far, far));
+	description.isBySupport = description.points.empty();
+}
+
 void describePolyhedron(const btPolyhedralConvexShape& shape, Description& description)
 {
 	for (int i = 0; i < shape.getNumVertices(); ++i)
@@ -161,13 +188,22 @@ void look(const btConvexShape& shape, Description& description)
 			}
 }
 
-void describe(const btConvexShape& shape, Description& description)
+void describeByKind(const btConvexShape& shape, Description& description);
+
+void describeScaled(const btUniformScalingShape& shape, Description& description)
 {
-	description.points.clear();
-	description.isBySupport = description.isSeen = false;
-	description.error = description.size = 0;
+	describeByKind(*shape.getChildShape(), description);
+	const double factor = double(shape.getUniformScalingFactor());
+	for (Vec3& p : description.points) p = factor * p;
+	for (double* length : {&description.radius, &description.error, &description.size}) *length *= factor;
+}
+
+void describeByKind(const btConvexShape& shape, Description& description)
+{
 	description.radius = double(shape.getMargin());
-	if (shape.isPolyhedral())
+	if (shape.getShapeType() == CONVEX_TRIANGLEMESH_SHAPE_PROXYTYPE)
+		describeMesh(static_cast<const btConvexTriangleMeshShape&>(shape), description);
+	else if (shape.isPolyhedral())
 		describePolyhedron(static_cast<const btPolyhedralConvexShape&>(shape), description);
 	else if (shape.getShapeType() == SPHERE_SHAPE_PROXYTYPE)
 		description.points.push_back({});
@@ -179,8 +215,18 @@ void describe(const btConvexShape& shape, Description& description)
 		describeCone(static_cast<const btConeShape&>(shape), description);
 	else if (shape.getShapeType() == MULTI_SPHERE_SHAPE_PROXYTYPE)
 		describeSpheres(static_cast<const btMultiSphereShape&>(shape), description);
+	else if (shape.getShapeType() == UNIFORM_SCALING_SHAPE_PROXYTYPE)
+		describeScaled(static_cast<const btUniformScalingShape&>(shape), description);
 	else
 		description.isBySupport = true;
+}
+
+void describe(const btConvexShape& shape, Description& description)
+{
+	description.points.clear();
+	description.isBySupport = description.isSeen = false;
+	description.error = description.size = 0;
+	describeByKind(shape, description);
 	std::vector<double>& numbers = description.numbers;
 	numbers.assign({double(shape.getShapeType()), description.radius, double(description.isBySupport)});
 	for (const Vec3& p : description.points) numbers.insert(numbers.end(), {p.x, p.y, p.z});
@@ -205,13 +251,25 @@ ConvexPolyhedron thickened(const ConvexPolyhedron& flat)
 	return convexPolyhedron(points, kMostHullCorners);
 }
 
+// Would the polyhedron that stands for a shape known by its support come out the same again?
+bool answersAsBefore(const btConvexShape& shape, double unit, double radius, const ConvexPartner& partner)
+{
+	return std::all_of(partner.answers.begin(), partner.answers.end(), [&](const std::array<Vec3, 2>& answer)
+					   { return (1 / unit) * coreSupport(shape, radius, answer[0]) == answer[1]; });
+}
+
 void make(const btConvexShape& shape, double unit, const Description& description, ConvexPartner& partner)
 {
 	partner.radius = description.radius / unit;
 	ConvexPolyhedron polyhedron;
 	if (description.isBySupport)
-		polyhedron = convexPolyhedron([&](const Vec3& d) { return (1 / unit) * coreSupport(shape, description.radius, d); },
-									  kCurved * (description.size + description.radius) / unit, kMostCorners);
+		polyhedron = convexPolyhedron(
+			[&](const Vec3& d)
+			{
+				partner.answers.push_back({d, (1 / unit) * coreSupport(shape, description.radius, d)});
+				return partner.answers.back()[1];
+			},
+			kCurved * (description.size + description.radius) / unit, kMostCorners);
 	else
 	{
 		std::vector<Vec3> points;
@@ -243,14 +301,9 @@ std::shared_ptr<const ConvexPartner> ConvexPartners::of(const btConvexShape& sha
 		made.problem = "a number of the shape is not finite";
 		return std::make_shared<const ConvexPartner>(made);
 	}
-	if (description.isSeen)  // no other pair's serves: each has its own
-	{
-		make(shape, unit, description, made);
-		return std::make_shared<const ConvexPartner>(std::move(made));
-	}
 	const std::lock_guard<std::mutex> lock(m_mutex);
 	std::shared_ptr<const ConvexPartner>& partner = m_partners[made.shape];
-	if (partner) return partner;
+	if (partner && (!description.isSeen || answersAsBefore(shape, unit, description.radius, *partner))) return partner;
 	make(shape, unit, description, made);
 	auto kept = partner = std::make_shared<const ConvexPartner>(std::move(made));
 	for (auto i = m_partners.begin(); m_partners.size() > kMostUnused && i != m_partners.end();)

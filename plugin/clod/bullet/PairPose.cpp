@@ -9,12 +9,14 @@
 #include <cmath>
 
 #include "clod/bullet/BodyState.h"
+#include "clod/query/Query.h"
 
 namespace clod
 {
 namespace
 {
-constexpr double kAside = 0.4;  // of the way of the step
+constexpr double kSamePlace = 1e-6;  // of the length
+constexpr double kAside = 0.4;       // of the way of the step
 const char* const kNoFloats = "floats cannot hold a body at its scale";
 
 Vec3 sphereCenter(const Hierarchy& hierarchy)
@@ -88,6 +90,8 @@ void setRules(PairPose& pose, double timeStep, Prediction prediction, double clo
 	if (pose.isOfTwo()) rules.length = std::min(rules.length, double(pose.hierarchyB().asset().radius));
 	rules.a = bodyOf(objectA, seenA);
 	rules.b = bodyOf(objectB, seenB);
+	rules.b.isPoint = pose.convex && pose.hierarchyB().node(pose.hierarchyB().root()).vertexCount == 1 &&
+					  length(pose.aFromB * sphereCenter(pose.hierarchyB()) - rules.b.center) <= kSamePlace * rules.length;
 	pose.responds = objectA.hasContactResponse() && objectB.hasContactResponse();
 	rules.timeStep = timeStep;
 	rules.friction = double(gCalculateCombinedFrictionCallback(&objectA, &objectB));
@@ -115,7 +119,7 @@ void setRules(PairPose& pose, double timeStep, Prediction prediction, double clo
 std::string whatIsNotFinite(const PairPose& pose, double timeStep)
 {
 	if (isFinite(pose.a->getWorldTransform()) && isFinite(pose.b->getWorldTransform()) && isFinite(pose.aFromB) &&
-		isFinite(pose.rules.motion()))
+		isFinite(pose.rules.motion()) && !isBeyondFloats({{}, pose.sweep().linear}))
 		return {};
 	for (const btCollisionObjectWrapper* body : {pose.a, pose.b})
 	{
@@ -126,7 +130,7 @@ std::string whatIsNotFinite(const PairPose& pose, double timeStep)
 			   std::to_string(object.getWorldArrayIndex()) + " (user index " + std::to_string(object.getUserIndex()) +
 			   ") is not finite";
 	}
-	return "the motion of its bodies relative to each other is not finite";
+	return "the motion of its bodies relative to each other is not finite, or farther in a step than floats hold";
 }
 }  // namespace
 
@@ -142,14 +146,15 @@ Sweep PairPose::sweep() const
 void PairPose::expectHolding()
 {
 	const auto wayOf = [&](const PairBody& body)
-	{ return (length(body.linear) + length(body.angular) * rules.length) * rules.timeStep; };
+	{ return (length(body.linear) + length(body.turning()) * rules.length) * rules.timeStep; };
 	rules.heldReach = std::min({wayOf(rules.a), wayOf(rules.b), kHeldShare * rules.length});
 	tolerance += rules.heldReach;
 }
 
 void PairPose::lookAside()
 {
-	const double way = seenMotion.speedWithin(center, radius) * rules.timeStep;
+	const RelativeMotion seen = rules.b.isPoint ? motionBetween(withoutForces(rules.a), withoutForces(rules.b), 0) : seenMotion;
+	const double way = seen.speedWithin(center, radius) * rules.timeStep;
 	tolerance += std::max(0.0, kAside * way - rules.resting);
 }
 

@@ -25,9 +25,9 @@ constexpr double kStillShare = 3e-4;  // of the length, more than half of the sk
 // All fields, for comparison. A field that is added does not compile before it is named here.
 auto fieldsOf(const PairBody& body)
 {
-	const auto& [inverseMass, inverseInertia, center, linear, angular, force] = body;
+	const auto& [inverseMass, inverseInertia, center, linear, angular, force, isPoint] = body;
 	return std::tie(inverseMass, inverseInertia.row[0], inverseInertia.row[1], inverseInertia.row[2], center, linear,
-					angular, force);
+					angular, force, isPoint);
 }
 bool sameRules(const PointRules& l, const PointRules& r)
 {
@@ -41,12 +41,13 @@ bool sameRules(const PointRules& l, const PointRules& r)
 }
 }  // namespace
 
-PairState::PairState(Context& context, btDispatcher& dispatcher, btPersistentManifold* shared, bool isClosestPoints)
+PairState::PairState(Context& context, btDispatcher& dispatcher, btPersistentManifold* shared, bool isClosestPoints,
+					 StepBudget* budget)
 	: m_context(context),
 	  m_isSolved(context.isSolvedIn(dispatcher)),
 	  m_manifolds(dispatcher, shared),
 	  m_isClosestPoints(isClosestPoints),
-	  m_budget(isClosestPoints ? nullptr : &context.budgetOf(dispatcher))
+	  m_budget(budget)
 {
 	m_report.result = &m_result;
 	m_report.clusters = &m_clusters;
@@ -421,6 +422,7 @@ void PairState::foresee(const PairPose& pose)
 				  pose.radius,
 				  pose.center,
 				  pose.rules.motion(),
+				  pose.rules.b.isPoint,
 				  std::numeric_limits<double>::infinity()};
 }
 
@@ -428,8 +430,10 @@ double PairState::surprise() const
 {
 	const double dt = m_foreseen.timeStep;
 	if (!(dt > 0)) return 0;
-	const RelativeMotion now = relativeMotion(solvedMotion(*m_report.objectA), solvedMotion(*m_report.objectB),
-											  m_foreseen.worldFromA, m_foreseen.scale, dt);
+	const RelativeMotion ofA = solvedMotion(*m_report.objectA);
+	RelativeMotion ofB = solvedMotion(*m_report.objectB);
+	if (m_foreseen.bIsPoint) ofB = {ofB.velocity(toVec3(m_report.objectB->getWorldTransform().getOrigin())), {}, 0};
+	const RelativeMotion now = relativeMotion(ofA, ofB, m_foreseen.worldFromA, m_foreseen.scale, dt);
 	const auto wayOf = [&](const RelativeMotion& motion)
 	{ return motion.speedWithin(m_foreseen.center, m_foreseen.radius) * dt; };
 	// What is met on so short a way was near from the start, and so it is a contact already.
@@ -438,8 +442,8 @@ double PairState::surprise() const
 	const double otherWay = wayOf({now.linear - m_foreseen.motion.linear, now.angular - m_foreseen.motion.angular, dt});
 	if (otherWay > m_foreseen.spare + skin) return otherWay / skin;
 	// A solver knows the points to first order for any motion. What they miss is how the bodies turn meanwhile.
-	const auto turnOf = [&](const btCollisionObject* body) { return dt * length(solvedMotion(*body).angular); };
-	const double bent = std::min(1.0, std::max(turnOf(m_report.objectA), turnOf(m_report.objectB))) * otherWay / skin;
+	const double turn = dt * std::max(length(ofA.angular), length(ofB.angular));
+	const double bent = std::min(1.0, turn) * otherWay / skin;
 	return otherWay <= nearest + skin ? bent : std::max(bent, 1 + kSeldomMet * (otherWay - nearest) / skin);
 }
 

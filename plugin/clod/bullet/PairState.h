@@ -25,8 +25,10 @@ namespace clod
 class PairState
 {
 public:
-	// A pair made for contactTest and the like predicts nothing: it answers for the poses as they are.
-	PairState(Context& context, btDispatcher& dispatcher, btPersistentManifold* shared, bool isClosestPoints);
+	// A pair made for contactTest and the like predicts nothing: it answers for the poses as they are. budget: of the
+	// steps that the pair takes part in; null: answers in full, whatever the budget.
+	PairState(Context& context, btDispatcher& dispatcher, btPersistentManifold* shared, bool isClosestPoints,
+			  StepBudget* budget);
 	~PairState();
 	PairState(const PairState&) = delete;
 	PairState& operator=(const PairState&) = delete;
@@ -76,7 +78,8 @@ private:
 		double scale = 1, timeStep = 0, tolerance = 0;
 		double skin = 1, radius = 0;  // of the smaller body,
 		Vec3 center;                  // frame A
-		RelativeMotion motion;        // of A's material relative to B's,
+		RelativeMotion motion;        // of A's geometry relative to B's,
+		bool bIsPoint = false;        // (PairBody)
 		double spare = 0;             // and by how much another may differ before it meets what was looked at and given up
 	};
 	// What a dispatch asks of two shapes of ours: equal questions have equal answers.
@@ -174,7 +177,7 @@ private:
 	PairReport m_report;
 	unsigned m_warned = 0;
 	std::vector<std::pair<unsigned, std::string>> m_toSay;  // by cause
-	StepBudget* const m_budget;         // null: answers in full, whatever the budget
+	StepBudget* const m_budget;
 	std::uint64_t m_step = 0;           // of the budget, that this pair was last in,
 	Work m_held;                        // what is held back of it for this pair
 	std::uint32_t m_points = 0, m_ofCoarsest = 0;  // what its last points were worth, and those of its coarsest answer

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "clod/bullet/btClodCollisionAlgorithm.h"
 
+#include <BulletCollision/CollisionDispatch/btGhostObject.h>
 #include <BulletCollision/CollisionDispatch/btCollisionConfiguration.h>
 #include <LinearMath/btPoolAllocator.h>
 #include <LinearMath/btQuickprof.h>
@@ -60,6 +61,12 @@ std::string reasonAgainst(btCollisionDispatcher* dispatcher, const clod::Context
 			   std::to_string(sizeof(btClodCollisionAlgorithm)) + " are needed";
 	return "";
 }
+
+// Characters ask about what overlaps their ghost again and again between the steps, as contactTest does.
+bool asksBetweenSteps(const btCollisionObjectWrapper& body)
+{
+	return dynamic_cast<const btPairCachingGhostObject*>(body.getCollisionObject()) != nullptr;
+}
 }  // namespace
 
 btClodCollisionAlgorithm::btClodCollisionAlgorithm(const btCollisionAlgorithmConstructionInfo& info,
@@ -67,7 +74,10 @@ btClodCollisionAlgorithm::btClodCollisionAlgorithm(const btCollisionAlgorithmCon
 												   const btCollisionObjectWrapper* body1, clod::Context& context,
 												   bool isClosestPoints)
 	: btClodPairAlgorithm(info, body0, body1),
-	  m_state(std::make_unique<clod::PairState>(context, *info.m_dispatcher1, info.m_manifold, isClosestPoints))
+	  m_state(std::make_unique<clod::PairState>(
+		  context, *info.m_dispatcher1, info.m_manifold, isClosestPoints,
+		  isClosestPoints || asksBetweenSteps(*body0) || asksBetweenSteps(*body1) ? nullptr
+																				  : &context.budgetOf(*info.m_dispatcher1)))
 {
 }
 

@@ -3,6 +3,8 @@
 
 #include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
+#include <BulletCollision/CollisionDispatch/btGhostObject.h>
+#include <BulletCollision/CollisionShapes/btUniformScalingShape.h>
 #include <LinearMath/btQuickprof.h>
 
 #include <algorithm>
@@ -34,6 +36,8 @@ bool isClod(const btCollisionShape& shape)
 bool isShared(const btCollisionShape& shape)
 {
 	const int type = shape.getShapeType();
+	if (type == UNIFORM_SCALING_SHAPE_PROXYTYPE)
+		return isShared(*static_cast<const btUniformScalingShape&>(shape).getChildShape());
 	if (shape.isConvex()) return type != CUSTOM_POLYHEDRAL_SHAPE_TYPE && type != CUSTOM_CONVEX_SHAPE_TYPE;
 	return isClod(shape) || type == STATIC_PLANE_PROXYTYPE || type == TRIANGLE_MESH_SHAPE_PROXYTYPE ||
 		   type == SCALED_TRIANGLE_MESH_SHAPE_PROXYTYPE || type == TERRAIN_SHAPE_PROXYTYPE;
@@ -44,6 +48,17 @@ bool mayBeOurs(const btCollisionShape& shape0, const btCollisionShape& shape1)
 	const auto mayBe = [](const btCollisionShape& shape) { return shape.isCompound() || isClod(shape); };
 	const auto mayMeet = [](const btCollisionShape& shape) { return shape.isCompound() || isShared(shape); };
 	return (mayBe(shape0) || mayBe(shape1)) && mayMeet(shape0) && mayMeet(shape1);
+}
+// May this be no world's, but the cache of a ghost? A character has it dispatched between the steps. What holds no pairs
+// needs no budget.
+bool isBetweenSteps(btOverlappingPairCache& cache)
+{
+	if (cache.getNumOverlappingPairs() == 0) return true;
+	const btBroadphasePair& first = cache.getOverlappingPairArrayPtr()[0];
+	for (const btBroadphaseProxy* proxy : {first.m_pProxy0, first.m_pProxy1})
+		if (auto* ghost = dynamic_cast<btPairCachingGhostObject*>(objectOf(proxy)))
+			if (ghost->getOverlappingPairCache() == &cache) return true;
+	return false;
 }
 }  // namespace
 
@@ -121,6 +136,7 @@ clod::StepBudget& btClodDispatcher::stepBudget()
 void btClodDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache* pairCache, const btDispatcherInfo& info,
 												 btDispatcher* dispatcher)
 {
+	if (isBetweenSteps(*pairCache)) return btCollisionDispatcher::dispatchAllCollisionPairs(pairCache, info, dispatcher);
 	btBroadphasePair* all = pairCache->getOverlappingPairArrayPtr();
 	m_step->pairs.clear();
 	for (int i = 0; i < pairCache->getNumOverlappingPairs(); ++i) m_step->pairs.push_back(&all[i]);

@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <optional>
+#include <queue>
+#include <utility>
 
 namespace clod
 {
@@ -66,7 +69,9 @@ private:
 	double m_size = 0;
 	std::vector<Vec3> m_vertices;
 	std::vector<HullFace> m_faces;
-	std::vector<char> m_isBelow;  // of the faces as facesBelow last found them
+	std::priority_queue<std::pair<double, std::uint32_t>> m_byError;  // of faces that have one; ~index: the first one first
+	std::vector<std::uint32_t> m_below;  // by face: the last search of facesBelow that found it
+	std::uint32_t m_search = 0;
 	std::vector<std::array<std::uint32_t, 3>> m_flat;
 	Vec3 m_inside;
 	double m_error = 0;
@@ -184,8 +189,11 @@ std::uint32_t Hull::addFace(std::uint32_t a, std::uint32_t b, std::uint32_t c)
 	measure(face);
 	face.beyond = farthest(face.normal);
 	face.error = dot(face.normal, face.beyond) - face.offset;
+	const std::uint32_t index = std::uint32_t(m_faces.size());
 	m_faces.push_back(face);
-	return std::uint32_t(m_faces.size() - 1);
+	m_below.push_back(0);
+	if (face.error > 0) m_byError.push({face.error, ~index});
+	return index;
 }
 
 void Hull::makeSimplex()
@@ -204,14 +212,13 @@ void Hull::makeSimplex()
 std::vector<std::uint32_t> Hull::facesBelow(std::uint32_t from, const Vec3& point)
 {
 	std::vector<std::uint32_t> visible(1, from);
-	m_isBelow.assign(m_faces.size(), 0);
-	m_isBelow[from] = 1;
+	m_below[from] = ++m_search;
 	for (std::size_t i = 0; i < visible.size(); ++i)
 		for (const std::uint32_t next : m_faces[visible[i]].neighbour)
 		{
 			const HullFace& other = m_faces[next];
-			if (m_isBelow[next] == 1 || !(dot(other.normal, point) - other.offset > kVisible * m_size)) continue;
-			m_isBelow[next] = 1;
+			if (m_below[next] == m_search || !(dot(other.normal, point) - other.offset > kVisible * m_size)) continue;
+			m_below[next] = m_search;
 			visible.push_back(next);
 		}
 	return visible;
@@ -226,7 +233,7 @@ std::optional<Horizon> Hull::horizonOf(const std::vector<std::uint32_t>& visible
 		{
 			const HullFace& face = m_faces[f];
 			const std::uint32_t outside = face.neighbour[e], to = face.vertex[(e + 1) % 3];
-			if (m_isBelow[outside] == 1) continue;
+			if (m_below[outside] == m_search) continue;
 			std::uint32_t back = 0;
 			while (m_faces[outside].neighbour[back] != f || m_faces[outside].vertex[back] != to) ++back;
 			if (!horizon.insert({face.vertex[e], {to, outside, back}}).second) return {};
@@ -295,18 +302,12 @@ void Hull::refine()
 	double refused = 0;
 	for (;;)
 	{
-		std::uint32_t worst = kNobody;
-		m_error = 0;
-		for (std::uint32_t f = 0; f < m_faces.size(); ++f)
-		{
-			if (!m_faces[f].isAlive || m_faces[f].error <= m_error) continue;
-			m_error = m_faces[f].error;
-			worst = f;
-		}
+		while (!m_byError.empty() && !m_faces[~m_byError.top().second].isAlive) m_byError.pop();
+		m_error = m_byError.empty() ? 0 : m_byError.top().first;
 		if (m_error <= accuracy || m_vertices.size() >= m_mostVertices) break;
-		if (insert(worst, m_faces[worst].beyond)) continue;
-		refused = std::max(refused, m_error);
-		m_faces[worst].error = 0;
+		const std::uint32_t worst = ~m_byError.top().second;
+		m_byError.pop();
+		if (!insert(worst, m_faces[worst].beyond)) refused = std::max(refused, m_error);
 	}
 	m_error = std::max(m_error, refused);
 }
@@ -350,6 +351,90 @@ ConvexPolyhedron Hull::make()
 	}
 	return result();
 }
+
+// The support function of points: the first of the farthest, found through a tree of boxes.
+class PointTree
+{
+public:
+	explicit PointTree(const std::vector<Vec3>& points) : m_points(points), m_order(points.size())
+	{
+		std::iota(m_order.begin(), m_order.end(), 0u);
+		if (!points.empty()) addNode(0, std::uint32_t(points.size()));
+	}
+	Vec3 farthest(const Vec3& direction) const
+	{
+		Best best;
+		if (!m_nodes.empty()) search(0, direction, reach(m_nodes[0], direction), best);
+		return best.index == kNobody ? Vec3{} : m_points[best.index];
+	}
+
+private:
+	static constexpr std::uint32_t kLeafPoints = 8;
+	struct Node
+	{
+		Vec3 low, high;
+		std::uint32_t begin, end, right;  // of m_order; no right child: a leaf. The left child is the next node
+	};
+	struct Best
+	{
+		double reach = -std::numeric_limits<double>::infinity();
+		std::uint32_t index = kNobody;
+	};
+
+	std::uint32_t addNode(std::uint32_t begin, std::uint32_t end)
+	{
+		Node node{m_points[m_order[begin]], m_points[m_order[begin]], begin, end, kNobody};
+		for (std::uint32_t i = begin; i < end; ++i)
+			for (int axis = 0; axis < 3; ++axis)
+			{
+				node.low[axis] = std::min(node.low[axis], m_points[m_order[i]][axis]);
+				node.high[axis] = std::max(node.high[axis], m_points[m_order[i]][axis]);
+			}
+		const std::uint32_t index = std::uint32_t(m_nodes.size());
+		m_nodes.push_back(node);
+		if (end - begin <= kLeafPoints) return index;
+		const Vec3 size = node.high - node.low;
+		const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+		const std::uint32_t middle = begin + (end - begin) / 2;
+		std::nth_element(m_order.begin() + begin, m_order.begin() + middle, m_order.begin() + end,
+						 [&](std::uint32_t l, std::uint32_t r) { return m_points[l][axis] < m_points[r][axis]; });
+		addNode(begin, middle);
+		const std::uint32_t right = addNode(middle, end);
+		m_nodes[index].right = right;
+		return index;
+	}
+
+	// No point of the node is farther: the sum is dot()'s, whose rounding keeps the order of its terms.
+	static double reach(const Node& node, const Vec3& d)
+	{
+		const Vec3 &low = node.low, &high = node.high;
+		return dot({d.x > 0 ? high.x : low.x, d.y > 0 ? high.y : low.y, d.z > 0 ? high.z : low.z}, d);
+	}
+
+	void search(std::uint32_t index, const Vec3& direction, double most, Best& best) const
+	{
+		const Node& node = m_nodes[index];
+		if (most < best.reach) return;
+		if (node.right != kNobody)
+		{
+			const double left = reach(m_nodes[index + 1], direction), right = reach(m_nodes[node.right], direction);
+			if (left >= right) search(index + 1, direction, left, best);
+			search(node.right, direction, right, best);
+			if (left < right) search(index + 1, direction, left, best);
+			return;
+		}
+		for (std::uint32_t i = node.begin; i < node.end; ++i)
+		{
+			const std::uint32_t at = m_order[i];
+			const double far = dot(m_points[at], direction);
+			if (far > best.reach || (far == best.reach && at < best.index)) best = {far, at};
+		}
+	}
+
+	const std::vector<Vec3>& m_points;
+	std::vector<std::uint32_t> m_order;
+	std::vector<Node> m_nodes;
+};
 }  // namespace
 
 ConvexPolyhedron::Plane ConvexPolyhedron::nearestPlane(const Vec3& point) const
@@ -372,18 +457,8 @@ ConvexPolyhedron convexPolyhedron(const Support& support, double accuracy, std::
 
 ConvexPolyhedron convexPolyhedron(const std::vector<Vec3>& points, std::size_t mostVertices)
 {
-	const Support farthest = [&points](const Vec3& direction)
-	{
-		Vec3 best;
-		double most = -std::numeric_limits<double>::infinity();
-		for (const Vec3& p : points)
-			if (dot(p, direction) > most)
-			{
-				most = dot(p, direction);
-				best = p;
-			}
-		return best;
-	};
+	const PointTree tree(points);
+	const Support farthest = [&tree](const Vec3& direction) { return tree.farthest(direction); };
 	return convexPolyhedron(farthest, 0, mostVertices);
 }
 }  // namespace clod

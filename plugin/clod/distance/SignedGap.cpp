@@ -2,6 +2,7 @@
 // The entry point, and the walk over the pair's front that the certificate is of.
 #include "clod/distance/SignedGap.h"
 
+#include <cmath>
 #include <string>
 
 #include "clod/distance/GapSearch.h"
@@ -11,6 +12,7 @@ namespace clod
 {
 namespace
 {
+constexpr double kRounding = 1e-15;  // of sums and roots
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 class FrontWalk : public GapWalk
@@ -81,6 +83,15 @@ std::string settingsError(const GapSettings& settings)
 void signedGap(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const GapSettings& settings,
 			   GapCache& cache, GapResult& result)
 {
+	if (isBeyondFloats(aFromB))
+	{
+		result.clear();
+		if (settings.distance)
+			result.minDistance = std::hypot(aFromB.translation.x, aFromB.translation.y, aFromB.translation.z);
+		result.errorBound = (1 + kRounding) * (a.originRadius() + b.originRadius());
+		if (settings.distance) result.errorBound += kRounding * result.minDistance;
+		return;
+	}
 	if (a.isCoarse() || b.isCoarse())
 	{
 		contacts(a, b, aFromB, settings, cache.pair, result);

@@ -34,7 +34,7 @@ Mat3 turnBy(const Vec3& angle)
 Transform aFromBAfter(const PairBody& a, const PairBody& b, const Transform& aFromB, double timeStep)
 {
 	Transform after = aFromB;
-	if (b.angular != Vec3{})
+	if (b.turning() != Vec3{})
 	{
 		const Mat3 turn = turnBy(timeStep * b.angular);
 		after = {turn * aFromB.rotation, b.center + turn * (aFromB.translation - b.center)};

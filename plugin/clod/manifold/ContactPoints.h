@@ -40,16 +40,19 @@ struct PairBody
 	Vec3 center;           // of mass
 	Vec3 linear, angular;  // velocity as the solver starts from it: forces of the coming step included
 	Vec3 force;            // what they add to the linear velocity
+	bool isPoint = false;  // its centre, grown by a radius: as it turns, nothing of it moves
+	Vec3 turning() const { return isPoint ? Vec3{} : angular; }
 };
 inline PairBody withoutForces(PairBody body)
 {
 	body.linear -= body.force;
 	return body;
 }
-// Of A's material relative to B's.
+// Of A's geometry relative to B's.
 inline RelativeMotion motionBetween(const PairBody& a, const PairBody& b, double timeStep)
 {
-	return {a.linear - cross(a.angular, a.center) - b.linear + cross(b.angular, b.center), a.angular - b.angular, timeStep};
+	const Vec3 turnA = a.turning(), turnB = b.turning();
+	return {a.linear - cross(turnA, a.center) - b.linear + cross(turnB, b.center), turnA - turnB, timeStep};
 }
 
 // The pose of B in A's frame once both have moved for `time`; the frame moves with A.

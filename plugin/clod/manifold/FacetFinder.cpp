@@ -52,7 +52,7 @@ void FacetFinder::find(const FacetQuestion& question, const std::vector<Contact>
 	m_nodesB.start(question, contacts, false);
 	m_motion = question.rules.motion();
 	m_sagitta = 0.125 * kPathReach * length(m_motion.angular) * m_motion.timeStep;
-	const double turns = length(question.rules.a.angular) + length(question.rules.b.angular);
+	const double turns = length(question.rules.a.turning()) + length(question.rules.b.turning());
 	m_bend = 0.125 * kPathReach * std::max(turns, length(m_motion.angular)) * m_motion.timeStep;
 	// What an impact of that speed may add to the turning, besides.
 	const double speed = length(m_motion.velocity(question.rules.b.center));
@@ -405,7 +405,7 @@ private:
 	{
 		const auto meetOnWayOf = [&](const PairBody& body, double sign)
 		{
-			Vec3 way = sign * m_rules.timeStep * (body.linear + cross(body.angular, m_of.placeInA() - body.center));
+			Vec3 way = sign * m_rules.timeStep * (body.linear + cross(body.turning(), m_of.placeInA() - body.center));
 			const double far = length(way);
 			if (far > m_rules.heldReach) way = (m_rules.heldReach / far) * way;
 			const double closing = dot(m_of.normal, way);

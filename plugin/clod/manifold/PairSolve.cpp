@@ -28,7 +28,7 @@ double bendBound(const PointRules& rules, const Facet& facet)
 	const double moved = rules.timeStep * length(rules.motion().velocity(facet.onA));
 	const auto turnOf = [&](const PairBody& body)
 	{
-		const double turn = rules.timeStep * length(body.angular);
+		const double turn = rules.timeStep * length(body.turning());
 		return turn <= kMostTurn ? turn : kMostTurn * kMostTurn / turn;
 	};
 	const double turnA = turnOf(rules.a), turnB = turnOf(rules.b);
