@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "clod/collide/Triangle.h"
 #include "clod/hierarchy/InputSurface.h"
 #include "clod/manifold/ContactSurface.h"
 #include "tests/bullet/PatchHierarchy.h"
@@ -101,6 +102,40 @@ TEST(ContactSurface, APointBesideAPolygonKnowsHowFar)
 			EXPECT_NEAR(surface.squaredBeside(polygon, p), expected, 1e-6);
 		}
 	}
+}
+
+// A flat ring of many sides, inside and outside: against all of its triangles, one by one.
+TEST(ContactSurface, APointBesideAPolygonOfManySidesKnowsHowFar)
+{
+	constexpr int kParts = 60;
+	std::vector<Triangle> ring;
+	const auto at = [](double radius, int part) -> Vec3
+	{
+		const double angle = 2 * std::acos(-1) * (part % kParts) / kParts;
+		return {radius * std::cos(angle), radius * std::sin(angle), 0};
+	};
+	for (int i = 0; i < kParts; ++i)
+	{
+		ring.push_back({at(0.5, i), at(1, i), at(1, i + 1)});
+		ring.push_back({at(0.5, i), at(1, i + 1), at(0.5, i + 1)});
+	}
+	const ContactSurface surface(ring, 1);
+	ASSERT_EQ(surface.polygonCount(), 2u);
+	Random random(8);
+	int over = 0;
+	for (int i = 0; i < 2000; ++i)
+	{
+		const Vec3 foot{uniform(random, -1.5, 1.5), uniform(random, -1.5, 1.5), 0};
+		double expected = 10;
+		for (const Triangle& triangle : ring) expected = std::min(expected, nearestOnTriangle(triangle, foot).squared);
+		const Vec3 point = foot + Vec3{0, 0, uniform(random, -1, 1)};
+		const double slack = uniform(random, 0, 0.4);
+		EXPECT_NEAR(surface.squaredBeside(0, point), expected, 1e-12);
+		EXPECT_EQ(surface.isOver(0, point, slack), expected <= slack * slack) << foot.x << " " << foot.y;
+		over += expected <= slack * slack ? 1 : 0;
+	}
+	EXPECT_GT(over, 500);
+	EXPECT_LT(over, 1500);
 }
 
 // Its border counts, not how it is cut into triangles.

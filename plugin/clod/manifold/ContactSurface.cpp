@@ -17,7 +17,7 @@ namespace clod
 namespace
 {
 constexpr std::uint32_t kLeafFaces = 4;
-constexpr std::size_t kWorthTheTree = 32;  // faces of a polygon: searching fewer one by one is as fast
+constexpr std::size_t kWorthTheTree = 32;  // faces of a polygon, or sides: searching fewer one by one is as fast
 
 int widestAxis(const Vec3& size)
 {
@@ -293,8 +293,14 @@ double ContactSurface::squaredBeside(std::uint32_t polygon, const Vec3& point, d
 {
 	const Span<std::uint32_t> faces = facesOf(polygon);
 	const Vec3 foot = footOn(polygon, point);
-	double best = std::numeric_limits<double>::infinity();
+	constexpr double kFar = std::numeric_limits<double>::infinity();
+	double best = kFar;
 	const Span<Border> border = borderOf(polygon);
+	if (std::min(faces.size, border.size) > kWorthTheTree)
+	{
+		const Found found = searchTree(foot, enough > 0 ? std::sqrt(enough) : kFar, polygon, enough);
+		return found.face == kNone ? kFar : found.squared;
+	}
 	if (border.empty() || faces.size <= border.size)
 	{
 		for (std::size_t i = 0; i < faces.size && best > enough; ++i)
@@ -375,8 +381,9 @@ void ContactSurface::Found::add(std::uint32_t other, const NearestOnTriangle& th
 	feature = there.feature;
 }
 
-// The nearest face, of a polygon or (kNone) of all.
-ContactSurface::Found ContactSurface::searchTree(const Vec3& point, double within, std::uint32_t polygon) const
+// The nearest face, of a polygon or (kNone) of all; or the first found that is near enough.
+ContactSurface::Found ContactSurface::searchTree(const Vec3& point, double within, std::uint32_t polygon,
+											 double enough) const
 {
 	makeTree();
 	const auto squaredTo = [&](std::uint32_t box) { return m_boxes[box].squaredTo({point, point}); };
@@ -384,7 +391,7 @@ ContactSurface::Found ContactSurface::searchTree(const Vec3& point, double withi
 	std::size_t size = 0;
 	stack[size++] = 0;
 	Found found{within * within};
-	while (size > 0)
+	while (size > 0 && (found.face == kNone || found.squared > enough))
 	{
 		const std::uint32_t at = stack[--size];
 		if (squaredTo(at) > found.squared) continue;

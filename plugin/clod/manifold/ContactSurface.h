@@ -203,7 +203,7 @@ private:
 		int feature = 6;
 		void add(std::uint32_t other, const NearestOnTriangle& there);
 	};
-	Found searchTree(const Vec3& point, double within, std::uint32_t polygon) const;
+	Found searchTree(const Vec3& point, double within, std::uint32_t polygon, double enough = 0) const;
 	using Border = std::array<std::uint32_t, 2>;  // a straight side, from vertex to vertex
 	template <class T>
 	static Span<T> slice(const std::vector<T>& list, const std::vector<std::uint32_t>& first, std::uint32_t i)

@@ -130,23 +130,26 @@ void MovedNodes::start(const FacetQuestion& question, const std::vector<Contact>
 	m_sharing.clear();
 	m_near.clear();
 	m_blocks = std::uint32_t((m_nodes.size() + 63) / 64);
+	m_wide.assign(m_blocks, 0);
 	if (m_blocks > kMostBlocks) m_blocks = 0;
 }
 
-std::uint64_t MovedNodes::displaced(double least, std::uint32_t place) const
+std::uint64_t MovedNodes::displaced(double least, std::uint32_t place)
 {
-	std::uint64_t nodes = 0;
-	const std::size_t first = std::size_t(place) / 64 * 64, end = std::min(m_nodes.size(), first + 64);
-	for (std::size_t i = first; i < end; ++i)
-		if (m_moved[i].node != kNone && m_moved[i].displaced >= least) nodes |= std::uint64_t(1) << (i - first);
-	return nodes;
+	if (least != std::exchange(m_least, least))
+	{
+		m_wide.assign(m_wide.size(), 0);
+		for (std::size_t i = 0; i < m_nodes.size(); ++i)
+			if (m_moved[i].node != kNone && m_moved[i].displaced >= least) m_wide[i / 64] |= std::uint64_t(1) << i % 64;
+	}
+	return m_wide[place / 64];
 }
 
 std::uint64_t MovedNodes::noteNear(std::uint32_t number, std::uint32_t otherBlocks, std::uint32_t otherPlace)
 {
 	if (otherBlocks == 0) return 0;
 	const std::size_t at = std::size_t(number) * otherBlocks + otherPlace / 64;
-	if (m_near.size() <= at) m_near.resize(at + 1, 0);
+	if (m_near.size() <= at) m_near.resize(2 * (at + 1), 0);
 	return std::exchange(m_near[at], m_near[at] | std::uint64_t(1) << otherPlace % 64);
 }
 
@@ -156,7 +159,7 @@ std::uint32_t MovedNodes::numberOf(const MovedNode& moved, bool isEdge, std::uin
 	const std::uint32_t number = m_numbers.of(moved.level, isEdge, index);
 	if (m_blocks == 0) return number;
 	const std::size_t at = std::size_t(number) * m_blocks + moved.place / 64;
-	if (m_sharing.size() <= at) m_sharing.resize(at + 1, 0);
+	if (m_sharing.size() <= at) m_sharing.resize(2 * (at + 1), 0);
 	m_sharing[at] |= std::uint64_t(1) << moved.place % 64;
 	return number;
 }
@@ -243,6 +246,7 @@ void MovedNodes::move(MovedNode& moved, const ContactSurface& surface)
 		m_boxes.push_back(corner.box);
 	}
 	moved.displaced = std::sqrt(displaced);
+	if (moved.displaced >= m_least) m_wide[moved.place / 64] |= std::uint64_t(1) << moved.place % 64;
 	for (const ContactSurface::NodePolygon& polygon : surface.polygonsOf(moved.node))
 	{
 		const Span<std::uint16_t> corners = surface.cornersOf(polygon);

@@ -147,7 +147,7 @@ public:
 		return m_blocks == 0 ? 0 : m_sharing[std::size_t(number) * m_blocks + place / 64];
 	}
 	// or of which a point goes at least so far.
-	std::uint64_t displaced(double least, std::uint32_t place) const;
+	std::uint64_t displaced(double least, std::uint32_t place);
 	std::uint32_t blocks() const { return m_blocks; }
 	// Notes that this feature is near a node of the other body, which has so many blocks. Returns those noted before.
 	std::uint64_t noteNear(std::uint32_t number, std::uint32_t otherBlocks, std::uint32_t otherPlace);
@@ -169,6 +169,8 @@ private:
 	std::vector<Box> m_boxes;            // of a node's vertices
 	FeatureNumbers m_numbers;
 	std::vector<std::uint64_t> m_sharing, m_near;
+	double m_least = 0;                 // displaced() was asked last of this,
+	std::vector<std::uint64_t> m_wide;  // by nodes as bits
 	std::uint32_t m_blocks = 0;  // of 64 nodes, as many as hold all; 0: too many, none are told apart
 };
 }  // namespace clod
