@@ -166,8 +166,8 @@ std::uint32_t MovedNodes::numberOf(const MovedNode& moved, bool isEdge, std::uin
 
 MovedNode& MovedNodes::of(std::uint32_t node, const Near& near)
 {
-	const auto at = std::lower_bound(m_nodes.begin(), m_nodes.end(), node) - m_nodes.begin();
-	MovedNode& moved = m_moved[std::size_t(at)];
+	const auto at = std::size_t(std::lower_bound(m_nodes.begin(), m_nodes.end(), node) - m_nodes.begin());
+	MovedNode& moved = m_moved[at];
 	if (moved.node == node) return moved;
 	const ContactBody& body = m_isA ? m_question->a : m_question->b;
 	moved.node = node;
@@ -178,7 +178,9 @@ MovedNode& MovedNodes::of(std::uint32_t node, const Near& near)
 	moved.polygons.clear();
 	m_boxes.clear();
 	const ContactSurface& surface = body.surface(moved.level);
+	moved.displaced = 0;
 	m_isA ? listStill(moved, surface, near) : move(moved, surface);
+	if (moved.displaced >= m_least) m_wide[at / 64] |= std::uint64_t(1) << at % 64;
 	return moved;
 }
 
@@ -246,7 +248,6 @@ void MovedNodes::move(MovedNode& moved, const ContactSurface& surface)
 		m_boxes.push_back(corner.box);
 	}
 	moved.displaced = std::sqrt(displaced);
-	if (moved.displaced >= m_least) m_wide[moved.place / 64] |= std::uint64_t(1) << moved.place % 64;
 	for (const ContactSurface::NodePolygon& polygon : surface.polygonsOf(moved.node))
 	{
 		const Span<std::uint16_t> corners = surface.cornersOf(polygon);
