@@ -240,10 +240,12 @@ TEST(BulletBudget, BodiesComeAndGo)
 	EXPECT_EQ(run(true, 400), run(true, 400));
 }
 
-// What a character asks between the steps is no step, and takes nothing of one: the others go as they go without it.
+// What a character asks between the steps is no step, and takes nothing of one: the others go as they go beside a ghost that
+// is led the same way and asks nothing.
 TEST(BulletBudget, CharactersTakeNothingOfIt)
 {
-	const auto run = [](bool ours, bool isThere)
+	std::vector<btTransform> way;
+	const auto run = [&way](bool ours, bool asks)
 	{
 		Toruses scene(ours);
 		btGhostPairCallback callback;
@@ -256,11 +258,12 @@ TEST(BulletBudget, CharactersTakeNothingOfIt)
 		ghost.setCollisionFlags(btCollisionObject::CF_CHARACTER_OBJECT);
 		btKinematicCharacterController character(&ghost, &capsule, btScalar(0.1), btVector3(0, 1, 0));
 		const int met = btBroadphaseProxy::StaticFilter | btBroadphaseProxy::DefaultFilter;
-		if (isThere) scene.world().addCollisionObject(&ghost, btBroadphaseProxy::CharacterFilter, met);
+		scene.world().addCollisionObject(&ghost, btBroadphaseProxy::CharacterFilter, met);
+		if (asks) way.clear();
 		std::uint64_t hash = 0;
-		for (int step = 0; step < 60; ++step)
+		for (std::size_t step = 0; step < 60; ++step)
 		{
-			scene.place(0.8 - 2e-3 * step, 2e-3 * step);
+			scene.place(0.8 - 2e-3 * double(step), 2e-3 * double(step));
 			scene.detect(1500);
 			scene.context.forEachPair(
 				[&](const PairReport& pair)
@@ -270,14 +273,54 @@ TEST(BulletBudget, CharactersTakeNothingOfIt)
 					hash = mixed(hash, double(stats.boxTests) + double(stats.hullTests));
 					hash = mixed(mixed(hash, pair.result->excess), double(pair.result->pairs.size()));
 				});
-			if (isThere) character.updateAction(&scene.world(), btScalar(1.0 / 60));
+			if (asks)
+			{
+				character.updateAction(&scene.world(), btScalar(1.0 / 60));
+				way.push_back(ghost.getWorldTransform());
+			}
+			else
+				ghost.setWorldTransform(way[step]);
 		}
 		const double height = double(ghost.getWorldTransform().getOrigin().y());
-		EXPECT_TRUE(!isThere || (height > 0.3 && height < 0.69)) << "it met nothing at " << height;
-		if (isThere) scene.world().removeCollisionObject(&ghost);
+		EXPECT_TRUE(height > 0.3 && height < 0.69) << "it met nothing at " << height;
+		scene.world().removeCollisionObject(&ghost);
 		return hash;
 	};
-	for (const bool ours : {false, true}) EXPECT_EQ(run(ours, true), run(ours, false)) << ours;
+	for (const bool ours : {false, true})
+	{
+		const std::uint64_t asking = run(ours, true);
+		EXPECT_EQ(asking, run(ours, false)) << ours;
+	}
+}
+
+// A ghost whose pairs are those of the steps is as budgeted as a body.
+TEST(BulletBudget, TriggersAreBudgetedLikeBodies)
+{
+	Toruses scene(true);
+	btPairCachingGhostObject ghost;
+	ghost.setCollisionShape(&scene.shape());
+	ghost.setCollisionFlags(btCollisionObject::CF_NO_CONTACT_RESPONSE);
+	scene.world().addCollisionObject(&ghost);
+	double excess = 0;
+	int pairs = 0;
+	for (int step = 0; step < 20; ++step)
+	{
+		scene.place(0.8 - 2e-3 * step, 2e-3 * step);
+		btTransform pose = scene.body(1).getWorldTransform();
+		pose.setOrigin(pose.getOrigin() + btVector3(btScalar(0.1), btScalar(0.05), 0));
+		ghost.setWorldTransform(pose);
+		scene.detect(300);
+		scene.context.forEachPair(
+			[&](const PairReport& pair)
+			{
+				if (pair.objectA != &ghost && pair.objectB != &ghost) return;
+				++pairs;
+				excess = std::max(excess, pair.result->excess);
+			});
+	}
+	EXPECT_GT(pairs, 0);
+	EXPECT_GT(excess, 1);
+	scene.world().removeCollisionObject(&ghost);
 }
 
 // Each has its budget, and neither takes from the other's.

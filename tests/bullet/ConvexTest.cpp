@@ -349,7 +349,6 @@ TEST(Convex, ABallThatSpinsMeetsWhatOneThatDoesNotMeets)
 	EXPECT_EQ(tests[1], tests[0]);
 }
 
-// Radii and dimensions may change while a pair lives.
 // Radii below Bullet's margin too, which its own support takes off all of them: over a flat ground the distance is that of the
 // lowest sphere.
 TEST(Convex, SpheresOfAnyRadiiAreAsFarAsTheLowest)

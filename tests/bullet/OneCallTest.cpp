@@ -259,6 +259,7 @@ TEST(Messages, AForgottenRegistrationIsToldOf)
 	EXPECT_EXIT(forget(), testing::ExitedWithCode(0), "no dispatcher was registered");
 }
 
+// And what is left of its pairs may go after it.
 TEST(Context, SaysWhenItsWorldOutlivesIt)
 {
 	const auto forget = [](bool isFirst)
@@ -271,9 +272,13 @@ TEST(Context, SaysWhenItsWorldOutlivesIt)
 			b(btRigidBody::btRigidBodyConstructionInfo(1, nullptr, &shape));
 		for (btRigidBody* body : {&a, &b}) scene.world.addRigidBody(body);
 		scene.world.stepSimulation(btScalar(0.01), 0);
-		if (!isFirst)
+		const auto removeAll = [&]
+		{
 			for (btRigidBody* body : {&a, &b}) scene.world.removeRigidBody(body);
+		};
+		if (!isFirst) removeAll();
 		context.reset();
+		if (isFirst) removeAll();
 		std::exit(0);
 	};
 	GTEST_FLAG_SET(death_test_style, "threadsafe");

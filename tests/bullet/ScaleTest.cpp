@@ -175,6 +175,7 @@ TEST(Scale, TheSameScaleAgainChangesNothing)
 	}
 }
 
+// Dimensions may change while a pair lives, and so may the shape.
 TEST(Scale, ShapesOfBulletsThatChangeAreSeen)
 {
 	BulletWorld scene;

@@ -329,7 +329,9 @@ TEST(WrittenPoints, AreForForcesThatTheSolverWillApply)
 // So is what the turning of a body that is not round does to it.
 TEST(WrittenPoints, AreForBodiesThatTumbleAsTheSolverHasThemTumble)
 {
-	for (const int flag : {0, int(BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_WORLD), int(BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY)})
+	constexpr int kExplicit = BT_ENABLE_GYROSCOPIC_FORCE_EXPLICIT, kWorld = BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_WORLD,
+				  kBody = BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY;
+	for (const int flag : {0, kExplicit, kWorld, kBody, kWorld | kBody})
 	{
 		BulletWorld scene;
 		auto& box = scene.add(std::make_unique<btBoxShape>(btVector3(1, btScalar(0.2), btScalar(0.5))));

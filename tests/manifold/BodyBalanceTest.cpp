@@ -135,8 +135,8 @@ TEST_F(Balance, ChangesImpulsesByTheLeast)
 	EXPECT_NEAR(m_balance.contact(1).impulse, 0.25 * whole, 1e-5 * whole);
 }
 
-// Between a floor and a ceiling that come nearer. What impulses would do is told by what the body keeps together: they were
-// some 1e5 times its own, and a nut left its thread with 1e5 times its energy.
+// Between a floor and a ceiling that come nearer. No impulses stop both: those found were some 1e5 times the body's own
+// momentum, and a nut that started from them left its thread with 1e5 times its energy.
 TEST_F(Balance, OfABodyThatIsJammedIsNone)
 {
 	for (const double closing : {-0.1, -1e-3, 1e-3, 0.01, 0.1, 1.0})

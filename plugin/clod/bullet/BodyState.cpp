@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "clod/bullet/BodyState.h"
 
+#include <BulletDynamics/ConstraintSolver/btContactSolverInfo.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 
@@ -74,15 +75,21 @@ RelativeMotion motionOfLink(const btMultiBodyLinkCollider& link, double timeStep
 	return {linear - cross(angular, toVec3(link.getWorldTransform().getOrigin())), angular, 0};
 }
 
-// What Bullet adds in a step to the turning of a body that is not round.
+// What Bullet adds in a step to the turning of a body that is not round, each flag by itself.
 Vec3 gyroscopicImpulse(const btRigidBody& body, double timeStep)
 {
 	const int flags = body.getFlags();
-	if ((flags & BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY) != 0)
-		return toVec3(body.computeGyroscopicImpulseImplicit_Body(btScalar(timeStep)));
+	const btScalar dt = btScalar(timeStep);
+	btVector3 sum(0, 0, 0);
+	if ((flags & BT_ENABLE_GYROSCOPIC_FORCE_EXPLICIT) != 0)
+	{
+		const btScalar most = btContactSolverInfo().m_maxGyroscopicForce;  // the solver's own is not known here
+		sum -= dt * body.computeGyroscopicForceExplicit(most) * body.getInvInertiaTensorWorld();
+	}
 	if ((flags & BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_WORLD) != 0)
-		return toVec3(body.computeGyroscopicImpulseImplicit_World(btScalar(timeStep)));
-	return {};
+		sum += body.computeGyroscopicImpulseImplicit_World(dt);
+	if ((flags & BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY) != 0) sum += body.computeGyroscopicImpulseImplicit_Body(dt);
+	return toVec3(sum);
 }
 }  // namespace
 

@@ -36,7 +36,8 @@ Context::Context() : warn([](const std::string& message) { std::fprintf(stderr, 
 Context::~Context()
 {
 	if (!m_pairs.empty() && warn)
-		warn("a Context is destroyed before the pairs of its world, which go on to use it: it has to outlive the world");
+		warn("a Context is destroyed before the pairs of its world, which would go on to use it: it has to outlive the world");
+	for (PairState* pair : m_pairs) pair->loseContext();
 }
 
 void Context::add(PairState* pair)
@@ -51,10 +52,11 @@ void Context::remove(PairState* pair)
 	m_pairs.erase(std::find(m_pairs.begin(), m_pairs.end(), pair));
 }
 
-StepBudget& Context::budgetOf(btDispatcher& dispatcher)
+// Of the steps that a pair made now takes part in, if any. Only our dispatcher tells steps from a character's questions.
+StepBudget* Context::budgetOf(btDispatcher& dispatcher, bool isOfGhost)
 {
-	auto* ours = dynamic_cast<btClodDispatcher*>(&dispatcher);
-	return ours ? ours->stepBudget() : m_stepBudget;
+	if (auto* ours = dynamic_cast<btClodDispatcher*>(&dispatcher)) return ours->stepBudget();
+	return isOfGhost ? nullptr : &m_stepBudget;
 }
 
 void Context::expect(StepBudget& stepBudget)

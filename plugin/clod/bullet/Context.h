@@ -56,8 +56,9 @@ public:
 	// What one step may cost: tests of all its queries, or microseconds of its dispatch. Only pairs of two shapes of
 	// ours are budgeted. To keep it, the metrics of all moving pairs are raised by one factor, chosen from the cost of
 	// the last steps; what is left refines resting pairs. btClodDispatcher keeps a budget for each world. With any
-	// other dispatcher, a step begins when a pair comes again, and worlds that share a context share its budget, on one
-	// thread. A budget that cannot be used causes a warning and is ignored.
+	// other dispatcher, a step begins when a pair comes again, worlds that share a context share its budget, on one
+	// thread, and pairs of a btPairCachingGhostObject have none: a character asks about them between the steps, too. A
+	// budget that cannot be used causes a warning and is ignored. A budget of tests repeats bit for bit.
 	Budget budget;
 	// Also search the signed gap of touching bodies; PairReport::result then holds it with its certified bound. Costs a
 	// millisecond or more for each pair.
@@ -94,7 +95,7 @@ private:
 	// The budget, or none if it cannot be used.
 	Budget usableBudget() const { return budgetError(budget).empty() ? budget : Budget{}; }
 	// The dispatcher's own if it is a btClodDispatcher, else this context's.
-	StepBudget& budgetOf(btDispatcher& dispatcher);
+	StepBudget* budgetOf(btDispatcher& dispatcher, bool isOfGhost);
 	// Returns the coarsening of this step. lastStep is the step that the pair was last in; if it is this one, a new
 	// step begins, unless the dispatcher tells when steps begin.
 	double enterStep(StepBudget& budget, std::uint64_t& lastStep);

@@ -266,8 +266,9 @@ void make(const btConvexShape& shape, double unit, const Description& descriptio
 		polyhedron = convexPolyhedron(
 			[&](const Vec3& d)
 			{
-				partner.answers.push_back({d, (1 / unit) * coreSupport(shape, description.radius, d)});
-				return partner.answers.back()[1];
+				const Vec3 there = (1 / unit) * coreSupport(shape, description.radius, d);
+				if (description.isSeen) partner.answers.push_back({d, there});
+				return there;
 			},
 			kCurved * (description.size + description.radius) / unit, kMostCorners);
 	else
@@ -301,13 +302,33 @@ std::shared_ptr<const ConvexPartner> ConvexPartners::of(const btConvexShape& sha
 		made.problem = "a number of the shape is not finite";
 		return std::make_shared<const ConvexPartner>(made);
 	}
-	const std::lock_guard<std::mutex> lock(m_mutex);
-	std::shared_ptr<const ConvexPartner>& partner = m_partners[made.shape];
-	if (partner && (!description.isSeen || answersAsBefore(shape, unit, description.radius, *partner))) return partner;
+	// Of a shape of which little is seen only the last partner is kept. Its functions are the program's, and not called
+	// under the lock.
+	const bool isSeen = description.isSeen;
+	const double address = double(reinterpret_cast<std::uintptr_t>(&shape));
+	const std::vector<double> key = isSeen ? std::vector<double>{address, unit} : made.shape;
+	const std::shared_ptr<const ConvexPartner> kept = find(key);
+	const auto isAsBefore = [&]
+	{ return kept->shape == made.shape && answersAsBefore(shape, unit, description.radius, *kept); };
+	if (kept && (!isSeen || isAsBefore())) return kept;
 	make(shape, unit, description, made);
-	auto kept = partner = std::make_shared<const ConvexPartner>(std::move(made));
+	const auto partner = std::make_shared<const ConvexPartner>(std::move(made));
+	keep(key, partner);
+	return partner;
+}
+
+std::shared_ptr<const ConvexPartner> ConvexPartners::find(const std::vector<double>& key)
+{
+	const std::lock_guard<std::mutex> lock(m_mutex);
+	const auto found = m_partners.find(key);
+	return found == m_partners.end() ? nullptr : found->second;
+}
+
+void ConvexPartners::keep(const std::vector<double>& key, const std::shared_ptr<const ConvexPartner>& partner)
+{
+	const std::lock_guard<std::mutex> lock(m_mutex);
+	m_partners[key] = partner;
 	for (auto i = m_partners.begin(); m_partners.size() > kMostUnused && i != m_partners.end();)
 		i = i->second.use_count() == 1 ? m_partners.erase(i) : std::next(i);
-	return kept;
 }
 }  // namespace clod

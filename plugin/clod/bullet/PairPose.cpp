@@ -90,8 +90,10 @@ void setRules(PairPose& pose, double timeStep, Prediction prediction, double clo
 	if (pose.isOfTwo()) rules.length = std::min(rules.length, double(pose.hierarchyB().asset().radius));
 	rules.a = bodyOf(objectA, seenA);
 	rules.b = bodyOf(objectB, seenB);
+	const auto isAtCenterOfB = [&](const Vec3& place)
+	{ return length(pose.aFromB * place - rules.b.center) <= kSamePlace * rules.length; };
 	rules.b.isPoint = pose.convex && pose.hierarchyB().node(pose.hierarchyB().root()).vertexCount == 1 &&
-					  length(pose.aFromB * sphereCenter(pose.hierarchyB()) - rules.b.center) <= kSamePlace * rules.length;
+					  isAtCenterOfB(sphereCenter(pose.hierarchyB()));
 	pose.responds = objectA.hasContactResponse() && objectB.hasContactResponse();
 	rules.timeStep = timeStep;
 	rules.friction = double(gCalculateCombinedFrictionCallback(&objectA, &objectB));
@@ -118,8 +120,9 @@ void setRules(PairPose& pose, double timeStep, Prediction prediction, double clo
 
 std::string whatIsNotFinite(const PairPose& pose, double timeStep)
 {
+	const Sweep sweep = pose.sweep();
 	if (isFinite(pose.a->getWorldTransform()) && isFinite(pose.b->getWorldTransform()) && isFinite(pose.aFromB) &&
-		isFinite(pose.rules.motion()) && !isBeyondFloats({{}, pose.sweep().linear}))
+		isFinite(pose.rules.motion()) && !isBeyondFloats({{}, sweep.linear}) && !isBeyondFloats({{}, sweep.angular}))
 		return {};
 	for (const btCollisionObjectWrapper* body : {pose.a, pose.b})
 	{
@@ -153,7 +156,8 @@ void PairPose::expectHolding()
 
 void PairPose::lookAside()
 {
-	const RelativeMotion seen = rules.b.isPoint ? motionBetween(withoutForces(rules.a), withoutForces(rules.b), 0) : seenMotion;
+	const RelativeMotion seen =
+		rules.b.isPoint ? motionBetween(withoutForces(rules.a), withoutForces(rules.b), 0) : seenMotion;
 	const double way = seen.speedWithin(center, radius) * rules.timeStep;
 	tolerance += std::max(0.0, kAside * way - rules.resting);
 }

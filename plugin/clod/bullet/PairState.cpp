@@ -56,7 +56,7 @@ PairState::PairState(Context& context, btDispatcher& dispatcher, btPersistentMan
 
 PairState::~PairState()
 {
-	m_context.remove(this);
+	if (m_hasContext) m_context.remove(this);
 }
 
 PairState::Seen PairState::seenA(const PairPose& pose)

@@ -30,6 +30,7 @@ public:
 	PairState(Context& context, btDispatcher& dispatcher, btPersistentManifold* shared, bool isClosestPoints,
 			  StepBudget* budget);
 	~PairState();
+	void loseContext() { m_hasContext = false; }  // it is destroyed before the pair, which may then only be destroyed, too
 	PairState(const PairState&) = delete;
 	PairState& operator=(const PairState&) = delete;
 
@@ -177,12 +178,13 @@ private:
 	PairReport m_report;
 	unsigned m_warned = 0;
 	std::vector<std::pair<unsigned, std::string>> m_toSay;  // by cause
+	bool m_hasContext = true;
 	StepBudget* const m_budget;
 	std::uint64_t m_step = 0;           // of the budget, that this pair was last in,
 	Work m_held;                        // what is held back of it for this pair
 	std::uint32_t m_points = 0, m_ofCoarsest = 0;  // what its last points were worth, and those of its coarsest answer
 	BackOff m_refining{kMostRefused};   // of finer answers, where they cost too much
-	double m_heldError = kOff;          // that contacts may have since a body was found held between them (isHeldBetween)
+	double m_heldError = kOff;          // that contacts may have since a body was found jammed (isJammedBetween)
 	Outline m_outline;                  // of the coming process(), or the last
 	std::unique_ptr<Prepared> m_ahead;  // for the coming process(), if m_isAhead; none where nothing was ever prepared
 	bool m_isAhead = false;

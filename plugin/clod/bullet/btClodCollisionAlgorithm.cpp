@@ -62,8 +62,7 @@ std::string reasonAgainst(btCollisionDispatcher* dispatcher, const clod::Context
 	return "";
 }
 
-// Characters ask about what overlaps their ghost again and again between the steps, as contactTest does.
-bool asksBetweenSteps(const btCollisionObjectWrapper& body)
+bool isGhost(const btCollisionObjectWrapper& body)
 {
 	return dynamic_cast<const btPairCachingGhostObject*>(body.getCollisionObject()) != nullptr;
 }
@@ -76,8 +75,7 @@ btClodCollisionAlgorithm::btClodCollisionAlgorithm(const btCollisionAlgorithmCon
 	: btClodPairAlgorithm(info, body0, body1),
 	  m_state(std::make_unique<clod::PairState>(
 		  context, *info.m_dispatcher1, info.m_manifold, isClosestPoints,
-		  isClosestPoints || asksBetweenSteps(*body0) || asksBetweenSteps(*body1) ? nullptr
-																				  : &context.budgetOf(*info.m_dispatcher1)))
+		  isClosestPoints ? nullptr : context.budgetOf(*info.m_dispatcher1, isGhost(*body0) || isGhost(*body1))))
 {
 }
 

@@ -49,11 +49,10 @@ bool mayBeOurs(const btCollisionShape& shape0, const btCollisionShape& shape1)
 	const auto mayMeet = [](const btCollisionShape& shape) { return shape.isCompound() || isShared(shape); };
 	return (mayBe(shape0) || mayBe(shape1)) && mayMeet(shape0) && mayMeet(shape1);
 }
-// May this be no world's, but the cache of a ghost? A character has it dispatched between the steps. What holds no pairs
-// needs no budget.
-bool isBetweenSteps(btOverlappingPairCache& cache)
+// Is this no world's, but the cache of a ghost? A character has it dispatched between the steps.
+bool isOfGhost(btOverlappingPairCache& cache)
 {
-	if (cache.getNumOverlappingPairs() == 0) return true;
+	if (cache.getNumOverlappingPairs() == 0) return false;
 	const btBroadphasePair& first = cache.getOverlappingPairArrayPtr()[0];
 	for (const btBroadphaseProxy* proxy : {first.m_pProxy0, first.m_pProxy1})
 		if (auto* ghost = dynamic_cast<btPairCachingGhostObject*>(objectOf(proxy)))
@@ -128,15 +127,21 @@ unsigned btClodDispatcher::threads() const
 {
 	return m_step->pool->threads();
 }
-clod::StepBudget& btClodDispatcher::stepBudget()
+clod::StepBudget* btClodDispatcher::stepBudget()
 {
-	return m_step->budget;
+	return m_isBetweenSteps ? nullptr : &m_step->budget;
 }
 
 void btClodDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache* pairCache, const btDispatcherInfo& info,
 												 btDispatcher* dispatcher)
 {
-	if (isBetweenSteps(*pairCache)) return btCollisionDispatcher::dispatchAllCollisionPairs(pairCache, info, dispatcher);
+	m_isBetweenSteps = isOfGhost(*pairCache);
+	if (m_isBetweenSteps || pairCache->getNumOverlappingPairs() == 0)  // what holds no pairs needs no budget
+	{
+		btCollisionDispatcher::dispatchAllCollisionPairs(pairCache, info, dispatcher);
+		m_isBetweenSteps = false;
+		return;
+	}
 	btBroadphasePair* all = pairCache->getOverlappingPairArrayPtr();
 	m_step->pairs.clear();
 	for (int i = 0; i < pairCache->getNumOverlappingPairs(); ++i) m_step->pairs.push_back(&all[i]);

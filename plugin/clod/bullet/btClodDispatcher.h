@@ -44,7 +44,8 @@ public:
 	// Dispatches some pairs again within a step, in this order and from that step's budget.
 	void dispatchPairs(const std::vector<btBroadphasePair*>& pairs, const btDispatcherInfo& info);
 
-	clod::StepBudget& stepBudget();
+	// None while a character asks between the steps what its ghost touches.
+	clod::StepBudget* stepBudget();
 
 private:
 	struct Step;
@@ -56,4 +57,5 @@ private:
 
 	clod::Context& m_context;
 	std::unique_ptr<Step> m_step;
+	bool m_isBetweenSteps = false;
 };

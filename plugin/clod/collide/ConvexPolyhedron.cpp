@@ -69,7 +69,7 @@ private:
 	double m_size = 0;
 	std::vector<Vec3> m_vertices;
 	std::vector<HullFace> m_faces;
-	std::priority_queue<std::pair<double, std::uint32_t>> m_byError;  // of faces that have one; ~index: the first one first
+	std::priority_queue<std::pair<double, std::uint32_t>> m_byError;  // of faces that have one, by ~index
 	std::vector<std::uint32_t> m_below;  // by face: the last search of facesBelow that found it
 	std::uint32_t m_search = 0;
 	std::vector<std::array<std::uint32_t, 3>> m_flat;

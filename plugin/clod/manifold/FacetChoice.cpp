@@ -299,7 +299,8 @@ bool FacetChoice::isBeyondRidge(const Facet& best, const Vec3& center, const Fac
 }
 
 // May the facet tell on which side of a ridge the bodies pass? One that is merely possible, where they touch, and the
-// motion as predicted ends over it: a corner on its way round a ridge leaves the face that it was over.
+// motion as predicted ends over it: a corner on its way round a ridge leaves the face that it was over. It then takes the
+// place of what it drops.
 bool FacetChoice::mayDecide(const Facet& facet) const
 {
 	const FacetQuestion& q = *m_question;
@@ -339,7 +340,9 @@ void FacetChoice::dropRidges(std::vector<Facet>& facets)
 			{
 				const std::uint32_t other = m_order[place->second];
 				if (place->second <= k || !m_isKept[other] || facets[other].reach == Facet::Reach::kPossible) continue;
-				if (isBeyondRidge(best, center, facets[other])) m_isKept[other] = 0;
+				if (!isBeyondRidge(best, center, facets[other])) continue;
+				m_isKept[other] = 0;
+				if (best.reach == Facet::Reach::kPossible) facets[m_order[k]].reach = facets[other].reach;
 			}
 		};
 		drop(m_placesA, best.onA);
