@@ -225,9 +225,9 @@ void PairState::askPartner(const PairPose& pose)
 	m_result.hold(result);
 }
 
-// Where a body is held between contacts that err, asks again with a quarter of that error: the play is about as small
-// as the margins, and contacts that err by more jam. It stays so as long as the pair is near, as coarser ones would jam
-// again.
+// Where a body is held or pressed between contacts that err, asks again with a quarter of that error: the play is about
+// as small as the margins, and contacts that err by more jam. It stays so as long as the pair is near, as coarser ones
+// would jam again.
 bool PairState::refineHeld(const PairPose& pose, Question& question)
 {
 	if (m_result.stats.coarsestLevel == 0) return false;

@@ -122,7 +122,7 @@ std::string whatIsNotFinite(const PairPose& pose, double timeStep)
 {
 	const Sweep sweep = pose.sweep();
 	if (isFinite(pose.a->getWorldTransform()) && isFinite(pose.b->getWorldTransform()) && isFinite(pose.aFromB) &&
-		isFinite(pose.rules.motion()) && !isBeyondFloats({{}, sweep.linear}) && !isBeyondFloats({{}, sweep.angular}))
+		isFinite(pose.rules.motion()) && !isBeyondFloats(sweep.linear) && !isBeyondFloats(sweep.angular))
 		return {};
 	for (const btCollisionObjectWrapper* body : {pose.a, pose.b})
 	{

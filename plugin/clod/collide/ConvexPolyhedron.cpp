@@ -9,6 +9,8 @@
 #include <queue>
 #include <utility>
 
+#include "clod/collide/Box.h"
+
 namespace clod
 {
 namespace
@@ -372,7 +374,7 @@ private:
 	static constexpr std::uint32_t kLeafPoints = 8;
 	struct Node
 	{
-		Vec3 low, high;
+		Box box;
 		std::uint32_t begin, end, right;  // of m_order; no right child: a leaf. The left child is the next node
 	};
 	struct Best
@@ -383,18 +385,12 @@ private:
 
 	std::uint32_t addNode(std::uint32_t begin, std::uint32_t end)
 	{
-		Node node{m_points[m_order[begin]], m_points[m_order[begin]], begin, end, kNobody};
-		for (std::uint32_t i = begin; i < end; ++i)
-			for (int axis = 0; axis < 3; ++axis)
-			{
-				node.low[axis] = std::min(node.low[axis], m_points[m_order[i]][axis]);
-				node.high[axis] = std::max(node.high[axis], m_points[m_order[i]][axis]);
-			}
+		Node node{Box::none(), begin, end, kNobody};
+		for (std::uint32_t i = begin; i < end; ++i) node.box.add(m_points[m_order[i]]);
 		const std::uint32_t index = std::uint32_t(m_nodes.size());
 		m_nodes.push_back(node);
 		if (end - begin <= kLeafPoints) return index;
-		const Vec3 size = node.high - node.low;
-		const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+		const int axis = widestAxis(node.box.high - node.box.low);
 		const std::uint32_t middle = begin + (end - begin) / 2;
 		std::nth_element(m_order.begin() + begin, m_order.begin() + middle, m_order.begin() + end,
 						 [&](std::uint32_t l, std::uint32_t r) { return m_points[l][axis] < m_points[r][axis]; });
@@ -407,7 +403,7 @@ private:
 	// No point of the node is farther: the sum is dot()'s, whose rounding keeps the order of its terms.
 	static double reach(const Node& node, const Vec3& d)
 	{
-		const Vec3 &low = node.low, &high = node.high;
+		const Vec3 &low = node.box.low, &high = node.box.high;
 		return dot({d.x > 0 ? high.x : low.x, d.y > 0 ? high.y : low.y, d.z > 0 ? high.z : low.z}, d);
 	}
 

@@ -65,6 +65,8 @@ inline Vec3 cross(const Vec3& a, const Vec3& b)
 }
 inline double lengthSquared(const Vec3& a) { return dot(a, a); }
 inline double length(const Vec3& a) { return std::sqrt(dot(a, a)); }
+// The axis of the largest component; of equal ones the first.
+inline int widestAxis(const Vec3& a) { return a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2; }
 // The unit vector along a, or zero where a has no direction.
 inline Vec3 normalized(const Vec3& a)
 {

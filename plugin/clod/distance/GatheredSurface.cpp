@@ -93,7 +93,7 @@ std::uint32_t ContactSide::addBall(std::uint32_t first, std::uint32_t count)
 	const std::uint32_t index = std::uint32_t(balls.size());
 	balls.push_back(ball);
 	if (count <= kFacesInBall) return index;
-	const int axis = spread.x >= spread.y && spread.x >= spread.z ? 0 : spread.y >= spread.z ? 1 : 2;
+	const int axis = widestAxis(spread);
 	const auto begin = inBalls.begin() + first;
 	std::nth_element(begin, begin + count / 2, begin + count,
 					 [&](std::uint32_t l, std::uint32_t r)

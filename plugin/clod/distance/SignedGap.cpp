@@ -83,7 +83,7 @@ std::string settingsError(const GapSettings& settings)
 void signedGap(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const GapSettings& settings,
 			   GapCache& cache, GapResult& result)
 {
-	if (isBeyondFloats(aFromB))
+	if (isBeyondFloats(aFromB.translation))
 	{
 		result.clear();
 		if (settings.distance)

@@ -19,11 +19,6 @@ namespace
 constexpr std::uint32_t kLeafFaces = 4;
 constexpr std::size_t kWorthTheTree = 32;  // faces of a polygon, or sides: searching fewer one by one is as fast
 
-int widestAxis(const Vec3& size)
-{
-	return size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-}
-
 double squaredFromSegment(const Vec3& point, const Vec3& from, const Vec3& to)
 {
 	const Vec3 along = to - from;

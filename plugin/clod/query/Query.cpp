@@ -135,16 +135,15 @@ Outline outlineInOrder(const Hierarchy& a, const Hierarchy& b, const Transform& 
 }
 }  // namespace
 
-bool isBeyondFloats(const Transform& aFromB)
+bool isBeyondFloats(const Vec3& apart)
 {
-	const Vec3& apart = aFromB.translation;
 	return std::max({std::abs(apart.x), std::abs(apart.y), std::abs(apart.z)}) > kLongest;
 }
 
 void contacts(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const ContactSettings& settings,
 			  PairCache& cache, ContactResult& result)
 {
-	if (isBeyondFloats(aFromB)) return result.clear();
+	if (isBeyondFloats(aFromB.translation)) return result.clear();
 	if (!isAskedFromB(a, b)) return contactsInOrder(a, b, aFromB, settings, cache, result);
 	const Transform bFromA = inverse(aFromB);
 	contactsInOrder(b, a, bFromA, ExchangedSettings(settings, aFromB, bFromA).get(), cache, result);
@@ -163,7 +162,7 @@ void evaluate(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, s
 Outline outlineCoarsest(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const ContactSettings& settings,
 						PairCache& cache)
 {
-	if (isBeyondFloats(aFromB)) return {};
+	if (isBeyondFloats(aFromB.translation)) return {};
 	if (!isAskedFromB(a, b)) return outlineInOrder(a, b, aFromB, settings, cache.state());
 	const Transform bFromA = inverse(aFromB);
 	return outlineInOrder(b, a, bFromA, ExchangedSettings(settings, aFromB, bFromA).get(), cache.state());
@@ -196,7 +195,7 @@ std::string settingsError(const ContactSettings& settings)
 	if (!(settings.tolerance >= 0 && settings.tolerance <= kLongest))
 		return "tolerance is " + std::to_string(settings.tolerance) + ", but must be a length >= 0 that floats hold";
 	if (!isFinite(settings.sweep.linear) || !isFinite(settings.sweep.angular)) return "sweep is not finite";
-	if (isBeyondFloats({{}, settings.sweep.linear}) || isBeyondFloats({{}, settings.sweep.angular}))
+	if (isBeyondFloats(settings.sweep.linear) || isBeyondFloats(settings.sweep.angular))
 		return "sweep is longer than floats hold";
 	if (std::string error = metricError(settings.metric); !error.empty()) return error;
 	return budgetError(settings.budget);

@@ -111,11 +111,12 @@ private:
 
 // Floats hold lengths up to here: of what is farther apart only the distance of the frames is looked at.
 inline constexpr double kLongest = 1e37;
-CLOD_API bool isBeyondFloats(const Transform& aFromB);
+CLOD_API bool isBeyondFloats(const Vec3& apart);
 
 // Finds the accepted pairs within the tolerance. `deep` is set only if a component is wholly inside the other body. Two
 // bodies apart are not tested again until they have moved enough. Preconditions: the settings are valid (see
-// settingsError), the pose is finite and rigid; beyond kLongest nothing is within the tolerance. Allocates nothing once the buffers of cache and result have grown.
+// settingsError), the pose is finite and rigid; beyond kLongest nothing is within the tolerance. Allocates nothing once
+// the buffers of cache and result have grown.
 CLOD_API void contacts(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, const ContactSettings& settings,
 					   PairCache& cache, ContactResult& result);
 
