@@ -13,6 +13,8 @@
 #include "tests/manifold/FacetPair.h"
 #include "tests/query/Bodies.h"
 #include "tests/support/HierarchyContents.h"
+#include "tests/support/LeafHierarchy.h"
+#include "tests/support/Meshes.h"
 
 namespace clod::test
 {
@@ -401,8 +403,6 @@ TEST(FacetContacts, WhatIsPressedBetweenFlanksJams)
 			}
 }
 
-// A corner that a step of fast turning carries round another to its far side has not been pushed through it: what its row
-// asks of velocities is no more than turning bends a way by.
 // A coarsest level may lie within the body: a landscape's is a box.
 TEST(DeepOverlap, ARingIsNotConvexHoweverSmallItsRootIs)
 {
@@ -418,6 +418,35 @@ TEST(DeepOverlap, ARingIsNotConvexHoweverSmallItsRootIs)
 	EXPECT_FALSE(DeepOverlap::areConvex(question));
 }
 
+// A bar that stands in a ring's hole and sinks into its side by one of its edges, no corner inside, goes back into the
+// hole: the hulls, which know of no hole, would have it out through the ring.
+TEST(DeepOverlap, AnEdgeLeavesAWallThatItHasHardlyEnteredTheWayItCame)
+{
+	constexpr int kSides = 24;
+	constexpr double kHole = 0.6, kSunk = 0.02, kStep = 2 * 3.14159265358979 / kSides;
+	const HierarchyPointer ring = Hierarchy::fromOwnBytes(encode(leafHierarchy(torusMesh(1, 1 - kHole, kSides, 12))));
+	const HierarchyPointer bar = patchHierarchy(boxMesh({0.2, 3, 0.2}, {1, 1, 1}, 1));
+	int found = 0;
+	for (int i = 0; i < kSides; ++i)
+	{
+		const double angle = (i + 0.5) * kStep, middle = kHole * std::cos(0.5 * kStep) + kSunk - 0.1 * std::sqrt(2.0);
+		const Vec3 outward = {std::cos(angle), 0, std::sin(angle)};
+		const double half = 0.5 * (0.25 * std::acos(-1.0) - angle);
+		const FacetPair pair(bar, ring, inverse(at(middle * outward, rotationFromQuaternion(0, std::sin(half), 0, std::cos(half)))));
+		FacetQuestion question{contactBody(*pair.a), contactBody(*pair.b), pair.aFromB, pair.aFromB, pair.aFromB, pair.rules};
+		std::vector<Facet> facets;
+		DeepOverlap deep;
+		const Vec3 way = deep.find(question, pair.result().contacts, false, {}, facets);
+		if (way == Vec3{}) continue;
+		++found;
+		EXPECT_LT(dot(pair.aFromB.rotation * outward, way), -0.9) << i;
+		for (const Facet& facet : facets) EXPECT_GT(facet.distance, -1.5 * kSunk) << i;
+	}
+	EXPECT_EQ(found, kSides);
+}
+
+// A corner that a step of fast turning carries round another to its far side has not been pushed through it: what its row
+// asks of velocities is no more than turning bends a way by.
 TEST(PairSolve, CornersThatGoRoundEachOtherAskForNoSpeed)
 {
 	const HierarchyPointer cube = cubeOf();

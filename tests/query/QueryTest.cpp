@@ -283,6 +283,39 @@ TEST(Query, OneBodyInsideTheOtherIsNeverApart)
 	}
 }
 
+// Coarse levels may keep apart what overlaps a little: then a corner is inside, but not the whole body.
+TEST(Query, WhatIsHardlyInsideIsNotWhollyInside)
+{
+	Random random(81);
+	const Body &small = body("number8", 600), &large = body("cup", 3000);
+	const double radius = smallerRadius(small, large);
+	const Vec3 corner = small.triangles[0][0];  // by which it is looked whether the body is inside
+	int hidden = 0;
+	for (int i = 0; i < 1000; ++i)
+	{
+		const auto& [p, q, r] = large.triangles[std::size_t(uniform(random, 0, double(large.triangles.size())))];
+		const Vec3 up = normalized(cross(q - p, r - p));
+		const double depth = uniform(random, 0.0005, 0.02) * radius;
+		Transform pose{randomRotation(random), {}};
+		while (dot(pose.rotation * normalized(corner), up) > -0.95) pose.rotation = randomRotation(random);
+		pose.translation = (1.0 / 3) * (p + q + r) - depth * up - pose.rotation * corner;
+		Settings settings = exactSettings(0.001 * radius);
+		settings.contactsOnly = true;
+		const auto overlaps = [](const GapResult& result)
+		{ return std::any_of(result.contacts.begin(), result.contacts.end(), [](const Contact& c) { return c.upper <= 0; }); };
+		if (!overlaps(fresh({large, small}, pose, settings))) continue;  // else neither is wholly inside
+		for (const double share : {0.0175, 0.035, 0.07})
+		{
+			settings.metric = Metric{};
+			settings.metric.weightedDeviation = share * radius;
+			const GapResult result = fresh({large, small}, pose, settings);
+			EXPECT_FALSE(result.deep) << i << " " << share;
+			hidden += overlaps(result) ? 0 : 1;
+		}
+	}
+	EXPECT_GT(hidden, 30);
+}
+
 // All ways from the pair of roots down, without pruning but for boxes beyond `limit`.
 struct WaysToPairs
 {

@@ -60,8 +60,11 @@ private:
 	void fromNodes(bool overlap)
 	{
 		const double inside = overlap ? 0 : m_walk.depthInside();
+		const bool isWhole = m_found.isCoarsened || inside > hiddenDepth();
 		if (overlap)
 			surfacesMeet();
+		else if (inside > 0 && !isWhole)
+			fromSurfaces();  // which tell whether it is inside wholly, or by what the nodes hide
 		else if (inside > 0)
 			setInside(inside);
 		else if (!m_result.contacts.empty())
@@ -70,6 +73,15 @@ private:
 			farApart();
 		else
 			setNothingNear(m_found.largestCover);
+	}
+
+	// So deep surfaces may lie in each other although no accepted pair overlaps.
+	double hiddenDepth() const
+	{
+		double most = m_found.largestCover;
+		for (const Contact& contact : m_result.contacts)
+			most = std::max(most, double(m_context.a.node(contact.nodeA).cover) + double(m_context.b.node(contact.nodeB).cover));
+		return most;
 	}
 
 	// Gap and bound of the input surfaces, whatever answered: what exact mode says.

@@ -28,7 +28,7 @@ struct FoundPairs
 };
 
 // Walk: FoundPairs found()      - of the contact list in the result;
-//       double depthInside()    - > 0: a component of one body is inside the other by so much; nothing overlaps;
+//       double depthInside()    - > 0: a point of one body is inside the other by so much; nothing overlaps;
 //       bool widenToNearest()   - fills the contact list anew with what is within the distance of the nearest accepted
 //                                 pair, `distance` then; false: the walk cannot, the input surfaces are asked.
 class GapWalk

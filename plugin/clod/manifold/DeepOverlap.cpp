@@ -13,9 +13,12 @@ namespace
 constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr double kLeastDepth = 1e-3;  // of the length: shallower overlaps are left to the facets
 constexpr double kOwnWay = 0.9;       // cosine: a place's own way out is the pair's
+// Of the thickness, which is half of a wall at most: what is inside by no more came in through the surface near it.
+constexpr double kNearSurface = 0.5;
 constexpr double kLeastShare = 1e-3;  // of an edge: the shortest part that is looked for inside
 constexpr double kNotConvex = 0.03;   // of a body's volume: a hull with that much more is not the body
 constexpr double kNotConvexError = 2e-3;  // of the radius, of the surface that is looked at: 0.6 % of a ball's volume
+constexpr double kWholeError = 0.01;  // of the radius, of the surface that what is wholly inside comes out through
 constexpr std::size_t kMostHullCorners = 64;
 constexpr double kDifferencesError = 1e-4;  // of the length, of the hull of differences,
 constexpr std::size_t kMostDifferences = 128;  // which has so many corners at most
@@ -132,11 +135,11 @@ void DeepOverlap::probe(const FacetQuestion& q, const Contact& contact, bool ofA
 	if (deepest.way != Vec3{}) m_inside.push_back(deepest);
 }
 
-// For a body no part of which is near the other's surface: finds the way out of each of its vertices, of the coarsest
-// level, or of some, evenly spread.
+// For a body no part of which is near the other's surface: finds the way out of each of its vertices, of a coarse level
+// that fills no hollow yet, or of some, evenly spread.
 void DeepOverlap::probeWhole(const FacetQuestion& q, bool ofA)
 {
-	const auto nodeOf = [](const Hierarchy& h) { return h.levels()[h.coarsestClodLevel()].firstNode; };
+	const auto nodeOf = [](const Hierarchy& h) { return coarsestWithin(h, kWholeError * double(h.asset().radius)).firstNode; };
 	const Contact contact{nodeOf(*q.a.hierarchy), nodeOf(*q.b.hierarchy), 0, 0, {}, {}, {}};
 	const ContactSurface &a = q.a.surfaceOf(contact.nodeA), &b = q.b.surfaceOf(contact.nodeB), &other = ofA ? b : a;
 	if (other.isCore()) return;
@@ -183,10 +186,16 @@ Vec3 DeepOverlap::find(const FacetQuestion& q, const std::vector<Contact>& conta
 		for (const bool ofA : {true, false}) probeWhole(q, ofA);
 	if (m_inside.empty()) return {};
 	const bool areHulls = !isWhole && areConvex(q);
+	const auto isNearItsSurface = [&](const Inside& inside)
+	{
+		const double thickness = inside.ofA ? q.b.thicknessOf(inside.nodeB) : q.a.thicknessOf(inside.nodeA);
+		return length(inside.way) <= kNearSurface * thickness;
+	};
+	const bool isShallow = isCrossing && !areHulls && std::all_of(m_inside.begin(), m_inside.end(), isNearItsSurface);
 	const auto isShallower = [](const Inside& l, const Inside& r) { return lengthSquared(l.way) < lengthSquared(r.way); };
 	const Vec3 way = kept != Vec3{} ? kept
 					 : isWhole      ? normalized(std::min_element(m_inside.begin(), m_inside.end(), isShallower)->way)
-									: wayOut(q, isCrossing, areHulls);
+									: wayOut(q, isCrossing && !isShallow, areHulls);
 	if (way == Vec3{}) return {};
 	const auto add = [&](const Inside& inside, const Vec3& normal, double depth)
 	{
@@ -208,7 +217,7 @@ Vec3 DeepOverlap::find(const FacetQuestion& q, const std::vector<Contact>& conta
 	// way through thin walls: the hulls tell how far it is out of them all, and the bodies part at the full speed until
 	// nothing is inside.
 	const auto isOwnWay = [&](const Inside& inside) { return dot(inside.way, way) >= kOwnWay * length(inside.way); };
-	const bool areOwn = !areHulls && std::all_of(m_inside.begin(), m_inside.end(), isOwnWay);
+	const bool areOwn = isShallow || (!areHulls && std::all_of(m_inside.begin(), m_inside.end(), isOwnWay));
 	const double depth =
 		areOwn ? 0 : hullDepth(q.a.surfaceOf(m_inside[0].nodeA), q.b.surfaceOf(m_inside[0].nodeB), q.aFromB, way);
 	for (const Inside& inside : m_inside) add(inside, way, areOwn ? length(inside.way) : depth);

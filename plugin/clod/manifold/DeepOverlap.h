@@ -3,9 +3,11 @@
 // other with no corner inside, or convex bodies are held by facets on both sides of what they got through.
 //
 // The pair gets one direction out, which is kept from step to step. At first it is the mean way out of the corners
-// inside; for convex bodies, and where no corner is inside, the shortest way out of the two hulls (the nearest face of
-// the hull of their differences a - b: some 300 support values). Each place inside becomes a contact that goes that way,
-// as far as it is out of both hulls, or as itself comes out where all go that way. A body that is wholly inside, far from any surface, is looked at as a whole.
+// inside; of places on edges, where no corner is inside, as long as all are near the surface that they came in through;
+// for convex bodies, and farther inside, the shortest way out of the two hulls (the nearest face of the hull of their
+// differences a - b: some 300 support values). Each place inside becomes a contact that goes that way, as far as it is
+// out of both hulls, or as itself comes out where all go that way or are near their surface. A body that is wholly
+// inside, far from any surface, is looked at as a whole.
 #pragma once
 #include <vector>
 

@@ -326,6 +326,17 @@ double ContactSearch::leastApart() const
 	return std::min(m_leastApart, m_tolerance - m_rule->baseCover());
 }
 
+double ContactSearch::hiddenDepth() const
+{
+	double most = m_largestCover;
+	const auto add = [&](std::uint32_t a, std::uint32_t b)
+	{ most = std::max(most, double(m_context.a.node(a).cover) + double(m_context.b.node(b).cover)); };
+	for (const Contact& contact : m_result.contacts) add(contact.nodeA, contact.nodeB);
+	for (const FrontEntry& entry : m_answered->entries)
+		if (entry.state == NodePairState::kAnswer) add(entry.a, entry.b);
+	return most;
+}
+
 double ContactSearch::depthInside()
 {
 	if (rootIsApart()) return 0;

@@ -73,8 +73,11 @@ public:
 	bool isOfInput() const { return m_isOfInput; }  // every accepted pair is of level 0: nothing finer exists
 	bool isCoarsened() const { return m_settings.metric.coarsening > 1 || m_result.stats.cutShort > 0 || !hasInput(); }
 	bool hasInput() const { return m_context.hasInput(); }
-	// > 0: a component of one body is inside the other by so much at one of its points. Precondition: nothing overlaps.
+	// > 0: a point of one body is inside the other by so much: one of a component that is wholly inside, if it is more than
+	// hiddenDepth(). Precondition: nothing overlaps.
 	double depthInside();
+	// So deep input surfaces may lie in each other although no accepted pair overlaps: cover_a + cover_b at most.
+	double hiddenDepth() const;
 
 private:
 	std::optional<double> traverseFront(double tolerance);

@@ -109,8 +109,9 @@ void contactsInOrder(const Hierarchy& a, const Hierarchy& b, const Transform& aF
 	ContactSearch search(a, b, aFromB, settings, {}, cache.state(), result);
 	if (search.isStillApart()) return;
 	if (!search.run()) return search.finish(false);
-	result.deep = search.hasInput() && !search.overlaps() && search.depthInside() > 0;
-	search.finish(result.contacts.empty() && !result.deep);
+	const double inside = search.hasInput() && !search.overlaps() ? search.depthInside() : 0;
+	result.deep = inside > 0 && inside > search.hiddenDepth();
+	search.finish(result.contacts.empty() && inside == 0);
 }
 
 void evaluateInOrder(const Hierarchy& a, const Hierarchy& b, const Transform& aFromB, std::vector<Contact>& contacts)
