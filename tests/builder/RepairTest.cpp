@@ -214,6 +214,22 @@ TEST(Wrap, EnclosesAtACertifiedDistance)
 	EXPECT_NE(joined(wrap.changes).find("wrapped by"), std::string::npos);
 }
 
+// Faces that the wrap goes round on both sides, as a hole is wider than its length, are no solid but a shell: told.
+TEST(Wrap, TellsOfAShell)
+{
+	const builder::Soup open = builder::parseObj(kVertices + kBottom + kSides), closed = builder::parseObj(kCube);
+	const auto told = [](const builder::Soup& soup, double length)
+	{
+		const std::string text = joined(builder::wrapAround(soup, length).changes);
+		const std::size_t at = text.find(" % of the wrap bound a shell only ");
+		return at == std::string::npos ? 0 : std::stoi(text.substr(text.rfind(' ', at - 1) + 1));
+	};
+	EXPECT_GT(told(open, 0.1), 50);
+	EXPECT_GT(told(open, 0.4), 0) << "what is cut into it has coarse facets inside, some distance off";
+	EXPECT_EQ(told(open, 1.5), 0) << "the hole is bridged";
+	EXPECT_EQ(told(closed, 0.2), 0);
+}
+
 // Coarser than asked for where it would have too many triangles, and says so.
 TEST(Wrap, HasNoMoreTrianglesThanAreWanted)
 {
