@@ -114,6 +114,7 @@ const Case kCases[] = {
 	 "1 component united", 1.875, 0.51},
 	{"LooseTriangle", kCube + "v 3 0 0\nv 4 0 0\nv 3 1 0\nf 9 10 11\n", "1 component (2 faces) of no volume dropped", 1,
 	 3.1},
+	{"NoNumberInNoFace", kCube + "v 5 nan 5\n", "1 vertex dropped, not finite (the first: vertex 8)", 1, 1e-6},
 	{"NoNumber", kCube + "v 5 nan 5\nf 1 2 9\n", "1 face dropped for coordinates", 1, 1e-6},
 };
 
