@@ -12,6 +12,8 @@ namespace clod::builder
 {
 namespace
 {
+constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  // before text of some Windows programs
+
 std::string readBytes(const std::string& path)
 {
 	std::error_code error;
@@ -33,7 +35,9 @@ Soup readFile(const std::string& path)
 {
 	const std::string ending = cli::endingOf(path);
 	if (const std::string problem = cli::notAMesh(path); !problem.empty()) throw Refused(Reason::unreadable, problem);
-	const std::string bytes = readBytes(path);
+	const std::string content = readBytes(path);
+	std::string_view bytes = content;
+	if (bytes.substr(0, kByteOrderMark.size()) == kByteOrderMark) bytes.remove_prefix(kByteOrderMark.size());
 	if (ending == ".obj") return parseObj(bytes);
 	if (ending == ".off") return parseOff(bytes);
 	if (ending == ".ply") return parsePly(bytes);

@@ -47,11 +47,10 @@ void readFace(TextCursor& cursor, Soup& soup)
 	for (std::string_view word = cursor.word(); !word.empty(); word = cursor.word())
 	{
 		if (word[0] == '#') break;  // after a continuation the comment is still there
-		const bool continued = word == "\\";
-		if (!continued)
-			readCorner(cursor, word, soup);
-		else if (!cursor.nextLine())
-			break;
+		const bool continued = word.back() == '\\';
+		if (continued) word.remove_suffix(1);
+		if (!word.empty()) readCorner(cursor, word, soup);
+		if (continued && !cursor.nextLine()) break;
 	}
 	const std::size_t corners = soup.corners.size() - soup.polygonBegin(soup.polygonCount());
 	if (corners < 3) cursor.refuse(fmt::format("a face needs three corners, this one has {}", corners));

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// STL, binary and ASCII, told apart by the size a binary file must have. Stored normals are ignored: the winding
-// counts.
+// STL, binary and ASCII, told apart by the size a binary file must have. Words may be in capitals. Stored normals are
+// ignored: the winding counts.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cstring>
 
 #include "builder/intake/ReadMesh.h"
@@ -47,10 +49,17 @@ Soup parseBinary(std::string_view bytes)
 	return soup;
 }
 
+// In letters of either case.
+bool isWord(std::string_view found, std::string_view wanted)
+{
+	return std::equal(found.begin(), found.end(), wanted.begin(), wanted.end(),
+					  [](unsigned char f, char w) { return std::tolower(f) == w; });
+}
+
 void expect(TextCursor& cursor, std::string_view wanted)
 {
 	const std::string_view found = cursor.wordAnywhere();
-	if (found != wanted) cursor.refuse(fmt::format("expected '{}', found '{}'", wanted, found.substr(0, 40)));
+	if (!isWord(found, wanted)) cursor.refuse(fmt::format("expected '{}', found '{}'", wanted, found.substr(0, 40)));
 }
 
 void readFacet(TextCursor& cursor, Soup& soup)
@@ -79,11 +88,11 @@ Soup parseAscii(std::string_view text)
 	while (cursor.nextLineWithContent())
 	{
 		// The rest of this line is the solid's name.
-		if (cursor.word() != "solid") cursor.refuse("expected 'solid'");
+		if (!isWord(cursor.word(), "solid")) cursor.refuse("expected 'solid'");
 		if (!cursor.nextLine()) cursor.refuse("the file ends inside a solid");
 		std::string_view word = cursor.wordAnywhere();
-		for (; word == "facet"; word = cursor.wordAnywhere()) readFacet(cursor, soup);
-		if (word != "endsolid")
+		for (; isWord(word, "facet"); word = cursor.wordAnywhere()) readFacet(cursor, soup);
+		if (!isWord(word, "endsolid"))
 			cursor.refuse(fmt::format("expected 'facet' or 'endsolid', found '{}'", word.substr(0, 40)));
 	}
 	return soup;
@@ -94,7 +103,8 @@ Soup parseStl(std::string_view bytes)
 {
 	if (bytes.empty()) throw Refused(Reason::empty, "the file has no content");
 	if (isBinary(bytes)) return parseBinary(bytes);
-	if (bytes.substr(0, 5) == "solid") return parseAscii(bytes);
+	TextCursor start(bytes);
+	if (start.nextLineWithContent() && isWord(start.word(), "solid")) return parseAscii(bytes);
 	if (bytes.size() < kHeader)
 		throw Refused(Reason::syntax, fmt::format("{} bytes are too few for a binary STL file", bytes.size()));
 	const std::uint32_t facets = valueAt<std::uint32_t>(bytes, kHeader - 4);

@@ -110,8 +110,14 @@ WeldedMesh usableFaces(const Soup& soup, Changes& changes)
 {
 	Soup usable;
 	usable.vertices = soup.vertices;
-	for (Vec3& v : usable.vertices)
-		if (!isFinite(v)) v = {};  // in no face that is kept
+	FaceTally notNumbers;
+	for (std::size_t i = 0; i < usable.vertices.size(); ++i)
+	{
+		if (isFinite(usable.vertices[i])) continue;
+		notNumbers.add(i);
+		usable.vertices[i] = {};  // in no face that is kept
+	}
+	notNumbers.tell(changes, "dropped, not finite", "vertex", "vertices", "vertex");
 	const std::vector<std::uint32_t> place = firstAtSamePlace(usable.vertices);
 	std::vector<std::uint32_t> polygonInFile;
 	FaceTally notFinite, noArea, fans;

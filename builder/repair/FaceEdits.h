@@ -31,9 +31,11 @@ struct FaceTally
 	{
 		if (count++ == 0) first = element;
 	}
-	void tell(Changes& changes, const std::string& what, const char* one = "face", const char* more = "faces") const
+	void tell(Changes& changes, const std::string& what, const char* one = "face", const char* more = "faces",
+			  const char* element = "face") const
 	{
-		if (count > 0) changes.push_back(fmt::format("{} {} (the first: face {})", counted(count, one, more), what, first));
+		if (count > 0)
+			changes.push_back(fmt::format("{} {} (the first: {} {})", counted(count, one, more), what, element, first));
 	}
 };
 

@@ -10,6 +10,7 @@
 #include <limits>
 #include <optional>
 
+#include "builder/assemble/TriangleTree.h"
 #include "builder/repair/CleanSoup.h"
 #include "builder/repair/Cracks.h"
 #include "builder/repair/MendMesh.h"
@@ -21,6 +22,8 @@ namespace
 {
 constexpr double kSewing = 1e-5;  // of the extent
 constexpr double kOffsetOfAlpha = 1.0 / 30;
+constexpr double kShell = 2.5;       // offsets; a wrap of a sheet from both sides is two thick
+constexpr double kMuchShell = 0.01;  // of the wrap's area, to be told
 constexpr double kWrapTriangleLimit = 5e6;
 constexpr int kRoundings = 3;
 constexpr double kCoarser = 1.3;    // times the length, where the wrap has too many triangles
@@ -58,6 +61,22 @@ double areaOf(const Mesh& mesh)
 		area +=
 			0.5 * length(cross(mesh.vertices[t[1]] - mesh.vertices[t[0]], mesh.vertices[t[2]] - mesh.vertices[t[0]]));
 	return area;
+}
+
+// The share of a closed surface's area behind which the solid is no thicker than this.
+double thinShareOf(const Mesh& mesh, double thickness)
+{
+	const TriangleTree tree(mesh);
+	double all = 0, thin = 0;
+	for (std::uint32_t t = 0; t < tree.size(); ++t)
+	{
+		const Vec3 outward = areaVector(tree.triangle(t));
+		const double area = length(outward);
+		if (!(area > 0)) continue;
+		all += area;
+		if (tree.exitDistance(centroid(tree.triangle(t)), (-1 / area) * outward, 0) <= thickness) thin += area;
+	}
+	return thin / all;
 }
 
 // CGAL's failed assertions become refusals, and its random choices the same in every run.
@@ -208,6 +227,12 @@ Repaired wrapAround(const Soup& soup, double asked, std::size_t mostTriangles, c
 			repaired.changes.push_back(fmt::format("{} faces wrapped by {} triangles {:.4g} outside of them",
 												   file.triangles.size(), wrap.triangles.size(),
 												   kOffsetOfAlpha * length));
+			const double shell = thinShareOf(wrap, kShell * kOffsetOfAlpha * length);
+			if (shell > kMuchShell)
+				repaired.changes.push_back(fmt::format("{:.0f} % of the wrap bound a shell only {:.4g} thick: there is a "
+													   "gap wider than {:.4g}, or faces have nothing behind them; a "
+													   "longer --wrap closes wider gaps",
+													   100 * shell, 2 * kOffsetOfAlpha * length, length));
 			repaired.solid = accept(wrap, repaired.changes, progress);
 			measure(file, repaired, progress);
 			return repaired;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cctype>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -290,6 +291,23 @@ TEST(IntakeFormats, LineEndsAndCommentsChangeNothing)
 		for (const char c : text) other += c == '\n' ? "\r\n" : std::string(1, c);
 		EXPECT_EQ(builder::intake(parse(other)).mesh.vertices, builder::intake(parse(text)).mesh.vertices);
 	}
+}
+
+// What other programs write besides: a mark of the encoding, capitals, blanks, lines that go on.
+TEST(IntakeFormats, HabitsOfOtherProgramsChangeNothing)
+{
+	const TemporaryFolder folder;
+	const std::string mark = "\xef\xbb\xbf";
+	std::string capitals = asStlText(), goingOn = asObj();
+	for (char& c : capitals) c = char(std::toupper(static_cast<unsigned char>(c)));
+	for (std::size_t at = 0; (at = goingOn.find("\nf ", at)) != std::string::npos;)
+		goingOn.replace(at = goingOn.find(' ', at + 3), 1, "\\\n");
+	const std::pair<const char*, std::string> files[] = {
+		{"mark.obj", mark + "# made by\n" + asObj()}, {"mark.off", mark + asOff()}, {"mark.stl", mark + asStlText()},
+		{"mark.ply", mark + asPlyText()},             {"capitals.stl", capitals},   {"blanks.stl", "\r\n " + asStlText()},
+		{"lines.obj", goingOn}};
+	for (const auto& [name, text] : files)
+		EXPECT_EQ(builder::intakeFile(folder.file(name, text)).mesh.triangles.size(), solid().triangles.size()) << name;
 }
 
 TEST(IntakeFormats, GltfNodesOnlyMove)

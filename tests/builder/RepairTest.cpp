@@ -114,6 +114,7 @@ const Case kCases[] = {
 	 "1 component united", 1.875, 0.51},
 	{"LooseTriangle", kCube + "v 3 0 0\nv 4 0 0\nv 3 1 0\nf 9 10 11\n", "1 component (2 faces) of no volume dropped", 1,
 	 3.1},
+	{"NoNumberInNoFace", kCube + "v 5 nan 5\n", "1 vertex dropped, not finite (the first: vertex 8)", 1, 1e-6},
 	{"NoNumber", kCube + "v 5 nan 5\nf 1 2 9\n", "1 face dropped for coordinates", 1, 1e-6},
 };
 
@@ -212,6 +213,22 @@ TEST(Wrap, EnclosesAtACertifiedDistance)
 	EXPECT_LE(wrap.lost.upper, 1.5 * kLength / 30);
 	EXPECT_GT(wrap.added.lower, 0.3);  // the lid
 	EXPECT_NE(joined(wrap.changes).find("wrapped by"), std::string::npos);
+}
+
+// Faces that the wrap goes round on both sides, as a hole is wider than its length, are no solid but a shell: told.
+TEST(Wrap, TellsOfAShell)
+{
+	const builder::Soup open = builder::parseObj(kVertices + kBottom + kSides), closed = builder::parseObj(kCube);
+	const auto told = [](const builder::Soup& soup, double length)
+	{
+		const std::string text = joined(builder::wrapAround(soup, length).changes);
+		const std::size_t at = text.find(" % of the wrap bound a shell only ");
+		return at == std::string::npos ? 0 : std::stoi(text.substr(text.rfind(' ', at - 1) + 1));
+	};
+	EXPECT_GT(told(open, 0.1), 50);
+	EXPECT_GT(told(open, 0.4), 0) << "what is cut into it has coarse facets inside, some distance off";
+	EXPECT_EQ(told(open, 1.5), 0) << "the hole is bridged";
+	EXPECT_EQ(told(closed, 0.2), 0);
 }
 
 // Coarser than asked for where it would have too many triangles, and says so.
