@@ -21,8 +21,8 @@ Vec3 impulseOf(const ClusterSet& set)
 
 // Sine of the angle by which a way out has to leave every facet: two normals that are 154 degrees apart leave none.
 constexpr double kWayOut = 0.225;
-// The same where bodies are pressed in, as a tooth is between flanks of 25 degrees: what joints do not let out by that way
-// is pushed back and forth.
+// The same where one of them is pressed in, as a tooth is between flanks of 25 degrees: what joints do not let out by that
+// way is pushed back and forth.
 constexpr double kWayOutOfPress = 0.45;
 constexpr int kWayOutRounds = 64;
 
@@ -46,7 +46,7 @@ std::uint32_t faceOf(const ContactSurface& surface, Part part, std::uint32_t fea
 // that it leaves least.
 bool leaveNoWay(const std::vector<Facet>& facets, double nearer, double sine)
 {
-	const auto counts = [&](const Facet& facet) { return facet.hasFeatures() && facet.distance < nearer; };
+	const auto counts = [&](const Facet& facet) { return facet.kind != Facet::Kind::kDeep && facet.distance < nearer; };
 	const auto first = std::find_if(facets.begin(), facets.end(), counts);
 	if (first == facets.end()) return false;
 	Vec3 shortest = first->normal;
@@ -72,7 +72,10 @@ bool isHeldBetween(const FacetQuestion& question, const std::vector<Facet>& face
 
 bool isJammedBetween(const FacetQuestion& question, const std::vector<Facet>& facets)
 {
-	return isHeldBetween(question, facets) || leaveNoWay(facets, -kInnerShare * question.length(), kWayOutOfPress);
+	const double inner = kInnerShare * question.length();
+	const auto isPressedIn = [&](const Facet& facet) { return facet.hasFeatures() && facet.distance < -inner; };
+	const bool isAny = std::any_of(facets.begin(), facets.end(), isPressedIn);
+	return leaveNoWay(facets, question.touching(), isAny ? kWayOutOfPress : kWayOut);
 }
 
 void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Transform& aFromB, const PointRules& rules,
@@ -103,6 +106,7 @@ void FacetContacts::settle(const std::vector<Contact>& contacts, bool isDeep, co
 	m_spare = std::numeric_limits<double>::infinity();
 	answerDepth(contacts, isDeep, previous);
 	m_switch.apply(m_question, contacts, memory.reduced, previous, goesOn, memory.levels, m_facets);
+	dropWhatJams();
 	if (m_facets.empty() && !memory.isDeep()) return memory.forget();
 	m_solve.solve(m_question, m_facets);
 	m_expected = m_solve.motion();
@@ -191,6 +195,14 @@ void FacetContacts::answerDepth(const std::vector<Contact>& contacts, bool isDee
 								  [&](const Facet& f) { return dot(f.normal, wayOut) < kAgainst; }),
 				   m_facets.end());
 	m_facets.insert(m_facets.end(), m_deepFacets.begin(), m_deepFacets.end());
+}
+
+// Points that go on from a level that jammed would hold the bodies as it did, against those of the finer one.
+void FacetContacts::dropWhatJams()
+{
+	const auto isLeft = [this](const Facet& facet) { return m_switch.isOfLevelLeft(facet); };
+	if (std::none_of(m_facets.begin(), m_facets.end(), isLeft) || !jamBetween()) return;
+	m_facets.erase(std::remove_if(m_facets.begin(), m_facets.end(), isLeft), m_facets.end());
 }
 
 void FacetContacts::reduce(const ClusterSet& previous, ClusterSet& next)

@@ -40,7 +40,7 @@ struct FacetMemory
 // Is a body held between its contacts, like a pin in its hole, so that no direction leads out of all that touch or overlap?
 // The play is then of the order of the margins, and a level that deviates by more jams although it keeps its error bound.
 CLOD_API bool isHeldBetween(const FacetQuestion& question, const std::vector<Facet>& facets);
-// Or is it pressed in, like a tooth between flanks, so that only a direction at a sharp angle to these leads out?
+// Or is it pressed in somewhere, like a tooth between flanks, so that only a direction at a sharp angle to these leads out?
 CLOD_API bool isJammedBetween(const FacetQuestion& question, const std::vector<Facet>& facets);
 
 // For any number of pairs, one after the other.
@@ -79,6 +79,7 @@ private:
 	void takeUp(const ClusterSet& previous, const FacetMemory& memory);
 	ContactPoint pointOf(const Facet& facet) const;
 	void nameFaces(const Facet& facet, const Transform& bFromA, ContactPoint& point) const;
+	void dropWhatJams();
 	void answerDepth(const std::vector<Contact>& contacts, bool isDeep, const ClusterSet& previous);
 
 	FacetQuestion m_question;

@@ -34,6 +34,11 @@ public:
 	// (with carryWithB, and impulses). stays: nothing but the motion of the rules has changed.
 	void apply(const FacetQuestion& question, const std::vector<Contact>& contacts, const std::vector<FacetRecord>& reduced,
 			   const ClusterSet& previous, bool stays, SwitchMemory& memory, std::vector<Facet>& facets);
+	// Does the facet go on although its level is no longer asked for?
+	bool isOfLevelLeft(const Facet& facet) const
+	{
+		return facet.kind == Facet::Kind::kHeld && !isAmong(m_asked, facet);
+	}
 	// Of a facet of kind kHeld, as last written.
 	const ContactPoint& pointOf(const Facet& held) const { return m_points[held.featureA]; }
 
