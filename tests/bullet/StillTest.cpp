@@ -412,4 +412,31 @@ TEST(Rocking, OnSpringsStartsFromTheLastImpulses)
 	EXPECT_GT(swing.solver.load, 0);
 	EXPECT_LT(swing.solver.changed, 0.5 * swing.solver.load);
 }
+
+// Last step's impulses are of the weight that the body had then: started from, they would throw it.
+TEST(Still, WhatBecomesLighterStaysWhereItLies)
+{
+	for (const double lighter : {1e-1, 1e-3, 1e-6})
+	{
+		Heap heap;
+		heap.timeStep = 1.0 / 60;
+		heap.world.getSolverInfo().m_numIterations = 50;
+		btClodShape& shape = heap.addShape(body("cube").hierarchy);
+		const double scale = kSize / double(shape.hierarchy().asset().radius), half = kSize / std::sqrt(3.0);
+		shape.setLocalScaling(btVector3(1, 1, 1) * btScalar(scale));
+		btRigidBody& cube = heap.addBody(shape, 1, {0, half + 0.001, 0});
+		heap.step(100);
+		btVector3 inertia;
+		shape.calculateLocalInertia(btScalar(lighter), inertia);
+		cube.setMassProps(btScalar(lighter), inertia);
+		cube.updateInertiaTensor();
+		double fastest = 0;
+		for (int i = 0; i < 30; ++i)
+		{
+			heap.step();
+			fastest = std::max(fastest, double(cube.getLinearVelocity().length() + cube.getAngularVelocity().length()));
+		}
+		EXPECT_LT(fastest, 0.01) << lighter;
+	}
+}
 }  // namespace clod::test

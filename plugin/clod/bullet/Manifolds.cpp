@@ -364,7 +364,7 @@ void ManifoldSet::writePoint(const HeldPoint& held, const WorldFrame& frame, btM
 	btManifoldPoint& fresh = buffer.fresh[std::size_t(m_freshCount++)];
 	fresh = m_target->getContactPoint(place);
 	m_target->getContactPoint(place).m_userPersistentData = nullptr;
-	fresh.m_appliedImpulse = goesOn ? buffer.old[from].m_appliedImpulse : 0;
+	fresh.m_appliedImpulse = goesOn ? btScalar(frame.carriedShare) * buffer.old[from].m_appliedImpulse : 0;
 	setSolverTerms(point, frame, fresh);
 	if (!goesOn) return;
 	btManifoldPoint& old = buffer.old[from];

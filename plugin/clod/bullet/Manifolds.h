@@ -32,6 +32,7 @@ struct WorldFrame
 	double switchSpeed = 0;         // and one that came with a change of level
 	double restingGap = 0;          // world length: where points carry, gaps up to it close slowly, by
 	double closedShare = 1;         // this of them a step (SolverTerms.h)
+	double carriedShare = 1;        // of last step's impulses that points start from
 	const HeldClusters* points = nullptr;  // all that are written, of which a coarse surface
 	double alike = 0;                    // may set some, by so much, above others that are met as soon (world length)
 	bool rocks = false;             // one lies alone on the other (PointRules), but not still

@@ -59,6 +59,14 @@ PairState::~PairState()
 	if (m_hasContext) m_context.remove(this);
 }
 
+// How much of last step's impulses a pair starts from: loads are as its masses, which a program may have lowered.
+double PairState::carriedShare(const PointRules& then, const PointRules& now)
+{
+	const auto ofBody = [](const PairBody& l, const PairBody& r)
+	{ return l.inverseMass > 0 && r.inverseMass > l.inverseMass ? l.inverseMass / r.inverseMass : 1; };
+	return std::min(ofBody(then.a, now.a), ofBody(then.b, now.b));
+}
+
 PairState::Seen PairState::seenA(const PairPose& pose)
 {
 	return {pose.shapeA, pose.hierarchyA().contentHash(), pose.shapeA->revision()};
@@ -252,6 +260,7 @@ void PairState::open(const btCollisionObjectWrapper& body0, const btCollisionObj
 		// much was found.
 		const double tolerance = next.question.settings.tolerance;
 		if (m_answered) next.question.settings.tolerance = m_answered->settings.tolerance;
+		if (m_answered) next.carriedShare = carriedShare(m_answered->rules, next.question.rules);
 		next.isKept = next.pose.isOfTwo() && m_answered && same(*m_answered, next.question);
 		if (!next.isKept) next.question.settings.tolerance = tolerance;
 		next.isStill = !next.isKept && isStill(next.pose, next.question);
@@ -461,6 +470,7 @@ WorldFrame PairState::worldFrame(const Prepared& prepared, double closestPoints)
 	frame.switchSpeed = switchSpeed(pose.rules) * frame.scale;
 	frame.restingGap = kSkinShare * pose.rules.length * frame.scale;
 	frame.closedShare = std::min(1.0, std::max(0.0, m_context.closedShare));
+	frame.carriedShare = prepared.carriedShare;
 	frame.breakingThreshold = kBreakingShare * pose.rules.length * frame.scale + closestPoints;
 	const PointRules& rules = prepared.question.rules;
 	frame.rocks = rules.liesAlone && prepared.question.way > kStillShare * rules.length;

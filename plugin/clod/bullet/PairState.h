@@ -101,6 +101,7 @@ private:
 		bool isKept = false;  // the answer of the dispatch before is this one's,
 		bool isStill = false;  // or its points are, as bodies hardly move
 		bool isOutlined = false;
+		double carriedShare = 1;
 		// Bullet's live no longer than the call they are given to: those of the last one serve.
 		void holdWrappers(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1)
 		{
@@ -112,6 +113,7 @@ private:
 	static Seen seenA(const PairPose& pose);
 	static Seen seenB(const PairPose& pose);
 	static bool same(const Question& l, const Question& r);
+	static double carriedShare(const PointRules& then, const PointRules& now);
 	void noteAnswered(Question& question);
 	bool isStill(const PairPose& pose, const Question& question) const;
 
