@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a dispatch notes of nodes in blocks of 64, against the same kept in sets; and what it lists of a body of one node,
-// against every feature asked.
+// What a dispatch notes of nodes in blocks of 64, against the same kept in sets; and what it lists of a body of one
+// node, against every feature asked.
 #include <gtest/gtest.h>
 
 #include <algorithm>

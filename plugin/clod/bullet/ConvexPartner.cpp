@@ -200,7 +200,8 @@ void describeMesh(const btConvexTriangleMeshShape& shape, Description& descripti
 	if (description.isBySupport) return;
 	const std::uint64_t hash = XXH3_64bits(bytes.data(), bytes.size());
 	const Vec3 scaling = toVec3(mesh.getScaling());
-	description.mesh = {double(hash >> 32), double(hash & 0xFFFFFFFFu), double(triangles), scaling.x, scaling.y, scaling.z};
+	description.mesh = {double(hash >> 32), double(hash & 0xFFFFFFFFu), double(triangles),
+						scaling.x, scaling.y, scaling.z};
 	if (description.hasMeshPoints) gatherMesh(shape, description);
 }
 

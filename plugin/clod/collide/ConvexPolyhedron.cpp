@@ -30,8 +30,8 @@ struct HullFace
 	bool isAlive = true;
 };
 
-// An edge between faces that a point is outside of and others: its ends, the face that goes, the one that stays, and its
-// edge there.
+// An edge between faces that a point is outside of and others: its ends, the face that goes, the one that stays, and
+// its edge there.
 struct HorizonEdge
 {
 	std::uint32_t from, to, inside, outside, edge;
