@@ -11,6 +11,7 @@
 #include <BulletCollision/CollisionShapes/btStridingMeshInterface.h>
 #include <BulletCollision/CollisionShapes/btTriangleCallback.h>
 #include <BulletCollision/CollisionShapes/btUniformScalingShape.h>
+#include <xxhash.h>
 
 #include <algorithm>
 #include <cmath>
@@ -36,6 +37,8 @@ struct Description
 {
 	std::vector<double> numbers;
 	std::vector<Vec3> points;
+	std::vector<double> mesh;  // what one is made of, hashed, and how it is scaled: in the place of
+	bool hasMeshPoints = false;  // its points, which are gathered to make a partner only
 	double radius = 0;
 	bool isBySupport = false;
 	bool isSeen = false;  // numbers are what is seen of it, and where it is; else all that makes it
@@ -144,7 +147,7 @@ void describeSpheres(const btMultiSphereShape& shape, Description& description)
 }
 
 // All corners of its triangles, each as often as it is one: its hull's corners are among them.
-void describeMesh(const btConvexTriangleMeshShape& shape, Description& description)
+void gatherMesh(const btConvexTriangleMeshShape& shape, Description& description)
 {
 	struct : btInternalTriangleIndexCallback
 	{
@@ -157,7 +160,49 @@ void describeMesh(const btConvexTriangleMeshShape& shape, Description& descripti
 	sink.points = &description.points;
 	const btScalar far = BT_LARGE_FLOAT;
 	shape.getMeshInterface()->InternalProcessAllTriangles(&sink, btVector3(-far, -far, -far), btVector3(far, far, far));
-	description.isBySupport = description.points.empty();
+}
+
+std::size_t sizeOf(PHY_ScalarType type)
+{
+	switch (type)
+	{
+		case PHY_DOUBLE: return sizeof(double);
+		case PHY_SHORT: return sizeof(short);
+		case PHY_UCHAR: return sizeof(unsigned char);
+		default: return sizeof(float);  // and integers
+	}
+}
+
+// Its corners and which of them make triangles, hashed as they lie in memory: a program may change them without a word.
+void describeMesh(const btConvexTriangleMeshShape& shape, Description& description)
+{
+	thread_local std::vector<unsigned char> bytes;
+	const btStridingMeshInterface& mesh = *shape.getMeshInterface();
+	bytes.clear();
+	int triangles = 0;
+	for (int part = 0; part < mesh.getNumSubParts(); ++part)
+	{
+		const unsigned char *corners = nullptr, *faces = nullptr;
+		int cornerCount = 0, cornerStride = 0, faceCount = 0, faceStride = 0;
+		PHY_ScalarType cornerType = PHY_FLOAT, faceType = PHY_INTEGER;
+		mesh.getLockedReadOnlyVertexIndexBase(&corners, cornerCount, cornerType, cornerStride, &faces, faceStride, faceCount,
+											  faceType, part);
+		const auto add = [](const unsigned char* row, int count, int stride, std::size_t size)
+		{
+			for (int i = 0; i < count; ++i, row += stride) bytes.insert(bytes.end(), row, row + size);
+		};
+		add(corners, cornerCount, cornerStride, 3 * sizeOf(cornerType));
+		add(faces, faceCount, faceStride, 3 * sizeOf(faceType));
+		mesh.unLockReadOnlyVertexBase(part);
+		triangles += faceCount;
+	}
+	description.isBySupport = triangles == 0;
+	if (description.isBySupport) return;
+	const std::uint64_t hash = XXH3_64bits(bytes.data(), bytes.size());
+	const Vec3 scaling = toVec3(mesh.getScaling());
+	description.mesh = {double(hash >> 32), double(hash & 0xFFFFFFFFu), double(triangles),
+						scaling.x, scaling.y, scaling.z};
+	if (description.hasMeshPoints) gatherMesh(shape, description);
 }
 
 void describePolyhedron(const btPolyhedralConvexShape& shape, Description& description)
@@ -196,6 +241,7 @@ void describeScaled(const btUniformScalingShape& shape, Description& description
 	const double factor = double(shape.getUniformScalingFactor());
 	for (Vec3& p : description.points) p = factor * p;
 	for (double* length : {&description.radius, &description.error, &description.size}) *length *= factor;
+	if (!description.mesh.empty()) description.mesh.push_back(factor);
 }
 
 void describeByKind(const btConvexShape& shape, Description& description)
@@ -224,13 +270,16 @@ void describeByKind(const btConvexShape& shape, Description& description)
 void describe(const btConvexShape& shape, Description& description)
 {
 	description.points.clear();
+	description.mesh.clear();
 	description.isBySupport = description.isSeen = false;
 	description.error = description.size = 0;
 	describeByKind(shape, description);
+	if (description.hasMeshPoints) return;
 	std::vector<double>& numbers = description.numbers;
 	numbers.assign({double(shape.getShapeType()), description.radius, double(description.isBySupport)});
 	for (const Vec3& p : description.points) numbers.insert(numbers.end(), {p.x, p.y, p.z});
-	description.isSeen = description.points.empty();
+	numbers.insert(numbers.end(), description.mesh.begin(), description.mesh.end());
+	description.isSeen = description.points.empty() && description.mesh.empty();
 	if (description.isSeen) look(shape, description);
 }
 
@@ -311,6 +360,12 @@ std::shared_ptr<const ConvexPartner> ConvexPartners::of(const btConvexShape& sha
 	const auto isAsBefore = [&]
 	{ return kept->shape == made.shape && answersAsBefore(shape, unit, description.radius, *kept); };
 	if (kept && (!isSeen || isAsBefore())) return kept;
+	if (!description.mesh.empty())
+	{
+		description.hasMeshPoints = true;
+		describe(shape, description);
+		description.hasMeshPoints = false;
+	}
 	make(shape, unit, description, made);
 	const auto partner = std::make_shared<const ConvexPartner>(std::move(made));
 	keep(key, partner);

@@ -2,14 +2,11 @@
 #include "clod/collide/ConvexPolyhedron.h"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
-#include <map>
 #include <numeric>
-#include <optional>
 #include <queue>
 #include <utility>
-
-#include "clod/collide/Box.h"
 
 namespace clod
 {
@@ -18,6 +15,7 @@ namespace
 constexpr double kFlat = 1e-6;      // of the size: extents below are none
 constexpr double kVisible = 1e-9;   // of the size: how far above a face a point is outside, beyond rounding
 constexpr double kExact = 2e-7;     // of the size: vertices are floats
+constexpr double kAbove = 1e-12;    // of the size: points less far above a face, by rounding or not, never count again
 constexpr std::uint32_t kNobody = 0xFFFFFFFFu;
 
 struct HullFace
@@ -28,21 +26,25 @@ struct HullFace
 	double offset = 0;
 	Vec3 beyond;           // the body's farthest point along the normal,
 	double error = 0;      // and how far outside it is
+	std::vector<std::uint32_t> above;  // of points: those that are outside, in order
 	bool isAlive = true;
 };
 
-// An edge between faces that a point is outside of and others: its end, the face that stays, and its edge there.
+// An edge between faces that a point is outside of and others: its ends, the face that goes, the one that stays, and
+// its edge there.
 struct HorizonEdge
 {
-	std::uint32_t to, outside, edge;
+	std::uint32_t from, to, inside, outside, edge;
+	bool operator<(const HorizonEdge& other) const { return from < other.from; }
 };
-using Horizon = std::map<std::uint32_t, HorizonEdge>;  // by the vertex that an edge starts at
+using Horizon = std::vector<HorizonEdge>;  // in order, no two from one vertex
 
 class Hull
 {
 public:
-	Hull(const Support& support, double accuracy, std::size_t mostVertices)
-		: m_support(support), m_accuracy(accuracy), m_mostVertices(mostVertices)
+	// points: what the support function is of, if it is of points.
+	Hull(const Support& support, const std::vector<Vec3>& points, double accuracy, std::size_t mostVertices)
+		: m_support(support), m_points(points), m_accuracy(accuracy), m_mostVertices(mostVertices)
 	{
 	}
 	ConvexPolyhedron make();
@@ -51,7 +53,8 @@ private:
 	Vec3 farthest(const Vec3& direction) const { return toVec3(toFloat3(m_support(direction))); }
 	bool findSimplex();
 	void makeFlat(const Vec3& normal);
-	std::uint32_t addFace(std::uint32_t a, std::uint32_t b, std::uint32_t c);
+	std::uint32_t addFace(std::uint32_t a, std::uint32_t b, std::uint32_t c, const std::vector<std::uint32_t>& near);
+	Vec3 farthestAbove(HullFace& face, const std::vector<std::uint32_t>& near);
 	void measure(HullFace& face) const;
 	bool isOutward(const HullFace& face) const
 	{
@@ -60,12 +63,13 @@ private:
 	void makeSimplex();
 	void refine();
 	std::vector<std::uint32_t> facesBelow(std::uint32_t from, const Vec3& point);
-	std::optional<Horizon> horizonOf(const std::vector<std::uint32_t>& visible) const;
+	Horizon horizonOf(const std::vector<std::uint32_t>& visible) const;
 	bool isConvexRing(const Horizon& horizon, const Vec3& point) const;
 	bool insert(std::uint32_t from, const Vec3& point);
 	ConvexPolyhedron result() const;
 
 	const Support& m_support;
+	const std::vector<Vec3>& m_points;
 	const double m_accuracy;
 	const std::size_t m_mostVertices;
 	double m_size = 0;
@@ -74,6 +78,7 @@ private:
 	std::priority_queue<std::pair<double, std::uint32_t>> m_byError;  // of faces that have one, by ~index
 	std::vector<std::uint32_t> m_below;  // by face: the last search of facesBelow that found it
 	std::uint32_t m_search = 0;
+	std::vector<std::uint32_t> m_near, m_above;  // of a face that is made
 	std::vector<std::array<std::uint32_t, 3>> m_flat;
 	Vec3 m_inside;
 	double m_error = 0;
@@ -183,27 +188,50 @@ void Hull::measure(HullFace& face) const
 	face.offset = std::max({dot(face.normal, a), dot(face.normal, b), dot(face.normal, c)});
 }
 
-std::uint32_t Hull::addFace(std::uint32_t a, std::uint32_t b, std::uint32_t c)
+// Of points, of those near the face; lists in it what is above it.
+Vec3 Hull::farthestAbove(HullFace& face, const std::vector<std::uint32_t>& near)
+{
+	if (m_points.empty()) return farthest(face.normal);
+	const double above = face.offset + kAbove * m_size;
+	double most = face.offset;
+	Vec3 beyond = m_vertices[face.vertex[0]];
+	m_above.clear();
+	for (const std::uint32_t i : near)
+	{
+		const double far = dot(m_points[i], face.normal);
+		if (!(far > above)) continue;
+		m_above.push_back(i);
+		if (far <= most) continue;
+		most = far;
+		beyond = m_points[i];
+	}
+	face.above = m_above;
+	return toVec3(toFloat3(beyond));
+}
+
+std::uint32_t Hull::addFace(std::uint32_t a, std::uint32_t b, std::uint32_t c, const std::vector<std::uint32_t>& near)
 {
 	HullFace face;
 	face.vertex = {a, b, c};
 	face.neighbour = {kNobody, kNobody, kNobody};
 	measure(face);
-	face.beyond = farthest(face.normal);
+	face.beyond = farthestAbove(face, near);
 	face.error = dot(face.normal, face.beyond) - face.offset;
 	const std::uint32_t index = std::uint32_t(m_faces.size());
-	m_faces.push_back(face);
+	m_faces.push_back(std::move(face));
 	m_below.push_back(0);
-	if (face.error > 0) m_byError.push({face.error, ~index});
+	if (m_faces[index].error > 0) m_byError.push({m_faces[index].error, ~index});
 	return index;
 }
 
 void Hull::makeSimplex()
 {
-	addFace(0, 1, 2);
-	addFace(0, 3, 1);
-	addFace(1, 3, 2);
-	addFace(2, 3, 0);
+	std::vector<std::uint32_t> all(m_points.size());
+	std::iota(all.begin(), all.end(), 0u);
+	addFace(0, 1, 2, all);
+	addFace(0, 3, 1, all);
+	addFace(1, 3, 2, all);
+	addFace(2, 3, 0, all);
 	m_faces[0].neighbour = {1, 2, 3};
 	m_faces[1].neighbour = {3, 2, 0};
 	m_faces[2].neighbour = {1, 3, 0};
@@ -226,8 +254,8 @@ std::vector<std::uint32_t> Hull::facesBelow(std::uint32_t from, const Vec3& poin
 	return visible;
 }
 
-// The edges round the faces; nothing where two of them start at one vertex.
-std::optional<Horizon> Hull::horizonOf(const std::vector<std::uint32_t>& visible) const
+// The edges round the faces; none where two of them start at one vertex.
+Horizon Hull::horizonOf(const std::vector<std::uint32_t>& visible) const
 {
 	Horizon horizon;
 	for (const std::uint32_t f : visible)
@@ -238,31 +266,39 @@ std::optional<Horizon> Hull::horizonOf(const std::vector<std::uint32_t>& visible
 			if (m_below[outside] == m_search) continue;
 			std::uint32_t back = 0;
 			while (m_faces[outside].neighbour[back] != f || m_faces[outside].vertex[back] != to) ++back;
-			if (!horizon.insert({face.vertex[e], {to, outside, back}}).second) return {};
+			horizon.push_back({face.vertex[e], to, f, outside, back});
 		}
+	std::sort(horizon.begin(), horizon.end());
+	for (std::size_t i = 1; i < horizon.size(); ++i)
+		if (horizon[i].from == horizon[i - 1].from) return {};
 	return horizon;
+}
+
+// The edge that starts where another ends.
+const HorizonEdge* edgeFrom(const Horizon& horizon, std::uint32_t vertex)
+{
+	const auto found = std::lower_bound(horizon.begin(), horizon.end(), HorizonEdge{vertex, 0, 0, 0, 0});
+	return found != horizon.end() && found->from == vertex ? &*found : nullptr;
 }
 
 // Is the horizon one ring, and does each of its edges make a face with the point that has the inside below it?
 bool Hull::isConvexRing(const Horizon& horizon, const Vec3& point) const
 {
 	if (horizon.empty()) return false;
-	const std::uint32_t start = horizon.begin()->first;
+	const HorizonEdge* at = &horizon.front();
 	std::size_t length = 0;
-	std::uint32_t at = start;
 	do
 	{
-		const auto found = horizon.find(at);
-		if (found == horizon.end() || ++length > horizon.size()) return false;
-		const std::uint32_t to = found->second.to;
+		if (++length > horizon.size()) return false;
 		HullFace face;
-		face.vertex = {at, to, 0};
-		const Vec3 &a = m_vertices[at], &b = m_vertices[to];
+		face.vertex = {at->from, at->to, 0};
+		const Vec3 &a = m_vertices[at->from], &b = m_vertices[at->to];
 		face.normal = normalized(cross(b - a, point - a));
 		face.offset = dot(face.normal, a);
 		if (!isOutward(face)) return false;
-		at = to;
-	} while (at != start);
+		at = edgeFrom(horizon, at->to);
+		if (!at) return false;
+	} while (at != &horizon.front());
 	return length == horizon.size();
 }
 
@@ -270,19 +306,24 @@ bool Hull::isConvexRing(const Horizon& horizon, const Vec3& point) const
 bool Hull::insert(std::uint32_t from, const Vec3& point)
 {
 	const std::vector<std::uint32_t> visible = facesBelow(from, point);
-	const std::optional<Horizon> horizon = horizonOf(visible);
-	if (!horizon || !isConvexRing(*horizon, point)) return false;
+	const Horizon horizon = horizonOf(visible);
+	if (!isConvexRing(horizon, point)) return false;
 
 	for (const std::uint32_t f : visible) m_faces[f].isAlive = false;
 	const std::uint32_t apex = std::uint32_t(m_vertices.size());
 	m_vertices.push_back(point);
-	std::uint32_t first = kNobody, last = kNobody, at = horizon->begin()->first;
+	std::uint32_t first = kNobody, last = kNobody;
+	const HorizonEdge* at = &horizon.front();
 	do
 	{
-		const auto& [to, outside, edge] = horizon->at(at);
-		const std::uint32_t face = addFace(at, to, apex);
-		m_faces[face].neighbour[0] = outside;
-		m_faces[outside].neighbour[edge] = face;
+		// The plane of the new face lies between those of the two that meet at the edge: what is above it is above one of
+		// them.
+		const std::vector<std::uint32_t>&inside = m_faces[at->inside].above, &outside = m_faces[at->outside].above;
+		m_near.clear();
+		std::set_union(inside.begin(), inside.end(), outside.begin(), outside.end(), std::back_inserter(m_near));
+		const std::uint32_t face = addFace(at->from, at->to, apex, m_near);
+		m_faces[face].neighbour[0] = at->outside;
+		m_faces[at->outside].neighbour[at->edge] = face;
 		if (last != kNobody)
 		{
 			m_faces[face].neighbour[2] = last;
@@ -291,10 +332,11 @@ bool Hull::insert(std::uint32_t from, const Vec3& point)
 		else
 			first = face;
 		last = face;
-		at = to;
-	} while (at != horizon->begin()->first);
+		at = edgeFrom(horizon, at->to);
+	} while (at != &horizon.front());
 	m_faces[first].neighbour[2] = last;
 	m_faces[last].neighbour[1] = first;
+	for (const std::uint32_t f : visible) std::vector<std::uint32_t>().swap(m_faces[f].above);
 	return true;
 }
 
@@ -353,84 +395,6 @@ ConvexPolyhedron Hull::make()
 	}
 	return result();
 }
-
-// The support function of points: the first of the farthest, found through a tree of boxes.
-class PointTree
-{
-public:
-	explicit PointTree(const std::vector<Vec3>& points) : m_points(points), m_order(points.size())
-	{
-		std::iota(m_order.begin(), m_order.end(), 0u);
-		if (!points.empty()) addNode(0, std::uint32_t(points.size()));
-	}
-	Vec3 farthest(const Vec3& direction) const
-	{
-		Best best;
-		if (!m_nodes.empty()) search(0, direction, reach(m_nodes[0], direction), best);
-		return best.index == kNobody ? Vec3{} : m_points[best.index];
-	}
-
-private:
-	static constexpr std::uint32_t kLeafPoints = 8;
-	struct Node
-	{
-		Box box;
-		std::uint32_t begin, end, right;  // of m_order; no right child: a leaf. The left child is the next node
-	};
-	struct Best
-	{
-		double reach = -std::numeric_limits<double>::infinity();
-		std::uint32_t index = kNobody;
-	};
-
-	std::uint32_t addNode(std::uint32_t begin, std::uint32_t end)
-	{
-		Node node{Box::none(), begin, end, kNobody};
-		for (std::uint32_t i = begin; i < end; ++i) node.box.add(m_points[m_order[i]]);
-		const std::uint32_t index = std::uint32_t(m_nodes.size());
-		m_nodes.push_back(node);
-		if (end - begin <= kLeafPoints) return index;
-		const int axis = widestAxis(node.box.high - node.box.low);
-		const std::uint32_t middle = begin + (end - begin) / 2;
-		std::nth_element(m_order.begin() + begin, m_order.begin() + middle, m_order.begin() + end,
-						 [&](std::uint32_t l, std::uint32_t r) { return m_points[l][axis] < m_points[r][axis]; });
-		addNode(begin, middle);
-		const std::uint32_t right = addNode(middle, end);
-		m_nodes[index].right = right;
-		return index;
-	}
-
-	// No point of the node is farther: the sum is dot()'s, whose rounding keeps the order of its terms.
-	static double reach(const Node& node, const Vec3& d)
-	{
-		const Vec3 &low = node.box.low, &high = node.box.high;
-		return dot({d.x > 0 ? high.x : low.x, d.y > 0 ? high.y : low.y, d.z > 0 ? high.z : low.z}, d);
-	}
-
-	void search(std::uint32_t index, const Vec3& direction, double most, Best& best) const
-	{
-		const Node& node = m_nodes[index];
-		if (most < best.reach) return;
-		if (node.right != kNobody)
-		{
-			const double left = reach(m_nodes[index + 1], direction), right = reach(m_nodes[node.right], direction);
-			if (left >= right) search(index + 1, direction, left, best);
-			search(node.right, direction, right, best);
-			if (left < right) search(index + 1, direction, left, best);
-			return;
-		}
-		for (std::uint32_t i = node.begin; i < node.end; ++i)
-		{
-			const std::uint32_t at = m_order[i];
-			const double far = dot(m_points[at], direction);
-			if (far > best.reach || (far == best.reach && at < best.index)) best = {far, at};
-		}
-	}
-
-	const std::vector<Vec3>& m_points;
-	std::vector<std::uint32_t> m_order;
-	std::vector<Node> m_nodes;
-};
 }  // namespace
 
 ConvexPolyhedron::Plane ConvexPolyhedron::nearestPlane(const Vec3& point) const
@@ -448,13 +412,16 @@ ConvexPolyhedron::Plane ConvexPolyhedron::nearestPlane(const Vec3& point) const
 
 ConvexPolyhedron convexPolyhedron(const Support& support, double accuracy, std::size_t mostVertices)
 {
-	return Hull(support, accuracy, std::max<std::size_t>(4, mostVertices)).make();
+	return Hull(support, {}, accuracy, std::max<std::size_t>(4, mostVertices)).make();
 }
 
 ConvexPolyhedron convexPolyhedron(const std::vector<Vec3>& points, std::size_t mostVertices)
 {
-	const PointTree tree(points);
-	const Support farthest = [&tree](const Vec3& direction) { return tree.farthest(direction); };
-	return convexPolyhedron(farthest, 0, mostVertices);
+	const Support farthest = [&points](const Vec3& direction)
+	{
+		const auto isLess = [&](const Vec3& l, const Vec3& r) { return dot(l, direction) < dot(r, direction); };
+		return points.empty() ? Vec3{} : *std::max_element(points.begin(), points.end(), isLess);
+	};
+	return Hull(farthest, points, 0, std::max<std::size_t>(4, mostVertices)).make();
 }
 }  // namespace clod

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <utility>
+#include <numeric>
+#include <vector>
 
 #include "clod/hierarchy/BoundGrid.h"
 
@@ -147,12 +147,19 @@ void Piece::faces()
 
 void Piece::linkFaces()
 {
-	std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> faceOf;
-	for (std::uint32_t f = 0; f < m_triangles.size(); ++f)
-		for (std::size_t i = 0; i < 3; ++i) faceOf[{m_triangles[f][i], m_triangles[f][(i + 1) % 3]}] = f;
-	for (std::uint32_t f = 0; f < m_triangles.size(); ++f)
-		for (std::size_t i = 0; i < 3; ++i)
-			m_content.faces[f].neighbour[i] = faceOf[{m_triangles[f][(i + 1) % 3], m_triangles[f][i]}];
+	// Sides by the corner that they start at.
+	std::vector<std::uint32_t> first(m_vertices.size() + 1), sides(3 * m_triangles.size());
+	for (const auto& t : m_triangles)
+		for (const std::uint32_t v : t) ++first[v];
+	std::partial_sum(first.begin(), first.end(), first.begin());
+	for (std::uint32_t side = 0; side < sides.size(); ++side) sides[--first[m_triangles[side / 3][side % 3]]] = side;
+	for (std::uint32_t side = 0; side < sides.size(); ++side)
+	{
+		const std::uint32_t from = m_triangles[side / 3][side % 3], to = m_triangles[side / 3][(side + 1) % 3];
+		std::uint32_t at = first[to];
+		while (m_triangles[sides[at] / 3][(sides[at] + 1) % 3] != from) ++at;
+		m_content.faces[side / 3].neighbour[side % 3] = sides[at] / 3;
+	}
 }
 
 void Piece::box()

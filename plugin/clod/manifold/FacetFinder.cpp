@@ -16,10 +16,8 @@ constexpr double kMostBend = 0.05;  // up to which an arc is known to stay near 
 constexpr double kArcSpeed = 2;  // the largest speed on an arc is at most this many times its mean speed
 // Other contacts may lead a feature off its predicted way. Facets are looked for up to this share of the farthest
 // displacement of the step around the middle of the way, the larger share where few pairs of nodes are near
-// (kFewPairs); and never farther than this many grains (mean edges) of the coarser surface.
-constexpr double kRoamShare = 0.35, kRoamOfFew = 0.8, kRoamGrains = 1;
-
-constexpr double kMovesListed = 4;  // of a body of one node, near features are listed for so many moves as the coming one
+// (kFewPairs); and never farther than kRoamGrains.
+constexpr double kRoamShare = 0.35, kRoamOfFew = 0.8;
 
 // Where a point ends, as a facet sees it: forces are counted along the normal only. Sideways another body may bear
 // them, which is not known here, and a body that slides over the border of a face must not be seen to fall beneath that
@@ -66,7 +64,10 @@ void FacetFinder::find(const FacetQuestion& question, const std::vector<Contact>
 	std::size_t size = kLeastTable;
 	while (size < 4 * (facets.size() + contacts.size())) size *= 2;
 	tabulate(size);
-	for (const Contact& contact : contacts) findPair(contact);
+	m_pairs.clear();
+	for (const Contact& contact : contacts) m_pairs.push_back(pairOf(contact));
+	if (m_nodesB.isOne()) m_nodesB.listNear(*m_pairs[0].movedB, placesNearA());
+	for (const Pair& pair : m_pairs) findPair(pair);
 }
 
 // Collects the planes that a vertex is known to have gone through.
@@ -117,10 +118,10 @@ std::size_t FacetFinder::slotOf(std::uint64_t feature) const
 // Several pairs of nodes may find the same facet: the one whose reach says most is kept.
 void FacetFinder::add(Facet& facet)
 {
-	facet.levelA = m_pair.levelA;
-	facet.levelB = m_pair.levelB;
-	facet.nodeA = m_pair.nodeA;
-	facet.nodeB = m_pair.nodeB;
+	facet.levelA = m_pair.movedA->level;
+	facet.levelB = m_pair.movedB->level;
+	facet.nodeA = m_pair.movedA->node;
+	facet.nodeB = m_pair.movedB->node;
 	facet.setLinear(m_motion);
 	facet.feature = featureOf(*m_pair.a, *m_pair.b, facet);
 	const std::size_t slot = slotOf(facet.feature);
@@ -133,89 +134,6 @@ void FacetFinder::add(Facet& facet)
 	m_table[slot] = std::uint32_t(m_facets->size());
 	m_facets->push_back(facet);
 	if (2 * m_facets->size() > m_table.size()) tabulate(2 * m_table.size());
-}
-
-void FacetFinder::findPair(const Contact& contact)
-{
-	const FacetQuestion& q = *m_question;
-	MovedNode& nodeB = m_nodesB.of(contact.nodeB);
-	const bool mayOverlap = contact.upper <= 0;
-	const ContactSurface &a = q.a.surfaceOf(contact.nodeA), &b = q.b.surface(nodeB.level);
-	const double most = m_roamShare * nodeB.displaced, roam = std::min(most, kRoamGrains * std::max(a.grain(), b.grain()));
-	if (roam < most) m_sought = std::min(m_sought, roam);
-	const double beside = kFootShare * q.length() + roam;
-	double reach = q.touching() + q.rules.heldReach + beside;
-	// The features of a facet are as far apart as its height and, at a right angle to it, as far as its foot is from both
-	// features, when it is nearest. For a ball this straight distance leaves out most that boxes grown by the reach hold.
-	const double aside = 2 * beside + std::max(0.0, 0.5 - m_roamShare) * nodeB.displaced;
-	const double straight = !mayOverlap && b.isCore() ? std::sqrt(reach * reach + aside * aside) : kFar;
-	if (mayOverlap) reach += q.a.thicknessOf(contact.nodeA) + q.b.thicknessOf(contact.nodeB);
-	const double ahead = std::min(kMovesListed * nodeB.displaced, q.length());
-	MovedNode& nodeA = m_nodesA.of(contact.nodeA, m_nodesB.isOne() ? Near(nodeB.box, reach, straight, ahead, mayOverlap) : Near());
-	m_pair = {&a, &b, contact.nodeA, contact.nodeB, nodeA.level, nodeB.level};
-	m_pair.roam = roam;
-	m_pair.deepest = mayOverlap ? kFar : kInnerShare * q.length();
-	m_pair.reach = reach;
-	gather(nodeA, nodeB, mayOverlap);
-	verticesOverFaces();
-	edgesOverEdges(mayOverlap);
-	if (m_middleA.height > 0)
-		for (const auto& polygon : m_polygonsB) middleOverFace(m_middleA, polygon->index, true);
-	if (m_middleB.height > 0)
-		for (const auto& polygon : m_polygonsA) middleOverFace(m_middleB, polygon->index, false);
-	if (q.isRound()) findRound();
-}
-
-void FacetFinder::verticesOverFaces()
-{
-	forEachNew(m_cornersA, m_polygonsB, [this](const MovedCorner& a, const MovedPolygon& b) { vertexOverFace(a, b, true); });
-	forEachNew(m_cornersB, m_polygonsA, [this](const MovedCorner& b, const MovedPolygon& a) { vertexOverFace(b, a, false); });
-}
-
-// Where the hulls overlap, edges may have sunk past each other by any depth: no box leaves them out.
-void FacetFinder::edgesOverEdges(bool mayOverlap)
-{
-	const auto ask = [&](const MovedEdge& b, const MovedEdge& a)
-	{
-		if (mayOverlap || a.box.meets(b.box, m_pair.reach)) edgeOverEdge(a, b);
-	};
-	forEachNew(m_edgesB, m_edgesA, ask);
-}
-
-// Lists the features of either node that come near the other node in the step, and of each the nodes by which forEachNew()
-// knows what was asked: of faces and of A's edges those that they were near to before, of what is asked against them those
-// that share it. Where hulls overlap more is looked for than elsewhere, and all is asked.
-void FacetFinder::gather(MovedNode& nodeA, MovedNode& nodeB, bool mayOverlap)
-{
-	const double reach = m_pair.reach;
-	const auto gatherOf = [reach](auto& features, const Box& other, auto& list, const auto& nodesOf)
-	{
-		list.clear();
-		for (auto& feature : features)
-			if (feature.box.meets(other, reach)) list.push_back({&feature, nodesOf(feature)});
-	};
-	const auto near = [mayOverlap](MovedNodes& nodes, const MovedNodes& others, const MovedNode& other)
-	{
-		return [&, mayOverlap](const MovedFeature& feature)
-		{
-			const std::uint64_t before = nodes.noteNear(feature.number, others.blocks(), other.place);
-			return mayOverlap ? 0 : before;
-		};
-	};
-	const auto ofCornerA = [&](MovedCorner& corner)
-	{
-		if (!corner.isPlaced) m_nodesA.place(*m_pair.a, corner);
-		return m_nodesA.sharing(corner.number, nodeA.place);
-	};
-	const std::uint64_t asWide = m_nodesB.displaced(m_pair.roam / m_roamShare, nodeB.place);
-	const auto ofB = [&](const MovedFeature& feature) { return m_nodesB.sharing(feature.number, nodeB.place) & asWide; };
-	const auto nearA = near(m_nodesA, m_nodesB, nodeB), nearB = near(m_nodesB, m_nodesA, nodeA);
-	gatherOf(nodeA.corners, nodeB.box, m_cornersA, ofCornerA);
-	gatherOf(nodeA.edges, nodeB.box, m_edgesA, nearA);
-	gatherOf(nodeA.polygons, nodeB.box, m_polygonsA, nearA);
-	gatherOf(nodeB.corners, nodeA.box, m_cornersB, ofB);
-	gatherOf(nodeB.edges, nodeA.box, m_edgesB, ofB);
-	gatherOf(nodeB.polygons, nodeA.box, m_polygonsB, nearB);
 }
 
 // The largest distance from which other contacts may lead the features of a facet together, if the predicted motion

@@ -26,7 +26,8 @@ private:
 	struct Pair
 	{
 		const ContactSurface *a, *b;
-		std::uint32_t nodeA, nodeB, levelA, levelB;
+		MovedNode *movedA, *movedB;
+		bool mayOverlap;
 		double roam = 0;     // how far off the middle of the predicted way facets are looked for
 		double deepest = 0;  // overlaps beyond are not looked for
 		double reach = 0;    // how far apart features may be
@@ -39,7 +40,10 @@ private:
 	void noteThrough();
 	bool mayEnter(const ContactSurface& surface, const MovedCorner& vertex, const Vec3& up, const SurfaceFace& face,
 				  bool faceIsOfB) const;
-	void findPair(const Contact& contact);
+	// FacetPairs.cpp
+	Pair pairOf(const Contact& contact);
+	Box placesNearA() const;
+	void findPair(const Pair& pair);
 	void gather(MovedNode& nodeA, MovedNode& nodeB, bool mayOverlap);
 	// Calls each(of one body, of the other) for what was not asked yet in another pair of nodes that share the two.
 	template <class One, class Other, class Each>
@@ -51,6 +55,7 @@ private:
 	}
 	void verticesOverFaces();
 	void edgesOverEdges(bool mayOverlap);
+	// FacetFinder.cpp
 	double highest(double closing) const;
 	Transform poseAt(double share);
 	struct Features;
@@ -107,7 +112,8 @@ private:
 	std::vector<Through> m_through;
 	double m_roamShare = 0;
 	double m_sought = 0;
-	Pair m_pair;
+	std::vector<Pair> m_pairs;
+	Pair m_pair{};
 	MovedNodes m_nodesA, m_nodesB;
 	// The features of the pair's nodes that come near the other node.
 	template <class Moved>

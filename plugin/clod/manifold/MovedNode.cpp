@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace clod
@@ -43,6 +44,21 @@ void forEachStill(const ContactSurface& surface, std::uint32_t node, const Near&
 		box.add(surface.vertices()[edge.vertex[1]]);
 		call(2, box, index);
 	}
+}
+
+Box everywhere()
+{
+	constexpr double kFar = std::numeric_limits<double>::infinity();
+	return {{-kFar, -kFar, -kFar}, {kFar, kFar, kFar}};
+}
+
+// The sides of the other box that all of a box lies beyond, as bits. Boxes that share one miss it together.
+unsigned sidesBeyond(const Box& box, const Box& other)
+{
+	unsigned sides = 0;
+	for (int axis = 0; axis < 3; ++axis)
+		sides |= unsigned(box.high[axis] < other.low[axis]) << 2 * axis | unsigned(box.low[axis] > other.high[axis]) << (2 * axis + 1);
+	return sides;
 }
 }  // namespace
 
@@ -176,10 +192,15 @@ MovedNode& MovedNodes::of(std::uint32_t node, const Near& near)
 	moved.corners.clear();
 	moved.edges.clear();
 	moved.polygons.clear();
-	m_boxes.clear();
 	const ContactSurface& surface = body.surface(moved.level);
 	moved.displaced = 0;
-	m_isA ? listStill(moved, surface, near) : move(moved, surface);
+	if (m_isA)
+		listStill(moved, surface, near);
+	else
+	{
+		move(moved, surface);
+		if (!isOne()) listMoved(moved, surface, everywhere());
+	}
 	if (moved.displaced >= m_least) m_wide[at / 64] |= std::uint64_t(1) << at % 64;
 	return moved;
 }
@@ -226,9 +247,11 @@ void MovedNodes::listStill(MovedNode& moved, const ContactSurface& surface, cons
 		for (const std::uint32_t v : surface.verticesOf(moved.node)) moved.box.add(surface.vertices()[v]);
 }
 
+// Places the vertices.
 void MovedNodes::move(MovedNode& moved, const ContactSurface& surface)
 {
 	double displaced = 0;
+	m_corners.clear();
 	for (const std::uint32_t v : surface.verticesOf(moved.node))
 	{
 		MovedCorner corner{{{}, v, 0}};
@@ -238,26 +261,45 @@ void MovedNodes::move(MovedNode& moved, const ContactSurface& surface)
 		corner.box = {now, now};
 		corner.box.add(now + kPathReach * ahead);
 		corner.box.add(now + kPathReach * unforced);
-		if (surface.isCorner(v))
-		{
-			corner.number = numberOf(moved, false, v);
-			moved.corners.push_back(corner);
-		}
-		if (m_boxes.empty()) moved.box = corner.box;
+		if (m_corners.empty()) moved.box = corner.box;
 		moved.box.add(corner.box);
-		m_boxes.push_back(corner.box);
+		m_corners.push_back(corner);
 	}
 	moved.displaced = std::sqrt(displaced);
+}
+
+void MovedNodes::listNear(MovedNode& moved, const Box& places)
+{
+	listMoved(moved, (m_isA ? m_question->a : m_question->b).surface(moved.level), places);
+}
+
+// Of the node whose vertices were placed last, the features that meet the box. All vertices of a surface of one node are
+// the node's; of others an edge may go beyond the node.
+void MovedNodes::listMoved(MovedNode& moved, const ContactSurface& surface, const Box& places)
+{
+	const bool hasAllVertices = m_corners.size() == surface.vertices().size();
+	m_beyond.clear();
+	for (const MovedCorner& corner : m_corners)
+	{
+		m_beyond.push_back(std::uint8_t(sidesBeyond(corner.box, places)));
+		if (!surface.isCorner(corner.index) || m_beyond.back() != 0) continue;
+		moved.corners.push_back(corner);
+		moved.corners.back().number = numberOf(moved, false, corner.index);
+	}
 	for (const ContactSurface::NodePolygon& polygon : surface.polygonsOf(moved.node))
 	{
 		const Span<std::uint16_t> corners = surface.cornersOf(polygon);
-		Box box = m_boxes[corners[0]];
-		for (const std::uint16_t corner : corners) box.add(m_boxes[corner]);
+		unsigned beyond = m_beyond[corners[0]];
+		for (const std::uint16_t corner : corners) beyond &= m_beyond[corner];
+		if (beyond != 0) continue;
+		Box box = m_corners[corners[0]].box;
+		for (const std::uint16_t corner : corners) box.add(m_corners[corner].box);
 		moved.polygons.push_back({{box, polygon.polygon, m_numbers.next()}, upOf(surface, polygon.polygon)});
 	}
 	for (const std::uint32_t index : surface.edgesOf(moved.node))
 	{
 		const SurfaceEdge& edge = surface.edges()[index];
+		if (hasAllVertices && (m_beyond[edge.vertex[0]] & m_beyond[edge.vertex[1]]) != 0) continue;
 		const Vec3& from = surface.vertices()[edge.vertex[0]];
 		MovedEdge at;
 		at.index = index;

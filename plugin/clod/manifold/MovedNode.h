@@ -138,8 +138,10 @@ public:
 	void start(const FacetQuestion& question, const std::vector<Contact>& contacts, bool isA, NearFeatures* kept = nullptr);
 	// Is there one alone?
 	bool isOne() const { return m_nodes.size() == 1; }
-	// Precondition: one of them. What comes nowhere so near may be left out.
+	// Precondition: one of them. What comes nowhere so near may be left out. Of B's one node no features, see listNear().
 	MovedNode& of(std::uint32_t node, const Near& near = {});
+	// Lists of it what meets that box.
+	void listNear(MovedNode& moved, const Box& places);
 	// Nodes are told apart 64 at a time, in order; here as bits of those round one of them. Those met so far that have the
 	// corner or edge of this number,
 	std::uint64_t sharing(std::uint32_t number, std::uint32_t place) const
@@ -159,6 +161,7 @@ private:
 	std::uint32_t numberOf(const MovedNode& moved, bool isEdge, std::uint32_t index);
 	void listStill(MovedNode& moved, const ContactSurface& surface, const Near& near);
 	void move(MovedNode& moved, const ContactSurface& surface);
+	void listMoved(MovedNode& moved, const ContactSurface& surface, const Box& places);
 
 	const FacetQuestion* m_question = nullptr;
 	NearFeatures* m_kept = nullptr;
@@ -166,7 +169,8 @@ private:
 	Transform m_otherFromThis, m_otherFromThisThen, m_otherFromThisUnforced;
 	std::vector<std::uint32_t> m_nodes;  // sorted, each once
 	std::vector<MovedNode> m_moved;      // as many, or more; buffers are kept
-	std::vector<Box> m_boxes;            // of a node's vertices
+	std::vector<MovedCorner> m_corners;  // of a node: all vertices, placed,
+	std::vector<std::uint8_t> m_beyond;  // and the sides of the box looked at that each is beyond
 	FeatureNumbers m_numbers;
 	std::vector<std::uint64_t> m_sharing, m_near;
 	double m_least = 0;                 // displaced() was asked last of this,

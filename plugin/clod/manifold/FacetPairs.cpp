@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Zlib
+// Pairs of nodes within reach: the features of either that come near the other in the step, each asked of each.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "clod/manifold/FacetFinder.h"
+
+namespace clod
+{
+namespace
+{
+constexpr double kFar = std::numeric_limits<double>::infinity();
+// Facets are looked for no farther off the predicted way than so many grains (mean edges) of the coarser surface.
+constexpr double kRoamGrains = 1;
+constexpr double kMovesListed = 4;  // of a body of one node, near features are listed for so many moves as the coming one
+}  // namespace
+
+FacetFinder::Pair FacetFinder::pairOf(const Contact& contact)
+{
+	const FacetQuestion& q = *m_question;
+	MovedNode& nodeB = m_nodesB.of(contact.nodeB);
+	const bool mayOverlap = contact.upper <= 0;
+	const ContactSurface &a = q.a.surfaceOf(contact.nodeA), &b = q.b.surface(nodeB.level);
+	const double most = m_roamShare * nodeB.displaced, roam = std::min(most, kRoamGrains * std::max(a.grain(), b.grain()));
+	if (roam < most) m_sought = std::min(m_sought, roam);
+	const double beside = kFootShare * q.length() + roam;
+	double reach = q.touching() + q.rules.heldReach + beside;
+	// The features of a facet are as far apart as its height and, at a right angle to it, as far as its foot is from both
+	// features, when it is nearest. For a ball this straight distance leaves out most that boxes grown by the reach hold.
+	const double aside = 2 * beside + std::max(0.0, 0.5 - m_roamShare) * nodeB.displaced;
+	const double straight = !mayOverlap && b.isCore() ? std::sqrt(reach * reach + aside * aside) : kFar;
+	if (mayOverlap) reach += q.a.thicknessOf(contact.nodeA) + q.b.thicknessOf(contact.nodeB);
+	const double ahead = std::min(kMovesListed * nodeB.displaced, q.length());
+	MovedNode& nodeA = m_nodesA.of(contact.nodeA, m_nodesB.isOne() ? Near(nodeB.box, reach, straight, ahead, mayOverlap) : Near());
+	Pair pair{&a, &b, &nodeA, &nodeB, mayOverlap};
+	pair.roam = roam;
+	pair.deepest = mayOverlap ? kFar : kInnerShare * q.length();
+	pair.reach = reach;
+	return pair;
+}
+
+// A box that holds all that one node of B has near nodes of A.
+Box FacetFinder::placesNearA() const
+{
+	constexpr double kRounding = 1 + 1e-9;
+	Box places = Box::none();
+	for (const Pair& pair : m_pairs)
+	{
+		const Box& box = pair.movedA->box;
+		const double reach = kRounding * pair.reach;
+		if (box.low.x <= box.high.x) places.add({box.low - Vec3{reach, reach, reach}, box.high + Vec3{reach, reach, reach}});
+	}
+	return places;
+}
+
+void FacetFinder::findPair(const Pair& pair)
+{
+	m_pair = pair;
+	gather(*pair.movedA, *pair.movedB, pair.mayOverlap);
+	verticesOverFaces();
+	edgesOverEdges(pair.mayOverlap);
+	if (m_middleA.height > 0)
+		for (const auto& polygon : m_polygonsB) middleOverFace(m_middleA, polygon->index, true);
+	if (m_middleB.height > 0)
+		for (const auto& polygon : m_polygonsA) middleOverFace(m_middleB, polygon->index, false);
+	if (m_question->isRound()) findRound();
+}
+
+void FacetFinder::verticesOverFaces()
+{
+	forEachNew(m_cornersA, m_polygonsB, [this](const MovedCorner& a, const MovedPolygon& b) { vertexOverFace(a, b, true); });
+	forEachNew(m_cornersB, m_polygonsA, [this](const MovedCorner& b, const MovedPolygon& a) { vertexOverFace(b, a, false); });
+}
+
+// Where the hulls overlap, edges may have sunk past each other by any depth: no box leaves them out.
+void FacetFinder::edgesOverEdges(bool mayOverlap)
+{
+	const auto ask = [&](const MovedEdge& b, const MovedEdge& a)
+	{
+		if (mayOverlap || a.box.meets(b.box, m_pair.reach)) edgeOverEdge(a, b);
+	};
+	forEachNew(m_edgesB, m_edgesA, ask);
+}
+
+// Lists the features of either node that come near the other node in the step, and of each the nodes by which forEachNew()
+// knows what was asked: of faces and of A's edges those that they were near to before, of what is asked against them those
+// that share it. Where hulls overlap more is looked for than elsewhere, and all is asked.
+void FacetFinder::gather(MovedNode& nodeA, MovedNode& nodeB, bool mayOverlap)
+{
+	const double reach = m_pair.reach;
+	const auto gatherOf = [reach](auto& features, const Box& other, auto& list, const auto& nodesOf)
+	{
+		list.clear();
+		for (auto& feature : features)
+			if (feature.box.meets(other, reach)) list.push_back({&feature, nodesOf(feature)});
+	};
+	const auto near = [mayOverlap](MovedNodes& nodes, const MovedNodes& others, const MovedNode& other)
+	{
+		return [&, mayOverlap](const MovedFeature& feature)
+		{
+			const std::uint64_t before = nodes.noteNear(feature.number, others.blocks(), other.place);
+			return mayOverlap ? 0 : before;
+		};
+	};
+	const auto ofCornerA = [&](MovedCorner& corner)
+	{
+		if (!corner.isPlaced) m_nodesA.place(*m_pair.a, corner);
+		return m_nodesA.sharing(corner.number, nodeA.place);
+	};
+	const std::uint64_t asWide = m_nodesB.displaced(m_pair.roam / m_roamShare, nodeB.place);
+	const auto ofB = [&](const MovedFeature& feature) { return m_nodesB.sharing(feature.number, nodeB.place) & asWide; };
+	const auto nearA = near(m_nodesA, m_nodesB, nodeB), nearB = near(m_nodesB, m_nodesA, nodeA);
+	gatherOf(nodeA.corners, nodeB.box, m_cornersA, ofCornerA);
+	gatherOf(nodeA.edges, nodeB.box, m_edgesA, nearA);
+	gatherOf(nodeA.polygons, nodeB.box, m_polygonsA, nearA);
+	gatherOf(nodeB.corners, nodeA.box, m_cornersB, ofB);
+	gatherOf(nodeB.edges, nodeA.box, m_edgesB, ofB);
+	gatherOf(nodeB.polygons, nodeA.box, m_polygonsB, nearB);
+}
+}  // namespace clod
