@@ -54,7 +54,7 @@ void ContactSink::add(std::uint32_t a, std::uint32_t b, const HullDistance& dist
 bool ContactSink::isDecided(std::uint32_t a, std::uint32_t b, CachedSeparation& cached, HullEvaluations& known)
 {
 	const bool wasNear = cached.kind == CachedSeparation::Kind::kNear;
-	double lower = wasNear ? m_hulls.separationAtRest(a, b, toVec3(cached.between)) : 0;
+	double lower = wasNear ? separationAtRest(a, b, toVec3(cached.between)) : 0;
 	if (wasNear && !isBeyond(m_context, a, b, lower, 0)) return false;
 	if (!wasNear || !m_hulls.isStillNear(a, b, m_tolerance, cached))
 	{
@@ -71,7 +71,7 @@ bool ContactSink::isDecided(std::uint32_t a, std::uint32_t b, CachedSeparation& 
 			return true;
 		}
 		if (!way.hasPoints) return false;
-		if (!wasNear) lower = m_hulls.separationAtRest(a, b, way.normal);
+		if (!wasNear) lower = separationAtRest(a, b, way.normal);
 		if (!isBeyond(m_context, a, b, lower, 0)) return false;
 		cached.setNear(way.onA, way.onB, wasNear ? toVec3(cached.between) : way.normal);
 	}
@@ -81,6 +81,14 @@ bool ContactSink::isDecided(std::uint32_t a, std::uint32_t b, CachedSeparation& 
 	apart.upper = kInfinity;
 	add(a, b, apart);
 	return true;
+}
+
+// A bound by their planes across an axis, if there is one.
+double ContactSink::separationAtRest(std::uint32_t a, std::uint32_t b, const Vec3& axis)
+{
+	if (axis == Vec3{}) return 0;
+	return separationAlong(contactHull(m_context.a, m_context.a.node(a)), contactHull(m_context.b, m_context.b.node(b)),
+						   m_context.pose, axis);
 }
 
 void ContactSink::answer(std::uint32_t a, std::uint32_t b, CachedSeparation& cached, const HullEvaluations& evaluated)

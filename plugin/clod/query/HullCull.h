@@ -85,13 +85,6 @@ public:
 		const double room = roomOf(m_context, a, b, limit);
 		return cached.isApart() ? double(cached.lower) - limit - room : belowLimit(b, limit - room, cached);
 	}
-	// A bound of the distance as they are, by their planes across an axis, if there is one.
-	double separationAtRest(std::uint32_t a, std::uint32_t b, const Vec3& axis) const
-	{
-		if (axis == Vec3{}) return 0;
-		return separationAlong(contactHull(m_context.a, m_context.a.node(a)), contactHull(m_context.b, m_context.b.node(b)),
-							   m_context.pose, axis);
-	}
 	// As they are, whatever the sweep; where they stay beyond the tolerance on the way as well, that is remembered.
 	// What else had to be evaluated is handed on, as far as a contact needs it.
 	bool areApart(std::uint32_t a, std::uint32_t b, double tolerance, CachedSeparation& cached, HullEvaluations& known)
@@ -102,7 +95,6 @@ public:
 			return true;
 		}
 		if (isStillApart(a, b, tolerance, cached)) return true;
-		if (cached.kind == CachedSeparation::Kind::kNear && areApartAlong(a, b, toVec3(cached.between))) return true;
 		++m_stats.hullTests;
 		if (m_context.longestMove > 0)
 		{
@@ -112,7 +104,6 @@ public:
 				cached.setApart(known.onTheWay->lower, known.onTheWay->normal);
 				return true;
 			}
-			if (areApartAlong(a, b, known.onTheWay->normal)) return true;
 			++m_stats.hullTests;
 		}
 		known.atRest = canonicalContact(m_context, a, b, tolerance);
@@ -120,10 +111,6 @@ public:
 	}
 
 private:
-	bool areApartAlong(std::uint32_t a, std::uint32_t b, const Vec3& axis) const
-	{
-		return isBeyond(m_context, a, b, separationAtRest(a, b, axis), 0);
-	}
 	// By how much the points that were near are nearer than the limit.
 	double belowLimit(std::uint32_t b, double limit, const CachedSeparation& cached) const
 	{
