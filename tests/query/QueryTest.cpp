@@ -310,7 +310,11 @@ TEST(Query, WhatIsHardlyInsideIsNotWhollyInside)
 			settings.metric.weightedDeviation = share * radius;
 			const GapResult result = fresh({large, small}, pose, settings);
 			EXPECT_FALSE(result.deep) << i << " " << share;
-			hidden += overlaps(result) ? 0 : 1;
+			if (overlaps(result)) continue;
+			++hidden;
+			Settings withGap = settings;
+			withGap.contactsOnly = false;
+			EXPECT_FALSE(fresh({large, small}, pose, withGap).deep) << i << " " << share;
 		}
 	}
 	EXPECT_GT(hidden, 30);

@@ -60,13 +60,14 @@ private:
 	void fromNodes(bool overlap)
 	{
 		const double inside = overlap ? 0 : m_walk.depthInside();
-		const bool isWhole = m_found.isCoarsened || inside > hiddenDepth();
 		if (overlap)
 			surfacesMeet();
-		else if (inside > 0 && !isWhole)
-			fromSurfaces();  // which tell whether it is inside wholly, or by what the nodes hide
-		else if (inside > 0)
+		else if (inside > hiddenDepth())
 			setInside(inside);
+		else if (inside > 0 && m_found.isCoarsened && !m_settings.distance)
+			set({-inside, kInfinity, false});
+		else if (inside > 0)
+			fromSurfaces();  // which tell whether it is inside wholly, or by what the nodes hide
 		else if (!m_result.contacts.empty())
 			set(gapApart(m_context, m_result.contacts, m_settings.tolerance, m_found.largestCover));
 		else if (m_settings.distance)
@@ -79,8 +80,8 @@ private:
 	double hiddenDepth() const
 	{
 		double most = m_found.largestCover;
-		for (const Contact& contact : m_result.contacts)
-			most = std::max(most, double(m_context.a.node(contact.nodeA).cover) + double(m_context.b.node(contact.nodeB).cover));
+		for (const Contact& c : m_result.contacts)
+			most = std::max(most, double(m_context.a.node(c.nodeA).cover) + double(m_context.b.node(c.nodeB).cover));
 		return most;
 	}
 
@@ -113,6 +114,7 @@ private:
 				deviation = std::max(deviation, double(m_context.a.node(contact.nodeA).deviation) +
 													double(m_context.b.node(contact.nodeB).deviation));
 		if (m_found.isOfInput) deviation = 0;
+		if (!overlaps()) deviation = hiddenDepth();
 		const double tolerance = m_settings.tolerance;
 		const double farthest = m_settings.distance ? tolerance : tolerance + kHiddenDepth * deviation;
 		double found = 0;  // a depth of some point

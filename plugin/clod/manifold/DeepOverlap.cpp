@@ -15,6 +15,7 @@ constexpr double kLeastDepth = 1e-3;  // of the length: shallower overlaps are l
 constexpr double kOwnWay = 0.9;       // cosine: a place's own way out is the pair's
 // Of the thickness, which is half of a wall at most: what is inside by no more came in through the surface near it.
 constexpr double kNearSurface = 0.5;
+constexpr double kAlongWay = 0.3;  // cosine: of all that is so, edges in a corner of two walls among them
 constexpr double kLeastShare = 1e-3;  // of an edge: the shortest part that is looked for inside
 constexpr double kNotConvex = 0.03;   // of a body's volume: a hull with that much more is not the body
 constexpr double kNotConvexError = 2e-3;  // of the radius, of the surface that is looked at: 0.6 % of a ball's volume
@@ -66,7 +67,8 @@ Vec3 shortestWayOut(const FacetQuestion& q, const ContactSurface& a, const Conta
 	const auto farthest = [](const ContactSurface& surface, const Vec3& direction)
 	{
 		const std::vector<Vec3>& v = surface.vertices();
-		return *std::max_element(v.begin(), v.end(), [&](const Vec3& l, const Vec3& r) { return dot(l, direction) < dot(r, direction); });
+		const auto isNearer = [&](const Vec3& l, const Vec3& r) { return dot(l, direction) < dot(r, direction); };
+		return *std::max_element(v.begin(), v.end(), isNearer);
 	};
 	const auto support = [&](const Vec3& direction)
 	{ return farthest(a, direction) - q.aFromB * farthest(b, -(transposed(q.aFromB.rotation) * direction)); };
@@ -76,7 +78,9 @@ Vec3 shortestWayOut(const FacetQuestion& q, const ContactSurface& a, const Conta
 
 bool DeepOverlap::areConvex(const FacetQuestion& q)
 {
-	return q.a.hierarchy && q.b.hierarchy && q.a.hierarchy->derived<Bulk>().isConvex && q.b.hierarchy->derived<Bulk>().isConvex;
+	const auto isConvex = [](const ContactBody& body)
+	{ return body.hierarchy && body.hierarchy->derived<Bulk>().isConvex; };
+	return isConvex(q.a) && isConvex(q.b);
 }
 
 // place: in its own body's frame.
@@ -139,7 +143,8 @@ void DeepOverlap::probe(const FacetQuestion& q, const Contact& contact, bool ofA
 // that fills no hollow yet, or of some, evenly spread.
 void DeepOverlap::probeWhole(const FacetQuestion& q, bool ofA)
 {
-	const auto nodeOf = [](const Hierarchy& h) { return coarsestWithin(h, kWholeError * double(h.asset().radius)).firstNode; };
+	const auto nodeOf = [](const Hierarchy& h)
+	{ return coarsestWithin(h, kWholeError * double(h.asset().radius)).firstNode; };
 	const Contact contact{nodeOf(*q.a.hierarchy), nodeOf(*q.b.hierarchy), 0, 0, {}, {}, {}};
 	const ContactSurface &a = q.a.surfaceOf(contact.nodeA), &b = q.b.surfaceOf(contact.nodeB), &other = ofA ? b : a;
 	if (other.isCore()) return;
@@ -153,18 +158,32 @@ void DeepOverlap::probeWhole(const FacetQuestion& q, bool ofA)
 	}
 }
 
-Vec3 DeepOverlap::wayOut(const FacetQuestion& q, bool isCrossing, bool areHulls) const
+Vec3 DeepOverlap::meanWay() const
 {
 	Vec3 sum;
 	for (const Inside& inside : m_inside) sum += inside.way;
-	// The hulls tell nothing of concave bodies that reach into each other. They are asked only where no corner is
-	// inside.
-	if (!areHulls && !isCrossing && sum != Vec3{}) return normalized(sum);
-	return shortestWayOut(q, q.a.surfaceOf(m_inside[0].nodeA), q.b.surfaceOf(m_inside[0].nodeB));
+	return normalized(sum);
+}
+
+// Of edges in a wall: do all come out the way that they came in, each near the surface there? Not asked of those in a
+// convex body, which has no walls to be pushed through.
+bool DeepOverlap::isShallow(const FacetQuestion& q, const Vec3& way) const
+{
+	bool isInWall = false;
+	for (const Inside& inside : m_inside)
+	{
+		const ContactBody& other = inside.ofA ? q.b : q.a;
+		if (dot(inside.way, way) < kAlongWay * length(inside.way)) return false;
+		if (other.hierarchy->derived<Bulk>().isConvex) continue;
+		const std::uint32_t node = inside.ofA ? inside.nodeB : inside.nodeA;
+		if (length(inside.way) > kNearSurface * other.thicknessOf(node)) return false;
+		isInWall = true;
+	}
+	return isInWall;
 }
 
 Vec3 DeepOverlap::find(const FacetQuestion& q, const std::vector<Contact>& contacts, bool isDeep, const Vec3& kept,
-					   std::vector<Facet>& facets)
+					   const Vec3& pushed, std::vector<Facet>& facets)
 {
 	m_inside.clear();
 	// Not for half spaces, whose facets tell any depth, nor for sheets, which have no inside.
@@ -186,16 +205,17 @@ Vec3 DeepOverlap::find(const FacetQuestion& q, const std::vector<Contact>& conta
 		for (const bool ofA : {true, false}) probeWhole(q, ofA);
 	if (m_inside.empty()) return {};
 	const bool areHulls = !isWhole && areConvex(q);
-	const auto isNearItsSurface = [&](const Inside& inside)
-	{
-		const double thickness = inside.ofA ? q.b.thicknessOf(inside.nodeB) : q.a.thicknessOf(inside.nodeA);
-		return length(inside.way) <= kNearSurface * thickness;
-	};
-	const bool isShallow = isCrossing && !areHulls && std::all_of(m_inside.begin(), m_inside.end(), isNearItsSurface);
-	const auto isShallower = [](const Inside& l, const Inside& r) { return lengthSquared(l.way) < lengthSquared(r.way); };
-	const Vec3 way = kept != Vec3{} ? kept
-					 : isWhole      ? normalized(std::min_element(m_inside.begin(), m_inside.end(), isShallower)->way)
-									: wayOut(q, isCrossing && !isShallow, areHulls);
+	const bool mayBeShallow = isCrossing && !areHulls;
+	const auto isShallower = [](const Inside& l, const Inside& r)
+	{ return lengthSquared(l.way) < lengthSquared(r.way); };
+	const Vec3 mean = meanWay();
+	const Vec3 way = kept != Vec3{}                         ? kept
+					 : mayBeShallow && isShallow(q, mean) ? mean
+					 : pushed != Vec3{}                     ? pushed
+					 : isWhole ? normalized(std::min_element(m_inside.begin(), m_inside.end(), isShallower)->way)
+					 : areHulls || isCrossing || mean == Vec3{}
+						 ? shortestWayOut(q, q.a.surfaceOf(m_inside[0].nodeA), q.b.surfaceOf(m_inside[0].nodeB))
+						 : mean;
 	if (way == Vec3{}) return {};
 	const auto add = [&](const Inside& inside, const Vec3& normal, double depth)
 	{
@@ -213,11 +233,12 @@ Vec3 DeepOverlap::find(const FacetQuestion& q, const std::vector<Contact>& conta
 		facet.span(inside.point, inside.ofA);
 		facets.push_back(facet);
 	};
-	// Where each place comes out that way by itself, its own way tells how deep it is. Else it may be near a surface on its
-	// way through thin walls: the hulls tell how far it is out of them all, and the bodies part at the full speed until
-	// nothing is inside.
+	// Where each place comes out that way by itself, its own way tells how deep it is. Else it may be near a surface on
+	// its way through thin walls: the hulls tell how far it is out of them all, and the bodies part at the full speed
+	// until nothing is inside.
 	const auto isOwnWay = [&](const Inside& inside) { return dot(inside.way, way) >= kOwnWay * length(inside.way); };
-	const bool areOwn = isShallow || (!areHulls && std::all_of(m_inside.begin(), m_inside.end(), isOwnWay));
+	const bool areOwn = !areHulls && (std::all_of(m_inside.begin(), m_inside.end(), isOwnWay) ||
+									  (mayBeShallow && isShallow(q, way)));
 	const double depth =
 		areOwn ? 0 : hullDepth(q.a.surfaceOf(m_inside[0].nodeA), q.b.surfaceOf(m_inside[0].nodeB), q.aFromB, way);
 	for (const Inside& inside : m_inside) add(inside, way, areOwn ? length(inside.way) : depth);

@@ -18,10 +18,11 @@ namespace clod
 class DeepOverlap
 {
 public:
-	// Appends the contacts, and returns the direction, from B to A; zero where nothing is found inside. kept: a
-	// direction to go on with, or zero. isDeep: one body is known to be inside the other, near a surface or not.
+	// Appends the contacts, and returns the direction, from B to A; zero where nothing is found inside. kept: the one
+	// to go on with, pushed: that of the last step's impulses, or zero. isDeep: one body is known to be inside the
+	// other, near a surface or not.
 	Vec3 find(const FacetQuestion& question, const std::vector<Contact>& contacts, bool isDeep, const Vec3& kept,
-			  std::vector<Facet>& facets);
+			  const Vec3& pushed, std::vector<Facet>& facets);
 
 	// Are both bodies convex, or nearly so?
 	static bool areConvex(const FacetQuestion& question);
@@ -37,7 +38,8 @@ private:
 						   const Vec3& there, const Vec3& outside, std::uint32_t feature);
 	void probe(const FacetQuestion& question, const Contact& contact, bool ofA, bool atCrossings);
 	void probeWhole(const FacetQuestion& question, bool ofA);
-	Vec3 wayOut(const FacetQuestion& question, bool isCrossing, bool areHulls) const;
+	Vec3 meanWay() const;
+	bool isShallow(const FacetQuestion& question, const Vec3& way) const;
 	std::vector<Inside> m_inside;
 };
 }  // namespace clod

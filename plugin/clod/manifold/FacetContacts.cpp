@@ -21,13 +21,14 @@ Vec3 impulseOf(const ClusterSet& set)
 
 // Sine of the angle by which a way out has to leave every facet: two normals that are 154 degrees apart leave none.
 constexpr double kWayOut = 0.225;
-// The same where one of them is pressed in, as a tooth is between flanks of 25 degrees: what joints do not let out by that
-// way is pushed back and forth.
+// The same where one of them is pressed in, as a tooth is between flanks of 25 degrees: what joints do not let out by
+// that way is pushed back and forth.
 constexpr double kWayOutOfPress = 0.45;
 constexpr int kWayOutRounds = 64;
 
 // The triangle on which a place of the part lies (a part may have many); kNone for a thin core.
-std::uint32_t faceOf(const ContactSurface& surface, Part part, std::uint32_t feature, std::uint32_t node, const Vec3& place)
+std::uint32_t faceOf(const ContactSurface& surface, Part part, std::uint32_t feature, std::uint32_t node,
+					 const Vec3& place)
 {
 	if (surface.isCore()) return kNone;
 	switch (part)
@@ -41,9 +42,9 @@ std::uint32_t faceOf(const ContactSurface& surface, Part part, std::uint32_t fea
 	return surface.firstFaceOf(node);
 }
 
-// Does no way leave all facets nearer than that, each by at least the angle of that sine? Finds the shortest vector in the
-// convex hull of the normals (Gilbert, 1966). Its length is the sine of the angle by which the best way out leaves the facet
-// that it leaves least.
+// Does no way leave all facets nearer than that, each by at least the angle of that sine? Finds the shortest vector in
+// the convex hull of the normals (Gilbert, 1966). Its length is the sine of the angle by which the best way out leaves
+// the facet that it leaves least.
 bool leaveNoWay(const std::vector<Facet>& facets, double nearer, double sine)
 {
 	const auto counts = [&](const Facet& facet) { return facet.kind != Facet::Kind::kDeep && facet.distance < nearer; };
@@ -153,7 +154,8 @@ void FacetContacts::takeUpThrough(const ContactPoint& point, const FacetRecord& 
 	if (b.isSheet())
 	{
 		const Transform lastBFromA = inverse(lastAFromB);
-		if (isOfA) facet.featureB = b.polygonIn(lastBFromA.rotation * point.normal, lastBFromA * point.pointOnB, q.length());
+		if (isOfA)
+			facet.featureB = b.polygonIn(lastBFromA.rotation * point.normal, lastBFromA * point.pointOnB, q.length());
 		if (!isOfA || facet.featureB == kNone) return;
 		facet.nodeB = b.sheetNodeOf(facet.featureB);
 	}
@@ -178,7 +180,8 @@ void FacetContacts::answerDepth(const std::vector<Contact>& contacts, bool isDee
 	}
 	const bool overlap =
 		isDeep || std::any_of(contacts.begin(), contacts.end(), [](const Contact& c) { return c.upper <= 0; });
-	const bool isOverlapping = std::any_of(m_facets.begin(), m_facets.end(), [](const Facet& f) { return f.distance < 0; });
+	const bool isOverlapping =
+		std::any_of(m_facets.begin(), m_facets.end(), [](const Facet& f) { return f.distance < 0; });
 	// Facets hold convex bodies from opposite sides only if the bodies have got through each other.
 	const bool isAnswered = isOverlapping && !(DeepOverlap::areConvex(m_question) && holdBetween());
 	if (!overlap || (isAnswered && wayOut == Vec3{}))
@@ -186,9 +189,8 @@ void FacetContacts::answerDepth(const std::vector<Contact>& contacts, bool isDee
 		wayOut = {};
 		return;
 	}
-	const Vec3 kept = wayOut != Vec3{} ? wayOut : normalized(impulseOf(previous));
 	m_deepFacets.clear();
-	wayOut = m_deep.find(m_question, contacts, isDeep, kept, m_deepFacets);
+	wayOut = m_deep.find(m_question, contacts, isDeep, wayOut, normalized(impulseOf(previous)), m_deepFacets);
 	if (wayOut == Vec3{}) return;
 	// Overlapping facets that oppose the way out would hold the bodies where they are.
 	m_facets.erase(std::remove_if(m_facets.begin(), m_facets.end(),
@@ -237,7 +239,8 @@ void FacetContacts::nameFaces(const Facet& facet, const Transform& bFromA, Conta
 	const ContactSurface &a = m_question.a.surface(facet.levelA), &b = m_question.b.surface(facet.levelB);
 	const auto [ofA, ofB] = facet.parts();
 	point.faceA = m_question.a.globalFace(facet.levelA, faceOf(a, ofA, facet.featureA, facet.nodeA, facet.onA));
-	point.faceB = m_question.b.globalFace(facet.levelB, faceOf(b, ofB, facet.featureB, facet.nodeB, bFromA * facet.onB));
+	point.faceB =
+		m_question.b.globalFace(facet.levelB, faceOf(b, ofB, facet.featureB, facet.nodeB, bFromA * facet.onB));
 }
 
 ContactPoint FacetContacts::pointOf(const Facet& facet) const

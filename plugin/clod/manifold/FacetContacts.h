@@ -37,10 +37,12 @@ struct FacetMemory
 	}
 };
 
-// Is a body held between its contacts, like a pin in its hole, so that no direction leads out of all that touch or overlap?
-// The play is then of the order of the margins, and a level that deviates by more jams although it keeps its error bound.
+// Is a body held between its contacts, like a pin in its hole, so that no direction leads out of all that touch or
+// overlap? The play is then of the order of the margins, and a level that deviates by more jams although it keeps its
+// error bound.
 CLOD_API bool isHeldBetween(const FacetQuestion& question, const std::vector<Facet>& facets);
-// Or is it pressed in somewhere, like a tooth between flanks, so that only a direction at a sharp angle to these leads out?
+// Or is it pressed in somewhere, like a tooth between flanks, so that only a direction at a sharp angle to these leads
+// out?
 CLOD_API bool isJammedBetween(const FacetQuestion& question, const std::vector<Facet>& facets);
 
 // For any number of pairs, one after the other.

@@ -230,10 +230,10 @@ void ContactSearch::remember(const StopRule& rule)
 	m_state.filled = true;
 }
 
-// By how much more than the tolerance a front is made for. Pairs of base levels leave no trace unless they are contacts, so
-// that such a front has all contacts until the motion has used that up. Of two surfaces that fit into each other it would
-// have many times the pairs: where one body is a single piece; of coarse levels, where pairs are opened whose hulls overlap, a
-// point or a segment.
+// By how much more than the tolerance a front is made for. Pairs of base levels leave no trace unless they are
+// contacts, so that such a front has all contacts until the motion has used that up. Of two surfaces that fit into each
+// other it would have many times the pairs: where one body is a single piece; of coarse levels, where pairs are opened
+// whose hulls overlap, a point or a segment.
 double ContactSearch::lookAhead(const StopRule& rule, const WorkLimit& limit) const
 {
 	const bool isCore = m_context.a.isThinCore() || m_context.b.isThinCore();
@@ -264,8 +264,8 @@ std::optional<double> ContactSearch::traverseBy(const StopRule& rule, double tol
 	return cover;
 }
 
-// Makes the front for where the body will be once it has gone on by `shift`: the moves that it is made for then lie on both
-// sides. None where the body does not go on, or that front has not all answers of now.
+// Makes the front for where the body will be once it has gone on by `shift`: the moves that it is made for then lie on
+// both sides. None where the body does not go on, or that front has not all answers of now.
 std::optional<double> ContactSearch::answerFromAhead(const TraversalSettings& settings, double shift, double tolerance)
 {
 	const Vec3 way = m_context.sweep.of(m_context.pose.translation);
@@ -319,7 +319,8 @@ void ContactSearch::sort()
 					  m_context.b.node(contact.nodeB).childCount == 0;
 }
 
-// Of the two surfaces, by what was found with base levels: what is no contact is farther than the tolerance, but for covers.
+// Of the two surfaces, by what was found with base levels: what is no contact is farther than the tolerance, but for
+// covers.
 double ContactSearch::leastApart() const
 {
 	if (!m_rule->base().isUsed()) return 0;

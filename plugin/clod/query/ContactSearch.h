@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// One query in progress, from pose to accepted node pairs: what both entry points, contacts() and signedGap(), do first.
+// One query in progress, from pose to accepted node pairs: what both entry points, contacts() and signedGap(), do
+// first.
 #pragma once
 #include <memory>
 #include <optional>
@@ -44,7 +45,8 @@ struct PairCache::State
 // Drops what was cached for other hierarchies, then adds the motion since the fronts were asked last.
 void followMotion(const QueryContext& context, PairCache::State& state);
 
-// Lists the pairs of the coarsest valid answer, unless that was done at this very pose. Precondition: motion was followed.
+// Lists the pairs of the coarsest valid answer, unless that was done at this very pose. Precondition: motion was
+// followed.
 Outline outline(const QueryContext& context, double tolerance, PairCache::State& state);
 
 struct TraversalSettings;
@@ -73,8 +75,8 @@ public:
 	bool isOfInput() const { return m_isOfInput; }  // every accepted pair is of level 0: nothing finer exists
 	bool isCoarsened() const { return m_settings.metric.coarsening > 1 || m_result.stats.cutShort > 0 || !hasInput(); }
 	bool hasInput() const { return m_context.hasInput(); }
-	// > 0: a point of one body is inside the other by so much: one of a component that is wholly inside, if it is more than
-	// hiddenDepth(). Precondition: nothing overlaps.
+	// > 0: a point of one body is inside the other by so much: one of a component that is wholly inside, if it is more
+	// than hiddenDepth(). Precondition: nothing overlaps.
 	double depthInside();
 	// So deep input surfaces may lie in each other although no accepted pair overlaps: cover_a + cover_b at most.
 	double hiddenDepth() const;
