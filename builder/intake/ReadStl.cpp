@@ -103,8 +103,9 @@ Soup parseStl(std::string_view bytes)
 {
 	if (bytes.empty()) throw Refused(Reason::empty, "the file has no content");
 	if (isBinary(bytes)) return parseBinary(bytes);
-	TextCursor start(bytes);
-	if (start.nextLineWithContent() && isWord(start.word(), "solid")) return parseAscii(bytes);
+	const std::string_view text = withoutByteOrderMark(bytes);
+	TextCursor start(text);
+	if (start.nextLineWithContent() && isWord(start.word(), "solid")) return parseAscii(text);
 	if (bytes.size() < kHeader)
 		throw Refused(Reason::syntax, fmt::format("{} bytes are too few for a binary STL file", bytes.size()));
 	const std::uint32_t facets = valueAt<std::uint32_t>(bytes, kHeader - 4);
