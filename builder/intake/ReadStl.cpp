@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cstring>
 
 #include "builder/intake/ReadMesh.h"
@@ -49,11 +48,11 @@ Soup parseBinary(std::string_view bytes)
 	return soup;
 }
 
-// In letters of either case.
+// `wanted` is of small letters, `found` in letters of either case.
 bool isWord(std::string_view found, std::string_view wanted)
 {
 	return std::equal(found.begin(), found.end(), wanted.begin(), wanted.end(),
-					  [](unsigned char f, char w) { return std::tolower(f) == w; });
+					  [](char f, char w) { return f == w || f == w - 'a' + 'A'; });
 }
 
 void expect(TextCursor& cursor, std::string_view wanted)
