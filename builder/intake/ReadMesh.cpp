@@ -12,8 +12,6 @@ namespace clod::builder
 {
 namespace
 {
-constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  // before text of some Windows programs
-
 std::string readBytes(const std::string& path)
 {
 	std::error_code error;
@@ -36,15 +34,20 @@ Soup readFile(const std::string& path)
 	const std::string ending = cli::endingOf(path);
 	if (const std::string problem = cli::notAMesh(path); !problem.empty()) throw Refused(Reason::unreadable, problem);
 	const std::string content = readBytes(path);
-	std::string_view bytes = content;
-	if (bytes.substr(0, kByteOrderMark.size()) == kByteOrderMark) bytes.remove_prefix(kByteOrderMark.size());
+	if (ending == ".stl") return parseStl(content);
+	const std::string_view bytes = withoutByteOrderMark(content);
 	if (ending == ".obj") return parseObj(bytes);
 	if (ending == ".off") return parseOff(bytes);
 	if (ending == ".ply") return parsePly(bytes);
-	if (ending == ".stl") return parseStl(bytes);
 	return parseGltf(bytes, std::filesystem::path(path).parent_path().string());
 }
 }  // namespace
+
+std::string_view withoutByteOrderMark(std::string_view text)
+{
+	constexpr std::string_view kMark = "\xef\xbb\xbf";
+	return text.substr(text.substr(0, kMark.size()) == kMark ? kMark.size() : 0);
+}
 
 Soup readMesh(const std::string& path)
 {

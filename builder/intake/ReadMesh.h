@@ -16,7 +16,11 @@ namespace clod::builder
 // Reads by the ending of the name, ignoring case; of a glTF scene one part, if the path is FILE#PART. Throws Refused.
 Soup readMesh(const std::string& path);
 
-// One format each, from memory. glTF needs the folder its external buffers lie in.
+// Some Windows programs put a byte-order mark before text.
+std::string_view withoutByteOrderMark(std::string_view text);
+
+// One format each, from memory; only STL, which may be binary with any bytes in front, with a byte-order mark. glTF
+// needs the folder its external buffers lie in.
 Soup parseObj(std::string_view text);
 Soup parseOff(std::string_view text);
 Soup parsePly(std::string_view bytes);

@@ -45,13 +45,7 @@ void readCorner(const TextCursor& cursor, std::string_view word, Soup& soup)
 void readFace(TextCursor& cursor, Soup& soup)
 {
 	for (std::string_view word = cursor.word(); !word.empty(); word = cursor.word())
-	{
-		if (word[0] == '#') break;  // after a continuation the comment is still there
-		const bool continued = word.back() == '\\';
-		if (continued) word.remove_suffix(1);
-		if (!word.empty()) readCorner(cursor, word, soup);
-		if (continued && !cursor.nextLine()) break;
-	}
+		readCorner(cursor, word, soup);
 	const std::size_t corners = soup.corners.size() - soup.polygonBegin(soup.polygonCount());
 	if (corners < 3) cursor.refuse(fmt::format("a face needs three corners, this one has {}", corners));
 	soup.endPolygon();
@@ -61,7 +55,7 @@ void readFace(TextCursor& cursor, Soup& soup)
 Soup parseObj(std::string_view text)
 {
 	Soup soup;
-	TextCursor cursor(text);
+	TextCursor cursor(text, TextCursor::Lines::goOnAfterBackslash);
 	while (cursor.nextLineWithContent())
 	{
 		const std::string_view keyword = cursor.word();
@@ -69,8 +63,11 @@ Soup parseObj(std::string_view text)
 			readVertex(cursor, soup);
 		else if (keyword == "f")
 			readFace(cursor, soup);
-		else if (std::find(kSkipped.begin(), kSkipped.end(), keyword) == kSkipped.end())
+		else if (!keyword.empty() && std::find(kSkipped.begin(), kSkipped.end(), keyword) == kSkipped.end())
 			cursor.refuse(fmt::format("keyword '{}' is not one this reader knows", keyword.substr(0, 40)));
+		while (!cursor.word().empty())  // what is skipped may go on, too
+		{
+		}
 	}
 	return soup;
 }

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cstring>
 
 #include "builder/intake/ReadMesh.h"
@@ -49,11 +48,11 @@ Soup parseBinary(std::string_view bytes)
 	return soup;
 }
 
-// In letters of either case.
+// `wanted` is of small letters, `found` in letters of either case.
 bool isWord(std::string_view found, std::string_view wanted)
 {
 	return std::equal(found.begin(), found.end(), wanted.begin(), wanted.end(),
-					  [](unsigned char f, char w) { return std::tolower(f) == w; });
+					  [](char f, char w) { return f == w || f == w - 'a' + 'A'; });
 }
 
 void expect(TextCursor& cursor, std::string_view wanted)
@@ -103,8 +102,9 @@ Soup parseStl(std::string_view bytes)
 {
 	if (bytes.empty()) throw Refused(Reason::empty, "the file has no content");
 	if (isBinary(bytes)) return parseBinary(bytes);
-	TextCursor start(bytes);
-	if (start.nextLineWithContent() && isWord(start.word(), "solid")) return parseAscii(bytes);
+	const std::string_view text = withoutByteOrderMark(bytes);
+	TextCursor start(text);
+	if (start.nextLineWithContent() && isWord(start.word(), "solid")) return parseAscii(text);
 	if (bytes.size() < kHeader)
 		throw Refused(Reason::syntax, fmt::format("{} bytes are too few for a binary STL file", bytes.size()));
 	const std::uint32_t facets = valueAt<std::uint32_t>(bytes, kHeader - 4);

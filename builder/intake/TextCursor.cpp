@@ -43,22 +43,36 @@ bool TextCursor::nextLineWithContent()
 {
 	while (nextLine())
 	{
-		m_line = m_line.substr(0, m_line.find('#'));
+		dropComment();
 		if (m_line.find_first_not_of(kBlanks) != std::string_view::npos) return true;
 	}
 	return false;
 }
 
+// Whether a backslash, here or before blanks, is all that is left of the line.
+bool TextCursor::goesOnAfter(std::size_t end) const
+{
+	return m_lines == Lines::goOnAfterBackslash && end < m_line.size() && m_line[end] == '\\' &&
+		   m_line.find_first_not_of(kBlanks, end + 1) == std::string_view::npos;
+}
+
 std::string_view TextCursor::word()
 {
-	const std::size_t begin = m_line.find_first_not_of(kBlanks);
+	std::size_t begin = m_line.find_first_not_of(kBlanks);
+	while (goesOnAfter(begin))
+	{
+		if (!nextLine()) m_line = {};
+		dropComment();
+		begin = m_line.find_first_not_of(kBlanks);
+	}
 	if (begin == std::string_view::npos)
 	{
 		m_line = {};
 		return {};
 	}
 	m_line.remove_prefix(begin);
-	const std::string_view found = m_line.substr(0, m_line.find_first_of(kBlanks));
+	std::string_view found = m_line.substr(0, m_line.find_first_of(kBlanks));
+	if (goesOnAfter(found.size() - 1)) found.remove_suffix(1);
 	m_line.remove_prefix(found.size());
 	return found;
 }

@@ -11,12 +11,18 @@ namespace clod::builder
 class TextCursor
 {
 public:
-	explicit TextCursor(std::string_view text) : m_rest(text) {}
+	enum class Lines
+	{
+		end,
+		goOnAfterBackslash  // what follows on the next line belongs to this one
+	};
+	explicit TextCursor(std::string_view text, Lines lines = Lines::end) : m_rest(text), m_lines(lines) {}
 	// Goes to the next line (LF, CRLF or CR ends one); false at the end of the text.
 	bool nextLine();
 	// Goes to the next line with a word before any '#'; false at the end of the text.
 	bool nextLineWithContent();
-	// The next word of this line, empty at its end. Words are separated by blanks, tabs, vertical tabs and form feeds.
+	// The next word of this line, empty at its end. Words are separated by blanks, tabs, vertical tabs and form feeds,
+	// and by a backslash where lines go on.
 	std::string_view word();
 	// The next word of the text, whatever its line; empty at the end of the text.
 	std::string_view wordAnywhere();
@@ -28,7 +34,11 @@ public:
 	std::string place() const;  // "line 12"
 
 private:
+	bool goesOnAfter(std::size_t end) const;
+	void dropComment() { m_line = m_line.substr(0, m_line.find('#')); }
+
 	std::string_view m_rest;
+	Lines m_lines;
 	std::string_view m_line;
 	std::size_t m_lineNumber = 0;
 };

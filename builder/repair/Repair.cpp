@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 
@@ -23,6 +24,7 @@ namespace
 constexpr double kSewing = 1e-5;  // of the extent
 constexpr double kOffsetOfAlpha = 1.0 / 30;
 constexpr double kShell = 2.5;       // offsets; a wrap of a sheet from both sides is two thick
+constexpr double kSolid = 0.01;      // offsets; what is thicker between two faces of the file is no sheet
 constexpr double kMuchShell = 0.01;  // of the wrap's area, to be told
 constexpr double kWrapTriangleLimit = 5e6;
 constexpr int kRoundings = 3;
@@ -63,20 +65,28 @@ double areaOf(const Mesh& mesh)
 	return area;
 }
 
-// The share of a closed surface's area behind which the solid is no thicker than this.
-double thinShareOf(const Mesh& mesh, double thickness)
+// The share of a wrap's area that bounds a shell: no thicker than kShell, with faces of the file in between, but no
+// solid of the file (a thin part has both its sides there, a sheet one, or two in the same place).
+double shellShareOf(const Mesh& wrap, const Mesh& file, double offset)
 {
-	const TriangleTree tree(mesh);
-	double all = 0, thin = 0;
+	Mesh turned = file;
+	for (auto& t : turned.triangles) std::swap(t[1], t[2]);
+	const TriangleTree tree(wrap), into(turned), outOf(file);
+	double all = 0, shell = 0;
 	for (std::uint32_t t = 0; t < tree.size(); ++t)
 	{
-		const Vec3 outward = areaVector(tree.triangle(t));
+		const Vec3 outward = areaVector(tree.triangle(t)), from = centroid(tree.triangle(t));
 		const double area = length(outward);
 		if (!(area > 0)) continue;
 		all += area;
-		if (tree.exitDistance(centroid(tree.triangle(t)), (-1 / area) * outward, 0) <= thickness) thin += area;
+		const Vec3 inward = (-1 / area) * outward;
+		const double thickness = tree.exitDistance(from, inward, 0);
+		if (thickness > kShell * offset) continue;
+		const double in = into.exitDistance(from, inward, 0), out = outOf.exitDistance(from, inward, 0);
+		const bool isSolid = std::max(in, out) <= thickness && std::abs(in - out) > kSolid * offset;
+		if (std::min(in, out) <= thickness && !isSolid) shell += area;
 	}
-	return thin / all;
+	return shell / all;
 }
 
 // CGAL's failed assertions become refusals, and its random choices the same in every run.
@@ -227,7 +237,7 @@ Repaired wrapAround(const Soup& soup, double asked, std::size_t mostTriangles, c
 			repaired.changes.push_back(fmt::format("{} faces wrapped by {} triangles {:.4g} outside of them",
 												   file.triangles.size(), wrap.triangles.size(),
 												   kOffsetOfAlpha * length));
-			const double shell = thinShareOf(wrap, kShell * kOffsetOfAlpha * length);
+			const double shell = shellShareOf(wrap, file, kOffsetOfAlpha * length);
 			if (shell > kMuchShell)
 				repaired.changes.push_back(fmt::format("{:.0f} % of the wrap bound a shell only {:.4g} thick: there is a "
 													   "gap wider than {:.4g}, or faces have nothing behind them; a "

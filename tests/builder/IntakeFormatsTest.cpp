@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <clocale>
+#include <cstdlib>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -308,6 +310,42 @@ TEST(IntakeFormats, HabitsOfOtherProgramsChangeNothing)
 		{"lines.obj", goingOn}};
 	for (const auto& [name, text] : files)
 		EXPECT_EQ(builder::intakeFile(folder.file(name, text)).mesh.triangles.size(), solid().triangles.size()) << name;
+}
+
+// The header of a binary STL file is free: what stands there is no mark.
+TEST(IntakeFormats, BinaryStlMayBeginLikeAMark)
+{
+	const TemporaryFolder folder;
+	std::string bytes = asStlBinary();
+	bytes.replace(0, 3, "\xef\xbb\xbf");
+	EXPECT_EQ(builder::intakeFile(folder.file("a.stl", bytes)).mesh.triangles.size(), solid().triangles.size());
+}
+
+// In Turkish, the small letter of I is another one.
+TEST(IntakeFormats, CapitalsAreReadInAnyLocale)
+{
+	const TemporaryFolder folder;
+	const std::string make = "localedef -i tr_TR -f ISO-8859-9 --no-archive " + folder.file("tr") + " 2>&1";
+	if (std::system(make.c_str()) != 0) GTEST_SKIP() << "no Turkish locale can be made here";
+	std::string text = asStlText();
+	for (char& c : text) c = char(std::toupper(static_cast<unsigned char>(c)));
+	const std::string path = folder.file("A.STL", text);
+	setenv("LOCPATH", folder.path().c_str(), 1);
+	ASSERT_NE(std::setlocale(LC_CTYPE, "tr"), nullptr);
+	ASSERT_NE(std::tolower('I'), 'i');
+	std::size_t triangles = 0;
+	std::string refusal;
+	try
+	{
+		triangles = builder::intakeFile(path).mesh.triangles.size();
+	}
+	catch (const builder::Refused& refused)
+	{
+		refusal = refused.what();
+	}
+	std::setlocale(LC_CTYPE, "C");
+	unsetenv("LOCPATH");
+	EXPECT_EQ(triangles, solid().triangles.size()) << refusal;
 }
 
 TEST(IntakeFormats, GltfNodesOnlyMove)

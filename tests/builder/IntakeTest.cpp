@@ -79,6 +79,17 @@ const Case kCases[] = {
 	{"X20LocaleComma", replaced(kCube, "v 1 1 0", "v 1,0 1,0 0"), "syntax", "line 3"},
 	{"X20MissingCoordinate", replaced(kCube, "v 1 1 0", "v 1 1"), "syntax", "line 3"},
 	{"X20UnknownKeyword", kCube + "curv 0 1 2 3\n", "syntax", "line 15"},
+	{"X20LinesThatGoOn",
+	 "\\\n" + replaced(replaced(kCube, "v 1 1 0",
+							   "vn 0 0 \\\n1\nl 1 2 \\\r\n3 4\n\\\nv 1\\\n 1 \\ # tail\n\\\n0 # C:\\"),
+					  "f 5 6 7 8", "f\\\n5 6\\ \n7 8\\\n"),
+	 "BUILT", ""},
+	{"X20LineThatGoesOnAtTheEnd", kCube + "l 1 2 \\", "BUILT", ""},
+	{"X20BackslashWithinALine", replaced(kCube, "f 5 6 7 8", "f 5 6\\ 7 8"), "syntax", "line 10: '6\\'"},
+	{"X20WordOnALineThatGoesOn", replaced(kCube, "v 1 1 0", "v 1\\\n1\\\nx"), "syntax", "line 5: 'x'"},
+	{"X20CornerOnALineThatGoesOn", replaced(kCube, "f 5 6 7 8", "f 5 6 \\\n7 99"), "index out of range", ""},
+	{"X20UnknownAfterLinesThatGoOn", replaced(kCube, "v 1 1 0", "v 1\\\n1\\\n0") + "curv\\\n0 1\n", "syntax",
+	 "line 17: keyword 'curv'"},
 	{"X20TwoCorners", kCube + "f 1 2\n", "syntax", "line 15"},
 };
 

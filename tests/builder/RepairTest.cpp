@@ -229,6 +229,17 @@ TEST(Wrap, TellsOfAShell)
 	EXPECT_GT(told(open, 0.4), 0) << "what is cut into it has coarse facets inside, some distance off";
 	EXPECT_EQ(told(open, 1.5), 0) << "the hole is bridged";
 	EXPECT_EQ(told(closed, 0.2), 0);
+
+	// What is closed but thin is a solid, a sheet with both its sides in the file is not.
+	const std::string blade = "v 0 0 0\nv 0 1 0\nv 1 0 -.026\nv 1 1 -.026\nv 1 0 .026\nv 1 1 .026\n"
+							  "f 1 2 4 3\nf 1 5 6 2\nf 3 4 6 5\nf 1 3 5\nf 2 6 4\n";
+	ASSERT_NO_THROW(builder::intake(builder::parseObj(blade)));
+	EXPECT_EQ(told(builder::parseObj(blade), 0.2), 0);
+	EXPECT_EQ(told(builder::parseObj(objText(boxMesh({0.5, 0.5, 0.001}, 1))), 1), 0);
+	EXPECT_GT(told(builder::parseObj("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\nv 0 0 -1e-6\nv 1 0 -1e-6\n"
+									 "v 1 1 -1e-6\nv 0 1 -1e-6\nf 8 7 6 5\n"),
+				   0.2),
+			  50);
 }
 
 // Coarser than asked for where it would have too many triangles, and says so.
