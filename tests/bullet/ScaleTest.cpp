@@ -11,6 +11,7 @@
 #include <BulletCollision/CollisionShapes/btConvexTriangleMeshShape.h>
 #include <BulletCollision/CollisionShapes/btUniformScalingShape.h>
 
+#include "clod/bullet/ConvexPartner.h"
 #include "clod/hierarchy/ScaledHierarchy.h"
 #include "tests/bullet/BulletWorld.h"
 #include "tests/bullet/PatchHierarchy.h"
@@ -271,5 +272,23 @@ TEST(Scale, AChangedConvexMeshIsSeen)
 		for (int& corner : faces) corner = corner == 3 ? 4 : corner;
 		expect(2);
 	}
+}
+
+// One corner is enough, the first or any other that a triangle names; where none does it is no part of the mesh.
+TEST(Scale, AMeshThatIsNotFiniteIsRefusedWithAReason)
+{
+	for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
+		for (int corner = 0; corner < 5; ++corner)
+		{
+			btScalar corners[] = {-1, 0, -1, 1, 0, -1, 0, 0, 1, 0, -1, 0, 0, -2, 0};
+			int faces[] = {0, 1, 2, 0, 1, 3, 1, 2, 3, 2, 0, 3};
+			btTriangleIndexVertexArray mesh(4, faces, 3 * sizeof(int), 5, corners, 3 * sizeof(btScalar));
+			btConvexTriangleMeshShape shape(&mesh);
+			corners[3 * corner + corner % 3] = btScalar(bad);
+			ConvexPartners partners;
+			const auto partner = partners.of(shape, 1, nullptr);
+			EXPECT_EQ(partner->problem, corner < 4 ? "a number of the shape is not finite" : "") << bad << corner;
+			EXPECT_EQ(partner->hierarchy != nullptr, corner == 4) << bad << corner;
+		}
 }
 }  // namespace clod::test

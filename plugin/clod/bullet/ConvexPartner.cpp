@@ -309,7 +309,9 @@ std::shared_ptr<const ConvexPartner> ConvexPartners::of(const btConvexShape& sha
 	if (known && known->shape == description.numbers) return known;
 	ConvexPartner made;
 	made.shape = description.numbers;
-	if (!std::all_of(made.shape.begin(), made.shape.end(), [](double v) { return std::isfinite(v); }))
+	const std::vector<Vec3>& points = description.points;  // of a mesh numbers have but their hash
+	if (!std::all_of(made.shape.begin(), made.shape.end(), [](double v) { return std::isfinite(v); }) ||
+		!std::all_of(points.begin(), points.end(), [](const Vec3& p) { return isFinite(p); }))
 	{
 		made.problem = "a number of the shape is not finite";
 		return std::make_shared<const ConvexPartner>(made);
