@@ -214,6 +214,18 @@ void MovedNodes::place(const ContactSurface& surface, MovedCorner& corner) const
 	corner.isPlaced = true;
 }
 
+// Placed, with a box round its way.
+MovedCorner MovedNodes::placed(const ContactSurface& surface, std::uint32_t vertex) const
+{
+	MovedCorner corner{{{}, vertex, 0}};
+	place(surface, corner);
+	const Vec3& now = corner.now;
+	corner.box = {now, now};
+	corner.box.add(now + kPathReach * (corner.then - now));
+	corner.box.add(now + kPathReach * (corner.unforced - now));
+	return corner;
+}
+
 Vec3 MovedNodes::upOf(const ContactSurface& surface, std::uint32_t polygon) const
 {
 	return m_otherFromThis.rotation * surface.planeOf(polygon).normal;
@@ -254,13 +266,9 @@ void MovedNodes::move(MovedNode& moved, const ContactSurface& surface)
 	m_corners.clear();
 	for (const std::uint32_t v : surface.verticesOf(moved.node))
 	{
-		MovedCorner corner{{{}, v, 0}};
-		place(surface, corner);
-		const Vec3 &now = corner.now, ahead = corner.then - now, unforced = corner.unforced - now;
-		displaced = std::max(displaced, std::max(lengthSquared(ahead), lengthSquared(unforced)));
-		corner.box = {now, now};
-		corner.box.add(now + kPathReach * ahead);
-		corner.box.add(now + kPathReach * unforced);
+		const MovedCorner corner = placed(surface, v);
+		displaced = std::max(displaced, lengthSquared(corner.then - corner.now));
+		displaced = std::max(displaced, lengthSquared(corner.unforced - corner.now));
 		if (m_corners.empty()) moved.box = corner.box;
 		moved.box.add(corner.box);
 		m_corners.push_back(corner);
@@ -296,6 +304,7 @@ void MovedNodes::listMoved(MovedNode& moved, const ContactSurface& surface, cons
 		for (const std::uint16_t corner : corners) box.add(m_corners[corner].box);
 		moved.polygons.push_back({{box, polygon.polygon, m_numbers.next()}, upOf(surface, polygon.polygon)});
 	}
+	const auto boxOf = [&](std::uint32_t vertex) { return hasAllVertices ? m_corners[vertex].box : placed(surface, vertex).box; };
 	for (const std::uint32_t index : surface.edgesOf(moved.node))
 	{
 		const SurfaceEdge& edge = surface.edges()[index];
@@ -310,13 +319,8 @@ void MovedNodes::listMoved(MovedNode& moved, const ContactSurface& surface, cons
 		at.direction = m_question->aFromB.rotation * edge.direction;
 		at.thenDirection = m_question->aFromBThen.rotation * edge.direction;
 		for (std::size_t side = 0; side < 2; ++side) at.inward[side] = m_question->aFromB.rotation * edge.inward[side];
-		at.box = {at.start, at.start};
-		at.box.add(at.start + kPathReach * (at.thenStart - at.start));
-		at.box.add(at.start + kPathReach * (at.unforcedStart - at.start));
-		const Vec3 end = at.start + edge.length * at.direction;
-		at.box.add(end);
-		at.box.add(end + kPathReach * (at.thenStart + edge.length * at.thenDirection - end));
-		at.box.add(end + kPathReach * (at.unforcedStart - at.start));
+		at.box = boxOf(edge.vertex[0]);
+		at.box.add(boxOf(edge.vertex[1]));
 		moved.edges.push_back(at);
 	}
 }

@@ -157,6 +157,7 @@ public:
 	void place(const ContactSurface& surface, MovedCorner& corner) const;
 
 private:
+	MovedCorner placed(const ContactSurface& surface, std::uint32_t vertex) const;
 	Vec3 upOf(const ContactSurface& surface, std::uint32_t polygon) const;
 	std::uint32_t numberOf(const MovedNode& moved, bool isEdge, std::uint32_t index);
 	void listStill(MovedNode& moved, const ContactSurface& surface, const Near& near);
