@@ -93,8 +93,8 @@ TEST(ConvexPolyhedron, WhatIsLeftOutIsWithinTheError)
 	EXPECT_GT(leftOut, 20);
 }
 
-// Cylinders, flat but for rounding at their ends, where points may be a little above a face that stays: the face made of
-// one and a short edge is so steep that corners of the other face are above it.
+// Cylinders, flat but for rounding at their ends, where points may be a little above a face that stays: the face made
+// of one and a short edge is so steep that corners of the other face are above it.
 TEST(ConvexPolyhedron, WhatIsAboveASteepFaceIsWithinTheError)
 {
 	Random random(10);

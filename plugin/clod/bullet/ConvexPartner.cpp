@@ -145,9 +145,9 @@ void describeSpheres(const btMultiSphereShape& shape, Description& description)
 	}
 }
 
-// All corners of its triangles as Bullet gives them, each as often as it is one: its hull's corners are among them. They
-// are asked for each time, as a program may move them without a word. How many rows of corners there are is not asked:
-// Bullet never reads that number, and a program need not set it.
+// All corners of its triangles as Bullet gives them, each as often as it is one: its hull's corners are among them.
+// They are asked for each time, as a program may move them without a word. How many rows of corners there are is not
+// asked: Bullet never reads that number, and a program need not set it.
 void describeMesh(const btConvexTriangleMeshShape& shape, Description& description)
 {
 	struct : btInternalTriangleIndexCallback

@@ -316,9 +316,9 @@ bool Hull::insert(std::uint32_t from, const Vec3& point)
 	const HorizonEdge* at = &horizon.front();
 	do
 	{
-		// Where the point is not above the face that stays, the plane of the new one lies between those of the two that
-		// meet at the edge: what is above it is above one of them. Else it is a little steeper, and far from a short face
-		// anything may be above it, corners of the one that stays, too.
+		// Where the point is not above the face that stays, the plane of the new one lies between those of the two
+		// that meet at the edge: what is above it is above one of them. Else it is a little steeper, and far from a
+		// short face anything may be above it, corners of the one that stays, too.
 		const HullFace &inside = m_faces[at->inside], &outside = m_faces[at->outside];
 		m_near.clear();
 		if (dot(outside.normal, m_vertices[apex]) > outside.offset)

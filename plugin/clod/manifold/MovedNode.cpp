@@ -12,10 +12,10 @@ namespace
 {
 constexpr double kRounding = 1e-9;  // of a distance from a box, more than its own
 constexpr std::size_t kNumbered = 2048;  // a power of two, see FeatureNumbers
-constexpr std::uint32_t kMostBlocks = 16;  // of 64 nodes: of more, tables of features and blocks take more than they save
+constexpr std::uint32_t kMostBlocks = 16;  // of 64 nodes: of more, the tables take more than they save
 
-// Calls each(0: a corner, 1: a polygon, 2: an edge; its box; which) for what a node of A has near: it stands still in its
-// own frame.
+// Calls each(0: a corner, 1: a polygon, 2: an edge; its box; which) for what a node of A has near: it stands still in
+// its own frame.
 template <class Each>
 void forEachStill(const ContactSurface& surface, std::uint32_t node, const Near& near, const Each& each)
 {
@@ -57,7 +57,10 @@ unsigned sidesBeyond(const Box& box, const Box& other)
 {
 	unsigned sides = 0;
 	for (int axis = 0; axis < 3; ++axis)
-		sides |= unsigned(box.high[axis] < other.low[axis]) << 2 * axis | unsigned(box.low[axis] > other.high[axis]) << (2 * axis + 1);
+	{
+		const unsigned isBelow = box.high[axis] < other.low[axis], isAbove = box.low[axis] > other.high[axis];
+		sides |= (isBelow | isAbove << 1) << 2 * axis;
+	}
 	return sides;
 }
 }  // namespace
@@ -69,7 +72,8 @@ bool NearFeatures::holds(const Near& near) const
 	for (int axis = 0; axis < 3; ++axis)
 		out[axis] = std::max({0.0, m_box.low[axis] - near.m_box->low[axis], near.m_box->high[axis] - m_box.high[axis]});
 	const double far = std::max({out.x, out.y, out.z});
-	return (1 + kRounding) * (near.m_reach + far) < m_reach && (1 + kRounding) * (near.m_straight + length(out)) <= m_straight;
+	return (1 + kRounding) * (near.m_reach + far) < m_reach &&
+		   (1 + kRounding) * (near.m_straight + length(out)) <= m_straight;
 }
 
 NearFeatures::OfNode NearFeatures::of(std::uint32_t node, const ContactSurface& surface, const Near& near)
@@ -128,7 +132,8 @@ std::uint32_t FeatureNumbers::of(std::uint32_t level, bool isEdge, std::uint32_t
 	return entry.number;
 }
 
-void MovedNodes::start(const FacetQuestion& question, const std::vector<Contact>& contacts, bool isA, NearFeatures* kept)
+void MovedNodes::start(const FacetQuestion& question, const std::vector<Contact>& contacts, bool isA,
+					   NearFeatures* kept)
 {
 	m_question = &question;
 	m_kept = kept;
@@ -281,8 +286,8 @@ void MovedNodes::listNear(MovedNode& moved, const Box& places)
 	listMoved(moved, (m_isA ? m_question->a : m_question->b).surface(moved.level), places);
 }
 
-// Of the node whose vertices were placed last, the features that meet the box. All vertices of a surface of one node are
-// the node's; of others an edge may go beyond the node.
+// Of the node whose vertices were placed last, the features that meet the box. All vertices of a surface of one node
+// are the node's; of others an edge may go beyond the node.
 void MovedNodes::listMoved(MovedNode& moved, const ContactSurface& surface, const Box& places)
 {
 	const bool hasAllVertices = m_corners.size() == surface.vertices().size();
@@ -304,7 +309,8 @@ void MovedNodes::listMoved(MovedNode& moved, const ContactSurface& surface, cons
 		for (const std::uint16_t corner : corners) box.add(m_corners[corner].box);
 		moved.polygons.push_back({{box, polygon.polygon, m_numbers.next()}, upOf(surface, polygon.polygon)});
 	}
-	const auto boxOf = [&](std::uint32_t vertex) { return hasAllVertices ? m_corners[vertex].box : placed(surface, vertex).box; };
+	const auto boxOf = [&](std::uint32_t vertex)
+	{ return hasAllVertices ? m_corners[vertex].box : placed(surface, vertex).box; };
 	for (const std::uint32_t index : surface.edgesOf(moved.node))
 	{
 		const SurfaceEdge& edge = surface.edges()[index];
