@@ -4,12 +4,14 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <tuple>
 #include <vector>
 
 #include <BulletCollision/CollisionShapes/btConvexTriangleMeshShape.h>
 #include <BulletCollision/CollisionShapes/btUniformScalingShape.h>
 
+#include "clod/bullet/ConvexPartner.h"
 #include "clod/hierarchy/ScaledHierarchy.h"
 #include "tests/bullet/BulletWorld.h"
 #include "tests/bullet/PatchHierarchy.h"
@@ -239,31 +241,54 @@ TEST(Scale, PointsOfMeshesAndScaledShapesAreTakenAsTheyAre)
 		}
 }
 
-// A program may move a mesh's corners, or name others, under the same shape.
+// A program may move a mesh's corners, or name others, under the same shape; and it need not set how many rows of
+// corners there are, which Bullet does not read.
 TEST(Scale, AChangedConvexMeshIsSeen)
 {
-	btScalar corners[] = {-1, 0, -1, 1, 0, -1, 0, 0, 1, 0, -1, 0, 0, -2, 0};
-	int faces[] = {0, 1, 2, 0, 1, 3, 1, 2, 3, 2, 0, 3};
-	btTriangleIndexVertexArray mesh(4, faces, 3 * sizeof(int), 5, corners, 3 * sizeof(btScalar));
-	btConvexTriangleMeshShape shape(&mesh);
-	shape.setMargin(0);
-	btUniformScalingShape twice(&shape, 2);
-	BulletWorld scene;
-	btRigidBody& ground = scene.addBody(scene.addShape(slab()), 0, {0, -0.5, 0});
-	btRigidBody &single = scene.addBody(shape, 1, {0, 2.5, 0}), &scaled = scene.addBody(twice, 1, {0, 4.5, 0});
-	const auto expect = [&](double below)
+	for (const int rows : {5, 0, std::numeric_limits<int>::max()})
 	{
-		for (const auto& [body, height] : {std::make_pair(&single, 2.5 - below), std::make_pair(&scaled, 4.5 - 2 * below)})
+		btScalar corners[] = {-1, 0, -1, 1, 0, -1, 0, 0, 1, 0, -1, 0, 0, -2, 0};
+		int faces[] = {0, 1, 2, 0, 1, 3, 1, 2, 3, 2, 0, 3};
+		btTriangleIndexVertexArray mesh(4, faces, 3 * sizeof(int), rows, corners, 3 * sizeof(btScalar));
+		btConvexTriangleMeshShape shape(&mesh);
+		shape.setMargin(0);
+		btUniformScalingShape twice(&shape, 2);
+		BulletWorld scene;
+		btRigidBody& ground = scene.addBody(scene.addShape(slab()), 0, {0, -0.5, 0});
+		btRigidBody &single = scene.addBody(shape, 1, {0, 2.5, 0}), &scaled = scene.addBody(twice, 1, {0, 4.5, 0});
+		const auto expect = [&](double below)
 		{
-			Closest nearest(3);
-			scene.world.contactPairTest(&ground, body, nearest);
-			EXPECT_NEAR(nearest.least, height, 1e-3) << below;
+			const double heights[] = {2.5 - below, 4.5 - 2 * below};
+			for (btRigidBody* body : {&single, &scaled})
+			{
+				Closest nearest(3);
+				scene.world.contactPairTest(&ground, body, nearest);
+				EXPECT_NEAR(nearest.least, heights[body == &scaled], 1e-3) << below << " of " << rows;
+			}
+		};
+		expect(1);
+		corners[10] = btScalar(-1.5);
+		expect(1.5);
+		for (int& corner : faces) corner = corner == 3 ? 4 : corner;
+		expect(2);
+	}
+}
+
+// One corner is enough, the first or any other that a triangle names; where none does it is no part of the mesh.
+TEST(Scale, AMeshThatIsNotFiniteIsRefusedWithAReason)
+{
+	for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
+		for (int corner = 0; corner < 5; ++corner)
+		{
+			btScalar corners[] = {-1, 0, -1, 1, 0, -1, 0, 0, 1, 0, -1, 0, 0, -2, 0};
+			int faces[] = {0, 1, 2, 0, 1, 3, 1, 2, 3, 2, 0, 3};
+			btTriangleIndexVertexArray mesh(4, faces, 3 * sizeof(int), 5, corners, 3 * sizeof(btScalar));
+			btConvexTriangleMeshShape shape(&mesh);
+			corners[3 * corner + corner % 3] = btScalar(bad);
+			ConvexPartners partners;
+			const auto partner = partners.of(shape, 1, nullptr);
+			EXPECT_EQ(partner->problem, corner < 4 ? "a number of the shape is not finite" : "") << bad << corner;
+			EXPECT_EQ(partner->hierarchy != nullptr, corner == 4) << bad << corner;
 		}
-	};
-	expect(1);
-	corners[10] = btScalar(-1.5);
-	expect(1.5);
-	for (int& corner : faces) corner = corner == 3 ? 4 : corner;
-	expect(2);
 }
 }  // namespace clod::test

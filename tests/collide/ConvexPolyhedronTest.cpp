@@ -93,6 +93,29 @@ TEST(ConvexPolyhedron, WhatIsLeftOutIsWithinTheError)
 	EXPECT_GT(leftOut, 20);
 }
 
+// Cylinders, flat but for rounding at their ends, where points may be a little above a face that stays: the face made
+// of one and a short edge is so steep that corners of the other face are above it.
+TEST(ConvexPolyhedron, WhatIsAboveASteepFaceIsWithinTheError)
+{
+	Random random(10);
+	int isSteep = 0;
+	for (int round = 0; round < 200; ++round)
+	{
+		const Mat3 turn = randomRotation(random);
+		const double noise = std::pow(10.0, -11 + round % 5);
+		std::vector<Vec3> points;
+		for (int i = 0; i < 120; ++i)
+		{
+			const double angle = uniform(random, 0, 6.28), z = (i % 2 ? 0.5 : -0.5) + noise * uniform(random, -1, 1);
+			points.push_back(toVec3(toFloat3(turn * Vec3{std::cos(angle), std::sin(angle), z})));
+		}
+		const ConvexPolyhedron hull = convexPolyhedron(points, 65535);
+		EXPECT_LE(farthestOut(hull, points), hull.error + 5e-12) << round;
+		isSteep += hull.error > 1e-6;
+	}
+	EXPECT_GT(isSteep, 10);
+}
+
 // Points are found through a tree: as one after the other they make the same hull, of equal ones the first counting.
 TEST(ConvexPolyhedron, IsTheSameWhereAllPointsAreLookedAt)
 {

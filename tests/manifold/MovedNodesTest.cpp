@@ -125,7 +125,8 @@ TEST(MovedNodes, OfOneNodeTheFeaturesAreListedThatMeetTheBox)
 		};
 		const Transform now = at(some(0.2), turn(1));
 		const Transform then = at(now.translation + some(0.2), turn(0.2) * now.rotation);
-		const FacetQuestion question{whole, whole, now, then, at(now.translation + some(0.2), now.rotation), {}};
+		const Transform unforced = at(now.translation + some(0.2), turn(0.2) * now.rotation);
+		const FacetQuestion question{whole, whole, now, then, unforced, {}};
 		const Vec3 middle = some(1.5), half = Vec3{0.5, 0.5, 0.5} + some(0.5);
 		const Box places{middle - half, middle + half};
 		MovedNodes all, near;

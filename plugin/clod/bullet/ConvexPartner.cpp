@@ -37,8 +37,7 @@ struct Description
 {
 	std::vector<double> numbers;
 	std::vector<Vec3> points;
-	std::vector<double> mesh;  // what one is made of, hashed, and how it is scaled: in the place of
-	bool hasMeshPoints = false;  // its points, which are gathered to make a partner only
+	bool isMesh = false;  // points are all corners of its triangles, of which numbers hold a hash
 	double radius = 0;
 	bool isBySupport = false;
 	bool isSeen = false;  // numbers are what is seen of it, and where it is; else all that makes it
@@ -146,8 +145,10 @@ void describeSpheres(const btMultiSphereShape& shape, Description& description)
 	}
 }
 
-// All corners of its triangles, each as often as it is one: its hull's corners are among them.
-void gatherMesh(const btConvexTriangleMeshShape& shape, Description& description)
+// All corners of its triangles as Bullet gives them, each as often as it is one: its hull's corners are among them.
+// They are asked for each time, as a program may move them without a word. How many rows of corners there are is not
+// asked: Bullet never reads that number, and a program need not set it.
+void describeMesh(const btConvexTriangleMeshShape& shape, Description& description)
 {
 	struct : btInternalTriangleIndexCallback
 	{
@@ -160,49 +161,8 @@ void gatherMesh(const btConvexTriangleMeshShape& shape, Description& description
 	sink.points = &description.points;
 	const btScalar far = BT_LARGE_FLOAT;
 	shape.getMeshInterface()->InternalProcessAllTriangles(&sink, btVector3(-far, -far, -far), btVector3(far, far, far));
-}
-
-std::size_t sizeOf(PHY_ScalarType type)
-{
-	switch (type)
-	{
-		case PHY_DOUBLE: return sizeof(double);
-		case PHY_SHORT: return sizeof(short);
-		case PHY_UCHAR: return sizeof(unsigned char);
-		default: return sizeof(float);  // and integers
-	}
-}
-
-// Its corners and which of them make triangles, hashed as they lie in memory: a program may change them without a word.
-void describeMesh(const btConvexTriangleMeshShape& shape, Description& description)
-{
-	thread_local std::vector<unsigned char> bytes;
-	const btStridingMeshInterface& mesh = *shape.getMeshInterface();
-	bytes.clear();
-	int triangles = 0;
-	for (int part = 0; part < mesh.getNumSubParts(); ++part)
-	{
-		const unsigned char *corners = nullptr, *faces = nullptr;
-		int cornerCount = 0, cornerStride = 0, faceCount = 0, faceStride = 0;
-		PHY_ScalarType cornerType = PHY_FLOAT, faceType = PHY_INTEGER;
-		mesh.getLockedReadOnlyVertexIndexBase(&corners, cornerCount, cornerType, cornerStride, &faces, faceStride, faceCount,
-											  faceType, part);
-		const auto add = [](const unsigned char* row, int count, int stride, std::size_t size)
-		{
-			for (int i = 0; i < count; ++i, row += stride) bytes.insert(bytes.end(), row, row + size);
-		};
-		add(corners, cornerCount, cornerStride, 3 * sizeOf(cornerType));
-		add(faces, faceCount, faceStride, 3 * sizeOf(faceType));
-		mesh.unLockReadOnlyVertexBase(part);
-		triangles += faceCount;
-	}
-	description.isBySupport = triangles == 0;
-	if (description.isBySupport) return;
-	const std::uint64_t hash = XXH3_64bits(bytes.data(), bytes.size());
-	const Vec3 scaling = toVec3(mesh.getScaling());
-	description.mesh = {double(hash >> 32), double(hash & 0xFFFFFFFFu), double(triangles),
-						scaling.x, scaling.y, scaling.z};
-	if (description.hasMeshPoints) gatherMesh(shape, description);
+	description.isMesh = true;
+	description.isBySupport = description.points.empty();
 }
 
 void describePolyhedron(const btPolyhedralConvexShape& shape, Description& description)
@@ -241,7 +201,6 @@ void describeScaled(const btUniformScalingShape& shape, Description& description
 	const double factor = double(shape.getUniformScalingFactor());
 	for (Vec3& p : description.points) p = factor * p;
 	for (double* length : {&description.radius, &description.error, &description.size}) *length *= factor;
-	if (!description.mesh.empty()) description.mesh.push_back(factor);
 }
 
 void describeByKind(const btConvexShape& shape, Description& description)
@@ -270,16 +229,20 @@ void describeByKind(const btConvexShape& shape, Description& description)
 void describe(const btConvexShape& shape, Description& description)
 {
 	description.points.clear();
-	description.mesh.clear();
-	description.isBySupport = description.isSeen = false;
+	description.isMesh = description.isBySupport = false;
 	description.error = description.size = 0;
 	describeByKind(shape, description);
-	if (description.hasMeshPoints) return;
+	const std::vector<Vec3>& points = description.points;
 	std::vector<double>& numbers = description.numbers;
 	numbers.assign({double(shape.getShapeType()), description.radius, double(description.isBySupport)});
-	for (const Vec3& p : description.points) numbers.insert(numbers.end(), {p.x, p.y, p.z});
-	numbers.insert(numbers.end(), description.mesh.begin(), description.mesh.end());
-	description.isSeen = description.points.empty() && description.mesh.empty();
+	if (description.isMesh)
+	{
+		const std::uint64_t hash = XXH3_64bits(points.data(), points.size() * sizeof(Vec3));
+		numbers.insert(numbers.end(), {double(hash >> 32), double(hash & 0xFFFFFFFFu), double(points.size())});
+	}
+	else
+		for (const Vec3& p : points) numbers.insert(numbers.end(), {p.x, p.y, p.z});
+	description.isSeen = points.empty();
 	if (description.isSeen) look(shape, description);
 }
 
@@ -289,8 +252,8 @@ ConvexPolyhedron thickened(const ConvexPolyhedron& flat)
 	const std::array<std::uint32_t, 3>& t = flat.triangles[0];
 	double size = 0;
 	for (const Vec3& v : flat.vertices) size = std::max(size, length(v - flat.vertices[0]));
-	const Vec3 half = kSheet * size *
-					  normalized(cross(flat.vertices[t[1]] - flat.vertices[t[0]], flat.vertices[t[2]] - flat.vertices[t[0]]));
+	const Vec3 &a = flat.vertices[t[0]], &b = flat.vertices[t[1]], &c = flat.vertices[t[2]];
+	const Vec3 half = kSheet * size * normalized(cross(b - a, c - a));
 	std::vector<Vec3> points;
 	for (const Vec3& v : flat.vertices)
 	{
@@ -346,7 +309,9 @@ std::shared_ptr<const ConvexPartner> ConvexPartners::of(const btConvexShape& sha
 	if (known && known->shape == description.numbers) return known;
 	ConvexPartner made;
 	made.shape = description.numbers;
-	if (!std::all_of(made.shape.begin(), made.shape.end(), [](double v) { return std::isfinite(v); }))
+	const std::vector<Vec3>& points = description.points;  // of a mesh numbers have but their hash
+	if (!std::all_of(made.shape.begin(), made.shape.end(), [](double v) { return std::isfinite(v); }) ||
+		!std::all_of(points.begin(), points.end(), [](const Vec3& p) { return isFinite(p); }))
 	{
 		made.problem = "a number of the shape is not finite";
 		return std::make_shared<const ConvexPartner>(made);
@@ -360,12 +325,6 @@ std::shared_ptr<const ConvexPartner> ConvexPartners::of(const btConvexShape& sha
 	const auto isAsBefore = [&]
 	{ return kept->shape == made.shape && answersAsBefore(shape, unit, description.radius, *kept); };
 	if (kept && (!isSeen || isAsBefore())) return kept;
-	if (!description.mesh.empty())
-	{
-		description.hasMeshPoints = true;
-		describe(shape, description);
-		description.hasMeshPoints = false;
-	}
 	make(shape, unit, description, made);
 	const auto partner = std::make_shared<const ConvexPartner>(std::move(made));
 	keep(key, partner);

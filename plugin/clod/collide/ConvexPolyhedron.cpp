@@ -78,7 +78,7 @@ private:
 	std::priority_queue<std::pair<double, std::uint32_t>> m_byError;  // of faces that have one, by ~index
 	std::vector<std::uint32_t> m_below;  // by face: the last search of facesBelow that found it
 	std::uint32_t m_search = 0;
-	std::vector<std::uint32_t> m_near, m_above;  // of a face that is made
+	std::vector<std::uint32_t> m_all, m_near, m_above;  // of points: all; of a face that is made, those
 	std::vector<std::array<std::uint32_t, 3>> m_flat;
 	Vec3 m_inside;
 	double m_error = 0;
@@ -226,12 +226,12 @@ std::uint32_t Hull::addFace(std::uint32_t a, std::uint32_t b, std::uint32_t c, c
 
 void Hull::makeSimplex()
 {
-	std::vector<std::uint32_t> all(m_points.size());
-	std::iota(all.begin(), all.end(), 0u);
-	addFace(0, 1, 2, all);
-	addFace(0, 3, 1, all);
-	addFace(1, 3, 2, all);
-	addFace(2, 3, 0, all);
+	m_all.resize(m_points.size());
+	std::iota(m_all.begin(), m_all.end(), 0u);
+	addFace(0, 1, 2, m_all);
+	addFace(0, 3, 1, m_all);
+	addFace(1, 3, 2, m_all);
+	addFace(2, 3, 0, m_all);
 	m_faces[0].neighbour = {1, 2, 3};
 	m_faces[1].neighbour = {3, 2, 0};
 	m_faces[2].neighbour = {1, 3, 0};
@@ -316,11 +316,16 @@ bool Hull::insert(std::uint32_t from, const Vec3& point)
 	const HorizonEdge* at = &horizon.front();
 	do
 	{
-		// The plane of the new face lies between those of the two that meet at the edge: what is above it is above one of
-		// them.
-		const std::vector<std::uint32_t>&inside = m_faces[at->inside].above, &outside = m_faces[at->outside].above;
+		// Where the point is not above the face that stays, the plane of the new one lies between those of the two
+		// that meet at the edge: what is above it is above one of them. Else it is a little steeper, and far from a
+		// short face anything may be above it, corners of the one that stays, too.
+		const HullFace &inside = m_faces[at->inside], &outside = m_faces[at->outside];
 		m_near.clear();
-		std::set_union(inside.begin(), inside.end(), outside.begin(), outside.end(), std::back_inserter(m_near));
+		if (dot(outside.normal, m_vertices[apex]) > outside.offset)
+			m_near = m_all;
+		else
+			std::set_union(inside.above.begin(), inside.above.end(), outside.above.begin(), outside.above.end(),
+						   std::back_inserter(m_near));
 		const std::uint32_t face = addFace(at->from, at->to, apex, m_near);
 		m_faces[face].neighbour[0] = at->outside;
 		m_faces[at->outside].neighbour[at->edge] = face;

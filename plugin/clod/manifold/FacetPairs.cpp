@@ -13,7 +13,7 @@ namespace
 constexpr double kFar = std::numeric_limits<double>::infinity();
 // Facets are looked for no farther off the predicted way than so many grains (mean edges) of the coarser surface.
 constexpr double kRoamGrains = 1;
-constexpr double kMovesListed = 4;  // of a body of one node, near features are listed for so many moves as the coming one
+constexpr double kMovesListed = 4;  // of a body of one node, near features are listed for so many such moves
 }  // namespace
 
 FacetFinder::Pair FacetFinder::pairOf(const Contact& contact)
@@ -22,17 +22,20 @@ FacetFinder::Pair FacetFinder::pairOf(const Contact& contact)
 	MovedNode& nodeB = m_nodesB.of(contact.nodeB);
 	const bool mayOverlap = contact.upper <= 0;
 	const ContactSurface &a = q.a.surfaceOf(contact.nodeA), &b = q.b.surface(nodeB.level);
-	const double most = m_roamShare * nodeB.displaced, roam = std::min(most, kRoamGrains * std::max(a.grain(), b.grain()));
+	const double most = m_roamShare * nodeB.displaced;
+	const double roam = std::min(most, kRoamGrains * std::max(a.grain(), b.grain()));
 	if (roam < most) m_sought = std::min(m_sought, roam);
 	const double beside = kFootShare * q.length() + roam;
 	double reach = q.touching() + q.rules.heldReach + beside;
-	// The features of a facet are as far apart as its height and, at a right angle to it, as far as its foot is from both
-	// features, when it is nearest. For a ball this straight distance leaves out most that boxes grown by the reach hold.
+	// The features of a facet are as far apart as its height and, at a right angle to it, as far as its foot is from
+	// both features, when it is nearest. For a ball this straight distance leaves out most that boxes grown by the
+	// reach hold.
 	const double aside = 2 * beside + std::max(0.0, 0.5 - m_roamShare) * nodeB.displaced;
 	const double straight = !mayOverlap && b.isCore() ? std::sqrt(reach * reach + aside * aside) : kFar;
 	if (mayOverlap) reach += q.a.thicknessOf(contact.nodeA) + q.b.thicknessOf(contact.nodeB);
 	const double ahead = std::min(kMovesListed * nodeB.displaced, q.length());
-	MovedNode& nodeA = m_nodesA.of(contact.nodeA, m_nodesB.isOne() ? Near(nodeB.box, reach, straight, ahead, mayOverlap) : Near());
+	const Near near = m_nodesB.isOne() ? Near(nodeB.box, reach, straight, ahead, mayOverlap) : Near();
+	MovedNode& nodeA = m_nodesA.of(contact.nodeA, near);
 	Pair pair{&a, &b, &nodeA, &nodeB, mayOverlap};
 	pair.roam = roam;
 	pair.deepest = mayOverlap ? kFar : kInnerShare * q.length();
@@ -49,7 +52,8 @@ Box FacetFinder::placesNearA() const
 	{
 		const Box& box = pair.movedA->box;
 		const double reach = kRounding * pair.reach;
-		if (box.low.x <= box.high.x) places.add({box.low - Vec3{reach, reach, reach}, box.high + Vec3{reach, reach, reach}});
+		const Vec3 far{reach, reach, reach};
+		if (box.low.x <= box.high.x) places.add({box.low - far, box.high + far});
 	}
 	return places;
 }
@@ -69,8 +73,10 @@ void FacetFinder::findPair(const Pair& pair)
 
 void FacetFinder::verticesOverFaces()
 {
-	forEachNew(m_cornersA, m_polygonsB, [this](const MovedCorner& a, const MovedPolygon& b) { vertexOverFace(a, b, true); });
-	forEachNew(m_cornersB, m_polygonsA, [this](const MovedCorner& b, const MovedPolygon& a) { vertexOverFace(b, a, false); });
+	forEachNew(m_cornersA, m_polygonsB,
+			   [this](const MovedCorner& a, const MovedPolygon& b) { vertexOverFace(a, b, true); });
+	forEachNew(m_cornersB, m_polygonsA,
+			   [this](const MovedCorner& b, const MovedPolygon& a) { vertexOverFace(b, a, false); });
 }
 
 // Where the hulls overlap, edges may have sunk past each other by any depth: no box leaves them out.
@@ -83,9 +89,9 @@ void FacetFinder::edgesOverEdges(bool mayOverlap)
 	forEachNew(m_edgesB, m_edgesA, ask);
 }
 
-// Lists the features of either node that come near the other node in the step, and of each the nodes by which forEachNew()
-// knows what was asked: of faces and of A's edges those that they were near to before, of what is asked against them those
-// that share it. Where hulls overlap more is looked for than elsewhere, and all is asked.
+// Lists the features of either node that come near the other node in the step, and of each the nodes by which
+// forEachNew() knows what was asked: of faces and of A's edges those that they were near to before, of what is asked
+// against them those that share it. Where hulls overlap more is looked for than elsewhere, and all is asked.
 void FacetFinder::gather(MovedNode& nodeA, MovedNode& nodeB, bool mayOverlap)
 {
 	const double reach = m_pair.reach;
@@ -109,7 +115,8 @@ void FacetFinder::gather(MovedNode& nodeA, MovedNode& nodeB, bool mayOverlap)
 		return m_nodesA.sharing(corner.number, nodeA.place);
 	};
 	const std::uint64_t asWide = m_nodesB.displaced(m_pair.roam / m_roamShare, nodeB.place);
-	const auto ofB = [&](const MovedFeature& feature) { return m_nodesB.sharing(feature.number, nodeB.place) & asWide; };
+	const auto ofB = [&](const MovedFeature& feature)
+	{ return m_nodesB.sharing(feature.number, nodeB.place) & asWide; };
 	const auto nearA = near(m_nodesA, m_nodesB, nodeB), nearB = near(m_nodesB, m_nodesA, nodeA);
 	gatherOf(nodeA.corners, nodeB.box, m_cornersA, ofCornerA);
 	gatherOf(nodeA.edges, nodeB.box, m_edgesA, nearA);

@@ -12,10 +12,10 @@ namespace
 {
 constexpr double kRounding = 1e-9;  // of a distance from a box, more than its own
 constexpr std::size_t kNumbered = 2048;  // a power of two, see FeatureNumbers
-constexpr std::uint32_t kMostBlocks = 16;  // of 64 nodes: of more, tables of features and blocks take more than they save
+constexpr std::uint32_t kMostBlocks = 16;  // of 64 nodes: of more, the tables take more than they save
 
-// Calls each(0: a corner, 1: a polygon, 2: an edge; its box; which) for what a node of A has near: it stands still in its
-// own frame.
+// Calls each(0: a corner, 1: a polygon, 2: an edge; its box; which) for what a node of A has near: it stands still in
+// its own frame.
 template <class Each>
 void forEachStill(const ContactSurface& surface, std::uint32_t node, const Near& near, const Each& each)
 {
@@ -57,7 +57,10 @@ unsigned sidesBeyond(const Box& box, const Box& other)
 {
 	unsigned sides = 0;
 	for (int axis = 0; axis < 3; ++axis)
-		sides |= unsigned(box.high[axis] < other.low[axis]) << 2 * axis | unsigned(box.low[axis] > other.high[axis]) << (2 * axis + 1);
+	{
+		const unsigned isBelow = box.high[axis] < other.low[axis], isAbove = box.low[axis] > other.high[axis];
+		sides |= (isBelow | isAbove << 1) << 2 * axis;
+	}
 	return sides;
 }
 }  // namespace
@@ -69,7 +72,8 @@ bool NearFeatures::holds(const Near& near) const
 	for (int axis = 0; axis < 3; ++axis)
 		out[axis] = std::max({0.0, m_box.low[axis] - near.m_box->low[axis], near.m_box->high[axis] - m_box.high[axis]});
 	const double far = std::max({out.x, out.y, out.z});
-	return (1 + kRounding) * (near.m_reach + far) < m_reach && (1 + kRounding) * (near.m_straight + length(out)) <= m_straight;
+	return (1 + kRounding) * (near.m_reach + far) < m_reach &&
+		   (1 + kRounding) * (near.m_straight + length(out)) <= m_straight;
 }
 
 NearFeatures::OfNode NearFeatures::of(std::uint32_t node, const ContactSurface& surface, const Near& near)
@@ -128,7 +132,8 @@ std::uint32_t FeatureNumbers::of(std::uint32_t level, bool isEdge, std::uint32_t
 	return entry.number;
 }
 
-void MovedNodes::start(const FacetQuestion& question, const std::vector<Contact>& contacts, bool isA, NearFeatures* kept)
+void MovedNodes::start(const FacetQuestion& question, const std::vector<Contact>& contacts, bool isA,
+					   NearFeatures* kept)
 {
 	m_question = &question;
 	m_kept = kept;
@@ -214,6 +219,18 @@ void MovedNodes::place(const ContactSurface& surface, MovedCorner& corner) const
 	corner.isPlaced = true;
 }
 
+// Placed, with a box round its way.
+MovedCorner MovedNodes::placed(const ContactSurface& surface, std::uint32_t vertex) const
+{
+	MovedCorner corner{{{}, vertex, 0}};
+	place(surface, corner);
+	const Vec3& now = corner.now;
+	corner.box = {now, now};
+	corner.box.add(now + kPathReach * (corner.then - now));
+	corner.box.add(now + kPathReach * (corner.unforced - now));
+	return corner;
+}
+
 Vec3 MovedNodes::upOf(const ContactSurface& surface, std::uint32_t polygon) const
 {
 	return m_otherFromThis.rotation * surface.planeOf(polygon).normal;
@@ -254,13 +271,9 @@ void MovedNodes::move(MovedNode& moved, const ContactSurface& surface)
 	m_corners.clear();
 	for (const std::uint32_t v : surface.verticesOf(moved.node))
 	{
-		MovedCorner corner{{{}, v, 0}};
-		place(surface, corner);
-		const Vec3 &now = corner.now, ahead = corner.then - now, unforced = corner.unforced - now;
-		displaced = std::max(displaced, std::max(lengthSquared(ahead), lengthSquared(unforced)));
-		corner.box = {now, now};
-		corner.box.add(now + kPathReach * ahead);
-		corner.box.add(now + kPathReach * unforced);
+		const MovedCorner corner = placed(surface, v);
+		displaced = std::max(displaced, lengthSquared(corner.then - corner.now));
+		displaced = std::max(displaced, lengthSquared(corner.unforced - corner.now));
 		if (m_corners.empty()) moved.box = corner.box;
 		moved.box.add(corner.box);
 		m_corners.push_back(corner);
@@ -273,8 +286,8 @@ void MovedNodes::listNear(MovedNode& moved, const Box& places)
 	listMoved(moved, (m_isA ? m_question->a : m_question->b).surface(moved.level), places);
 }
 
-// Of the node whose vertices were placed last, the features that meet the box. All vertices of a surface of one node are
-// the node's; of others an edge may go beyond the node.
+// Of the node whose vertices were placed last, the features that meet the box. All vertices of a surface of one node
+// are the node's; of others an edge may go beyond the node.
 void MovedNodes::listMoved(MovedNode& moved, const ContactSurface& surface, const Box& places)
 {
 	const bool hasAllVertices = m_corners.size() == surface.vertices().size();
@@ -296,6 +309,8 @@ void MovedNodes::listMoved(MovedNode& moved, const ContactSurface& surface, cons
 		for (const std::uint16_t corner : corners) box.add(m_corners[corner].box);
 		moved.polygons.push_back({{box, polygon.polygon, m_numbers.next()}, upOf(surface, polygon.polygon)});
 	}
+	const auto boxOf = [&](std::uint32_t vertex)
+	{ return hasAllVertices ? m_corners[vertex].box : placed(surface, vertex).box; };
 	for (const std::uint32_t index : surface.edgesOf(moved.node))
 	{
 		const SurfaceEdge& edge = surface.edges()[index];
@@ -310,13 +325,8 @@ void MovedNodes::listMoved(MovedNode& moved, const ContactSurface& surface, cons
 		at.direction = m_question->aFromB.rotation * edge.direction;
 		at.thenDirection = m_question->aFromBThen.rotation * edge.direction;
 		for (std::size_t side = 0; side < 2; ++side) at.inward[side] = m_question->aFromB.rotation * edge.inward[side];
-		at.box = {at.start, at.start};
-		at.box.add(at.start + kPathReach * (at.thenStart - at.start));
-		at.box.add(at.start + kPathReach * (at.unforcedStart - at.start));
-		const Vec3 end = at.start + edge.length * at.direction;
-		at.box.add(end);
-		at.box.add(end + kPathReach * (at.thenStart + edge.length * at.thenDirection - end));
-		at.box.add(end + kPathReach * (at.unforcedStart - at.start));
+		at.box = boxOf(edge.vertex[0]);
+		at.box.add(boxOf(edge.vertex[1]));
 		moved.edges.push_back(at);
 	}
 }

@@ -12,8 +12,8 @@
 
 namespace clod
 {
-// To a box, if there is one: along the axes, and in a straight line. The box may come `ahead` nearer in some moves. What
-// is in it may be deep inside a node and far from its faces.
+// To a box, if there is one: along the axes, and in a straight line. The box may come `ahead` nearer in some moves.
+// What is in it may be deep inside a node and far from its faces.
 class Near
 {
 public:
@@ -110,9 +110,9 @@ struct MovedNode
 	std::vector<MovedPolygon> polygons;
 };
 
-// A corner or an edge has one number in a dispatch, in whichever node it is met: neighbours share their borders, and what
-// one of them was asked need not be asked of the other. So that it costs next to nothing this is a table without search:
-// what finds its place taken by another feature goes on under several numbers. Polygons have one in each node.
+// A corner or an edge has one number in a dispatch, in whichever node it is met: neighbours share their borders, and
+// what one of them was asked need not be asked of the other. So that it costs next to nothing this is a table without
+// search: what finds its place taken by another feature goes on under several numbers. Polygons have one in each node.
 class FeatureNumbers
 {
 public:
@@ -135,15 +135,17 @@ class MovedNodes
 {
 public:
 	// The nodes on side A or B of the contacts. kept: of A's, from step to step.
-	void start(const FacetQuestion& question, const std::vector<Contact>& contacts, bool isA, NearFeatures* kept = nullptr);
+	void start(const FacetQuestion& question, const std::vector<Contact>& contacts, bool isA,
+			   NearFeatures* kept = nullptr);
 	// Is there one alone?
 	bool isOne() const { return m_nodes.size() == 1; }
-	// Precondition: one of them. What comes nowhere so near may be left out. Of B's one node no features, see listNear().
+	// Precondition: one of them. What comes nowhere so near may be left out. Of B's one node no features, see
+	// listNear().
 	MovedNode& of(std::uint32_t node, const Near& near = {});
 	// Lists of it what meets that box.
 	void listNear(MovedNode& moved, const Box& places);
-	// Nodes are told apart 64 at a time, in order; here as bits of those round one of them. Those met so far that have the
-	// corner or edge of this number,
+	// Nodes are told apart 64 at a time, in order; here as bits of those round one of them. Those met so far that have
+	// the corner or edge of this number,
 	std::uint64_t sharing(std::uint32_t number, std::uint32_t place) const
 	{
 		return m_blocks == 0 ? 0 : m_sharing[std::size_t(number) * m_blocks + place / 64];
@@ -157,6 +159,7 @@ public:
 	void place(const ContactSurface& surface, MovedCorner& corner) const;
 
 private:
+	MovedCorner placed(const ContactSurface& surface, std::uint32_t vertex) const;
 	Vec3 upOf(const ContactSurface& surface, std::uint32_t polygon) const;
 	std::uint32_t numberOf(const MovedNode& moved, bool isEdge, std::uint32_t index);
 	void listStill(MovedNode& moved, const ContactSurface& surface, const Near& near);
