@@ -129,9 +129,19 @@ void addThreads(CLI::App& command, CommonOptions& options)
 		->capture_default_str();
 }
 
+void addOutput(CLI::App& command, std::string& path, const std::string& type, const std::string& description)
+{
+	const auto check = [](const std::string& name)
+	{ return name.empty() ? std::string("the name to write to is empty") : std::string(); };
+	command.add_option("-o,--output", path, description)
+		->required()
+		->type_name(type)
+		->check(CLI::Validator(check, "", "name"));
+}
+
 void addFolder(CLI::App& command, std::string& folder, const std::string& files)
 {
-	command.add_option("-o,--output", folder, "Folder for " + files)->required()->type_name("DIR");
+	addOutput(command, folder, "DIR", "Folder for " + files);
 }
 
 void requireWritable(std::initializer_list<std::string> files)

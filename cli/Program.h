@@ -34,7 +34,9 @@ void addJson(CLI::App& command, CommonOptions& options);
 void addSeed(CLI::App& command, CommonOptions& options,
 			 const std::string& description = "Seed of everything random");
 void addThreads(CLI::App& command, CommonOptions& options);
-// -o, of a command that writes several files.
+// -o, which must be given and not be empty: what it names is made after minutes, or is a folder to create.
+void addOutput(CLI::App& command, std::string& path, const std::string& type, const std::string& description);
+// The same of a command that writes several files.
 void addFolder(CLI::App& command, std::string& folder, const std::string& files);
 
 // Before minutes are spent on what could not be written: throws Failure for the first of these files that cannot be

@@ -306,9 +306,7 @@ void addBuildCommand(CLI::App& program)
 		.add_option("mesh", options->mesh, "OBJ, OFF, PLY, STL, glTF or GLB file; FILE#PART: one part of a glTF scene")
 		->required()
 		->type_name("MESH");
-	command.add_option("-o,--output", options->output, "The .clod file to write; with --parts, the folder for them")
-		->required()
-		->type_name("FILE");
+	cli::addOutput(command, options->output, "FILE", "The .clod file to write; with --parts, the folder for them");
 	command.add_flag("--parts", options->parts, "Each part of a glTF scene by itself, in the scene's frame");
 	addFileFrame(command, options->frame);
 	CLI::Option* const repair =

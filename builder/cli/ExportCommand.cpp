@@ -85,9 +85,7 @@ void addExportCommand(CLI::App& program)
 	CLI::Option* const all = command.add_flag("--all-levels", options->allLevels,
 											  "Every contact level; OUT.ply becomes OUT.0.ply, OUT.1.ply, ...");
 	level->excludes(all);
-	command.add_option("-o,--output", options->output, "A .ply, .glb or .obj file, in the mesh's own frame")
-		->required()
-		->type_name("OUT");
+	cli::addOutput(command, options->output, "OUT", "A .ply, .glb or .obj file, in the mesh's own frame");
 	cli::addJson(command, *options);
 	cli::addQuiet(command, *options);
 	command.footer("Example: clod-build export cup.clod --level 3 -o cup3.ply");

@@ -36,7 +36,7 @@ void readCorner(const TextCursor& cursor, std::string_view word, Soup& soup)
 {
 	const long long index = cursor.integer(word.substr(0, word.find('/')));
 	const long long count = (long long)(soup.vertices.size());
-	if (index == 0 || index < -count)
+	if (index == 0 || index < -count || index > kMostVertices)
 		throw Refused(Reason::indexOutOfRange,
 					  fmt::format("{}: vertex index {} with {} vertices before it", cursor.place(), index, count));
 	soup.corners.push_back(checkedIndex(index > 0 ? index - 1 : count + index, cursor.place()));

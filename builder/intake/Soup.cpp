@@ -110,7 +110,7 @@ Soup partOf(const Soup& soup, const std::string& name)
 
 std::uint32_t checkedIndex(long long index, const std::string& place)
 {
-	if (index < 0 || index >= 0xFFFFFFFFll)
+	if (index < 0 || index >= kMostVertices)
 		throw Refused(Reason::indexOutOfRange, fmt::format("{}: vertex index {}", place, index));
 	return std::uint32_t(index);
 }

@@ -90,6 +90,7 @@ struct Soup
 Soup partOf(const Soup& soup, const std::string& name);
 
 inline constexpr std::size_t kTriangleLimit = 20'000'000;
+inline constexpr long long kMostVertices = 0xFFFFFFFF;
 inline constexpr std::size_t kPolygonCornerLimit = 256;
 inline constexpr std::size_t kFileLimit = std::size_t(4) << 30;
 

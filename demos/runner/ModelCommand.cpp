@@ -104,7 +104,7 @@ void addModelCommand(CLI::App& program)
 	command->add_option("--triangles", options->triangles, "About how many triangles (default: the paper's Table 1)")
 		->type_name("N")
 		->check(CLI::Range(std::size_t(1), kLargestModel));
-	command->add_option("-o,--output", options->output, "The file to write")->type_name("OUT.obj")->required();
+	cli::addOutput(*command, options->output, "OUT.obj", "The file to write");
 	cli::addQuiet(*command, options->common);
 	cli::addJson(*command, options->common);
 	command->callback([options] { runModel(*options); });

@@ -253,6 +253,8 @@ TEST_F(Cli, UsageErrorsNameTheNearestMatch)
 	EXPECT_EQ(run({"check", path("a.clod"), "--unit", "mm"}), 2);
 	EXPECT_NE(err().find("--mesh"), std::string::npos) << err();
 	EXPECT_EQ(run({"build", path("torus.obj")}), 2);
+	EXPECT_EQ(run({"build", path("torus.obj"), "-o", ""}), 2);
+	EXPECT_NE(err().find("--output: the name to write to is empty"), std::string::npos) << err();
 	EXPECT_EQ(run({}), 2);
 	EXPECT_FALSE(fs::exists(path("a.clod")));
 	EXPECT_EQ(run({"--help"}), 0);

@@ -101,6 +101,8 @@ TEST_F(RunnerCommand, UsageErrorsExitWith2AndTheNearestMatch)
 	const std::pair<const char*, const char*> cases[] = {
 		{"model cupp -o x.obj", "did you mean cup"},
 		{"model cup", "--output"},
+		{"model cup -o ''", "--output: the name to write to is empty"},
+		{"tradeoff spoon-cup -o ''", "--output: the name to write to is empty"},
 		{"run spoon-cub", "did you mean spoon-cup"},
 		{"run spoon-cup --exat", "did you mean --exact"},
 		{"rum spoon-cup", "did you mean run"},
