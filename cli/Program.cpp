@@ -36,6 +36,8 @@ void catchInterrupts()
 	sigemptyset(&action.sa_mask);
 	sigaction(SIGINT, &action, nullptr);
 	sigaction(SIGTERM, &action, nullptr);
+	if (struct sigaction was = {}; sigaction(SIGHUP, nullptr, &was) == 0 && was.sa_handler != SIG_IGN)  // nohup
+		sigaction(SIGHUP, &action, nullptr);
 }
 
 // The innermost subcommand the user chose.

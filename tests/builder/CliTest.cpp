@@ -393,23 +393,26 @@ TEST_F(Cli, InterruptionLeavesNothing)
 // Files are written in no time: here half of one is, when the signal comes.
 TEST_F(Cli, InterruptionRemovesWhatIsHalfWritten)
 {
-	const pid_t child = fork();
-	if (child == 0)
+	for (const int signal : {SIGINT, SIGTERM, SIGHUP})
 	{
-		CLI::App app;
-		app.add_subcommand("write")->callback(
-			[&]
+		const pid_t child = fork();
+		if (child == 0)
+		{
+			CLI::App app;
+			const auto write = [&]
 			{
 				const cli::PartialFile partial(path("a.txt"));
 				std::ofstream(partial.temporaryPath()) << "half";
-				kill(getpid(), SIGINT);
-			});
-		char program[] = "program", command[] = "write";
-		char* words[] = {program, command};
-		_exit(cli::runProgram(app, 2, words));
+				kill(getpid(), signal);
+			};
+			app.add_subcommand("write")->callback(write);
+			char program[] = "program", command[] = "write", *words[] = {program, command};
+			::signal(SIGHUP, SIG_DFL);
+			_exit(cli::runProgram(app, 2, words));
+		}
+		EXPECT_EQ(exitCode(child), 130) << signal;
+		EXPECT_EQ(filesBesides("a."), 0u) << signal;
 	}
-	EXPECT_EQ(exitCode(child), 130);
-	EXPECT_EQ(filesBesides("a."), 0u);
 }
 
 TEST_F(Cli, FilesAppearWholeOrNotAtAll)
