@@ -80,8 +80,7 @@ private:
 	double hiddenDepth() const
 	{
 		double most = m_found.largestCover;
-		for (const Contact& c : m_result.contacts)
-			most = std::max(most, double(m_context.a.node(c.nodeA).cover) + double(m_context.b.node(c.nodeB).cover));
+		for (const Contact& c : m_result.contacts) most = std::max(most, m_context.coversOf(c.nodeA, c.nodeB));
 		return most;
 	}
 

@@ -74,12 +74,15 @@ Vec3 shortestWayOut(const FacetQuestion& q, const ContactSurface& a, const Conta
 	{ return farthest(a, direction) - q.aFromB * farthest(b, -(transposed(q.aFromB.rotation) * direction)); };
 	return -convexPolyhedron(support, kDifferencesError * q.length(), kMostDifferences).nearestPlane({}).normal;
 }
+
+bool isConvex(const ContactBody& body)
+{
+	return body.hierarchy && body.hierarchy->derived<Bulk>().isConvex;
+}
 }  // namespace
 
 bool DeepOverlap::areConvex(const FacetQuestion& q)
 {
-	const auto isConvex = [](const ContactBody& body)
-	{ return body.hierarchy && body.hierarchy->derived<Bulk>().isConvex; };
 	return isConvex(q.a) && isConvex(q.b);
 }
 
@@ -174,7 +177,7 @@ bool DeepOverlap::isShallow(const FacetQuestion& q, const Vec3& way) const
 	{
 		const ContactBody& other = inside.ofA ? q.b : q.a;
 		if (dot(inside.way, way) < kAlongWay * length(inside.way)) return false;
-		if (other.hierarchy->derived<Bulk>().isConvex) continue;
+		if (isConvex(other)) continue;
 		const std::uint32_t node = inside.ofA ? inside.nodeB : inside.nodeA;
 		if (length(inside.way) > kNearSurface * other.thicknessOf(node)) return false;
 		isInWall = true;
@@ -206,16 +209,20 @@ Vec3 DeepOverlap::find(const FacetQuestion& q, const std::vector<Contact>& conta
 	if (m_inside.empty()) return {};
 	const bool areHulls = !isWhole && areConvex(q);
 	const bool mayBeShallow = isCrossing && !areHulls;
-	const auto isShallower = [](const Inside& l, const Inside& r)
-	{ return lengthSquared(l.way) < lengthSquared(r.way); };
-	const Vec3 mean = meanWay();
-	const Vec3 way = kept != Vec3{}                         ? kept
-					 : mayBeShallow && isShallow(q, mean) ? mean
-					 : pushed != Vec3{}                     ? pushed
-					 : isWhole ? normalized(std::min_element(m_inside.begin(), m_inside.end(), isShallower)->way)
-					 : areHulls || isCrossing || mean == Vec3{}
-						 ? shortestWayOut(q, q.a.surfaceOf(m_inside[0].nodeA), q.b.surfaceOf(m_inside[0].nodeB))
-						 : mean;
+	const auto firstWay = [&]
+	{
+		const Vec3 mean = meanWay();
+		if (mayBeShallow && isShallow(q, mean)) return mean;
+		if (pushed != Vec3{}) return pushed;
+		const auto isShallower = [](const Inside& l, const Inside& r)
+		{ return lengthSquared(l.way) < lengthSquared(r.way); };
+		if (isWhole) return normalized(std::min_element(m_inside.begin(), m_inside.end(), isShallower)->way);
+		// The hulls tell nothing of concave bodies that reach into each other. They are asked only where no corner is
+		// inside.
+		if (!areHulls && !isCrossing && mean != Vec3{}) return mean;
+		return shortestWayOut(q, q.a.surfaceOf(m_inside[0].nodeA), q.b.surfaceOf(m_inside[0].nodeB));
+	};
+	const Vec3 way = kept != Vec3{} ? kept : firstWay();
 	if (way == Vec3{}) return {};
 	const auto add = [&](const Inside& inside, const Vec3& normal, double depth)
 	{

@@ -330,11 +330,9 @@ double ContactSearch::leastApart() const
 double ContactSearch::hiddenDepth() const
 {
 	double most = m_largestCover;
-	const auto add = [&](std::uint32_t a, std::uint32_t b)
-	{ most = std::max(most, double(m_context.a.node(a).cover) + double(m_context.b.node(b).cover)); };
-	for (const Contact& contact : m_result.contacts) add(contact.nodeA, contact.nodeB);
+	for (const Contact& contact : m_result.contacts) most = std::max(most, m_context.coversOf(contact.nodeA, contact.nodeB));
 	for (const FrontEntry& entry : m_answered->entries)
-		if (entry.state == NodePairState::kAnswer) add(entry.a, entry.b);
+		if (entry.state == NodePairState::kAnswer) most = std::max(most, m_context.coversOf(entry.a, entry.b));
 	return most;
 }
 

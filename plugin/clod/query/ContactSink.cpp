@@ -22,12 +22,7 @@ void sortByNodes(std::vector<Contact>& contacts)
 
 void ContactSink::noContact(std::uint32_t a, std::uint32_t b)
 {
-	m_largestCover = std::max(m_largestCover, coversOf(a, b));
-}
-
-double ContactSink::coversOf(std::uint32_t a, std::uint32_t b) const
-{
-	return double(m_context.a.node(a).cover) + double(m_context.b.node(b).cover);
+	m_largestCover = std::max(m_largestCover, m_context.coversOf(a, b));
 }
 
 // Beyond the limit not known any better. What was evaluated before may have stopped at the tolerance.
@@ -40,7 +35,7 @@ HullDistance ContactSink::distanceAtRest(std::uint32_t a, std::uint32_t b, doubl
 
 void ContactSink::add(std::uint32_t a, std::uint32_t b, const HullDistance& distance)
 {
-	m_leastApart = std::min(m_leastApart, distance.lower - coversOf(a, b));
+	m_leastApart = std::min(m_leastApart, distance.lower - m_context.coversOf(a, b));
 	if (m_signsOnly)
 	{
 		const double lower = distance.lower > 0 ? kLeast : 0, upper = distance.upper > 0 ? kInfinity : 0;

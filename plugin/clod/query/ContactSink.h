@@ -72,7 +72,6 @@ public:
 private:
 	HullDistance distanceAtRest(std::uint32_t a, std::uint32_t b, double limit, const HullEvaluations& known);
 	void noContact(std::uint32_t a, std::uint32_t b);
-	double coversOf(std::uint32_t a, std::uint32_t b) const;
 	void add(std::uint32_t a, std::uint32_t b, const HullDistance& distance);
 	double separationAtRest(std::uint32_t a, std::uint32_t b, const Vec3& axis);
 	bool isDecided(std::uint32_t a, std::uint32_t b, CachedSeparation& cached, HullEvaluations& known);

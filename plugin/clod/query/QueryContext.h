@@ -27,6 +27,11 @@ struct QueryContext
 
 	// Are the finest levels of both the input surfaces (Hierarchy::load)?
 	bool hasInput() const { return !a.isCoarse() && !b.isCoarse(); }
+	// cover_a + cover_b of two nodes.
+	double coversOf(std::uint32_t nodeA, std::uint32_t nodeB) const
+	{
+		return double(a.node(nodeA).cover) + double(b.node(nodeB).cover);
+	}
 };
 
 // Of one node and up to kBoxLanes of the other body: of A or not. Room for kBoxLanes. The bits of those within `limit`.
