@@ -76,6 +76,19 @@ struct BulletWorld
 		world.addRigidBody(bodies.back().get());
 		return *bodies.back();
 	}
+	// Of the deepest contact of a body.
+	double depthAt(const btRigidBody& body)
+	{
+		double deepest = 0;
+		for (int k = 0; k < dispatcher.getNumManifolds(); ++k)
+		{
+			const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(k);
+			const bool isOfBody = manifold.getBody0() == &body || manifold.getBody1() == &body;
+			for (int p = 0; isOfBody && p < manifold.getNumContacts(); ++p)
+				deepest = std::max(deepest, -double(manifold.getContactPoint(p).getDistance()));
+		}
+		return deepest;
+	}
 	void step(int count = 1)
 	{
 		for (int i = 0; i < count; ++i) world.stepSimulation(btScalar(timeStep), 0);

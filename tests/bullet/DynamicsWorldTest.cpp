@@ -9,6 +9,7 @@
 #include "clod/bullet/ConfigureWorld.h"
 #include "tests/bullet/BulletWorld.h"
 #include "tests/bullet/PatchHierarchy.h"
+#include "tests/query/Bodies.h"
 
 namespace clod::test
 {
@@ -63,6 +64,17 @@ Row hitRow(bool meetsImpacts, double speed)
 		if (meetsImpacts) seen.passes = std::max(seen.passes, world.ours().passes());
 	}
 	return seen;
+}
+
+// A ball that rattles between two plates.
+btRigidBody& rattle(ImpactWorld& world, double x = 0)
+{
+	for (const double y : {-0.5, 1.53})
+		world.put(patchHierarchy(boxMesh({4, 1, 4}, {2, 1, 2}, 1)), 0, {x, y, 0}).setRestitution(1);
+	btRigidBody& ball = world.put(patchHierarchy(ballMesh(0.5, 2)), 1, {x, 0.515, 0});
+	ball.setRestitution(1);
+	ball.setLinearVelocity(btVector3(0, 50, 0));
+	return ball;
 }
 }  // namespace
 
@@ -314,17 +326,12 @@ TEST(DynamicsWorld, ALevelThatChangesAtTheImpactHoldsNothingUp)
 	EXPECT_LT(double(ball.getLinearVelocity().length()), 1e-3);
 }
 
-// More impacts in a step than parts: a ball that rattles between two plates.
+// More impacts in a step than parts.
 TEST(DynamicsWorld, CountlessImpactsEndTheStep)
 {
 	ImpactWorld world(true, 60, 0);
 	world.ours().setStepping(btClodDynamicsWorld::Stepping::kImpacts);
-	const auto plate = patchHierarchy(boxMesh({4, 1, 4}, {2, 1, 2}, 1));
-	world.put(plate, 0, {0, -0.5, 0}).setRestitution(1);
-	world.put(plate, 0, {0, 1.53, 0}).setRestitution(1);
-	btRigidBody& ball = world.put(patchHierarchy(ballMesh(0.5, 2)), 1, {0, 0.515, 0});
-	ball.setRestitution(1);
-	ball.setLinearVelocity(btVector3(0, 50, 0));
+	const btRigidBody& ball = rattle(world);
 	for (int i = 0; i < 60; ++i)
 	{
 		world.step();
@@ -341,11 +348,7 @@ TEST(DynamicsWorld, JointsCloseNoFasterInShortParts)
 	{
 		ImpactWorld world(atImpacts, 60, 0);
 		if (atImpacts) world.ours().setStepping(btClodDynamicsWorld::Stepping::kImpacts);
-		world.put(patchHierarchy(boxMesh({4, 1, 4}, {2, 1, 2}, 1)), 0, {0, -0.5, 0}).setRestitution(1);
-		world.put(patchHierarchy(boxMesh({4, 1, 4}, {2, 1, 2}, 1)), 0, {0, 1.53, 0}).setRestitution(1);
-		btRigidBody& ball = world.put(patchHierarchy(ballMesh(0.5, 2)), 1, {0, 0.515, 0});
-		ball.setRestitution(1);
-		ball.setLinearVelocity(btVector3(0, 50, 0));
+		rattle(world);
 		btRigidBody& first = world.put(unitCube(), 1, {10, 0, 0});
 		btRigidBody& second = world.put(unitCube(), 1, {15, 0, 0});
 		btPoint2PointConstraint joint(first, second, btVector3(1, 0, 0), btVector3(-1, 0, 0));
@@ -427,10 +430,7 @@ TEST(DynamicsWorld, KinematicBodiesPushWhatTheyMeetOnTheirWay)
 		{
 			mover.getWorldTransform().getOrigin() += speed * btScalar(world.timeStep);
 			world.step();
-			for (int k = 0; i > 4 && k < world.dispatcher.getNumManifolds(); ++k)
-				for (int p = 0; p < world.dispatcher.getManifoldByIndexInternal(k)->getNumContacts(); ++p)
-					deepest = std::max(
-						deepest, -double(world.dispatcher.getManifoldByIndexInternal(k)->getContactPoint(p).getDistance()));
+			if (i > 4) deepest = std::max(deepest, world.depthAt(mover));
 		}
 		return deepest;
 	};
@@ -449,6 +449,43 @@ TEST(DynamicsWorld, KinematicBodiesPushWhatTheyMeetOnTheirWay)
 		btRigidBody& floor = lift.put(slab(), 0, {0, -0.5, 0});
 		lift.put(unitCube(), 1, {0, 0.501, 0});
 		EXPECT_LT(move(lift, floor, btVector3(0, 3, 0), 60), 0.01) << meetsImpacts;
+	}
+}
+
+// A chain that swings on a kinematic ring, which in a step of several parts goes on from part to part, and is there for
+// all passes of a part.
+TEST(DynamicsWorld, AChainStaysOnItsHoistInDividedSteps)
+{
+	for (int start = 0; start < 3; ++start)
+	{
+		ImpactWorld world(true, 60, 600);
+		world.ours().setStepping(btClodDynamicsWorld::Stepping::kImpacts);
+		const auto& ring = body("ring").hierarchy;
+		btRigidBody& hoist = world.put(ring, 0, {0, 0, 0});
+		const btScalar way = btScalar(13 / 60.0);
+		hoist.setCenterOfMassTransform(btTransform(btQuaternion(btVector3(1, 0, 0), SIMD_HALF_PI), btVector3(0, -way, 0)));
+		hoist.setCollisionFlags(hoist.getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
+		for (int i = 1; i < 4; ++i)
+		{
+			btRigidBody& link = world.put(ring, 1, {0, -1.39 * i, 0});
+			const btVector3 axis(i % 2 == 0 ? 1 : 0, 0, i % 2 == 0 ? 0 : 1);
+			link.getWorldTransform().setRotation(btQuaternion(axis, SIMD_HALF_PI));
+			link.setLinearVelocity(btVector3(0, 13, 0));
+			link.setAngularVelocity(btVector3(btScalar(6 + start), 1, 4));
+		}
+		rattle(world, 9).setAngularVelocity(btVector3(200, 0, 100));  // divides the steps
+		int divided = 0;
+		double deepest = 0;
+		for (int i = 0; i < 90; ++i)
+		{
+			hoist.getWorldTransform().getOrigin().setY(btScalar(i) * way);
+			world.step();
+			EXPECT_EQ(hoist.getWorldTransform().getOrigin().y(), btScalar(i) * way) << "it is its owner's to move";
+			divided += world.ours().parts() > 1;
+			if (i > 4) deepest = std::max(deepest, world.depthAt(hoist));
+		}
+		EXPECT_GT(divided, 30) << "steps: the test shows nothing";
+		EXPECT_LT(deepest, 0.005) << start;
 	}
 }
 }  // namespace clod::test

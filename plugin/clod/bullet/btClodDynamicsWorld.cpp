@@ -118,10 +118,11 @@ void btClodDynamicsWorld::solveInParts(btContactSolverInfo& info, int parts, boo
 	double surprise = 0;
 	for (int part = 0; part < parts; ++part)
 	{
-		if (part > 0) btDiscreteDynamicsWorld::integrateTransforms(info.m_timeStep);
-		if (part > 0 || !isBegun) beginPart(info.m_timeStep, btScalar(part) * info.m_timeStep);
+		if (part > 0) goOn(info.m_timeStep, btScalar(part) * info.m_timeStep);
+		if (part > 0 || !isBegun) beginPart(info.m_timeStep);
 		surprise = std::max(surprise, solvePart(info, whole));
 	}
+	moveKinematic(0);
 	m_parts = parts;
 	m_expectedParts = std::max(partsFor(parts * parts * surprise), parts / 2);
 	m_lastPart = info.m_timeStep;
@@ -152,11 +153,12 @@ void btClodDynamicsWorld::solveToImpacts(btContactSolverInfo& info)
 			info.m_restitutionVelocityThreshold = BT_LARGE_FLOAT;
 		}
 		left = info.m_timeStep < left ? left - info.m_timeStep : 0;
-		if (m_parts > 1 || left > 0) beginPart(info.m_timeStep, m_parts > 1 ? whole - left - info.m_timeStep : 0);
+		if (m_parts > 1 || left > 0) beginPart(info.m_timeStep);
 		solvePart(info, whole);
 		if (!(left > 0)) break;
-		btDiscreteDynamicsWorld::integrateTransforms(info.m_timeStep);
+		goOn(info.m_timeStep, whole - left);
 	}
+	moveKinematic(0);
 	m_lastPart = info.m_timeStep;
 	info.m_timeStep = getDispatchInfo().m_timeStep = whole;
 	info.m_restitutionVelocityThreshold = threshold;
@@ -185,26 +187,37 @@ void btClodDynamicsWorld::integrateTransforms(btScalar timeStep)
 	btDiscreteDynamicsWorld::integrateTransforms(m_lastPart > 0 ? m_lastPart : timeStep);
 }
 
-// Finds the contacts for a part of the step; gone: the time of the parts before it. Kinematic bodies go on from where
-// they are by their velocities, which is also what the solver and whole steps assume.
-void btClodDynamicsWorld::beginPart(btScalar timeStep, btScalar gone)
+// To the end of a part. gone: the time since the step began.
+void btClodDynamicsWorld::goOn(btScalar timeStep, btScalar gone)
 {
-	btAlignedObjectArray<btCollisionObject*>& objects = getCollisionObjectArray();
-	std::vector<std::pair<btRigidBody*, btTransform>> starts;
-	for (int i = 0; i < objects.size(); ++i)
+	btDiscreteDynamicsWorld::integrateTransforms(timeStep);
+	moveKinematic(gone);
+}
+
+// Kinematic bodies go on from where the step began by their velocities, which is also what the solver and whole steps
+// assume. They stay there for all passes of a part. gone: the time since then; 0 puts them back.
+void btClodDynamicsWorld::moveKinematic(btScalar gone)
+{
+	if (m_kinematic.empty() && gone > 0)
+		for (int i = 0; i < m_collisionObjects.size(); ++i)
+			if (btRigidBody* body = btRigidBody::upcast(m_collisionObjects[i]); body && body->isKinematicObject())
+				m_kinematic.push_back({body, body->getWorldTransform()});
+	for (const auto& [body, start] : m_kinematic)
 	{
-		btRigidBody* body = btRigidBody::upcast(objects[i]);
-		if (!body || !body->isKinematicObject() || !(gone > 0)) continue;
-		starts.push_back({body, body->getWorldTransform()});
-		btTransform now;
-		btTransformUtil::integrateTransform(body->getWorldTransform(), body->getLinearVelocity(),
-											body->getAngularVelocity(), gone, now);
+		btTransform now = start;
+		if (gone > 0)
+			btTransformUtil::integrateTransform(start, body->getLinearVelocity(), body->getAngularVelocity(), gone, now);
 		body->setWorldTransform(now);
 	}
+	if (!(gone > 0)) m_kinematic.clear();
+}
+
+// Finds the contacts for a part of the step.
+void btClodDynamicsWorld::beginPart(btScalar timeStep)
+{
 	m_nextPart = timeStep;
 	performDiscreteCollisionDetection();
 	calculateSimulationIslands();
-	for (const auto& [body, start] : starts) body->setWorldTransform(start);
 }
 
 // The first impact in the time given, with the bodies as they move now.

@@ -19,6 +19,7 @@
 #pragma once
 #include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
 
+#include <utility>
 #include <vector>
 
 #include "clod/Export.h"
@@ -78,7 +79,9 @@ private:
 	void solveInParts(btContactSolverInfo& info, int parts, bool isBegun);
 	double solvePart(btContactSolverInfo& info, btScalar whole);
 	void solveToImpacts(btContactSolverInfo& info);
-	void beginPart(btScalar timeStep, btScalar gone);
+	void goOn(btScalar timeStep, btScalar gone);
+	void moveKinematic(btScalar gone);
+	void beginPart(btScalar timeStep);
 	struct Impact
 	{
 		btScalar at = 1, lasts = 0;  // shares of the time; at = 1: there is no impact
@@ -103,6 +106,7 @@ private:
 	int m_expectedParts = 1;
 	btScalar m_nextPart = 0;  // whose contacts are to be found; 0: those of the time that Bullet has set
 	std::vector<Start> m_starts;
+	std::vector<std::pair<btRigidBody*, btTransform>> m_kinematic;  // moved in a divided step, and from where
 	std::vector<clod::PairState*> m_pairs;
 	std::vector<Surprised> m_surprised;
 	std::vector<btBroadphasePair*> m_asked;
