@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Ghost forces at patch borders: a body sliding without friction over a flat slab of many patches must feel nothing.
+// Ghost forces at patch borders: a body sliding without friction over a flat slab of many patches must feel nothing. And a
+// body that slides from rest into a wedge.
 // The bound on vertical speed is 1e-3 sqrt(g L), L the body's size; forward speed must not change.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "clod/bullet/BodyState.h"
 #include "tests/bullet/BulletWorld.h"
 #include "tests/bullet/PatchHierarchy.h"
 
@@ -107,6 +110,35 @@ TEST(Slider, BallAndBoxOverATriangleMesh)
 		}
 		ride.forward = double(body.getLinearVelocity().x());
 		expectSmooth(ride, 2);
+	}
+}
+
+// From rest into the gap between a floor and a wall that leans over it: the wall turns the motion of the very first step, in
+// which forces alone move the body, and nothing moves it towards the floor.
+TEST(Slider, FromRestIntoAWedge)
+{
+	for (const double angle : {0.4, 0.6, 0.8})
+	{
+		BulletWorld scene;
+		scene.timeStep = 1.0 / 60;
+		scene.world.setGravity(btVector3(600, 0, 0));
+		const btScalar s = btScalar(std::sin(angle)), c = btScalar(std::cos(angle));
+		btClodShape& slab = scene.addShape(patchHierarchy(boxMesh({10, 2, 10}, {1, 1, 1}, 1)));
+		scene.addBody(slab, 0, {0, -1, 0}).setFriction(0);
+		const btVector3 edge = btVector3(0.5, btScalar(1.005), 0) + btScalar(1.002) * btVector3(c, s, 0);
+		const btQuaternion lean(btVector3(0, 0, 1), btScalar(angle) + SIMD_HALF_PI);
+		scene.addBody(slab, 0, toVec3(edge), lean).setFriction(0);
+		btRigidBody& cube = scene.addBody(scene.addShape(patchHierarchy(boxMesh({1, 1, 1}, {1, 1, 1}, 1))), 1, {0, 0.505, 0});
+		cube.setFriction(0);
+		for (int i = 0; i < 10; ++i)
+		{
+			scene.step();
+			double lowest = 1;
+			for (const double x : {-0.5, 0.5})
+				for (const double y : {-0.5, 0.5})
+					lowest = std::min(lowest, double((cube.getWorldTransform() * btVector3(btScalar(x), btScalar(y), 0)).y()));
+			EXPECT_GT(lowest, -2e-3) << angle << ", step " << i;
+		}
 	}
 }
 }  // namespace clod::test

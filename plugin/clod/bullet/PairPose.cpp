@@ -154,11 +154,12 @@ void PairPose::expectHolding()
 	tolerance += rules.heldReach;
 }
 
-void PairPose::lookAside()
+// Forces count unless the two carry each other, which holds them against these.
+void PairPose::lookAside(bool carry)
 {
 	const RelativeMotion seen =
 		rules.b.isPoint ? motionBetween(withoutForces(rules.a), withoutForces(rules.b), 0) : seenMotion;
-	const double way = seen.speedWithin(center, radius) * rules.timeStep;
+	const double way = carry ? seen.speedWithin(center, radius) * rules.timeStep : motion;
 	tolerance += std::max(0.0, kAside * way - rules.resting);
 }
 

@@ -77,7 +77,7 @@ struct PairPose
 	// Looks farther for where a third body may hold one of the two, too (PointRules::heldReach).
 	void expectHolding();
 	// Looks farther for what a motion meets that is not the one predicted.
-	void lookAside();
+	void lookAside(bool carry);
 };
 
 // How far, world length, the ball round a body of ours stays from contact with a plane in a step of this motion (of the world's

@@ -160,11 +160,15 @@ PairPose PairState::begin(const btCollisionObjectWrapper& body0, const btCollisi
 		sayOnce(32, "a pair has no contacts: " + pose.notFinite);
 		return pose;
 	}
-	// Not for bodies that carry each other, as they are held together; nor in further passes, which know who holds
-	// whom.
-	if (prediction == Prediction::kFree && pose.isOfTwo() && !m_manifolds.carry()) pose.expectHolding();
-	// A pair that met little may meet more if third bodies turn its motion, and looking for that costs little.
-	if (prediction == Prediction::kFree && pose.isOfTwo() && m_result.pairs.size() <= kFewPairs) pose.lookAside();
+	if (prediction == Prediction::kFree && pose.isOfTwo())
+	{
+		// Not for bodies that carry each other, as they are held together; nor in further passes, which know who holds
+		// whom.
+		const bool carry = m_manifolds.carry();
+		if (!carry) pose.expectHolding();
+		// A pair that met little may meet more if others turn its motion, and looking for that costs little.
+		if (m_result.pairs.size() <= kFewPairs) pose.lookAside(carry);
+	}
 	m_report.motion = pose.motion;
 	m_report.tolerance = pose.tolerance;
 	m_report.metric = metricFor(pose);
