@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Ghost forces at patch borders: a body sliding without friction over a flat slab of many patches must feel nothing. And a
-// body that slides from rest into a wedge.
+// Ghost forces at patch borders: a body sliding without friction over a flat slab of many patches must feel nothing. And
+// a body that slides from rest into a wedge.
 // The bound on vertical speed is 1e-3 sqrt(g L), L the body's size; forward speed must not change.
 #include <gtest/gtest.h>
 
@@ -113,8 +113,8 @@ TEST(Slider, BallAndBoxOverATriangleMesh)
 	}
 }
 
-// From rest into the gap between a floor and a wall that leans over it: the wall turns the motion of the very first step, in
-// which forces alone move the body, and nothing moves it towards the floor.
+// From rest into the gap between a floor and a wall that leans over it: the wall turns the motion of the very first step,
+// in which forces alone move the body, and nothing moves it towards the floor.
 TEST(Slider, FromRestIntoAWedge)
 {
 	for (const double angle : {0.4, 0.6, 0.8})
@@ -128,7 +128,8 @@ TEST(Slider, FromRestIntoAWedge)
 		const btVector3 edge = btVector3(0.5, btScalar(1.005), 0) + btScalar(1.002) * btVector3(c, s, 0);
 		const btQuaternion lean(btVector3(0, 0, 1), btScalar(angle) + SIMD_HALF_PI);
 		scene.addBody(slab, 0, toVec3(edge), lean).setFriction(0);
-		btRigidBody& cube = scene.addBody(scene.addShape(patchHierarchy(boxMesh({1, 1, 1}, {1, 1, 1}, 1))), 1, {0, 0.505, 0});
+		btClodShape& box = scene.addShape(patchHierarchy(boxMesh({1, 1, 1}, {1, 1, 1}, 1)));
+		btRigidBody& cube = scene.addBody(box, 1, {0, 0.505, 0});
 		cube.setFriction(0);
 		for (int i = 0; i < 10; ++i)
 		{

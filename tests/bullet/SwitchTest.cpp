@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "clod/bullet/ConfigureWorld.h"
@@ -53,6 +54,13 @@ public:
 	void choose(bool isFine)
 	{
 		m_scene.context.worldMetric = isFine ? ContactMetric::exactly() : ContactMetric::deviationShare(0.035);
+	}
+	// The world takes it for a new body.
+	void comeAgain(bool isFine)
+	{
+		m_scene.world.removeRigidBody(m_body);
+		choose(isFine);
+		m_scene.world.addRigidBody(m_body);
 	}
 	void keepPoints(bool keeps) { m_scene.context.keepPoints = keeps; }
 	int keptPairs() const { return int(m_scene.context.lastStep().keptPairs); }
@@ -111,6 +119,23 @@ TEST(LevelSwitch, BodiesAtRestNeitherJumpNorFall)
 			EXPECT_GE(switches, 240 / every / 2) << which << ", every " << every;
 			EXPECT_LT(fastest, 1e-3) << which << ", every " << every;
 		}
+	}
+}
+
+// What overlaps on the level on which it is first seen, by no more than that may err, is not thrust out either.
+TEST(LevelSwitch, ABodySeenFirstOnACoarseLevelIsNotLifted)
+{
+	for (const auto& [upper, lower] : {std::pair("torus-900", "cup-3000"), {"spoon-3000", "cup-3000"}})
+	{
+		Resting scene(upper, Resting::Ground::kBody, lower, 0.5);
+		const double before = scene.height();
+		scene.comeAgain(false);
+		for (int i = 0; i < 24; ++i)
+		{
+			scene.step();
+			EXPECT_LT(scene.height() - before, 1e-4) << upper;
+		}
+		EXPECT_GT(scene.coarsestLevel(), 0u) << upper;
 	}
 }
 

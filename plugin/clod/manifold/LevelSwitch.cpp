@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "clod/query/StopRule.h"
+
 namespace clod
 {
 namespace
@@ -11,6 +13,14 @@ namespace
 constexpr double kSwitchShare = 5e-5;   // of the speed of a fall by the length; a motion gains some ten times of it
 constexpr double kBesideShare = 0.01;   // of the length: the most that a point that goes on may have slid
 constexpr double kUnmovedShare = 1e-5;  // of the length a step: bodies that move less lose no contact by their motion
+
+// By how much the surfaces of a facet's nodes may lie in front of what they stand for.
+double errorOf(const FacetQuestion& question, const Facet& facet)
+{
+	const Node& a = question.a.hierarchy->node(facet.nodeA);
+	if (!question.b.hierarchy) return std::max(a.cover, a.protrude);
+	return certifiedErrorApart(a, question.b.hierarchy->node(facet.nodeB));
+}
 }  // namespace
 
 double switchSpeed(const PointRules& rules)
@@ -71,13 +81,15 @@ void LevelSwitch::apply(const FacetQuestion& question, const std::vector<Contact
 		if (std::find(m_asked.begin(), m_asked.end(), levels) == m_asked.end()) m_asked.push_back(levels);
 	}
 
-	double deepest = 0, fresh = 0;  // overlaps; fresh: of levels that were not asked for
+	// Overlaps; fresh: of levels that were not asked for. Of those first seen no more than the levels may err.
+	double deepest = 0, fresh = 0;
 	for (const Facet& facet : facets)
 	{
 		if (facet.kind == Facet::Kind::kDeep) continue;
 		const double overlap = question.rules.margin - facet.distance;
 		deepest = std::max(deepest, overlap);
-		if (!memory.asked.empty() && !isAmong(memory.asked, facet)) fresh = std::max(fresh, overlap);
+		if (!isAmong(memory.asked, facet))
+			fresh = std::max(fresh, memory.asked.empty() ? std::min(overlap, errorOf(question, facet)) : overlap);
 	}
 	const std::size_t found = facets.size();
 	double before = 0;
