@@ -34,10 +34,10 @@ void catchInterrupts()
 	struct sigaction action = {};
 	action.sa_handler = onInterrupt;
 	sigemptyset(&action.sa_mask);
-	sigaction(SIGINT, &action, nullptr);
-	sigaction(SIGTERM, &action, nullptr);
+	for (const int signal : {SIGINT, SIGTERM, SIGQUIT, SIGXCPU}) sigaction(signal, &action, nullptr);
 	if (struct sigaction was = {}; sigaction(SIGHUP, nullptr, &was) == 0 && was.sa_handler != SIG_IGN)  // nohup
 		sigaction(SIGHUP, &action, nullptr);
+	std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow cannot be written, as on a full disk
 }
 
 // The innermost subcommand the user chose.

@@ -52,7 +52,8 @@ CLI::Option* addChoice(CLI::App& command, const std::string& name, std::string& 
 // Adds --version (see Version.h) and requires one subcommand. `licence` is one sentence.
 void setUpProgram(CLI::App& app, const std::string& precision, const std::string& licence);
 
-// Parses, runs the callbacks of the chosen subcommand, and maps every outcome to an exit code. SIGINT, SIGTERM and
-// SIGHUP (unless it is ignored) end the program with 130 after removing the partial files of Files.h.
+// Parses, runs the callbacks of the chosen subcommand, and maps every outcome to an exit code. SIGINT, SIGTERM,
+// SIGQUIT, SIGXCPU and SIGHUP (unless it is ignored) end the program with 130 after removing the partial files of
+// Files.h.
 int runProgram(CLI::App& app, int argc, char** argv);
 }  // namespace clod::cli

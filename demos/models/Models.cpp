@@ -2,9 +2,7 @@
 #include "demos/models/Models.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
 
 #include "demos/models/Mechanisms.h"
 #include "demos/models/Shapes.h"
@@ -66,12 +64,6 @@ std::string knownNames()
 		for (const std::string& n : *names) list += (list.empty() ? "" : " ") + n;
 	return list;
 }
-
-// Why the last system call on `path` failed.
-Error systemError(const std::string& path)
-{
-	return {path + ": " + std::strerror(errno) + "."};
-}
 }  // namespace
 
 const std::vector<std::string>& modelNames()
@@ -123,7 +115,7 @@ Result<ModelMesh> makeModel(const std::string& name, size_t triangles)
 	return mesh;
 }
 
-Result<size_t> writeObj(const std::string& path, const ModelMesh& mesh)
+std::string toObj(const ModelMesh& mesh)
 {
 	std::string text = "# Closed triangle mesh, metres, y up: " + std::to_string(mesh.vertices.size()) + " vertices, " +
 					   std::to_string(mesh.triangles.size()) + " triangles\n";
@@ -138,17 +130,6 @@ Result<size_t> writeObj(const std::string& path, const ModelMesh& mesh)
 		std::snprintf(line, sizeof line, "f %u %u %u\n", t[0] + 1, t[1] + 1, t[2] + 1);
 		text += line;
 	}
-	const std::string aside = path + ".part";
-	std::FILE* file = std::fopen(aside.c_str(), "wb");
-	if (!file) return systemError(aside);
-	const bool written = std::fwrite(text.data(), 1, text.size(), file) == text.size();
-	const bool closed = std::fclose(file) == 0;
-	if (!written || !closed || std::rename(aside.c_str(), path.c_str()) != 0)
-	{
-		const Error error = systemError(path);
-		std::remove(aside.c_str());
-		return error;
-	}
-	return text.size();
+	return text;
 }
 }  // namespace clod::demo

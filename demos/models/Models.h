@@ -36,8 +36,8 @@ size_t smallestTriangleCount(const std::string& name);
 // the first five models are exact. The count built is triangles.size() of the result.
 Result<ModelMesh> makeModel(const std::string& name, size_t triangles = 0);
 
-// Wavefront OBJ, every digit of every double; written beside `path`, then renamed over it.
-Result<size_t> writeObj(const std::string& path, const ModelMesh& mesh);  // bytes written
+// Wavefront OBJ, every digit of every double.
+std::string toObj(const ModelMesh& mesh);
 
 // Facts of the shapes that scenes and tests need, in metres.
 constexpr double CUP_OUTER_RADIUS = 0.040;

@@ -10,6 +10,7 @@
 #include "cli/Files.h"
 #include "cli/Program.h"
 #include "demos/peers/CoalExchange.h"
+#include "demos/runner/Commands.h"
 #include "demos/runner/HierarchyCache.h"
 #include "demos/runner/Process.h"
 
@@ -98,8 +99,7 @@ cli::PartialFile temporaryFile(const char* name)
 
 void write(const cli::PartialFile& file, const ModelMesh& mesh)
 {
-	const auto written = writeObj(file.temporaryPath(), mesh);
-	if (!written) throw Failure(ExitCode::failure, written.error());
+	writeText(file.temporaryPath(), toObj(mesh));
 }
 
 class CoalPeer : public Peer

@@ -13,7 +13,7 @@ namespace clod::demo
 {
 using MeshPointer = std::shared_ptr<const ModelMesh>;
 
-// A file of `v x y z`, `f i j k` and `o NAME` lines as prepare.py and writeObj write them; every `o` starts a piece
+// A file of `v x y z`, `f i j k` and `o NAME` lines as prepare.py and toObj write them; every `o` starts a piece
 // (none: one piece). Comments are kept: "# key value" lines go to `notes`. Fails with file and line.
 struct PieceFile
 {

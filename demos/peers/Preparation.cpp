@@ -69,7 +69,7 @@ Result<Prepared> Preparation::run(const std::string& output, const std::string& 
 								  const ModelMesh& mesh) const
 {
 	const cli::PartialFile input(temporaryDirectory() + "/clod-peer-mesh.obj");  // never committed
-	if (const auto written = writeObj(input.temporaryPath(), mesh); !written) return Error{written.error()};
+	if (std::string error = cli::writeFile(input.temporaryPath(), toObj(mesh)); !error.empty()) return Error{error};
 	const int code = runProgram({"timeout", fmt::format("{:.0f}", m_mostSeconds), m_tools.python(), m_tools.prepare(),
 								 tool, input.temporaryPath(), output, amount});
 	if (code == kTimedOut) return Error{fmt::format("{} {} took longer than {:.0f} s", tool, amount, m_mostSeconds)};

@@ -9,8 +9,8 @@
 #include <limits>
 
 #include "cli/Failure.h"
-#include "cli/Files.h"
 #include "demos/peers/CoalPeer.h"
+#include "demos/runner/Commands.h"
 #include "demos/runner/Replay.h"
 
 namespace clod::demo
@@ -18,7 +18,6 @@ namespace clod::demo
 namespace
 {
 constexpr const char* kConcavities[] = {"0.1", "0.05", "0.02"};   // CoACD thresholds
-constexpr std::size_t kMeshBytesLimit = std::size_t(4) << 30;
 
 class RosterMaker
 {
@@ -162,13 +161,7 @@ private:
 	// Each decimated mesh through the builder: our exact query without any choice of level.
 	BuiltHierarchy hierarchyOf(const DecimatedMesh& step) const
 	{
-		const cli::PartialFile file(temporaryDirectory() + "/clod-decimated.obj");  // never committed
-		if (const auto written = writeObj(file.temporaryPath(), *step.mesh); !written)
-			throw cli::Failure(cli::ExitCode::failure, written.error());
-		Result<std::vector<std::byte>> bytes = cli::readFile(file.temporaryPath(), kMeshBytesLimit);
-		if (!bytes) throw cli::Failure(cli::ExitCode::failure, bytes.error());
-		const std::string name = fmt::format("decimated mesh ({} triangles)", step.mesh->triangles.size());
-		return buildTimed(m_cache, {name, ".obj", std::move(bytes.value()), ""});
+		return buildTimed(m_cache, meshSource("decimated mesh", *step.mesh));
 	}
 
 	std::vector<BuiltHierarchy> buildLadder(const std::vector<DecimatedMesh>& ladder, const HierarchyPointer& full,

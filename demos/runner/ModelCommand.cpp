@@ -23,7 +23,6 @@ using cli::ExitCode;
 using cli::Failure;
 
 constexpr std::size_t kLargestModel = 100'000'000;
-constexpr std::size_t kModelSizeLimit = std::size_t(64) << 30;
 constexpr int kSchema = 1;
 
 struct ModelOptions
@@ -52,18 +51,18 @@ void runModel(const ModelOptions& options)
 	if (std::filesystem::path(options.output).extension() != ".obj")
 		throw Failure(ExitCode::usage, options.output + " does not end in .obj");
 	const ModelMesh mesh = makeOrFail(options.name, options.triangles);
-	const Result<std::size_t> bytes = writeObj(options.output, mesh);
-	if (!bytes) throw Failure(ExitCode::failure, bytes.error());
+	const std::string text = toObj(mesh);
+	writeText(options.output, text);
 	if (options.common.textOnStdout() && !options.common.quiet)
 		fmt::print("{}: {} triangles, {} vertices, {} bytes in {}\n", options.name, mesh.triangles.size(),
-				   mesh.vertices.size(), bytes.value(), options.output);
+				   mesh.vertices.size(), text.size(), options.output);
 	nlohmann::ordered_json report = startReport("model");
 	report["model"] = options.name;
 	report["requested_triangles"] = options.triangles;
 	report["triangles"] = mesh.triangles.size();
 	report["vertices"] = mesh.vertices.size();
 	report["output"] = options.output;
-	report["bytes"] = bytes.value();
+	report["bytes"] = text.size();
 	writeReport(options.common.json, report);
 }
 
@@ -151,12 +150,9 @@ CLI::Validator between(double low, double high)
 
 MeshSource meshSource(const std::string& name, const ModelMesh& mesh)
 {
-	const cli::PartialFile file(temporaryDirectory() + "/clod-bench-model.obj");  // never committed
-	const Result<std::size_t> written = writeObj(file.temporaryPath(), mesh);
-	if (!written) throw Failure(ExitCode::failure, written.error());
-	Result<std::vector<std::byte>> bytes = cli::readFile(file.temporaryPath(), kModelSizeLimit);
-	if (!bytes) throw Failure(ExitCode::failure, bytes.error());
-	return {fmt::format("{} ({} triangles)", name, mesh.triangles.size()), ".obj", std::move(bytes.value()), ""};
+	const std::string text = toObj(mesh);
+	const auto* const first = reinterpret_cast<const std::byte*>(text.data());
+	return {fmt::format("{} ({} triangles)", name, mesh.triangles.size()), ".obj", {first, first + text.size()}, ""};
 }
 
 MeshSource modelSource(const std::string& name, std::size_t triangles)
@@ -202,7 +198,8 @@ void writeText(const std::string& path, const std::string& text)
 	if (path.empty()) return;
 	if (path == "-")
 	{
-		std::fwrite(text.data(), 1, text.size(), stdout);
+		if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
+			throw Failure(ExitCode::failure, "cannot write standard output");
 		return;
 	}
 	if (const std::string problem = cli::writeFile(path, text); !problem.empty())

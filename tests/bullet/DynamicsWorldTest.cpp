@@ -156,6 +156,26 @@ TEST(DynamicsWorld, WhatRestsIsNotAskedAgain)
 	}
 }
 
+// A trigger tells what is in it, and never moves it: contacts that nothing obeys are no surprise, however fast it is.
+TEST(DynamicsWorld, WhatHasNoResponseIsNotAskedAgain)
+{
+	ImpactWorld with(true, 60, 9.81), without(true, 60, 9.81);
+	btRigidBody& trigger = with.put(patchHierarchy(boxMesh({3, 1, 3}, {2, 2, 2}, 1)), 0, {0.4, 0, 0});
+	trigger.setCollisionFlags(trigger.getCollisionFlags() | btCollisionObject::CF_NO_CONTACT_RESPONSE);
+	int told = 0;
+	std::vector<btRigidBody*> bodies;
+	for (ImpactWorld* world : {&with, &without}) bodies.push_back(&world->put(unitCube(), 1, {0, 2, 0}));
+	for (int step = 0; step < 60; ++step)
+	{
+		with.step();
+		without.step();
+		told += with.contacts();
+		ASSERT_EQ(with.ours().passes(), 1) << step;
+		ASSERT_TRUE(bodies[0]->getWorldTransform() == bodies[1]->getWorldTransform()) << step;
+	}
+	EXPECT_GT(told, 20);
+}
+
 // Rows that ask for the arc of a turning must not drive each other: a heap of digits exploded.
 TEST(DynamicsWorld, BodiesThatTurnFastGainNoEnergyFromEachOther)
 {

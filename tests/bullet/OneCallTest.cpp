@@ -187,6 +187,32 @@ TEST(OneCall, RefusesWithAReason)
 	settings.scale = btVector3(1, 0, 1);
 	EXPECT_NE(ClodBody::make(cube(), settings).error().find("scale"), std::string::npos);
 	EXPECT_FALSE(ClodBody::make(nullptr));
+
+	const auto errorOf = [](const auto& change)
+	{
+		BodySettings odd;
+		odd.mass = 1;
+		change(odd);
+		const auto made = ClodBody::make(cube(), odd);
+		return made ? std::string() : made.error();
+	};
+	EXPECT_EQ(errorOf([](BodySettings& odd) { odd.worldFromMesh.setRotation(btQuaternion(1, 2, 3)); }), "");
+	for (const double number : {-1.0, std::nan(""), HUGE_VAL})
+	{
+		EXPECT_NE(errorOf([=](BodySettings& odd) { odd.mass = number; }).find("mass"), std::string::npos) << number;
+		EXPECT_NE(errorOf([=](BodySettings& odd) { odd.friction = number; }).find("friction"), std::string::npos) << number;
+		EXPECT_NE(errorOf([=](BodySettings& odd) { odd.restitution = number; }).find("restitution"), std::string::npos)
+			<< number;
+	}
+	const auto pose = [&](const btMatrix3x3& basis, double x)
+	{
+		return errorOf([&](BodySettings& odd) { odd.worldFromMesh = btTransform(basis, btVector3(btScalar(x), 0, 0)); });
+	};
+	const btMatrix3x3 unit = btMatrix3x3::getIdentity();
+	EXPECT_EQ(pose(unit, 1), "");
+	for (const double x : {std::nan(""), -HUGE_VAL}) EXPECT_NE(pose(unit, x).find("worldFromMesh"), std::string::npos) << x;
+	for (const btVector3& scale : {btVector3(0, 0, 0), btVector3(2, 2, 2), btVector3(1, 1, -1)})
+		EXPECT_NE(pose(unit.scaled(scale), 0).find("worldFromMesh"), std::string::npos);
 }
 
 // A box under a name: other importers keep the body, those that know the name load the file.

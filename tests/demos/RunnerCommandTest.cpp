@@ -67,6 +67,10 @@ TEST_F(RunnerCommand, ModelWritesTheSameBytesTwice)
 	ASSERT_EQ(bench("model torus --triangles 800 -o " + path("two.obj")).code, 0);
 	EXPECT_FALSE(readText(path("one.obj")).empty());
 	EXPECT_EQ(readText(path("one.obj")), readText(path("two.obj")));
+	std::filesystem::create_symlink("/dev/full", path("full.obj"));
+	const Outcome full = bench("model torus --triangles 800 -o " + path("full.obj"));
+	EXPECT_EQ(full.code, 1);
+	EXPECT_NE(full.err.find("cannot write " + path("full.obj")), std::string::npos) << full.err;
 }
 
 TEST_F(RunnerCommand, ListNamesTheScenes)

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "cli/Files.h"
 #include "clod/distance/SignedGap.h"
 #include "demos/models/Models.h"
 #include "demos/runner/HierarchyCache.h"
@@ -158,7 +159,7 @@ protected:
 		none.enabled = false;
 		HierarchyCache cache(none, true);
 		const std::string path = folder.file("mesh.obj");
-		EXPECT_TRUE(writeObj(path, makeModel(name, triangles).value()));
+		EXPECT_EQ(cli::writeFile(path, toObj(makeModel(name, triangles).value())), "");
 		return cache.open(path, {});
 	}
 };
@@ -321,7 +322,7 @@ TEST_F(TryCommand, ReportsOnMeshesOfAnyUnit)
 	// The same in thousandths, the torus in inches: what differs is rounding, which chaos makes grow.
 	ModelMesh cup = makeModel("cup", 1200).value();
 	for (Vec3& vertex : cup.vertices) vertex = 1000 * vertex;
-	ASSERT_TRUE(writeObj(path("cup-mm.obj"), cup));
+	ASSERT_EQ(cli::writeFile(path("cup-mm.obj"), toObj(cup)), "");
 	const Outcome mixed = bench(tryWords(path("cup-mm.obj") + " " + path("torus.obj"), "mixed"));
 	ASSERT_EQ(mixed.code, 0) << mixed.err;
 	EXPECT_EQ(runOf(RunnerCommand::report("mixed/report.json"), "CLOD")["bodies_gone"], 0);
@@ -332,7 +333,7 @@ TEST_F(TryCommand, TellsWhatWasMended)
 {
 	ModelMesh torus = makeModel("torus", 400).value();
 	torus.triangles.pop_back();
-	ASSERT_TRUE(writeObj(path("torn.obj"), torus));
+	ASSERT_EQ(cli::writeFile(path("torn.obj"), toObj(torus)), "");
 	for (const char* folder : {"built", "found"})
 	{
 		const Outcome run = bench(tryWords(path("torn.obj") + " --repair", folder));
@@ -359,11 +360,11 @@ TEST_F(TryCommand, NamesTheNextStep)
 	}
 	ModelMesh giant = makeModel("torus", 400).value();
 	for (Vec3& vertex : giant.vertices) vertex = 1e11 * vertex;
-	ASSERT_TRUE(writeObj(path("giant.obj"), giant));
+	ASSERT_EQ(cli::writeFile(path("giant.obj"), toObj(giant)), "");
 	const Outcome large = bench(tryWords(path("giant.obj"), "giant"));
 	EXPECT_EQ(large.code, 5);
 	EXPECT_NE(large.err.find("--scale"), std::string::npos) << large.err;
-	ASSERT_TRUE(writeObj(path("torus.obj"), makeModel("torus", 400).value()));
+	ASSERT_EQ(cli::writeFile(path("torus.obj"), toObj(makeModel("torus", 400).value())), "");
 	EXPECT_EQ(bench("try " + path("torus.obj") + " --quick --quiet -o /proc/none").code, 1);
 	// What is not the mesh's fault is not said to be.
 	const Outcome cache =

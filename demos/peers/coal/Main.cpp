@@ -32,7 +32,7 @@ double threadMicroseconds()
 	return 1e6 * double(now.tv_sec) + 1e-3 * double(now.tv_nsec);
 }
 
-// A mesh as writeObj writes it: `v x y z` and `f i j k` lines.
+// A mesh as toObj writes it: `v x y z` and `f i j k` lines.
 void readObj(const char* path, double scale, Model& model)
 {
 	std::ifstream file(path);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "clod/bullet/btClodCollisionAlgorithm.h"
 
@@ -39,6 +40,7 @@ Result<int> setUpWorld(btDynamicsWorld& world, Context& context, const WorldSett
 
 namespace
 {
+constexpr btScalar kSkew = btScalar(1e-3);  // of a rotation's axes: lengths and angles that are off by less are rounding
 constexpr double kDiagonal = 1e-3;  // of the largest moment: products of inertia below are none
 
 bool isDiagonal(const Asset& asset)
@@ -46,6 +48,21 @@ bool isDiagonal(const Asset& asset)
 	const double* const t = asset.inertia;
 	const double mixed = std::max({std::abs(t[3]), std::abs(t[4]), std::abs(t[5])});
 	return mixed <= kDiagonal * std::max({t[0], t[1], t[2]});
+}
+
+// Empty, or what is wrong with the settings; of the scale the shape tells.
+std::string settingsError(const BodySettings& settings)
+{
+	const std::pair<const char*, double> numbers[] = {
+		{"mass", settings.mass}, {"friction", settings.friction}, {"restitution", settings.restitution}};
+	for (const auto& [name, number] : numbers)
+		if (!(number >= 0) || !std::isfinite(btScalar(number)))
+			return std::string(name) + " is " + std::to_string(number) + ", but must be a finite number >= 0";
+	const btTransform& pose = settings.worldFromMesh;
+	const btMatrix3x3 unit = pose.getBasis() * pose.getBasis().transpose();
+	bool isPose = std::isfinite(double(pose.getOrigin().length())) && pose.getBasis().determinant() > 0;
+	for (int i = 0; i < 3; ++i) isPose = isPose && (unit[i] - btMatrix3x3::getIdentity()[i]).length() < kSkew;
+	return isPose ? "" : "worldFromMesh is not a finite place and a rotation";
 }
 }  // namespace
 
@@ -63,8 +80,7 @@ Result<std::unique_ptr<ClodBody>> ClodBody::make(const std::shared_ptr<const Hie
 												 const BodySettings& settings)
 {
 	if (!hierarchy) return Error{"there is no hierarchy"};
-	if (!(settings.mass >= 0) || !std::isfinite(settings.mass))
-		return Error{"mass is " + std::to_string(settings.mass) + ", but must be a finite number >= 0"};
+	if (std::string error = settingsError(settings); !error.empty()) return Error{error};
 	std::unique_ptr<ClodBody> made(new ClodBody);
 	made->m_shape = std::make_unique<btClodShape>(hierarchy);
 	made->m_shape->setLocalScaling(settings.scale);

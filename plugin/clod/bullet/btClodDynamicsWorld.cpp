@@ -297,7 +297,7 @@ double btClodDynamicsWorld::findSurprised()
 	for (const clod::PairState* pair : m_pairs)
 	{
 		const btCollisionObject *a = pair->lastReport().objectA, *b = pair->lastReport().objectB;
-		if (!a || !b || !(isMoving(*a) || isMoving(*b))) continue;
+		if (!a || !b || !(isMoving(*a) || isMoving(*b)) || !getDispatcher()->needsResponse(a, b)) continue;
 		const double surprise = pair->surprise();
 		if (!(surprise > 1)) continue;
 		btBroadphaseProxy* low = const_cast<btBroadphaseProxy*>(a->getBroadphaseHandle());

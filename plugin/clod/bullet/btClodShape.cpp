@@ -80,7 +80,6 @@ struct Path
 {
 	Vec3 from, to, grown;
 	const btScalar* share = nullptr;
-	bool turns = false;
 	bool misses(const OrientedBox& box) const { return clod::misses(box, grown, from, from + double(*share) * (to - from)); }
 };
 
@@ -91,7 +90,12 @@ std::optional<Path> pathOf(const btTriangleCallback& callback, double scale)
 		return (1 / scale) * Vec3{double(v.x()), double(v.y()), double(v.z())};
 	};
 	if (const auto* ray = dynamic_cast<const btTriangleRaycastCallback*>(&callback))
-		return Path{inUnit(ray->m_from), inUnit(ray->m_to), Vec3{}, &ray->m_hitFraction};
+	{
+		// Room for the rounding of its ends: a ray along an edge hits, as Bullet lets it.
+		const Vec3 from = inUnit(ray->m_from), to = inUnit(ray->m_to);
+		const double room = 1e-6 * (length(from) + length(to));
+		return Path{from, to, Vec3{room, room, room}, &ray->m_hitFraction};
+	}
 	const auto* sweep = dynamic_cast<const btTriangleConvexcastCallback*>(&callback);
 	if (!sweep) return {};
 	// A swept shape may turn on its way. Its boxes at both ends and the sphere around it bound where it comes.
@@ -99,9 +103,8 @@ std::optional<Path> pathOf(const btTriangleCallback& callback, double scale)
 	const btTransform from = shapeFromWorld * sweep->m_convexShapeFrom, to = shapeFromWorld * sweep->m_convexShapeTo;
 	btVector3 low, high, center;
 	btScalar radius = 0;
-	const bool turns = !(from.getBasis() == to.getBasis());
 	sweep->m_convexShape->getAabb(btTransform(from.getBasis()), low, high);
-	if (turns)
+	if (!(from.getBasis() == to.getBasis()))
 	{
 		sweep->m_convexShape->getBoundingSphere(center, radius);
 		const btScalar around = center.length() + radius;
@@ -111,7 +114,7 @@ std::optional<Path> pathOf(const btTriangleCallback& callback, double scale)
 	const btVector3 middle = btScalar(0.5) * (low + high);
 	const btScalar room = sweep->m_triangleCollisionMargin + sweep->m_allowedPenetration;
 	const btVector3 half = btScalar(0.5) * (high - low) + btVector3(room, room, room);
-	return Path{inUnit(from.getOrigin() + middle), inUnit(to.getOrigin() + middle), inUnit(half), &sweep->m_hitFraction, turns};
+	return Path{inUnit(from.getOrigin() + middle), inUnit(to.getOrigin() + middle), inUnit(half), &sweep->m_hitFraction};
 }
 
 // Walks the tree to the input surface; `skip` cuts branches, `visit` gets the level-0 nodes.
@@ -310,7 +313,7 @@ void btClodShape::processAllTriangles(btTriangleCallback* callback, const btVect
 	const Hierarchy& hierarchy = *m_hierarchy;
 	const std::optional<Path> path = pathOf(*callback, m_scale);
 	btVector3 low = aabbMin, high = aabbMax;
-	if (path && path->turns)  // Bullet's box is then of the last pose alone
+	if (path)  // Bullet's box has no room for rounding, and of what turns only that of the last pose
 		for (const Vec3& end : {path->from, path->to})
 		{
 			low.setMin(scaled(end - path->grown, m_scale));

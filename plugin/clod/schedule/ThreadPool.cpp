@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "clod/schedule/ThreadPool.h"
 
+#include <algorithm>
 #include <new>
 #include <system_error>
 #include <utility>
@@ -9,6 +10,7 @@ namespace clod
 {
 ThreadPool::ThreadPool(unsigned threads)
 {
+	threads = std::min(threads, kMostThreads);
 	m_workers.reserve(threads);
 	try
 	{

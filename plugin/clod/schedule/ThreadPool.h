@@ -17,7 +17,8 @@ namespace clod
 class CLOD_API ThreadPool
 {
 public:
-	// The calling thread included; at least 1. Fewer, where the machine gives no more.
+	static constexpr unsigned kMostThreads = 1024;
+	// The calling thread included; at least 1, at most these. Fewer, where the machine gives no more.
 	explicit ThreadPool(unsigned threads);
 	~ThreadPool();
 	ThreadPool(const ThreadPool&) = delete;
