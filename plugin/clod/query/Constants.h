@@ -13,7 +13,6 @@ namespace clod
 inline constexpr double kSumRounding = 1e-9;    // of the size: motions added up a million times
 inline constexpr double kPlaceRounding = 2e-7;  // of the size: two points kept as floats, each off by sqrt(3) kFloatUnit
 inline constexpr double kBoundRounding = 3e-7;  // of a bound: three operations in float, and its own conversion
-inline constexpr double kSlackRounding = 1e-6;  // of the tolerance: the float bounds near it that a slack is of
 inline constexpr double kKeptOfSign = 0.999;    // of a distance: so much motion leaves its sign
 // Motions of so many sizes are not added up: what comes then would be lost below kSumRounding.
 inline constexpr double kFarthestMotion = 1e5;
@@ -34,9 +33,6 @@ inline constexpr double kFartherOfCore = 2;  // of points and segments, which ha
 // No front of base levels is kept after a query that moved by more than such a share of the tolerance, and so many more.
 inline constexpr double kMovingShare = 0.25;
 inline constexpr std::uint32_t kCalm = 64;
-// Fronts that are validated (FrontValidation.cpp).
-inline constexpr std::uint32_t kFrontBackOff = 15;    // traversals without slack, at most, once bodies move
-inline constexpr std::uint32_t kEntriesADecision = 4;  // of a traversal cost as much as one decision made again
 
 // Searches for the motion that bodies apart can take (SeparationCache.cpp).
 inline constexpr std::uint32_t kSearchBackOff = 63;  // queries without a search, at most

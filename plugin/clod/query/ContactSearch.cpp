@@ -252,14 +252,12 @@ std::optional<double> ContactSearch::traverseBy(const StopRule& rule, double tol
 		m_state.filled && m_state.threshold == rule.constantThreshold() && m_state.maxError == rule.maxError();
 	const double ahead = lookAhead(rule, limit);
 	const bool hasMore = sameRule && front.tolerance > tolerance && front.tolerance < tolerance + 2 * ahead;
-	const TraversalSettings last{rule, hasMore ? front.tolerance : tolerance, sameRule, limit};
 	std::optional<double> cover;
 	if (hasMore && hasAllAnswers(m_context, tolerance, front))
-		cover = answerFrom(answerFromLast, last, tolerance);
-	else if (isWorthValidating(last, front))
-		cover = answerFrom(validateFront, last, tolerance);
-	if (!cover && ahead > 0) cover = answerFromAhead({rule, tolerance + ahead, sameRule, limit, false}, kAheadShare * ahead, tolerance);
-	if (!cover) cover = answerFrom(traverse, {rule, tolerance + ahead, sameRule, limit, ahead == 0}, tolerance);
+		cover = answerFrom(answerFromLast, {rule, front.tolerance, sameRule, limit}, tolerance);
+	const TraversalSettings next{rule, tolerance + ahead, sameRule, limit};
+	if (!cover && ahead > 0) cover = answerFromAhead(next, kAheadShare * ahead, tolerance);
+	if (!cover) cover = answerFrom(traverse, next, tolerance);
 	remember(rule);
 	return cover;
 }

@@ -19,16 +19,11 @@ bool traverse(const QueryContext& context, const TraversalSettings& settings, Pa
 void handBack(PairFront& front);
 void keep(PairFront& front);
 
-// Is the last front still the front (FrontValidation.cpp)? Whether it has what it takes to tell, and few enough decisions
-// have to be made again; otherwise it is tried again, and slack for it kept, after some traversals only.
-bool isWorthValidating(const TraversalSettings& settings, PairFront& front);
-// Gives its answers once more. False, perhaps with some given: the front has changed. Precondition: worth it.
-bool validateFront(const QueryContext& context, const TraversalSettings& settings, PairFront& front, ContactSink& sink,
-				   QueryStats& stats);
 // Does the last front have all pairs of input surfaces that are within the tolerance now, as it was made for more than it?
 // Precondition: it is of the same rule, and that of leaves.
 bool hasAllAnswers(const QueryContext& context, double tolerance, const PairFront& front);
-// Gives its answers once more, whatever has become of its decisions. Precondition: it has all.
+// Gives its answers once more, whatever has become of its decisions. False, perhaps with some given: pairs that answer only
+// while apart have changed. Precondition: it has all.
 bool answerFromLast(const QueryContext& context, const TraversalSettings& settings, PairFront& front, ContactSink& sink,
 					QueryStats& stats);
 }  // namespace clod
