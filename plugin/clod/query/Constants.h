@@ -28,7 +28,6 @@ inline constexpr double kMuchLarger = 4;
 // Fronts of a single piece and input surfaces are made for moves to come (ContactSearch.cpp).
 inline constexpr double kMovesAhead = 4;   // so many as the last one,
 inline constexpr double kMostAhead = 0.25;  // and at most so much of the smaller body;
-inline constexpr double kAheadShare = 0.9;  // of the motion that it is made for a front's middle lies ahead
 inline constexpr double kFartherOfCore = 2;  // of points and segments, which have few pairs
 // No front of base levels is kept after a query that moved by more than such a share of the tolerance, and so many more.
 inline constexpr double kMovingShare = 0.25;

@@ -255,31 +255,9 @@ std::optional<double> ContactSearch::traverseBy(const StopRule& rule, double tol
 	std::optional<double> cover;
 	if (hasMore && hasAllAnswers(m_context, tolerance, front))
 		cover = answerFrom(answerFromLast, {rule, front.tolerance, sameRule, limit}, tolerance);
-	const TraversalSettings next{rule, tolerance + ahead, sameRule, limit};
-	if (!cover && ahead > 0) cover = answerFromAhead(next, kAheadShare * ahead, tolerance);
-	if (!cover) cover = answerFrom(traverse, next, tolerance);
+	if (!cover) cover = answerFrom(traverse, {rule, tolerance + ahead, sameRule, limit}, tolerance);
 	remember(rule);
 	return cover;
-}
-
-// Makes the front for where the body will be once it has gone on by `shift`: the moves that it is made for then lie on
-// both sides. None where the body does not go on, or that front has not all answers of now.
-std::optional<double> ContactSearch::answerFromAhead(const TraversalSettings& settings, double shift, double tolerance)
-{
-	const Vec3 way = m_context.sweep.of(m_context.pose.translation);
-	if (way == Vec3{}) return std::nullopt;
-	const Transform there{m_context.pose.rotation, m_context.pose.translation + (shift / length(way)) * way};
-	const QueryContext ahead(m_context.a, m_context.b, there, m_context.sweep);
-	const double lastMove = m_state.lastMove, lastApproach = m_state.lastApproach;
-	followMotion(ahead, m_state);
-	std::vector<Contact> none;
-	ContactSink lists = ContactSink::ofLists(ahead, tolerance, none, m_result.stats);
-	const bool isMade = traverse(ahead, settings, m_state.front, lists, m_result.stats);
-	followMotion(m_context, m_state);
-	m_state.lastMove = lastMove;
-	m_state.lastApproach = lastApproach;
-	if (!isMade || !hasAllAnswers(m_context, tolerance, m_state.front)) return std::nullopt;
-	return answerFrom(answerFromLast, settings, tolerance);
 }
 
 // By boxes as the settings say, by hulls within the tolerance: the sink's largest cover.
