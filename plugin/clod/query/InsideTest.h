@@ -37,8 +37,6 @@ private:
 	static bool holds(Probe& probe, const Vec3& place, double apart);
 	static void test(Probe& probe, const Hierarchy& other, const Vec3& place, QueryStats& stats);
 	std::vector<Probe> m_probes;   // one a component
-	std::vector<Vec3> m_extremes;  // of the coarsest level that may answer, single components only
-	double m_slack = 0;            // how far an extreme may lie outside the solid
 };
 
 // Counts boxes that point queries meet in its lifetime as such.
