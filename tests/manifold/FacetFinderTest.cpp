@@ -5,93 +5,12 @@
 #include <set>
 #include <tuple>
 
-#include "clod/hierarchy/ConvexPiece.h"
 #include "clod/manifold/FacetFinder.h"
 #include "tests/manifold/FacetPair.h"
 #include "tests/query/Bodies.h"
 
 namespace clod::test
 {
-// What is near a convex body is listed for some moves: the points are those of features listed anew, to the bit.
-TEST(NearFeatures, ListedForSomeMovesAreThoseListedAnew)
-{
-	Random random(19);
-	const HierarchyPointer torus = body("torus-900").hierarchy;
-	const double radius = 0.4 * double(torus->asset().radius);  // of a ball, round its middle
-	const HierarchyPointer ball = convexPiece({{{0, 0, 0}}, {}, 0}, radius).value();
-	std::size_t found = 0, wanted = 0;
-	for (const HierarchyPointer& convex : {body("sphere-300").hierarchy, body("box-12").hierarchy, ball})
-		for (int round = 0; round < 6; ++round)
-		{
-			FacetPair pair(torus, convex, {});
-			if (convex == ball) pair.rules.length = pair.rules.radiusB = pair.rules.margin = radius;
-			const double length = pair.rules.length;
-			const double far = double(torus->asset().radius) + 0.6 * double(convex->asset().radius);
-			const Vec3 start = far * randomDirection(random);
-			Vec3 along = randomDirection(random);
-			NearFeatures kept;
-			pair.aFromB = {randomRotation(random), start};
-			for (int step = 0; step < 80; ++step)
-			{
-				if (step % 16 == 0) along = normalized(randomDirection(random) - 0.8 * normalized(pair.aFromB.translation));
-				const Vec3 way = (step % 7 == 0 ? 0.08 : 0.02) * length * along;
-				pair.aFromB.translation += way;
-				pair.rules.b.center = pair.aFromB.translation;
-				pair.move(way);
-				FacetMemory fresh, held;
-				held.near = std::move(kept);
-				const std::vector<ContactPoint> points = pair.points(held), anew = pair.points(fresh);
-				kept = std::move(held.near);
-				ASSERT_EQ(points.size(), anew.size()) << round << " " << step;
-				for (std::size_t i = 0; i < points.size(); ++i)
-				{
-					EXPECT_EQ(points[i].feature, anew[i].feature) << round << " " << step;
-					EXPECT_EQ(points[i].height, anew[i].height);
-					EXPECT_EQ(points[i].pointOnA, anew[i].pointOnA);
-				}
-				found += points.empty() ? 0 : 1;
-				++wanted;
-			}
-		}
-	EXPECT_GT(10 * found, 3 * wanted);
-	EXPECT_LT(10 * found, 9 * wanted);
-}
-
-// A box wanders off from where features were listed for it, in any direction, and asks for what is nearer or farther.
-TEST(NearFeatures, NothingNearIsLeftOut)
-{
-	Random random(7);
-	const HierarchyPointer torus = body("torus-900").hierarchy;
-	const ContactBody whole = contactBody(*torus);
-	const double size = double(torus->asset().radius);
-	NearFeatures kept;
-	std::size_t seen = 0;
-	Vec3 place;
-	for (int step = 0; step < 2000; ++step)
-	{
-		if (step % 40 == 0) place = 0.8 * size * randomDirection(random);
-		place += 0.02 * size * randomDirection(random);
-		const Box box{place, place + Vec3{0.01, 0.02, 0.03}};
-		const double reach = size * uniform(random, 0.2, 0.22), straight = size * uniform(random, 0.2, 0.24);
-		const Near near(box, reach, straight, 0.05 * size);
-		const std::uint32_t node = std::uint32_t(step) % torus->levels()[0].nodeCount;
-		const auto listOf = [&](NearFeatures& features)
-		{
-			const NearFeatures::OfNode of = features.of(node, whole.surfaceOf(node), near);
-			std::vector<std::uint32_t> list;
-			for (const auto& some : {of.corners, of.polygons, of.edges})
-				for (const NearFeatures::Feature& feature : some)
-					if (near.holds(feature.box)) list.push_back(feature.index);
-			return list;
-		};
-		NearFeatures fresh;
-		const std::vector<std::uint32_t> list = listOf(fresh);
-		EXPECT_EQ(listOf(kept), list) << step;
-		seen += list.size();
-	}
-	EXPECT_GT(seen, 1000u);
-}
-
 // Nodes share corners and edges at their borders, which a dispatch asks once. The oracle asks each pair of nodes by
 // itself: the same facets come of it, and of each what counts most.
 TEST(FacetFinder, WhatNodesShareIsAskedOnceAndNothingIsLost)
@@ -115,17 +34,15 @@ TEST(FacetFinder, WhatNodesShareIsAskedOnceAndNothingIsLost)
 										 aFromBAfter(pair.rules.a, pair.rules.b, pair.aFromB, pair.rules.timeStep), pair.rules};
 			const std::vector<Contact> contacts = pair.result().contacts;
 			if (contacts.size() <= kFewPairs) continue;
-			NearFeatures near;
 			FacetFinder finder;
 			std::vector<Facet> facets;
-			finder.find(question, contacts, near, facets);
+			finder.find(question, contacts, facets);
 			std::map<std::uint64_t, Facet::Reach> expected, asked;
 			for (const Facet& facet : facets) EXPECT_TRUE(asked.insert({facet.feature, facet.reach}).second);
 			for (const Contact& contact : contacts)
 			{
 				std::vector<Facet> alone;
-				NearFeatures fresh;
-				finder.find(question, std::vector<Contact>(kFewPairs + 1, contact), fresh, alone);
+				finder.find(question, std::vector<Contact>(kFewPairs + 1, contact), alone);
 				for (const Facet& facet : alone)
 				{
 					const auto at = expected.insert({facet.feature, facet.reach}).first;

@@ -40,13 +40,12 @@ bool isWithin(double along, double length, double slack)
 }
 }  // namespace
 
-void FacetFinder::find(const FacetQuestion& question, const std::vector<Contact>& contacts, NearFeatures& near,
-					   std::vector<Facet>& facets)
+void FacetFinder::find(const FacetQuestion& question, const std::vector<Contact>& contacts, std::vector<Facet>& facets)
 {
 	m_question = &question;
 	m_facets = &facets;
 	m_bFromA = inverse(question.aFromB);
-	m_nodesA.start(question, contacts, true, &near);
+	m_nodesA.start(question, contacts, true);
 	m_nodesB.start(question, contacts, false);
 	m_motion = question.rules.motion();
 	m_sagitta = 0.125 * kPathReach * length(m_motion.angular) * m_motion.timeStep;
@@ -66,7 +65,6 @@ void FacetFinder::find(const FacetQuestion& question, const std::vector<Contact>
 	tabulate(size);
 	m_pairs.clear();
 	for (const Contact& contact : contacts) m_pairs.push_back(pairOf(contact));
-	if (m_nodesB.isOne()) m_nodesB.listNear(*m_pairs[0].movedB, placesNearA());
 	for (const Pair& pair : m_pairs) findPair(pair);
 }
 

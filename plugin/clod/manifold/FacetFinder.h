@@ -15,9 +15,8 @@ namespace clod
 class FacetFinder
 {
 public:
-	// Appends the facets of node pairs within reach. Each comes once; those that are there stay. near: the pair's.
-	void find(const FacetQuestion& question, const std::vector<Contact>& contacts, NearFeatures& near,
-			  std::vector<Facet>& facets);
+	// Appends the facets of node pairs within reach. Each comes once; those that are there stay.
+	void find(const FacetQuestion& question, const std::vector<Contact>& contacts, std::vector<Facet>& facets);
 	// Up to this distance from the predicted way all facets were looked for. Infinity, unless both bodies are detailed
 	// and move so fast that looking for all would cost too much (kRoamGrains).
 	double sought() const { return m_sought; }
@@ -42,7 +41,6 @@ private:
 				  bool faceIsOfB) const;
 	// FacetPairs.cpp
 	Pair pairOf(const Contact& contact);
-	Box placesNearA() const;
 	void findPair(const Pair& pair);
 	void gather(MovedNode& nodeA, MovedNode& nodeB, bool mayOverlap);
 	// Calls each(of one body, of the other) for what was not asked yet in another pair of nodes that share the two.
