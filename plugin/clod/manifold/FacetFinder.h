@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Finds the facets (Facet.h) of pairs of nodes within reach, and why each counts (FacetRecord::Reach). Facets of vertices
-// over edges and vertices are looked for where a body is round; they never overlap.
+// Finds the facets (Facet.h) of pairs of nodes within reach, and why each counts (FacetRecord::Reach). Facets of
+// vertices over edges and vertices are looked for where a body is round; they never overlap.
 #pragma once
 #include <array>
 #include <cstdint>

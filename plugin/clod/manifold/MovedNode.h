@@ -12,8 +12,8 @@
 
 namespace clod
 {
-// To a box, if there is one: along the axes, and in a straight line. What is in it may be deep inside a node and far from
-// its faces.
+// To a box, if there is one: along the axes, and in a straight line. What is in it may be deep inside a node and far
+// from its faces.
 class Near
 {
 public:

@@ -57,7 +57,8 @@ void followMotion(const QueryContext& context, PairCache::State& state)
 			   state.sweep == context.sweep))
 	{
 		const double motion = motionBound(state.pose, context.pose, context.radiusA, context.radiusB);
-		const double change = sweepChange(state.pose, state.sweep, context.pose, context.sweep, motion, context.radiusB);
+		const double change =
+			sweepChange(state.pose, state.sweep, context.pose, context.sweep, motion, context.radiusB);
 		const double changeInA =
 			sweepChangeOfParts(state.pose, state.sweep, context.pose, context.sweep, context.radiusB);
 		const double farthest = kFarthestMotion * context.size;
@@ -306,7 +307,8 @@ double ContactSearch::leastApart() const
 double ContactSearch::hiddenDepth() const
 {
 	double most = m_largestCover;
-	for (const Contact& contact : m_result.contacts) most = std::max(most, m_context.coversOf(contact.nodeA, contact.nodeB));
+	for (const Contact& contact : m_result.contacts)
+		most = std::max(most, m_context.coversOf(contact.nodeA, contact.nodeB));
 	for (const FrontEntry& entry : m_answered->entries)
 		if (entry.state == NodePairState::kAnswer) most = std::max(most, m_context.coversOf(entry.a, entry.b));
 	return most;

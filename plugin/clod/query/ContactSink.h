@@ -39,7 +39,8 @@ public:
 	}
 
 	// One that leaves the pairs to those who list them: it evaluates nothing.
-	static ContactSink ofLists(const QueryContext& context, double tolerance, std::vector<Contact>& none, QueryStats& stats)
+	static ContactSink ofLists(const QueryContext& context, double tolerance, std::vector<Contact>& none,
+							   QueryStats& stats)
 	{
 		ContactSink sink(context, tolerance, Covers::kUnwanted, none, stats);
 		sink.m_onlyLists = true;

@@ -65,7 +65,8 @@ void InsideProbes::test(Probe& probe, const Hierarchy& other, const Vec3& place,
 	probe.face = found.face;
 }
 
-// The sign holds until the point has moved by the distance: from where it was tested, or where the surfaces were found apart.
+// The sign holds until the point has moved by the distance: from where it was tested, or where the surfaces were found
+// apart.
 bool InsideProbes::holds(Probe& probe, const Vec3& place, double apart)
 {
 	const double left = kKeptOfSign * probe.distance - length(place - probe.place);
@@ -99,7 +100,8 @@ double InsideProbes::depthInside(const Hierarchy& other, const Transform& intoOt
 	return depth;
 }
 
-double InsideProbes::distanceOutside(const Hierarchy& other, const Transform& intoOther, double wanted, QueryStats& stats)
+double InsideProbes::distanceOutside(const Hierarchy& other, const Transform& intoOther, double wanted,
+									 QueryStats& stats)
 {
 	double least = wanted / kKeptOfSign;
 	for (Probe& probe : m_probes)
