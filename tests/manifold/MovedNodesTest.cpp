@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a dispatch notes of nodes in blocks of 64, against the same kept in sets; and what it lists of a body of one
-// node, against every feature asked.
+// What a dispatch notes of nodes in blocks of 64, against the same kept in sets.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 #include <set>
 #include <utility>
 
-#include "clod/collide/ConvexPolyhedron.h"
-#include "clod/hierarchy/ConvexPiece.h"
 #include "clod/manifold/MovedNode.h"
 #include "tests/manifold/FacetPair.h"
 #include "tests/query/Bodies.h"
@@ -94,62 +90,5 @@ TEST(MovedNodes, BlocksTellWhichNodesShareAFeatureAreDisplacedAndNear)
 	EXPECT_GT(across, 100u);
 	EXPECT_GT(still, count / 4);
 	EXPECT_GT(before, 1000u);
-}
-
-TEST(MovedNodes, OfOneNodeTheFeaturesAreListedThatMeetTheBox)
-{
-	Random random(31);
-	std::vector<Vec3> points;
-	for (int i = 0; i < 60; ++i)
-	{
-		const double z = uniform(random, -1, 1), y = uniform(random, -1, 1);
-		points.push_back(normalized({uniform(random, -1, 1), y, z}));
-	}
-	const HierarchyPointer hull = convexPiece(convexPolyhedron(points, 65535), 0).value();
-	const ContactBody whole = contactBody(*hull);
-	std::vector<Contact> contacts(1);
-	contacts[0].nodeA = contacts[0].nodeB = 0;
-	std::size_t listed = 0, left = 0;
-	for (int i = 0; i < 200; ++i)
-	{
-		const auto one = [&](double most) { return uniform(random, -most, most); };
-		const auto some = [&](double most)
-		{
-			const double z = one(most), y = one(most);
-			return Vec3{one(most), y, z};
-		};
-		const auto turn = [&](double most)
-		{
-			const Vec3 axis = some(most);
-			return rotationFromQuaternion(axis.x, axis.y, axis.z, 1);
-		};
-		const Transform now = at(some(0.2), turn(1));
-		const Transform then = at(now.translation + some(0.2), turn(0.2) * now.rotation);
-		const Transform unforced = at(now.translation + some(0.2), turn(0.2) * now.rotation);
-		const FacetQuestion question{whole, whole, now, then, unforced, {}};
-		const Vec3 middle = some(1.5), half = Vec3{0.5, 0.5, 0.5} + some(0.5);
-		const Box places{middle - half, middle + half};
-		MovedNodes all, near;
-		all.start(question, contacts, false);
-		near.start(question, contacts, false);
-		MovedNode &ofAll = all.of(0), &ofNear = near.of(0);
-		all.listNear(ofAll, {{-9, -9, -9}, {9, 9, 9}});
-		near.listNear(ofNear, places);
-		const auto compare = [&](const auto& every, const auto& found)
-		{
-			std::vector<std::uint32_t> expected, names;
-			for (const auto& feature : every)
-				if (feature.box.meets(places, 0)) expected.push_back(feature.index);
-			for (const auto& feature : found) names.push_back(feature.index);
-			EXPECT_EQ(names, expected) << i;
-			listed += names.size();
-			left += every.size() - names.size();
-		};
-		compare(ofAll.corners, ofNear.corners);
-		compare(ofAll.edges, ofNear.edges);
-		compare(ofAll.polygons, ofNear.polygons);
-	}
-	EXPECT_GT(listed, 1000u);
-	EXPECT_GT(left, 1000u);
 }
 }  // namespace clod::test

@@ -318,7 +318,7 @@ void PairState::findPoints(const PairPose& pose, Question& question, bool goesOn
 	carryWithB(previous, pose.aFromB * inverse(m_report.aFromB));
 	const ContactBody a = contactBody(pose.hierarchyA());
 	const std::vector<Contact>& contacts = scratch().result.contacts;
-	if (isSweptThrough(pose)) m_facets.forget();
+	if (isSweptThrough(pose)) m_facets = {};
 	do
 		facets.find(a, bodyB(pose), pose.aFromB, question.rules, contacts, previous, m_facets, goesOn);
 	while (refineHeld(pose, question));

@@ -228,7 +228,6 @@ void PairState::forget()
 	m_heldError = kOff;
 	m_points = m_ofCoarsest = 0;
 	m_answered.reset();
-	m_facets.near.giveBack();
 	static_cast<DispatchReport&>(m_report) = {};
 }
 
@@ -417,11 +416,7 @@ bool PairState::follow(const PairPose& pose, const WorldFrame& frame, btManifold
 	m_report.queryMicroseconds = m_report.contactMicroseconds = 0;
 	foresee(pose);
 	m_foreseen.motion = {{}, {}, pose.rules.timeStep};
-	if (++m_followed == kLongStill)
-	{
-		m_cache.pair.giveBack();
-		m_facets.near.giveBack();
-	}
+	if (++m_followed == kLongStill) m_cache.pair.giveBack();
 	return true;
 }
 

@@ -94,8 +94,7 @@ void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Trans
 		takeUp(previous, memory);
 	else if (!contacts.empty())
 		takeUpWhatIsThrough(previous, memory);
-	if (contacts.empty()) memory.near.giveBack();
-	m_finder.find(m_question, contacts, memory.near, m_facets);
+	m_finder.find(m_question, contacts, m_facets);
 	m_choice.choose(m_question, memory.reduced, memory.aFromB, m_facets);
 }
 
@@ -108,7 +107,11 @@ void FacetContacts::settle(const std::vector<Contact>& contacts, bool isDeep, co
 	answerDepth(contacts, isDeep, previous);
 	m_switch.apply(m_question, contacts, memory.reduced, previous, goesOn, memory.levels, m_facets);
 	dropWhatJams();
-	if (m_facets.empty() && !memory.isDeep()) return memory.forget();
+	if (m_facets.empty() && !memory.isDeep())
+	{
+		memory = {};
+		return;
+	}
 	m_solve.solve(m_question, m_facets);
 	m_expected = m_solve.motion();
 	m_spare = std::min(m_solve.spare(), m_finder.sought());

@@ -3,7 +3,6 @@
 // (FacetChoice.h), it is worked out which of them carry (PairSolve.h), and they are reduced to what a solver gets
 // (ContactReducer.h). Where no facet tells a depth there is a way out (DeepOverlap.h).
 #pragma once
-#include <utility>
 #include <vector>
 
 #include "clod/Export.h"
@@ -26,15 +25,7 @@ struct FacetMemory
 	Vec3 through;                // mean normal of those that what is through went in by, frame B; zero: nothing is
 	bool isMadeIn = false;       // while what is through a sheet was there from the beginning (SheetCrossing.h)
 	Vec3 wayOut;                 // while there is a depth that no facet answers: the points say nothing of it but this
-	NearFeatures near;           // of A
 	bool isDeep() const { return wayOut != Vec3{}; }
-	// For when the bodies are put elsewhere; what is near may still be.
-	void forget()
-	{
-		NearFeatures kept = std::move(near);
-		*this = {};
-		near = std::move(kept);
-	}
 };
 
 // Is a body held between its contacts, like a pin in its hole, so that no direction leads out of all that touch or

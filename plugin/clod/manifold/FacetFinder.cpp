@@ -40,13 +40,12 @@ bool isWithin(double along, double length, double slack)
 }
 }  // namespace
 
-void FacetFinder::find(const FacetQuestion& question, const std::vector<Contact>& contacts, NearFeatures& near,
-					   std::vector<Facet>& facets)
+void FacetFinder::find(const FacetQuestion& question, const std::vector<Contact>& contacts, std::vector<Facet>& facets)
 {
 	m_question = &question;
 	m_facets = &facets;
 	m_bFromA = inverse(question.aFromB);
-	m_nodesA.start(question, contacts, true, &near);
+	m_nodesA.start(question, contacts, true);
 	m_nodesB.start(question, contacts, false);
 	m_motion = question.rules.motion();
 	m_sagitta = 0.125 * kPathReach * length(m_motion.angular) * m_motion.timeStep;
@@ -66,7 +65,6 @@ void FacetFinder::find(const FacetQuestion& question, const std::vector<Contact>
 	tabulate(size);
 	m_pairs.clear();
 	for (const Contact& contact : contacts) m_pairs.push_back(pairOf(contact));
-	if (m_nodesB.isOne()) m_nodesB.listNear(*m_pairs[0].movedB, placesNearA());
 	for (const Pair& pair : m_pairs) findPair(pair);
 }
 
@@ -86,8 +84,8 @@ void FacetFinder::noteThrough()
 
 // A vertex may enter through a face if it is the lowest of its neighbours. Where a body spans a thin wall its lowest
 // corner may be beyond the wall already; any other corner may then enter through the face that this one went through.
-bool FacetFinder::mayEnter(const ContactSurface& surface, const MovedCorner& vertex, const Vec3& up, const SurfaceFace& face,
-						   bool faceIsOfB) const
+bool FacetFinder::mayEnter(const ContactSurface& surface, const MovedCorner& vertex, const Vec3& up,
+						   const SurfaceFace& face, bool faceIsOfB) const
 {
 	if (isLowest(surface.fan(vertex.index), up, kArcSlack + m_turn)) return true;
 	const double near = kInnerShare * m_question->length();
@@ -174,8 +172,9 @@ bool FacetFinder::isInReach(double now, double then) const
 									  now <= rules.margin + rules.heldReach);
 }
 
-// Two features on their way through the step, seen in the frame in which one of them stands still: there the place of the
-// other one (a vertex, or where an edge starts) and the direction of an edge change. `up`: the way their distance grows.
+// Two features on their way through the step, seen in the frame in which one of them stands still: there the place of
+// the other one (a vertex, or where an edge starts) and the direction of an edge change. `up`: the way their distance
+// grows.
 struct FacetFinder::Features
 {
 	double distance, distanceThen;
@@ -196,7 +195,10 @@ struct FacetFinder::VertexOverFace : Features
 	Vec3 directionAt(const Transform&) const { return {}; }
 	double distanceAt(const Vec3& place, const Vec3&) const { return dot(up, place) - faces.planeOf(polygon).offset; }
 	Vec3 placeInA() const { return isOfA ? own : now; }
-	Vec3 seen(const Vec3& wayOfB, const Transform& bFromA) const { return isOfA ? -(bFromA.rotation * wayOfB) : wayOfB; }
+	Vec3 seen(const Vec3& wayOfB, const Transform& bFromA) const
+	{
+		return isOfA ? -(bFromA.rotation * wayOfB) : wayOfB;
+	}
 };
 
 // A's edge stands still.
@@ -251,14 +253,15 @@ public:
 	}
 
 private:
-	// Why the facet counts, the strongest reason first: its features are over each other now; they meet on the way of the
-	// step, or of one body alone; or they are, at the middle of the step, within what other contacts may lead them.
+	// Why the facet counts, the strongest reason first: its features are over each other now; they meet on the way of
+	// the step, or of one body alone; or they are, at the middle of the step, within what other contacts may lead them.
 	bool findReach(Facet::Reach& reach)
 	{
 		const double now = m_of.distance, end = m_finder.endOf(now, m_of.distanceThen);
 		const double beside = m_finder.m_pair.roam + kFootShare * m_rules.length;
 		const Vec3 middle = 0.5 * (m_of.now + m_of.then);
-		if (now <= m_question.touching() && m_of.mayTouch && m_of.isOver(m_of.now, m_of.direction, m_question.footSlack(now)))
+		if (now <= m_question.touching() && m_of.mayTouch &&
+			m_of.isOver(m_of.now, m_of.direction, m_question.footSlack(now)))
 			reach = now >= -m_inner ? Facet::Reach::kNear : Facet::Reach::kOverlap;
 		else if (now > 0 && (end <= m_rules.margin ? end < now && meetOnPath(now - end) : meetIfHeld()))
 			reach = Facet::Reach::kPath;
@@ -276,14 +279,16 @@ private:
 		const Vec3 turn = kPathReach * (m_of.directionThen - m_of.direction);
 		const Vec3 forced = kPathReach * dot(m_of.up, m_of.then - m_of.unforced) * m_of.up;
 		const double bulge = m_finder.m_sagitta * length(move);
-		if (bulge <= m_inner ? meetOn(move, turn, closing, bulge + m_inner) : meetOnArc(closing, length(move), forced)) return true;
+		if (bulge <= m_inner ? meetOn(move, turn, closing, bulge + m_inner) : meetOnArc(closing, length(move), forced))
+			return true;
 		if (forced == Vec3{}) return false;
-		// With the forces in full. A facet that cannot hold the bodies against them (PointRules::holds) counts only if it
-		// is met without them, too.
+		// With the forces in full. A facet that cannot hold the bodies against them (PointRules::holds) counts only if
+		// it is met without them, too.
 		const Vec3 toUnforced = kPathReach * (m_of.unforced - m_of.now);
 		const double closingUnforced = -dot(m_of.up, toUnforced);
 		return meetOn(kPathReach * (m_of.then - m_of.now), turn, closing, m_inner) &&
-			   (m_rules.holds(m_of.normal) || (closingUnforced > 0 && meetOn(toUnforced, turn, closingUnforced, m_inner)));
+			   (m_rules.holds(m_of.normal) ||
+				(closingUnforced > 0 && meetOn(toUnforced, turn, closingUnforced, m_inner)));
 	}
 	// On a straight way, where they come within the margin or where they cross.
 	bool meetOn(const Vec3& move, const Vec3& turn, double closing, double slack)
@@ -306,12 +311,13 @@ private:
 			direction = m_of.directionAt(pose);
 			return m_of.distanceAt(place, direction) - m_rules.margin;
 		};
-		double share =
-			std::round(kArcParts * std::max(0.0, std::min(1.0, (m_of.distance - m_rules.margin) / closing))) / kArcParts;
+		const double enters = std::max(0.0, std::min(1.0, (m_of.distance - m_rules.margin) / closing));
+		double share = std::round(kArcParts * enters) / kArcParts;
 		double above = heightAt(share);
 		for (int round = 0; std::abs(above) > m_inner; ++round)
 		{
-			const double next = std::max(0.0, std::min(1.0, share + above / closing)), slack = m_inner + wayOfHeight * std::abs(above);
+			const double next = std::max(0.0, std::min(1.0, share + above / closing));
+			const double slack = m_inner + wayOfHeight * std::abs(above);
 			if (round == kArcRounds || next == share || !meet(place, direction, slack)) return false;
 			share = next;
 			above = heightAt(share);
@@ -347,8 +353,8 @@ private:
 	Kind m_of;
 };
 
-// How far beside a polygon the foot of a vertex may be now for any of the questions of Meeting to find it over the polygon.
-// Most vertices are farther beside, which one distance tells in the place of four.
+// How far beside a polygon the foot of a vertex may be now for any of the questions of Meeting to find it over the
+// polygon. Most vertices are farther beside, which one distance tells in the place of four.
 double FacetFinder::mostBeside(const MovedCorner& vertex, double now) const
 {
 	if (m_bend > kMostBend) return kFar;
@@ -368,12 +374,14 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, const MovedPolygon& 
 	const double now = dot(face.normal, vertex.now) - face.offset, then = dot(face.normal, vertex.then) - face.offset;
 	if (!isInReach(now, then)) return;
 	const Vec3& up = moved.up;
-	if (!mayEnter(vertices, vertex, up, face, vertexIsOfA) || !faces.isOver(polygon, vertex.now, mostBeside(vertex, now))) return;
+	if (!mayEnter(vertices, vertex, up, face, vertexIsOfA)) return;
+	if (!faces.isOver(polygon, vertex.now, mostBeside(vertex, now))) return;
 	// A vertex that has sunk in stays a contact although another is lower: turning may make it the lowest within the
 	// step.
 	const bool mayTouch = now < -kInnerShare * m_question->length() ||
 						  (now <= m_question->touching() && isLowest(vertices.fan(vertex.index), up, kArcSlack));
-	const Features features{now, then, vertexIsOfA ? up : -face.normal, face.normal, vertex.now, vertex.then, vertex.unforced};
+	const Features features{now, then, vertexIsOfA ? up : -face.normal, face.normal, vertex.now, vertex.then,
+							vertex.unforced};
 	Facet facet;
 	facet.kind = vertexIsOfA ? Facet::Kind::kVertexFace : Facet::Kind::kFaceVertex;
 	facet.featureA = vertexIsOfA ? vertex.index : polygon;
@@ -402,8 +410,8 @@ void FacetFinder::edgeOverEdge(const MovedEdge& still, const MovedEdge& moved)
 	const double now = dot(normal, start - moved.start);
 	const double then = distanceOfLines(start, edge.direction, moved.thenStart, moved.thenDirection, normal);
 	if (!isInReach(now, then)) return;
-	const Features features{now, then, normal, -normal, moved.start, moved.thenStart, moved.unforcedStart, moved.direction,
-							moved.thenDirection};
+	const Features features{now, then, normal, -normal, moved.start, moved.thenStart, moved.unforcedStart,
+							moved.direction, moved.thenDirection};
 	Facet facet;
 	facet.kind = Facet::Kind::kEdgeEdge;
 	facet.featureA = still.index;

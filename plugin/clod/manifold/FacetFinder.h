@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// Finds the facets (Facet.h) of pairs of nodes within reach, and why each counts (FacetRecord::Reach). Facets of vertices
-// over edges and vertices are looked for where a body is round; they never overlap.
+// Finds the facets (Facet.h) of pairs of nodes within reach, and why each counts (FacetRecord::Reach). Facets of
+// vertices over edges and vertices are looked for where a body is round; they never overlap.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -15,9 +15,8 @@ namespace clod
 class FacetFinder
 {
 public:
-	// Appends the facets of node pairs within reach. Each comes once; those that are there stay. near: the pair's.
-	void find(const FacetQuestion& question, const std::vector<Contact>& contacts, NearFeatures& near,
-			  std::vector<Facet>& facets);
+	// Appends the facets of node pairs within reach. Each comes once; those that are there stay.
+	void find(const FacetQuestion& question, const std::vector<Contact>& contacts, std::vector<Facet>& facets);
 	// Up to this distance from the predicted way all facets were looked for. Infinity, unless both bodies are detailed
 	// and move so fast that looking for all would cost too much (kRoamGrains).
 	double sought() const { return m_sought; }
@@ -42,7 +41,6 @@ private:
 				  bool faceIsOfB) const;
 	// FacetPairs.cpp
 	Pair pairOf(const Contact& contact);
-	Box placesNearA() const;
 	void findPair(const Pair& pair);
 	void gather(MovedNode& nodeA, MovedNode& nodeB, bool mayOverlap);
 	// Calls each(of one body, of the other) for what was not asked yet in another pair of nodes that share the two.

@@ -13,7 +13,6 @@ namespace
 constexpr double kFar = std::numeric_limits<double>::infinity();
 // Facets are looked for no farther off the predicted way than so many grains (mean edges) of the coarser surface.
 constexpr double kRoamGrains = 1;
-constexpr double kMovesListed = 4;  // of a body of one node, near features are listed for so many such moves
 }  // namespace
 
 FacetFinder::Pair FacetFinder::pairOf(const Contact& contact)
@@ -33,29 +32,13 @@ FacetFinder::Pair FacetFinder::pairOf(const Contact& contact)
 	const double aside = 2 * beside + std::max(0.0, 0.5 - m_roamShare) * nodeB.displaced;
 	const double straight = !mayOverlap && b.isCore() ? std::sqrt(reach * reach + aside * aside) : kFar;
 	if (mayOverlap) reach += q.a.thicknessOf(contact.nodeA) + q.b.thicknessOf(contact.nodeB);
-	const double ahead = std::min(kMovesListed * nodeB.displaced, q.length());
-	const Near near = m_nodesB.isOne() ? Near(nodeB.box, reach, straight, ahead, mayOverlap) : Near();
+	const Near near = m_nodesB.isOne() ? Near(nodeB.box, reach, straight, mayOverlap) : Near();
 	MovedNode& nodeA = m_nodesA.of(contact.nodeA, near);
 	Pair pair{&a, &b, &nodeA, &nodeB, mayOverlap};
 	pair.roam = roam;
 	pair.deepest = mayOverlap ? kFar : kInnerShare * q.length();
 	pair.reach = reach;
 	return pair;
-}
-
-// A box that holds all that one node of B has near nodes of A.
-Box FacetFinder::placesNearA() const
-{
-	constexpr double kRounding = 1 + 1e-9;
-	Box places = Box::none();
-	for (const Pair& pair : m_pairs)
-	{
-		const Box& box = pair.movedA->box;
-		const double reach = kRounding * pair.reach;
-		const Vec3 far{reach, reach, reach};
-		if (box.low.x <= box.high.x) places.add({box.low - far, box.high + far});
-	}
-	return places;
 }
 
 void FacetFinder::findPair(const Pair& pair)

@@ -3,118 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace clod
 {
 namespace
 {
-constexpr double kRounding = 1e-9;  // of a distance from a box, more than its own
 constexpr std::size_t kNumbered = 2048;  // a power of two, see FeatureNumbers
 constexpr std::uint32_t kMostBlocks = 16;  // of 64 nodes: of more, the tables take more than they save
-
-// Calls each(0: a corner, 1: a polygon, 2: an edge; its box; which) for what a node of A has near: it stands still in
-// its own frame.
-template <class Each>
-void forEachStill(const ContactSurface& surface, std::uint32_t node, const Near& near, const Each& each)
-{
-	const auto call = [&](std::size_t kind, const Box& box, std::uint32_t index)
-	{
-		if (near.holds(box)) each(kind, box, index);
-	};
-	const Span<std::uint32_t> vertices = surface.verticesOf(node);
-	const auto placeOf = [&](std::size_t i) -> const Vec3& { return surface.vertices()[vertices[i]]; };
-	for (const std::uint32_t v : vertices)
-		if (surface.isCorner(v)) call(0, {surface.vertices()[v], surface.vertices()[v]}, v);
-	for (const ContactSurface::NodePolygon& polygon : surface.polygonsOf(node))
-	{
-		const double radius = surface.radiusOf(polygon.polygon);
-		const Vec3 &center = surface.centerOf(polygon.polygon), far{radius, radius, radius};
-		if (!near.holds({center - far, center + far})) continue;
-		const Span<std::uint16_t> corners = surface.cornersOf(polygon);
-		Box box{placeOf(corners[0]), placeOf(corners[0])};
-		for (const std::uint16_t corner : corners) box.add(placeOf(corner));
-		call(1, box, polygon.polygon);
-	}
-	for (const std::uint32_t index : surface.edgesOf(node))
-	{
-		const SurfaceEdge& edge = surface.edges()[index];
-		Box box{surface.vertices()[edge.vertex[0]], surface.vertices()[edge.vertex[0]]};
-		box.add(surface.vertices()[edge.vertex[1]]);
-		call(2, box, index);
-	}
-}
-
-Box everywhere()
-{
-	constexpr double kFar = std::numeric_limits<double>::infinity();
-	return {{-kFar, -kFar, -kFar}, {kFar, kFar, kFar}};
-}
-
-// The sides of the other box that all of a box lies beyond, as bits. Boxes that share one miss it together.
-unsigned sidesBeyond(const Box& box, const Box& other)
-{
-	unsigned sides = 0;
-	for (int axis = 0; axis < 3; ++axis)
-	{
-		const unsigned isBelow = box.high[axis] < other.low[axis], isAbove = box.low[axis] > other.high[axis];
-		sides |= (isBelow | isAbove << 1) << 2 * axis;
-	}
-	return sides;
-}
 }  // namespace
-
-// Is all that is near listed, by how far the box has come out of the one that features were listed for?
-bool NearFeatures::holds(const Near& near) const
-{
-	Vec3 out;
-	for (int axis = 0; axis < 3; ++axis)
-		out[axis] = std::max({0.0, m_box.low[axis] - near.m_box->low[axis], near.m_box->high[axis] - m_box.high[axis]});
-	const double far = std::max({out.x, out.y, out.z});
-	return (1 + kRounding) * (near.m_reach + far) < m_reach &&
-		   (1 + kRounding) * (near.m_straight + length(out)) <= m_straight;
-}
-
-NearFeatures::OfNode NearFeatures::of(std::uint32_t node, const ContactSurface& surface, const Near& near)
-{
-	if (!holds(near))
-	{
-		m_box = *near.m_box;
-		m_reach = (1 + 2 * kRounding) * (near.m_reach + near.m_ahead);
-		m_straight = (1 + 2 * kRounding) * (near.m_straight + near.m_ahead);
-		m_nodes.clear();
-		m_features.clear();
-	}
-	const Listed& at = listed(node, surface);
-	const Feature* const first = m_features.data() + at.first;
-	const auto& [corners, polygons, edges] = at.counts;
-	return {{first, corners}, {first + corners, polygons}, {first + corners + polygons, edges}};
-}
-
-const NearFeatures::Listed& NearFeatures::listed(std::uint32_t node, const ContactSurface& surface)
-{
-	for (std::size_t k = 0; k < m_nodes.size(); ++k)
-	{
-		if (m_next >= m_nodes.size()) m_next = 0;
-		const Listed& at = m_nodes[m_next++];
-		if (at.node == node) return at;
-	}
-	list(node, surface);
-	return m_nodes.back();
-}
-
-void NearFeatures::list(std::uint32_t node, const ContactSurface& surface)
-{
-	Listed listed{node, std::uint32_t(m_features.size()), {}};
-	forEachStill(surface, node, Near(m_box, m_reach, m_straight),
-				 [&](std::size_t kind, const Box& box, std::uint32_t index)
-				 {
-					 m_features.push_back({box, index});
-					 ++listed.counts[kind];
-				 });
-	m_nodes.push_back(listed);
-}
 
 void FeatureNumbers::start()
 {
@@ -132,11 +29,9 @@ std::uint32_t FeatureNumbers::of(std::uint32_t level, bool isEdge, std::uint32_t
 	return entry.number;
 }
 
-void MovedNodes::start(const FacetQuestion& question, const std::vector<Contact>& contacts, bool isA,
-					   NearFeatures* kept)
+void MovedNodes::start(const FacetQuestion& question, const std::vector<Contact>& contacts, bool isA)
 {
 	m_question = &question;
-	m_kept = kept;
 	m_isA = isA;
 	m_otherFromThis = isA ? inverse(question.aFromB) : question.aFromB;
 	m_otherFromThisThen = isA ? inverse(question.aFromBThen) : question.aFromBThen;
@@ -199,13 +94,7 @@ MovedNode& MovedNodes::of(std::uint32_t node, const Near& near)
 	moved.polygons.clear();
 	const ContactSurface& surface = body.surface(moved.level);
 	moved.displaced = 0;
-	if (m_isA)
-		listStill(moved, surface, near);
-	else
-	{
-		move(moved, surface);
-		if (!isOne()) listMoved(moved, surface, everywhere());
-	}
+	m_isA ? listStill(moved, surface, near) : move(moved, surface);
 	if (moved.displaced >= m_least) m_wide[at / 64] |= std::uint64_t(1) << at % 64;
 	return moved;
 }
@@ -236,85 +125,73 @@ Vec3 MovedNodes::upOf(const ContactSurface& surface, std::uint32_t polygon) cons
 	return m_otherFromThis.rotation * surface.planeOf(polygon).normal;
 }
 
+// A's stand still in their own frame.
 void MovedNodes::listStill(MovedNode& moved, const ContactSurface& surface, const Near& near)
 {
-	moved.displaced = 0;
 	moved.box = Box::none();
-	const auto add = [&](std::size_t kind, const Box& box, std::uint32_t index)
+	const auto isNear = [&](const Box& box)
 	{
-		moved.box.add(box);
-		if (kind == 0)
-			moved.corners.push_back({{box, index, numberOf(moved, false, index)}});
-		else if (kind == 1)
-			moved.polygons.push_back({{box, index, m_numbers.next()}, upOf(surface, index)});
-		else
-			moved.edges.push_back({{box, index, numberOf(moved, true, index)}});
+		const bool holds = near.holds(box);
+		if (holds) moved.box.add(box);
+		return holds;
 	};
-	if (near.isAnywhere()) return forEachStill(surface, moved.node, near, add);
-	const NearFeatures::OfNode listed = m_kept->of(moved.node, surface, near);
-	const auto addNear = [&](std::size_t kind, const Span<NearFeatures::Feature>& features)
+	const Span<std::uint32_t> vertices = surface.verticesOf(moved.node);
+	for (const std::uint32_t v : vertices)
 	{
-		for (const NearFeatures::Feature& feature : features)
-			if (near.holds(feature.box)) add(kind, feature.box, feature.index);
-	};
-	addNear(0, listed.corners);
-	addNear(1, listed.polygons);
-	addNear(2, listed.edges);
-	if (near.mayBeInside())
-		for (const std::uint32_t v : surface.verticesOf(moved.node)) moved.box.add(surface.vertices()[v]);
-}
-
-// Places the vertices.
-void MovedNodes::move(MovedNode& moved, const ContactSurface& surface)
-{
-	double displaced = 0;
-	m_corners.clear();
-	for (const std::uint32_t v : surface.verticesOf(moved.node))
-	{
-		const MovedCorner corner = placed(surface, v);
-		displaced = std::max(displaced, lengthSquared(corner.then - corner.now));
-		displaced = std::max(displaced, lengthSquared(corner.unforced - corner.now));
-		if (m_corners.empty()) moved.box = corner.box;
-		moved.box.add(corner.box);
-		m_corners.push_back(corner);
-	}
-	moved.displaced = std::sqrt(displaced);
-}
-
-void MovedNodes::listNear(MovedNode& moved, const Box& places)
-{
-	listMoved(moved, (m_isA ? m_question->a : m_question->b).surface(moved.level), places);
-}
-
-// Of the node whose vertices were placed last, the features that meet the box. All vertices of a surface of one node
-// are the node's; of others an edge may go beyond the node.
-void MovedNodes::listMoved(MovedNode& moved, const ContactSurface& surface, const Box& places)
-{
-	const bool hasAllVertices = m_corners.size() == surface.vertices().size();
-	m_beyond.clear();
-	for (const MovedCorner& corner : m_corners)
-	{
-		m_beyond.push_back(std::uint8_t(sidesBeyond(corner.box, places)));
-		if (!surface.isCorner(corner.index) || m_beyond.back() != 0) continue;
-		moved.corners.push_back(corner);
-		moved.corners.back().number = numberOf(moved, false, corner.index);
+		const Box box{surface.vertices()[v], surface.vertices()[v]};
+		if (surface.isCorner(v) && isNear(box)) moved.corners.push_back({{box, v, numberOf(moved, false, v)}});
 	}
 	for (const ContactSurface::NodePolygon& polygon : surface.polygonsOf(moved.node))
 	{
-		const Span<std::uint16_t> corners = surface.cornersOf(polygon);
-		unsigned beyond = m_beyond[corners[0]];
-		for (const std::uint16_t corner : corners) beyond &= m_beyond[corner];
-		if (beyond != 0) continue;
-		Box box = m_corners[corners[0]].box;
-		for (const std::uint16_t corner : corners) box.add(m_corners[corner].box);
+		const std::uint32_t index = polygon.polygon;
+		const double radius = surface.radiusOf(index);
+		const Vec3 &center = surface.centerOf(index), far{radius, radius, radius};
+		if (!near.holds({center - far, center + far})) continue;
+		Box box = Box::none();
+		for (const std::uint16_t corner : surface.cornersOf(polygon)) box.add(surface.vertices()[vertices[corner]]);
+		if (isNear(box)) moved.polygons.push_back({{box, index, m_numbers.next()}, upOf(surface, index)});
+	}
+	for (const std::uint32_t index : surface.edgesOf(moved.node))
+	{
+		const auto& [from, to] = surface.edges()[index].vertex;
+		Box box{surface.vertices()[from], surface.vertices()[from]};
+		box.add(surface.vertices()[to]);
+		if (isNear(box)) moved.edges.push_back({{box, index, numberOf(moved, true, index)}});
+	}
+	if (near.mayBeInside())
+		for (const std::uint32_t v : vertices) moved.box.add(surface.vertices()[v]);
+}
+
+// All vertices of a surface of one node are the node's; of others an edge may go beyond the node.
+void MovedNodes::move(MovedNode& moved, const ContactSurface& surface)
+{
+	double displaced = 0;
+	moved.box = Box::none();
+	m_corners.clear();
+	for (const std::uint32_t v : surface.verticesOf(moved.node))
+	{
+		MovedCorner corner = placed(surface, v);
+		displaced = std::max(displaced, lengthSquared(corner.then - corner.now));
+		displaced = std::max(displaced, lengthSquared(corner.unforced - corner.now));
+		moved.box.add(corner.box);
+		m_corners.push_back(corner);
+		if (!surface.isCorner(v)) continue;
+		corner.number = numberOf(moved, false, v);
+		moved.corners.push_back(corner);
+	}
+	moved.displaced = std::sqrt(displaced);
+	for (const ContactSurface::NodePolygon& polygon : surface.polygonsOf(moved.node))
+	{
+		Box box = Box::none();
+		for (const std::uint16_t corner : surface.cornersOf(polygon)) box.add(m_corners[corner].box);
 		moved.polygons.push_back({{box, polygon.polygon, m_numbers.next()}, upOf(surface, polygon.polygon)});
 	}
+	const bool hasAllVertices = m_corners.size() == surface.vertices().size();
 	const auto boxOf = [&](std::uint32_t vertex)
 	{ return hasAllVertices ? m_corners[vertex].box : placed(surface, vertex).box; };
 	for (const std::uint32_t index : surface.edgesOf(moved.node))
 	{
 		const SurfaceEdge& edge = surface.edges()[index];
-		if (hasAllVertices && (m_beyond[edge.vertex[0]] & m_beyond[edge.vertex[1]]) != 0) continue;
 		const Vec3& from = surface.vertices()[edge.vertex[0]];
 		MovedEdge at;
 		at.index = index;

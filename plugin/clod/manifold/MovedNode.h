@@ -12,22 +12,19 @@
 
 namespace clod
 {
-// To a box, if there is one: along the axes, and in a straight line. The box may come `ahead` nearer in some moves.
-// What is in it may be deep inside a node and far from its faces.
+// To a box, if there is one: along the axes, and in a straight line. What is in it may be deep inside a node and far
+// from its faces.
 class Near
 {
 public:
 	Near() = default;
-	Near(const Box& box, double reach, double straight, double ahead = 0, bool mayBeInside = false)
+	Near(const Box& box, double reach, double straight, bool mayBeInside)
 		: m_box(&box),
-		  m_reach(reach),
 		  m_straight(straight),
-		  m_ahead(ahead),
 		  m_mayBeInside(mayBeInside),
-		  m_grown(grown(reach))
+		  m_grown{box.low - Vec3{reach, reach, reach}, box.high + Vec3{reach, reach, reach}}
 	{
 	}
-	bool isAnywhere() const { return m_box == nullptr; }
 	bool mayBeInside() const { return m_mayBeInside; }
 	bool holds(const Box& other) const
 	{
@@ -35,47 +32,10 @@ public:
 	}
 
 private:
-	friend class NearFeatures;
-	Box grown(double by) const { return {m_box->low - Vec3{by, by, by}, m_box->high + Vec3{by, by, by}}; }
-
 	const Box* m_box = nullptr;
-	double m_reach = 0, m_straight = 0, m_ahead = 0;
+	double m_straight = 0;
 	bool m_mayBeInside = false;
 	Box m_grown{};
-};
-
-// Of A's nodes, the features that are near, or may be before the box has gone on by as much as was looked ahead: listed
-// once for some moves.
-class NearFeatures
-{
-public:
-	struct Feature
-	{
-		Box box;  // of what the node has of it
-		std::uint32_t index;
-	};
-	struct OfNode
-	{
-		Span<Feature> corners, polygons, edges;
-	};
-	OfNode of(std::uint32_t node, const ContactSurface& surface, const Near& near);
-	void giveBack() { *this = {}; }
-
-private:
-	struct Listed
-	{
-		std::uint32_t node, first;
-		std::array<std::uint32_t, 3> counts;  // corners, polygons, edges
-	};
-	bool holds(const Near& near) const;
-	const Listed& listed(std::uint32_t node, const ContactSurface& surface);
-	void list(std::uint32_t node, const ContactSurface& surface);
-
-	Box m_box{};
-	double m_reach = -1, m_straight = -1;  // all that is so near to it is listed
-	std::vector<Listed> m_nodes;
-	std::vector<Feature> m_features;
-	std::size_t m_next = 0;  // of the nodes, most likely: they are asked for in order
 };
 
 // Boxes are in frame A, over the step as far ahead as contacts are looked for (kPathReach).
@@ -134,16 +94,12 @@ private:
 class MovedNodes
 {
 public:
-	// The nodes on side A or B of the contacts. kept: of A's, from step to step.
-	void start(const FacetQuestion& question, const std::vector<Contact>& contacts, bool isA,
-			   NearFeatures* kept = nullptr);
+	// The nodes on side A or B of the contacts.
+	void start(const FacetQuestion& question, const std::vector<Contact>& contacts, bool isA);
 	// Is there one alone?
 	bool isOne() const { return m_nodes.size() == 1; }
-	// Precondition: one of them. What comes nowhere so near may be left out. Of B's one node no features, see
-	// listNear().
+	// Precondition: one of them. What of A comes nowhere so near is left out.
 	MovedNode& of(std::uint32_t node, const Near& near = {});
-	// Lists of it what meets that box.
-	void listNear(MovedNode& moved, const Box& places);
 	// Nodes are told apart 64 at a time, in order; here as bits of those round one of them. Those met so far that have
 	// the corner or edge of this number,
 	std::uint64_t sharing(std::uint32_t number, std::uint32_t place) const
@@ -164,16 +120,13 @@ private:
 	std::uint32_t numberOf(const MovedNode& moved, bool isEdge, std::uint32_t index);
 	void listStill(MovedNode& moved, const ContactSurface& surface, const Near& near);
 	void move(MovedNode& moved, const ContactSurface& surface);
-	void listMoved(MovedNode& moved, const ContactSurface& surface, const Box& places);
 
 	const FacetQuestion* m_question = nullptr;
-	NearFeatures* m_kept = nullptr;
 	bool m_isA = false;
 	Transform m_otherFromThis, m_otherFromThisThen, m_otherFromThisUnforced;
 	std::vector<std::uint32_t> m_nodes;  // sorted, each once
 	std::vector<MovedNode> m_moved;      // as many, or more; buffers are kept
-	std::vector<MovedCorner> m_corners;  // of a node: all vertices, placed,
-	std::vector<std::uint8_t> m_beyond;  // and the sides of the box looked at that each is beyond
+	std::vector<MovedCorner> m_corners;  // of a node: all vertices, placed
 	FeatureNumbers m_numbers;
 	std::vector<std::uint64_t> m_sharing, m_near;
 	double m_least = 0;                 // displaced() was asked last of this,

@@ -11,9 +11,8 @@ namespace clod
 {
 // Rounding. Each is at least twice what it stands for.
 inline constexpr double kSumRounding = 1e-9;    // of the size: motions added up a million times
-inline constexpr double kPlaceRounding = 2e-7;  // of the size: two points kept as floats, each off by sqrt(3) kFloatUnit
+inline constexpr double kPlaceRounding = 2e-7;  // of the size: two points in float, each off by sqrt(3) kFloatUnit
 inline constexpr double kBoundRounding = 3e-7;  // of a bound: three operations in float, and its own conversion
-inline constexpr double kSlackRounding = 1e-6;  // of the tolerance: the float bounds near it that a slack is of
 inline constexpr double kKeptOfSign = 0.999;    // of a distance: so much motion leaves its sign
 // Motions of so many sizes are not added up: what comes then would be lost below kSumRounding.
 inline constexpr double kFarthestMotion = 1e5;
@@ -29,14 +28,11 @@ inline constexpr double kMuchLarger = 4;
 // Fronts of a single piece and input surfaces are made for moves to come (ContactSearch.cpp).
 inline constexpr double kMovesAhead = 4;   // so many as the last one,
 inline constexpr double kMostAhead = 0.25;  // and at most so much of the smaller body;
-inline constexpr double kAheadShare = 0.9;  // of the motion that it is made for a front's middle lies ahead
 inline constexpr double kFartherOfCore = 2;  // of points and segments, which have few pairs
-// No front of base levels is kept after a query that moved by more than such a share of the tolerance, and so many more.
+// No front of base levels is kept after a query that moved by more than such a share of the tolerance, and so many
+// more.
 inline constexpr double kMovingShare = 0.25;
 inline constexpr std::uint32_t kCalm = 64;
-// Fronts that are validated (FrontValidation.cpp).
-inline constexpr std::uint32_t kFrontBackOff = 15;    // traversals without slack, at most, once bodies move
-inline constexpr std::uint32_t kEntriesADecision = 4;  // of a traversal cost as much as one decision made again
 
 // Searches for the motion that bodies apart can take (SeparationCache.cpp).
 inline constexpr std::uint32_t kSearchBackOff = 63;  // queries without a search, at most
@@ -47,9 +43,10 @@ inline constexpr double kThresholdSpan = 2;          // thresholds of later quer
 inline constexpr double kShareOfNearest = 0.5;       // of the motion to the nearest pair is the answer
 inline constexpr std::uint32_t kTestsOfCandidate = 3;  // its box, whether its hulls are apart, how far it may move
 
-// Metric::coarsening. Below what simplification leaves in any model: the coarsest level that keeps it is the surface itself.
+// Metric::coarsening. Below what simplification leaves in any model: the coarsest level that keeps it is the surface
+// itself.
 inline constexpr double kFinestShare = 1e-4;
-// No answer is coarsened beyond so much of the smaller radius: what errs by more meets far more than the surfaces do, and
-// its contacts cost more than those of finer levels.
+// No answer is coarsened beyond so much of the smaller radius: what errs by more meets far more than the surfaces do,
+// and its contacts cost more than those of finer levels.
 inline constexpr double kCoarsestShare = 0.5;
 }  // namespace clod

@@ -57,7 +57,8 @@ void followMotion(const QueryContext& context, PairCache::State& state)
 			   state.sweep == context.sweep))
 	{
 		const double motion = motionBound(state.pose, context.pose, context.radiusA, context.radiusB);
-		const double change = sweepChange(state.pose, state.sweep, context.pose, context.sweep, motion, context.radiusB);
+		const double change =
+			sweepChange(state.pose, state.sweep, context.pose, context.sweep, motion, context.radiusB);
 		const double changeInA =
 			sweepChangeOfParts(state.pose, state.sweep, context.pose, context.sweep, context.radiusB);
 		const double farthest = kFarthestMotion * context.size;
@@ -252,36 +253,12 @@ std::optional<double> ContactSearch::traverseBy(const StopRule& rule, double tol
 		m_state.filled && m_state.threshold == rule.constantThreshold() && m_state.maxError == rule.maxError();
 	const double ahead = lookAhead(rule, limit);
 	const bool hasMore = sameRule && front.tolerance > tolerance && front.tolerance < tolerance + 2 * ahead;
-	const TraversalSettings last{rule, hasMore ? front.tolerance : tolerance, sameRule, limit};
 	std::optional<double> cover;
 	if (hasMore && hasAllAnswers(m_context, tolerance, front))
-		cover = answerFrom(answerFromLast, last, tolerance);
-	else if (isWorthValidating(last, front))
-		cover = answerFrom(validateFront, last, tolerance);
-	if (!cover && ahead > 0) cover = answerFromAhead({rule, tolerance + ahead, sameRule, limit, false}, kAheadShare * ahead, tolerance);
-	if (!cover) cover = answerFrom(traverse, {rule, tolerance + ahead, sameRule, limit, ahead == 0}, tolerance);
+		cover = answerFrom(answerFromLast, {rule, front.tolerance, sameRule, limit}, tolerance);
+	if (!cover) cover = answerFrom(traverse, {rule, tolerance + ahead, sameRule, limit}, tolerance);
 	remember(rule);
 	return cover;
-}
-
-// Makes the front for where the body will be once it has gone on by `shift`: the moves that it is made for then lie on
-// both sides. None where the body does not go on, or that front has not all answers of now.
-std::optional<double> ContactSearch::answerFromAhead(const TraversalSettings& settings, double shift, double tolerance)
-{
-	const Vec3 way = m_context.sweep.of(m_context.pose.translation);
-	if (way == Vec3{}) return std::nullopt;
-	const Transform there{m_context.pose.rotation, m_context.pose.translation + (shift / length(way)) * way};
-	const QueryContext ahead(m_context.a, m_context.b, there, m_context.sweep);
-	const double lastMove = m_state.lastMove, lastApproach = m_state.lastApproach;
-	followMotion(ahead, m_state);
-	std::vector<Contact> none;
-	ContactSink lists = ContactSink::ofLists(ahead, tolerance, none, m_result.stats);
-	const bool isMade = traverse(ahead, settings, m_state.front, lists, m_result.stats);
-	followMotion(m_context, m_state);
-	m_state.lastMove = lastMove;
-	m_state.lastApproach = lastApproach;
-	if (!isMade || !hasAllAnswers(m_context, tolerance, m_state.front)) return std::nullopt;
-	return answerFrom(answerFromLast, settings, tolerance);
 }
 
 // By boxes as the settings say, by hulls within the tolerance: the sink's largest cover.
@@ -330,7 +307,8 @@ double ContactSearch::leastApart() const
 double ContactSearch::hiddenDepth() const
 {
 	double most = m_largestCover;
-	for (const Contact& contact : m_result.contacts) most = std::max(most, m_context.coversOf(contact.nodeA, contact.nodeB));
+	for (const Contact& contact : m_result.contacts)
+		most = std::max(most, m_context.coversOf(contact.nodeA, contact.nodeB));
 	for (const FrontEntry& entry : m_answered->entries)
 		if (entry.state == NodePairState::kAnswer) most = std::max(most, m_context.coversOf(entry.a, entry.b));
 	return most;

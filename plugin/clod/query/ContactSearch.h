@@ -91,7 +91,6 @@ private:
 	double lookAhead(const StopRule& rule, const WorkLimit& limit) const;
 	std::optional<double> traverseBy(const StopRule& rule, double tolerance, const WorkLimit& limit);
 	void tellExcess();
-	std::optional<double> answerFromAhead(const TraversalSettings& settings, double shift, double tolerance);
 	using Walk = bool(const QueryContext&, const TraversalSettings&, PairFront&, ContactSink&, QueryStats&);
 	std::optional<double> answerFrom(Walk& walk, const TraversalSettings& settings, double tolerance);
 	void sort();

@@ -39,7 +39,8 @@ public:
 	}
 
 	// One that leaves the pairs to those who list them: it evaluates nothing.
-	static ContactSink ofLists(const QueryContext& context, double tolerance, std::vector<Contact>& none, QueryStats& stats)
+	static ContactSink ofLists(const QueryContext& context, double tolerance, std::vector<Contact>& none,
+							   QueryStats& stats)
 	{
 		ContactSink sink(context, tolerance, Covers::kUnwanted, none, stats);
 		sink.m_onlyLists = true;
@@ -52,16 +53,13 @@ public:
 	// An accepted pair of hulls that are so far apart at least needs nothing: one that is no contact leaves no trace.
 	bool skips(double lower) const
 	{
-		return forgetsOthers() && lower > m_farForAll;
+		return m_covers == Covers::kBounded && lower > m_farForAll;
 	}
 
 	// An accepted pair within the tolerance by its culling volumes.
 	void answer(std::uint32_t a, std::uint32_t b, CachedSeparation& cached, const HullEvaluations& known = {});
 
 	double tolerance() const { return m_tolerance; }  // a front may be made for more
-
-	// An accepted pair that is no contact leaves no trace.
-	bool forgetsOthers() const { return m_covers == Covers::kBounded; }
 
 	// max over the pairs that are near by their boxes, but no contacts, of cover_a + cover_b; not of those whose hulls
 	// are farther apart than that and the tolerance: their surfaces are beyond it.

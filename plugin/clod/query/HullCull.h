@@ -60,7 +60,9 @@ public:
 	// By the points that were near.
 	bool isStillNear(std::uint32_t a, std::uint32_t b, double limit, const CachedSeparation& cached)
 	{
-		if (!(belowLimit(b, limit - roomOf(m_context, a, b, limit), cached) > 0)) return false;
+		if (cached.kind != CachedSeparation::Kind::kNear) return false;
+		const double most = limit - roomOf(m_context, a, b, limit) - kPlaceRounding * m_context.size;
+		if (!(most - sweptPointDistance(m_context, b, toVec3(cached.onA), toVec3(cached.onB)) > 0)) return false;
 		++m_stats.skippedBySlack;
 		return true;
 	}
@@ -78,12 +80,6 @@ public:
 		cached = {};
 		if (bound.hasPoints) cached.setNear(bound.onA, bound.onB, bound.normal);
 		return false;
-	}
-	// How much motion that decision can take, from either side, by what is remembered of it; at most 0: none.
-	double slackOf(std::uint32_t a, std::uint32_t b, double limit, const CachedSeparation& cached) const
-	{
-		const double room = roomOf(m_context, a, b, limit);
-		return cached.isApart() ? double(cached.lower) - limit - room : belowLimit(b, limit - room, cached);
 	}
 	// As they are, whatever the sweep; where they stay beyond the tolerance on the way as well, that is remembered.
 	// What else had to be evaluated is handed on, as far as a contact needs it.
@@ -111,13 +107,6 @@ public:
 	}
 
 private:
-	// By how much the points that were near are nearer than the limit.
-	double belowLimit(std::uint32_t b, double limit, const CachedSeparation& cached) const
-	{
-		if (cached.kind != CachedSeparation::Kind::kNear) return 0;
-		const double rounding = kPlaceRounding * m_context.size;
-		return limit - rounding - sweptPointDistance(m_context, b, toVec3(cached.onA), toVec3(cached.onB));
-	}
 	const QueryContext& m_context;
 	QueryStats& m_stats;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// One probe a connected component, and a quick rejection by extreme points.
+// One probe a connected component.
 #include "clod/query/InsideTest.h"
 
 #include <algorithm>
@@ -47,22 +47,6 @@ void InsideProbes::prepare(const Hierarchy& hierarchy)
 {
 	if (!m_probes.empty()) return;
 	for (const Vec3& point : componentPoints(hierarchy)) m_probes.push_back({point});
-	m_extremes.clear();
-	if (m_probes.size() != 1) return;
-	const Level& level = hierarchy.levels()[hierarchy.coarsestClodLevel()];
-	m_slack = level.maxProtrude;
-	m_extremes.assign(6, m_probes[0].point);
-	for (std::uint32_t n = level.firstNode; n < level.firstNode + level.nodeCount; ++n)
-	{
-		const HullView hull = hierarchy.hull(hierarchy.node(n));
-		for (std::uint32_t i = 0; i < hull.count; ++i)
-			for (int k = 0; k < 6; ++k)
-			{
-				const double sign = k < 3 ? 1 : -1;
-				if (sign * hull.vertex(i)[k % 3] > sign * m_extremes[std::size_t(k)][k % 3])
-					m_extremes[std::size_t(k)] = hull.vertex(i);
-			}
-	}
 }
 
 // The face that was nearest is not far.
@@ -81,7 +65,8 @@ void InsideProbes::test(Probe& probe, const Hierarchy& other, const Vec3& place,
 	probe.face = found.face;
 }
 
-// The sign holds until the point has moved by the distance: from where it was tested, or where the surfaces were found apart.
+// The sign holds until the point has moved by the distance: from where it was tested, or where the surfaces were found
+// apart.
 bool InsideProbes::holds(Probe& probe, const Vec3& place, double apart)
 {
 	const double left = kKeptOfSign * probe.distance - length(place - probe.place);
@@ -104,9 +89,6 @@ double InsideProbes::depthInside(const Hierarchy& other, const Transform& intoOt
 		return 0;
 	}
 	const OrientedBox& around = other.cullBox(other.root());
-	// A single body with a point outside everything the other one occupies is not inside it.
-	for (const Vec3& extreme : m_extremes)
-		if (boxDistance(around, intoOther * extreme) > m_slack) return 0;
 	double depth = 0;
 	for (Probe& probe : m_probes)
 	{
@@ -118,7 +100,8 @@ double InsideProbes::depthInside(const Hierarchy& other, const Transform& intoOt
 	return depth;
 }
 
-double InsideProbes::distanceOutside(const Hierarchy& other, const Transform& intoOther, double wanted, QueryStats& stats)
+double InsideProbes::distanceOutside(const Hierarchy& other, const Transform& intoOther, double wanted,
+									 QueryStats& stats)
 {
 	double least = wanted / kKeptOfSign;
 	for (Probe& probe : m_probes)

@@ -28,17 +28,15 @@ private:
 	struct Probe
 	{
 		Vec3 point;  // a vertex of one component
-		// Where it was in the other body, and how far outside its surface at least; of the last test the nearest face of that,
-		// and how far exactly, inside as well.
+		// Where it was in the other body, and how far outside its surface at least; of the last test the nearest face
+		// of that, and how far exactly, inside as well.
 		Vec3 place = {};
 		double distance = 0;
 		std::uint32_t face = kNone;
 	};
 	static bool holds(Probe& probe, const Vec3& place, double apart);
 	static void test(Probe& probe, const Hierarchy& other, const Vec3& place, QueryStats& stats);
-	std::vector<Probe> m_probes;   // one a component
-	std::vector<Vec3> m_extremes;  // of the coarsest level that may answer, single components only
-	double m_slack = 0;            // how far an extreme may lie outside the solid
+	std::vector<Probe> m_probes;  // one a component
 };
 
 // Counts boxes that point queries meet in its lifetime as such.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // The decisions on pairs of nodes that make a front: which children of an opened pair are near, whether hulls are apart,
-// what answers. Traversal.cpp makes a front of them, FrontValidation.cpp the same front again.
+// what answers. Traversal.cpp makes a front of them.
 //
 // A pair's separation is 1-Lipschitz in the relative motion (BoxSeparation.h). So a value measured once proves, less or
 // plus the motion since and with some room for rounding, that the pair is still beyond the tolerance, or within. Both
@@ -24,7 +24,6 @@ struct TraversalSettings
 	double tolerance = 0;
 	bool sameRule = false;  // the stop rule is that of the cached front: its states hold
 	WorkLimit limit{Budget{}};
-	bool keepsSlack = true;  // for the front to be validated
 };
 
 // Since the last traversal, rounded up.
@@ -54,8 +53,6 @@ public:
 	}
 
 protected:
-	static constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 	// Some of the pairs of one opened: a node of one body and children of the other's, and what is known of them. Sets
 	// of children are bits.
 	struct Row
@@ -147,15 +144,6 @@ protected:
 		const double nearer = m_change + (axis == Vec3{} ? way.farthest() : way.along(axis));
 		return lowerAfter(known.lower, float(nearer + kBoundRounding * std::abs(nearer)));
 	}
-	// As of the last traversal, what was found now: along its axis, which is known.
-	CachedSeparation carriedBack(CachedSeparation cached, std::uint32_t b) const
-	{
-		if (!cached.isApart()) return cached;
-		const double nearer = m_change + wayOf(b).leastAlong(toVec3(cached.onA));
-		cached.lower = lowerAfter(cached.lower, float(-nearer + kBoundRounding * std::abs(nearer)));
-		return cached;
-	}
-
 	// An answer takes so many tests at most: along the remembered axis, on the way and at rest, and both once more where
 	// it is an answer only while its hulls are apart.
 	std::uint32_t mostTestsOfAnswer() const
@@ -175,18 +163,10 @@ protected:
 		return !m_settings.rule.base().isUsed() &&
 			   mayCullByHulls(m_context.a.node(entry.a), m_context.b.node(entry.b));
 	}
-	double cullLimitOf(const FrontEntry& entry) const
-	{
-		return cullLimit(m_context.a.node(entry.a), m_context.b.node(entry.b), m_settings.tolerance);
-	}
 	bool areHullsApart(const FrontEntry& entry, CachedSeparation& cached)
 	{
-		return m_hulls.isApart(entry.a, entry.b, cullLimitOf(entry), cached);
-	}
-	// What that decision can take.
-	double slackOfHulls(const FrontEntry& entry, const CachedSeparation& cached) const
-	{
-		return m_hulls.slackOf(entry.a, entry.b, cullLimitOf(entry), cached);
+		const Node &a = m_context.a.node(entry.a), &b = m_context.b.node(entry.b);
+		return m_hulls.isApart(entry.a, entry.b, cullLimit(a, b, m_settings.tolerance), cached);
 	}
 	// Whether an entry answers that may, as its hulls decide; and its answer.
 	bool answers(const FrontEntry& entry, CachedSeparation& cached)
@@ -195,40 +175,6 @@ protected:
 		if (entry.whileApart && !m_hulls.areApart(entry.a, entry.b, m_sink.tolerance(), cached, known)) return false;
 		m_sink.answer(entry.a, entry.b, cached, known);
 		return true;
-	}
-
-	// Of a row's children, as bits, those kept as entries; and of these the answers that leave no trace unless they are
-	// contacts, be they near or not.
-	struct Kept
-	{
-		std::uint32_t all = 0, traceless = 0;
-	};
-	Kept keptOf(std::uint32_t first, std::uint32_t end, std::uint32_t firstSlot) const
-	{
-		Kept kept;
-		for (std::uint32_t i = first; i < end; ++i)
-		{
-			const FrontEntry& entry = m_front.entries[i];
-			const std::uint32_t bit = 1U << (entry.slot - firstSlot);
-			kept.all |= bit;
-			if (m_sink.forgetsOthers() && entry.state == NodePairState::kAnswer) kept.traceless |= bit;
-		}
-		return kept;
-	}
-	// What the decisions can take on all of a row that are apart and on those near ones that matter.
-	double slackOf(const Row& row, std::uint32_t nearThatMatter) const
-	{
-		double slack = double(row.apart) - m_settings.tolerance;
-		forEach(nearThatMatter,
-				[&](std::uint32_t k) { slack = std::min(slack, m_settings.tolerance - double(row.high[k])); });
-		return slack - m_room;
-	}
-	// A decision on entry i, made at a motion of `moved` since the traversal, can take so much more.
-	void keepSlack(std::uint32_t i, float moved, double slack)
-	{
-		if (!(slack < kInfinity)) return;
-		float& slackOfEntry = m_front.slack.ofEntry[i];
-		slackOfEntry = std::min(slackOfEntry, lowerAfter(float(slack - kSlackRounding * m_settings.tolerance), -moved));
 	}
 
 	const PartMotion::Way& wayOf(std::uint32_t b) const

@@ -15,7 +15,6 @@
 #include "clod/collide/HullDistance.h"
 #include "clod/collide/Room.h"
 #include "clod/collide/SeparatingAxis.h"
-#include "clod/query/BackOff.h"
 #include "clod/query/Constants.h"
 #include "clod/query/Query.h"
 
@@ -114,24 +113,11 @@ inline void addTo(QueryStats& stats, const FrontCounts& counts)
 	stats.touchedFinestLevel = counts.touchedFinestLevel;
 }
 
-// What it takes to give the answers of a traversal again where its decisions are what they were (FrontValidation.cpp).
-struct FrontSlack
-{
-	std::vector<float> ofEntry;          // the motion that its decisions, and those on its children, can take
-	std::vector<std::uint32_t> answers;  // entries that are evaluated each time, by their nodes; listed when needed
-	std::size_t spent = 0;               // tests that another traversal would spare
-	void clear()
-	{
-		ofEntry.clear();
-		answers.clear();
-		spent = 0;
-	}
-};
-
 struct PairFront
 {
 	std::vector<FrontEntry> entries;  // of the last finished traversal; [0] is the pair of roots, children lie together
 	std::vector<CachedSeparation> hulls;
+	std::vector<std::uint32_t> answers;  // entries to give again without a walk, by their nodes; listed when needed
 	double motion = 0;         // accumulated bound of the relative motion and of the sweep's change (MotionBound.h)
 	double motionSince = 0;    // the part of it since the last finished traversal
 	double sweepChangeSince = 0;  // of the sweep, since then, along directions fixed to A
@@ -141,16 +127,12 @@ struct PairFront
 	double tolerance = 0;  // of boxes, in the last finished traversal
 	bool isLent = false;   // its memory is the thread's: see keep() and handBack() in Traversal.h
 	FrontCounts counts;
-	FrontSlack slack;
-	BackOff backOff{kFrontBackOff};  // traversals that keep no slack, until the next attempt to validate a front
 
-	// For slack as much as there may be: a steady query allocates nothing.
+	// For answers as much as there may be, as nearly all have a hull: a steady query allocates nothing.
 	void makeRoom()
 	{
-		shrinkRoom(slack.ofEntry, entries.capacity());
-		shrinkRoom(slack.answers, hulls.capacity());  // nearly all have a hull
-		slack.ofEntry.reserve(entries.capacity());
-		slack.answers.reserve(hulls.capacity());
+		shrinkRoom(answers, hulls.capacity());
+		answers.reserve(hulls.capacity());
 	}
 	// The bodies have parted: what they took is given back.
 	void giveBack()
@@ -158,8 +140,7 @@ struct PairFront
 		clear();
 		entries.shrink_to_fit();
 		hulls.shrink_to_fit();
-		slack.ofEntry.shrink_to_fit();
-		slack.answers.shrink_to_fit();
+		answers.shrink_to_fit();
 	}
 	// change: of the sweep, along any axis; changeInA: along those fixed to A.
 	void move(double by, double change, double changeInA)
@@ -172,9 +153,8 @@ struct PairFront
 	{
 		entries.clear();
 		hulls.clear();
-		slack.clear();
+		answers.clear();
 		motion = motionSince = sweepChangeSince = 0;
-		backOff.succeed();
 	}
 };
 }  // namespace clod

@@ -62,7 +62,7 @@ struct QueryStats
 	std::uint32_t hullTests = 0;   // hull distances evaluated (GJK runs)
 	std::uint32_t skippedBySlack = 0;
 	std::uint32_t stillApart = 0;  // 1: the bodies were apart by more than they have moved since; nothing was tested
-	std::uint32_t frontKept = 0;   // 1: no decision of the last traversal has changed; only its answers were evaluated
+	std::uint32_t frontKept = 0;   // 1: the last front still had all that is near; only its answers were evaluated
 	// Changes of the front: pairs of nodes in its tree that the last query did not have, and the other way round. 0 if
 	// the last front still holds.
 	std::uint32_t frontCame = 0, frontGone = 0;

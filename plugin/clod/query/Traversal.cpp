@@ -2,6 +2,9 @@
 // Breadth first, from the roots, with what the front before proves.
 #include "clod/query/Traversal.h"
 
+#include <algorithm>
+#include <tuple>
+
 namespace clod
 {
 namespace
@@ -52,10 +55,7 @@ public:
 			m_stats->frontGone = std::uint32_t(m_previous.entries.size()) - m_carried;
 		}
 		else
-		{
-			m_front.slack.clear();
 			m_front.tolerance = 0;  // has no answers to give
-		}
 		if (m_front.isLent) return isWhole;
 		m_previous.keepIn(m_front);
 		if (isWhole) m_front.makeRoom();
@@ -68,7 +68,7 @@ private:
 		m_front.entries.clear();
 		m_front.hulls.clear();
 		m_previous.visited.clear();
-		startSlack();
+		m_front.answers.clear();
 		m_front.counts = FrontCounts{};
 		m_front.motionSince = m_front.sweepChangeSince = 0;
 		m_front.pose = m_context.pose;
@@ -84,13 +84,6 @@ private:
 		addTo(*m_stats, m_front.counts);
 		return true;
 	}
-	// For FrontValidation.cpp; where that was in vain, now and then only.
-	void startSlack()
-	{
-		m_front.slack.clear();
-		m_keepsSlack = m_settings.keepsSlack && !m_front.isLent && m_front.backOff.isOver();
-	}
-
 	void startAtRoots()
 	{
 		const std::uint32_t rootA = m_context.a.root(), rootB = m_context.b.root();
@@ -111,10 +104,7 @@ private:
 			++m_front.counts.leaves;
 		}
 		else
-		{
 			visit(row, 0);
-			if (m_keepsSlack) keepSlack(0, 0, slackOf(row, 1));
-		}
 	}
 	// False where the limit was met: it is as if it had not been tried.
 	bool open(std::uint32_t index)
@@ -153,7 +143,6 @@ private:
 			}
 			bool isMet = !isAffordable(row.count);
 			if (!isMet) examine(row, stillApart);
-			const std::uint32_t firstOfRow = std::uint32_t(m_front.entries.size());
 			forEach(row.near,
 					[&](std::uint32_t k)
 					{
@@ -166,9 +155,6 @@ private:
 				m_front.hulls.resize(firstHull);
 				return false;
 			}
-			if (!m_keepsSlack) continue;
-			const Kept kept = keptOf(firstOfRow, std::uint32_t(m_front.entries.size()), slot);
-			keepSlack(index, 0, slackOf(row, row.near & ~kept.traceless));
 		}
 		FrontEntry& opened = m_front.entries[index];
 		opened.link = first;
@@ -217,22 +203,17 @@ private:
 			entry.old = row.old[k];
 			++m_carried;
 		}
-		double slack = kInfinity;
 		if (!m_settings.rule.isInTree(entry.a, entry.b) && !m_previous.visited.insert(entry.a, entry.b))
 		{
 			entry.state = NodePairState::kElsewhere;
 			++m_front.counts.duplicates;
 		}
 		else
-			slack = decide(entry);
+			decide(entry);
 		m_front.entries.push_back(entry);
-		if (!m_keepsSlack) return;
-		m_front.slack.ofEntry.push_back(std::numeric_limits<float>::infinity());
-		keepSlack(std::uint32_t(m_front.slack.ofEntry.size() - 1), 0, slack);
 	}
 
-	// What the decision can take, where it is kept.
-	double decide(FrontEntry& entry)
+	void decide(FrontEntry& entry)
 	{
 		NodePairState before = NodePairState::kSeparated;
 		CachedSeparation cached;
@@ -241,7 +222,6 @@ private:
 			before = m_previous.entries[entry.old].state;
 			cached = cachedOf(m_previous.entries[entry.old], m_previous.hulls);
 		}
-		double slack = kInfinity;
 		const Acceptance acceptance = acceptanceOf(entry, before);
 		entry.whileApart = acceptance == Acceptance::kWhileApart;
 		if (acceptance != Acceptance::kNo)
@@ -255,7 +235,6 @@ private:
 		else if (cullsByHulls(entry))
 		{
 			if (areHullsApart(entry, cached)) entry.state = NodePairState::kHullsApart;
-			if (m_keepsSlack) slack = slackOfHulls(entry, cached);
 			keep(entry, cached);
 		}
 		if (entry.state == NodePairState::kSeparated)
@@ -265,7 +244,6 @@ private:
 			entry.state = opensA ? NodePairState::kOpenA : NodePairState::kOpenB;
 		}
 		++(isOpen(entry.state) ? m_front.counts.inner : m_front.counts.leaves);
-		return slack;
 	}
 
 	void keep(FrontEntry& entry, const CachedSeparation& cached)
@@ -295,10 +273,68 @@ private:
 	}
 
 	Previous& m_previous = previousOfThread();
-	bool m_keepsSlack = false;
 	std::uint32_t m_carried = 0;  // entries that the traversal before had
 	// Finer levels come first.
 	std::uint32_t m_finestA = kNone - 1, m_finestB = kNone - 1;
+};
+
+// Gives the answers of the last front once more.
+class LastAnswers : private PairDecisions
+{
+public:
+	using PairDecisions::PairDecisions;
+
+	// False where one that answered does not now, or the other way round.
+	bool give()
+	{
+		if (m_front.answers.empty()) list();
+		const double nearer = m_change + m_partMotion.of(Vec3{}, 2 * m_context.radiusB).farthest();
+		for (const std::uint32_t i : m_front.answers)
+		{
+			const FrontEntry& entry = m_front.entries[i];
+			if (isFar(entry, nearer))
+			{
+				++m_stats->skippedBySlack;
+				continue;
+			}
+			CachedSeparation cached = cachedOf(entry, m_front.hulls);
+			const std::uint32_t before = m_stats->hullTests;
+			if (answers(entry, cached) != (entry.state == NodePairState::kAnswer)) return false;
+			if (m_stats->hullTests != before && entry.hull != kNone)
+				m_front.hulls[entry.hull] = carriedBack(cached, entry.b);
+		}
+		m_stats->frontKept = 1;
+		addTo(*m_stats, m_front.counts);
+		return true;
+	}
+
+private:
+	// By a bound remembered, less what anything of B can have come nearer, or its node.
+	bool isFar(const FrontEntry& entry, double nearer) const
+	{
+		if (entry.hull == kNone || entry.whileApart) return false;
+		const CachedSeparation& known = m_front.hulls[entry.hull];
+		return known.isApart() && (m_sink.skips((1 - 2 * kBoundRounding) * (double(known.lower) - nearer)) ||
+								   m_sink.skips(double(lowerNow(known, entry.b))));
+	}
+	// Contacts are then in order, too.
+	void list()
+	{
+		const std::vector<FrontEntry>& entries = m_front.entries;
+		for (std::uint32_t i = 0; i < entries.size(); ++i)
+			if (entries[i].state == NodePairState::kAnswer || entries[i].whileApart) m_front.answers.push_back(i);
+		std::sort(m_front.answers.begin(), m_front.answers.end(),
+				  [&](std::uint32_t l, std::uint32_t r)
+				  { return std::tie(entries[l].a, entries[l].b) < std::tie(entries[r].a, entries[r].b); });
+	}
+	// As of the last traversal, what was found now: along its axis, which is known.
+	CachedSeparation carriedBack(CachedSeparation cached, std::uint32_t b) const
+	{
+		if (!cached.isApart()) return cached;
+		const double nearer = m_change + wayOf(b).leastAlong(toVec3(cached.onA));
+		cached.lower = lowerAfter(cached.lower, float(-nearer + kBoundRounding * std::abs(nearer)));
+		return cached;
+	}
 };
 }  // namespace
 
@@ -306,6 +342,20 @@ bool traverse(const QueryContext& context, const TraversalSettings& settings, Pa
 			  QueryStats& stats)
 {
 	return Traversal(context, settings, front, sink, stats).run();
+}
+
+bool hasAllAnswers(const QueryContext& context, double tolerance, const PairFront& front)
+{
+	if (front.entries.empty() || !(tolerance < front.tolerance)) return false;
+	const double nearer =
+		approachBound(front.pose, front.sweep, context.pose, context.sweep, context.radiusA, context.radiusB);
+	return tolerance + nearer + kSumRounding * context.size + context.boxes.roundingOfTwo() < front.tolerance;
+}
+
+bool answerFromLast(const QueryContext& context, const TraversalSettings& settings, PairFront& front, ContactSink& sink,
+					QueryStats& stats)
+{
+	return LastAnswers(context, settings, front, sink, stats).give();
 }
 
 void handBack(PairFront& front)

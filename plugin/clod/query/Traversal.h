@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
-// The one walk over two hierarchies, from the roots down and level of the walk by level: visits the pairs of nodes whose
-// culling volumes are within the tolerance, and hands every accepted one to the contacts. Above base levels (StopRule.h)
-// only primary children are followed, a tree; otherwise all, and a pair of contact nodes is opened only where its hulls,
-// too, are near, as boxes of curved patches are far from tight. Children that are apart leave no trace but the smallest of
-// their separations: while the motion does not use it up, none of them is looked at.
+// The one walk over two hierarchies, from the roots down and level of the walk by level: visits the pairs of nodes
+// whose culling volumes are within the tolerance, and hands every accepted one to the contacts. Above base levels
+// (StopRule.h) only primary children are followed, a tree; otherwise all, and a pair of contact nodes is opened only
+// where its hulls, too, are near, as boxes of curved patches are far from tight. Children that are apart leave no trace
+// but the smallest of their separations: while the motion does not use it up, none of them is looked at.
 #pragma once
 #include "clod/query/PairDecisions.h"
 
@@ -14,21 +14,16 @@ namespace clod
 bool traverse(const QueryContext& context, const TraversalSettings& settings, PairFront& front, ContactSink& sink,
 			  QueryStats& stats);
 
-// Of pairs that have long found nothing the front is made in memory of the thread, and handed back before the query ends;
-// or kept after all.
+// Of pairs that have long found nothing the front is made in memory of the thread, and handed back before the query
+// ends; or kept after all.
 void handBack(PairFront& front);
 void keep(PairFront& front);
 
-// Is the last front still the front (FrontValidation.cpp)? Whether it has what it takes to tell, and few enough decisions
-// have to be made again; otherwise it is tried again, and slack for it kept, after some traversals only.
-bool isWorthValidating(const TraversalSettings& settings, PairFront& front);
-// Gives its answers once more. False, perhaps with some given: the front has changed. Precondition: worth it.
-bool validateFront(const QueryContext& context, const TraversalSettings& settings, PairFront& front, ContactSink& sink,
-				   QueryStats& stats);
-// Does the last front have all pairs of input surfaces that are within the tolerance now, as it was made for more than it?
-// Precondition: it is of the same rule, and that of leaves.
+// Does the last front have all pairs of input surfaces that are within the tolerance now, as it was made for more than
+// it? Precondition: it is of the same rule, and that of leaves.
 bool hasAllAnswers(const QueryContext& context, double tolerance, const PairFront& front);
-// Gives its answers once more, whatever has become of its decisions. Precondition: it has all.
+// Gives its answers once more, whatever has become of its decisions. False, perhaps with some given: pairs that answer
+// only while apart have changed. Precondition: it has all.
 bool answerFromLast(const QueryContext& context, const TraversalSettings& settings, PairFront& front, ContactSink& sink,
 					QueryStats& stats);
 }  // namespace clod
