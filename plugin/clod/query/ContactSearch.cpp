@@ -265,13 +265,15 @@ std::optional<double> ContactSearch::traverseBy(const StopRule& rule, double tol
 }
 
 // Makes the front for where the body will be once it has gone on, by `shift` as approachBound() counts: the moves that it
-// is made for then lie on both sides. None where the body does not go on, or that front has not all answers of now.
+// is made for then lie on both sides. What turns leaves that place by its turning, too: the faster, the nearer it is. None
+// where the body does not go on, or that front has not all answers of now.
 std::optional<double> ContactSearch::answerFromAhead(const TraversalSettings& settings, double shift, double tolerance)
 {
 	const Vec3 way = m_context.sweep.of(m_context.pose.translation);
 	if (way == Vec3{}) return std::nullopt;
-	const double far = shift / (1 + length(m_context.sweep.angular));
-	const Transform there{m_context.pose.rotation, m_context.pose.translation + (far / length(way)) * way};
+	const double turn = length(m_context.sweep.angular);
+	const double far = shift / ((1 + turn) * std::max(length(way), turn * m_context.radiusB));
+	const Transform there{m_context.pose.rotation, m_context.pose.translation + far * way};
 	const QueryContext ahead(m_context.a, m_context.b, there, m_context.sweep);
 	const double lastMove = m_state.lastMove, lastApproach = m_state.lastApproach;
 	followMotion(ahead, m_state);
