@@ -41,6 +41,7 @@ private:
 	bool mayEnter(const ContactSurface& surface, const MovedCorner& vertex, const Vec3& up, const SurfaceFace& face,
 				  bool faceIsOfB) const;
 	// FacetPairs.cpp
+	double borderApart(const Contact& contact);
 	Pair pairOf(const Contact& contact);
 	Box placesNearA() const;
 	void findPair(const Pair& pair);
@@ -112,6 +113,7 @@ private:
 	std::vector<Through> m_through;
 	double m_roamShare = 0;
 	double m_sought = 0;
+	double m_borderApart = 0;
 	std::vector<Pair> m_pairs;
 	Pair m_pair{};
 	MovedNodes m_nodesA, m_nodesB;

@@ -27,6 +27,7 @@ void forEachStill(const ContactSurface& surface, std::uint32_t node, const Near&
 	const auto placeOf = [&](std::size_t i) -> const Vec3& { return surface.vertices()[vertices[i]]; };
 	for (const std::uint32_t v : vertices)
 		if (surface.isCorner(v)) call(0, {surface.vertices()[v], surface.vertices()[v]}, v);
+	if (near.isOfCornersOnly()) return;
 	for (const ContactSurface::NodePolygon& polygon : surface.polygonsOf(node))
 	{
 		const double radius = surface.radiusOf(polygon.polygon);
@@ -72,7 +73,7 @@ bool NearFeatures::holds(const Near& near) const
 	for (int axis = 0; axis < 3; ++axis)
 		out[axis] = std::max({0.0, m_box.low[axis] - near.m_box->low[axis], near.m_box->high[axis] - m_box.high[axis]});
 	const double far = std::max({out.x, out.y, out.z});
-	return (1 + kRounding) * (near.m_reach + far) < m_reach &&
+	return (near.m_ofCornersOnly || !m_ofCornersOnly) && (1 + kRounding) * (near.m_reach + far) < m_reach &&
 		   (1 + kRounding) * (near.m_straight + length(out)) <= m_straight;
 }
 
@@ -81,6 +82,7 @@ NearFeatures::OfNode NearFeatures::of(std::uint32_t node, const ContactSurface& 
 	if (!holds(near))
 	{
 		m_box = *near.m_box;
+		m_ofCornersOnly = near.m_ofCornersOnly;
 		m_reach = (1 + 2 * kRounding) * (near.m_reach + near.m_ahead);
 		m_straight = (1 + 2 * kRounding) * (near.m_straight + near.m_ahead);
 		m_nodes.clear();
@@ -89,6 +91,7 @@ NearFeatures::OfNode NearFeatures::of(std::uint32_t node, const ContactSurface& 
 	const Listed& at = listed(node, surface);
 	const Feature* const first = m_features.data() + at.first;
 	const auto& [corners, polygons, edges] = at.counts;
+	if (near.m_ofCornersOnly) return {{first, corners}, {first, 0u}, {first, 0u}};
 	return {{first, corners}, {first + corners, polygons}, {first + corners + polygons, edges}};
 }
 
@@ -107,7 +110,7 @@ const NearFeatures::Listed& NearFeatures::listed(std::uint32_t node, const Conta
 void NearFeatures::list(std::uint32_t node, const ContactSurface& surface)
 {
 	Listed listed{node, std::uint32_t(m_features.size()), {}};
-	forEachStill(surface, node, Near(m_box, m_reach, m_straight),
+	forEachStill(surface, node, Near(m_box, {m_reach, m_straight}, false, m_ofCornersOnly),
 				 [&](std::size_t kind, const Box& box, std::uint32_t index)
 				 {
 					 m_features.push_back({box, index});

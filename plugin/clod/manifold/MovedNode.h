@@ -13,22 +13,28 @@
 namespace clod
 {
 // To a box, if there is one: along the axes, and in a straight line. The box may come `ahead` nearer in some moves.
-// What is in it may be deep inside a node and far from its faces.
+// What is in it may be deep inside a node and far from its faces. Faces alone meet nothing but corners.
 class Near
 {
 public:
+	struct Reach
+	{
+		double alongAxes, straight, ahead = 0;
+	};
 	Near() = default;
-	Near(const Box& box, double reach, double straight, double ahead = 0, bool mayBeInside = false)
+	Near(const Box& box, const Reach& reach, bool mayBeInside = false, bool ofCornersOnly = false)
 		: m_box(&box),
-		  m_reach(reach),
-		  m_straight(straight),
-		  m_ahead(ahead),
+		  m_reach(reach.alongAxes),
+		  m_straight(reach.straight),
+		  m_ahead(reach.ahead),
 		  m_mayBeInside(mayBeInside),
-		  m_grown(grown(reach))
+		  m_ofCornersOnly(ofCornersOnly),
+		  m_grown(grown(reach.alongAxes))
 	{
 	}
 	bool isAnywhere() const { return m_box == nullptr; }
 	bool mayBeInside() const { return m_mayBeInside; }
+	bool isOfCornersOnly() const { return m_ofCornersOnly; }
 	bool holds(const Box& other) const
 	{
 		return m_box == nullptr || (other.meets(m_grown, 0) && other.squaredTo(*m_box) <= m_straight * m_straight);
@@ -40,7 +46,7 @@ private:
 
 	const Box* m_box = nullptr;
 	double m_reach = 0, m_straight = 0, m_ahead = 0;
-	bool m_mayBeInside = false;
+	bool m_mayBeInside = false, m_ofCornersOnly = false;
 	Box m_grown{};
 };
 
@@ -71,6 +77,7 @@ private:
 	const Listed& listed(std::uint32_t node, const ContactSurface& surface);
 	void list(std::uint32_t node, const ContactSurface& surface);
 
+	bool m_ofCornersOnly = false;
 	Box m_box{};
 	double m_reach = -1, m_straight = -1;  // all that is so near to it is listed
 	std::vector<Listed> m_nodes;
