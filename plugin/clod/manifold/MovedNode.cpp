@@ -97,17 +97,12 @@ NearFeatures::OfNode NearFeatures::of(std::uint32_t node, const ContactSurface& 
 
 const NearFeatures::Listed& NearFeatures::listed(std::uint32_t node, const ContactSurface& surface)
 {
-	for (std::size_t k = 0; k < m_nodes.size(); ++k)
-	{
-		if (m_next >= m_nodes.size()) m_next = 0;
-		const Listed& at = m_nodes[m_next++];
-		if (at.node == node) return at;
-	}
-	list(node, surface);
-	return m_nodes.back();
+	const auto at = std::lower_bound(m_nodes.begin(), m_nodes.end(), node,
+									 [](const Listed& listed, std::uint32_t wanted) { return listed.node < wanted; });
+	return at != m_nodes.end() && at->node == node ? *at : *m_nodes.insert(at, list(node, surface));
 }
 
-void NearFeatures::list(std::uint32_t node, const ContactSurface& surface)
+NearFeatures::Listed NearFeatures::list(std::uint32_t node, const ContactSurface& surface)
 {
 	Listed listed{node, std::uint32_t(m_features.size()), {}};
 	forEachStill(surface, node, Near(m_box, {m_reach, m_straight}, false, m_ofCornersOnly),
@@ -116,7 +111,7 @@ void NearFeatures::list(std::uint32_t node, const ContactSurface& surface)
 					 m_features.push_back({box, index});
 					 ++listed.counts[kind];
 				 });
-	m_nodes.push_back(listed);
+	return listed;
 }
 
 void FeatureNumbers::start()

@@ -75,14 +75,13 @@ private:
 	};
 	bool holds(const Near& near) const;
 	const Listed& listed(std::uint32_t node, const ContactSurface& surface);
-	void list(std::uint32_t node, const ContactSurface& surface);
+	Listed list(std::uint32_t node, const ContactSurface& surface);
 
 	bool m_ofCornersOnly = false;
 	Box m_box{};
 	double m_reach = -1, m_straight = -1;  // all that is so near to it is listed
-	std::vector<Listed> m_nodes;
+	std::vector<Listed> m_nodes;  // sorted
 	std::vector<Feature> m_features;
-	std::size_t m_next = 0;  // of the nodes, most likely: they are asked for in order
 };
 
 // Boxes are in frame A, over the step as far ahead as contacts are looked for (kPathReach).
