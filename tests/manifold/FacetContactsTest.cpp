@@ -9,6 +9,7 @@
 #include "clod/hierarchy/ConvexPiece.h"
 #include "clod/manifold/LevelSwitch.h"
 #include "clod/manifold/PairSolve.h"
+#include "clod/manifold/PartnerContacts.h"
 #include "clod/query/Query.h"
 #include "tests/manifold/FacetPair.h"
 #include "tests/query/Bodies.h"
@@ -316,8 +317,13 @@ TEST(FacetContacts, AHalfSpaceHoldsCornersAtAnyDepth)
 	ClusterSet none, set;
 	PointRules rules;
 	rules.resting = 1e-3;
-	const std::vector<Contact> contacts{{0, 0, 0, 0, {}, {}, {}}};
 	const Transform aFromB = at({0, 0.1, 0});  // the ground is 0.6 over the box's lower side
+	Metric exact;
+	exact.exact = true;
+	PartnerContacts partner;
+	PartnerStats stats;
+	std::vector<Contact> contacts;
+	partner.withHalfSpace(*box, {0, 1, 0}, 0.1, exact, rules.resting, contacts, stats);
 	facets.find(contactBody(*box), contactBody(ground), aFromB, rules,
 				contacts, none, memory);
 	facets.settle(contacts, false, none, memory);

@@ -32,16 +32,23 @@ constexpr double kCurved = 0.5 * kSkinShare;     // of the radius: how far a pri
 constexpr double kSheet = 1e-5;                  // of its size: half the thickness of what is flat
 constexpr std::size_t kMostUnused = 256;         // partners kept for shapes that may come again
 
-// A shape as points or as a support function, grown by a radius. World lengths.
+// A circle about an axis of the frame.
+struct Rim
+{
+	double radius, height;
+	int up;
+};
+
+// A shape as points and rims or as a support function, grown by a radius. World lengths.
 struct Description
 {
 	std::vector<double> numbers;
 	std::vector<Vec3> points;
+	std::vector<Rim> rims;
 	bool isMesh = false;  // points are all corners of its triangles, of which numbers hold a hash
 	double radius = 0;
 	bool isBySupport = false;
 	bool isSeen = false;  // numbers are what is seen of it, and where it is; else all that makes it
-	double error = 0;
 	double size = 0;  // of what is known by its support: how far it reaches
 };
 
@@ -84,19 +91,20 @@ Vec3 coreSupport(const btConvexShape& shape, double radius, const Vec3& directio
 }
 
 // A regular polygon around the rim such that its corners lie as far outside of the circle as its sides lie inside.
-void addRim(double radius, double height, int up, Description& description)
+// Returns how far that is.
+double addCorners(const Rim& rim, std::vector<Vec3>& points)
 {
 	const int sides = 4 * int(std::ceil(0.125 * 3.14159265358979 / std::sqrt(kCurved)));
-	const double half = 3.14159265358979 / sides, corner = 2 * radius / (1 + std::cos(half));
+	const double half = 3.14159265358979 / sides, corner = 2 * rim.radius / (1 + std::cos(half));
 	for (int i = 0; i < sides; ++i)
 	{
 		Vec3 p;
-		p[up] = height;
-		p[(up + 1) % 3] = corner * std::cos((2 * i + 1) * half);
-		p[(up + 2) % 3] = corner * std::sin((2 * i + 1) * half);
-		description.points.push_back(p);
+		p[rim.up] = rim.height;
+		p[(rim.up + 1) % 3] = corner * std::cos((2 * i + 1) * half);
+		p[(rim.up + 2) % 3] = corner * std::sin((2 * i + 1) * half);
+		points.push_back(p);
 	}
-	description.error = std::max(description.error, radius - corner * std::cos(half));
+	return rim.radius - corner * std::cos(half);
 }
 
 void describeCylinder(const btCylinderShape& shape, Description& description)
@@ -105,8 +113,7 @@ void describeCylinder(const btCylinderShape& shape, Description& description)
 	const Vec3 half = toVec3(shape.getHalfExtentsWithoutMargin());
 	const double radius = std::max(0.0, double(shape.getRadius()) - description.radius);
 	const double height = std::max(0.0, half[up]);
-	addRim(radius, height, up, description);
-	addRim(radius, -height, up, description);
+	description.rims = {{radius, height, up}, {radius, -height, up}};
 }
 
 void describeCone(const btConeShape& shape, Description& description)
@@ -115,7 +122,7 @@ void describeCone(const btConeShape& shape, Description& description)
 	Vec3 apex;
 	apex[up] = 0.5 * double(shape.getHeight());
 	description.points.push_back(apex);
-	addRim(double(shape.getRadius()), -apex[up], up, description);
+	description.rims = {{double(shape.getRadius()), -apex[up], up}};
 }
 
 void describeCapsule(const btCapsuleShape& shape, Description& description)
@@ -200,7 +207,9 @@ void describeScaled(const btUniformScalingShape& shape, Description& description
 	describeByKind(*shape.getChildShape(), description);
 	const double factor = double(shape.getUniformScalingFactor());
 	for (Vec3& p : description.points) p = factor * p;
-	for (double* length : {&description.radius, &description.error, &description.size}) *length *= factor;
+	for (Rim& rim : description.rims) rim = {factor * rim.radius, factor * rim.height, rim.up};
+	description.radius *= factor;
+	description.size *= factor;
 }
 
 void describeByKind(const btConvexShape& shape, Description& description)
@@ -229,12 +238,14 @@ void describeByKind(const btConvexShape& shape, Description& description)
 void describe(const btConvexShape& shape, Description& description)
 {
 	description.points.clear();
+	description.rims.clear();
 	description.isMesh = description.isBySupport = false;
-	description.error = description.size = 0;
+	description.size = 0;
 	describeByKind(shape, description);
 	const std::vector<Vec3>& points = description.points;
 	std::vector<double>& numbers = description.numbers;
 	numbers.assign({double(shape.getShapeType()), description.radius, double(description.isBySupport)});
+	numbers.push_back(double(description.rims.size()));
 	if (description.isMesh)
 	{
 		const std::uint64_t hash = XXH3_64bits(points.data(), points.size() * sizeof(Vec3));
@@ -242,7 +253,8 @@ void describe(const btConvexShape& shape, Description& description)
 	}
 	else
 		for (const Vec3& p : points) numbers.insert(numbers.end(), {p.x, p.y, p.z});
-	description.isSeen = points.empty();
+	for (const Rim& rim : description.rims) numbers.insert(numbers.end(), {rim.radius, rim.height, double(rim.up)});
+	description.isSeen = points.empty() && description.rims.empty();
 	if (description.isSeen) look(shape, description);
 }
 
@@ -274,6 +286,7 @@ void make(const btConvexShape& shape, double unit, const Description& descriptio
 {
 	partner.radius = description.radius / unit;
 	ConvexPolyhedron polyhedron;
+	double error = 0;  // of rims
 	if (description.isBySupport)
 		polyhedron = convexPolyhedron(
 			[&](const Vec3& d)
@@ -285,12 +298,12 @@ void make(const btConvexShape& shape, double unit, const Description& descriptio
 			kCurved * (description.size + description.radius) / unit, kMostCorners);
 	else
 	{
-		std::vector<Vec3> points;
-		points.reserve(description.points.size());
-		for (const Vec3& p : description.points) points.push_back((1 / unit) * p);
+		std::vector<Vec3> points = description.points;
+		for (const Rim& rim : description.rims) error = addCorners(rim, points);
+		for (Vec3& p : points) p = (1 / unit) * p;
 		polyhedron = convexPolyhedron(points, kMostHullCorners);
 	}
-	partner.error = polyhedron.error + description.error / unit;
+	partner.error = polyhedron.error + error / unit;
 	Result<std::shared_ptr<const Hierarchy>> piece = convexPiece(polyhedron, partner.radius);
 	if (!piece && !polyhedron.triangles.empty()) piece = convexPiece(thickened(polyhedron), partner.radius);
 	if (piece)

@@ -64,6 +64,7 @@ void FacetFinder::find(const FacetQuestion& question, const std::vector<Contact>
 	while (size < 4 * (facets.size() + contacts.size())) size *= 2;
 	tabulate(size);
 	m_pairs.clear();
+	m_borderApart = contacts.empty() ? 0 : borderApart(contacts[0]);
 	for (const Contact& contact : contacts) m_pairs.push_back(pairOf(contact));
 	for (const Pair& pair : m_pairs) findPair(pair);
 }

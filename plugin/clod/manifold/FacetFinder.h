@@ -40,6 +40,7 @@ private:
 	bool mayEnter(const ContactSurface& surface, const MovedCorner& vertex, const Vec3& up, const SurfaceFace& face,
 				  bool faceIsOfB) const;
 	// FacetPairs.cpp
+	double borderApart(const Contact& contact);
 	Pair pairOf(const Contact& contact);
 	void findPair(const Pair& pair);
 	void gather(MovedNode& nodeA, MovedNode& nodeB, bool mayOverlap);
@@ -110,6 +111,7 @@ private:
 	std::vector<Through> m_through;
 	double m_roamShare = 0;
 	double m_sought = 0;
+	double m_borderApart = 0;
 	std::vector<Pair> m_pairs;
 	Pair m_pair{};
 	MovedNodes m_nodesA, m_nodesB;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "clod/collide/Constants.h"
 #include "clod/manifold/FacetFinder.h"
 
 namespace clod
@@ -14,6 +15,27 @@ constexpr double kFar = std::numeric_limits<double>::infinity();
 // Facets are looked for no farther off the predicted way than so many grains (mean edges) of the coarser surface.
 constexpr double kRoamGrains = 1;
 }  // namespace
+
+// How far the corners and edges of B, if it is one node, stay from the sphere of A: what is much wider than A, as a floor
+// is, meets it with faces alone, and these meet corners.
+double FacetFinder::borderApart(const Contact& contact)
+{
+	const FacetQuestion& q = *m_question;
+	if (!m_nodesB.isOne() || m_middleB.height > 0) return 0;
+	const MovedNode& moved = m_nodesB.of(contact.nodeB);
+	const ContactSurface& b = q.b.surface(moved.level);
+	const Asset& asset = q.a.hierarchy->asset();
+	const Vec3 center = m_bFromA * toVec3(asset.sphereCenter);
+	double apart = kFar;
+	for (const std::uint32_t v : b.verticesOf(contact.nodeB))
+		if (b.isCorner(v)) apart = std::min(apart, length(b.vertices()[v] - center));
+	for (const std::uint32_t e : b.edgesOf(contact.nodeB))
+	{
+		const Vec3& from = b.vertices()[b.edges()[e].vertex[0]];
+		apart = std::min(apart, distanceToSegment(from - center, b.vertices()[b.edges()[e].vertex[1]] - from));
+	}
+	return apart - kPathReach * moved.displaced - double(asset.radius);
+}
 
 FacetFinder::Pair FacetFinder::pairOf(const Contact& contact)
 {
@@ -31,8 +53,10 @@ FacetFinder::Pair FacetFinder::pairOf(const Contact& contact)
 	// reach hold.
 	const double aside = 2 * beside + std::max(0.0, 0.5 - m_roamShare) * nodeB.displaced;
 	const double straight = !mayOverlap && b.isCore() ? std::sqrt(reach * reach + aside * aside) : kFar;
-	if (mayOverlap) reach += q.a.thicknessOf(contact.nodeA) + q.b.thicknessOf(contact.nodeB);
-	const Near near = m_nodesB.isOne() ? Near(nodeB.box, reach, straight, mayOverlap) : Near();
+	if (mayOverlap && b.isHalfSpace()) reach -= contact.lower;
+	if (mayOverlap && !b.isHalfSpace()) reach += q.a.thicknessOf(contact.nodeA) + q.b.thicknessOf(contact.nodeB);
+	const bool meetsFaces = kRootOf3 * reach < m_borderApart;
+	const Near near = m_nodesB.isOne() ? Near(nodeB.box, reach, straight, mayOverlap, meetsFaces) : Near();
 	MovedNode& nodeA = m_nodesA.of(contact.nodeA, near);
 	Pair pair{&a, &b, &nodeA, &nodeB, mayOverlap};
 	pair.roam = roam;

@@ -141,6 +141,9 @@ void MovedNodes::listStill(MovedNode& moved, const ContactSurface& surface, cons
 		const Box box{surface.vertices()[v], surface.vertices()[v]};
 		if (surface.isCorner(v) && isNear(box)) moved.corners.push_back({{box, v, numberOf(moved, false, v)}});
 	}
+	if (near.mayBeInside())
+		for (const std::uint32_t v : vertices) moved.box.add(surface.vertices()[v]);
+	if (near.isOfCornersOnly()) return;
 	for (const ContactSurface::NodePolygon& polygon : surface.polygonsOf(moved.node))
 	{
 		const std::uint32_t index = polygon.polygon;
@@ -158,8 +161,6 @@ void MovedNodes::listStill(MovedNode& moved, const ContactSurface& surface, cons
 		box.add(surface.vertices()[to]);
 		if (isNear(box)) moved.edges.push_back({{box, index, numberOf(moved, true, index)}});
 	}
-	if (near.mayBeInside())
-		for (const std::uint32_t v : vertices) moved.box.add(surface.vertices()[v]);
 }
 
 // All vertices of a surface of one node are the node's; of others an edge may go beyond the node.

@@ -13,19 +13,21 @@
 namespace clod
 {
 // To a box, if there is one: along the axes, and in a straight line. What is in it may be deep inside a node and far
-// from its faces.
+// from its faces. Faces alone meet nothing but corners.
 class Near
 {
 public:
 	Near() = default;
-	Near(const Box& box, double reach, double straight, bool mayBeInside)
+	Near(const Box& box, double reach, double straight, bool mayBeInside, bool ofCornersOnly)
 		: m_box(&box),
 		  m_straight(straight),
 		  m_mayBeInside(mayBeInside),
+		  m_ofCornersOnly(ofCornersOnly),
 		  m_grown{box.low - Vec3{reach, reach, reach}, box.high + Vec3{reach, reach, reach}}
 	{
 	}
 	bool mayBeInside() const { return m_mayBeInside; }
+	bool isOfCornersOnly() const { return m_ofCornersOnly; }
 	bool holds(const Box& other) const
 	{
 		return m_box == nullptr || (other.meets(m_grown, 0) && other.squaredTo(*m_box) <= m_straight * m_straight);
@@ -34,7 +36,7 @@ public:
 private:
 	const Box* m_box = nullptr;
 	double m_straight = 0;
-	bool m_mayBeInside = false;
+	bool m_mayBeInside = false, m_ofCornersOnly = false;
 	Box m_grown{};
 };
 

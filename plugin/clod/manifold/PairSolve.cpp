@@ -21,20 +21,32 @@ bool isOfRound(const Facet& facet)
 	return facet.hasFeatures() && ofA != Part::kPolygon && ofB != Part::kPolygon && facet.kind != Facet::Kind::kEdgeEdge;
 }
 
-// A bound of what the turning of the bodies adds to a facet's distance beyond the first order. Only the turning that
-// they come with counts: rows that corrected for turning which other rows cause would drive each other.
-double bendBound(const PointRules& rules, const Facet& facet)
+// Bounds what the turning of the bodies adds to a facet's distance beyond the first order. Only the turning that they come
+// with counts: rows that corrected for turning which other rows cause would drive each other.
+class BendBound
 {
-	const double moved = rules.timeStep * length(rules.motion().velocity(facet.onA));
-	const auto turnOf = [&](const PairBody& body)
+public:
+	explicit BendBound(const PointRules& rules)
+		: m_rules(rules), m_motion(rules.motion()), m_turnA(turnOf(rules.a)), m_turnB(turnOf(rules.b))
 	{
-		const double turn = rules.timeStep * length(body.turning());
+	}
+	double of(const Facet& facet) const
+	{
+		const double moved = m_rules.timeStep * length(m_motion.velocity(facet.onA));
+		return (m_turnA + m_turnB) * moved + 0.5 * (m_turnA * m_turnA * length(facet.onA - m_rules.a.center) +
+													m_turnB * m_turnB * length(facet.onB - m_rules.b.center));
+	}
+
+private:
+	double turnOf(const PairBody& body) const
+	{
+		const double turn = m_rules.timeStep * length(body.turning());
 		return turn <= kMostTurn ? turn : kMostTurn * kMostTurn / turn;
-	};
-	const double turnA = turnOf(rules.a), turnB = turnOf(rules.b);
-	return (turnA + turnB) * moved + 0.5 * (turnA * turnA * length(facet.onA - rules.a.center) +
-											turnB * turnB * length(facet.onB - rules.b.center));
-}
+	}
+	const PointRules& m_rules;
+	const RelativeMotion m_motion;
+	const double m_turnA, m_turnB;
+};
 
 // The least speed at which the bodies have to part at the facet.
 double wantedSpeed(const PointRules& rules, const Facet& facet)
@@ -104,33 +116,50 @@ double PairSolve::speedOf(const Row& row) const
 
 void PairSolve::push(const Row& row, double impulse)
 {
-	m_a.linear += impulse * m_a.inverseMass * row.normal;
-	m_a.angular += impulse * row.pushA;
-	m_b.linear -= impulse * m_b.inverseMass * row.normal;
-	m_b.angular -= impulse * row.pushB;
+	if (m_movesA)
+	{
+		m_a.linear += impulse * m_a.inverseMass * row.normal;
+		m_a.angular += impulse * row.pushA;
+	}
+	if (m_movesB)
+	{
+		m_b.linear -= impulse * m_b.inverseMass * row.normal;
+		m_b.angular -= impulse * row.pushB;
+	}
 }
 
-void PairSolve::push(const Facet& facet, const Vec3& impulse)
+void PairSolve::push(const Row& row, const Vec3& impulse)
 {
-	m_a.linear += m_a.inverseMass * impulse;
-	m_a.angular += m_a.inverseInertia * cross(facet.onA - m_a.center, impulse);
-	m_b.linear -= m_b.inverseMass * impulse;
-	m_b.angular -= m_b.inverseInertia * cross(facet.onB - m_b.center, impulse);
+	if (m_movesA)
+	{
+		m_a.linear += m_a.inverseMass * impulse;
+		m_a.angular += m_a.inverseInertia * cross(row.armA, impulse);
+	}
+	if (m_movesB)
+	{
+		m_b.linear -= m_b.inverseMass * impulse;
+		m_b.angular -= m_b.inverseInertia * cross(row.armB, impulse);
+	}
 }
 
 // Adds friction against the sliding; its impulse is `most` at most.
-void PairSolve::rub(const Facet& facet, double most, Vec3& friction)
+void PairSolve::rub(const Row& row, double most, Vec3& friction)
 {
-	const Vec3 armA = facet.onA - m_a.center, armB = facet.onB - m_b.center;
-	const Vec3 speed = m_a.linear + cross(m_a.angular, armA) - m_b.linear - cross(m_b.angular, armB);
-	const Vec3 sliding = speed - dot(speed, facet.normal) * facet.normal, along = normalized(sliding);
-	const Vec3 turnA = cross(armA, along), turnB = cross(armB, along);
-	const double inverseMass = m_a.inverseMass + m_b.inverseMass + dot(turnA, m_a.inverseInertia * turnA) +
-							   dot(turnB, m_b.inverseInertia * turnB);
+	const Vec3 speed =
+		m_a.linear + cross(m_a.angular, row.armA) - m_b.linear - cross(m_b.angular, row.armB);
+	const Vec3 sliding = speed - dot(speed, row.normal) * row.normal, along = normalized(sliding);
+	const auto turned = [&](const PairBody& body, const Vec3& arm)
+	{
+		const Vec3 turn = cross(arm, along);
+		return dot(turn, body.inverseInertia * turn);
+	};
+	double inverseMass = m_a.inverseMass + m_b.inverseMass;
+	if (m_movesA) inverseMass += turned(m_a, row.armA);
+	if (m_movesB) inverseMass += turned(m_b, row.armB);
 	Vec3 next = friction - (1 / inverseMass) * sliding;
 	const double size = length(next);
 	if (size > most) next = (most / size) * next;
-	push(facet, next - friction);
+	push(row, next - friction);
 	friction = next;
 }
 
@@ -140,9 +169,10 @@ void PairSolve::sweep(const FacetQuestion& question, const std::vector<Facet>& f
 	m_b = question.rules.b;
 	for (std::size_t i = 0; i < facets.size(); ++i)
 	{
+		m_rows[i].wanted = wantedSpeed(question.rules, facets[i]);
 		if (m_multipliers[i] == 0) continue;
 		push(m_rows[i], m_multipliers[i]);
-		push(facets[i], m_frictions[i]);
+		push(m_rows[i], m_frictions[i]);
 	}
 	for (int round = 0; round < kSweeps; ++round)
 	{
@@ -151,18 +181,16 @@ void PairSolve::sweep(const FacetQuestion& question, const std::vector<Facet>& f
 		{
 			if (facets[i].reach == Facet::Reach::kPossible) continue;
 			const Row& row = m_rows[i];
-			const double wanted = wantedSpeed(question.rules, facets[i]);
-			const double speed = speedOf(row);
-			const double old = m_multipliers[i];
-			m_multipliers[i] = std::max(0.0, old + row.effectiveMass * (wanted - speed));
+			const double lacking = row.wanted - speedOf(row), old = m_multipliers[i];
+			m_multipliers[i] = std::max(0.0, old + row.effectiveMass * lacking);
 			const double impulse = m_multipliers[i] - old;
 			if (impulse != 0)
 			{
-				change = std::max(change, std::abs(wanted - speed));
+				change = std::max(change, std::abs(lacking));
 				push(row, impulse);
 			}
 			if (question.rules.friction > 0 && (m_multipliers[i] > 0 || old > 0))
-				rub(facets[i], question.rules.friction * m_multipliers[i], m_frictions[i]);
+				rub(row, question.rules.friction * m_multipliers[i], m_frictions[i]);
 		}
 		if (change * question.rules.timeStep < kSettled * question.length()) break;
 	}
@@ -183,7 +211,7 @@ void PairSolve::balance(const FacetQuestion& question, const std::vector<Facet>&
 		if (facet.reach == Facet::Reach::kPossible) continue;
 		const Vec3& place = isA ? facet.onA : facet.onB;
 		m_balance.add({place, sign * facet.normal, other.linear + cross(other.angular, place - other.center),
-					   wantedSpeed(question.rules, facet), question.rules.friction, m_multipliers[i],
+					   m_rows[i].wanted, question.rules.friction, m_multipliers[i],
 					   sign * m_frictions[i]});
 	}
 	if (!m_balance.solve()) return;
@@ -199,13 +227,19 @@ void PairSolve::balance(const FacetQuestion& question, const std::vector<Facet>&
 
 void PairSolve::makeRows(const PointRules& rules, const std::vector<Facet>& facets)
 {
+	const auto isMoved = [](const PairBody& body)
+	{ return body.inverseMass != 0 || !(body.inverseInertia == Mat3{{Vec3{}, Vec3{}, Vec3{}}}); };
+	m_movesA = isMoved(rules.a);
+	m_movesB = isMoved(rules.b);
 	m_rows.clear();
 	for (const Facet& facet : facets)
 	{
 		Row row;
+		row.armA = facet.onA - rules.a.center;
+		row.armB = facet.onB - rules.b.center;
 		row.normal = facet.normal;
-		row.turnA = cross(facet.onA - rules.a.center, facet.normal);
-		row.turnB = cross(facet.onB - rules.b.center, facet.normal);
+		row.turnA = cross(row.armA, facet.normal);
+		row.turnB = cross(row.armB, facet.normal);
 		row.pushA = rules.a.inverseInertia * row.turnA;
 		row.pushB = rules.b.inverseInertia * row.turnB;
 		row.effectiveMass = 1 / (rules.a.inverseMass + rules.b.inverseMass + dot(row.pushA, row.turnA) +
@@ -225,6 +259,7 @@ double PairSolve::moveOn(const FacetQuestion& question, std::vector<Facet>& face
 	m_after = aFromBBy(rules.timeStep);
 	const Transform back = inverse(m_after), unforced = unforcedBy(rules.timeStep);
 	const bool isTurned = std::any_of(m_multipliers.begin(), m_multipliers.end(), [](double m) { return m != 0; });
+	const BendBound bound(rules);
 	double change = 0;
 	for (std::size_t i = 0; i < facets.size(); ++i)
 	{
@@ -236,7 +271,7 @@ double PairSolve::moveOn(const FacetQuestion& question, std::vector<Facet>& face
 		facet.then = distanceAt(question, facet, m_after, back);
 		// A normal turns no faster than the bodies do. Exceptions are that of two almost parallel edges, hence the
 		// bound, and that of a round corner, which turns away as something goes by.
-		const double most = bendBound(rules, facet);
+		const double most = bound.of(facet);
 		const double bent = std::max(-most, isOfRound(facet) ? facet.curvature() : std::min(most, facet.curvature()));
 		facet.then = facet.distance + facet.linear + bent;
 		if (facet.reach != Facet::Reach::kPossible)

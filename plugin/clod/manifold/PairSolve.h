@@ -41,15 +41,17 @@ public:
 private:
 	struct Row
 	{
+		Vec3 armA, armB;            // from the middles
 		Vec3 normal, turnA, turnB;  // of unit velocities
 		Vec3 pushA, pushB;          // change of angular velocity of a unit impulse
 		double effectiveMass;
+		double wanted = 0;  // the least speed at which the bodies have to part
 	};
 	void makeRows(const PointRules& rules, const std::vector<Facet>& facets);
 	double speedOf(const Row& row) const;
 	void push(const Row& row, double impulse);
-	void push(const Facet& facet, const Vec3& impulse);
-	void rub(const Facet& facet, double most, Vec3& friction);
+	void push(const Row& row, const Vec3& impulse);
+	void rub(const Row& row, double most, Vec3& friction);
 	void sweep(const FacetQuestion& question, const std::vector<Facet>& facets);
 	void balance(const FacetQuestion& question, const std::vector<Facet>& facets);
 	double moveOn(const FacetQuestion& question, std::vector<Facet>& facets);
@@ -58,6 +60,7 @@ private:
 	std::vector<Vec3> m_frictions;  // of the facets, impulses
 	std::vector<double> m_multipliers;
 	BodyBalance m_balance;
+	bool m_movesA = false, m_movesB = false;  // impulses do
 	PairBody m_a, m_b;  // as solved,
 	Transform m_after;  // and B in A by it at the end of the step
 	double m_timeStep = 0, m_spare = 0;
