@@ -34,9 +34,10 @@ void catchInterrupts()
 	struct sigaction action = {};
 	action.sa_handler = onInterrupt;
 	sigemptyset(&action.sa_mask);
-	for (const int signal : {SIGINT, SIGTERM, SIGQUIT, SIGXCPU}) sigaction(signal, &action, nullptr);
-	if (struct sigaction was = {}; sigaction(SIGHUP, nullptr, &was) == 0 && was.sa_handler != SIG_IGN)  // nohup
-		sigaction(SIGHUP, &action, nullptr);
+	for (const int signal : {SIGINT, SIGTERM, SIGXCPU}) sigaction(signal, &action, nullptr);
+	for (const int signal : {SIGHUP, SIGQUIT})  // which nohup, or a shell that runs it in the background, has it ignore
+		if (struct sigaction was = {}; sigaction(signal, nullptr, &was) == 0 && was.sa_handler != SIG_IGN)
+			sigaction(signal, &action, nullptr);
 	std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow cannot be written, as on a full disk
 }
 

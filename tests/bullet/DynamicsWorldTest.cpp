@@ -493,12 +493,13 @@ TEST(DynamicsWorld, AChainStaysOnItsHoistInDividedSteps)
 			link.setLinearVelocity(btVector3(0, 13, 0));
 			link.setAngularVelocity(btVector3(btScalar(6 + start), 1, 4));
 		}
-		rattle(world, 9).setAngularVelocity(btVector3(200, 0, 100));  // divides the steps
+		btRigidBody& ball = rattle(world, 9);  // divides the steps
 		int divided = 0;
 		double deepest = 0;
 		for (int i = 0; i < 90; ++i)
 		{
 			hoist.getWorldTransform().getOrigin().setY(btScalar(i) * way);
+			ball.setLinearVelocity(btVector3(0, 50, 0));
 			world.step();
 			EXPECT_EQ(hoist.getWorldTransform().getOrigin().y(), btScalar(i) * way) << "it is its owner's to move";
 			divided += world.ours().parts() > 1;
@@ -507,5 +508,35 @@ TEST(DynamicsWorld, AChainStaysOnItsHoistInDividedSteps)
 		EXPECT_GT(divided, 30) << "steps: the test shows nothing";
 		EXPECT_LT(deepest, 0.005) << start;
 	}
+}
+
+// What follows a kinematic lift as fast as that moves is not hit, in any part of the step; what it moves into is.
+TEST(DynamicsWorld, ImpactsAreWithKinematicBodiesAsTheyMove)
+{
+	int parts[3];
+	for (const int which : {0, 1, 2})
+	{
+		ImpactWorld world(true, 60, 0);
+		world.ours().setStepping(btClodDynamicsWorld::Stepping::kImpacts);
+		const btScalar speed = 10, way = speed / 60;
+		btRigidBody& lift = world.put(unitCube(), 0, {0, 0, 0});
+		lift.setCollisionFlags(lift.getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
+		btRigidBody* other = which > 0 ? &world.put(unitCube(), 1, {0, which == 1 ? -1.02 : 1.3, 0}) : nullptr;
+		world.put(unitCube(), 0, {9, 0, 0}).setRestitution(1);
+		btRigidBody& ball = world.put(unitCube(), 1, {9, 2, 0});
+		ball.setRestitution(1);
+		for (int i = 0; i < 2; ++i)
+		{
+			ball.getWorldTransform().setOrigin(btVector3(9, 2, 0));
+			ball.setLinearVelocity(btVector3(0, -150, 0));  // hits after two fifths of the step
+			lift.getWorldTransform().getOrigin().setY(btScalar(i) * way);
+			if (which == 1) other->setLinearVelocity(btVector3(0, speed, 0));
+			world.step();
+			parts[which] = world.ours().parts();
+		}
+	}
+	EXPECT_GT(parts[0], 1);
+	EXPECT_EQ(parts[1], parts[0]);
+	EXPECT_GT(parts[2], parts[0]);
 }
 }  // namespace clod::test

@@ -9,7 +9,6 @@
 #include "clod/hierarchy/ConvexPiece.h"
 #include "clod/manifold/LevelSwitch.h"
 #include "clod/manifold/PairSolve.h"
-#include "clod/manifold/PartnerContacts.h"
 #include "clod/query/Query.h"
 #include "tests/manifold/FacetPair.h"
 #include "tests/query/Bodies.h"
@@ -53,7 +52,8 @@ TEST(MovedNodes, BoxesHoldFeaturesAllTheWay)
 				if (const Vec3 p = now + kPathReach * (end - now); !box.meets({p, p}, 1e-12)) return false;
 			return true;
 		};
-		const MovedNode& moved = nodes.of(0);
+		MovedNode& moved = nodes.of(0);
+		nodes.listNear(moved, {{-9, -9, -9}, {9, 9, 9}});
 		ASSERT_FALSE(moved.corners.empty() || moved.edges.empty());
 		for (const MovedCorner& corner : moved.corners) EXPECT_TRUE(isHeld(corner.box, corner.index)) << i;
 		for (const MovedEdge& edge : moved.edges)
@@ -317,13 +317,8 @@ TEST(FacetContacts, AHalfSpaceHoldsCornersAtAnyDepth)
 	ClusterSet none, set;
 	PointRules rules;
 	rules.resting = 1e-3;
+	const std::vector<Contact> contacts{{0, 0, 0, 0, {}, {}, {}}};
 	const Transform aFromB = at({0, 0.1, 0});  // the ground is 0.6 over the box's lower side
-	Metric exact;
-	exact.exact = true;
-	PartnerContacts partner;
-	PartnerStats stats;
-	std::vector<Contact> contacts;
-	partner.withHalfSpace(*box, {0, 1, 0}, 0.1, exact, rules.resting, contacts, stats);
 	facets.find(contactBody(*box), contactBody(ground), aFromB, rules,
 				contacts, none, memory);
 	facets.settle(contacts, false, none, memory);

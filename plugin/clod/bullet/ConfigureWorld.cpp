@@ -40,7 +40,7 @@ Result<int> setUpWorld(btDynamicsWorld& world, Context& context, const WorldSett
 
 namespace
 {
-constexpr btScalar kSkew = btScalar(1e-3);  // of a rotation's axes: lengths and angles that are off by less are rounding
+constexpr btScalar kSkew = btScalar(1e-3);  // of a rotation's axes: lengths and angles off by less are rounding
 constexpr double kDiagonal = 1e-3;  // of the largest moment: products of inertia below are none
 
 bool isDiagonal(const Asset& asset)

@@ -121,6 +121,7 @@ btClodDispatcher::~btClodDispatcher() = default;
 void btClodDispatcher::setThreads(unsigned count)
 {
 	if (count == 0) count = std::max(1U, std::thread::hardware_concurrency());
+	count = std::min(count, clod::ThreadPool::kMostThreads);
 	if (count != threads()) m_step->pool = std::make_unique<clod::ThreadPool>(count);
 }
 unsigned btClodDispatcher::threads() const

@@ -34,8 +34,9 @@ public:
 	btClodDispatcher(btCollisionConfiguration* configuration, clod::Context* context);
 	~btClodDispatcher() override;
 
-	// How many threads make contacts: 1 at first; 0 means as many as the machine has cores. With more than one, what a
-	// program gives a context (pairMetric, own thresholds) or Bullet (combined friction) is called by several at once.
+	// How many threads make contacts: 1 at first; 0 means as many as the machine has cores; at most 1,024. With several,
+	// what a program gives a context (pairMetric, own thresholds) or Bullet (combined friction) is called by several at
+	// once.
 	void setThreads(unsigned count);
 	unsigned threads() const;
 

@@ -114,6 +114,7 @@ double btClodDynamicsWorld::solvePart(btContactSolverInfo& info, btScalar whole)
 void btClodDynamicsWorld::solveInParts(btContactSolverInfo& info, int parts, bool isBegun)
 {
 	const btScalar whole = info.m_timeStep;
+	noteKinematic();
 	info.m_timeStep = whole / btScalar(parts);
 	double surprise = 0;
 	for (int part = 0; part < parts; ++part)
@@ -132,6 +133,7 @@ void btClodDynamicsWorld::solveInParts(btContactSolverInfo& info, int parts, boo
 void btClodDynamicsWorld::solveToImpacts(btContactSolverInfo& info)
 {
 	const btScalar whole = info.m_timeStep, threshold = info.m_restitutionVelocityThreshold;
+	noteKinematic();
 	btScalar left = whole, impact = 0;  // how long the one lasts that the last part ended at
 	for (;; ++m_parts)
 	{
@@ -194,22 +196,25 @@ void btClodDynamicsWorld::goOn(btScalar timeStep, btScalar gone)
 	moveKinematic(gone);
 }
 
+void btClodDynamicsWorld::noteKinematic()
+{
+	m_kinematic.clear();
+	for (int i = 0; i < m_collisionObjects.size(); ++i)
+		if (btRigidBody* body = btRigidBody::upcast(m_collisionObjects[i]); body && body->isKinematicObject())
+			m_kinematic.push_back({body, body->getWorldTransform(), body->getInterpolationWorldTransform()});
+}
+
 // Kinematic bodies go on from where the step began by their velocities, which is also what the solver and whole steps
 // assume. They stay there for all passes of a part. gone: the time since then; 0 puts them back.
 void btClodDynamicsWorld::moveKinematic(btScalar gone)
 {
-	if (m_kinematic.empty() && gone > 0)
-		for (int i = 0; i < m_collisionObjects.size(); ++i)
-			if (btRigidBody* body = btRigidBody::upcast(m_collisionObjects[i]); body && body->isKinematicObject())
-				m_kinematic.push_back({body, body->getWorldTransform()});
-	for (const auto& [body, start] : m_kinematic)
+	for (const Kinematic& kinematic : m_kinematic)
 	{
-		btTransform now = start;
-		if (gone > 0)
-			btTransformUtil::integrateTransform(start, body->getLinearVelocity(), body->getAngularVelocity(), gone, now);
-		body->setWorldTransform(now);
+		btRigidBody& body = *kinematic.body;
+		body.setWorldTransform(kinematic.pose);
+		if (gone > 0) body.predictIntegratedTransform(gone, body.getWorldTransform());
+		body.setInterpolationWorldTransform(gone > 0 ? body.getWorldTransform() : kinematic.interpolation);
 	}
-	if (!(gone > 0)) m_kinematic.clear();
 }
 
 // Finds the contacts for a part of the step.
@@ -224,6 +229,8 @@ void btClodDynamicsWorld::beginPart(btScalar timeStep)
 btClodDynamicsWorld::Impact btClodDynamicsWorld::firstImpact(btScalar timeStep)
 {
 	predictFree(timeStep);
+	for (const Kinematic& kinematic : m_kinematic)
+		kinematic.body->predictIntegratedTransform(timeStep, kinematic.body->getInterpolationWorldTransform());
 	Impact first;
 	btBroadphasePairArray& pairs = getPairCache()->getOverlappingPairArray();
 	for (int i = 0; i < pairs.size(); ++i)

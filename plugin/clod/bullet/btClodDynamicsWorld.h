@@ -19,7 +19,6 @@
 #pragma once
 #include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
 
-#include <utility>
 #include <vector>
 
 #include "clod/Export.h"
@@ -80,8 +79,14 @@ private:
 	double solvePart(btContactSolverInfo& info, btScalar whole);
 	void solveToImpacts(btContactSolverInfo& info);
 	void goOn(btScalar timeStep, btScalar gone);
+	void noteKinematic();
 	void moveKinematic(btScalar gone);
 	void beginPart(btScalar timeStep);
+	struct Kinematic
+	{
+		btRigidBody* body;
+		btTransform pose, interpolation;  // when the step began
+	};
 	struct Impact
 	{
 		btScalar at = 1, lasts = 0;  // shares of the time; at = 1: there is no impact
@@ -106,7 +111,7 @@ private:
 	int m_expectedParts = 1;
 	btScalar m_nextPart = 0;  // whose contacts are to be found; 0: those of the time that Bullet has set
 	std::vector<Start> m_starts;
-	std::vector<std::pair<btRigidBody*, btTransform>> m_kinematic;  // moved in a divided step, and from where
+	std::vector<Kinematic> m_kinematic;  // of a divided step
 	std::vector<clod::PairState*> m_pairs;
 	std::vector<Surprised> m_surprised;
 	std::vector<btBroadphasePair*> m_asked;

@@ -29,6 +29,7 @@ using clod::kSameScale;
 using clod::toVec3;
 using clod::Vec3;
 
+constexpr double kRayRoom = 1e-4;  // of the radius
 constexpr const char* kSerializedAs = "clod:";
 constexpr std::size_t kCheckLength = 9;
 
@@ -84,16 +85,16 @@ struct Path
 };
 
 // Nothing where the caller asks for the triangles in a box, and there is no ray or sweep.
-std::optional<Path> pathOf(const btTriangleCallback& callback, double scale)
+std::optional<Path> pathOf(const btTriangleCallback& callback, double scale, double radius)
 {
 	const auto inUnit = [scale](const btVector3& v) {
 		return (1 / scale) * Vec3{double(v.x()), double(v.y()), double(v.z())};
 	};
 	if (const auto* ray = dynamic_cast<const btTriangleRaycastCallback*>(&callback))
 	{
-		// Room for the rounding of its ends: a ray along an edge hits, as Bullet lets it.
+		// Room for rounding, and for what Bullet lets a ray miss a triangle by: one along an edge hits.
 		const Vec3 from = inUnit(ray->m_from), to = inUnit(ray->m_to);
-		const double room = 1e-6 * (length(from) + length(to));
+		const double room = kRayRoom * radius + 1e-6 * (length(from) + length(to));
 		return Path{from, to, Vec3{room, room, room}, &ray->m_hitFraction};
 	}
 	const auto* sweep = dynamic_cast<const btTriangleConvexcastCallback*>(&callback);
@@ -102,19 +103,20 @@ std::optional<Path> pathOf(const btTriangleCallback& callback, double scale)
 	const btTransform shapeFromWorld = sweep->m_triangleToWorld.inverse();
 	const btTransform from = shapeFromWorld * sweep->m_convexShapeFrom, to = shapeFromWorld * sweep->m_convexShapeTo;
 	btVector3 low, high, center;
-	btScalar radius = 0;
+	btScalar around = 0;
 	sweep->m_convexShape->getAabb(btTransform(from.getBasis()), low, high);
 	if (!(from.getBasis() == to.getBasis()))
 	{
-		sweep->m_convexShape->getBoundingSphere(center, radius);
-		const btScalar around = center.length() + radius;
+		sweep->m_convexShape->getBoundingSphere(center, around);
+		around += center.length();
 		low.setValue(-around, -around, -around);
 		high = -low;
 	}
 	const btVector3 middle = btScalar(0.5) * (low + high);
 	const btScalar room = sweep->m_triangleCollisionMargin + sweep->m_allowedPenetration;
 	const btVector3 half = btScalar(0.5) * (high - low) + btVector3(room, room, room);
-	return Path{inUnit(from.getOrigin() + middle), inUnit(to.getOrigin() + middle), inUnit(half), &sweep->m_hitFraction};
+	return Path{inUnit(from.getOrigin() + middle), inUnit(to.getOrigin() + middle), inUnit(half),
+				&sweep->m_hitFraction};
 }
 
 // Walks the tree to the input surface; `skip` cuts branches, `visit` gets the level-0 nodes.
@@ -311,7 +313,7 @@ void btClodShape::processAllTriangles(btTriangleCallback* callback, const btVect
 									  const btVector3& aabbMax) const
 {
 	const Hierarchy& hierarchy = *m_hierarchy;
-	const std::optional<Path> path = pathOf(*callback, m_scale);
+	const std::optional<Path> path = pathOf(*callback, m_scale, double(hierarchy.asset().radius));
 	btVector3 low = aabbMin, high = aabbMax;
 	if (path)  // Bullet's box has no room for rounding, and of what turns only that of the last pose
 		for (const Vec3& end : {path->from, path->to})

@@ -64,8 +64,9 @@ void FacetFinder::find(const FacetQuestion& question, const std::vector<Contact>
 	while (size < 4 * (facets.size() + contacts.size())) size *= 2;
 	tabulate(size);
 	m_pairs.clear();
-	m_borderApart = contacts.empty() ? 0 : borderApart(contacts[0]);
+	m_borderApart = borderApart(contacts);
 	for (const Contact& contact : contacts) m_pairs.push_back(pairOf(contact));
+	if (m_nodesB.isOne()) m_nodesB.listNear(*m_pairs[0].movedB, placesNearA());
 	for (const Pair& pair : m_pairs) findPair(pair);
 }
 

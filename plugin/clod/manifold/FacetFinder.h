@@ -40,8 +40,10 @@ private:
 	bool mayEnter(const ContactSurface& surface, const MovedCorner& vertex, const Vec3& up, const SurfaceFace& face,
 				  bool faceIsOfB) const;
 	// FacetPairs.cpp
-	double borderApart(const Contact& contact);
+	double borderApart(const std::vector<Contact>& contacts);
+	double depthOf(const Contact& contact, const ContactSurface& b) const;
 	Pair pairOf(const Contact& contact);
+	Box placesNearA() const;
 	void findPair(const Pair& pair);
 	void gather(MovedNode& nodeA, MovedNode& nodeB, bool mayOverlap);
 	// Calls each(of one body, of the other) for what was not asked yet in another pair of nodes that share the two.

@@ -16,25 +16,39 @@ constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr double kRoamGrains = 1;
 }  // namespace
 
-// How far the corners and edges of B, if it is one node, stay from the sphere of A: what is much wider than A, as a floor
-// is, meets it with faces alone, and these meet corners.
-double FacetFinder::borderApart(const Contact& contact)
+// How far the corners and edges of B, if it is one node, stay from the sphere of A's levels: what is much wider than A,
+// as a floor is, meets it with faces alone, and these meet corners.
+double FacetFinder::borderApart(const std::vector<Contact>& contacts)
 {
 	const FacetQuestion& q = *m_question;
-	if (!m_nodesB.isOne() || m_middleB.height > 0) return 0;
-	const MovedNode& moved = m_nodesB.of(contact.nodeB);
-	const ContactSurface& b = q.b.surface(moved.level);
 	const Asset& asset = q.a.hierarchy->asset();
+	const bool isSmall = q.b.hierarchy && q.b.hierarchy->asset().radius <= asset.radius;
+	if (contacts.empty() || isSmall || !m_nodesB.isOne() || m_middleB.height > 0) return 0;
+	const std::uint32_t node = contacts[0].nodeB;
+	const MovedNode& moved = m_nodesB.of(node);
+	const ContactSurface& b = q.b.surface(moved.level);
 	const Vec3 center = m_bFromA * toVec3(asset.sphereCenter);
 	double apart = kFar;
-	for (const std::uint32_t v : b.verticesOf(contact.nodeB))
+	for (const std::uint32_t v : b.verticesOf(node))
 		if (b.isCorner(v)) apart = std::min(apart, length(b.vertices()[v] - center));
-	for (const std::uint32_t e : b.edgesOf(contact.nodeB))
+	for (const std::uint32_t e : b.edgesOf(node))
 	{
 		const Vec3& from = b.vertices()[b.edges()[e].vertex[0]];
 		apart = std::min(apart, distanceToSegment(from - center, b.vertices()[b.edges()[e].vertex[1]] - from));
 	}
-	return apart - kPathReach * moved.displaced - double(asset.radius);
+	float protrude = 0;
+	for (const Contact& contact : contacts) protrude = std::max(protrude, q.a.hierarchy->node(contact.nodeA).protrude);
+	return apart - kPathReach * moved.displaced - double(asset.radius) - double(protrude);
+}
+
+// How far beneath the faces of either what overlaps may be.
+double FacetFinder::depthOf(const Contact& contact, const ContactSurface& b) const
+{
+	const FacetQuestion& q = *m_question;
+	if (!b.isHalfSpace()) return q.a.thicknessOf(contact.nodeA) + q.b.thicknessOf(contact.nodeB);
+	const OrientedBox& box = q.a.hierarchy->cullBox(contact.nodeA);
+	const SurfaceFace& plane = b.faces()[0];
+	return std::max(0.0, plane.offset - dot(plane.normal, m_bFromA * toVec3(box.center)) + double(box.radius));
 }
 
 FacetFinder::Pair FacetFinder::pairOf(const Contact& contact)
@@ -53,8 +67,7 @@ FacetFinder::Pair FacetFinder::pairOf(const Contact& contact)
 	// reach hold.
 	const double aside = 2 * beside + std::max(0.0, 0.5 - m_roamShare) * nodeB.displaced;
 	const double straight = !mayOverlap && b.isCore() ? std::sqrt(reach * reach + aside * aside) : kFar;
-	if (mayOverlap && b.isHalfSpace()) reach -= contact.lower;
-	if (mayOverlap && !b.isHalfSpace()) reach += q.a.thicknessOf(contact.nodeA) + q.b.thicknessOf(contact.nodeB);
+	if (mayOverlap) reach += depthOf(contact, b);
 	const bool meetsFaces = kRootOf3 * reach < m_borderApart;
 	const Near near = m_nodesB.isOne() ? Near(nodeB.box, reach, straight, mayOverlap, meetsFaces) : Near();
 	MovedNode& nodeA = m_nodesA.of(contact.nodeA, near);
@@ -63,6 +76,21 @@ FacetFinder::Pair FacetFinder::pairOf(const Contact& contact)
 	pair.deepest = mayOverlap ? kFar : kInnerShare * q.length();
 	pair.reach = reach;
 	return pair;
+}
+
+// A box that holds all that one node of B has near nodes of A.
+Box FacetFinder::placesNearA() const
+{
+	constexpr double kRounding = 1 + 1e-9;
+	Box places = Box::none();
+	for (const Pair& pair : m_pairs)
+	{
+		const Box& box = pair.movedA->box;
+		const double reach = kRounding * pair.reach;
+		const Vec3 far{reach, reach, reach};
+		if (box.low.x <= box.high.x) places.add({box.low - far, box.high + far});
+	}
+	return places;
 }
 
 void FacetFinder::findPair(const Pair& pair)

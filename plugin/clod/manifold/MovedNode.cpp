@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace clod
@@ -11,6 +12,24 @@ namespace
 {
 constexpr std::size_t kNumbered = 2048;  // a power of two, see FeatureNumbers
 constexpr std::uint32_t kMostBlocks = 16;  // of 64 nodes: of more, the tables take more than they save
+
+Box everywhere()
+{
+	constexpr double kFar = std::numeric_limits<double>::infinity();
+	return {{-kFar, -kFar, -kFar}, {kFar, kFar, kFar}};
+}
+
+// The sides of the other box that all of a box lies beyond, as bits. Boxes that share one miss it together.
+unsigned sidesBeyond(const Box& box, const Box& other)
+{
+	unsigned sides = 0;
+	for (int axis = 0; axis < 3; ++axis)
+	{
+		const unsigned isBelow = box.high[axis] < other.low[axis], isAbove = box.low[axis] > other.high[axis];
+		sides |= (isBelow | isAbove << 1) << 2 * axis;
+	}
+	return sides;
+}
 }  // namespace
 
 void FeatureNumbers::start()
@@ -94,7 +113,13 @@ MovedNode& MovedNodes::of(std::uint32_t node, const Near& near)
 	moved.polygons.clear();
 	const ContactSurface& surface = body.surface(moved.level);
 	moved.displaced = 0;
-	m_isA ? listStill(moved, surface, near) : move(moved, surface);
+	if (m_isA)
+		listStill(moved, surface, near);
+	else
+	{
+		move(moved, surface);
+		if (!isOne()) listMoved(moved, surface, everywhere());
+	}
 	if (moved.displaced >= m_least) m_wide[at / 64] |= std::uint64_t(1) << at % 64;
 	return moved;
 }
@@ -163,7 +188,7 @@ void MovedNodes::listStill(MovedNode& moved, const ContactSurface& surface, cons
 	}
 }
 
-// All vertices of a surface of one node are the node's; of others an edge may go beyond the node.
+// Places the vertices.
 void MovedNodes::move(MovedNode& moved, const ContactSurface& surface)
 {
 	double displaced = 0;
@@ -171,28 +196,49 @@ void MovedNodes::move(MovedNode& moved, const ContactSurface& surface)
 	m_corners.clear();
 	for (const std::uint32_t v : surface.verticesOf(moved.node))
 	{
-		MovedCorner corner = placed(surface, v);
+		const MovedCorner corner = placed(surface, v);
 		displaced = std::max(displaced, lengthSquared(corner.then - corner.now));
 		displaced = std::max(displaced, lengthSquared(corner.unforced - corner.now));
 		moved.box.add(corner.box);
 		m_corners.push_back(corner);
-		if (!surface.isCorner(v)) continue;
-		corner.number = numberOf(moved, false, v);
-		moved.corners.push_back(corner);
 	}
 	moved.displaced = std::sqrt(displaced);
+}
+
+void MovedNodes::listNear(MovedNode& moved, const Box& places)
+{
+	listMoved(moved, m_question->b.surface(moved.level), places);
+}
+
+// Of the node whose vertices were placed last, the features that meet the box. All vertices of a surface of one node
+// are the node's; of others an edge may go beyond the node.
+void MovedNodes::listMoved(MovedNode& moved, const ContactSurface& surface, const Box& places)
+{
+	const bool hasAllVertices = m_corners.size() == surface.vertices().size();
+	m_beyond.clear();
+	for (const MovedCorner& corner : m_corners)
+	{
+		m_beyond.push_back(std::uint8_t(sidesBeyond(corner.box, places)));
+		if (!surface.isCorner(corner.index) || m_beyond.back() != 0) continue;
+		moved.corners.push_back(corner);
+		moved.corners.back().number = numberOf(moved, false, corner.index);
+	}
 	for (const ContactSurface::NodePolygon& polygon : surface.polygonsOf(moved.node))
 	{
+		const Span<std::uint16_t> corners = surface.cornersOf(polygon);
+		unsigned beyond = m_beyond[corners[0]];
+		for (const std::uint16_t corner : corners) beyond &= m_beyond[corner];
+		if (beyond != 0) continue;
 		Box box = Box::none();
-		for (const std::uint16_t corner : surface.cornersOf(polygon)) box.add(m_corners[corner].box);
+		for (const std::uint16_t corner : corners) box.add(m_corners[corner].box);
 		moved.polygons.push_back({{box, polygon.polygon, m_numbers.next()}, upOf(surface, polygon.polygon)});
 	}
-	const bool hasAllVertices = m_corners.size() == surface.vertices().size();
 	const auto boxOf = [&](std::uint32_t vertex)
 	{ return hasAllVertices ? m_corners[vertex].box : placed(surface, vertex).box; };
 	for (const std::uint32_t index : surface.edgesOf(moved.node))
 	{
 		const SurfaceEdge& edge = surface.edges()[index];
+		if (hasAllVertices && (m_beyond[edge.vertex[0]] & m_beyond[edge.vertex[1]]) != 0) continue;
 		const Vec3& from = surface.vertices()[edge.vertex[0]];
 		MovedEdge at;
 		at.index = index;

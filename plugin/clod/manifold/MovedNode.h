@@ -100,8 +100,10 @@ public:
 	void start(const FacetQuestion& question, const std::vector<Contact>& contacts, bool isA);
 	// Is there one alone?
 	bool isOne() const { return m_nodes.size() == 1; }
-	// Precondition: one of them. What of A comes nowhere so near is left out.
+	// Precondition: one of them. What of A comes nowhere so near is left out. Of B's one node no features, see listNear().
 	MovedNode& of(std::uint32_t node, const Near& near = {});
+	// Lists of B's one node, which was asked for last, what meets that box.
+	void listNear(MovedNode& moved, const Box& places);
 	// Nodes are told apart 64 at a time, in order; here as bits of those round one of them. Those met so far that have
 	// the corner or edge of this number,
 	std::uint64_t sharing(std::uint32_t number, std::uint32_t place) const
@@ -122,13 +124,15 @@ private:
 	std::uint32_t numberOf(const MovedNode& moved, bool isEdge, std::uint32_t index);
 	void listStill(MovedNode& moved, const ContactSurface& surface, const Near& near);
 	void move(MovedNode& moved, const ContactSurface& surface);
+	void listMoved(MovedNode& moved, const ContactSurface& surface, const Box& places);
 
 	const FacetQuestion* m_question = nullptr;
 	bool m_isA = false;
 	Transform m_otherFromThis, m_otherFromThisThen, m_otherFromThisUnforced;
 	std::vector<std::uint32_t> m_nodes;  // sorted, each once
 	std::vector<MovedNode> m_moved;      // as many, or more; buffers are kept
-	std::vector<MovedCorner> m_corners;  // of a node: all vertices, placed
+	std::vector<MovedCorner> m_corners;  // of a node: all vertices, placed,
+	std::vector<std::uint8_t> m_beyond;  // and the sides of the box looked at that each is beyond
 	FeatureNumbers m_numbers;
 	std::vector<std::uint64_t> m_sharing, m_near;
 	double m_least = 0;                 // displaced() was asked last of this,

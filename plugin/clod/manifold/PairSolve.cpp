@@ -21,8 +21,8 @@ bool isOfRound(const Facet& facet)
 	return facet.hasFeatures() && ofA != Part::kPolygon && ofB != Part::kPolygon && facet.kind != Facet::Kind::kEdgeEdge;
 }
 
-// Bounds what the turning of the bodies adds to a facet's distance beyond the first order. Only the turning that they come
-// with counts: rows that corrected for turning which other rows cause would drive each other.
+// Bounds what the turning of the bodies adds to a facet's distance beyond the first order. Only the turning that they
+// come with counts: rows that corrected for turning which other rows cause would drive each other.
 class BendBound
 {
 public:

@@ -150,9 +150,8 @@ void PartnerContacts::withHalfSpace(const Hierarchy& hierarchy, const Vec3& norm
 									double tolerance, std::vector<Contact>& contacts, PartnerStats& stats)
 {
 	const auto apart = [&](const OrientedBox& box) { return interval(box, normal).first - offset > tolerance; };
-	const auto distanceOf = [&](std::uint32_t node, const Node&)
-	{ return interval(hierarchy.cullBox(node), normal).first - offset; };
-	visit(hierarchy, metric, apart, distanceOf, 0, contacts, stats);
+	const auto unknown = [](std::uint32_t, const Node&) { return 0.0; };
+	visit(hierarchy, metric, apart, unknown, 0, contacts, stats);
 }
 
 void PartnerContacts::withTriangle(const Hierarchy& hierarchy, const Triangle& triangle, std::uint32_t index,

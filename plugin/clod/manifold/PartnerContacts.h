@@ -21,8 +21,7 @@ struct PartnerStats
 class CLOD_API PartnerContacts
 {
 public:
-	// Appends what is within the tolerance of the half space normal . p <= offset: lower and upper are the distance of its
-	// box, which is negative by how deep that is beneath.
+	// Appends what is within the tolerance of the half space normal . p <= offset, however far: lower = upper = 0.
 	void withHalfSpace(const Hierarchy& hierarchy, const Vec3& normal, double offset, const Metric& metric,
 					   double tolerance, std::vector<Contact>& contacts, PartnerStats& stats);
 	// Of a triangle, which is node `index` of the partner's surface. beneath: what overlaps it may have sunk so far
