@@ -13,8 +13,7 @@ namespace
 constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr double kLeastDepth = 1e-3;  // of the length: shallower overlaps are left to the facets
 constexpr double kOwnWay = 0.9;       // cosine: a place's own way out is the pair's
-// Of the thickness, which is half of a wall at most: what is inside by no more came in through the surface near it.
-constexpr double kNearSurface = 0.5;
+constexpr double kNearSurface = 0.5;  // of a node's thickness, which is half of a wall at most
 constexpr double kAlongWay = 0.3;  // cosine: of all that is so, edges in a corner of two walls among them
 constexpr double kLeastShare = 1e-3;  // of an edge: the shortest part that is looked for inside
 constexpr double kNotConvex = 0.03;   // of a body's volume: a hull with that much more is not the body
@@ -86,12 +85,18 @@ bool DeepOverlap::areConvex(const FacetQuestion& q)
 	return isConvex(q.a) && isConvex(q.b);
 }
 
-// place: in its own body's frame.
+// place: in its own body's frame; there: the same in the other's, to whose surface it is `near`.
 DeepOverlap::Inside DeepOverlap::insideAt(const FacetQuestion& q, const Contact& contact, bool ofA, const Vec3& place,
-										  const Vec3& there, const Vec3& outside, std::uint32_t feature)
+										  const Vec3& there, const ContactSurface::Nearest& near, std::uint32_t feature)
 {
-	const Vec3 way = outside - there;
-	return {ofA ? place : there, ofA ? q.aFromB.rotation * way : -way, contact.nodeA, contact.nodeB, feature, ofA};
+	const Vec3 way = near.point - there;
+	const ContactBody& other = ofA ? q.b : q.a;
+	const std::uint32_t node = ofA ? contact.nodeB : contact.nodeA;
+	double wall = kNearSurface * other.thicknessOf(node);
+	// Curved patches have no thickness, scaled faces neither.
+	if (!other.only)
+		wall = std::max(wall, double(other.hierarchy->faces()[other.globalFace(other.levelOf(node), near.face)].thickness));
+	return {ofA ? place : there, ofA ? q.aFromB.rotation * way : -way, wall, contact.nodeA, contact.nodeB, feature, ofA};
 }
 
 // Finds the deepest of a node's corners inside the other body. Where bodies reach through each other without any corner
@@ -119,7 +124,7 @@ void DeepOverlap::probe(const FacetQuestion& q, const Contact& contact, bool ofA
 		if (!std::all_of(patch.begin(), patch.end(), isUnder)) return;
 		const ContactSurface::Nearest near = other.nearest(there, kFar);
 		if (near.distance > -least || -near.distance <= length(deepest.way)) return;
-		deepest = insideAt(q, contact, ofA, place, there, near.point, feature);
+		deepest = insideAt(q, contact, ofA, place, there, near, feature);
 	};
 	// Looks from the crossing towards the edge's end, by halving, as the edge may come out again soon.
 	const auto lookBehindCrossings = [&](const SurfaceEdge& edge, std::uint32_t feature)
@@ -157,7 +162,7 @@ void DeepOverlap::probeWhole(const FacetQuestion& q, bool ofA)
 	{
 		const Vec3 there = otherFromOwn * vertices[v];
 		if (!other.isInside(there)) continue;
-		m_inside.push_back(insideAt(q, contact, ofA, vertices[v], there, other.nearest(there, kFar).point, v));
+		m_inside.push_back(insideAt(q, contact, ofA, vertices[v], there, other.nearest(there, kFar), v));
 	}
 }
 
@@ -168,18 +173,16 @@ Vec3 DeepOverlap::meanWay() const
 	return normalized(sum);
 }
 
-// Of edges in a wall: do all come out the way that they came in, each near the surface there? Not asked of those in a
+// Of what is in a wall: do all come out the way that they came in, each near the surface there? Not asked of those in a
 // convex body, which has no walls to be pushed through.
 bool DeepOverlap::isShallow(const FacetQuestion& q, const Vec3& way) const
 {
 	bool isInWall = false;
 	for (const Inside& inside : m_inside)
 	{
-		const ContactBody& other = inside.ofA ? q.b : q.a;
 		if (dot(inside.way, way) < kAlongWay * length(inside.way)) return false;
-		if (isConvex(other)) continue;
-		const std::uint32_t node = inside.ofA ? inside.nodeB : inside.nodeA;
-		if (length(inside.way) > kNearSurface * other.thicknessOf(node)) return false;
+		if (isConvex(inside.ofA ? q.b : q.a)) continue;
+		if (length(inside.way) > inside.wall) return false;
 		isInWall = true;
 	}
 	return isInWall;
@@ -208,22 +211,6 @@ Vec3 DeepOverlap::find(const FacetQuestion& q, const std::vector<Contact>& conta
 		for (const bool ofA : {true, false}) probeWhole(q, ofA);
 	if (m_inside.empty()) return {};
 	const bool areHulls = !isWhole && areConvex(q);
-	const bool mayBeShallow = isCrossing && !areHulls;
-	const auto firstWay = [&]
-	{
-		const Vec3 mean = meanWay();
-		if (mayBeShallow && isShallow(q, mean)) return mean;
-		if (pushed != Vec3{}) return pushed;
-		const auto isShallower = [](const Inside& l, const Inside& r)
-		{ return lengthSquared(l.way) < lengthSquared(r.way); };
-		if (isWhole) return normalized(std::min_element(m_inside.begin(), m_inside.end(), isShallower)->way);
-		// The hulls tell nothing of concave bodies that reach into each other. They are asked only where no corner is
-		// inside.
-		if (!areHulls && !isCrossing && mean != Vec3{}) return mean;
-		return shortestWayOut(q, q.a.surfaceOf(m_inside[0].nodeA), q.b.surfaceOf(m_inside[0].nodeB));
-	};
-	const Vec3 way = kept != Vec3{} ? kept : firstWay();
-	if (way == Vec3{}) return {};
 	const auto add = [&](const Inside& inside, const Vec3& normal, double depth)
 	{
 		Facet facet{};
@@ -240,12 +227,31 @@ Vec3 DeepOverlap::find(const FacetQuestion& q, const std::vector<Contact>& conta
 		facet.span(inside.point, inside.ofA);
 		facets.push_back(facet);
 	};
+	// No way to be kept: it would drive the pair into what it meets elsewhere meanwhile.
+	const Vec3 mean = meanWay();
+	if (kept == Vec3{} && !isWhole && !areHulls && isShallow(q, mean))
+	{
+		for (const Inside& inside : m_inside) add(inside, mean, length(inside.way));
+		return {};
+	}
+	const auto firstWay = [&]
+	{
+		if (pushed != Vec3{}) return pushed;
+		const auto isShallower = [](const Inside& l, const Inside& r)
+		{ return lengthSquared(l.way) < lengthSquared(r.way); };
+		if (isWhole) return normalized(std::min_element(m_inside.begin(), m_inside.end(), isShallower)->way);
+		// The hulls tell nothing of concave bodies that reach into each other. They are asked only where no corner is
+		// inside.
+		if (!areHulls && !isCrossing && mean != Vec3{}) return mean;
+		return shortestWayOut(q, q.a.surfaceOf(m_inside[0].nodeA), q.b.surfaceOf(m_inside[0].nodeB));
+	};
+	const Vec3 way = kept != Vec3{} ? kept : firstWay();
+	if (way == Vec3{}) return {};
 	// Where each place comes out that way by itself, its own way tells how deep it is. Else it may be near a surface on
 	// its way through thin walls: the hulls tell how far it is out of them all, and the bodies part at the full speed
 	// until nothing is inside.
 	const auto isOwnWay = [&](const Inside& inside) { return dot(inside.way, way) >= kOwnWay * length(inside.way); };
-	const bool areOwn = !areHulls && (std::all_of(m_inside.begin(), m_inside.end(), isOwnWay) ||
-									  (mayBeShallow && isShallow(q, way)));
+	const bool areOwn = !areHulls && std::all_of(m_inside.begin(), m_inside.end(), isOwnWay);
 	const double depth =
 		areOwn ? 0 : hullDepth(q.a.surfaceOf(m_inside[0].nodeA), q.b.surfaceOf(m_inside[0].nodeB), q.aFromB, way);
 	for (const Inside& inside : m_inside) add(inside, way, areOwn ? length(inside.way) : depth);

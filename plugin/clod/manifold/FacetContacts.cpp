@@ -194,11 +194,11 @@ void FacetContacts::answerDepth(const std::vector<Contact>& contacts, bool isDee
 	}
 	m_deepFacets.clear();
 	wayOut = m_deep.find(m_question, contacts, isDeep, wayOut, normalized(impulseOf(previous)), m_deepFacets);
-	if (wayOut == Vec3{}) return;
 	// Overlapping facets that oppose the way out would hold the bodies where they are.
-	m_facets.erase(std::remove_if(m_facets.begin(), m_facets.end(),
-								  [&](const Facet& f) { return dot(f.normal, wayOut) < kAgainst; }),
-				   m_facets.end());
+	if (wayOut != Vec3{})
+		m_facets.erase(std::remove_if(m_facets.begin(), m_facets.end(),
+									  [&](const Facet& f) { return dot(f.normal, wayOut) < kAgainst; }),
+					   m_facets.end());
 	m_facets.insert(m_facets.end(), m_deepFacets.begin(), m_deepFacets.end());
 }
 
