@@ -173,7 +173,7 @@ Vec3 DeepOverlap::meanWay() const
 	return normalized(sum);
 }
 
-// Of what is in a wall: do all come out the way that they came in, each near the surface there? Not asked of those in a
+// Of edges in a wall: do all come out the way that they came in, each near the surface there? Not asked of those in a
 // convex body, which has no walls to be pushed through.
 bool DeepOverlap::isShallow(const FacetQuestion& q, const Vec3& way) const
 {
@@ -227,9 +227,10 @@ Vec3 DeepOverlap::find(const FacetQuestion& q, const std::vector<Contact>& conta
 		facet.span(inside.point, inside.ofA);
 		facets.push_back(facet);
 	};
-	// No way to be kept: it would drive the pair into what it meets elsewhere meanwhile.
+	// No way of edges is kept: it would drive the pair into what it meets elsewhere meanwhile. That of corners is, or they
+	// would come and go where bodies rest.
 	const Vec3 mean = meanWay();
-	if (kept == Vec3{} && !isWhole && !areHulls && isShallow(q, mean))
+	if (kept == Vec3{} && isCrossing && !isWhole && !areHulls && isShallow(q, mean))
 	{
 		for (const Inside& inside : m_inside) add(inside, mean, length(inside.way));
 		return {};

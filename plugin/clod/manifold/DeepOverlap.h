@@ -2,8 +2,8 @@
 // Overlaps whose depth no facet tells: what is inside is too far from the surface, or the bodies reach through each
 // other with no corner inside, or convex bodies are held by facets on both sides of what they got through.
 //
-// Places (corners inside, or if there are none places on edges) that are all near the surface that they came in through
-// become contacts that go their mean way out, each as far as it is inside. Else the pair gets one direction out, which
+// Where no corner is inside, places on edges that are all near the surface that they came in through become contacts
+// that go their mean way out, each as far as it is inside. Else the pair gets one direction out, which
 // is kept from step to step. At first it is the mean way out of the corners inside; for convex bodies, and where no
 // corner is inside, the shortest way out of the two hulls (the nearest face of the hull of their differences a - b:
 // some 300 support values). Each place inside becomes a contact that goes that way, as far as it is out of both hulls,
