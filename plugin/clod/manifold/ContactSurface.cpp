@@ -17,7 +17,7 @@ namespace clod
 namespace
 {
 constexpr std::uint32_t kLeafFaces = 4;
-constexpr std::size_t kWorthTheTree = 32;  // faces of a polygon, or sides: searching fewer one by one is as fast
+constexpr std::size_t kWorthTheTree = 32;  // faces of a polygon: searching fewer one by one is as fast
 
 double squaredFromSegment(const Vec3& point, const Vec3& from, const Vec3& to)
 {
@@ -68,7 +68,6 @@ ContactSurface::ContactSurface(const Vec3& normal, double offset, const Vec3& ne
 	m_firstFan.assign(4, 0);
 	m_polygonFaces = {0};
 	m_firstPolygonFace = {0, 1};
-	m_firstBorder = {0, 0};
 	m_polygonDiscs = {{foot, std::numeric_limits<double>::infinity()}};
 	listNodes({0}, {});
 }
@@ -106,7 +105,7 @@ void ContactSurface::finish(double size, const std::vector<std::uint32_t>& first
 	mergePolygons(size);
 	findFans();
 	findEdges(firstFaceOfNode);
-	findBorders();
+	findDiscs();
 }
 
 // Neighbours share vertices; round a corner the walk over neighbours meets all faces that share it.
@@ -283,38 +282,19 @@ std::uint32_t ContactSurface::nearestFaceOf(std::uint32_t polygon, const Vec3& p
 	return found.face;
 }
 
-// Of a point over a polygon of many sides none of these is measured.
 double ContactSurface::squaredBeside(std::uint32_t polygon, const Vec3& point, double enough) const
 {
+	constexpr double kFar = std::numeric_limits<double>::infinity();
 	const Span<std::uint32_t> faces = facesOf(polygon);
 	const Vec3 foot = footOn(polygon, point);
-	constexpr double kFar = std::numeric_limits<double>::infinity();
-	double best = kFar;
-	const Span<Border> border = borderOf(polygon);
-	if (std::min(faces.size, border.size) > kWorthTheTree)
+	if (faces.size > kWorthTheTree)
 	{
 		const Found found = searchTree(foot, enough > 0 ? std::sqrt(enough) : kFar, polygon, enough);
 		return found.face == kNone ? kFar : found.squared;
 	}
-	if (border.empty() || faces.size <= border.size)
-	{
-		for (std::size_t i = 0; i < faces.size && best > enough; ++i)
-			best = std::min(best, nearestOnTriangle(triangleOf(faces[i]), foot).squared);
-		return best;
-	}
-	// How often does a ray in the plane cross the border?
-	const Vec3& n = planeOf(polygon).normal;
-	const int drop = widestAxis({std::abs(n.x), std::abs(n.y), std::abs(n.z)}), u = (drop + 1) % 3, v = (drop + 2) % 3;
-	bool isInside = false;
-	for (const Border& side : border)
-	{
-		const Vec3 &from = m_vertices[side[0]], &to = m_vertices[side[1]];
-		if ((from[v] > foot[v]) == (to[v] > foot[v])) continue;
-		if (foot[u] < from[u] + (foot[v] - from[v]) / (to[v] - from[v]) * (to[u] - from[u])) isInside = !isInside;
-	}
-	if (isInside) return 0;
-	for (std::size_t i = 0; i < border.size && best > enough; ++i)
-		best = std::min(best, squaredFromSegment(foot, m_vertices[border[i][0]], m_vertices[border[i][1]]));
+	double best = kFar;
+	for (std::size_t i = 0; i < faces.size && best > enough; ++i)
+		best = std::min(best, nearestOnTriangle(triangleOf(faces[i]), foot).squared);
 	return best;
 }
 
@@ -358,12 +338,19 @@ bool ContactSurface::isAround(std::uint32_t polygon, const Vec3& point, double r
 	if (isHalfSpace()) return true;
 	if (!isOver(polygon, point, 1e-6 * radius)) return false;
 	const Vec3 foot = footOn(polygon, point);
-	const auto isClear = [&](const Border& side)
-	{ return squaredFromSegment(foot, m_vertices[side[0]], m_vertices[side[1]]) >= radius * radius; };
-	const std::array<std::uint32_t, 3>& v = planeOf(polygon).vertex;
-	const Border sides[] = {{v[0], v[1]}, {v[1], v[2]}, {v[2], v[0]}};
-	const Span<Border> border = borderOf(polygon);
-	return border.empty() ? std::all_of(sides, sides + 3, isClear) : std::all_of(border.begin(), border.end(), isClear);
+	const auto isClearOf = [&](std::uint32_t f)
+	{
+		const SurfaceFace& face = m_faces[f];
+		for (std::size_t i = 0; i < 3; ++i)
+		{
+			const bool isSide = m_faces[face.neighbour[i]].polygon != polygon;
+			const Vec3 &from = m_vertices[face.vertex[i]], &to = m_vertices[face.vertex[(i + 1) % 3]];
+			if (isSide && squaredFromSegment(foot, from, to) < radius * radius) return false;
+		}
+		return true;
+	};
+	const Span<std::uint32_t> faces = facesOf(polygon);
+	return std::all_of(faces.begin(), faces.end(), isClearOf);
 }
 
 // Of faces as near the first.

@@ -173,7 +173,6 @@ private:
 		void add(std::uint32_t other, const NearestOnTriangle& there);
 	};
 	Found searchTree(const Vec3& point, double within, std::uint32_t polygon, double enough = 0) const;
-	using Border = std::array<std::uint32_t, 2>;  // a straight side, from vertex to vertex
 	template <class T>
 	static Span<T> slice(const std::vector<T>& list, const std::vector<std::uint32_t>& first, std::uint32_t i)
 	{
@@ -184,7 +183,6 @@ private:
 	{
 		return slice(list, first, node - m_firstNode);
 	}
-	Span<Border> borderOf(std::uint32_t polygon) const { return slice(m_border, m_firstBorder, polygon); }
 	Triangle triangleOf(std::uint32_t face) const
 	{
 		const std::array<std::uint32_t, 3>& v = m_faces[face].vertex;
@@ -206,14 +204,7 @@ private:
 	SurfaceEdge edgeOf(const TriangleEdge& part) const;
 	using EdgeOfFace = std::pair<std::uint32_t, std::uint32_t>;  // face, edge; sorted by the face
 	void findEdges(const std::vector<std::uint32_t>& firstFaceOfNode);
-	void findBorders();
-	struct BorderBuffers
-	{
-		std::vector<std::uint32_t> next;  // kNone for all vertices before and after
-		std::vector<std::uint32_t> starts, straightInto;
-		std::vector<Border> sides;
-	};
-	void findBorder(std::uint32_t polygon, Span<std::uint32_t> faces, BorderBuffers& buffers);
+	void findDiscs();
 	void listNodes(const std::vector<std::uint32_t>& firstFaceOfNode, const std::vector<EdgeOfFace>& edgesOfFaces);
 	void split(std::uint32_t box, std::uint32_t first, std::uint32_t count) const;
 	Vec3 pseudonormalAt(std::uint32_t face, int feature) const;
@@ -233,8 +224,6 @@ private:
 	};
 	std::vector<Disc> m_polygonDiscs;
 	double m_grain = std::numeric_limits<double>::infinity();
-	std::vector<Border> m_border;  // of polygons of several faces
-	std::vector<std::uint32_t> m_firstBorder;
 	std::vector<std::uint32_t> m_nodeVertices, m_nodeEdges, m_firstVertexOf, m_firstEdgeOf, m_firstPolygonOf, m_firstFaceOf;
 	std::vector<NodePolygon> m_nodePolygons;
 	std::vector<std::uint16_t> m_polygonCorners;

@@ -228,20 +228,12 @@ void ContactSurface::findEdges(const std::vector<std::uint32_t>& firstFaceOfNode
 	listNodes(firstFaceOfNode, edgesOfFaces);
 }
 
-// Of each polygon, straight sides as one.
-void ContactSurface::findBorders()
+void ContactSurface::findDiscs()
 {
-	const std::size_t polygons = m_firstPolygonFace.size() - 1;
-	BorderBuffers buffers;
-	buffers.next.assign(m_vertices.size(), kNone);
-	m_firstBorder.assign(1, 0);
-	m_firstBorder.reserve(polygons + 1);
-	m_polygonDiscs.reserve(polygons);
-	for (std::uint32_t p = 0; p < polygons; ++p)
+	m_polygonDiscs.reserve(polygonCount());
+	for (std::uint32_t p = 0; p < polygonCount(); ++p)
 	{
 		const Span<std::uint32_t> faces = facesOf(p);
-		if (faces.size > 1) findBorder(p, faces, buffers);
-		m_firstBorder.push_back(std::uint32_t(m_border.size()));
 		Vec3 center;
 		for (const std::uint32_t f : faces)
 			for (const std::uint32_t v : m_faces[f].vertex) center += (1.0 / double(3 * faces.size)) * m_vertices[v];
@@ -250,47 +242,6 @@ void ContactSurface::findBorders()
 			for (const std::uint32_t v : m_faces[f].vertex) squared = std::max(squared, lengthSquared(m_vertices[v] - center));
 		m_polygonDiscs.push_back({center, std::sqrt(squared)});
 	}
-}
-
-// A vertex that the border meets twice ends its sides.
-void ContactSurface::findBorder(std::uint32_t polygon, Span<std::uint32_t> faces, BorderBuffers& buffers)
-{
-	constexpr std::uint32_t kTwice = kNone - 1;
-	auto& [next, starts, straightInto, sides] = buffers;
-	starts.clear();
-	straightInto.clear();
-	sides.clear();
-	const std::size_t first = m_border.size();
-	for (const std::uint32_t f : faces)
-		for (std::size_t i = 0; i < 3; ++i)
-		{
-			if (m_faces[m_faces[f].neighbour[i]].polygon == polygon) continue;
-			const std::uint32_t from = m_faces[f].vertex[i], to = m_faces[f].vertex[(i + 1) % 3];
-			m_border.push_back({from, to});
-			next[from] = next[from] == kNone ? to : kTwice;
-			starts.push_back(from);
-		}
-	const auto goesOnStraight = [this, &next = buffers.next](const Border& side)
-	{
-		const std::uint32_t end = next[side[1]];
-		if (end == kTwice || end == kNone || end == side[0]) return false;
-		const Vec3 here = m_vertices[side[1]] - m_vertices[side[0]], there = m_vertices[end] - m_vertices[side[1]];
-		return dot(here, there) > 0 && length(cross(here, there)) < kStraight * length(here) * length(there);
-	};
-	// Sides that another one goes on as are dropped, those before them made longer.
-	for (std::size_t i = first; i < m_border.size(); ++i)
-		if (goesOnStraight(m_border[i])) straightInto.push_back(m_border[i][1]);
-	std::sort(straightInto.begin(), straightInto.end());
-	for (std::size_t i = first; i < m_border.size(); ++i)
-	{
-		if (std::binary_search(straightInto.begin(), straightInto.end(), m_border[i][0])) continue;
-		Border side = m_border[i];
-		while (std::binary_search(straightInto.begin(), straightInto.end(), side[1])) side[1] = next[side[1]];
-		sides.push_back(side);
-	}
-	m_border.resize(first);
-	m_border.insert(m_border.end(), sides.begin(), sides.end());
-	for (const std::uint32_t v : starts) next[v] = kNone;
 }
 
 void ContactSurface::listNodes(const std::vector<std::uint32_t>& firstFaceOfNode, const std::vector<EdgeOfFace>& edgesOfFaces)
