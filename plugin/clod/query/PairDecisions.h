@@ -140,7 +140,7 @@ protected:
 	float lowerNow(const CachedSeparation& known, std::uint32_t b) const
 	{
 		const Vec3 axis = toVec3(known.onA);
-		const PartMotion::Way& way = wayOf(b);
+		const PartMotion::Way way = wayOf(b);
 		const double nearer = m_change + (axis == Vec3{} ? way.farthest() : way.along(axis));
 		return lowerAfter(known.lower, float(nearer + kBoundRounding * std::abs(nearer)));
 	}
@@ -177,12 +177,10 @@ protected:
 		return true;
 	}
 
-	const PartMotion::Way& wayOf(std::uint32_t b) const
+	PartMotion::Way wayOf(std::uint32_t b) const
 	{
-		if (m_nodeOfWay == b) return m_way;
 		const OrientedBox& box = m_context.b.cullBox(b);
-		m_nodeOfWay = b;
-		return m_way = m_partMotion.of(centerOf(box), double(box.radius));
+		return m_partMotion.of(centerOf(box), double(box.radius));
 	}
 
 	const QueryContext& m_context;
@@ -194,8 +192,6 @@ protected:
 	const double m_room;  // for the rounding of two measurements
 	const float m_moved;  // since the cached bounds
 	PartMotion m_partMotion;
-	mutable PartMotion::Way m_way;               // of node
-	mutable std::uint32_t m_nodeOfWay = kNone;  // of B: many a pair has the same as the pair before
 	const double m_change;  // of the sweep, since then
 	QueryStats* m_stats;
 	HullCull m_hulls;

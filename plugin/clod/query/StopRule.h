@@ -65,12 +65,6 @@ public:
 	// of base levels, or of none.
 	const BaseLevels& base() const { return m_base; }
 	bool isOfLeaves() const { return m_base.isOfLeaves(); }
-	// A pair can be met on several ways only where children are shared: below the base levels, or where there are none.
-	bool isInTree(std::uint32_t i, std::uint32_t j) const
-	{
-		if (!m_base.isUsed() || m_base.isOfLeaves()) return m_base.isUsed();
-		return m_context->a.node(i).level >= m_base.a && m_context->b.node(j).level >= m_base.b;
-	}
 	// Neither of the two nodes is above the base levels; so it is with any two where there are none.
 	bool isWithinBase(std::uint32_t i, std::uint32_t j) const
 	{

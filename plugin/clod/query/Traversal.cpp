@@ -203,7 +203,8 @@ private:
 			entry.old = row.old[k];
 			++m_carried;
 		}
-		if (!m_settings.rule.isInTree(entry.a, entry.b) && !m_previous.visited.insert(entry.a, entry.b))
+		// Where only leaves answer the walk follows a tree, and meets each pair once.
+		if (!m_settings.rule.isOfLeaves() && !m_previous.visited.insert(entry.a, entry.b))
 		{
 			entry.state = NodePairState::kElsewhere;
 			++m_front.counts.duplicates;
