@@ -48,8 +48,9 @@ struct Description
 	bool isMesh = false;  // points are all corners of its triangles, of which numbers hold a hash
 	double radius = 0;
 	bool isBySupport = false;
-	bool isSeen = false;  // numbers are what is seen of it, and where it is; else all that makes it
 	double size = 0;  // of what is known by its support: how far it reaches
+	// Are numbers what is seen of it, and where it is? Else they are all that makes it.
+	bool isSeen() const { return points.empty() && rims.empty(); }
 };
 
 Vec3 centerOf(const btMultiSphereShape& shape, int i)
@@ -254,8 +255,7 @@ void describe(const btConvexShape& shape, Description& description)
 	else
 		for (const Vec3& p : points) numbers.insert(numbers.end(), {p.x, p.y, p.z});
 	for (const Rim& rim : description.rims) numbers.insert(numbers.end(), {rim.radius, rim.height, double(rim.up)});
-	description.isSeen = points.empty() && description.rims.empty();
-	if (description.isSeen) look(shape, description);
+	if (description.isSeen()) look(shape, description);
 }
 
 // Makes a thin solid of a flat body, which encloses no volume.
@@ -292,7 +292,7 @@ void make(const btConvexShape& shape, double unit, const Description& descriptio
 			[&](const Vec3& d)
 			{
 				const Vec3 there = (1 / unit) * coreSupport(shape, description.radius, d);
-				if (description.isSeen) partner.answers.push_back({d, there});
+				if (description.isSeen()) partner.answers.push_back({d, there});
 				return there;
 			},
 			kCurved * (description.size + description.radius) / unit, kMostCorners);
@@ -331,7 +331,7 @@ std::shared_ptr<const ConvexPartner> ConvexPartners::of(const btConvexShape& sha
 	}
 	// Of a shape of which little is seen only the last partner is kept. Its functions are the program's, and not called
 	// under the lock.
-	const bool isSeen = description.isSeen;
+	const bool isSeen = description.isSeen();
 	const double address = double(reinterpret_cast<std::uintptr_t>(&shape));
 	const std::vector<double> key = isSeen ? std::vector<double>{address, unit} : made.shape;
 	const std::shared_ptr<const ConvexPartner> kept = find(key);

@@ -331,12 +331,12 @@ void ManifoldSet::standIn(const btVector3& onBody0, btManifoldPoint& before)
 	std::swap(point.m_userPersistentData, before.m_userPersistentData);
 }
 
-void ManifoldSet::writePoint(const HeldPoint& held, const WorldFrame& frame, btManifoldResult& out)
+void ManifoldSet::writePoint(const HeldPoint& held, const Parts& parts, const WorldFrame& frame, btManifoldResult& out)
 {
 	const ContactPoint& point = held.point;
 	const bool aIsManifoldBody0 = m_target->getBody0() == frame.a->getCollisionObject();
 	const bool aIsResultBody0 = out.getBody0Internal() == frame.a->getCollisionObject();
-	const int partA = childOr(int(frame.levelA), *frame.a), partB = childOr(int(frame.levelB), *frame.b);
+	const int partA = childOr(int(parts[0]), *frame.a), partB = childOr(int(parts[1]), *frame.b);
 	out.setShapeIdentifiersA(aIsResultBody0 ? partA : partB, int(aIsResultBody0 ? point.faceA : point.faceB));
 	out.setShapeIdentifiersB(aIsResultBody0 ? partB : partA, int(aIsResultBody0 ? point.faceB : point.faceA));
 

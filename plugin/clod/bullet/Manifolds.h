@@ -25,7 +25,6 @@ struct WorldFrame
 	bool aIsFirst = true;  // Bullet's order of the pair, which is the manifolds'
 	Transform worldFromA;  // translation in world lengths
 	double scale = 1;      // world lengths a hierarchy unit
-	std::uint32_t levelA = 0, levelB = 0;
 	double breakingThreshold = 0;  // world length
 	double timeStep = 0;           // 0: points are for the poses as they are
 	double pushSpeed = 0;           // at which an overlap is left at most, world lengths a second,
@@ -62,20 +61,17 @@ public:
 	Vec3 impulse() const;
 	// Copies last step's impulses from the solver into the set that was written last.
 	void readImpulses(HeldClusters& written) const;
-	// Levels of a point's nodes come from `levelOf`, called with the point.
-	template <class LevelOf>
-	void write(HeldClusters& clusters, const WorldFrame& frame, const LevelOf& levelOf, btManifoldResult& out)
+	// The parts of A and B that Bullet is told of a point come from `partsOf`, called with it.
+	using Parts = std::array<std::uint32_t, 2>;
+	template <class PartsOf>
+	void write(HeldClusters& clusters, const WorldFrame& frame, const PartsOf& partsOf, btManifoldResult& out)
 	{
 		beginWrite(clusters);
 		for (std::size_t slot = 0; slot < kMaxClusters; ++slot)
 		{
 			if (!openSlot(slot, clusters, frame, out)) continue;
 			for (std::size_t i = 0; i < clusters.count(slot); ++i)
-			{
-				WorldFrame named = frame;
-				levelOf(clusters.at(slot, i).point, named.levelA, named.levelB);
-				writePoint(clusters.at(slot, i), named, out);
-			}
+				writePoint(clusters.at(slot, i), partsOf(clusters.at(slot, i).point), frame, out);
 			closeSlot(slot, out);
 		}
 		endWrite(clusters, frame, out);
@@ -139,7 +135,7 @@ private:
 	void beginWrite(const HeldClusters& clusters);
 	bool openSlot(std::size_t index, HeldClusters& clusters, const WorldFrame& frame, btManifoldResult& out);
 	void standIn(const btVector3& onBody0, btManifoldPoint& before);
-	void writePoint(const HeldPoint& held, const WorldFrame& frame, btManifoldResult& out);
+	void writePoint(const HeldPoint& held, const Parts& parts, const WorldFrame& frame, btManifoldResult& out);
 	void closeSlot(std::size_t index, btManifoldResult& out);
 	void endWrite(const HeldClusters& clusters, const WorldFrame& frame, const btManifoldResult& out);
 	void balance(const WorldFrame& frame);

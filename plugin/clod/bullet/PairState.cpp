@@ -387,10 +387,11 @@ bool PairState::process(const btCollisionObjectWrapper& body0, const btCollision
 	m_report.kept = false;
 	if (!pose.isAsked())
 	{
-		m_manifolds.write(m_clusters, {}, [](const ContactPoint&, std::uint32_t&, std::uint32_t&) {}, out);
+		const auto noParts = [](const ContactPoint&) { return ManifoldSet::Parts{}; };
+		m_manifolds.write(m_clusters, {}, noParts, out);
 		return pose.partner != Partner::kOther;
 	}
-	const WorldFrame frame = worldFrame(now, closestPoints);
+	WorldFrame frame = worldFrame(now, closestPoints);
 	if (now.isKept)
 	{
 		m_report.queryMicroseconds = m_report.contactMicroseconds = 0;
@@ -476,16 +477,16 @@ WorldFrame PairState::worldFrame(const Prepared& prepared, double closestPoints)
 	return frame;
 }
 
-void PairState::write(const PairPose& pose, const WorldFrame& frame, btManifoldResult& out)
+void PairState::write(const PairPose& pose, WorldFrame& frame, btManifoldResult& out)
 {
-	const auto levelOf = [&pose](const ContactPoint& point, std::uint32_t& levelA, std::uint32_t& levelB)
+	const bool isClod = pose.partner == Partner::kClod;
+	const auto partsOf = [&](const ContactPoint& point) -> ManifoldSet::Parts
 	{
-		levelA = pose.hierarchyA().node(point.nodeA).level;
-		levelB = pose.partner == Partner::kClod ? pose.hierarchyB().node(point.nodeB).level : point.nodeB;
+		return {pose.hierarchyA().node(point.nodeA).level,
+				isClod ? pose.hierarchyB().node(point.nodeB).level : point.nodeB};
 	};
-	WorldFrame whole = frame;
-	whole.alike = frame.scale * m_report.contactError;
-	whole.points = &m_clusters;
-	m_manifolds.write(m_clusters, whole, levelOf, out);
+	frame.alike = frame.scale * m_report.contactError;
+	frame.points = &m_clusters;
+	m_manifolds.write(m_clusters, frame, partsOf, out);
 }
 }  // namespace clod

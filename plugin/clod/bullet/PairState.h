@@ -153,7 +153,7 @@ private:
 	bool refineHeld(const PairPose& pose, Question& question);
 	void namePartnerFace(const PairPose& pose, ContactPoint& point);
 	bool follow(const PairPose& pose, const WorldFrame& frame, btManifoldResult& out);
-	void write(const PairPose& pose, const WorldFrame& frame, btManifoldResult& out);
+	void write(const PairPose& pose, WorldFrame& frame, btManifoldResult& out);
 	// Report.
 	void report(const PairPose& pose);
 	bool isDeep() const;
