@@ -454,10 +454,10 @@ TEST(LevelSwitch, WhatIsHeldHasGoneInThroughNothing)
 	record.levelA = 1;
 	ClusterSet previous;
 	previous.slots[0].count = 1;
-	ClusterPoint& old = previous.slots[0].points[0];
+	HeldPoint& old = previous.slots[0].points[0];
 	old.impulse = 1;
 	old.point.normal = {0, -1, 0};
-	old.point.pointOnA = old.point.pointOnB = old.placeWithB = {0, 1, 0};
+	old.point.pointOnA = old.point.pointOnB = {0, 1, 0};
 	std::vector<Contact> contacts(1);
 	contacts[0].nodeA = contacts[0].nodeB = 0;
 	SwitchMemory memory;

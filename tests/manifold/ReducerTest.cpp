@@ -39,11 +39,9 @@ ClusterSet carriedAtTheOrigin()
 {
 	ClusterSet set;
 	set.slots[0].count = 1;
-	ClusterPoint& point = set.slots[0].points[0];
+	HeldPoint& point = set.slots[0].points[0];
 	point.point = pointOf(facetAt({}), 1);
 	point.impulse = 5;
-	point.placeWithB = point.point.pointOnA;
-	point.normalWithB = point.point.normal;
 	return set;
 }
 

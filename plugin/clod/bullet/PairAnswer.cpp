@@ -303,10 +303,11 @@ bool PairState::isSweptThrough(const PairPose& pose) const
 {
 	if (pose.responds) return false;
 	const auto& slots = scratch().previous.slots;
-	return std::any_of(slots.begin(), slots.end(), [&](const ContactCluster& cluster)
+	return std::any_of(slots.begin(), slots.end(),
+					   [&](const ContactCluster& cluster)
 					   {
 						   return std::any_of(cluster.points.begin(), cluster.points.begin() + cluster.count,
-											  [&](const ClusterPoint& p) { return p.point.height < -pose.radius; });
+											  [&](const HeldPoint& p) { return p.point.height < -pose.radius; });
 					   });
 }
 
@@ -315,7 +316,7 @@ void PairState::findPoints(const PairPose& pose, Question& question, bool goesOn
 	FacetContacts& facets = scratch().facets;
 	ClusterSet &previous = scratch().previous, &next = scratch().next;
 	m_clusters.copyTo(previous);
-	carryWithB(previous, pose.aFromB * inverse(m_report.aFromB));
+	previous.motionOfB = pose.aFromB * inverse(m_report.aFromB);
 	const ContactBody a = contactBody(pose.hierarchyA());
 	const std::vector<Contact>& contacts = scratch().result.contacts;
 	if (isSweptThrough(pose)) m_facets = {};

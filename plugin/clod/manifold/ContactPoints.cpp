@@ -80,8 +80,7 @@ void HeldClusters::copyTo(ClusterSet& set) const
 	for (std::size_t slot = 0; slot < set.slots.size(); ++slot)
 	{
 		set.slots[slot].count = int(m_counts[slot]);
-		for (std::size_t i = 0; i < m_counts[slot]; ++i)
-			static_cast<HeldPoint&>(set.slots[slot].points[i]) = *point++;
+		for (std::size_t i = 0; i < m_counts[slot]; ++i) set.slots[slot].points[i] = *point++;
 	}
 }
 
@@ -90,17 +89,5 @@ void HeldClusters::linkToThemselves()
 	auto point = m_points.begin();
 	for (std::uint32_t slot = 0; slot < m_counts.size(); ++slot)
 		for (std::uint32_t i = 0; i < m_counts[slot]; ++i) (point++)->previous = slot * kClusterPoints + i;
-}
-
-void carryWithB(ClusterSet& set, const Transform& bodyMotion)
-{
-	for (ContactCluster& cluster : set.slots)
-		for (int i = 0; i < cluster.count; ++i)
-		{
-			ClusterPoint& old = cluster.points[std::size_t(i)];
-			// Compared with points on A, so the gap between the surfaces is kept along the normal.
-			old.normalWithB = bodyMotion.rotation * old.point.normal;
-			old.placeWithB = bodyMotion * old.point.pointOnA;
-		}
 }
 }  // namespace clod

@@ -110,22 +110,19 @@ struct HeldPoint
 	std::uint32_t previous = kNone;  // cluster * kClusterPoints + index in the previous set; kNone = a new point
 	double impulse = 0;              // set by the owner before the next reduction: strong points are remembered first
 };
-struct ClusterPoint : HeldPoint
-{
-	// Where last step's point would be had it moved with body B (see carryWithB), in frame A.
-	Vec3 placeWithB, normalWithB;
-};
-
 struct ContactCluster
 {
 	int count = 0;  // 0: the slot is free
-	std::array<ClusterPoint, kClusterPoints> points{};
+	std::array<HeldPoint, kClusterPoints> points{};
 };
 
 // A point that goes on keeps its slot, so that one slot can be one manifold.
 struct CLOD_API ClusterSet
 {
 	std::array<ContactCluster, kMaxClusters> slots{};
+	// Of a set of the last step, frame A: how B's material has moved since. A corner of B that slides over A is the
+	// same point although it moves in A's frame.
+	Transform motionOfB;
 	void clear()
 	{
 		for (ContactCluster& cluster : slots) cluster.count = 0;
@@ -142,7 +139,6 @@ public:
 	std::uint32_t count(std::size_t slot) const { return m_counts[slot]; }
 	HeldPoint& at(std::size_t slot, std::size_t i) { return m_points[firstOf(slot) + i]; }
 	void hold(const ClusterSet& set);
-	// Without what carryWithB fills in.
 	void copyTo(ClusterSet& set) const;
 	// Every point continues the one in its place.
 	void linkToThemselves();
@@ -152,8 +148,4 @@ private:
 	std::vector<HeldPoint> m_points;
 	std::array<std::uint8_t, kMaxClusters> m_counts{};
 };
-
-// Fills placeWithB and normalWithB: a corner of B that slides over A is the same point although it moves in A's frame.
-// bodyMotion maps B's material of the last step to now, both in frame A.
-CLOD_API void carryWithB(ClusterSet& set, const Transform& bodyMotion);
 }  // namespace clod

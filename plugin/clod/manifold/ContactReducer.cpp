@@ -21,7 +21,7 @@ constexpr double kLowCounts = 10;        // and so does one that is as low as th
 constexpr double kAsLow = 2e-5;          // up to this
 constexpr double kAlike = 0.011;         // normals that are alike (kSameNormal) differ by less in every coordinate
 
-const ClusterPoint& pointAt(const ClusterSet& set, std::uint32_t index)
+const HeldPoint& pointAt(const ClusterSet& set, std::uint32_t index)
 {
 	return set.slots[index / kClusterPoints].points[index % kClusterPoints];
 }
@@ -105,19 +105,21 @@ void ContactReducer::match(const ClusterSet& previous)
 	{
 		const ContactCluster& cluster = previous.slots[old / kClusterPoints];
 		if (int(old % kClusterPoints) >= cluster.count) continue;
-		const ClusterPoint& point = pointAt(previous, old);
+		const ContactPoint& point = pointAt(previous, old).point;
+		const Vec3 placeWithB = previous.motionOfB * point.pointOnA;
+		const Vec3 normalWithB = previous.motionOfB.rotation * point.normal;
 		for (std::uint32_t i = 0; i < m_candidates.size(); ++i)
 		{
 			const ContactPoint& now = (*m_points)[i];
-			if (now.feature == point.point.feature)
+			if (now.feature == point.feature)
 			{
 				m_links.emplace_back(-1, old, i);
 				continue;
 			}
-			const double place = std::min(lengthSquared(now.pointOnA - point.point.pointOnA),
-										  lengthSquared(now.pointOnA - point.placeWithB));
+			const double place =
+				std::min(lengthSquared(now.pointOnA - point.pointOnA), lengthSquared(now.pointOnA - placeWithB));
 			if (place > limit * limit) continue;
-			const double cosine = std::max(dot(now.normal, point.point.normal), dot(now.normal, point.normalWithB));
+			const double cosine = std::max(dot(now.normal, point.normal), dot(now.normal, normalWithB));
 			if (cosine < kMatchCosine) continue;
 			m_links.emplace_back(place + (2 - 2 * cosine) * kMatchNormal * kMatchNormal * m_length * m_length, old, i);
 		}
@@ -207,7 +209,7 @@ void ContactReducer::place(const ClusterSet& previous, ClusterSet& next)
 	{
 		ContactCluster& cluster = next.slots[slot];
 		m_facetOf[slot][std::size_t(cluster.count)] = i;
-		ClusterPoint& point = cluster.points[std::size_t(cluster.count++)];
+		HeldPoint& point = cluster.points[std::size_t(cluster.count++)];
 		point.point = (*m_points)[i];
 		point.previous = m_candidates[i].previous;
 		point.impulse = point.previous == kNone ? 0 : pointAt(previous, point.previous).impulse;

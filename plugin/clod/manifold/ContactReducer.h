@@ -16,7 +16,7 @@ namespace clod
 class ContactReducer
 {
 public:
-	// points: one a facet, in their order. previous: with placeWithB (carryWithB), and impulses.
+	// points: one a facet, in their order. previous: with B's motion and impulses.
 	void reduce(const std::vector<Facet>& facets, const std::vector<ContactPoint>& points, const ClusterSet& previous,
 				const PointRules& rules, ClusterSet& next);
 	// How many points the last reduction made, and of which facet each.

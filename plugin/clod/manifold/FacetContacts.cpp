@@ -122,7 +122,7 @@ void FacetContacts::takeUp(const ClusterSet& previous, const FacetMemory& memory
 {
 	const PointRules& rules = m_question.rules;
 	forEachReduced(previous, memory.reduced,
-				   [&](const ClusterPoint& old, const FacetRecord& record)
+				   [&](const HeldPoint& old, const FacetRecord& record)
 				   {
 					   if (!record.hasFeatures()) return;
 					   const ContactPoint& point = old.point;
@@ -141,7 +141,7 @@ void FacetContacts::takeUp(const ClusterSet& previous, const FacetMemory& memory
 void FacetContacts::takeUpWhatIsThrough(const ClusterSet& previous, const FacetMemory& memory)
 {
 	forEachReduced(previous, memory.reduced,
-				   [&](const ClusterPoint& old, const FacetRecord& record)
+				   [&](const HeldPoint& old, const FacetRecord& record)
 				   {
 					   if (record.isThrough) takeUpThrough(old.point, record, memory.aFromB);
 				   });

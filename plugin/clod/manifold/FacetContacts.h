@@ -55,7 +55,7 @@ public:
 	// Of A's material relative to B's, frame A: the coming step's, as these contacts alone would have it.
 	const RelativeMotion& expectedMotion() const { return m_expected; }
 	std::size_t size() const { return m_facets.size(); }
-	// Of those found last, the ones a solver gets. previous: with placeWithB (carryWithB), and impulses.
+	// Of those found last, the ones a solver gets. previous: with B's motion and impulses.
 	void reduce(const ClusterSet& previous, ClusterSet& next);
 	// By how much a motion may differ from the expected one, at the bodies' farthest points, before it meets facets
 	// that are not among the reduced ones.

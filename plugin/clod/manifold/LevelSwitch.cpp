@@ -30,11 +30,12 @@ double switchSpeed(const PointRules& rules)
 }
 
 // Makes a facet of last step's point: between its two places as they are now, margins taken off. False if it slid away.
-bool LevelSwitch::goOn(const FacetQuestion& question, const ClusterPoint& old, Facet& facet)
+bool LevelSwitch::goOn(const FacetQuestion& question, const ContactPoint& point, const Transform& motionOfB,
+					   Facet& facet)
 {
 	const PointRules& rules = question.rules;
-	const ContactPoint& point = old.point;
-	const Vec3 onB = old.placeWithB - dot(point.normal, point.pointOnA - point.pointOnB) * old.normalWithB;
+	const Vec3 normalWithB = motionOfB.rotation * point.normal;
+	const Vec3 onB = motionOfB * point.pointOnA - dot(point.normal, point.pointOnA - point.pointOnB) * normalWithB;
 	const double gap = dot(point.normal, point.pointOnA - onB);
 	const double most = kBesideShare * question.length();
 	if (lengthSquared(point.pointOnA - onB - gap * point.normal) > most * most) return false;
@@ -60,13 +61,14 @@ bool LevelSwitch::isAmong(const std::vector<SwitchMemory::Levels>& asked, const 
 }
 
 // Has a point lost its facet though no motion of the bodies took it away?
-bool LevelSwitch::isLost(const FacetQuestion& question, const ClusterPoint& old, const Facet& facet, Span<Facet> found) const
+bool LevelSwitch::isLost(const FacetQuestion& question, const ContactPoint& old, const Transform& motionOfB,
+						 const Facet& facet, Span<Facet> found) const
 {
 	if (!isAmong(m_asked, facet)) return true;
 	const double unmoved = kUnmovedShare * question.length();
-	if (lengthSquared(old.placeWithB - old.point.pointOnA) > unmoved * unmoved) return false;
-	return std::none_of(found.begin(), found.end(), [&](const Facet& f)
-						{ return f.feature == old.point.feature && f.reach != Facet::Reach::kPossible; });
+	if (lengthSquared(motionOfB * old.pointOnA - old.pointOnA) > unmoved * unmoved) return false;
+	return std::none_of(found.begin(), found.end(),
+						[&](const Facet& f) { return f.feature == old.feature && f.reach != Facet::Reach::kPossible; });
 }
 
 void LevelSwitch::apply(const FacetQuestion& question, const std::vector<Contact>& contacts,
@@ -93,8 +95,9 @@ void LevelSwitch::apply(const FacetQuestion& question, const std::vector<Contact
 	}
 	const std::size_t found = facets.size();
 	double before = 0;
+	const Transform& motionOfB = previous.motionOfB;
 	forEachReduced(previous, reduced,
-				   [&](const ClusterPoint& old, const FacetRecord& record)
+				   [&](const HeldPoint& old, const FacetRecord& record)
 				   {
 					   Facet facet{};
 					   static_cast<FacetRecord&>(facet) = record;
@@ -102,8 +105,9 @@ void LevelSwitch::apply(const FacetQuestion& question, const std::vector<Contact
 					   if (!wasHeld) before = std::max(before, -old.point.height);
 					   const bool mayGoOn = !memory.isOther && facet.kind != Facet::Kind::kDeep && !record.isOfMiddle() &&
 											(carried || (wasHeld && old.point.idle < kIdle));
-					   const bool goesOn = stays ? wasHeld : mayGoOn && isLost(question, old, facet, {facets.data(), found});
-					   if (!goesOn || !goOn(question, old, facet)) return;
+					   const bool isGone =
+						   !stays && mayGoOn && isLost(question, old.point, motionOfB, facet, {facets.data(), found});
+					   if (!(stays ? wasHeld : isGone) || !goOn(question, old.point, motionOfB, facet)) return;
 					   facets.push_back(facet);
 					   m_points.back().idle = carried ? 0 : old.point.idle + (stays ? 0 : question.rules.timeStep);
 				   });

@@ -31,7 +31,7 @@ class LevelSwitch
 {
 public:
 	// Appends to the facets those of `reduced`, which the solver got last, that go on; their points are `previous`
-	// (with carryWithB, and impulses). stays: nothing but the motion of the rules has changed.
+	// (with B's motion and impulses). stays: nothing but the motion of the rules has changed.
 	void apply(const FacetQuestion& question, const std::vector<Contact>& contacts, const std::vector<FacetRecord>& reduced,
 			   const ClusterSet& previous, bool stays, SwitchMemory& memory, std::vector<Facet>& facets);
 	// Does the facet go on although its level is no longer asked for?
@@ -44,8 +44,9 @@ public:
 
 private:
 	static bool isAmong(const std::vector<SwitchMemory::Levels>& asked, const Facet& facet);
-	bool isLost(const FacetQuestion& question, const ClusterPoint& old, const Facet& facet, Span<Facet> found) const;
-	bool goOn(const FacetQuestion& question, const ClusterPoint& old, Facet& facet);
+	bool isLost(const FacetQuestion& question, const ContactPoint& old, const Transform& motionOfB, const Facet& facet,
+				Span<Facet> found) const;
+	bool goOn(const FacetQuestion& question, const ContactPoint& point, const Transform& motionOfB, Facet& facet);
 
 	std::vector<SwitchMemory::Levels> m_asked;
 	std::vector<ContactPoint> m_points;
