@@ -321,8 +321,8 @@ TEST(FacetContacts, AHalfSpaceHoldsCornersAtAnyDepth)
 	const Transform aFromB = at({0, 0.1, 0});  // the ground is 0.6 over the box's lower side
 	facets.find(contactBody(*box), contactBody(ground), aFromB, rules,
 				contacts, none, memory);
-	facets.settle(contacts, false, none, memory);
-	facets.reduce(none, set);
+	facets.settle(contacts, false);
+	facets.reduce(set);
 	int deep = 0;
 	for (const ContactCluster& cluster : set.slots)
 		for (int i = 0; i < cluster.count; ++i)

@@ -57,8 +57,8 @@ struct FacetPair
 		FacetContacts facets;
 		ClusterSet none, set;
 		facets.find(contactBody(*a), contactBody(*b), aFromB, rules, result.contacts, none, memory);
-		facets.settle(result.contacts, result.deep, none, memory);
-		facets.reduce(none, set);
+		facets.settle(result.contacts, result.deep);
+		facets.reduce(set);
 		std::vector<ContactPoint> points;
 		for (const ContactCluster& cluster : set.slots)
 			for (int i = 0; i < cluster.count; ++i) points.push_back(cluster.points[std::size_t(i)].point);

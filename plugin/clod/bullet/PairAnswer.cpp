@@ -323,13 +323,13 @@ void PairState::findPoints(const PairPose& pose, Question& question, bool goesOn
 	do
 		facets.find(a, bodyB(pose), pose.aFromB, question.rules, contacts, previous, m_facets, goesOn);
 	while (refineHeld(pose, question));
-	facets.settle(contacts, m_result.deep, previous, m_facets, goesOn);
+	facets.settle(contacts, m_result.deep);
 	m_report.candidates = std::uint32_t(facets.size());
 	m_points = worthOfPoints(m_result.pairs.size(), facets.size());
 	if (m_result.stats.cutShort > 0) m_ofCoarsest = m_points;
 	if (m_budget) m_budget->spendPoints(m_points);
 	m_foreseen.motion = facets.expectedMotion();
-	facets.reduce(previous, next);
+	facets.reduce(next);
 	m_foreseen.spare = facets.spare();
 	for (std::size_t slot = 0; pose.partner != Partner::kClod && slot < next.slots.size(); ++slot)
 		for (std::size_t i = 0; i < std::size_t(next.slots[slot].count); ++i)

@@ -83,6 +83,9 @@ void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Trans
 						 const std::vector<Contact>& contacts, const ClusterSet& previous, FacetMemory& memory,
 						 bool goesOn)
 {
+	m_previous = &previous;
+	m_memory = &memory;
+	m_goesOn = goesOn;
 	m_facets.clear();
 	m_question = {a,
 				  b,
@@ -91,25 +94,23 @@ void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Trans
 				  aFromBAfter(withoutForces(rules.a), withoutForces(rules.b), aFromB, rules.timeStep),
 				  rules};
 	if (goesOn)
-		takeUp(previous, memory);
+		takeUp();
 	else if (!contacts.empty())
-		takeUpWhatIsThrough(previous, memory);
+		takeUpWhatIsThrough();
 	m_finder.find(m_question, contacts, m_facets);
 	m_choice.choose(m_question, memory.reduced, memory.aFromB, m_facets);
 }
 
-void FacetContacts::settle(const std::vector<Contact>& contacts, bool isDeep, const ClusterSet& previous,
-						   FacetMemory& memory, bool goesOn)
+void FacetContacts::settle(const std::vector<Contact>& contacts, bool isDeep)
 {
-	m_memory = &memory;
 	m_expected = m_question.rules.motion();
 	m_spare = std::numeric_limits<double>::infinity();
-	answerDepth(contacts, isDeep, previous);
-	m_switch.apply(m_question, contacts, memory.reduced, previous, goesOn, memory.levels, m_facets);
+	answerDepth(contacts, isDeep);
+	m_switch.apply(m_question, contacts, m_memory->reduced, *m_previous, m_goesOn, m_memory->levels, m_facets);
 	dropWhatJams();
-	if (m_facets.empty() && !memory.isDeep())
+	if (m_facets.empty() && !m_memory->isDeep())
 	{
-		memory = {};
+		*m_memory = {};
 		return;
 	}
 	m_solve.solve(m_question, m_facets);
@@ -118,10 +119,10 @@ void FacetContacts::settle(const std::vector<Contact>& contacts, bool isDeep, co
 }
 
 // Takes up the facets that the solver got last, where they were.
-void FacetContacts::takeUp(const ClusterSet& previous, const FacetMemory& memory)
+void FacetContacts::takeUp()
 {
 	const PointRules& rules = m_question.rules;
-	forEachReduced(previous, memory.reduced,
+	forEachReduced(*m_previous, m_memory->reduced,
 				   [&](const HeldPoint& old, const FacetRecord& record)
 				   {
 					   if (!record.hasFeatures()) return;
@@ -138,16 +139,16 @@ void FacetContacts::takeUp(const ClusterSet& previous, const FacetMemory& memory
 
 // Takes up the vertices that went in through a face: each stays a contact of that face until it is out, even if it is
 // beyond by more than the body is thick there.
-void FacetContacts::takeUpWhatIsThrough(const ClusterSet& previous, const FacetMemory& memory)
+void FacetContacts::takeUpWhatIsThrough()
 {
-	forEachReduced(previous, memory.reduced,
+	forEachReduced(*m_previous, m_memory->reduced,
 				   [&](const HeldPoint& old, const FacetRecord& record)
 				   {
-					   if (record.isThrough) takeUpThrough(old.point, record, memory.aFromB);
+					   if (record.isThrough) takeUpThrough(old.point, record);
 				   });
 }
 
-void FacetContacts::takeUpThrough(const ContactPoint& point, const FacetRecord& record, const Transform& lastAFromB)
+void FacetContacts::takeUpThrough(const ContactPoint& point, const FacetRecord& record)
 {
 	const FacetQuestion& q = m_question;
 	Facet facet{};
@@ -156,7 +157,7 @@ void FacetContacts::takeUpThrough(const ContactPoint& point, const FacetRecord& 
 	const bool isOfA = facet.vertexIsOfA();
 	if (b.isSheet())
 	{
-		const Transform lastBFromA = inverse(lastAFromB);
+		const Transform lastBFromA = inverse(m_memory->aFromB);
 		if (isOfA)
 			facet.featureB = b.polygonIn(lastBFromA.rotation * point.normal, lastBFromA * point.pointOnB, q.length());
 		if (!isOfA || facet.featureB == kNone) return;
@@ -171,7 +172,7 @@ void FacetContacts::takeUpThrough(const ContactPoint& point, const FacetRecord& 
 
 // Where bodies overlap and no facet tells how deep, adds the contacts of a way out (DeepOverlap.h), which stays the
 // same as long as it is needed.
-void FacetContacts::answerDepth(const std::vector<Contact>& contacts, bool isDeep, const ClusterSet& previous)
+void FacetContacts::answerDepth(const std::vector<Contact>& contacts, bool isDeep)
 {
 	Vec3& wayOut = m_memory->wayOut;
 	if (m_question.b.only && m_question.b.only->isSheet())
@@ -193,7 +194,7 @@ void FacetContacts::answerDepth(const std::vector<Contact>& contacts, bool isDee
 		return;
 	}
 	m_deepFacets.clear();
-	wayOut = m_deep.find(m_question, contacts, isDeep, wayOut, normalized(impulseOf(previous)), m_deepFacets);
+	wayOut = m_deep.find(m_question, contacts, isDeep, wayOut, normalized(impulseOf(*m_previous)), m_deepFacets);
 	// Overlapping facets that oppose the way out would hold the bodies where they are.
 	if (wayOut != Vec3{})
 		m_facets.erase(std::remove_if(m_facets.begin(), m_facets.end(),
@@ -210,13 +211,13 @@ void FacetContacts::dropWhatJams()
 	m_facets.erase(std::remove_if(m_facets.begin(), m_facets.end(), isLeft), m_facets.end());
 }
 
-void FacetContacts::reduce(const ClusterSet& previous, ClusterSet& next)
+void FacetContacts::reduce(ClusterSet& next)
 {
 	m_points.clear();
 	m_memory->reduced.clear();
 	m_memory->aFromB = m_question.aFromB;
 	for (const Facet& facet : m_facets) m_points.push_back(pointOf(facet));
-	m_reducer.reduce(m_facets, m_points, previous, m_question.rules, next);
+	m_reducer.reduce(m_facets, m_points, *m_previous, m_question.rules, next);
 	for (std::size_t i = 0; i < m_facets.size(); ++i)
 		if (m_facets[i].reach == Facet::Reach::kPossible && !m_reducer.isChosen(i))
 			m_spare = std::min(m_spare, m_facets[i].then - m_question.rules.margin);

@@ -40,23 +40,21 @@ CLOD_API bool isJammedBetween(const FacetQuestion& question, const std::vector<F
 class CLOD_API FacetContacts
 {
 public:
-	// The facets of the accepted pairs. goesOn: those that the solver got last stay, as nothing but the motion of the
-	// rules has changed.
+	// The facets of the accepted pairs. previous: with B's motion and impulses; it and the memory are needed until
+	// reduce(). goesOn: the facets that the solver got last stay, as nothing but the motion of the rules has changed.
 	void find(const ContactBody& a, const ContactBody& b, const Transform& aFromB, const PointRules& rules,
 			  const std::vector<Contact>& contacts, const ClusterSet& previous, FacetMemory& memory,
 			  bool goesOn = false);
 	// Would the facets found last hold the bodies however they move?
 	bool holdBetween() const { return isHeldBetween(m_question, m_facets); }
 	bool jamBetween() const { return isJammedBetween(m_question, m_facets); }
-	// Makes contacts of those found last. isDeep: one body is known to be inside the other. The memory is the pair's,
-	// and needed until reduce().
-	void settle(const std::vector<Contact>& contacts, bool isDeep, const ClusterSet& previous, FacetMemory& memory,
-				bool goesOn = false);
+	// Makes contacts of those found last. isDeep: one body is known to be inside the other.
+	void settle(const std::vector<Contact>& contacts, bool isDeep);
 	// Of A's material relative to B's, frame A: the coming step's, as these contacts alone would have it.
 	const RelativeMotion& expectedMotion() const { return m_expected; }
 	std::size_t size() const { return m_facets.size(); }
-	// Of those found last, the ones a solver gets. previous: with B's motion and impulses.
-	void reduce(const ClusterSet& previous, ClusterSet& next);
+	// Of those found last, the ones a solver gets.
+	void reduce(ClusterSet& next);
 	// By how much a motion may differ from the expected one, at the bodies' farthest points, before it meets facets
 	// that are not among the reduced ones.
 	double spare() const { return m_spare; }
@@ -67,17 +65,19 @@ public:
 	}
 
 private:
-	void takeUpWhatIsThrough(const ClusterSet& previous, const FacetMemory& memory);
-	void takeUpThrough(const ContactPoint& point, const FacetRecord& record, const Transform& lastAFromB);
-	void takeUp(const ClusterSet& previous, const FacetMemory& memory);
+	void takeUpWhatIsThrough();
+	void takeUpThrough(const ContactPoint& point, const FacetRecord& record);
+	void takeUp();
 	ContactPoint pointOf(const Facet& facet) const;
 	void nameFaces(const Facet& facet, const Transform& bFromA, ContactPoint& point) const;
 	void dropWhatJams();
-	void answerDepth(const std::vector<Contact>& contacts, bool isDeep, const ClusterSet& previous);
+	void answerDepth(const std::vector<Contact>& contacts, bool isDeep);
 
 	FacetQuestion m_question;
 	std::vector<Facet> m_facets, m_deepFacets;
+	const ClusterSet* m_previous = nullptr;
 	FacetMemory* m_memory = nullptr;
+	bool m_goesOn = false;
 	std::vector<ContactPoint> m_points;
 	FacetFinder m_finder;
 	FacetChoice m_choice;
