@@ -102,8 +102,10 @@ bool isSameFile(const std::string& one, const std::string& other)
 {
 	if (one.empty() || other.empty() || one == "-" || other == "-") return false;
 	std::error_code error;
-	const std::filesystem::path path = std::filesystem::weakly_canonical(one, error);
-	if (error || path != std::filesystem::weakly_canonical(other, error) || error) return false;
+	const auto whole = [&error](const std::string& name)
+	{ return std::filesystem::weakly_canonical(std::filesystem::absolute(name, error), error); };
+	const std::filesystem::path path = whole(one);
+	if (path.empty() || path != whole(other)) return false;
 	return !std::filesystem::exists(path, error) || std::filesystem::is_regular_file(path, error);
 }
 }  // namespace

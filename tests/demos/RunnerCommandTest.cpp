@@ -107,7 +107,7 @@ TEST_F(RunnerCommand, NoResultIsWrittenOverAnotherOrOverWhatIsRead)
 	std::ofstream(scene) << "scene";
 	std::filesystem::create_symlink(scene, link);
 	for (const std::string& words :
-		 {"run spoon-cup --steps 1 --csv " + path("x") + " --json " + path("./x"), "run " + scene + " --json " + link,
+		 {std::string("run spoon-cup --steps 1 --csv no.csv --json ./no.csv"), "run " + scene + " --json " + link,
 		  "replay spoon-cup " + poses + " --csv " + poses})
 	{
 		const Outcome outcome = bench(words + cache());
