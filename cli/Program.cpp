@@ -10,6 +10,7 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <new>
 
 #include "cli/Files.h"
@@ -95,6 +96,18 @@ int fail(const CLI::App& app, ExitCode code, const std::string& message)
 	fmt::print(stderr, "{}: {}\n", app.get_name(), message);
 	return int(code);
 }
+
+// However it is named, and whether it exists yet or not. A device may take several results.
+bool isSameFile(const std::string& one, const std::string& other)
+{
+	if (one.empty() || other.empty() || one == "-" || other == "-") return false;
+	std::error_code error;
+	const auto whole = [&error](const std::string& name)
+	{ return std::filesystem::weakly_canonical(std::filesystem::absolute(name, error), error); };
+	const std::filesystem::path path = whole(one);
+	if (path.empty() || path != whole(other)) return false;
+	return !std::filesystem::exists(path, error) || std::filesystem::is_regular_file(path, error);
+}
 }  // namespace
 
 void addQuiet(CLI::App& command, CommonOptions& options)
@@ -147,10 +160,18 @@ void addFolder(CLI::App& command, std::string& folder, const std::string& files)
 	addOutput(command, folder, "DIR", "Folder for " + files);
 }
 
-void requireWritable(std::initializer_list<std::string> files)
+void requireWritable(std::initializer_list<std::string> files, const std::vector<std::string>& inputs)
 {
 	if (std::count(files.begin(), files.end(), "-") > 1)
 		throw Failure(ExitCode::usage, "two results are to go to stdout (-); name a file for one of them");
+	for (auto file = files.begin(); file != files.end(); ++file)
+	{
+		for (const std::string& input : inputs)
+			if (isSameFile(*file, input) && std::filesystem::exists(input))
+				throw Failure(ExitCode::usage, *file + " is read; name another file to write to");
+		for (auto other = files.begin(); other != file; ++other)
+			if (isSameFile(*file, *other)) throw Failure(ExitCode::usage, "two results are to go to " + *file);
+	}
 	for (const std::string& file : files)
 	{
 		const std::string problem = file.empty() ? std::string() : unwritable(file);

@@ -40,8 +40,8 @@ void addOutput(CLI::App& command, std::string& path, const std::string& type, co
 void addFolder(CLI::App& command, std::string& folder, const std::string& files);
 
 // Before minutes are spent on what could not be written: throws Failure for the first of these files that cannot be
-// (1), and where two of them are stdout (2). An empty name is no file.
-void requireWritable(std::initializer_list<std::string> files);
+// (1), and where two of them are one, or one is what the command reads (2). An empty name is no file.
+void requireWritable(std::initializer_list<std::string> files, const std::vector<std::string>& inputs = {});
 
 // One of `choices`; anything else is a usage error naming the nearest one.
 CLI::Validator oneOf(const std::vector<std::string>& choices);

@@ -291,7 +291,8 @@ void buildParts(const BuildOptions& options)
 void run(const BuildOptions& options)
 {
 	if (options.wrap && !(options.wrap->value > 0)) throw Failure(ExitCode::usage, "--wrap must be positive");
-	cli::requireWritable({options.json});
+	cli::requireWritable({options.json, options.parts ? std::string() : options.output},
+						 {cli::meshPath(options.mesh).file});
 	if (options.parts) return buildParts(options);
 	const nlohmann::ordered_json report = buildOne(options);
 	if (!options.json.empty()) writeReport(options.json, report);

@@ -7,6 +7,7 @@
 #include "builder/check/Check.h"
 #include "builder/cli/Commands.h"
 #include "builder/intake/ReadMesh.h"
+#include "cli/MeshPath.h"
 #include "cli/Program.h"
 #include "cli/Progress.h"
 
@@ -62,7 +63,7 @@ nlohmann::ordered_json describeAll(const std::vector<check::Invariant>& invarian
 
 void run(const CheckOptions& options)
 {
-	cli::requireWritable({options.json});
+	cli::requireWritable({options.json}, {options.file, cli::meshPath(options.mesh).file});
 	const auto hierarchy = loadHierarchy(options.file);
 	check::Options settings;
 	settings.threads = options.threads;

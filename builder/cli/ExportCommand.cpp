@@ -58,7 +58,7 @@ std::string numbered(const std::string& path, std::uint32_t level)
 void run(const ExportOptions& options)
 {
 	encodeAs(options.output, {});  // the ending is checked before anything is read
-	cli::requireWritable({options.json});
+	cli::requireWritable({options.json, options.allLevels ? std::string() : options.output}, {options.file});
 	const auto hierarchy = loadHierarchy(options.file);
 	const std::uint32_t coarsest = hierarchy->coarsestClodLevel();
 	nlohmann::ordered_json report = {{"schema", 1}, {"levels", nlohmann::ordered_json::array()}};

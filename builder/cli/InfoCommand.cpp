@@ -79,6 +79,7 @@ nlohmann::ordered_json describeLevel(const Hierarchy& hierarchy, std::size_t ind
 
 void run(const InfoOptions& options)
 {
+	cli::requireWritable({options.json}, {options.file});
 	const auto hierarchy = loadHierarchy(options.file);
 	const std::uint64_t fileBytes = std::filesystem::file_size(options.file);
 	if (!options.json.empty()) writeReport(options.json, describe(*hierarchy, fileBytes, -1));

@@ -9,6 +9,7 @@
 #include <memory>
 #include <vector>
 
+#include "cli/MeshPath.h"
 #include "demos/runner/Commands.h"
 #include "demos/runner/Gnuplot.h"
 #include "demos/runner/LevelPictures.h"
@@ -68,7 +69,8 @@ void runLevels(const LevelsOptions& options)
 	for (const std::string& picture : {options.output, options.errors, options.plot})
 		if (!picture.empty() && std::filesystem::path(picture).extension() != ".png")
 			throw cli::Failure(cli::ExitCode::usage, picture + " does not end in .png");
-	cli::requireWritable({options.output, options.errors, options.plot, options.common.json});
+	cli::requireWritable({options.output, options.errors, options.plot, options.common.json},
+						 {cli::meshPath(options.file).file});
 	HierarchyCache cache(options.cache, options.common.quiet);
 	const HierarchyPointer hierarchy = cache.open(options.file, {options.paper});
 	const std::string name = std::filesystem::path(options.file).stem().string();

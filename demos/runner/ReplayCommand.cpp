@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 
+#include "cli/MeshPath.h"
 #include "cli/Progress.h"
 #include "demos/runner/Commands.h"
 #include "demos/runner/DispatchBench.h"
@@ -126,7 +127,8 @@ nlohmann::ordered_json summarizeReplay(const Subject& subject, const std::vector
 // Before anything is built.
 void checkUsage(const ReplayCommandOptions& options)
 {
-	cli::requireWritable({options.csv, options.common.json});
+	cli::requireWritable({options.csv, options.common.json},
+						 {cli::meshPath(options.a).file, cli::meshPath(options.b).file, options.poses});
 	refuseUnusedCamera(options.selection);
 	refuseClock(options.selection, options.repeat);
 	if (options.peer.empty()) return;

@@ -263,7 +263,9 @@ void checkUsage(const RunOptions& options)
 		refuseUnusedCamera(options.selection);
 	else
 		makeDirectory(options.frames.directory);
-	cli::requireWritable({options.csv, options.poses, options.common.json});
+	std::vector<std::string> inputs = options.models;
+	inputs.push_back(options.scene);
+	cli::requireWritable({options.csv, options.poses, options.common.json}, inputs);
 	if (options.selection.hasQueryOnly() && options.selection.budget.isLimited())
 		throw Failure(ExitCode::usage,
 					  "--paper and --fresh are of the queries beside a simulation; under a budget the simulation's own "

@@ -100,6 +100,23 @@ TEST_F(RunnerCommand, WhatCannotBeWrittenIsToldBeforeAnythingIsBuilt)
 	}
 }
 
+TEST_F(RunnerCommand, NoResultIsWrittenOverAnotherOrOverWhatIsRead)
+{
+	const std::string poses = path("p.csv"), scene = path("s.json"), link = path("link.json");
+	std::ofstream(poses) << "poses";
+	std::ofstream(scene) << "scene";
+	std::filesystem::create_symlink(scene, link);
+	for (const std::string& words :
+		 {std::string("run spoon-cup --steps 1 --csv no.csv --json ./no.csv"), "run " + scene + " --json " + link,
+		  "replay spoon-cup " + poses + " --csv " + poses})
+	{
+		const Outcome outcome = bench(words + cache());
+		EXPECT_EQ(outcome.code, 2) << words << "\n" << outcome.err;
+	}
+	EXPECT_EQ(readText(poses), "poses");
+	EXPECT_EQ(readText(scene), "scene");
+}
+
 TEST_F(RunnerCommand, UsageErrorsExitWith2AndTheNearestMatch)
 {
 	const std::pair<const char*, const char*> cases[] = {

@@ -113,6 +113,8 @@ public:
 	btTransform bodyFromPrincipal() const;
 	btVector3 principalInertia(btScalar mass) const;
 
+	// Encloses every level, of which coarse ones protrude: also unturned it is wider than the mesh (a ring, a torus: by
+	// 0.25 to 0.3 of the radius on a side). Place bodies by meshFromBody or by rays.
 	void getAabb(const btTransform& worldFromBody, btVector3& aabbMin, btVector3& aabbMax) const override;
 	// The diagonal of the exact inertia of the input solid, about the body frame's axes.
 	void calculateLocalInertia(btScalar mass, btVector3 & inertia) const override;
