@@ -190,4 +190,30 @@ TEST(PairReport, ContactsTooLooseForAWallAreSaid)
 		}
 	}
 }
+
+// Of a body that goes its own radius in a step, all of a near one may be aside of the way: it is looked for only where
+// little is on the way itself.
+TEST(PairReport, WhatIsAsideOfALongWayIsLookedForWhereLittleIsOnIt)
+{
+	for (const bool meets : {true, false})
+	{
+		BulletWorld scene;
+		btClodShape& shape = scene.addShape(ring());
+		const double radius = double(ring()->asset().radius), beside = 1.5 * radius;
+		scene.addBody(shape, 0, {0, 0, 0});
+		btRigidBody& body =
+			scene.addBody(shape, 1, meets ? Vec3{0.3 * radius, 0.2 * radius, 0} : Vec3{beside, 0, beside});
+		const btVector3 speed(0, btScalar((meets ? -1 : 1) * radius / scene.timeStep), 0);
+		body.setLinearVelocity(speed);
+		body.setInterpolationLinearVelocity(speed);
+		scene.world.getDispatchInfo().m_timeStep = btScalar(scene.timeStep);
+		scene.context.worldMetric = ContactMetric::exactly();
+		scene.world.performDiscreteCollisionDetection();
+		PairReport report;
+		scene.context.forEachPair([&](const PairReport& pair) { report = pair; });
+		ASSERT_NE(report.result, nullptr);
+		EXPECT_FALSE(report.result->pairs.empty());
+		EXPECT_EQ(report.tolerance < 0.2 * radius, meets);
+	}
+}
 }  // namespace clod::test

@@ -121,6 +121,11 @@ TEST(ScaledHierarchy, BoundsAreNoLessThanProvedAndHardlyMore)
 			}
 			EXPECT_LE(double(b.thickness), largest * double(a.thickness));
 			EXPECT_GE(double(b.thickness), 0.999 * smallest * double(a.thickness) - rounding);
+			// A wall behind a face is known where nothing is stretched.
+			for (std::uint32_t f = 0; f < a.faceCount; ++f)
+				EXPECT_NEAR(double(to->faces(b)[f].thickness),
+							smallest == largest ? largest * double(from.faces(a)[f].thickness) : 0,
+							1e-3 * largest * double(from.faces(a)[f].thickness));
 			// Nor is a box larger than the image of the one before.
 			const auto &boxBefore = from.cullBox(i).half, &boxAfter = to->cullBox(i).half;
 			for (int k = 0; smallest == largest && k < 3; ++k)

@@ -37,17 +37,20 @@ TEST(DeepOverlap, AnEdgeLeavesAWallThatItHasHardlyEnteredTheWayItCame)
 	constexpr double kHole = 0.6, kSunk = 0.02, kStep = 2 * 3.14159265358979 / kSides;
 	HierarchyContent content = leafHierarchy(torusMesh(1, 1 - kHole, kSides, 12));
 	for (Node& node : content.nodes) node.thickness = 0;
-	const HierarchyPointer ring = Hierarchy::fromOwnBytes(encode(content));
+	const HierarchyPointer told = Hierarchy::fromOwnBytes(encode(content));
+	for (Face& face : content.faces) face.thickness = 0;  // as of a stretched body
+	const HierarchyPointer untold = Hierarchy::fromOwnBytes(encode(content));
 	std::vector<Vec3> corners;
 	for (const double x : {-0.1, 0.1})
 		for (const double y : {-1.5, 1.5})
 			for (const double z : {-0.1, 0.1}) corners.push_back({x, y, z});
 	const HierarchyPointer bar = patchHierarchy(boxMesh({0.2, 3, 0.2}, {1, 1, 1}, 1)),
 						   convex = convexPiece(convexPolyhedron(corners, 8), 0).value();
-	for (const HierarchyPointer& stick : {bar, convex})
+	for (const int which : {0, 1, 2, 3})
 		for (const bool isFirst : {true, false})
 			for (const int pushed : {0, 1, 2})
 			{
+				const HierarchyPointer &stick = which % 2 == 0 ? bar : convex, &ring = which < 2 ? told : untold;
 				Vec3 kept;
 				for (int i = 0; i < kSides; ++i)
 				{

@@ -39,6 +39,7 @@ struct TriangleSink : btTriangleCallback
 
 constexpr double kFiner = 2;         // by so much a trial is finer than what missed: levels differ by about that
 constexpr double kLeastOfTrial = 4;  // of what the coarsest answer takes: a finer one takes more
+constexpr double kWide = 0.1;        // of the length: so far aside of a way there may be all of a body
 constexpr double kStricter = 0.25;  // of the error of contacts that hold a body between them
 
 // What a thread needs while it answers a pair.
@@ -73,6 +74,20 @@ void PairState::ask(const PairPose& pose, const Question& question, bool isAsked
 	else
 		query(pose, question);
 	if (!question.withGap) m_result.minDistance = m_result.errorBound = std::numeric_limits<double>::infinity();
+}
+
+// A body that goes about its own size in a step has all of a near one aside of its way (PairPose::lookAside): millions
+// of pairs of nodes. It looks there only where few are on the way itself.
+void PairState::askAside(const PairPose& pose, Question& question, bool isAsked)
+{
+	const PointRules& rules = pose.rules;
+	const double tolerance = question.settings.tolerance, ofWay = rules.margin + rules.resting + rules.heldReach;
+	const bool isWide = !isAsked && tolerance - ofWay > kWide * rules.length;
+	if (isWide) m_report.tolerance = question.settings.tolerance = ofWay;
+	ask(pose, question, isAsked);
+	if (!isWide || m_result.pairs.size() > kFewPairs) return;
+	m_report.tolerance = question.settings.tolerance = tolerance;
+	ask(pose, question);
 }
 
 void PairState::query(const PairPose& pose, const Question& question)
@@ -253,7 +268,7 @@ void PairState::answer(const PairPose& pose, Question& question, bool isAsked)
 	bool goesOn = pose.prediction == Prediction::kSolved && m_followed == 0;
 	m_followed = 0;
 	if (pose.isOfTwo())
-		ask(pose, question, isAsked);
+		askAside(pose, question, isAsked);
 	else if (!goesOn || pose.tolerance > m_foreseen.tolerance)
 	{
 		askPartner(pose);

@@ -139,6 +139,7 @@ private:
 	Question questionOf(const PairPose& pose);
 	// Query.
 	void ask(const PairPose& pose, const Question& question, bool isAsked = false);  // asked: the result is at hand
+	void askAside(const PairPose& pose, Question& question, bool isAsked);
 	void query(const PairPose& pose, const Question& question);  // outlined, if there is a budget
 	void askPartner(const PairPose& pose);
 	std::uint64_t gatherTriangles(const PairPose& pose, const Transform& aFromB, double tolerance,

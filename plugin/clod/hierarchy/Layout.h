@@ -81,7 +81,7 @@ struct Face
 	float normal[3];             // unit, outward
 	float offset;                // max over the three vertices of dot(normal, v), rounded up
 	float thickness;             // t_f = min(half the local wall along -normal, 0.03 radius): how deep a contact
-								 // point may lie under it and still be this face's; 0 in a scaled body
+								 // point may lie under it and still be this face's; 0 in a stretched body
 	std::uint32_t source;        // level 0: index of the triangle in the input mesh; otherwise kNone
 };
 static_assert(sizeof(Face) == 44);

@@ -238,8 +238,8 @@ void Scaling::faces()
 			const HullView h = hull(n);
 			f.offset = roundUp(std::max({dot(stored, h.vertex(f.vertex[0])), dot(stored, h.vertex(f.vertex[1])),
 										 dot(stored, h.vertex(f.vertex[2]))}));
-			// The wall is another, along another normal.
-			f.thickness = 0;
+			// A stretched wall is another, along another normal.
+			f.thickness = m_isUniform ? boundAtMost(m_largest * double(f.thickness) / kRoom) : 0;
 		}
 }
 

@@ -14,6 +14,7 @@ constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr double kLeastDepth = 1e-3;  // of the length: shallower overlaps are left to the facets
 constexpr double kOwnWay = 0.9;       // cosine: a place's own way out is the pair's
 constexpr double kNearSurface = 0.5;  // of a node's thickness, which is half of a wall at most
+constexpr double kDeepestOfFace = 0.03;  // of the radius: Face::thickness is no more
 constexpr double kAlongWay = 0.3;  // cosine: of all that is so, edges in a corner of two walls among them
 constexpr double kLeastShare = 1e-3;  // of an edge: the shortest part that is looked for inside
 constexpr double kNotConvex = 0.03;   // of a body's volume: a hull with that much more is not the body
@@ -74,6 +75,19 @@ Vec3 shortestWayOut(const FacetQuestion& q, const ContactSurface& a, const Conta
 	return -convexPolyhedron(support, kDifferencesError * q.length(), kMostDifferences).nearestPlane({}).normal;
 }
 
+// As Face::thickness, for what has none: half the way from a place on the surface straight inward to where it is left.
+double halfWall(const ContactSurface& surface, const ContactSurface::Nearest& near, double radius)
+{
+	const Vec3 way = -2 * kDeepestOfFace * radius * surface.faces()[near.face].normal;
+	double least = 1;
+	const auto leave = [&](std::uint32_t face, double share)
+	{
+		if (dot(surface.faces()[face].normal, way) > 0) least = std::min(least, share);
+	};
+	surface.forEachCrossed(near.point, near.point + way, 0, leave);
+	return 0.5 * least * length(way);
+}
+
 bool isConvex(const ContactBody& body)
 {
 	return body.hierarchy && body.hierarchy->derived<Bulk>().isConvex;
@@ -93,9 +107,14 @@ DeepOverlap::Inside DeepOverlap::insideAt(const FacetQuestion& q, const Contact&
 	const ContactBody& other = ofA ? q.b : q.a;
 	const std::uint32_t node = ofA ? contact.nodeB : contact.nodeA;
 	double wall = kNearSurface * other.thicknessOf(node);
-	// Curved patches have no thickness, scaled faces neither.
+	// Curved patches have no thickness, faces of stretched bodies neither.
 	if (!other.only)
-		wall = std::max(wall, double(other.hierarchy->faces()[other.globalFace(other.levelOf(node), near.face)].thickness));
+	{
+		const double told =
+			double(other.hierarchy->faces()[other.globalFace(other.levelOf(node), near.face)].thickness);
+		wall = std::max(
+			wall, told > 0 ? told : halfWall(other.surfaceOf(node), near, double(other.hierarchy->asset().radius)));
+	}
 	return {ofA ? place : there, ofA ? q.aFromB.rotation * way : -way, wall, contact.nodeA, contact.nodeB, feature, ofA};
 }
 
