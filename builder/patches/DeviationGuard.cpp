@@ -3,40 +3,90 @@
 #include "builder/patches/DeviationGuard.h"
 
 #include <algorithm>
+#include <cmath>
+#include <unordered_set>
 
 namespace clod::builder
 {
+namespace
+{
+// Which cells of a grid hold a sample already, on surface that faces this way: the other side of a thin wall, in the
+// same cell, has samples of its own.
+class SampledCells
+{
+public:
+	SampledCells(const Vec3& low, double size) : m_low(low), m_size(size) {}
+	bool take(const Vec3& p, const Vec3& normal)
+	{
+		int axis = 0;
+		for (int k = 1; k < 3; ++k)
+			if (std::fabs(normal[k]) > std::fabs(normal[axis])) axis = k;
+		std::uint64_t key = std::uint64_t(2 * axis + (normal[axis] < 0 ? 1 : 0));
+		for (int k = 0; k < 3; ++k) key = (key << 20) | std::uint64_t((p[k] - m_low[k]) / m_size);
+		return m_taken.insert(key).second;
+	}
+
+private:
+	const Vec3 m_low;
+	const double m_size;
+	std::unordered_set<std::uint64_t> m_taken;
+};
+}  // namespace
+
 DeviationGuard::DeviationGuard(const Mesh& input, double radius) : m_input(input)
 {
 	m_held.samples.resize(input.triangles.size());
-	const double spacing = 0.02 * radius;
 	std::vector<Box> boxes;
+	for (const auto& t : input.triangles)
+		boxes.push_back(boxOf({input.vertices[t[0]], input.vertices[t[1]], input.vertices[t[2]]}));
+	m_tree.build(boxes);
+	Box all;
+	for (const Box& box : boxes) all.include(box);
+	const double spacing = 0.02 * radius;
+	SampledCells cells(all.low, 0.5 * spacing);
 	std::vector<char> sampled(input.vertices.size(), 0);
+	const auto add = [&](std::uint32_t face, const Vec3& x)
+	{
+		m_held.samples[face].push_back(std::uint32_t(m_samples.size()));
+		m_samples.push_back(x);
+	};
+	const auto normalOf = [&](const std::array<std::uint32_t, 3>& t)
+	{ return cross(input.vertices[t[1]] - input.vertices[t[0]], input.vertices[t[2]] - input.vertices[t[0]]); };
+	for (std::uint32_t f = 0; f < input.triangles.size(); ++f)
+		for (const std::uint32_t v : input.triangles[f])
+		{
+			cells.take(input.vertices[v], normalOf(input.triangles[f]));
+			if (sampled[v]) continue;
+			sampled[v] = 1;
+			add(f, input.vertices[v]);
+		}
+	// Rows along the longest edge: a needle needs one. Where needles lie side by side, cells are shared.
 	for (std::uint32_t f = 0; f < input.triangles.size(); ++f)
 	{
 		const auto& t = input.triangles[f];
-		const TrianglePoints p = {input.vertices[t[0]], input.vertices[t[1]], input.vertices[t[2]]};
-		boxes.push_back(boxOf(p));
-		const auto add = [&](const Vec3& x)
+		std::size_t first = 0;
+		const auto side = [&](std::size_t k)
+		{ return lengthSquared(input.vertices[t[(k + 1) % 3]] - input.vertices[t[k]]); };
+		for (std::size_t k = 1; k < 3; ++k)
+			if (side(k) > side(first)) first = k;
+		const Vec3 &a = input.vertices[t[first]], &b = input.vertices[t[(first + 1) % 3]];
+		const Vec3& apex = input.vertices[t[(first + 2) % 3]];
+		const Vec3 normal = normalOf(t);
+		const double longest = std::sqrt(side(first)), height = length(normal) / longest;
+		if (longest <= spacing) continue;
+		const int rows = int(std::ceil(height / spacing));
+		for (int row = 0; row < rows; ++row)
 		{
-			m_held.samples[f].push_back(std::uint32_t(m_samples.size()));
-			m_samples.push_back(x);
-		};
-		for (std::size_t k = 0; k < 3; ++k)
-			if (!sampled[t[k]])
+			const double up = double(row) / rows;
+			const Vec3 from = a + up * (apex - a), to = b + up * (apex - b);
+			const int steps = std::max(1, int(std::ceil((1 - up) * longest / spacing)));
+			for (int i = 0; i <= steps; ++i)
 			{
-				sampled[t[k]] = 1;
-				add(p[k]);
+				const Vec3 x = from + (double(i) / steps) * (to - from);
+				if (cells.take(x, normal)) add(f, x);
 			}
-		const double longest =
-			std::sqrt(std::max({lengthSquared(p[1] - p[0]), lengthSquared(p[2] - p[1]), lengthSquared(p[0] - p[2])}));
-		const int steps = int(std::ceil(longest / spacing));
-		for (int i = 0; i <= steps && steps > 1; ++i)
-			for (int j = 0; i + j <= steps; ++j)
-				if (i != steps && j != steps && i + j != 0)
-					add(p[0] + (double(i) / steps) * (p[1] - p[0]) + (double(j) / steps) * (p[2] - p[0]));
+		}
 	}
-	m_tree.build(boxes);
 }
 
 bool DeviationGuard::isNear(const Vec3& p) const
