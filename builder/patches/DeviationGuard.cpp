@@ -31,6 +31,27 @@ private:
 	const double m_size;
 	std::unordered_set<std::uint64_t> m_taken;
 };
+
+// Rows along the longest edge, of which a needle needs one; no points where that edge is not longer than the spacing.
+template <class Visit>
+void forEachGridPoint(const TrianglePoints& t, double twiceArea, double spacing, const Visit& visit)
+{
+	const auto side = [&](std::size_t k) { return lengthSquared(t[(k + 1) % 3] - t[k]); };
+	std::size_t first = 0;
+	for (std::size_t k = 1; k < 3; ++k)
+		if (side(k) > side(first)) first = k;
+	const Vec3 &a = t[first], &b = t[(first + 1) % 3], &apex = t[(first + 2) % 3];
+	const double longest = std::sqrt(side(first));
+	if (longest <= spacing) return;
+	const int rows = int(std::ceil(twiceArea / longest / spacing));
+	for (int row = 0; row < rows; ++row)
+	{
+		const double up = double(row) / rows;
+		const Vec3 from = a + up * (apex - a), to = b + up * (apex - b);
+		const int steps = std::max(1, int(std::ceil((1 - up) * longest / spacing)));
+		for (int i = 0; i <= steps; ++i) visit(from + (double(i) / steps) * (to - from));
+	}
+}
 }  // namespace
 
 DeviationGuard::DeviationGuard(const Mesh& input, double radius) : m_input(input)
@@ -60,32 +81,15 @@ DeviationGuard::DeviationGuard(const Mesh& input, double radius) : m_input(input
 			sampled[v] = 1;
 			add(f, input.vertices[v]);
 		}
-	// Rows along the longest edge: a needle needs one. Where needles lie side by side, cells are shared.
 	for (std::uint32_t f = 0; f < input.triangles.size(); ++f)
 	{
 		const auto& t = input.triangles[f];
-		std::size_t first = 0;
-		const auto side = [&](std::size_t k)
-		{ return lengthSquared(input.vertices[t[(k + 1) % 3]] - input.vertices[t[k]]); };
-		for (std::size_t k = 1; k < 3; ++k)
-			if (side(k) > side(first)) first = k;
-		const Vec3 &a = input.vertices[t[first]], &b = input.vertices[t[(first + 1) % 3]];
-		const Vec3& apex = input.vertices[t[(first + 2) % 3]];
 		const Vec3 normal = normalOf(t);
-		const double longest = std::sqrt(side(first)), height = length(normal) / longest;
-		if (longest <= spacing) continue;
-		const int rows = int(std::ceil(height / spacing));
-		for (int row = 0; row < rows; ++row)
-		{
-			const double up = double(row) / rows;
-			const Vec3 from = a + up * (apex - a), to = b + up * (apex - b);
-			const int steps = std::max(1, int(std::ceil((1 - up) * longest / spacing)));
-			for (int i = 0; i <= steps; ++i)
-			{
-				const Vec3 x = from + (double(i) / steps) * (to - from);
-				if (cells.take(x, normal)) add(f, x);
-			}
-		}
+		forEachGridPoint({input.vertices[t[0]], input.vertices[t[1]], input.vertices[t[2]]}, length(normal), spacing,
+						 [&](const Vec3& x)
+						 {
+							 if (cells.take(x, normal)) add(f, x);
+						 });
 	}
 }
 
