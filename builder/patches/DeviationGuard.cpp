@@ -32,25 +32,17 @@ private:
 	std::unordered_set<std::uint64_t> m_taken;
 };
 
-// Rows along the longest edge, of which a needle needs one; no points where that edge is not longer than the spacing.
+// A needle is so many times as long as it is high.
+constexpr double kNeedle = 8;
+
+// Samples on a triangle and its sides, but for its corners: `steps` of them along the two sides at p[0].
 template <class Visit>
-void forEachGridPoint(const TrianglePoints& t, double twiceArea, double spacing, const Visit& visit)
+void forEachGridPoint(const TrianglePoints& p, const std::array<int, 2>& steps, const Visit& visit)
 {
-	const auto side = [&](std::size_t k) { return lengthSquared(t[(k + 1) % 3] - t[k]); };
-	std::size_t first = 0;
-	for (std::size_t k = 1; k < 3; ++k)
-		if (side(k) > side(first)) first = k;
-	const Vec3 &a = t[first], &b = t[(first + 1) % 3], &apex = t[(first + 2) % 3];
-	const double longest = std::sqrt(side(first));
-	if (longest <= spacing) return;
-	const int rows = int(std::ceil(twiceArea / longest / spacing));
-	for (int row = 0; row < rows; ++row)
-	{
-		const double up = double(row) / rows;
-		const Vec3 from = a + up * (apex - a), to = b + up * (apex - b);
-		const int steps = std::max(1, int(std::ceil((1 - up) * longest / spacing)));
-		for (int i = 0; i <= steps; ++i) visit(from + (double(i) / steps) * (to - from));
-	}
+	for (int i = 0; i <= steps[0]; ++i)
+		for (int j = 0; i * steps[1] + j * steps[0] <= steps[0] * steps[1]; ++j)
+			if (i != steps[0] && j != steps[1] && i + j != 0)
+				visit(p[0] + (double(i) / steps[0]) * (p[1] - p[0]) + (double(j) / steps[1]) * (p[2] - p[0]));
 }
 }  // namespace
 
@@ -84,8 +76,20 @@ DeviationGuard::DeviationGuard(const Mesh& input, double radius) : m_input(input
 	for (std::uint32_t f = 0; f < input.triangles.size(); ++f)
 	{
 		const auto& t = input.triangles[f];
+		TrianglePoints p = {input.vertices[t[0]], input.vertices[t[1]], input.vertices[t[2]]};
+		const auto side = [&](std::size_t k) { return std::sqrt(lengthSquared(p[(k + 1) % 3] - p[k])); };
+		const double longest = std::max({side(0), side(1), side(2)});
 		const Vec3 normal = normalOf(t);
-		forEachGridPoint({input.vertices[t[0]], input.vertices[t[1]], input.vertices[t[2]]}, length(normal), spacing,
+		const int steps = int(std::ceil(longest / spacing));
+		if (steps <= 1) continue;
+		if (kNeedle * length(normal) > longest * longest)
+		{
+			forEachGridPoint(p, {steps, steps}, [&](const Vec3& x) { add(f, x); });
+			continue;
+		}
+		// From its shortest side on. Where needles lie side by side, cells are shared.
+		while (side(0) > std::min(side(1), side(2))) std::rotate(p.begin(), p.begin() + 1, p.end());
+		forEachGridPoint(p, {std::max(1, int(std::ceil(side(0) / spacing))), steps},
 						 [&](const Vec3& x)
 						 {
 							 if (cells.take(x, normal)) add(f, x);
