@@ -31,7 +31,13 @@ bool sharesVertex(const std::array<std::uint32_t, 3>& a, const std::array<std::u
 }  // namespace
 
 Collapser::Collapser(PatchMesh& mesh, Validity& validity, DeviationGuard& guard, const BuildConfig& config)
-	: m_mesh(mesh), m_validity(validity), m_guard(guard), m_config(config), m_quadrics(mesh.positions.size())
+	: m_mesh(mesh),
+	  m_validity(validity),
+	  m_guard(guard),
+	  m_config(config),
+	  m_quadrics(mesh.positions.size()),
+	  m_faceFrom(mesh.positions.size(), kNone),
+	  m_runs(mesh.patches.size(), kNone)
 {
 	const bool isProbabilistic = config.paper && config.placement == Placement::probabilistic;
 	for (std::uint32_t f = 0; f < mesh.faces.size(); ++f)

@@ -79,6 +79,9 @@ private:
 	std::vector<std::uint32_t> m_star;  // surviving faces round the edge, counter-clockwise
 	std::vector<std::uint32_t> m_ring;  // m_ring[i], m_ring[i + 1] is the far edge of m_star[i]
 	std::vector<std::uint32_t> m_oldFaces;
+	std::vector<std::uint32_t> m_faceFrom;  // by vertex, in findRing: the face whose far edge starts there
+	std::vector<std::uint32_t> m_runs;      // by patch, in findPatches: runs of faces round the edge
+	std::vector<std::uint32_t> m_scratch;
 	std::vector<std::uint32_t> m_patches;    // that keep at least one face
 	std::vector<std::uint32_t> m_vanishing;  // that lose all
 	std::vector<Plane> m_rows;

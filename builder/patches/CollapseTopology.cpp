@@ -40,6 +40,7 @@ bool Collapser::findStar(std::uint32_t u, std::uint32_t w)
 	return m_star.size() >= 3;
 }
 
+// Linear in the number of faces: the hub of a fan has thousands, and is tried along each of them.
 bool Collapser::findRing()
 {
 	const std::size_t n = m_star.size();
@@ -50,52 +51,60 @@ bool Collapser::findRing()
 		const auto& t = m_mesh.faces[f];
 		return std::array<std::uint32_t, 2>{t[std::size_t((corner + 1) % 3)], t[std::size_t((corner + 2) % 3)]};
 	};
-	m_ring.clear();
-	for (std::size_t i = 0; i < n; ++i)
+	bool isFan = true;
+	for (const std::uint32_t f : m_star)
 	{
-		const auto edge = farEdge(m_star[i]);
-		if (std::find(m_ring.begin(), m_ring.end(), edge[0]) != m_ring.end()) return false;
-		m_ring.push_back(edge[0]);
-		if (i + 1 == n) return edge[1] == m_ring[0];
-		std::size_t next = i + 1;
-		while (next < n && farEdge(m_star[next])[0] != edge[1]) ++next;
-		if (next == n) return false;
-		std::swap(m_star[i + 1], m_star[next]);
+		std::uint32_t& from = m_faceFrom[farEdge(f)[0]];
+		isFan = isFan && from == kNone;
+		from = f;
 	}
-	return false;
+	m_ring.clear();
+	m_scratch.clear();
+	std::uint32_t face = m_star[0];
+	for (std::size_t i = 0; i < n && isFan; ++i)
+	{
+		const auto edge = farEdge(face);
+		m_ring.push_back(edge[0]);
+		m_scratch.push_back(face);
+		face = m_faceFrom[edge[1]];
+		isFan = face != kNone && (face == m_star[0]) == (i + 1 == n);
+	}
+	for (const std::uint32_t f : m_star) m_faceFrom[farEdge(f)[0]] = kNone;
+	if (isFan) m_star.swap(m_scratch);
+	return isFan;
 }
 
 bool Collapser::findPatches()
 {
 	m_patches.clear();
 	m_vanishing.clear();
+	std::uint32_t before = m_mesh.label[m_star.back()];
 	for (const std::uint32_t f : m_star)
 	{
 		const std::uint32_t patch = m_mesh.label[f];
-		if (std::find(m_patches.begin(), m_patches.end(), patch) == m_patches.end()) m_patches.push_back(patch);
+		if (m_runs[patch] == kNone)
+		{
+			m_runs[patch] = 0;
+			m_patches.push_back(patch);
+		}
+		if (patch != before) ++m_runs[patch];
+		before = patch;
 	}
 	for (const std::uint32_t f : m_removed)
 	{
 		const std::uint32_t patch = m_mesh.label[f];
-		const bool kept = std::find(m_patches.begin(), m_patches.end(), patch) != m_patches.end();
 		const bool known = std::find(m_vanishing.begin(), m_vanishing.end(), patch) != m_vanishing.end();
-		if (!kept && !known) m_vanishing.push_back(patch);
+		if (m_runs[patch] == kNone && !known) m_vanishing.push_back(patch);
 	}
-	for (const std::uint32_t patch : m_patches)
-		if (!staysConnected(patch)) return false;
-	return true;
+	const bool connected = std::all_of(m_patches.begin(), m_patches.end(),
+									   [&](std::uint32_t p) { return m_runs[p] <= 1 || staysConnected(p); });
+	for (const std::uint32_t patch : m_patches) m_runs[patch] = kNone;
+	return connected;
 }
 
-// One contiguous run of a patch's faces round the new vertex cannot have been cut; otherwise walk over its faces.
+// Of a patch with several runs of faces round the new vertex; one run cannot have been cut.
 bool Collapser::staysConnected(std::uint32_t patch) const
 {
-	std::size_t runs = 0;
-	for (std::size_t i = 0; i < m_star.size(); ++i)
-	{
-		const std::size_t before = i == 0 ? m_star.size() - 1 : i - 1;
-		if (m_mesh.label[m_star[i]] == patch && m_mesh.label[m_star[before]] != patch) ++runs;
-	}
-	if (runs <= 1) return true;
 	const auto& faces = m_mesh.patches[patch].faces;
 	const auto isRemoved = [&](std::uint32_t f) { return f == m_removed[0] || f == m_removed[1]; };
 	std::vector<std::uint32_t> left;

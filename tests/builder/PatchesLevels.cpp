@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "builder/patches/DeviationGuard.h"
 #include "builder/patches/Validity.h"
 #include "demos/models/Models.h"
 #include "tests/builder/PatchesMeshes.h"
@@ -311,6 +312,57 @@ TEST(Levels, AQuarterTurnKeepsTheDecomposition)
 	Mesh turned = mesh;
 	for (Vec3& v : turned.vertices) v = {v.y, v.z, v.x};
 	EXPECT_EQ(build(turned).lods[0].patchCount, build(mesh).lods[0].patchCount);
+}
+
+// A guard that has to keep the input within a fiftieth of the size.
+DeviationGuard guardOf(const Mesh& mesh)
+{
+	DeviationGuard guard(mesh, 1);
+	guard.bound = 0.02;
+	return guard;
+}
+
+TEST(DeviationGuard, NeedlesHoldFewSamples)
+{
+	const auto torus = [](double u, double v)
+	{
+		const double a = 2 * M_PI * u, b = 2 * M_PI * v, r = 0.75 + 0.25 * std::cos(b);
+		return Vec3{r * std::cos(a), 0.25 * std::sin(b), -r * std::sin(a)};
+	};
+	for (const auto& [columns, rows] : {std::pair{4000, 8}, std::pair{4, 8000}})
+	{
+		const Mesh mesh = periodicGrid(columns, rows, torus);
+		std::size_t held = 0;
+		const DeviationGuard guard(mesh, 1);
+		for (const auto& samples : guard.held().samples) held += samples.size();
+		EXPECT_LT(held, 3 * mesh.vertices.size());
+	}
+}
+
+// Large triangles of thin plates, needles on one: of a sample near the middle, the other side of the wall has none.
+TEST(DeviationGuard, SeesADentInEveryLargeTriangle)
+{
+	for (const double width : {1.0, 0.12})
+	{
+		const Mesh plate = gridBox({1, 0.005, width}, 1);
+		DeviationGuard guard = guardOf(plate);
+		for (std::uint32_t f = 0; f < plate.triangles.size(); ++f)
+		{
+			const auto& t = plate.triangles[f];
+			const Vec3 &a = plate.vertices[t[0]], &b = plate.vertices[t[1]], &c = plate.vertices[t[2]];
+			const Vec3 normal = cross(b - a, c - a);
+			if (length(normal) < 0.5 * width) continue;
+			EXPECT_GT(guard.held().samples[f].size(), std::size_t(1000 * width)) << width << ' ' << f;
+			const Vec3 middle = (1.0 / 3) * (a + b + c);
+			const auto isNearDent = [&](double depth)
+			{
+				const Vec3 dent = middle - depth / length(normal) * normal;
+				return guard.inputIsNear({f}, {f, f, f}, {{a, b, dent}, {b, c, dent}, {c, a, dent}});
+			};
+			EXPECT_TRUE(isNearDent(0.01)) << width << ' ' << f;
+			EXPECT_FALSE(isNearDent(0.06)) << width << ' ' << f;
+		}
+	}
 }
 
 TEST(Levels, CancelStopsTheBuild)
