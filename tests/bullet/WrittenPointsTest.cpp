@@ -231,7 +231,7 @@ TEST(WrittenPoints, EqualOnesAreTwo)
 		const auto write = [&]
 		{
 			btManifoldResult out(&upper, &lower);
-			manifolds.write(held, frame, [](const ContactPoint&, std::uint32_t&, std::uint32_t&) {}, out);
+			manifolds.write(held, frame, [](const ContactPoint&) { return ManifoldSet::Parts{}; }, out);
 			all.resize(0);
 			manifolds.append(all);
 		};
