@@ -263,8 +263,8 @@ void checkUsage(const RunOptions& options)
 		refuseUnusedCamera(options.selection);
 	else
 		makeDirectory(options.frames.directory);
-	std::vector<std::string> inputs = options.models;
-	inputs.push_back(options.scene);
+	std::vector<std::string> inputs = {options.scene};
+	for (const std::string& model : options.models) inputs.push_back(cli::meshPath(model).file);
 	cli::requireWritable({options.csv, options.poses, options.common.json}, inputs);
 	if (options.selection.hasQueryOnly() && options.selection.budget.isLimited())
 		throw Failure(ExitCode::usage,
