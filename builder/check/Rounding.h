@@ -23,11 +23,12 @@ inline bool isNextBelow(float stored, double value, double noise)
 {
 	return isNextAbove(-stored, -value, noise);
 }
-// Whether `stored`, of 13 significant bits, is the largest such number not above some number within `noise` of `value`.
-inline bool isGridBelow(float stored, double value, double noise)
+// Whether `stored`, of 13 significant bits, is the largest such number not above some number within `noise` of `value`,
+// or so many such roundings less.
+inline bool isGridBelow(float stored, double value, double noise, int roundings = 1)
 {
 	if (stored == 0) return value - noise < 1e-30;
 	const double step = std::ldexp(1.0, std::ilogb(stored) - 12);
-	return double(stored) <= value + noise && double(stored) + step > value - noise;
+	return double(stored) <= value + noise && double(stored) + roundings * step > value - noise;
 }
 }  // namespace clod::check

@@ -218,8 +218,9 @@ Invariants checkWalls(const Subject& s)
 	const bool isSharp = !isThick && least.low == least.high;
 	const double between = 0.5 * (least.low + least.high);
 	const double noise = isSharp ? room : 0.5 * (least.high - least.low) + s.slack;
-	const bool sound =
-		isThick ? stored >= least.low * (1 - kStored) - s.slack : isGridBelow(s.h.asset().thinnestWall, between, noise);
+	const int roundings = s.h.isScaled() ? 2 : 1;  // a uniform scale's is that of what was rounded
+	const bool sound = isThick ? stored >= least.low * (1 - kStored) - s.slack
+							   : isGridBelow(s.h.asset().thinnestWall, between, noise, roundings);
 	thinnest.add(first.faceCount, sound ? 0 : 1,
 				 fmt::format("thinnest wall {:.6g} is not within [{:.6g}, {:.6g}]", stored, least.low, least.high));
 	for (const Level& level : s.h.levels())

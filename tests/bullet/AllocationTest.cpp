@@ -143,6 +143,18 @@ TEST(Dispatch, ContactsOfAPreparedShapeFindTheirSurfaceMade)
 	EXPECT_EQ(bytes, known);
 }
 
+TEST(Dispatch, WhatMeetsOtherScalesIsPreparedInTheLengthsOfTheWorld)
+{
+	btClodShape shape(test::body("torus", 900).hierarchy);
+	shape.setLocalScaling({2, 2, 2});
+	shape.prepareContacts(0, true);
+	const long before = bytes;
+	const auto scaled = shape.inWorldLengths();
+	EXPECT_EQ(double(scaled->asset().radius), double(roundUp(2 * double(shape.hierarchy().asset().radius))));
+	scaled->derived<ContactSurfaces>().level(0).isInside({});
+	EXPECT_EQ(bytes, before);
+}
+
 TEST(Dispatch, SteadyStepsAllocateNothing)
 {
 	// Without alignment of our own: Bullet puts an aligned block into one of these.

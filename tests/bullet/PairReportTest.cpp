@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <string>
 
+#include <LinearMath/btIDebugDraw.h>
+
 #include "clod/manifold/PartnerContacts.h"
 #include "tests/bullet/BulletWorld.h"
 #include "tests/query/Bodies.h"
@@ -39,6 +41,46 @@ struct Lying : BulletWorld
 		return report;
 	}
 };
+
+struct Drawn : btIDebugDraw
+{
+	struct Line
+	{
+		btVector3 from, to, color;
+	};
+	std::vector<Line> lines;
+	void drawLine(const btVector3& from, const btVector3& to, const btVector3& color) override
+	{
+		lines.push_back({from, to, color});
+	}
+	void drawContactPoint(const btVector3&, const btVector3&, btScalar, int, const btVector3&) override {}
+	void reportErrorWarning(const char*) override {}
+	void draw3dText(const btVector3&, const char*) override {}
+	void setDebugMode(int) override {}
+	int getDebugMode() const override { return 0; }
+};
+
+// Is that line an edge of a level's hulls, in that level's colour?
+bool isEdgeOf(const Hierarchy& hierarchy, double scale, const btTransform& worldFromBody, const Drawn::Line& line)
+{
+	const auto isAt = [&](const Vec3& vertex, const btVector3& end)
+	{
+		const btVector3 place(btScalar(scale * vertex.x), btScalar(scale * vertex.y), btScalar(scale * vertex.z));
+		return (worldFromBody * place).distance(end) < btScalar(1e-5);
+	};
+	for (const Node& node : hierarchy.nodes())
+	{
+		const HullView hull = hierarchy.hull(node);
+		bool hasFrom = false, hasTo = false;
+		for (std::uint32_t v = 0; v < hull.count; ++v)
+		{
+			hasFrom = hasFrom || isAt(hull.vertex(v), line.from);
+			hasTo = hasTo || isAt(hull.vertex(v), line.to);
+		}
+		if (hasFrom && hasTo && colorOf(node.level, hierarchy) == line.color) return true;
+	}
+	return false;
+}
 
 struct ByHand
 {
@@ -75,6 +117,45 @@ TEST(PairReport, LevelsAndErrorAreThoseOfTheContacts)
 		mixed += expected.finest < expected.coarsest;
 	}
 	EXPECT_GT(mixed, 2);
+}
+
+// The ground is a compound's child, and a torus as large as it is asked in its own unit.
+TEST(PairReport, LevelsAreDrawnWhereTheBodiesAre)
+{
+	const auto plate = body("plate").hierarchy;
+	btClodShape child(plate);
+	child.setLocalScaling({2, 2, 2});
+	btCompoundShape ground;
+	const btTransform groundFromChild(btQuaternion(btVector3(0, 1, 0), btScalar(0.7)), btVector3(btScalar(0.3), 0, 0));
+	ground.addChildShape(groundFromChild, &child);
+	for (const double share : {0.0, 3.0})
+		for (const double scale : {1.0, 2.0})
+		{
+			Lying scene(&ground, 2 * kPlate);
+			scene.body.getCollisionShape()->setLocalScaling(btVector3(1, 1, 1) * btScalar(scale));
+			scene.body.getWorldTransform().getOrigin() *= btScalar(scale);
+			const PairReport report = scene.with(ContactMetric::deviationShare(share));
+			const btTransform worldFromChild = scene.bodies[1]->getWorldTransform() * groundFromChild;
+			Drawn drawn;
+			drawLevels(report, drawn);
+			int ofTorus = 0, ofGround = 0;
+			bool isFine = true;
+			for (const Drawn::Line& line : drawn.lines)
+			{
+				const bool isTorus = isEdgeOf(*ring(), scale, scene.body.getWorldTransform(), line);
+				const bool isGround = isEdgeOf(*plate, 2, worldFromChild, line);
+				EXPECT_TRUE(isTorus || isGround);
+				ofTorus += isTorus;
+				ofGround += isGround;
+				isFine = isFine && line.color == colorOf(0, *ring());
+			}
+			EXPECT_GT(ofTorus, 3);
+			EXPECT_GT(ofGround, 3);
+			EXPECT_EQ(isFine, share == 0);
+		}
+	Drawn nothing;
+	drawLevels(PairReport(), nothing);
+	EXPECT_TRUE(nothing.lines.empty());
 }
 
 // Against a plane only the torus has levels: those of the points' nodes are between the two reported.

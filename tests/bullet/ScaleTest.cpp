@@ -107,6 +107,23 @@ TEST(Scale, UnequalScalesAnswerAsBodiesMadeAtThatSize)
 		}
 }
 
+TEST(Scale, ShapesOfOneHierarchyAndScaleShareWhatIsDerived)
+{
+	const auto given = cube();
+	btClodShape one(given), other(given);
+	for (const double factor : {2.0, 3.0})
+		for (btClodShape* shape : {&one, &other}) shape->setLocalScaling(vector(factor, factor, factor));
+	EXPECT_EQ(one.inWorldLengths(), other.inWorldLengths());
+	other.setLocalScaling(vector(2, 2, 2));
+	EXPECT_NE(one.inWorldLengths(), other.inWorldLengths());
+	for (btClodShape* shape : {&one, &other}) shape->setLocalScaling(vector(1, 2, 1));
+	EXPECT_EQ(one.sharedHierarchy(), other.sharedHierarchy());
+	// What nobody holds is gone.
+	const std::weak_ptr<const Hierarchy> held = one.sharedHierarchy();
+	for (btClodShape* shape : {&one, &other}) shape->setLocalScaling(vector(1, 1, 1));
+	EXPECT_TRUE(held.expired());
+}
+
 TEST(Scale, ARefusedScaleIsToldOf)
 {
 	BulletWorld scene;

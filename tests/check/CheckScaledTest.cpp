@@ -58,6 +58,8 @@ TEST(CheckScaled, FindsBoundsThatAreNone)
 		 "thinnest-wall"},
 		{"plate-thin", [](HierarchyContent& c) { c.asset.thinnestWall = boundAtMost(1.01 * double(c.asset.thinnestWall)); },
 		 "thinnest-wall"},
+		{"plate-thin", [](HierarchyContent& c) { c.asset.thinnestWall = boundAtMost(0.999 * double(c.asset.thinnestWall)); },
+		 "thinnest-wall"},
 		{"plate-thin",
 		 [](HierarchyContent& c)
 		 {

@@ -287,6 +287,8 @@ void PairState::answer(const PairPose& pose, Question& question, bool isAsked)
 	else
 		m_result.pairs.shrink_to_fit();
 	m_report.aFromB = pose.aFromB;
+	m_report.worldFromA = pose.worldFromA;
+	m_report.unit = pose.unit;
 	report(pose);
 	m_report.contactMicroseconds = staysEmpty ? 0 : microsecondsSince(asked);
 	noteAnswered(question);

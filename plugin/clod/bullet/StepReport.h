@@ -3,6 +3,8 @@
 //
 // Lengths are in the hierarchies' unit (before any shape scaling).
 #pragma once
+#include <LinearMath/btVector3.h>
+
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -13,6 +15,7 @@
 #include "clod/query/Query.h"
 
 class btCollisionObject;
+class btIDebugDraw;
 
 namespace clod
 {
@@ -59,7 +62,9 @@ struct PairReport : DispatchReport
 	const btCollisionObject* objectB = nullptr;
 	const HeldResult* result = nullptr;      // accepted node pairs
 	const HeldClusters* clusters = nullptr;  // points, in frame A and the hierarchy's unit
-	Transform aFromB;                        // in the dispatch that found them
+	Transform aFromB;                        // in the dispatch that found them,
+	Transform worldFromA;                    // world lengths, and
+	double unit = 1;                         // the world length of the hierarchies' unit there
 	std::string notFinite;                   // what is not finite, or empty; if set, the pair has no contacts
 	std::uint32_t coarsestTests = 0;         // tests that the coarsest answer takes, under a budget (see Outline)
 	std::uint32_t vainTests = 0;             // further tests, for a finer answer that the budget did not allow
@@ -69,6 +74,11 @@ struct PairReport : DispatchReport
 // result. Each takes about the time of a query's last phase.
 CLOD_API void contactsOf(const PairReport& pair, std::vector<Contact>& contacts);
 CLOD_API GapResult resultOf(const PairReport& pair);
+
+// Draws the patches in contact, each along the edges of its faces in the colour of its level. O(those edges).
+CLOD_API void drawLevels(const PairReport& pair, btIDebugDraw& drawer);
+// Red, green and blue, 0 to 1: from violet, the finest level, over green to yellow, the coarsest.
+CLOD_API btVector3 colorOf(std::uint32_t level, const Hierarchy& hierarchy);
 
 // Sums over all live pairs, each in its last dispatch.
 struct CLOD_API StepReport

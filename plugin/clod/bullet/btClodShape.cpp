@@ -173,7 +173,8 @@ void btClodShape::setLocalScaling(const btVector3& scaling)
 	}
 	else
 	{
-		clod::Result<std::shared_ptr<const Hierarchy>> derived = clod::scaledHierarchy(*m_given, factors);
+		clod::Result<std::shared_ptr<const Hierarchy>> derived =
+			m_given->derived<clod::ScaledHierarchies>().by(factors);
 		m_scalingError = derived ? std::string() : derived.error();
 		if (!derived) return;
 		m_hierarchy = derived.value();
@@ -197,15 +198,20 @@ std::shared_ptr<const Hierarchy> btClodShape::inWorldLengths() const
 	if (m_scale == 1) return m_hierarchy;
 	const std::lock_guard<std::mutex> lock(m_deriving);
 	if (m_inWorldLengths) return m_inWorldLengths;
-	clod::Result<std::shared_ptr<const Hierarchy>> derived = clod::scaledHierarchy(*m_hierarchy, {m_scale, m_scale, m_scale});
+	clod::Result<std::shared_ptr<const Hierarchy>> derived =
+		m_hierarchy->derived<clod::ScaledHierarchies>().by({m_scale, m_scale, m_scale});
 	if (derived) m_inWorldLengths = derived.value();
 	return m_inWorldLengths;
 }
 
-void btClodShape::prepareContacts(std::uint32_t finest) const
+void btClodShape::prepareContacts(std::uint32_t finest, bool meetsOtherScales) const
 {
-	const clod::ContactSurfaces& surfaces = m_hierarchy->derived<clod::ContactSurfaces>();
-	for (std::uint32_t level = finest; level <= m_hierarchy->coarsestClodLevel(); ++level) surfaces.level(level).makeTree();
+	const std::shared_ptr<const Hierarchy> hierarchy = meetsOtherScales ? inWorldLengths() : m_hierarchy;
+	if (!hierarchy) return;
+	hierarchy->derived<clod::TraversalTables>();
+	const clod::ContactSurfaces& surfaces = hierarchy->derived<clod::ContactSurfaces>();
+	for (std::uint32_t level = finest; level <= hierarchy->coarsestClodLevel(); ++level)
+		surfaces.level(level).makeTree();
 }
 
 btTransform btClodShape::meshFromBody() const

@@ -72,9 +72,9 @@ public:
 
 	// Scales the given hierarchy by any factors but zero along the axes of the body frame. A uniform positive scale
 	// costs nothing until it meets a body of another scale; then each shape derives a scaled hierarchy once
-	// (hierarchy/ScaledHierarchy.h). Any other scale derives one in this call, which takes some milliseconds for 10,000
-	// triangles. A scale that is refused leaves the old one in place: scalingError() tells why, and the shape's pairs
-	// warn of it.
+	// (hierarchy/ScaledHierarchy.h), which shapes of the same hierarchy and scale share. Any other scale derives one in
+	// this call, which takes some milliseconds for 10,000 triangles. A scale that is refused leaves the old one in
+	// place: scalingError() tells why, and the shape's pairs warn of it.
 	void setLocalScaling(const btVector3& scaling) override;
 	// Why the last setLocalScaling was refused, or empty.
 	const std::string& scalingError() const
@@ -101,9 +101,9 @@ public:
 	}
 
 	// Prepares what contacts at the levels from `finest` on (0: all) need of the surface; otherwise the first contact
-	// at a level does so. Takes time linear in the triangles. Does not prepare hierarchies that are derived where
-	// scales differ.
-	void prepareContacts(std::uint32_t finest = 0) const;
+	// at a level does so. Takes time linear in the triangles. meetsOtherScales: prepares what contacts with bodies of
+	// another scale need, instead.
+	void prepareContacts(std::uint32_t finest = 0, bool meetsOtherScales = false) const;
 
 	// The pose of the body frame in the frame of the mesh's vertices: a translation, scaled as the shape is.
 	btTransform meshFromBody() const;

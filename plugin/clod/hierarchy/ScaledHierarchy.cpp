@@ -114,8 +114,8 @@ Scaling::Scaling(const Hierarchy& from, const Vec3& scale)
 	bounds();
 	levels();
 	const double least = std::min({std::abs(scale.x), std::abs(scale.y), std::abs(scale.z)});
-	m_to.asset.thinnestWall =
-		boundAtMost(from.isCoarse() ? least * double(from.asset().thinnestWall) : thinnestWall(m_to));
+	const bool isKnown = m_isUniform || from.isCoarse();
+	m_to.asset.thinnestWall = boundAtMost(isKnown ? least * double(from.asset().thinnestWall) : thinnestWall(m_to));
 }
 
 void Scaling::vertices()
@@ -424,5 +424,18 @@ Result<std::shared_ptr<const Hierarchy>> scaledHierarchy(const Hierarchy& hierar
 		return result;
 	};
 	return withinMemory(name, make);
+}
+
+Result<std::shared_ptr<const Hierarchy>> ScaledHierarchies::by(const Vec3& scale) const
+{
+	const std::lock_guard<std::mutex> lock(m_making);
+	m_made.erase(std::remove_if(m_made.begin(), m_made.end(), [](const auto& made) { return made.second.expired(); }),
+				 m_made.end());
+	for (const auto& [factors, made] : m_made)
+		if (factors == scale)
+			if (std::shared_ptr<const Hierarchy> shared = made.lock()) return shared;
+	Result<std::shared_ptr<const Hierarchy>> result = scaledHierarchy(m_hierarchy, scale);
+	if (result) m_made.emplace_back(scale, result.value());
+	return result;
 }
 }  // namespace clod

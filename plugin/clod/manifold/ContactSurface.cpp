@@ -232,13 +232,21 @@ void ContactSurface::makeTree() const
 	{
 		m_order.resize(m_faces.size());
 		std::iota(m_order.begin(), m_order.end(), 0U);
+		std::vector<Vec3> sums;  // of each face's corners
+		sums.reserve(m_faces.size());
+		for (std::uint32_t f = 0; f < m_faces.size(); ++f)
+		{
+			const Triangle t = triangleOf(f);
+			sums.push_back(t[0] + t[1] + t[2]);
+		}
 		m_boxes.resize(1);
-		split(0, 0, std::uint32_t(m_faces.size()));
+		split(0, 0, std::uint32_t(m_faces.size()), sums);
 	};
 	std::call_once(m_treeMade, build);
 }
 
-void ContactSurface::split(std::uint32_t box, std::uint32_t first, std::uint32_t count) const
+void ContactSurface::split(std::uint32_t box, std::uint32_t first, std::uint32_t count,
+						   const std::vector<Vec3>& sums) const
 {
 	const Vec3& start = m_vertices[m_faces[m_order[first]].vertex[0]];
 	Box bounds{start, start};
@@ -247,20 +255,20 @@ void ContactSurface::split(std::uint32_t box, std::uint32_t first, std::uint32_t
 	m_boxes[box] = {bounds, first, count};
 	if (count <= kLeafFaces) return;
 	const int axis = widestAxis(bounds.high - bounds.low);
-	const auto key = [&](std::uint32_t f)
+	const auto isBefore = [&](std::uint32_t i, std::uint32_t j)
 	{
-		const Triangle t = triangleOf(f);
-		return std::make_pair(t[0][axis] + t[1][axis] + t[2][axis], f);
+		const double at = sums[i][axis], other = sums[j][axis];
+		return at < other || (at == other && i < j);
 	};
 	const std::uint32_t half = count / 2;
 	std::nth_element(m_order.begin() + first, m_order.begin() + first + half, m_order.begin() + first + count,
-					 [&](std::uint32_t i, std::uint32_t j) { return key(i) < key(j); });
+					 isBefore);
 	const std::uint32_t children = std::uint32_t(m_boxes.size());
 	m_boxes.resize(children + 2);
 	m_boxes[box].first = children;
 	m_boxes[box].count = 0;
-	split(children, first, half);
-	split(children + 1, first + half, count - half);
+	split(children, first, half, sums);
+	split(children + 1, first + half, count - half, sums);
 }
 
 // feature as in NearestOnTriangle.

@@ -206,7 +206,7 @@ private:
 	void findEdges(const std::vector<std::uint32_t>& firstFaceOfNode);
 	void findDiscs();
 	void listNodes(const std::vector<std::uint32_t>& firstFaceOfNode, const std::vector<EdgeOfFace>& edgesOfFaces);
-	void split(std::uint32_t box, std::uint32_t first, std::uint32_t count) const;
+	void split(std::uint32_t box, std::uint32_t first, std::uint32_t count, const std::vector<Vec3>& sums) const;
 	Vec3 pseudonormalAt(std::uint32_t face, int feature) const;
 
 	std::vector<Vec3> m_vertices, m_pseudonormals, m_fans;
