@@ -370,24 +370,31 @@ TEST(Facilities, SweepsHitWhatTheyHitOfAMesh)
 	EXPECT_LT(hits, 200);
 }
 
-TEST(Facilities, SweepsLookAtTheirOwnWayOnly)
+// Bullet sweeps convex bodies that are told to be swept, and leaves others alone.
+TEST(Facilities, BulletsContinuousCollisionMayBeAsked)
 {
-	struct Counter : btTriangleConvexcastCallback
-	{
-		int triangles = 0;
-		using btTriangleConvexcastCallback::btTriangleConvexcastCallback;
-		void processTriangle(btVector3*, int, int) override { ++triangles; }
-		btScalar reportHit(const btVector3&, const btVector3&, btScalar, int, int) override { return 1; }
-	};
-	const btClodShape shape(landscape());
-	const btSphereShape ball(btScalar(0.1));
-	Counter counter(&ball, at(-9, 1, -9), at(9, 1, 9), at(0, 0, 0), 0);
-	shape.processAllTriangles(&counter, vector(-9.2, -2, -9.2), vector(9.2, 2, 9.2));
-	EXPECT_EQ(counter.triangles, 0);
-	Counter along(&ball, at(-9, 0.5, -9), at(9, 0.5, 9), at(0, 0, 0), 0);
-	shape.processAllTriangles(&along, vector(-9.2, -2, -9.2), vector(9.2, 2, 9.2));
-	EXPECT_GT(along.triangles, 36);
-	EXPECT_LT(along.triangles, 260);  // of 800 on that side: patches of eight along the diagonal
+	for (const bool isConvex : {true, false})
+		for (const bool isAsked : {true, false})
+		{
+			BulletWorld scene;
+			scene.timeStep = 1.0 / 60;
+			btClodShape& plate = scene.addShape(slab());
+			plate.setLocalScaling(vector(1, 0.02, 1));
+			scene.addBody(plate, 0, {0, 0, 0});
+			auto& ball = scene.add(std::make_unique<btSphereShape>(btScalar(0.1)));
+			btClodShape& small = scene.addShape(cube());
+			small.setLocalScaling(vector(0.2, 0.2, 0.2));
+			btRigidBody& body =
+				scene.addBody(isConvex ? static_cast<btCollisionShape&>(ball) : small, 1, {0.3, 4, 0.2});
+			if (isAsked)
+			{
+				body.setCcdMotionThreshold(btScalar(0.05));
+				body.setCcdSweptSphereRadius(btScalar(0.08));
+			}
+			body.setLinearVelocity(vector(0, -300, 0));
+			scene.step(240);
+			EXPECT_NEAR(heightOf(body), 0.11, 2e-3) << isConvex << isAsked;
+		}
 }
 
 // A cube and a box in any overlap, one wholly inside the other, or a plate through a corner, too: contactPairTest has a point,

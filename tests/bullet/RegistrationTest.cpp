@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Who answers for which pair of types, in both of Bullet's tables and both orders.
+// Who answers for which pair of types, in both of Bullet's tables and both orders; what is not asked.
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
+#include <BulletSoftBody/btSoftBodyHelpers.h>
 #include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
+#include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 #include <gtest/gtest.h>
+
+#include <array>
+#include <vector>
 
 #include "clod/bullet/btClodCompoundAlgorithm.h"
 #include "tests/bullet/BulletWorld.h"
 #include "tests/bullet/PatchHierarchy.h"
+#include "tests/query/Bodies.h"
 
 namespace clod::test
 {
@@ -103,15 +109,90 @@ TEST(Registration, LeavesEmptyAndOtherCompoundsToBullet)
 TEST(Registration, LeavesTheSoftBodyRowAlone)
 {
 	btSoftBodyRigidBodyCollisionConfiguration configuration;
+	const auto rows = [&]
+	{
+		std::vector<const btCollisionAlgorithmCreateFunc*> all;
+		for (int type = 0; type < MAX_BROADPHASE_COLLISION_TYPES; ++type)
+		{
+			all.push_back(configuration.getCollisionAlgorithmCreateFunc(SOFTBODY_SHAPE_PROXYTYPE, type));
+			all.push_back(configuration.getCollisionAlgorithmCreateFunc(type, SOFTBODY_SHAPE_PROXYTYPE));
+			all.push_back(configuration.getClosestPointsAlgorithmCreateFunc(SOFTBODY_SHAPE_PROXYTYPE, type));
+			all.push_back(configuration.getClosestPointsAlgorithmCreateFunc(type, SOFTBODY_SHAPE_PROXYTYPE));
+		}
+		return all;
+	};
+	const auto before = rows();
 	btCollisionDispatcher dispatcher(&configuration);
 	Context context;
-	ASSERT_TRUE(btClodCollisionAlgorithm::registerAlgorithm(&dispatcher, &context));
-	const btClodShape shape(patchHierarchy(ballMesh(1, 1)));
-	const TypeOnly soft(SOFTBODY_SHAPE_PROXYTYPE);
-	EXPECT_NE(configuration.getCollisionAlgorithmCreateFunc(SOFTBODY_SHAPE_PROXYTYPE, FAST_CONCAVE_MESH_PROXYTYPE),
-			  configuration.getCollisionAlgorithmCreateFunc(EMPTY_SHAPE_PROXYTYPE, EMPTY_SHAPE_PROXYTYPE));
-	// Creating Bullet's soft algorithm needs a soft body; that ours is not created is the point.
-	EXPECT_EQ(shape.getShapeType(), FAST_CONCAVE_MESH_PROXYTYPE);
+	const auto registered = btClodCollisionAlgorithm::registerAlgorithm(&dispatcher, &context);
+	ASSERT_TRUE(registered);
+	EXPECT_EQ(rows(), before);
+}
+
+// A cloth falls on a slab, through Bullet's own algorithms.
+TEST(Registration, SoftBodiesLieAsOnAMesh)
+{
+	const auto hierarchy = patchHierarchy(boxMesh({20, 1, 20}, {10, 1, 10}, 2));
+	btTriangleMesh triangles;
+	for (const std::array<Vec3, 3>& t : inputTriangles(*hierarchy))
+		triangles.addTriangle(btVector3(btScalar(t[0].x), btScalar(t[0].y), btScalar(t[0].z)),
+							  btVector3(btScalar(t[1].x), btScalar(t[1].y), btScalar(t[1].z)),
+							  btVector3(btScalar(t[2].x), btScalar(t[2].y), btScalar(t[2].z)));
+	btBvhTriangleMeshShape theirs(&triangles, true);
+	btClodShape ours(hierarchy);
+	double height[2];
+	for (const bool isOurs : {true, false})
+	{
+		btSoftBodyRigidBodyCollisionConfiguration configuration;
+		btCollisionDispatcher dispatcher(&configuration);
+		Context context;
+		const auto registered = btClodCollisionAlgorithm::registerAlgorithm(&dispatcher, &context);
+		btDbvtBroadphase broadphase;
+		btSequentialImpulseConstraintSolver solver;
+		btSoftRigidDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
+		btRigidBody ground(btRigidBody::btRigidBodyConstructionInfo(
+			0, nullptr, isOurs ? static_cast<btCollisionShape*>(&ours) : &theirs));
+		world.addRigidBody(&ground);
+		const auto corner = [](int x, int z) { return btVector3(btScalar(x), btScalar(1.2), btScalar(z)); };
+		auto* const cloth = btSoftBodyHelpers::CreatePatch(world.getWorldInfo(), corner(-1, -1), corner(1, -1),
+														   corner(-1, 1), corner(1, 1), 9, 9, 0, true);
+		cloth->getCollisionShape()->setMargin(btScalar(0.05));
+		world.addSoftBody(cloth);
+		for (int step = 0; step < 240; ++step) world.stepSimulation(btScalar(1.0 / 120), 0);
+		double sum = 0;
+		for (int i = 0; i < cloth->m_nodes.size(); ++i) sum += double(cloth->m_nodes[i].m_x.y());
+		height[isOurs ? 0 : 1] = sum / cloth->m_nodes.size();
+		world.removeSoftBody(cloth);
+		delete cloth;
+		world.removeRigidBody(&ground);
+	}
+	EXPECT_NEAR(height[0], height[1], 1e-3);
+	EXPECT_NEAR(height[0], 0.6, 0.1);  // both keep their margins
+}
+
+TEST(Registration, FiltersAreObeyed)
+{
+	BulletWorld scene;
+	btRigidBody& ground = scene.addBody(scene.addShape(slab()), 0, {0, -0.5, 0});
+	btRigidBody& body = scene.addBody(scene.addShape(cube()), 1, {0, 0.51, 0});
+	scene.step(60);
+	EXPECT_GT(scene.contacts(), 0);
+	body.getBroadphaseProxy()->m_collisionFilterMask = btBroadphaseProxy::AllFilter ^ btBroadphaseProxy::StaticFilter;
+	scene.broadphase.getOverlappingPairCache()->cleanProxyFromPairs(body.getBroadphaseProxy(), &scene.dispatcher);
+	scene.broadphase.getOverlappingPairCache()->removeOverlappingPairsContainingProxy(body.getBroadphaseProxy(),
+																					  &scene.dispatcher);
+	scene.step(20);
+	EXPECT_EQ(scene.contacts(), 0);
+	EXPECT_LT(heightOf(body), 0.5);
+	// Nor are two that say so themselves made to meet.
+	BulletWorld other;
+	btRigidBody& below = other.addBody(other.addShape(slab()), 0, {0, -0.5, 0});
+	btRigidBody& above = other.addBody(other.addShape(cube()), 1, {0, 0.51, 0});
+	above.setIgnoreCollisionCheck(&below, true);
+	other.step(60);
+	EXPECT_EQ(other.contacts(), 0);
+	EXPECT_LT(heightOf(above), 0.3);
+	EXPECT_EQ(heightOf(ground), -0.5);
 }
 
 TEST(Registration, RefusesWithAReason)

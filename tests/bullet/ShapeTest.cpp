@@ -164,6 +164,29 @@ TEST(ClodShape, RaysAlongEdgesHitAsBruteForceDoes)
 	EXPECT_GT(hits, 280);
 }
 
+TEST(ClodShape, SweepsLookAtTheirOwnWayOnly)
+{
+	struct Counter : btTriangleConvexcastCallback
+	{
+		int triangles = 0;
+		using btTriangleConvexcastCallback::btTriangleConvexcastCallback;
+		void processTriangle(btVector3*, int, int) override { ++triangles; }
+		btScalar reportHit(const btVector3&, const btVector3&, btScalar, int, int) override { return 1; }
+	};
+	const btClodShape shape(patchHierarchy(boxMesh({20, 1, 20}, {20, 1, 20}, 2)));
+	const btSphereShape ball(btScalar(0.1));
+	const auto at = [](double x, double y, double z)
+	{ return btTransform(btQuaternion::getIdentity(), btVector3(btScalar(x), btScalar(y), btScalar(z))); };
+	const btVector3 low(btScalar(-9.2), -2, btScalar(-9.2));
+	Counter counter(&ball, at(-9, 1, -9), at(9, 1, 9), at(0, 0, 0), 0);
+	shape.processAllTriangles(&counter, low, -low);
+	EXPECT_EQ(counter.triangles, 0);
+	Counter along(&ball, at(-9, 0.5, -9), at(9, 0.5, 9), at(0, 0, 0), 0);
+	shape.processAllTriangles(&along, low, -low);
+	EXPECT_GT(along.triangles, 36);
+	EXPECT_LT(along.triangles, 260);  // of 800 on that side: patches of eight along the diagonal
+}
+
 TEST(ClodShape, InertiaIsThatOfTheSolid)
 {
 	btClodShape box(patchHierarchy(boxMesh({4, 2, 3}, {8, 4, 6}, 2)));
