@@ -487,4 +487,18 @@ TEST(Context, AStepFasterThanTheWallIsSaidOnce)
 	scene.step(1);
 	EXPECT_EQ(scene.warnings.size(), 1u);
 }
+
+// As a scanned mesh may have: the report goes by it, messages by what the walls are usually.
+TEST(Context, ASlitIsReportedWithoutAWord)
+{
+	BulletWorld scene;
+	PatchedMesh mesh = boxMesh({10, 1, 10}, {20, 1, 20}, 2);
+	mesh.thinnest = 1e-4;
+	scene.addBody(scene.addShape(patchHierarchy(mesh)), 0, {});
+	btRigidBody& body = scene.addBody(scene.addShape(cube()), 1, {0, 1.01, 0});
+	body.setLinearVelocity(btVector3(0, -5, 0));
+	scene.step(1);
+	EXPECT_EQ(scene.context.lastStep().fastPairs, 1u);
+	EXPECT_TRUE(scene.warnings.empty()) << scene.warnings.front();
+}
 }  // namespace clod::test

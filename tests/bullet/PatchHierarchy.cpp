@@ -123,7 +123,7 @@ void Maker::bounds()
 	store(a.boxMax, high);
 	a.storageTolerance = float(8 * std::ldexp(1.0, -24) * radius);
 	a.areaTolerance = boundAtLeast(0.01 * radius);
-	a.thinnestWall = boundAtMost(mesh.wall);
+	a.thinnestWall = boundAtMost(mesh.thinnest > 0 ? mesh.thinnest : mesh.wall);
 	a.triangleCount = std::uint32_t(mesh.triangles.size());
 	a.componentCount = 1;
 }

@@ -16,7 +16,8 @@ struct PatchedMesh
 	std::vector<Vec3> vertices;
 	std::vector<std::array<std::uint32_t, 3>> triangles;  // counter-clockwise from outside
 	std::vector<std::uint32_t> patch;                     // of each triangle, 0 .. count-1
-	double wall = 0;                                      // local wall thickness everywhere
+	double wall = 0;                                      // local wall thickness everywhere,
+	double thinnest = 0;                                  // but at a spot, if set
 };
 
 // A box of n[0] x n[1] x n[2] cells, two triangles a cell side; patches of `cells` x `cells` cells of one side.

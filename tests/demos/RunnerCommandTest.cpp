@@ -228,7 +228,7 @@ TEST_F(RunnerCommand, QuietRunsPrintNoWarningsButReportThem)
 	const std::string words = "run rack --resolution 0.2 --steps 2 --json -" + cache();
 	const Outcome loud = bench(words), quiet = bench(words + " --quiet");
 	ASSERT_EQ(quiet.code, 0) << quiet.err;
-	EXPECT_NE(loud.err.find("thinnest wall"), std::string::npos) << loud.err;
+	EXPECT_NE(loud.err.find("farther than their walls are thick"), std::string::npos) << loud.err;
 	EXPECT_EQ(quiet.err, "");
 	EXPECT_FALSE(nlohmann::json::parse(quiet.out)["summary"]["warnings"].empty());
 }

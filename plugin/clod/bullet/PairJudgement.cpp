@@ -83,7 +83,11 @@ void PairState::report(const PairPose& pose)
 	if (m_isClosestPoints) return;
 	if (isWanting) sayOnce(128, "a pair's metric is missed: " + m_report.metricError);
 	warnOnce(m_report.deep, 1, "two bodies overlap deeper than their contacts can prove");
-	warnOnce(m_report.fast, 2, "a step moves two bodies farther than their thinnest wall: use smaller steps");
-	warnOnce(m_report.loose, 4, "the contact error bound exceeds the thinnest wall: use a stricter metric");
+	const auto isBeyondWalls = [&](bool isBeyondThinnest, double length)
+	{ return isBeyondThinnest && length > pose.usualWall(); };
+	warnOnce(isBeyondWalls(m_report.fast, m_report.motion), 2,
+			 "a step moves two bodies farther than their walls are thick: use smaller steps");
+	warnOnce(isBeyondWalls(m_report.loose, m_report.contactError), 4,
+			 "the contact error bound exceeds the walls' thickness: use a stricter metric");
 }
 }  // namespace clod

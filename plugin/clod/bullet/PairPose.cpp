@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "clod/bullet/BodyState.h"
+#include "clod/hierarchy/ThinnestWall.h"
 #include "clod/query/Query.h"
 
 namespace clod
@@ -173,6 +174,12 @@ double PairPose::thinnestWall() const
 {
 	const double wall = double(hierarchyA().asset().thinnestWall);
 	return isOfTwo() ? std::min(wall, double(hierarchyB().asset().thinnestWall)) : wall;
+}
+
+double PairPose::usualWall() const
+{
+	const double wall = hierarchyA().derived<UsualWall>().thickness;
+	return isOfTwo() ? std::min(wall, hierarchyB().derived<UsualWall>().thickness) : wall;
 }
 
 double spareOverPlane(const btCollisionObject& body, const btCollisionObject& plane, const RelativeMotion& motion,

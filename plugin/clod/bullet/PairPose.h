@@ -74,6 +74,7 @@ struct PairPose
 	// B's motion relative to A in the step, as far ahead as contacts may lie.
 	Sweep sweep() const;
 	double thinnestWall() const;
+	double usualWall() const;  // what messages go by
 	// Looks farther for where a third body may hold one of the two, too (PointRules::heldReach).
 	void expectHolding();
 	// Looks farther for what a motion meets that is not the one predicted.

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "clod/hierarchy/BoundGrid.h"
 
@@ -175,5 +177,34 @@ private:
 double thinnestWall(const HierarchyContent& content)
 {
 	return Walls(content).thinnest();
+}
+
+UsualWall::UsualWall(const Hierarchy& hierarchy) : thickness(double(hierarchy.asset().thinnestWall))
+{
+	constexpr double kThinner = 0.05;  // share of the surface
+	const Level& level = hierarchy.levels()[hierarchy.finestLevel()];
+	std::vector<std::pair<double, double>> walls;  // of a face, and its area
+	double total = 0;
+	for (std::uint32_t n = level.firstNode; n < level.firstNode + level.nodeCount; ++n)
+	{
+		const Node& node = hierarchy.node(n);
+		const HullView hull = hierarchy.hull(node);
+		for (const Face& face : hierarchy.faces(node))
+		{
+			const Vec3 corner = hull.vertex(face.vertex[0]);
+			const double area =
+				0.5 * length(cross(hull.vertex(face.vertex[1]) - corner, hull.vertex(face.vertex[2]) - corner));
+			walls.emplace_back(2 * double(face.thickness), area);
+			total += area;
+		}
+	}
+	std::sort(walls.begin(), walls.end());
+	double below = 0;
+	for (const auto& [wall, area] : walls)
+	{
+		if (below > kThinner * total) break;
+		thickness = std::max(thickness, wall);
+		below += area;
+	}
 }
 }  // namespace clod
