@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Asset::thinnestWall of a hierarchy in the making, and what walls are usual.
 #pragma once
+#include "clod/Export.h"
 #include "clod/hierarchy/Hierarchy.h"
 
 namespace clod
@@ -13,7 +14,7 @@ double thinnestWall(const HierarchyContent& content);
 // What messages go by, since a slit or a blade's edge is no reason to warn: all but a twentieth of the surface has a
 // wall of at least this behind it, as far as its faces know (Face::thickness; of a stretched body, thinnestWall). Kept
 // with a hierarchy (Hierarchy::derived). O(faces).
-struct UsualWall
+struct CLOD_API UsualWall
 {
 	explicit UsualWall(const Hierarchy& hierarchy);
 	double thickness;
