@@ -10,14 +10,6 @@
 
 namespace clod::check
 {
-namespace
-{
-Vec3 vec(const float (&v)[3])
-{
-	return {double(v[0]), double(v[1]), double(v[2])};
-}
-}  // namespace
-
 // Also used for the surface a node answers for.
 double outsideBox(const OrientedBox& box, const Vec3& p)
 {

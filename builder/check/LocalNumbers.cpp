@@ -18,10 +18,9 @@ namespace
 constexpr double kDouble = 4e-16;    // of a unit vector, for a few roundings in double
 constexpr double kRoundedUnit = 2e-7;  // of a unit vector's length, stored in floats
 constexpr double kConeRoom = 1e-7;   // what a cone is wider than its faces need
-constexpr double kStored = 2.5e-4;   // bounds are stored to 13 bits
 constexpr double kAreaShare = 1e-6;  // of a contact area, for rounding at the ends of its bracket
 constexpr double kScaledArea = 2;
-constexpr double kRadius = 1e-5;     // the stored radius may exceed the one that caps were cut at
+constexpr double kCapRadius = 1e-5;  // the stored radius may exceed the one that caps were cut at
 constexpr double kFacing = 0.2;      // faces turned farther from the contact normal end a contact area
 constexpr double kCapShare = 0.25;   // of the radius
 constexpr std::size_t kSides = 64;   // of the polygons that stand for discs here
@@ -193,7 +192,7 @@ Range leafArea(const Subject& s, std::uint32_t i)
 		least = std::min(least, distance(s.triangle(f), middle));
 	const double delta = double(s.h.asset().areaTolerance), thinnest = delta * (1 - kStored);
 	const double circumscribed = kCapShare * s.radius * std::sqrt(kPi / (16 * std::tan(kPi / 16))) / std::cos(kPi / 16);
-	const double inscribed = circumscribed * std::cos(kPi / 16) * std::cos(kPi / kSides) * (1 - kRadius);
+	const double inscribed = circumscribed * std::cos(kPi / 16) * std::cos(kPi / kSides) * (1 - kCapRadius);
 	Range range{1e300, 0};
 	for (std::uint32_t f = n.firstFace; f < n.firstFace + n.faceCount; ++f)
 	{

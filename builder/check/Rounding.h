@@ -8,6 +8,8 @@
 
 namespace clod::check
 {
+constexpr double kStored = 2.5e-4;  // bounds are stored to 13 bits
+
 // Whether `stored` is the float next to some number within `noise` of `value`.
 inline bool isNearestOf(float stored, double value, double noise)
 {

@@ -120,11 +120,6 @@ void checkLevel(const Subject& s, const Level& level, std::size_t index, Tally& 
 	}
 }
 
-Vec3 vec(const float (&v)[3])
-{
-	return {double(v[0]), double(v[1]), double(v[2])};
-}
-
 // Normals, offsets and cones of the face records against the stored vertices.
 Invariant faceRecords(const Subject& s)
 {

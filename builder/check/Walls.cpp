@@ -20,7 +20,6 @@ namespace
 constexpr double kMost = 0.03;      // of the radius: the largest thickness of a face
 constexpr double kRelative = 1e-4;  // of a thickness, for the rounding of the stored direction
 constexpr double kRadius = 1e-6;    // the stored radius may exceed the one that thicknesses were cut at
-constexpr double kStored = 2.5e-4;  // bounds are stored to 13 bits
 constexpr double kBlind = 8;        // tolerances of a level: hulls thinner than this have a front to be looked at
 
 struct Wall

@@ -8,8 +8,6 @@ namespace clod::builder
 {
 namespace
 {
-using Triangle = std::array<std::uint32_t, 3>;
-
 bool isFinitePolygon(const Soup& soup, std::size_t polygon)
 {
 	for (std::size_t c = soup.polygonBegin(polygon); c < soup.polygonEnd[polygon]; ++c)
@@ -75,10 +73,10 @@ bool hasArea(const Vec3& a, const Vec3& b, const Vec3& c)
 // Sets of triangles with the same corners, each in the order of the file.
 std::vector<std::vector<std::uint32_t>> sameCorners(const WeldedMesh& mesh)
 {
-	std::map<Triangle, std::vector<std::uint32_t>> sets;
+	std::map<Corners, std::vector<std::uint32_t>> sets;
 	for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i)
 	{
-		Triangle key = mesh.triangles[i];
+		Corners key = mesh.triangles[i];
 		std::sort(key.begin(), key.end());
 		sets[key].push_back(i);
 	}
@@ -88,7 +86,7 @@ std::vector<std::vector<std::uint32_t>> sameCorners(const WeldedMesh& mesh)
 	return repeated;
 }
 
-bool isEvenPermutation(const Triangle& t)
+bool isEvenPermutation(const Corners& t)
 {
 	return (t[0] < t[1]) + (t[1] < t[2]) + (t[2] < t[0]) == 2;
 }

@@ -9,8 +9,6 @@ namespace clod::builder
 {
 namespace
 {
-using Triangle = std::array<std::uint32_t, 3>;
-
 // Vertices of open edges, sorted by x.
 std::vector<std::uint32_t> borderByX(const WeldedMesh& mesh, const std::map<FaceEdge, std::uint32_t>& faces)
 {
@@ -56,7 +54,7 @@ void splitOnce(WeldedMesh& mesh, double tolerance, FaceTally& split)
 	for (std::size_t i = 0; i < count; ++i)
 		for (std::size_t e = 0; e < 3; ++e)
 		{
-			const Triangle t = mesh.triangles[i];
+			const Corners t = mesh.triangles[i];
 			const std::uint32_t a = t[e], b = t[(e + 1) % 3], c = t[(e + 2) % 3];
 			if (faces.at(edgeOf(t, e)) != 1) continue;
 			std::vector<std::uint32_t> on = verticesOn(mesh, border, a, b, tolerance);
@@ -97,7 +95,7 @@ void sewCracks(WeldedMesh& mesh, double tolerance, Changes& changes)
 	}
 	if (sewn == 0) return;
 	std::vector<bool> keep;
-	for (Triangle& t : mesh.triangles)
+	for (Corners& t : mesh.triangles)
 	{
 		for (std::uint32_t& v : t) v = target[v];
 		keep.push_back(t[0] != t[1] && t[1] != t[2] && t[2] != t[0]);

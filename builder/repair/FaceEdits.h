@@ -17,8 +17,9 @@
 namespace clod::builder
 {
 using FaceEdge = std::pair<std::uint32_t, std::uint32_t>;  // the lower vertex first
+using Corners = std::array<std::uint32_t, 3>;              // of a triangle
 
-inline FaceEdge edgeOf(const std::array<std::uint32_t, 3>& t, std::size_t e)
+inline FaceEdge edgeOf(const Corners& t, std::size_t e)
 {
 	return std::minmax(t[e], t[(e + 1) % 3]);
 }

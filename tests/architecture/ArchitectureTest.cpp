@@ -88,6 +88,11 @@ TEST(Architecture, OnlyTheBuilderIncludesTheBuilder)
 	EXPECT_EQ(lines(builderIncludes(product())), "");
 }
 
+TEST(Architecture, TestsOfThePluginNeedNoBuilder)
+{
+	EXPECT_EQ(lines(buildersInPluginTests(readTests(CLOD_SOURCE_FOLDER))), "");
+}
+
 TEST(Architecture, FoldersAndSourcesAreSmall)
 {
 	EXPECT_EQ(lines(crowdedFolders(product())), "");
@@ -159,6 +164,17 @@ TEST(ArchitectureRules, FindTheBuilderOutsideItself)
 	for (const char* path : {"demos/models/Cup.cpp", "cli/Program.cpp", "plugin/clod/query/Rule.h"})
 		expectFault(builderIncludes, {{path, "#include \"builder/Lod.h\"\n"}},
 					std::string(path) + " includes builder/Lod.h, of the builder");
+}
+
+TEST(ArchitectureRules, FindTheBuilderInATestOfThePlugin)
+{
+	const Sources leaf = {{"tests/support/Leaf.h", "#include \"builder/Lod.h\"\n"},
+						  {"tests/builder/PartsTest.cpp", "#include \"tests/support/Leaf.h\"\n"}};
+	EXPECT_EQ(lines(buildersInPluginTests(leaf)), "");
+	Sources faulty = leaf;
+	faulty.push_back({"tests/manifold/DeepTest.cpp", "#include \"tests/support/Leaf.h\"\n"});
+	EXPECT_EQ(lines(buildersInPluginTests(faulty)),
+			  "tests/manifold/DeepTest.cpp reaches builder/Lod.h, of the builder\n");
 }
 
 TEST(ArchitectureRules, FindACrowdedFolder)

@@ -124,12 +124,11 @@ std::map<std::string, std::set<std::string>> readersOfHeaders(const Sources& sou
 	}
 	return readers;
 }
-}  // namespace
 
-Sources readProduct(const std::string& root)
+Sources readFolders(const std::string& root, const std::vector<const char*>& folders)
 {
 	Sources sources;
-	for (const char* part : {"plugin", "cli", "builder", "demos"})
+	for (const char* part : folders)
 		for (const auto& entry : std::filesystem::recursive_directory_iterator(std::filesystem::path(root) / part))
 		{
 			const std::string extension = entry.path().extension().string();
@@ -140,6 +139,17 @@ Sources readProduct(const std::string& root)
 		}
 	std::sort(sources.begin(), sources.end(), [](const Source& l, const Source& r) { return l.path < r.path; });
 	return sources;
+}
+}  // namespace
+
+Sources readTests(const std::string& root)
+{
+	return readFolders(root, {"tests"});
+}
+
+Sources readProduct(const std::string& root)
+{
+	return readFolders(root, {"plugin", "cli", "builder", "demos"});
 }
 
 Faults upwardIncludes(const Sources& sources)
@@ -194,6 +204,18 @@ Faults builderIncludes(const Sources& sources)
 			if (startsWith(include, "builder/") || include.find("../builder/") != std::string::npos)
 				faults.push_back(source.path + " includes " + include + ", of the builder");
 	}
+	return faults;
+}
+
+Faults buildersInPluginTests(const Sources& sources)
+{
+	const auto readers = readersOfHeaders(sources);
+	Faults faults;
+	for (const auto& [header, of] : readers)
+		for (const std::string& source : of)
+			for (const char* folder : {"bullet", "collide", "distance", "hierarchy", "manifold", "query", "random"})
+				if (startsWith(header, "builder/") && startsWith(source, std::string("tests/") + folder + "/"))
+					faults.push_back(source + " reaches " + header + ", of the builder");
 	return faults;
 }
 

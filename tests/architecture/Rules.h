@@ -18,8 +18,9 @@ using Faults = std::vector<std::string>;
 inline constexpr std::size_t kMostSourcesOfFolder = 36;
 inline constexpr std::size_t kMostLinesOfSource = 500;
 
-// All .h and .cpp of plugin, cli, builder and demos, ordered by path.
+// All .h and .cpp of plugin, cli, builder and demos, and those of tests, ordered by path.
 Sources readProduct(const std::string& root);
+Sources readTests(const std::string& root);
 
 // Folders of plugin/clod: collide < hierarchy < query < distance < manifold < schedule < bullet. None includes one above it, and
 // each include of ours is a file that exists, named from plugin/.
@@ -28,6 +29,8 @@ Faults upwardIncludes(const Sources& sources);
 Faults foreignIncludes(const Sources& sources);
 // What never links the builder never includes it: plugin, cli and demos.
 Faults builderIncludes(const Sources& sources);
+// Of the tests: those of the plugin are built without the builder (scripts/test --plugin), so reach no header of its.
+Faults buildersInPluginTests(const Sources& sources);
 // Of the plugin: folders with more than kMostSourcesOfFolder headers and sources; files with more than
 // kMostLinesOfSource.
 Faults crowdedFolders(const Sources& sources);

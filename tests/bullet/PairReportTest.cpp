@@ -297,4 +297,32 @@ TEST(PairReport, WhatIsAsideOfALongWayIsLookedForWhereLittleIsOnIt)
 		EXPECT_EQ(report.tolerance < 0.2 * radius, meets);
 	}
 }
+
+// What bodies apart pass on a long way leads to all sides, but holds them nowhere yet, as it does where they are in
+// each other.
+TEST(PairReport, BodiesApartThatRunIntoEachOtherAskForNoFinerLevels)
+{
+	const double radius = double(ring()->asset().radius);
+	for (const double apart : {0.0, 0.8})
+	{
+		BulletWorld scene;
+		btClodShape& shape = scene.addShape(ring());
+		scene.addBody(shape, 0, {0, 0, 0});
+		btRigidBody& body = scene.addBody(shape, 1, radius * Vec3{0.3, apart, 0.2});
+		const btVector3 speed(0, btScalar(-1.5 * radius / scene.timeStep), 0);
+		body.setLinearVelocity(speed);
+		body.setInterpolationLinearVelocity(speed);
+		body.predictIntegratedTransform(btScalar(scene.timeStep), body.getInterpolationWorldTransform());
+		scene.world.getDispatchInfo().m_timeStep = btScalar(scene.timeStep);
+		ContactMetric metric;
+		metric.maxError = 0.1 * radius;
+		shape.setMetric(metric);
+		scene.world.performDiscreteCollisionDetection();
+		PairReport report;
+		scene.context.forEachPair([&](const PairReport& pair) { report = pair; });
+		ASSERT_NE(report.result, nullptr);
+		EXPECT_FALSE(report.result->pairs.empty());
+		EXPECT_EQ(report.metric.maxError < metric.maxError, apart == 0) << apart;
+	}
+}
 }  // namespace clod::test

@@ -401,6 +401,32 @@ TEST(FacetContacts, WhatIsPressedBetweenFlanksJams)
 			}
 }
 
+// Corners low over faces that they are not over yet: a joint's flanks, unless the bodies go far to be over them.
+TEST(FacetContacts, WhatIsMetOnlyByGoingFarHoldsNothing)
+{
+	FacetQuestion question;
+	question.rules.length = 2;
+	question.rules.timeStep = 0.5;
+	for (const Facet::Reach reach :
+		 {Facet::Reach::kNear, Facet::Reach::kOverlap, Facet::Reach::kPath, Facet::Reach::kPossible})
+		for (const double way : {0.0, 0.9, 1.1})
+		{
+			std::vector<Facet> facets(2);
+			for (Facet& facet : facets)
+			{
+				facet.kind = Facet::Kind::kVertexFace;
+				facet.reach = reach;
+				facet.distance = -1e-3;
+			}
+			facets[0].normal = {1, 0, 0};
+			facets[1].normal = {-1, 0, 0};
+			question.rules.b.linear = {0, way / question.rules.timeStep, 0};
+			const bool isHeld = reach <= Facet::Reach::kOverlap || way < 1;
+			EXPECT_EQ(isHeldBetween(question, facets), isHeld) << int(reach) << " " << way;
+			EXPECT_EQ(isJammedBetween(question, facets), isHeld) << int(reach) << " " << way;
+		}
+}
+
 // A corner that a step of fast turning carries round another to its far side has not been pushed through it: what its row
 // asks of velocities is no more than turning bends a way by.
 TEST(PairSolve, CornersThatGoRoundEachOtherAskForNoSpeed)

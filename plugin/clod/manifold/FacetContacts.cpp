@@ -25,6 +25,7 @@ constexpr double kWayOut = 0.225;
 // that way is pushed back and forth.
 constexpr double kWayOutOfPress = 0.45;
 constexpr int kWayOutRounds = 64;
+constexpr double kFarInStep = 0.5;  // of the length: who goes farther by may meet all of a body, from any side
 
 // The triangle on which a place of the part lies (a part may have many); kNone for a thin core.
 std::uint32_t faceOf(const ContactSurface& surface, Part part, std::uint32_t feature, std::uint32_t node,
@@ -42,12 +43,20 @@ std::uint32_t faceOf(const ContactSurface& surface, Part part, std::uint32_t fea
 	return surface.firstFaceOf(node);
 }
 
-// Does no way leave all facets nearer than that, each by at least the angle of that sine? Finds the shortest vector in
-// the convex hull of the normals (Gilbert, 1966). Its length is the sine of the angle by which the best way out leaves
-// the facet that it leaves least.
-bool leaveNoWay(const std::vector<Facet>& facets, double nearer, double sine)
+// Does no way leave all facets that touch, each by at least the angle of that sine? Finds the shortest vector in the
+// convex hull of the normals (Gilbert, 1966). Its length is the sine of the angle by which the best way out leaves the
+// facet that it leaves least.
+bool leaveNoWay(const FacetQuestion& question, const std::vector<Facet>& facets, double sine)
 {
-	const auto counts = [&](const Facet& facet) { return facet.kind != Facet::Kind::kDeep && facet.distance < nearer; };
+	const RelativeMotion motion = question.rules.motion();
+	// What is low over a face, but comes over it only by going far, is aside of it now.
+	const auto isAside = [&](const Facet& facet)
+	{
+		return facet.reach > Facet::Reach::kOverlap &&
+			   length(motion.velocity(facet.onA)) * motion.timeStep > kFarInStep * question.length();
+	};
+	const auto counts = [&](const Facet& facet)
+	{ return facet.kind != Facet::Kind::kDeep && facet.distance < question.touching() && !isAside(facet); };
 	const auto first = std::find_if(facets.begin(), facets.end(), counts);
 	if (first == facets.end()) return false;
 	Vec3 shortest = first->normal;
@@ -68,7 +77,7 @@ bool leaveNoWay(const std::vector<Facet>& facets, double nearer, double sine)
 
 bool isHeldBetween(const FacetQuestion& question, const std::vector<Facet>& facets)
 {
-	return leaveNoWay(facets, question.touching(), kWayOut);
+	return leaveNoWay(question, facets, kWayOut);
 }
 
 bool isJammedBetween(const FacetQuestion& question, const std::vector<Facet>& facets)
@@ -76,7 +85,7 @@ bool isJammedBetween(const FacetQuestion& question, const std::vector<Facet>& fa
 	const double inner = kInnerShare * question.length();
 	const auto isPressedIn = [&](const Facet& facet) { return facet.hasFeatures() && facet.distance < -inner; };
 	const bool isAny = std::any_of(facets.begin(), facets.end(), isPressedIn);
-	return leaveNoWay(facets, question.touching(), isAny ? kWayOutOfPress : kWayOut);
+	return leaveNoWay(question, facets, isAny ? kWayOutOfPress : kWayOut);
 }
 
 void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Transform& aFromB, const PointRules& rules,

@@ -29,8 +29,8 @@ struct FacetMemory
 };
 
 // Is a body held between its contacts, like a pin in its hole, so that no direction leads out of all that touch or
-// overlap? The play is then of the order of the margins, and a level that deviates by more jams although it keeps its
-// error bound.
+// overlap, or may in this step unless it goes far? The play is then of the order of the margins, and a level that
+// deviates by more jams although it keeps its error bound.
 CLOD_API bool isHeldBetween(const FacetQuestion& question, const std::vector<Facet>& facets);
 // Or is it pressed in somewhere, like a tooth between flanks, so that only a direction at a sharp angle to these leads
 // out?
