@@ -13,9 +13,9 @@ namespace clod::check
 // Also used for the surface a node answers for.
 double outsideBox(const OrientedBox& box, const Vec3& p)
 {
-	const Vec3 d = p - vec(box.center);
+	const Vec3 d = p - toVec3(box.center);
 	double excess = length(d) - double(box.radius);
-	for (int i = 0; i < 3; ++i) excess = std::max(excess, std::abs(dot(vec(box.axis[i]), d)) - double(box.half[i]));
+	for (int i = 0; i < 3; ++i) excess = std::max(excess, std::abs(dot(toVec3(box.axis[i]), d)) - double(box.half[i]));
 	return excess;
 }
 

@@ -10,11 +10,6 @@
 
 namespace clod::check
 {
-inline Vec3 vec(const float (&v)[3])
-{
-	return {double(v[0]), double(v[1]), double(v[2])};
-}
-
 // Collects one invariant from several threads; the first violation is the one of the lowest element.
 class Tally
 {

@@ -129,13 +129,13 @@ Invariant faceRecords(const Subject& s)
 		const Face& face = s.h.faces()[f];
 		const Node& n = s.h.node(s.ownerOfFace[f]);
 		const Triangle t = s.triangle(f);
-		const Vec3 normal = vec(face.normal), area = cross(t[1] - t[0], t[2] - t[0]);
+		const Vec3 normal = toVec3(face.normal), area = cross(t[1] - t[0], t[2] - t[0]);
 		const double top = std::max({dot(normal, t[0]), dot(normal, t[1]), dot(normal, t[2])});
 		double longest = 0;
 		for (std::size_t e = 0; e < 3; ++e) longest = std::max(longest, length(t[(e + 1) % 3] - t[e]));
 		const double noise = 4e-16 * (1 + longest * longest / std::max(length(area), 1e-300));
 		bool sound = isNextAbove(face.offset, top, 1e-15 * s.radius) &&
-					 dot(normal, vec(n.meanNormal)) >= double(n.coneCosine) - 1e-5 &&
+					 dot(normal, toVec3(n.meanNormal)) >= double(n.coneCosine) - 1e-5 &&
 					 double(face.thickness) <= 0.03 * s.radius * (1 + 1e-5);
 		for (int k = 0; k < 3; ++k)
 			sound = sound && (area == Vec3{} || isNearestOf(face.normal[k], normalized(area)[k], noise));

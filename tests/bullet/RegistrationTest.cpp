@@ -147,6 +147,7 @@ TEST(Registration, SoftBodiesLieAsOnAMesh)
 		btCollisionDispatcher dispatcher(&configuration);
 		Context context;
 		const auto registered = btClodCollisionAlgorithm::registerAlgorithm(&dispatcher, &context);
+		ASSERT_TRUE(registered);
 		btDbvtBroadphase broadphase;
 		btSequentialImpulseConstraintSolver solver;
 		btSoftRigidDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
