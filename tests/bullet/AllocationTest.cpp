@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A steady dispatch allocates nothing: operator new is counted, and so are Bullet's own allocations. And what a pair keeps: bytes
-// that are not given back.
+// A steady dispatch allocates nothing and takes no lock a pair: operator new is counted, and so are Bullet's own allocations and
+// the mutexes that are locked. And what a pair keeps: bytes that are not given back.
+#include <dlfcn.h>
 #include <gtest/gtest.h>
 #include <malloc.h>
+#include <pthread.h>
 
 #include <atomic>
 #include <cmath>
@@ -18,7 +20,7 @@
 
 namespace
 {
-std::atomic<long> allocations{0}, bytes{0};
+std::atomic<long> allocations{0}, bytes{0}, locks{0};
 
 void* allocate(std::size_t size)
 {
@@ -35,6 +37,15 @@ void release(void* p)
 }  // namespace
 
 #include "tests/support/ReplacedNew.h"
+
+#ifndef __SANITIZE_THREAD__  // whose own this would hide
+extern "C" int pthread_mutex_lock(pthread_mutex_t* mutex) noexcept
+{
+	static const auto lock = reinterpret_cast<int (*)(pthread_mutex_t*)>(dlsym(RTLD_NEXT, "pthread_mutex_lock"));
+	++locks;
+	return lock(mutex);
+}
+#endif
 
 namespace clod::test
 {
@@ -188,7 +199,7 @@ namespace
 class Digits
 {
 public:
-	Digits(const ContactMetric& metric, double tilt) : m_tilt(tilt), m_dispatcher(&m_configuration, &context)
+	Digits(const ContactMetric& metric, double tilt, double upperScale = 1) : m_tilt(tilt), m_dispatcher(&m_configuration, &context)
 	{
 		if (!btClodCollisionAlgorithm::registerAlgorithm(&m_dispatcher, &context)) std::abort();
 		context.warn = {};
@@ -196,10 +207,11 @@ public:
 		m_world.getDispatchInfo().m_timeStep = btScalar(1.0 / 240);
 		const btScalar scale = btScalar(1 / double(m_shape.hierarchy().asset().radius));
 		m_shape.setLocalScaling({scale, scale, scale});
+		m_upperShape.setLocalScaling(btScalar(upperScale) * m_shape.getLocalScaling());
 		for (int i = 0; i < 2 * kPairs; ++i)
 		{
-			m_bodies.push_back(std::make_unique<btRigidBody>(
-				btRigidBody::btRigidBodyConstructionInfo(btScalar(i % 2), nullptr, &m_shape, btVector3(1, 1, 1))));
+			m_bodies.push_back(std::make_unique<btRigidBody>(btRigidBody::btRigidBodyConstructionInfo(
+				btScalar(i % 2), nullptr, i % 2 == 0 ? &m_shape : &m_upperShape, btVector3(1, 1, 1))));
 			place(*m_bodies.back(), 6 * (i / 2), 0, i % 2, 0);
 			m_world.addRigidBody(m_bodies.back().get());
 		}
@@ -229,6 +241,7 @@ public:
 		}
 		return bytes;
 	}
+	void setThreads(unsigned count) { m_dispatcher.setThreads(count); }
 	Context context;
 	static constexpr int kPairs = 24;
 
@@ -241,7 +254,7 @@ private:
 		body.setCenterOfMassTransform(pose);
 	}
 	const double m_tilt;
-	btClodShape m_shape{test::body("number8", 600).hierarchy};
+	btClodShape m_shape{test::body("number8", 600).hierarchy}, m_upperShape{test::body("number8", 600).hierarchy};
 	btDefaultCollisionConfiguration m_configuration;
 	btClodDispatcher m_dispatcher;
 	btDbvtBroadphase m_broadphase;
@@ -250,6 +263,23 @@ private:
 	std::vector<std::unique_ptr<btRigidBody>> m_bodies;
 };
 }  // namespace
+
+// Threads would wait for each other: there is none but what hands out a step's work, a few times each.
+TEST(Dispatch, SteadyStepsTakeNoLockAPair)
+{
+	constexpr double kMeets = 0.6;
+	for (const auto& [upperScale, threads] : {std::pair{1.0, 1U}, {1.01, 1U}, {1.01, 2U}})
+	{
+		Digits scene(ContactMetric::deviationShare(0.035), 0.4, upperScale);
+		scene.setThreads(threads);
+		scene.steps(kMeets);
+		EXPECT_GT(scene.context.lastStep().pairsInContact, unsigned(Digits::kPairs / 2)) << upperScale;
+		const long before = locks;
+		scene.steps(kMeets);
+		EXPECT_LE(locks - before, 40 * (threads == 1 ? 0 : 6)) << upperScale << ", " << threads;
+		EXPECT_TRUE(threads == 1 || locks > before);  // which are seen
+	}
+}
 
 // Where nothing is near any longer what was remembered is given back.
 TEST(Memory, OfAPairIsWhatItsContactsTake)

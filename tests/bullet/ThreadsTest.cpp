@@ -72,6 +72,32 @@ public:
 	btClodDispatcher& dispatcher() { return m_dispatcher; }
 	const btRigidBody& last() const { return *m_bodies.back(); }
 	btRigidBody& first() { return *m_bodies[2]; }
+	// What a program saves besides contacts.
+	struct Place
+	{
+		btTransform pose, interpolation;
+		btVector3 linear, angular;
+	};
+	std::vector<Place> places() const
+	{
+		std::vector<Place> all;
+		for (const auto& body : m_bodies)
+			all.push_back({body->getWorldTransform(), body->getInterpolationWorldTransform(), body->getLinearVelocity(),
+						   body->getAngularVelocity()});
+		return all;
+	}
+	void putBack(const std::vector<Place>& places)
+	{
+		for (std::size_t i = 0; i < places.size(); ++i)
+		{
+			btRigidBody& body = *m_bodies[i];
+			body.setWorldTransform(places[i].pose);
+			body.setInterpolationWorldTransform(places[i].interpolation);
+			body.setLinearVelocity(places[i].linear);
+			body.setAngularVelocity(places[i].angular);
+			body.updateInertiaTensor();
+		}
+	}
 
 	Context& context;
 	std::vector<std::string> said;
@@ -339,5 +365,70 @@ TEST(Threads, CallTheProgramsFunctionsFromWhereverTheyAre)
 	const int callsOfOne = calls.exchange(0);
 	EXPECT_EQ(run(4), one);
 	EXPECT_EQ(calls, callsOfOne);
+}
+
+// From a fall, where pairs have come since, and from rest.
+TEST(SavedContacts, PutBackWithTheBodiesAWorldGoesAsItDid)
+{
+	std::uint32_t kept = 0;
+	for (const auto& [start, steps, passes] : {std::tuple{60, 8, 3}, {700, 40, 1}, {700, 40, 3}})
+	{
+		Mixed scene(2, passes, passes);
+		scene.world().getDispatchInfo().m_deterministicOverlappingPairs = true;
+		const auto save = [&] { return scene.context.saveContacts(scene.dispatcher()); };
+		scene.run(start);
+		const auto places = scene.places();
+		const auto contacts = save();
+		const int parts = scene.world().expectedParts();
+		std::vector<std::uint64_t> ways[2];
+		for (auto& way : ways)
+		{
+			for (int i = 0; i < steps; ++i)
+			{
+				way.push_back(scene.run(1));
+				way.push_back(hashOf(*save()));
+				kept += scene.context.lastStep().keptPairs;
+			}
+			EXPECT_NE(way.back(), hashOf(*contacts));
+			EXPECT_EQ(scene.context.restoreContacts(scene.dispatcher(), *contacts), 0U) << start;
+			EXPECT_EQ(hashOf(*save()), hashOf(*contacts));
+			scene.putBack(places);
+			scene.world().expectParts(parts);
+		}
+		const auto first = std::mismatch(ways[0].begin(), ways[0].end(), ways[1].begin()).first;
+		EXPECT_EQ(first - ways[0].begin(), 2 * steps) << start << ", " << passes;
+	}
+	EXPECT_GT(kept, 100U);
+}
+
+// Whose boxes have parted begin anew.
+TEST(SavedContacts, OfPairsThatAreNoLongerThereAreToldOf)
+{
+	Mixed scene(1);
+	scene.run(240);
+	const auto contacts = scene.context.saveContacts(scene.dispatcher());
+	const auto places = scene.places();
+	auto apart = places;
+	for (std::size_t i = 0; i < apart.size(); ++i) apart[i].pose.getOrigin() += btVector3(0, btScalar(50 * i), 0);
+	scene.putBack(apart);
+	scene.run(30);
+	EXPECT_GT(scene.context.restoreContacts(scene.dispatcher(), *contacts), 0U);
+	EXPECT_NE(hashOf(*scene.context.saveContacts(scene.dispatcher())), hashOf(*contacts));
+	scene.putBack(places);
+	scene.run(240);
+	EXPECT_GT(scene.context.lastStep().points, 40U);
+}
+
+TEST(SavedContacts, AreTheSameHoweverManyThreadsThereWere)
+{
+	const auto run = [](unsigned threads, int steps)
+	{
+		Mixed scene(threads);
+		scene.run(steps);
+		return hashOf(*scene.context.saveContacts(scene.dispatcher()));
+	};
+	const std::uint64_t one = run(1, 200);
+	EXPECT_EQ(run(3, 200), one);
+	EXPECT_NE(run(1, 199), one);
 }
 }  // namespace clod::test

@@ -2,6 +2,7 @@
 #include "clod/bullet/Context.h"
 
 #include <BulletCollision/CollisionDispatch/btCollisionCreateFunc.h>
+#include <xxhash.h>
 
 #include <algorithm>
 #include <atomic>
@@ -107,6 +108,45 @@ void Context::pairsOf(const btDispatcher& dispatcher, std::vector<PairState*>& p
 	pairs.clear();
 	for (PairState* pair : m_pairs)
 		if (pair->isOf(dispatcher)) pairs.push_back(pair);
+}
+
+std::shared_ptr<const SavedContacts> Context::saveContacts(const btDispatcher& dispatcher) const
+{
+	auto contacts = std::make_shared<SavedContacts>();
+	std::vector<PairState*> pairs;
+	pairsOf(dispatcher, pairs);
+	for (const PairState* pair : pairs)
+		if (std::optional<PairState::Saved> saved = pair->save()) contacts->pairs.push_back(std::move(*saved));
+	return contacts;
+}
+
+std::size_t Context::restoreContacts(const btDispatcher& dispatcher, const SavedContacts& saved)
+{
+	std::vector<const PairState::Saved*> left;
+	for (const PairState::Saved& each : saved.pairs) left.push_back(&each);
+	std::vector<PairState*> pairs;
+	pairsOf(dispatcher, pairs);
+	for (PairState* pair : pairs)
+	{
+		const auto mine = std::find_if(left.begin(), left.end(), [&](const auto* each) { return pair->isOf(*each); });
+		pair->restore(mine != left.end() ? **mine : PairState::Saved());
+		if (mine != left.end()) left.erase(mine);
+	}
+	return std::size_t(
+		std::count_if(left.begin(), left.end(), [](const auto* each) { return each->manifolds.areAny(); }));
+}
+
+std::uint64_t hashOf(const SavedContacts& contacts)
+{
+	std::uint64_t sum = 0;
+	std::vector<double> numbers;
+	for (const PairState::Saved& pair : contacts.pairs)
+	{
+		numbers.clear();
+		pair.addTo(numbers);
+		if (!numbers.empty()) sum += XXH3_64bits(numbers.data(), numbers.size() * sizeof(double));
+	}
+	return sum;
 }
 
 bool& Context::isSolvedIn(const btDispatcher& dispatcher)

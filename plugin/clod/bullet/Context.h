@@ -30,6 +30,7 @@ struct btCollisionAlgorithmCreateFunc;
 namespace clod
 {
 class PairState;
+struct SavedContacts;
 
 // Shapes of ours that were never registered with a dispatcher fall through each other. Calls that a world makes to
 // shapes before any registration are counted, process-wide; after some steps one message goes to stderr. After a
@@ -87,6 +88,15 @@ public:
 	// removes a pair, a later one may not be visited. Call it between dispatches, or on the only thread of one.
 	void forEachPair(const std::function<void(const PairReport&)>& visit) const;
 
+	// What the pairs of a dispatcher keep from step to step: points with their impulses, what they answer and what went
+	// in where. Between two steps a program may save it and later, with its bodies, joints and solver as they were
+	// then, put it back. Pairs that were not there begin anew; the program's data at points are dropped. Returns how
+	// many pairs with manifolds are no longer there: Bullet ends those whose boxes part, and begins them anew. If none,
+	// the world goes on as it did, to the bit (with btDispatcherInfo::m_deterministicOverlappingPairs, and without a
+	// budget, which goes on learning). Cost: a copy of the points.
+	std::shared_ptr<const SavedContacts> saveContacts(const btDispatcher& dispatcher) const;
+	std::size_t restoreContacts(const btDispatcher& dispatcher, const SavedContacts& saved);
+
 private:
 	friend class PairState;
 	friend class ::btClodCollisionAlgorithm;
@@ -119,4 +129,7 @@ private:
 	StepBudget m_stepBudget;  // of dispatchers that have none
 	std::vector<std::unique_ptr<btCollisionAlgorithmCreateFunc>> m_createFunctions;  // one set a registration
 };
+
+// Of all that later steps depend on: the same for the same steps, in any process and by any number of threads.
+CLOD_API std::uint64_t hashOf(const SavedContacts& contacts);
 }  // namespace clod

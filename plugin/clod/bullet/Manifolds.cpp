@@ -22,11 +22,6 @@ int childOr(int otherwise, const btCollisionObjectWrapper& wrapper)
 {
 	return wrapper.m_parent ? wrapper.m_index : otherwise;
 }
-int childOf(const btCollisionObjectWrapper& wrapper)
-{
-	return childOr(-1, wrapper);
-}
-
 // What Bullet combines of the two bodies' materials. It is the same for all points of a pair.
 struct Material
 {
@@ -67,6 +62,11 @@ Scratch& scratch()
 }
 }  // namespace
 
+int childOf(const btCollisionObjectWrapper& wrapper)
+{
+	return childOr(-1, wrapper);
+}
+
 ManifoldSet::Written::Written(const btManifoldPoint& p)
 	: localPointA(p.m_localPointA),
 	  localPointB(p.m_localPointB),
@@ -93,6 +93,43 @@ void ManifoldSet::append(btManifoldArray& manifolds) const
 {
 	for (btPersistentManifold* manifold : m_manifolds)
 		if (manifold) manifolds.push_back(manifold);
+}
+
+ManifoldSet::Saved ManifoldSet::save() const
+{
+	Saved saved;
+	saved.slots = m_slots;
+	saved.ground = m_ground;
+	for (std::size_t i = 0; i < m_manifolds.size(); ++i)
+		if (btPersistentManifold* const manifold = m_manifolds[i])
+		{
+			Saved::One& one = saved.manifolds[i];
+			one = {manifold->getBody0(), manifold->getBody1(), manifold->getContactBreakingThreshold(), {}};
+			for (int k = 0; k < manifold->getNumContacts(); ++k)
+			{
+				one.points.push_back(manifold->getContactPoint(k));
+				one.points.back().m_userPersistentData = nullptr;
+			}
+		}
+	return saved;
+}
+
+void ManifoldSet::restore(const Saved& saved)
+{
+	m_slots = saved.slots;
+	m_ground = saved.ground;
+	for (std::size_t i = 0; i < m_manifolds.size(); ++i)
+	{
+		btPersistentManifold*& manifold = m_manifolds[i];
+		const Saved::One& one = saved.manifolds[i];
+		if (manifold && !one.body0) m_dispatcher.releaseManifold(std::exchange(manifold, nullptr));
+		if (!one.body0) continue;
+		if (!manifold) manifold = m_dispatcher.getNewManifold(one.body0, one.body1);
+		for (int k = 0; k < manifold->getNumContacts(); ++k) manifold->clearUserCache(manifold->getContactPoint(k));
+		manifold->setContactBreakingThreshold(one.breakingThreshold);
+		manifold->setNumContacts(int(one.points.size()));
+		for (std::size_t k = 0; k < one.points.size(); ++k) manifold->getContactPoint(int(k)) = one.points[k];
+	}
 }
 
 bool ManifoldSet::carry() const

@@ -9,6 +9,7 @@
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <vector>
@@ -77,6 +78,12 @@ public:
 		endWrite(clusters, frame, out);
 	}
 	void append(btManifoldArray& manifolds) const;
+
+	// All that is kept of them, as it is between two steps; a program's data at points are not.
+	struct Saved;
+	Saved save() const;
+	// Drops what is there, and the program's data with it.
+	void restore(const Saved& saved);
 
 private:
 	// A point as it was written: finds it again, and tells whether anybody has changed it.
@@ -150,4 +157,22 @@ private:
 	bool m_wasEmpty = true;
 	btPersistentManifold* m_target = nullptr;
 };
+struct ManifoldSet::Saved
+{
+	struct One
+	{
+		const btCollisionObject *body0 = nullptr, *body1 = nullptr;  // none: there was no manifold
+		btScalar breakingThreshold = 0;
+		std::vector<btManifoldPoint> points;
+	};
+	std::array<One, kMaxClusters> manifolds;
+	bool areAny() const
+	{
+		return std::any_of(manifolds.begin(), manifolds.end(), [](const One& one) { return one.body0 != nullptr; });
+	}
+	std::vector<Slot> slots;
+	std::optional<Ground> ground;
+};
+// The child of a compound that the wrapper is of, else -1.
+int childOf(const btCollisionObjectWrapper& wrapper);
 }  // namespace clod

@@ -365,5 +365,4 @@ void PairState::namePartnerFace(const PairPose& pose, ContactPoint& point)
 	point.nodeB = std::uint32_t(name[0]);
 	point.faceB = std::uint32_t(name[1]);
 }
-
 }  // namespace clod

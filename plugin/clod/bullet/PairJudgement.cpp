@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
-// What a pair says about its own contacts: levels, certified error, depth, and what it warns of.
+// What a pair says about its own contacts: levels, certified error, depth, and what it warns of; and what is saved of
+// it.
 #include <algorithm>
 
 #include "clod/bullet/PairState.h"
@@ -18,7 +19,102 @@ std::string nameOf(const btCollisionObject* object)
 	if (shape && !shape->name().empty()) name += " of " + shape->name();
 	return name;
 }
+
+// As numbers, one after the other.
+class Numbers
+{
+public:
+	explicit Numbers(std::vector<double>& all) : m_all(all) {}
+	template <class... All>
+	void add(const All&... values)
+	{
+		(addOne(values), ...);
+	}
+
+private:
+	void addOne(const Vec3& v) { m_all.insert(m_all.end(), {v.x, v.y, v.z}); }
+	void addOne(const Transform& t) { add(t.rotation.row[0], t.rotation.row[1], t.rotation.row[2], t.translation); }
+	void addOne(std::uint64_t bits) { add(std::uint32_t(bits), std::uint32_t(bits >> 32)); }
+	template <class Number>
+	void addOne(Number number)
+	{
+		m_all.push_back(double(number));
+	}
+	std::vector<double>& m_all;
+};
 }  // namespace
+
+std::optional<PairState::Saved> PairState::save() const
+{
+	if (m_isClosestPoints || m_seenA.shape == nullptr) return std::nullopt;
+	Saved saved;
+	saved.objects = {m_report.objectA, m_report.objectB};
+	saved.children = m_children;
+	saved.seenA = m_seenA;
+	saved.seenB = m_seenB;
+	if (m_answered) saved.answered = *m_answered;
+	saved.followed = m_followed;
+	saved.foreseen = m_foreseen;
+	saved.clusters = m_clusters;
+	saved.report = m_report;
+	saved.heldError = m_heldError;
+	saved.facets = m_facets;
+	saved.result = m_result;
+	saved.partnerStats = m_partnerStats;
+	saved.trianglesHash = m_trianglesHash;
+	saved.manifolds = m_manifolds.save();
+	return saved;
+}
+
+bool PairState::isOf(const Saved& saved) const
+{
+	return saved.objects[0] == m_report.objectA && saved.objects[1] == m_report.objectB &&
+		   saved.children == m_children && saved.seenA == m_seenA && saved.seenB == m_seenB;
+}
+
+// The hierarchies that the caches are of are those that the shapes still have, if there is any.
+void PairState::restore(const Saved& saved)
+{
+	if (m_isClosestPoints) return;
+	m_seenA = saved.seenA;
+	m_seenB = saved.seenB;
+	m_answered = saved.answered ? std::make_unique<Question>(*saved.answered) : nullptr;
+	m_followed = saved.followed;
+	m_foreseen = saved.foreseen;
+	m_clusters = saved.clusters;
+	m_report = saved.report;
+	m_report.result = &m_result;
+	m_report.clusters = &m_clusters;
+	m_heldError = saved.heldError;
+	m_facets = saved.facets;
+	m_result = saved.result;
+	m_partnerStats = saved.partnerStats;
+	m_trianglesHash = saved.trianglesHash;
+	m_manifolds.restore(saved.manifolds);
+}
+
+void PairState::Saved::addTo(std::vector<double>& numbers) const
+{
+	if (clusters.isEmpty()) return;
+	Numbers all(numbers);
+	all.add(report.aFromB, followed, heldError, foreseen.spare, foreseen.motion.linear, foreseen.motion.angular,
+			facets.aFromB, facets.through, facets.wayOut, facets.isMadeIn, facets.levels.overlap, facets.levels.isOther,
+			trianglesHash);
+	for (const SwitchMemory::Levels& levels : facets.levels.asked) all.add(levels.a, levels.b);
+	for (const FacetRecord& facet : facets.reduced) all.add(facet.feature, facet.distance, facet.then);
+	for (const AcceptedPair& pair : result.pairs) all.add(pair.nodeA, pair.nodeB);
+	if (answered) all.add(answered->aFromB, answered->way, answered->settings.tolerance);
+	for (const HeldPoint& held : clusters.points())
+	{
+		const ContactPoint& point = held.point;
+		all.add(held.impulse, point.pointOnA, point.pointOnB, point.normal, point.height, point.bend, point.slowOverlap,
+				point.idle, point.feature, point.goesOn, point.rebounds);
+	}
+	for (const ManifoldSet::Saved::One& manifold : manifolds.manifolds)
+		for (const btManifoldPoint& point : manifold.points)
+			all.add(point.m_appliedImpulse, point.m_appliedImpulseLateral1, point.m_appliedImpulseLateral2,
+					point.m_distance1);
+}
 
 std::string PairState::bodies() const
 {

@@ -151,6 +151,7 @@ PairPose PairState::begin(const btCollisionObjectWrapper& body0, const btCollisi
 	m_report.notFinite = pose.notFinite;
 	if (pose.partner == Partner::kOther) return pose;
 	noticeShapes(pose);
+	m_children = {childOf(*pose.a), childOf(*pose.b)};
 	m_report.objectA = pose.a->getCollisionObject();
 	m_report.objectB = pose.b->getCollisionObject();
 	for (const btClodShape* shape : {pose.shapeA, pose.shapeB})

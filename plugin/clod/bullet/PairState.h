@@ -59,6 +59,14 @@ public:
 	void append(btManifoldArray& manifolds) const { m_manifolds.append(manifolds); }
 	const PairReport& lastReport() const { return m_report; }
 
+	// All that later steps depend on, as it is between two steps; caches are not, nor what budgets have learned. Of one
+	// that lasts no longer than a question nothing is saved.
+	struct Saved;
+	std::optional<Saved> save() const;
+	bool isOf(const Saved& saved) const;
+	// Goes on from there, or from nothing.
+	void restore(const Saved& saved);
+
 private:
 	static constexpr std::uint32_t kMostRefused = 15;  // dispatches until a finer answer is tried again, at most
 	// Which shape a body has. Shapes change under a live pair, and others are made in their place.
@@ -171,6 +179,7 @@ private:
 	PairMetric m_metric;
 	// From dispatch to dispatch.
 	Seen m_seenA, m_seenB;
+	std::array<int, 2> m_children{-1, -1};  // of compounds, that A and B are
 	std::shared_ptr<const ConvexPartner> m_convex;
 	HierarchyPair m_asked;
 	GapCache m_cache;
@@ -197,5 +206,29 @@ private:
 	std::vector<std::array<int, 2>> m_names;  // part and index of each triangle of a mesh within the tolerance,
 	std::unique_ptr<ContactSurface> m_partnerSurface;  // the surface they make,
 	std::uint64_t m_trianglesHash = 0;                 // and what they were
+};
+
+struct PairState::Saved
+{
+	std::array<const btCollisionObject*, 2> objects{};
+	std::array<int, 2> children{-1, -1};
+	Seen seenA, seenB;
+	std::optional<Question> answered;
+	std::uint32_t followed = 0;
+	Foreseen foreseen;
+	HeldClusters clusters;
+	PairReport report;
+	double heldError = kOff;
+	FacetMemory facets;
+	HeldResult result;
+	PartnerStats partnerStats;
+	std::uint64_t trianglesHash = 0;
+	ManifoldSet::Saved manifolds;
+	void addTo(std::vector<double>& numbers) const;  // if it has points: all that tells it from another but addresses
+};
+
+struct SavedContacts
+{
+	std::vector<PairState::Saved> pairs;
 };
 }  // namespace clod

@@ -47,6 +47,9 @@ public:
 	int passes() const { return m_passes; }
 	int parts() const { return m_parts; }
 	int pairsAskedAgain() const { return m_pairsAskedAgain; }
+	// In how many parts the next step starts: belongs to what a program saves with contacts (Context::saveContacts).
+	int expectedParts() const { return m_expectedParts; }
+	void expectParts(int parts) { m_expectedParts = parts; }
 
 	void solveConstraints(btContactSolverInfo& info) override;
 	// Makes the boxes of kinematic bodies enclose their motion in the coming step, too, as their velocities tell it.

@@ -182,6 +182,7 @@ void btClodShape::setLocalScaling(const btVector3& scaling)
 		m_scale = 1;
 	}
 	m_inWorldLengths.reset();
+	m_isDerived = false;
 	m_scaling = scaling;
 	++m_revision;
 	updateBounds();
@@ -196,11 +197,14 @@ double btClodShape::leastScale() const
 std::shared_ptr<const Hierarchy> btClodShape::inWorldLengths() const
 {
 	if (m_scale == 1) return m_hierarchy;
+	if (m_isDerived.load(std::memory_order_acquire)) return m_inWorldLengths;  // without a lock, as each dispatch asks
 	const std::lock_guard<std::mutex> lock(m_deriving);
-	if (m_inWorldLengths) return m_inWorldLengths;
+	if (m_isDerived.load(std::memory_order_relaxed)) return m_inWorldLengths;
 	clod::Result<std::shared_ptr<const Hierarchy>> derived =
 		m_hierarchy->derived<clod::ScaledHierarchies>().by({m_scale, m_scale, m_scale});
-	if (derived) m_inWorldLengths = derived.value();
+	if (!derived) return nullptr;
+	m_inWorldLengths = derived.value();
+	m_isDerived.store(true, std::memory_order_release);
 	return m_inWorldLengths;
 }
 

@@ -11,6 +11,7 @@
 #include <BulletCollision/CollisionShapes/btConcaveShape.h>
 #include <LinearMath/btTransform.h>
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -150,6 +151,7 @@ public:
 private:
 	std::shared_ptr<const clod::Hierarchy> m_given, m_hierarchy;
 	mutable std::shared_ptr<const clod::Hierarchy> m_inWorldLengths;
+	mutable std::atomic<bool> m_isDerived{false};  // into the latter
 	mutable std::mutex m_deriving;
 	std::string m_scalingError, m_name;
 	mutable std::string m_serializedName;  // serializers keep a pointer to it

@@ -30,9 +30,10 @@ inline constexpr double kMovesAhead = 4;   // so many as the last one,
 inline constexpr double kMostAhead = 0.25;  // and at most so much of the smaller body;
 inline constexpr double kFartherOfCore = 2;  // of points and segments, which have few pairs
 // No front of base levels is kept after a query that moved by more than such a share of the tolerance, and so many
-// more.
+// more, unless it takes no more than such a share of the bytes of the two bodies.
 inline constexpr double kMovingShare = 0.25;
 inline constexpr std::uint32_t kCalm = 64;
+inline constexpr double kFrontShare = 1.0 / 64;
 
 // Searches for the motion that bodies apart can take (SeparationCache.cpp).
 inline constexpr std::uint32_t kSearchBackOff = 63;  // queries without a search, at most

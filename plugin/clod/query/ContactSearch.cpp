@@ -156,10 +156,14 @@ void ContactSearch::countQuiet(bool isNothingNear)
 	front.isLent = willBeLent;
 }
 
-// Of one level of each body, walked in no more time without a front than with that of bodies that have moved so far.
+// Of one level of each body, where most of a front is another after so far a motion: then it is kept only where it is
+// small beside the bodies.
 bool ContactSearch::isMovingOn() const
 {
-	return m_rule && m_rule->base().isUsed() && !m_limit.isSet() && !isOfSinglePiece() && m_state.calmFor < kCalm;
+	const bool isOfBase = m_rule && m_rule->base().isUsed() && !m_limit.isSet() && !isOfSinglePiece();
+	const double ofBodies = double(m_context.a.bytes().size() + m_context.b.bytes().size());
+	const double ofFront = double(m_state.front.entries.size() * sizeof(FrontEntry));
+	return isOfBase && ofFront > kFrontShare * ofBodies && m_state.calmFor < kCalm;
 }
 
 bool ContactSearch::isOfSinglePiece() const
