@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "clod/bullet/BodyState.h"
+#include "clod/bullet/ConfigureWorld.h"
 #include "tests/bullet/BulletWorld.h"
 #include "tests/bullet/PatchHierarchy.h"
 #include "tests/query/Questions.h"
@@ -286,5 +287,153 @@ TEST(TimeOfImpact, WhatTouchesAlreadyIsLeftToItsContacts)
 	flight.first = &flight.scene.addBody(box, 1, {0, 0, 0});
 	flight.second = &flight.scene.addBody(box, 1, {1, 0, 0});
 	EXPECT_EQ(flight.timeOfImpact(at(1, 0, 0), at(0, 0, 0)), 1);
+}
+
+namespace
+{
+// A ball without spin over a slab, turned so that a coarse level lies back from the surface by some of its size. It
+// falls at a speed that takes it, within a step, to where only the surface would overlap the slab; half-way there it
+// asks for full resolution.
+struct SwitchAtImpact
+{
+	static constexpr double kWay = 0.1, kRate = 60;
+	BulletWorld scene{true};
+	btRigidBody *slab = nullptr, *ball = nullptr;
+	ContactMetric coarse = ContactMetric::errorShare(0.1);
+	double lag = 0;  // between the two surfaces
+	double start = 0;
+
+	explicit SwitchAtImpact(double restitution)
+	{
+		scene.timeStep = 1 / kRate;
+		configureWorld(scene.world);
+		scene.world.setGravity({0, 0, 0});
+		dynamic_cast<btClodDynamicsWorld&>(scene.world).setStepping(btClodDynamicsWorld::Stepping::kImpacts);
+		btClodShape& shape = scene.addShape(body("sphere-300").hierarchy);
+		const btScalar scale = btScalar(1 / double(shape.hierarchy().asset().radius));
+		shape.setLocalScaling({scale, scale, scale});
+		slab = &scene.addBody(scene.addShape(patchHierarchy(boxMesh({10, 1, 10}, {2, 1, 2}, 1))), 0, {0, -0.5, 0});
+		ball = &scene.addBody(shape, 1, {0, 3, 0});
+		for (btRigidBody* one : {slab, ball}) one->setFriction(0);
+		slab->setRestitution(1);
+		ball->setRestitution(btScalar(restitution));
+		ball->setAngularFactor(0);
+		ball->setDamping(0, 0);
+		btQuaternion best = ball->getWorldTransform().getRotation();
+		for (int i = 0; i < 24; ++i)
+		{
+			ball->getWorldTransform().setRotation(
+				btQuaternion(btVector3(1, 0.3f, 0.1f).normalized(), btScalar(0.13 * i)));
+			const double here = gap(coarse, 3) - gap(ContactMetric::exactly(), 3);
+			if (here <= lag) continue;
+			lag = here;
+			best = ball->getWorldTransform().getRotation();
+		}
+		ball->getWorldTransform().setRotation(best);
+		start = 3 - gap(coarse, 3) + kWay + 0.5 * lag;
+		ball->getWorldTransform().getOrigin().setY(btScalar(start));
+		ball->setLinearVelocity(btVector3(0, btScalar(-kWay * kRate), 0));
+		scene.context.pairMetric = [this](const btCollisionObject&, const btCollisionObject&, ContactMetric& metric)
+		{
+			metric = heightOf(*ball) < start - 0.5 * kWay ? ContactMetric::exactly() : coarse;
+			return true;
+		};
+	}
+	// Of the surfaces that a metric allows, the ball at that height.
+	double gap(const ContactMetric& metric, double height) const
+	{
+		const auto& a = static_cast<const btClodShape&>(*slab->getCollisionShape());
+		const auto& b = static_cast<const btClodShape&>(*ball->getCollisionShape());
+		btTransform there = ball->getWorldTransform();
+		there.getOrigin().setY(btScalar(height));
+		GapSettings settings;
+		MetricFrame frame;
+		frame.radius = 1;
+		settings.metric = resolve(metric, frame);
+		settings.tolerance = 4;
+		PairCache cache;
+		ContactResult result;
+		contacts(*a.inWorldLengths(), *b.inWorldLengths(),
+				 inverse(toTransform(slab->getWorldTransform())) * toTransform(there), settings, cache, result);
+		double nearest = 4;
+		for (const Contact& contact : result.contacts) nearest = std::min(nearest, contact.lower);
+		return nearest;
+	}
+	bool isCoarse() const
+	{
+		bool is = false;
+		scene.context.forEachPair([&](const PairReport& pair) { is = !pair.metric.exact; });
+		return is;
+	}
+};
+}  // namespace
+
+// What a solver corrects by positions stays corrected while the end of a step is looked at.
+TEST(SwitchImpact, LooksAheadWithoutATrace)
+{
+	for (const bool atImpacts : {false, true})
+	{
+		BulletWorld scene(true);
+		configureWorld(scene.world);
+		scene.world.setGravity({0, 0, 0});
+		if (atImpacts)
+			dynamic_cast<btClodDynamicsWorld&>(scene.world).setStepping(btClodDynamicsWorld::Stepping::kImpacts);
+		const btRigidBody& lower = scene.addBody(scene.addShape(cube()), 1, {0, 0, 0});
+		const btRigidBody& upper = scene.addBody(scene.addShape(cube()), 1, {0, 0.98, 0});
+		scene.step(60);
+		EXPECT_GT(heightOf(upper) - heightOf(lower), 0.9995) << atImpacts;
+	}
+}
+
+// Neither level alone has an impact to look for: one never meets the slab, the other is in it already once it is asked
+// for. Its time is where the separation of the one and the depth of the other cancel.
+TEST(SwitchImpact, HasTheTimeBetweenTheSeparationAndTheDepth)
+{
+	SwitchAtImpact fall(1);
+	ASSERT_GT(fall.lag, 0.01);
+	const double separation = SwitchAtImpact::kWay + 0.5 * fall.lag, depth = 0.5 * fall.lag;
+	const double share = separation / (separation + depth);
+	fall.scene.step();
+	EXPECT_NEAR(double(fall.ball->getLinearVelocity().y()), SwitchAtImpact::kWay * SwitchAtImpact::kRate, 0.01);
+	EXPECT_NEAR(heightOf(*fall.ball), fall.start + (1 - 2 * share) * SwitchAtImpact::kWay, 0.01 * SwitchAtImpact::kWay);
+}
+
+// It parts slowly: the fine level would find it in the slab for some steps.
+TEST(SwitchImpact, IsNotRefinedUntilTheFinerLevelIsApartToo)
+{
+	SwitchAtImpact fall(0.015);
+	int held = 0, apart = 0;
+	for (int i = 0; i < 60; ++i)
+	{
+		const double before = heightOf(*fall.ball);
+		fall.scene.step();
+		if (i == 0) continue;
+		ASSERT_GT(double(fall.ball->getLinearVelocity().y()), 0) << i;
+		const bool isApart = fall.gap(ContactMetric::exactly(), before) > 0;
+		if (before > fall.start - 0.5 * SwitchAtImpact::kWay) break;
+		EXPECT_EQ(fall.isCoarse(), !isApart) << i;
+		++(isApart ? apart : held);
+	}
+	EXPECT_GT(held, 2);
+	EXPECT_GT(apart, 2);
+}
+
+// One that comes to rest there is let down onto the surface that is asked for: the metric stays a hard limit.
+TEST(SwitchImpact, WhatDoesNotPartIsRefinedAtOnce)
+{
+	SwitchAtImpact fall(0);
+	fall.scene.world.setGravity(btVector3(0, btScalar(-9.81), 0));
+	fall.scene.step();
+	EXPECT_TRUE(fall.isCoarse());
+	EXPECT_LT(std::abs(double(fall.ball->getLinearVelocity().y())), 0.01);
+	double fastest = 0;
+	for (int i = 0; i < 240; ++i)
+	{
+		fall.scene.step();
+		EXPECT_FALSE(fall.isCoarse()) << i;
+		fastest = std::max(fastest, std::abs(double(fall.ball->getLinearVelocity().y())));
+	}
+	EXPECT_LT(fastest, 0.1);
+	EXPECT_GT(fall.gap(ContactMetric::exactly(), heightOf(*fall.ball)), -1e-3);
 }
 }  // namespace clod::test

@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "clod/bullet/BodyState.h"
-#include "clod/bullet/TimeOfImpact.h"
 #include "clod/collide/MotionBound.h"
 
 namespace clod
@@ -126,6 +125,7 @@ void PairState::noticeShapes(const PairPose& pose)
 	m_clusters = {};
 	m_answered.reset();
 	m_facets = {};
+	m_metric.letGo();
 	m_heldError = kOff;
 	m_points = m_ofCoarsest = 0;
 	m_seenA = a;
@@ -170,6 +170,9 @@ PairPose PairState::begin(const btCollisionObjectWrapper& body0, const btCollisi
 		// A pair that met little may meet more if others turn its motion, and looking for that costs little.
 		if (m_result.pairs.size() <= kFewPairs) pose.lookAside(carry);
 	}
+	if (prediction == Prediction::kFree) m_grown = m_metric.goOnHolding(pose, m_cache.pair);
+	pose.rules.margin += m_grown;
+	pose.tolerance += m_grown;
 	m_report.motion = pose.motion;
 	m_report.tolerance = pose.tolerance;
 	m_report.metric = metricFor(pose);
@@ -230,16 +233,6 @@ void PairState::forget()
 	m_points = m_ofCoarsest = 0;
 	m_answered.reset();
 	static_cast<DispatchReport&>(m_report) = {};
-}
-
-double PairState::timeOfImpact(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
-							   const btDispatcherInfo& info)
-{
-	const PairPose pose =
-		poseOf(body0, body1, info, Prediction::kFree, 0, m_context.m_convexPartners, m_convex);
-	if (!pose.isAsked()) return 1;
-	thread_local ContactResult result;
-	return clod::timeOfImpact(pose, metricFor(pose), m_cache.pair, result);
 }
 
 void PairState::open(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,

@@ -52,9 +52,15 @@ public:
 	void refine();
 	// What a coarsest answer will take in a step that begins, as far as it is not known: what it took last.
 	void expect(StepBudget& budget);
-	// See TimeOfImpact.h.
+	// TimeOfImpact.cpp has these two.
 	double timeOfImpact(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 						const btDispatcherInfo& info);
+	// With the bodies at the end of the way from their last dispatch: the share of it at which there was an impact that
+	// only the levels see which are asked for now, or 1. The levels of that dispatch are held then, see PairMetric.
+	double timeOfSwitch(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+						const btDispatcherInfo& info);
+	// The world goes back to that share of the way only: a switch later on it is not to be held yet.
+	void dropSwitchesAfter(double share) { m_metric.dropAfter(share); }
 	bool isOf(const btDispatcher& dispatcher) const { return m_manifolds.isOf(dispatcher); }
 	void append(btManifoldArray& manifolds) const { m_manifolds.append(manifolds); }
 	const PairReport& lastReport() const { return m_report; }
@@ -177,6 +183,7 @@ private:
 	ManifoldSet m_manifolds;
 	const bool m_isClosestPoints;
 	PairMetric m_metric;
+	double m_grown = 0;  // by which surfaces count as touching, after an impact between levels
 	// From dispatch to dispatch.
 	Seen m_seenA, m_seenB;
 	std::array<int, 2> m_children{-1, -1};  // of compounds, that A and B are

@@ -10,6 +10,8 @@
 #include <optional>
 
 #include "clod/bullet/BodyState.h"
+#include "clod/bullet/PairState.h"
+#include "clod/collide/MotionBound.h"
 
 namespace clod
 {
@@ -171,5 +173,71 @@ double timeOfImpact(const PairPose& pose, const Metric& metric, PairCache& cache
 		share += free;
 	}
 	return std::min(share, 1.0);
+}
+
+Separation separationOf(const PairPose& pose, const Transform& aFromB, const Metric& metric, double most,
+						PairCache& cache)
+{
+	thread_local ContactResult result;
+	const double radii = pose.rules.radiusA + pose.rules.radiusB;
+	ContactSettings settings;
+	settings.metric = metric;
+	settings.tolerance = most + radii;
+	contacts(pose.hierarchyA(), pose.hierarchyB(), aFromB, settings, cache, result);
+	Separation nearest = {result.deep ? 0 : most, {}, {}};
+	for (const Contact& contact : result.contacts)
+		if (const double distance = std::max(0.0, contact.lower - radii); distance < nearest.distance)
+			nearest = {distance, contact.pointOnA, contact.normal};
+	return nearest;
+}
+
+SwitchImpact impactOfSwitch(const PairPose& pose, const Transform& from, const Metric& used, const Metric& asked,
+							GapCache& cache)
+{
+	// Whether two functions of the user's say the same nobody knows.
+	if (!pose.isOfTwo() || used.own || asked.own || same(used, asked)) return {};
+	// What touches already is left to its contacts, as by timeOfImpact().
+	const double near = pose.rules.margin + pose.rules.resting;
+	if (separationOf(pose, from, used, near, cache.pair).distance < near ||
+		separationOf(pose, pose.aFromB, asked, near, cache.pair).distance > 0 ||
+		!(separationOf(pose, pose.aFromB, used, near, cache.pair).distance > 0))
+		return {};
+	const Transform since = pose.aFromB * inverse(from);
+	const double way =
+		length(since * pose.center - pose.center) + turnBetween(from.rotation, pose.aFromB.rotation) * pose.radius;
+	const double most = pose.rules.length + way;
+	const double start = separationOf(pose, from, used, most, cache.pair).distance,
+				 end = separationOf(pose, pose.aFromB, used, most, cache.pair).distance;
+	thread_local GapResult result;
+	GapSettings settings;
+	settings.metric.exact = true;
+	settings.tolerance = pose.rules.radiusA + pose.rules.radiusB;
+	settings.distance = true;
+	settings.gapError = kNear * pose.rules.length;
+	signedGap(pose.hierarchyA(), pose.hierarchyB(), pose.aFromB, settings, cache, result);
+	const double depth = settings.tolerance - result.minDistance;
+	if (!(depth > 0)) return {};
+	return {start / (start + depth), end + depth};
+}
+
+double PairState::timeOfImpact(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+							   const btDispatcherInfo& info)
+{
+	const PairPose pose = poseOf(body0, body1, info, Prediction::kFree, 0, m_context.m_convexPartners, m_convex);
+	if (!pose.isAsked()) return 1;
+	thread_local ContactResult result;
+	return clod::timeOfImpact(pose, metricFor(pose), m_cache.pair, result);
+}
+
+double PairState::timeOfSwitch(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+							   const btDispatcherInfo& info)
+{
+	const PairPose pose = poseOf(body0, body1, info, Prediction::kFree, 0, m_context.m_convexPartners, m_convex);
+	if (!pose.isOfTwo() || !pose.isAsked() || m_metric.holds() || !(m_seenA == seenA(pose) && m_seenB == seenB(pose)))
+		return 1;
+	const Metric used = m_report.metric;
+	const SwitchImpact impact = impactOfSwitch(pose, m_report.aFromB, used, metricFor(pose), m_cache);
+	if (impact.share < 1) m_metric.hold(used, impact);
+	return impact.share;
 }
 }  // namespace clod

@@ -3,9 +3,11 @@
 // advancement: parts of the way on which a sweep meets nothing are free at once; where it meets something, the gap to
 // that, divided by a bound of the relative motion, is a share of the way in which they cannot meet.
 //
-// Based on: Mirtich, Impulse-based Dynamic Simulation of Rigid Body Systems, 1996 (conservative advancement).
+// Based on: Mirtich, Impulse-based Dynamic Simulation of Rigid Body Systems, 1996 (conservative advancement); Otaduy &
+// Lin 2003, sec. 5.3 (impacts that a change of level brings).
 #pragma once
 #include "clod/bullet/PairPose.h"
+#include "clod/distance/SignedGap.h"
 #include "clod/query/Query.h"
 
 namespace clod
@@ -17,4 +19,25 @@ namespace clod
 // resolution. No budget counts these queries: two for each part of the way, as few parts as its bending allows, and at
 // most 256 where bodies are near. cache: the pair's; result: scratch.
 double timeOfImpact(const PairPose& pose, const Metric& metric, PairCache& cache, ContactResult& result);
+
+// An impact that the levels in use pass over, and finer ones, asked for at the end of the way, do not. Nobody who looks
+// for it finds it: the coarse ones never meet, the fine ones may have overlapped all along. Its time is estimated where
+// the separation of the ones and the depth of the others, taken linearly, cancel. Lengths: the hierarchies' unit.
+struct SwitchImpact
+{
+	double share = 1;   // of the way; 1: there is none
+	double parted = 0;  // the separation of the levels in use from which on the finer ones are apart, too
+};
+// pose: of the end; from: aFromB at the start; used, asked: the metrics there and at the end. Costs a query where
+// the metrics differ, and five more and a search of the depth where there is an impact.
+SwitchImpact impactOfSwitch(const PairPose& pose, const Transform& from, const Metric& used, const Metric& asked,
+							GapCache& cache);
+// How far apart the surfaces are that a metric allows, and where. Frame A, the hierarchies' unit.
+struct Separation
+{
+	double distance;     // 0: they overlap
+	Vec3 point, normal;  // from B to A; none where they overlap, or are `most` apart or more
+};
+Separation separationOf(const PairPose& pose, const Transform& aFromB, const Metric& metric, double most,
+						PairCache& cache);
 }  // namespace clod

@@ -132,6 +132,12 @@ btScalar btClodCollisionAlgorithm::timeOfImpact(const btCollisionObjectWrapper& 
 	return btScalar(m_state->timeOfImpact(body0, body1, info));
 }
 
+btScalar btClodCollisionAlgorithm::timeOfSwitch(const btCollisionObjectWrapper& body0,
+												const btCollisionObjectWrapper& body1, const btDispatcherInfo& info)
+{
+	return btScalar(m_state->timeOfSwitch(body0, body1, info));
+}
+
 void btClodCollisionAlgorithm::getAllContactManifolds(btManifoldArray& manifolds)
 {
 	m_state->append(manifolds);

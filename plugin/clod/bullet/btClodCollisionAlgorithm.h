@@ -29,6 +29,9 @@ public:
 								   btManifoldResult* out) override;
 	virtual btScalar timeOfImpact(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 								  const btDispatcherInfo& info) = 0;
+	// Of one that a change of level brings, with the bodies at the end of their way: PairState::timeOfSwitch.
+	virtual btScalar timeOfSwitch(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+								  const btDispatcherInfo& info) = 0;
 };
 
 class CLOD_API btClodCollisionAlgorithm : public btClodPairAlgorithm
@@ -50,6 +53,8 @@ public:
 	void processCollision(const btCollisionObjectWrapper* body0, const btCollisionObjectWrapper* body1,
 						  const btDispatcherInfo& info, btManifoldResult* out) override;
 	btScalar timeOfImpact(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+						  const btDispatcherInfo& info) override;
+	btScalar timeOfSwitch(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 						  const btDispatcherInfo& info) override;
 	clod::PairState& state() { return *m_state; }
 	void getAllContactManifolds(btManifoldArray& manifolds) override;

@@ -338,12 +338,23 @@ void btClodCompoundAlgorithm::processCollision(const Wrapper* body0, const Wrapp
 
 btScalar btClodCompoundAlgorithm::timeOfImpact(const Wrapper& body0, const Wrapper& body1, const btDispatcherInfo& info)
 {
+	return earliest(&btClodPairAlgorithm::timeOfImpact, body0, body1, info);
+}
+
+btScalar btClodCompoundAlgorithm::timeOfSwitch(const Wrapper& body0, const Wrapper& body1, const btDispatcherInfo& info)
+{
+	return earliest(&btClodPairAlgorithm::timeOfSwitch, body0, body1, info);
+}
+
+btScalar btClodCompoundAlgorithm::earliest(Time time, const Wrapper& body0, const Wrapper& body1,
+										   const btDispatcherInfo& info)
+{
 	btScalar first = 1;
 	forEachChild(body0, body1, info,
 				 [&](btCollisionAlgorithm& algorithm, const Wrapper& child0, const Wrapper& child1)
 				 {
 					 if (auto* ours = dynamic_cast<btClodPairAlgorithm*>(&algorithm))
-						 first = btMin(first, ours->timeOfImpact(child0, child1, info));
+						 first = btMin(first, (ours->*time)(child0, child1, info));
 				 });
 	return first;
 }

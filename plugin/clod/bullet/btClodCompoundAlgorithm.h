@@ -26,6 +26,8 @@ public:
 	// The earliest time of impact of any child.
 	btScalar timeOfImpact(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 						  const btDispatcherInfo& info) override;
+	btScalar timeOfSwitch(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+						  const btDispatcherInfo& info) override;
 	// Calls visit(algorithm, body0, body1) for all pairs of children that the next dispatch will test.
 	using Visit = std::function<void(btCollisionAlgorithm&, const btCollisionObjectWrapper&, const btCollisionObjectWrapper&)>;
 	void forEachChild(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, const btDispatcherInfo& info,
@@ -33,6 +35,10 @@ public:
 	void getAllContactManifolds(btManifoldArray& manifolds) override;
 
 private:
+	using Time = btScalar (btClodPairAlgorithm::*)(const btCollisionObjectWrapper&, const btCollisionObjectWrapper&,
+												   const btDispatcherInfo&);
+	btScalar earliest(Time time, const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+					  const btDispatcherInfo& info);
 	struct Children;
 	std::unique_ptr<Children> m_children;
 };

@@ -157,6 +157,14 @@ void btClodDynamicsWorld::solveToImpacts(btContactSolverInfo& info)
 		left = info.m_timeStep < left ? left - info.m_timeStep : 0;
 		if (m_parts > 1 || left > 0) beginPart(info.m_timeStep);
 		solvePart(info, whole);
+		if (m_parts < m_mostParts)
+		{
+			const btScalar part = info.m_timeStep;
+			const btScalar share = shareUntilSwitch(part, whole - left - part);
+			info.m_timeStep = share * part;
+			left += part - info.m_timeStep;
+			if (share < 1) impact = 0;
+		}
 		if (!(left > 0)) break;
 		goOn(info.m_timeStep, whole - left);
 	}
@@ -231,21 +239,49 @@ btClodDynamicsWorld::Impact btClodDynamicsWorld::firstImpact(btScalar timeStep)
 	predictFree(timeStep);
 	for (const Kinematic& kinematic : m_kinematic)
 		kinematic.body->predictIntegratedTransform(timeStep, kinematic.body->getInterpolationWorldTransform());
-	Impact first;
+	const Earliest first = earliest(&btClodPairAlgorithm::timeOfImpact);
+	return {first.at, first.at < 1 ? shareOfImpact(*first.a, *first.b) : 0};
+}
+
+btClodDynamicsWorld::Earliest btClodDynamicsWorld::earliest(TimeOf timeOf)
+{
+	Earliest first;
 	btBroadphasePairArray& pairs = getPairCache()->getOverlappingPairArray();
 	for (int i = 0; i < pairs.size(); ++i)
 	{
 		auto* algorithm = dynamic_cast<btClodPairAlgorithm*>(pairs[i].m_algorithm);
 		if (!algorithm) continue;
-		auto* a = static_cast<btCollisionObject*>(pairs[i].m_pProxy0->m_clientObject);
-		auto* b = static_cast<btCollisionObject*>(pairs[i].m_pProxy1->m_clientObject);
+		const auto* a = static_cast<const btCollisionObject*>(pairs[i].m_pProxy0->m_clientObject);
+		const auto* b = static_cast<const btCollisionObject*>(pairs[i].m_pProxy1->m_clientObject);
 		if (!(isMoving(*a) || isMoving(*b)) || !getDispatcher()->needsResponse(a, b)) continue;
-		const btScalar share = algorithm->calculateTimeOfImpact(a, b, getDispatchInfo(), nullptr);
-		if (!(share < first.at)) continue;
-		first.at = share;
-		first.lasts = shareOfImpact(*a, *b);
+		const btCollisionObjectWrapper ofA(nullptr, a->getCollisionShape(), a, a->getWorldTransform(), -1, -1);
+		const btCollisionObjectWrapper ofB(nullptr, b->getCollisionShape(), b, b->getWorldTransform(), -1, -1);
+		const btScalar at = (algorithm->*timeOf)(ofA, ofB, getDispatchInfo());
+		if (at < first.at) first = {at, a, b};
 	}
 	return first;
+}
+
+// The share of a part, as solved, after which there is an impact that only the levels see that are asked for at its
+// end.
+btScalar btClodDynamicsWorld::shareUntilSwitch(btScalar timeStep, btScalar gone)
+{
+	// Not from where the part began: solvers move bodies, too, where overlaps are corrected by positions.
+	std::vector<btTransform> solved;
+	for (const Start& start : m_starts)
+	{
+		btTransform then = start.body->getWorldTransform();
+		solved.push_back(then);
+		if (isMoving(*start.body)) start.body->predictIntegratedTransform(timeStep, then);
+		start.body->setWorldTransform(then);
+	}
+	moveKinematic(gone + timeStep);
+	const btScalar share = earliest(&btClodPairAlgorithm::timeOfSwitch).at;
+	m_context.pairsOf(*getDispatcher(), m_pairs);
+	for (clod::PairState* pair : m_pairs) pair->dropSwitchesAfter(double(share));
+	for (std::size_t i = 0; i < m_starts.size(); ++i) m_starts[i].body->setWorldTransform(solved[i]);
+	moveKinematic(gone);
+	return share;
 }
 
 void btClodDynamicsWorld::remember()

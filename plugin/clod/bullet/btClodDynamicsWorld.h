@@ -7,7 +7,9 @@
 //   from the impulses so far: a further pass;
 // - if passes are not enough (a chain that whips around), the step is divided into parts, each with contacts, a solve,
 //   motion and passes of its own. The next step starts divided, too, until fewer parts are enough.
-// Impact stepping also ends a part where two bodies first meet, as the paper does: see Stepping.
+// Impact stepping also ends a part where two bodies first meet, as the paper does: see Stepping. An impact that only
+// finer levels see, which are asked for at the part's end, has its time estimated; there the levels in use touch, and
+// no finer ones answer before these are apart, too (TimeOfImpact.h, PairMetric.h).
 //
 // Forces, damping, actions and tick callbacks happen once a step. Only pairs of our shapes are queried again; other
 // pairs keep Bullet's contacts. With one pass and one part it behaves as btDiscreteDynamicsWorld.
@@ -23,6 +25,8 @@
 
 #include "clod/Export.h"
 #include "clod/bullet/Context.h"
+
+class btClodPairAlgorithm;
 
 class CLOD_API btClodDynamicsWorld : public btDiscreteDynamicsWorld
 {
@@ -95,6 +99,15 @@ private:
 		btScalar at = 1, lasts = 0;  // shares of the time; at = 1: there is no impact
 	};
 	Impact firstImpact(btScalar timeStep);
+	struct Earliest
+	{
+		btScalar at = 1;
+		const btCollisionObject *a = nullptr, *b = nullptr;
+	};
+	using TimeOf = btScalar (btClodPairAlgorithm::*)(const btCollisionObjectWrapper&, const btCollisionObjectWrapper&,
+													 const btDispatcherInfo&);
+	Earliest earliest(TimeOf timeOf);
+	btScalar shareUntilSwitch(btScalar timeStep, btScalar gone);
 
 	void remember();
 	void predictFree(btScalar timeStep);
