@@ -57,10 +57,34 @@ struct SceneWorld : BulletWorld
 	}
 };
 
+double lowestOf(const PatchedMesh& mesh)
+{
+	double lowest = 0;
+	for (const Vec3& v : mesh.vertices) lowest = std::max(lowest, -v.y);
+	return lowest;
+}
+
 double apart(const btRigidBody& a, const btRigidBody& b)
 {
 	const btVector3 way = (a.getWorldTransform().getOrigin() - b.getWorldTransform().getOrigin()).absolute();
 	return double(way[way.maxAxis()]);
+}
+
+// By contactPairTest; zero of what is apart.
+double overlapOf(BulletWorld& world, btRigidBody& a, btRigidBody& b)
+{
+	struct Deepest : btCollisionWorld::ContactResultCallback
+	{
+		double depth = 0;
+		btScalar addSingleResult(btManifoldPoint& point, const btCollisionObjectWrapper*, int, int,
+								 const btCollisionObjectWrapper*, int, int) override
+		{
+			depth = std::max(depth, -double(point.getDistance()));
+			return 0;
+		}
+	} deepest;
+	world.world.contactPairTest(&a, &b, deepest);
+	return deepest.depth;
 }
 
 class AtRate : public testing::TestWithParam<double>
@@ -115,6 +139,7 @@ TEST_P(AtRate, OverlapsPartWithinASecondAtABoundedSpeed)
 		double before = apart(first, second), fastest = 0;
 		for (int i = 0; i < int(GetParam()); ++i)
 		{
+			EXPECT_NEAR(overlapOf(world, first, second), std::max(0.0, 1 - before), 2e-3) << share << " " << i;
 			world.step();
 			fastest = std::max(fastest, (apart(first, second) - before) * GetParam());
 			before = apart(first, second);
@@ -176,6 +201,44 @@ TEST_P(AtRate, FastBallsStopAtAThinWall)
 			EXPECT_EQ(shotsThrough(GetParam(), wall, speed, 6), 0) << wall << ", " << speed << " m/s";
 }
 
+// The wall, too, flies and turns. In its frame the bodies come on arcs.
+TEST_P(AtRate, FastBodiesStopAtAWallThatMoves)
+{
+	const PatchedMesh wall = boxMesh({0.02, 4, 4}, {1, 4, 4}, 1);
+	const PatchedMesh shapes[] = {ballMesh(0.05, 1), boxMesh({0.1, 0.1, 0.1}, {1, 1, 1}, 1),
+								  boxMesh({0.3, 0.03, 0.03}, {3, 1, 1}, 1), boxMesh({0.3, 0.2, 0.02}, {3, 2, 1}, 1)};
+	Random random(7);
+	const auto vector = [&](double most)
+	{
+		const Vec3 v = randomVector(random, 0, most);
+		return btVector3(btScalar(v.x), btScalar(v.y), btScalar(v.z));
+	};
+	for (int i = 0; i < 120; ++i)
+	{
+		SceneWorld world(GetParam(), 0);
+		btRigidBody& target = world.put(wall, uniform(random, 1, 50), {});
+		target.setLinearVelocity(vector(20));
+		target.setAngularVelocity(btVector3(btScalar(i % 3 == 0), btScalar(i % 3 == 1), btScalar(i % 3 == 2)) *
+								  btScalar(uniform(random, -3, 3)));
+		// Towards a place near the wall's middle, where both are after that time.
+		const double speed = 20 * std::pow(15.0, uniform(random, 0, 1)), time = uniform(random, 1, 2.5) / (20 + speed);
+		const btVector3 velocity = target.getLinearVelocity() + btVector3(btScalar(speed), 0, 0) + vector(0.1 * speed);
+		const btVector3 start = vector(0.4) + btScalar(time) * (target.getLinearVelocity() - velocity);
+		btRigidBody& body = world.put(shapes[i % 4], 1, {double(start.x()), double(start.y()), double(start.z())},
+									  btQuaternion(vector(1).normalized(), btScalar(uniform(random, 0, kPi))));
+		body.setLinearVelocity(velocity);
+		body.setAngularVelocity(vector(6));
+		btVector3 place = start;
+		for (int k = 0;
+			 k < int(2.5 * time * GetParam()) + 20 && std::max(std::abs(place.y()), std::abs(place.z())) < 1.7; ++k)
+		{
+			world.step();
+			place = target.getWorldTransform().inverse() * body.getWorldTransform().getOrigin();
+		}
+		EXPECT_LT(place.x(), 0) << i << ", " << speed << " m/s";
+	}
+}
+
 // Two balls on a rod, as children of a compound: Bullet's own asks only what lies over each other where it is now.
 TEST_P(AtRate, FastCompoundsStopAtAThinWall)
 {
@@ -209,26 +272,6 @@ TEST_P(AtRate, FastCompoundsStopAtAThinWall)
 				EXPECT_LT(at.x(), 0.01) << kind << ", " << speed << " m/s, tree " << hasTree;
 			}
 }
-
-namespace
-{
-// By contactPairTest; zero of what is apart.
-double overlapOf(BulletWorld& world, btRigidBody& a, btRigidBody& b)
-{
-	struct Deepest : btCollisionWorld::ContactResultCallback
-	{
-		double depth = 0;
-		btScalar addSingleResult(btManifoldPoint& point, const btCollisionObjectWrapper*, int, int,
-								 const btCollisionObjectWrapper*, int, int) override
-		{
-			depth = std::max(depth, -double(point.getDistance()));
-			return 0;
-		}
-	} deepest;
-	world.world.contactPairTest(&a, &b, deepest);
-	return deepest.depth;
-}
-}  // namespace
 
 // Sides and ends of round bodies that a step turns by half a radian: what faces the other body is another part then.
 TEST_P(AtRate, RoundBodiesMeetWhatTheyTurnInto)
@@ -376,10 +419,23 @@ TEST_P(AtRate, FastPlatesAndRodsStopAtAThinWall)
 	}
 }
 
-TEST_P(AtRate, BouncesKeepTheirShareOfTheSpeed)
+class Bounces : public testing::TestWithParam<double>
 {
+};
+INSTANTIATE_TEST_SUITE_P(Steps, Bounces, testing::Values(960.0, 240.0, 60.0));
+
+TEST_P(Bounces, KeepTheirShareOfTheSpeed)
+{
+	const PatchedMesh ball = ballMesh(0.5, 2), cube = boxMesh({1, 1, 1}, {2, 2, 2}, 1);
+	const struct
+	{
+		const char* name;
+		const PatchedMesh& mesh;
+		double lean, depth;  // radians; of the lowest point below the mesh's origin (a ball lands on a triangle)
+	} kinds[] = {
+		{"ball", ball, 0, lowestOf(ball)}, {"cube", cube, 0, 0.5}, {"cube on its edge", cube, kPi / 4, std::sqrt(0.5)}};
 	for (const double e : {1.0, 0.9, 0.5})
-		for (const bool isBall : {true, false})
+		for (const auto& kind : kinds)
 		{
 			double mean = 0;
 			for (int i = 0; i < 20; ++i)
@@ -387,10 +443,8 @@ TEST_P(AtRate, BouncesKeepTheirShareOfTheSpeed)
 				SceneWorld world(GetParam());
 				world.put(boxMesh({10, 1, 10}, {2, 1, 2}, 1), 0, {0, -0.5, 0}).setRestitution(1);
 				const double drop = 0.5 + 0.0371 * i;
-				const PatchedMesh mesh = isBall ? ballMesh(0.5, 2) : boxMesh({1, 1, 1}, {2, 2, 2}, 1);
-				double lowest = 0;  // a ball lands on a triangle
-				for (const Vec3& v : mesh.vertices) lowest = std::min(lowest, v.y);
-				btRigidBody& body = world.put(mesh, 1, {0, drop - lowest, 0});
+				btRigidBody& body = world.put(kind.mesh, 1, {0, drop + kind.depth, 0},
+											  btQuaternion(btVector3(0, 0, 1), btScalar(kind.lean)));
 				const double landed = heightOf(body) - drop;
 				body.setRestitution(btScalar(e));
 				double highest = 0;
@@ -403,10 +457,10 @@ TEST_P(AtRate, BouncesKeepTheirShareOfTheSpeed)
 					if (isUp && body.getLinearVelocity().y() < 0) break;
 				}
 				const double share = (highest - landed) / drop / (e * e);
-				EXPECT_NEAR(share, 1, 0.15) << e << (isBall ? " ball " : " cube ") << drop;
+				EXPECT_NEAR(share, 1, 0.15) << e << " " << kind.name << " " << drop;
 				mean += share / 20;
 			}
-			EXPECT_NEAR(mean, 1, GetParam() < 100 ? 0.05 : 0.02) << e << (isBall ? " ball" : " cube");
+			EXPECT_NEAR(mean, 1, GetParam() < 100 ? 0.05 : 0.02) << e << " " << kind.name;
 		}
 }
 

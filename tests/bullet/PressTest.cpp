@@ -161,6 +161,33 @@ TEST(Press, NothingIsPressedThroughAFloor)
 		}
 }
 
+// One that a force drives stalls on the box.
+TEST(Press, APressOfLimitedForceStalls)
+{
+	for (const double rate : {60.0, 240.0})
+		for (const double force : {10.0, 100.0, 1000.0})  // of a box of 9.8 N
+		{
+			BulletWorld scene;
+			scene.timeStep = 1 / rate;
+			configureWorld(scene.world);
+			const auto add = [&](const Vec3& size, double mass, double height) -> btRigidBody&
+			{
+				const PatchedMesh mesh = onePiece(boxMesh(size, {1, 1, 1}, 1));
+				return scene.addBody(scene.addShape(patchHierarchy(mesh)), mass, {0, height, 0});
+			};
+			add({10, 1, 10}, 0, -0.5);
+			const btRigidBody& body = add({1, 1, 1}, 1, 0.501);
+			btRigidBody& press = add({3, 0.4, 3}, 10, 1.5);
+			for (int i = 0; i < int(3 * rate); ++i)
+			{
+				press.applyCentralForce(btVector3(0, btScalar(-force), 0));
+				scene.step();
+			}
+			EXPECT_NEAR(heightOf(body), 0.5, 2e-3) << rate << " " << force;
+			EXPECT_NEAR(heightOf(press), 1.2, 4e-3) << rate << " " << force;
+		}
+}
+
 // Nothing holds the body: it is carried along by a kinematic one that started deep in it, and comes out of it.
 TEST(Press, ABodyDeepInAKinematicOneIsStillPushedOn)
 {
