@@ -4,15 +4,18 @@
 #include <btBulletDynamicsCommon.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "clod/bullet/BodyState.h"
 #include "clod/bullet/btClodCollisionAlgorithm.h"
 #include "clod/bullet/btClodDynamicsWorld.h"
 #include "clod/distance/SignedGap.h"
 #include "clod/manifold/ContactPoints.h"
+#include "tests/query/Bodies.h"
 
 namespace clod::test
 {
@@ -111,6 +114,18 @@ struct Closest : btCollisionWorld::ContactResultCallback
 	{
 		least = std::min(least, double(point.getDistance()));
 		return 0;
+	}
+};
+// A hierarchy's surface as Bullet's own mesh.
+struct Bvh
+{
+	btTriangleMesh mesh;
+	std::unique_ptr<btBvhTriangleMeshShape> shape;
+	explicit Bvh(const Hierarchy& hierarchy)
+	{
+		for (const std::array<Vec3, 3>& t : inputTriangles(hierarchy))
+			mesh.addTriangle(toBullet(t[0]), toBullet(t[1]), toBullet(t[2]));
+		shape = std::make_unique<btBvhTriangleMeshShape>(&mesh, true);
 	}
 };
 inline double heightOf(const btRigidBody& body)

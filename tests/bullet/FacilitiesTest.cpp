@@ -26,10 +26,6 @@ btVector3 vector(double x, double y, double z)
 {
 	return btVector3(btScalar(x), btScalar(y), btScalar(z));
 }
-btVector3 toBullet(const Vec3& v)
-{
-	return vector(v.x, v.y, v.z);
-}
 btTransform at(double x, double y, double z)
 {
 	return btTransform(btQuaternion::getIdentity(), vector(x, y, z));
@@ -41,19 +37,6 @@ btTransform randomPose(Random& random, double far)
 	for (int i = 0; i < 3; ++i) basis[i] = toBullet(turn.row[i]);
 	return btTransform(basis, toBullet(randomVector(random, 0, far)));
 }
-
-// The same surface as Bullet's own mesh.
-struct Bvh
-{
-	btTriangleMesh mesh;
-	std::unique_ptr<btBvhTriangleMeshShape> shape;
-	explicit Bvh(const Hierarchy& hierarchy)
-	{
-		for (const std::array<Vec3, 3>& t : inputTriangles(hierarchy))
-			mesh.addTriangle(toBullet(t[0]), toBullet(t[1]), toBullet(t[2]));
-		shape = std::make_unique<btBvhTriangleMeshShape>(&mesh, true);
-	}
-};
 
 std::shared_ptr<const Hierarchy> landscape()
 {

@@ -24,6 +24,10 @@ PatchedMesh onePiece(PatchedMesh mesh)
 	mesh.patch.assign(mesh.triangles.size(), 0);
 	return mesh;
 }
+btRigidBody& addBox(BulletWorld& scene, const Vec3& size, double mass, double height)
+{
+	return scene.addBody(scene.addShape(patchHierarchy(onePiece(boxMesh(size, {1, 1, 1}, 1)))), mass, {0, height, 0});
+}
 struct Distances : btCollisionWorld::ContactResultCallback
 {
 	std::vector<double> distances;
@@ -139,14 +143,9 @@ TEST(Press, NothingIsPressedThroughAFloor)
 			BulletWorld scene(meetsImpacts);
 			scene.timeStep = 1 / rate;
 			configureWorld(scene.world);
-			const auto add = [&](const Vec3& size, double mass, double height) -> btRigidBody&
-			{
-				const PatchedMesh mesh = onePiece(boxMesh(size, {1, 1, 1}, 1));
-				return scene.addBody(scene.addShape(patchHierarchy(mesh)), mass, {0, height, 0});
-			};
-			add({10, 1, 10}, 0, -0.5);
-			const btRigidBody& body = add({1, 0.4, 0.6}, 1, 0.201);
-			btRigidBody& press = add({3, 0.4, 3}, 0, 0.7);
+			addBox(scene, {10, 1, 10}, 0, -0.5);
+			const btRigidBody& body = addBox(scene, {1, 0.4, 0.6}, 1, 0.201);
+			btRigidBody& press = addBox(scene, {3, 0.4, 3}, 0, 0.7);
 			press.setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
 			double lowest = 1;
 			for (double time = 0; time < 2.5; time += scene.timeStep)
@@ -170,14 +169,9 @@ TEST(Press, APressOfLimitedForceStalls)
 			BulletWorld scene;
 			scene.timeStep = 1 / rate;
 			configureWorld(scene.world);
-			const auto add = [&](const Vec3& size, double mass, double height) -> btRigidBody&
-			{
-				const PatchedMesh mesh = onePiece(boxMesh(size, {1, 1, 1}, 1));
-				return scene.addBody(scene.addShape(patchHierarchy(mesh)), mass, {0, height, 0});
-			};
-			add({10, 1, 10}, 0, -0.5);
-			const btRigidBody& body = add({1, 1, 1}, 1, 0.501);
-			btRigidBody& press = add({3, 0.4, 3}, 10, 1.5);
+			addBox(scene, {10, 1, 10}, 0, -0.5);
+			const btRigidBody& body = addBox(scene, {1, 1, 1}, 1, 0.501);
+			btRigidBody& press = addBox(scene, {3, 0.4, 3}, 10, 1.5);
 			for (int i = 0; i < int(3 * rate); ++i)
 			{
 				press.applyCentralForce(btVector3(0, btScalar(-force), 0));

@@ -6,13 +6,11 @@
 #include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
 #include <gtest/gtest.h>
 
-#include <array>
 #include <vector>
 
 #include "clod/bullet/btClodCompoundAlgorithm.h"
 #include "tests/bullet/BulletWorld.h"
 #include "tests/bullet/PatchHierarchy.h"
-#include "tests/query/Bodies.h"
 
 namespace clod::test
 {
@@ -133,12 +131,7 @@ TEST(Registration, LeavesTheSoftBodyRowAlone)
 TEST(Registration, SoftBodiesLieAsOnAMesh)
 {
 	const auto hierarchy = patchHierarchy(boxMesh({20, 1, 20}, {10, 1, 10}, 2));
-	btTriangleMesh triangles;
-	for (const std::array<Vec3, 3>& t : inputTriangles(*hierarchy))
-		triangles.addTriangle(btVector3(btScalar(t[0].x), btScalar(t[0].y), btScalar(t[0].z)),
-							  btVector3(btScalar(t[1].x), btScalar(t[1].y), btScalar(t[1].z)),
-							  btVector3(btScalar(t[2].x), btScalar(t[2].y), btScalar(t[2].z)));
-	btBvhTriangleMeshShape theirs(&triangles, true);
+	const Bvh theirs(*hierarchy);
 	btClodShape ours(hierarchy);
 	double height[2];
 	for (const bool isOurs : {true, false})
@@ -152,7 +145,7 @@ TEST(Registration, SoftBodiesLieAsOnAMesh)
 		btSequentialImpulseConstraintSolver solver;
 		btSoftRigidDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
 		btRigidBody ground(btRigidBody::btRigidBodyConstructionInfo(
-			0, nullptr, isOurs ? static_cast<btCollisionShape*>(&ours) : &theirs));
+			0, nullptr, isOurs ? static_cast<btCollisionShape*>(&ours) : theirs.shape.get()));
 		world.addRigidBody(&ground);
 		const auto corner = [](int x, int z) { return btVector3(btScalar(x), btScalar(1.2), btScalar(z)); };
 		auto* const cloth = btSoftBodyHelpers::CreatePatch(world.getWorldInfo(), corner(-1, -1), corner(1, -1),
