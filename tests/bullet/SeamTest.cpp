@@ -11,6 +11,7 @@
 #include "clod/bullet/ConfigureWorld.h"
 #include "tests/bullet/BulletWorld.h"
 #include "tests/bullet/PatchHierarchy.h"
+#include "tests/query/Bodies.h"
 
 namespace clod::test
 {
@@ -93,6 +94,54 @@ void expectSmooth(const std::function<void(BulletWorld&)>& addGround, bool oursO
 				EXPECT_LT(felt.bump, 1e-5) << mover.name << " at " << rate << ", " << phase;
 			}
 }
+// What ground may be made of: a plate at x, its upper side at height 0, 3 long.
+using AddPlate = std::function<void(BulletWorld&, double x)>;
+constexpr double kPlate = 3;
+btTriangleMesh& plateMesh()
+{
+	static btTriangleMesh mesh;
+	if (mesh.getNumTriangles() == 0)
+		for (const std::array<Vec3, 3>& t : inputTriangles(*patchHierarchy(boxMesh({kPlate, 1, 10}, {1, 1, 1}, 1))))
+			mesh.addTriangle(toBullet(t[0]), toBullet(t[1]), toBullet(t[2]));
+	return mesh;
+}
+void addOurs(BulletWorld& scene, double x)
+{
+	static const std::shared_ptr<const Hierarchy> plate = patchHierarchy(boxMesh({kPlate, 1, 10}, {1, 1, 1}, 1));
+	scene.addBody(scene.addShape(plate), 0, {x, -0.5, 0});
+}
+void addBox(BulletWorld& scene, double x)
+{
+	scene.addBody(scene.add(std::make_unique<btBoxShape>(btVector3(btScalar(kPlate / 2), btScalar(0.5), 5))), 0, {x, -0.5, 0});
+}
+void addMesh(BulletWorld& scene, double x)
+{
+	scene.addBody(scene.add(std::make_unique<btBvhTriangleMeshShape>(&plateMesh(), true)), 0, {x, -0.5, 0});
+}
+void addPlane(BulletWorld& scene, double)
+{
+	scene.addBody(scene.add(std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), btScalar(0))), 0, {});
+}
+const std::vector<Mover>& curvedMovers()
+{
+	const auto moverOf = [](const char* name, const std::shared_ptr<const Hierarchy>& hierarchy)
+	{
+		const double scale = 0.3 / double(hierarchy->asset().radius);
+		double lowest = 0;
+		for (const std::array<Vec3, 3>& triangle : inputTriangles(*hierarchy))
+			for (const Vec3& corner : triangle) lowest = std::min(lowest, scale * corner.y);
+		const auto make = [=](BulletWorld& scene) -> btCollisionShape&
+		{
+			btClodShape& shape = scene.addShape(hierarchy);
+			shape.setLocalScaling(btVector3(btScalar(scale), btScalar(scale), btScalar(scale)));
+			return shape;
+		};
+		return Mover{name, make, -lowest};
+	};
+	static const std::vector<Mover> all = {moverOf("ball", patchHierarchy(ballMesh(1, 3))),
+										   moverOf("torus", body("torus", 900).hierarchy)};
+	return all;
+}
 }  // namespace
 
 TEST(Seam, FlushStaticBodiesAreOneGround)
@@ -103,6 +152,112 @@ TEST(Seam, FlushStaticBodiesAreOneGround)
 			btClodShape& plate = scene.addShape(slab());
 			for (const double x : {-5.0, 5.0}) scene.addBody(plate, 0, {x, -0.5, 0});
 		});
+}
+
+// Curved bodies touch edges beside them aslant.
+TEST(Seam, CurvedBodiesPassOverFlushPlates)
+{
+	const std::vector<std::pair<AddPlate, AddPlate>> grounds = {
+		{addOurs, addOurs}, {addBox, addBox}, {addMesh, addMesh}, {addOurs, addMesh}, {addBox, addPlane}};
+	for (const Mover& mover : curvedMovers())
+		for (std::size_t ground = 0; ground < grounds.size(); ++ground)
+			for (const int rate : {240, 60})
+				for (const double phase : {0.1, 0.7})
+				{
+					const std::string what = std::string(mover.name) + " on " + std::to_string(ground) + " at " +
+											 std::to_string(rate) + ", " + std::to_string(phase);
+					const Ride felt = ride(mover, rate, 4 * phase / rate, false,
+										   [&](BulletWorld& scene)
+										   {
+											   for (int i = -2; i <= 2; ++i)
+												   (i % 2 == 0 ? grounds[ground].first : grounds[ground].second)(scene, kPlate * i);
+										   });
+					EXPECT_LT(felt.slower, 0.001) << what;
+					EXPECT_LT(felt.bump, 2e-5) << what;
+				}
+}
+
+// Only what lies flush covers anything, and only while it is there and pushes.
+TEST(Seam, WhatIsNoSeamIsFelt)
+{
+	const Mover& sphere = movers()[1];
+	const auto speedAfter = [&](const std::function<void(BulletWorld&)>& addGround)
+	{ return 4 - ride(sphere, 60, 0, false, addGround).slower; };
+	const double step = speedAfter(
+		[](BulletWorld& scene)
+		{
+			for (const double x : {-4.5, -1.5}) addOurs(scene, x);
+			addOurs(scene, 1.5);
+			scene.bodies.back()->translate(btVector3(0, btScalar(0.003), 0));
+		});
+	EXPECT_LT(step, 3.95);
+	const double wall = speedAfter(
+		[](BulletWorld& scene)
+		{
+			for (const double x : {-4.5, -1.5, 1.5}) addOurs(scene, x);
+			scene.addBody(scene.add(std::make_unique<btBoxShape>(btVector3(btScalar(0.5), btScalar(0.5), 5))), 0, {2.5, 0.5, 0});
+		});
+	EXPECT_LT(wall, 0.1);
+}
+
+// What rolls off an edge touches it as if nothing lay beside it, where that does not push, or is there no longer.
+TEST(Seam, WhatDoesNotPushHidesNoEdge)
+{
+	enum class Beside
+	{
+		kNothing,
+		kSensor,
+		kGone
+	};
+	const auto pathWith = [](Beside beside)
+	{
+		BulletWorld scene;
+		configureWorld(scene.world);
+		addOurs(scene, -1.5);
+		if (beside != Beside::kNothing) addOurs(scene, 1.5);
+		btRigidBody& ball = scene.addBody(curvedMovers()[0].make(scene), 1, {-0.2, curvedMovers()[0].height + 0.0001, 0.1});
+		if (beside == Beside::kSensor)
+			scene.bodies[1]->setCollisionFlags(scene.bodies[1]->getCollisionFlags() | btCollisionObject::CF_NO_CONTACT_RESPONSE);
+		scene.step(60);
+		if (beside == Beside::kGone) scene.world.removeRigidBody(scene.bodies[1].get());
+		ball.setLinearVelocity(btVector3(btScalar(1.5), 0, 0));
+		std::vector<double> path;
+		for (int i = 0; i < 240; ++i)
+		{
+			scene.step();
+			path.push_back(heightOf(ball));
+		}
+		return path;
+	};
+	const std::vector<double> alone = pathWith(Beside::kNothing), sensor = pathWith(Beside::kSensor), gone = pathWith(Beside::kGone);
+	EXPECT_LT(alone.back(), -0.5);
+	for (std::size_t i = 0; i < alone.size(); ++i)
+	{
+		ASSERT_NEAR(sensor[i], alone[i], 1e-5) << i;
+		ASSERT_NEAR(gone[i], alone[i], 1e-5) << i;
+	}
+}
+
+// Four plates meet in a corner, that balls pass over.
+TEST(Seam, NoCornerIsFeltWhereFourPlatesMeet)
+{
+	const std::vector<Mover> balls = {curvedMovers()[0], movers()[1]};
+	for (const Mover& mover : balls)
+		for (const int rate : {240, 60})
+		{
+			const auto addGround = [](BulletWorld& scene)
+			{
+				for (int i = -2; i <= 2; ++i)
+					for (const double z : {-4.9, 5.1})
+					{
+						addOurs(scene, kPlate * i);
+						scene.bodies.back()->translate(btVector3(0, 0, btScalar(z)));
+					}
+			};
+			const Ride felt = ride(mover, rate, 0.3 / rate, false, addGround);
+			EXPECT_LT(felt.slower, 0.001) << mover.name << " at " << rate;
+			EXPECT_LT(felt.bump, 2e-5) << mover.name << " at " << rate;
+		}
 }
 
 // Beside one of Bullet's boxes, whose pairs with Bullet's other shapes are not ours.

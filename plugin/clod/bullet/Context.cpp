@@ -47,6 +47,23 @@ void Context::add(PairState* pair)
 	m_pairs.push_back(pair);
 }
 
+const std::vector<PairState*>& Context::enlist(const btCollisionObject& body, PairState* pair)
+{
+	const std::lock_guard<std::mutex> lock(m_mutex);
+	std::vector<PairState*>& pairs = m_ofBody[&body];
+	pairs.push_back(pair);
+	return pairs;
+}
+
+void Context::strike(const btCollisionObject& body, PairState* pair)
+{
+	const std::lock_guard<std::mutex> lock(m_mutex);
+	const auto listed = m_ofBody.find(&body);
+	std::vector<PairState*>& pairs = listed->second;
+	pairs.erase(std::find(pairs.begin(), pairs.end(), pair));
+	if (pairs.empty()) m_ofBody.erase(listed);
+}
+
 void Context::remove(PairState* pair)
 {
 	const std::lock_guard<std::mutex> lock(m_mutex);

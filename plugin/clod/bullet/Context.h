@@ -11,6 +11,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "clod/Export.h"
@@ -112,6 +113,10 @@ private:
 	// Counts a pair whose coarsest answer is not known yet.
 	void expect(StepBudget& budget);
 	void add(PairState* pair);
+	// The pairs of a body, of those that last: one that is listed may look at the list in any dispatch, as pairs of its
+	// world come and go between these only.
+	const std::vector<PairState*>& enlist(const btCollisionObject& body, PairState* pair);
+	void strike(const btCollisionObject& body, PairState* pair);
 	void remove(PairState* pair);
 	void say(unsigned cause, const std::string& message);
 	static void noteRegistration();
@@ -123,6 +128,7 @@ private:
 	mutable std::mutex m_mutex;             // of all that worlds share; no function of the user's is called under it
 	mutable std::recursive_mutex m_saying;  // one message at a time, but for those that a message's handler causes
 	std::vector<PairState*> m_pairs;
+	std::unordered_map<const btCollisionObject*, std::vector<PairState*>> m_ofBody;
 	std::map<const btDispatcher*, bool> m_isSolved;
 	std::map<unsigned, int> m_said;  // how often, of each cause
 	ConvexPartners m_convexPartners;

@@ -207,7 +207,7 @@ void PairState::askPartner(const PairPose& pose)
 		const auto& plane = static_cast<const btStaticPlaneShape&>(shape);
 		const Vec3 normal = normalized(toVec3(plane.getPlaneNormal()));
 		const double offset = double(plane.getPlaneConstant()) / pose.scale();
-		m_partnerSurface = std::make_unique<ContactSurface>(
+		m_partnerSurface = std::make_shared<ContactSurface>(
 			normal, offset, inverse(pose.aFromB) * toVec3(hierarchy.asset().sphereCenter), double(hierarchy.asset().radius));
 		const Vec3 inA = pose.aFromB.rotation * normal;
 		scratch().partner.withHalfSpace(hierarchy, inA, offset + dot(inA, pose.aFromB.translation), m_report.metric,
@@ -231,7 +231,7 @@ void PairState::askPartner(const PairPose& pose)
 										   m_partnerStats);
 		}
 		if (!result.contacts.empty())
-			m_partnerSurface = std::make_unique<ContactSurface>(triangles, pose.rules.length);
+			m_partnerSurface = std::make_shared<ContactSurface>(triangles, pose.rules.length);
 	}
 	result.errorBound = m_partnerStats.errorBound;
 	result.stats.boxTests = m_partnerStats.boxTests;
@@ -338,7 +338,7 @@ void PairState::findPoints(const PairPose& pose, Question& question, bool goesOn
 	const std::vector<Contact>& contacts = scratch().result.contacts;
 	if (isSweptThrough(pose)) m_facets = {};
 	do
-		facets.find(a, bodyB(pose), pose.aFromB, question.rules, contacts, previous, m_facets, goesOn);
+		facets.find(a, bodyB(pose), pose.aFromB, question.rules, contacts, previous, m_facets, goesOn, fixedBodies(pose));
 	while (refineHeld(pose, question));
 	facets.settle(contacts, m_result.deep);
 	m_report.candidates = std::uint32_t(facets.size());

@@ -28,7 +28,7 @@ public:
 	// A pair made for contactTest and the like predicts nothing: it answers for the poses as they are. budget: of the
 	// steps that the pair takes part in; null: answers in full, whatever the budget.
 	PairState(Context& context, btDispatcher& dispatcher, btPersistentManifold* shared, bool isClosestPoints,
-			  StepBudget* budget);
+			  StepBudget* budget, const btCollisionObject& object0, const btCollisionObject& object1);
 	~PairState();
 	void loseContext() { m_hasContext = false; }  // it is destroyed before the pair, which may then only be destroyed, too
 	PairState(const PairState&) = delete;
@@ -123,6 +123,22 @@ private:
 			(aIsFirst ? pose.b : pose.a) = &body1;
 		}
 	};
+	// A fixed body of the two as it was when points were written, for other pairs of the moving one.
+	struct FixedSide
+	{
+		const btCollisionObject* object = nullptr;
+		btTransform pose;  // of the object
+		std::shared_ptr<const Hierarchy> hierarchy;
+		std::shared_ptr<const ContactSurface> surface;  // where it has none
+		Transform worldFromSide;                      // world lengths
+		double unit = 1, radius = 0;
+		std::uint32_t level = 0;
+	};
+	void noteFixed(const PairPose& pose);
+	// Those of other pairs of the moving body.
+	template <class Each>
+	void forEachOtherFixed(const PairPose& pose, Each each) const;
+	const FixedBodies& fixedBodies(const PairPose& pose) const;
 	WorldFrame worldFrame(const Prepared& prepared, double closestPoints) const;
 	static Seen seenA(const PairPose& pose);
 	static Seen seenB(const PairPose& pose);
@@ -182,6 +198,9 @@ private:
 	const bool& m_isSolved;  // of the dispatcher
 	ManifoldSet m_manifolds;
 	const bool m_isClosestPoints;
+	std::array<const btCollisionObject*, 2> m_objects;
+	std::array<const std::vector<PairState*>*, 2> m_pairsOf{};  // by body; none of a pair that does not last
+	std::optional<FixedSide> m_fixed;
 	PairMetric m_metric;
 	double m_grown = 0;  // by which surfaces count as touching, after an impact between levels
 	// From dispatch to dispatch.
@@ -211,7 +230,7 @@ private:
 	HeldResult m_result;
 	PartnerStats m_partnerStats;
 	std::vector<std::array<int, 2>> m_names;  // part and index of each triangle of a mesh within the tolerance,
-	std::unique_ptr<ContactSurface> m_partnerSurface;  // the surface they make,
+	std::shared_ptr<const ContactSurface> m_partnerSurface;  // the surface they make,
 	std::uint64_t m_trianglesHash = 0;                 // and what they were
 };
 
@@ -230,6 +249,7 @@ struct PairState::Saved
 	HeldResult result;
 	PartnerStats partnerStats;
 	std::uint64_t trianglesHash = 0;
+	std::optional<FixedSide> fixed;
 	ManifoldSet::Saved manifolds;
 	void addTo(std::vector<double>& numbers) const;  // if it has points: all that tells it from another but addresses
 };

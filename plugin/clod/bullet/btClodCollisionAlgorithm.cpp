@@ -75,7 +75,8 @@ btClodCollisionAlgorithm::btClodCollisionAlgorithm(const btCollisionAlgorithmCon
 	: btClodPairAlgorithm(info, body0, body1),
 	  m_state(std::make_unique<clod::PairState>(
 		  context, *info.m_dispatcher1, info.m_manifold, isClosestPoints,
-		  isClosestPoints ? nullptr : context.budgetOf(*info.m_dispatcher1, isGhost(*body0) || isGhost(*body1))))
+		  isClosestPoints ? nullptr : context.budgetOf(*info.m_dispatcher1, isGhost(*body0) || isGhost(*body1)),
+		  *body0->getCollisionObject(), *body1->getCollisionObject()))
 {
 }
 

@@ -149,10 +149,14 @@ public:
 	// farther than `beside`.
 	template <class Each>
 	void forEachCrossed(const Vec3& from, const Vec3& to, double beside, Each each) const;
+	// Calls each(face) for every face that a point, no farther than that from its plane, lies over.
+	template <class Each>
+	void forEachOver(const Vec3& point, double within, Each each) const;
 	// Makes the tree now, which otherwise the first overlap makes.
 	void makeTree() const;
 
 private:
+	static constexpr double kOnShare = 1e-3;
 	enum class Kind
 	{
 		kClosed,
@@ -259,6 +263,33 @@ void ContactSurface::forEachCrossed(const Vec3& from, const Vec3& to, double bes
 			const double share = start / (start - end);
 			if (nearestOnTriangle(triangleOf(m_order[i]), from + share * (to - from)).squared <= beside * beside)
 				each(m_order[i], share);
+		}
+	}
+}
+
+template <class Each>
+void ContactSurface::forEachOver(const Vec3& point, double within, Each each) const
+{
+	makeTree();
+	std::array<std::uint32_t, 64> stack;
+	std::size_t size = 0;
+	stack[size++] = 0;
+	while (size > 0)
+	{
+		const TreeBox& box = m_boxes[stack[--size]];
+		if (!box.meets({point, point}, within)) continue;
+		if (box.count == 0)
+		{
+			stack[size++] = box.first;
+			stack[size++] = box.first + 1;
+		}
+		for (std::uint32_t i = box.first; i < box.first + box.count; ++i)
+		{
+			const SurfaceFace& face = m_faces[m_order[i]];
+			const double height = dot(face.normal, point) - face.offset;
+			if (std::abs(height) > within) continue;
+			const double beside = nearestOnTriangle(triangleOf(m_order[i]), point).squared - height * height;
+			if (beside <= kOnShare * kOnShare * within * within) each(face);
 		}
 	}
 }
