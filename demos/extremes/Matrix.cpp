@@ -18,8 +18,6 @@ namespace
 {
 constexpr double kClearlyBetter = 0.9;  // Bullet's error over ours
 constexpr double kNoticeable = 0.01;    // of the bound: differences below tell nothing
-constexpr Collider kAll[] = {Collider::primitive, Collider::mesh, Collider::exact, Collider::standard,
-							 Collider::coarse};
 
 // Readings of one run into its cells, one a quantity.
 void runCell(const Row& row, Workshop& workshop, std::vector<Cell>& cells)
@@ -67,7 +65,7 @@ void judgeGroup(const Row& row, Cell* group)
 	double besideMesh = 0;
 	if (bound.timesMesh > 0 && mesh.verdict != Verdict::notApplicable)
 		besideMesh = bound.timesMesh * mesh.reading.error + bound.beyondMesh;
-	for (const Collider collider : kAll)
+	for (const Collider collider : kEveryCollider)
 	{
 		Cell& cell = of(collider);
 		if (cell.verdict == Verdict::notApplicable) continue;
@@ -182,7 +180,7 @@ Matrix runMatrix(std::vector<Row> rows, Workshop& workshop, bool isQuick,
 			{
 				const std::size_t first = matrix.cells.size(), count = row.quantities.size();
 				matrix.cells.resize(first + count * kColliders);
-				for (const Collider collider : kAll)
+				for (const Collider collider : kEveryCollider)
 				{
 					std::vector<Cell> run(count);
 					for (std::size_t q = 0; q < count; ++q)

@@ -13,9 +13,6 @@ namespace clod::demo
 {
 namespace
 {
-constexpr Collider kAll[] = {Collider::primitive, Collider::mesh, Collider::exact, Collider::standard,
-							 Collider::coarse};
-
 std::string number(double value)
 {
 	return std::isnan(value) ? "nan" : std::isinf(value) ? (value > 0 ? "inf" : "-inf") : fmt::format("{:.6g}", value);
@@ -133,7 +130,7 @@ void addToReport(nlohmann::ordered_json& report, const Matrix& matrix)
 std::string printable(const Matrix& matrix)
 {
 	std::string text = fmt::format("{:<5}{:<24}{:>10}  ", "row", "quantity, worst of all", "bound");
-	for (const Collider collider : kAll) text += fmt::format("{:>12}", name(collider));
+	for (const Collider collider : kEveryCollider) text += fmt::format("{:>12}", name(collider));
 	text += "  Bullet does better\n";
 	for (std::size_t row = 0; row < matrix.rows.size(); ++row)
 		for (std::size_t q = 0; q < matrix.rows[row].quantities.size(); ++q)
@@ -142,7 +139,7 @@ std::string printable(const Matrix& matrix)
 			text += fmt::format("{:<5}{:<24}{:>10.3g}{:<2}", matrix.rows[row].id, quantity.name.substr(0, 23),
 								quantity.bound.most, quantity.bound.timesMesh > 0 ? "+" : "");
 			std::set<std::string> better;
-			for (const Collider collider : kAll)
+			for (const Collider collider : kEveryCollider)
 			{
 				const Cell* cell = worstOf(matrix, row, q, collider);
 				text += fmt::format("{:>12}",

@@ -20,6 +20,8 @@ enum class Collider
 	coarse      // ours, the paper's s0 = 3.5 % of the radius
 };
 constexpr int kColliders = 5;
+constexpr Collider kEveryCollider[kColliders] = {Collider::primitive, Collider::mesh, Collider::exact, Collider::standard,
+												   Collider::coarse};
 inline bool isOurs(Collider collider)
 {
 	return collider >= Collider::exact;

@@ -12,8 +12,6 @@ namespace clod::demo
 {
 namespace
 {
-constexpr Collider kAll[] = {Collider::primitive, Collider::mesh, Collider::exact, Collider::standard,
-							 Collider::coarse};
 constexpr double kLine = 17, kCell = 52, kName = 150, kMargin = 16, kWords = 350, kShows = 90;
 constexpr double kLetter = 6.6;  // the widest that letters are in the mean, of the usual size
 
@@ -134,7 +132,7 @@ double drawAxis(Picture& picture, const Matrix& matrix, std::size_t index, doubl
 	const bool isOfSteps = row.axis == "step";
 	for (const double rate : isOfSteps ? std::vector<double>{0} : row.rates)
 	{
-		for (const Collider collider : kAll)
+		for (const Collider collider : kEveryCollider)
 		{
 			std::string label = name(collider);
 			if (!isOfSteps) label += fmt::format(", 1/{:g} s", rate);
@@ -160,7 +158,7 @@ void drawRows(Picture& picture, const Matrix& matrix, double x, double y)
 	picture.text(x, y + 12, "All rows, the worst of their cases and steps", kBold);
 	y += kLine + 2;
 	for (std::size_t c = 0; c < kColliders; ++c)
-		picture.text(x + kWords + (double(c) + 0.5) * kCell, y + 12, name(kAll[c]), kMiddle);
+		picture.text(x + kWords + (double(c) + 0.5) * kCell, y + 12, name(kEveryCollider[c]), kMiddle);
 	y += kLine;
 	for (std::size_t row = 0; row < matrix.rows.size(); ++row)
 	{
@@ -168,9 +166,9 @@ void drawRows(Picture& picture, const Matrix& matrix, double x, double y)
 		for (std::size_t c = 0; c < kColliders; ++c)
 		{
 			Summary summary;
-			for (const Cell* cell : matrix.cellsOf(row, kAll[c])) summary.add(*cell);
+			for (const Cell* cell : matrix.cellsOf(row, kEveryCollider[c])) summary.add(*cell);
 			picture.cell(x + kWords + double(c) * kCell, y, summary,
-						 fmt::format("{} {}: {}", matrix.rows[row].id, name(kAll[c]), name(summary.verdict)));
+						 fmt::format("{} {}: {}", matrix.rows[row].id, name(kEveryCollider[c]), name(summary.verdict)));
 		}
 		y += kLine;
 	}

@@ -24,7 +24,6 @@ namespace
 using cli::ExitCode;
 using cli::Failure;
 
-constexpr double kDefaultTolerance = 0.01;  // share of the smaller radius
 constexpr std::size_t kTumbledPoses = 1000;
 constexpr std::uint64_t kTumblingSeed = 1;
 constexpr double kBulletRadius = 5;         // bodies are scaled by a power of ten to about this radius for Bullet

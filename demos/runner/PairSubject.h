@@ -17,6 +17,8 @@ class App;
 
 namespace clod::demo
 {
+constexpr double kDefaultTolerance = 0.01;  // share of the smaller radius
+
 struct PairInput
 {
 	std::vector<std::string> words;  // SCENE, or A B [POSES.csv]

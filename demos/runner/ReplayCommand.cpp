@@ -11,6 +11,7 @@
 #include "cli/Progress.h"
 #include "demos/runner/Commands.h"
 #include "demos/runner/DispatchBench.h"
+#include "demos/runner/PairSubject.h"
 #include "demos/runner/Replay.h"
 #include "demos/runner/SceneModels.h"
 #include "demos/runner/Selection.h"
@@ -22,8 +23,6 @@ namespace
 {
 using cli::ExitCode;
 using cli::Failure;
-
-constexpr double kDefaultTolerance = 0.01;  // share of the smaller radius
 
 struct ReplayCommandOptions
 {

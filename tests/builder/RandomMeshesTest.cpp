@@ -312,7 +312,7 @@ std::string judged(const Start& start, const Outcome& outcome, bool isMended, Ra
 
 TEST(RandomMeshes, AreBuiltAndProvedOrRefusedWithAReason)
 {
-	const int starts = test::setting("CLOD_STARTS", 15), first = test::setting("CLOD_FIRST_START", 0);
+	const int starts = test::setting("CLOD_STARTS", 8), first = test::setting("CLOD_FIRST_START", 0);
 	const test::TemporaryFolder folder;
 	int built = 0, refused = 0;
 	for (int seed = first; seed < first + starts; ++seed)
@@ -334,7 +334,8 @@ TEST(RandomMeshes, AreBuiltAndProvedOrRefusedWithAReason)
 	EXPECT_GT(refused, starts / 5);
 }
 
-// Hulls are flat where the tolerance of a level is more than the sheet's thickness, and must span no notch then.
+// Hulls are flat where the tolerance of a level is more than the sheet's thickness, and must span no notch then. By day as on a
+// chessboard: two bodies of each thickness, three thicknesses of each body.
 TEST(RandomMeshes, SheetsOfAnyThicknessPassTheChecker)
 {
 	std::vector<std::array<double, 2>> corners = {{-1, -1}, {3, -1}, {3, 1}, {1, 1}, {1, 3}, {-1, 3}}, teeth;
@@ -346,12 +347,15 @@ TEST(RandomMeshes, SheetsOfAnyThicknessPassTheChecker)
 	Mesh ring = test::torusMesh(1, 0.4, 16, 8), wave = test::boxMesh({1, 1, 1}, 6);
 	for (Vec3& v : ring.vertices) v = {v.z, v.x, v.y};
 	for (Vec3& v : wave.vertices) v = {v.y + (v.y == 1 ? 0.2 * std::sin(4 * v.x) * std::sin(4 * v.z) : 0), v.z, v.x};
+	const bool isNight = test::setting("CLOD_EVERY_SHEET", 0) != 0;
 	Random random(1);
-	for (double thickness = 0.1; thickness > 5e-7; thickness *= 0.1)
+	int square = 0;
+	for (double thickness = 0.1; thickness > 5e-7; thickness *= 0.1, ++square)
 		for (const auto& [name, mesh] :
 			 {std::pair("ring", TriangleMesh{ring.vertices, ring.triangles}), {"wave", {wave.vertices, wave.triangles}},
 			  {"L", prism(corners)}, {"gear", prism(teeth)}})
 		{
+			if (++square % 2 && !isNight) continue;
 			Start start{mesh, Fault::none, true};
 			for (Vec3& v : start.mesh.vertices) v.z *= thickness;
 			if (name == std::string("L"))  // aslant, where both sides are rounded
