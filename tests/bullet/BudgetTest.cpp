@@ -164,6 +164,54 @@ TEST(BulletBudget, IsExceededOnlyByTheCoarsestAnswers)
 	EXPECT_EQ(excess, 0);
 }
 
+// Bodies that go a third of their size in a step are looked at on their way, and then aside of it: of both questions only the
+// latter has a coarsest answer. The reports tell all tests.
+TEST(BulletBudget, IsNotExceededByBodiesThatGoFar)
+{
+	int coarse = 0, whole = 0;
+	for (double budget = 100; budget < 2e4; budget *= 1.5)
+	{
+		Toruses scene(true);
+		scene.world().getDispatchInfo().m_timeStep = btScalar(1.0 / 240);
+		for (int step = 0; step < 30; ++step)
+		{
+			scene.place(1.1 - 5e-3 * step, 2e-3 * step);
+			for (int i = 0; i < 4; ++i)
+				scene.body(std::size_t(2 * i + 1)).setLinearVelocity(btVector3(btScalar(10 * i), btScalar(-60 + step), 0));
+			const Toruses::Step now = scene.detect(std::floor(budget));
+			EXPECT_LE(now.tests, std::max(std::uint64_t(budget), now.coarsestTests)) << budget << ", step " << step;
+			++(now.excess > 0 ? coarse : whole);
+		}
+	}
+	EXPECT_GT(coarse, 100);
+	EXPECT_GT(whole, 100);
+}
+
+// Points would follow bodies that hardly move, but the program has changed what they are written with; beside them one
+// moves that takes all it gets.
+TEST(BulletBudget, IsNotExceededWhereWhatLiesStillIsAskedAfterAll)
+{
+	int asked = 0;
+	for (double budget = 50; budget < 1e4; budget *= 1.3)
+	{
+		Toruses scene(true);
+		scene.context.keepPoints = true;
+		scene.run(240, kOff);
+		for (int step = 0; step < 30; ++step)
+		{
+			const bool isChanged = step % 3 == 2;
+			scene.body(3).getWorldTransform().getOrigin() += btVector3(btScalar(2e-3), 0, 0);
+			for (std::size_t i = 0; i < 8 && isChanged; ++i)
+				scene.body(i).setRollingFriction(btScalar(1e-3 * step));
+			scene.run(1, std::floor(budget));
+			const Toruses::Step now = scene.look();
+			EXPECT_LE(now.tests, std::max(std::uint64_t(budget), now.coarsestTests)) << budget << ", step " << step;
+			asked += isChanged && now.coarsestTests > 0;
+		}
+	}
+	EXPECT_GT(asked, 50);
+}
+
 // Children of compounds are of the same step.
 TEST(BulletBudget, CountsChildrenOfCompounds)
 {
