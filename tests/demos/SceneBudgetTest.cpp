@@ -26,7 +26,7 @@ using test::setting;
 
 constexpr int kBudgets = 12;
 constexpr double kShare = 0.005;  // of the radius: the metric's limit
-constexpr int kOctaves = 7;       // of thresholds, from the metric's on: beyond half the radius nothing is coarser
+constexpr int kOctaves = 9;       // of thresholds, from the metric's on: to where not even the coarsest answers err as much
 constexpr double kComesDown = 0.137;  // of the dearest step, what stacks come down to the metric by: one more budget
 
 double medianOf(const BudgetRun& run, double (*value)(const BudgetRow&))
