@@ -48,46 +48,141 @@ TEST(StepBudget, WhatLiesStillLeavesWhatOthersTookInTheStepBefore)
 	EXPECT_EQ(budget.spare().tests, 1000);
 }
 
-double spin(double microseconds)
+// Time that passes as the test says.
+Clock::time_point g_now;
+Clock::time_point toldNow()
 {
-	const Clock::time_point start = Clock::now();
-	while (microsecondsSince(start) < microseconds) {}
-	return microsecondsSince(start);
+	return g_now;
+}
+void pass(double microseconds)
+{
+	g_now += std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double, std::micro>(microseconds));
+}
+Budget ofTime(double microseconds)
+{
+	return {kOff, microseconds, &toldNow};
 }
 
 // Of time, at what the work of the step has taken so far: from the first step on.
 TEST(StepBudget, HoldsBackWhatPointsWillTake)
 {
 	StepBudget budget;
-	budget.begin({kOff, 1e6});
+	budget.begin(ofTime(1e6));
 	budget.hold({10, 1000});
 	budget.hold({10, 1000});
-	spin(1000);
-	budget.spend(100, false);  // 10 us each, at least
-	EXPECT_LT(budget.next({10, 1000}, 1000).microseconds, 1e6 - 1000 - 10 * 2020);
-	EXPECT_LT(budget.next({10, 1000}, 3000).microseconds, 1e6 - 1000 - 10 * (1010 + 2000));
+	pass(1000);
+	budget.spend(100, false);  // 10 us each
+	EXPECT_DOUBLE_EQ(budget.next({10, 1000}, 1000).microseconds, 1e6 - 1000 - 10 * 2020);
+	EXPECT_DOUBLE_EQ(budget.next({10, 1000}, 3000).microseconds, 1e6 - 1000 - 10 * (1010 + 2000));
 }
 
 // Whatever stops the program for a while tells nothing of what a coarsening costs.
 TEST(StepBudget, AStepThatWasHeldUpChangesNothing)
 {
-	const auto step = [](StepBudget& budget, double microseconds)
+	StepBudget budget;
+	const auto step = [&budget](double microseconds)
 	{
-		budget.begin({kOff, 3000});
-		const double taken = spin(microseconds);
+		budget.begin(ofTime(3000));
+		pass(microseconds);
 		budget.spend(600, false);
 		budget.spendPoints(400);
 		budget.end();
-		return taken;
 	};
-	// The first step tells what work takes, unless others had the processor in it.
-	auto budget = std::make_unique<StepBudget>();
-	while (step(*budget, 30) > 1000) budget = std::make_unique<StepBudget>();
-	for (int i = 0; i < 20; ++i) step(*budget, 30);
-	EXPECT_EQ(budget->coarsening(), 1);
-	for (int i = 0; i < 3; ++i) step(*budget, 20000);
-	step(*budget, 30);
-	EXPECT_EQ(budget->coarsening(), 1);
+	for (int i = 0; i < 20; ++i) step(30);
+	EXPECT_EQ(budget.coarsening(), 1);
+	for (int i = 0; i < 3; ++i) step(20000);
+	step(30);
+	EXPECT_EQ(budget.coarsening(), 1);
+}
+
+// Pairs that want to spend many times the budget, or a little less than all of it, each step others; the work of each step
+// takes its own time. What coarsest answers and their points take is held back up to half of the budget.
+TEST(StepBudget, ATimeIsExceededByAtMostHalf)
+{
+	constexpr int kPairs = 40;
+	constexpr std::uint32_t kListing = 5, kCoarsest = 10, kPoints = 60;
+	const double ofCoarsest = kPairs * (kListing + kCoarsest + kPoints);
+	Random random(3);
+	double most = 0;
+	int cut = 0, whole = 0;
+	for (const double room : {1.0, 1.3, 2.0, 5.0, 20.0})
+		for (const double wanted : {0.5, 1.0, 3.0, 30.0})
+		{
+			StepBudget budget;
+			const double microseconds = 0.2 * room * ofCoarsest;
+			for (int step = 0; step < 100; ++step)
+			{
+				const double ofOne = uniform(random, 0.15, 0.2);
+				const auto work = [ofOne](double amount) { pass(ofOne * amount); };
+				const Clock::time_point start = g_now;
+				budget.begin(ofTime(microseconds));
+				for (int i = 0; i < kPairs; ++i)
+				{
+					work(kListing);
+					budget.list(kListing);
+					budget.hold({kCoarsest, kPoints});
+				}
+				for (int i = 0; i < kPairs; ++i)
+				{
+					const double asked = wanted * room * ofCoarsest / kPairs * uniform(random, 0.2, 1.8);
+					const std::uint32_t tests = std::uint32_t(asked / std::min(budget.coarsening(), 1e6));
+					const double left = budget.next({kCoarsest, kPoints}, kPoints).microseconds / ofOne;
+					const bool isCut = tests > left;
+					const double done = isCut ? std::floor(left) + kCoarsest : tests;
+					work(done);
+					budget.spend(std::uint64_t(done), isCut);
+					work(kPoints);
+					budget.spendPoints(kPoints);
+					++(isCut ? cut : whole);
+				}
+				budget.noneToCome();
+				budget.end();
+				most = std::max(most, microsecondsBetween(start, g_now) / microseconds);
+			}
+		}
+	EXPECT_LE(most, 1.5);
+	EXPECT_GT(most, 1);  // it is the held back that keeps it
+	EXPECT_GT(cut, 1000);
+	EXPECT_GT(whole, 1000);
+}
+
+// A clock that moves on whenever it is looked at, as every opened pair of nodes does.
+int g_looks = 0;
+Clock::time_point nextTick()
+{
+	++g_looks;
+	return g_now += std::chrono::microseconds(1);
+}
+
+TEST(BulletBudget, ATimeIsExceededByAtMostHalf)
+{
+	const auto looks = [](Toruses& scene, int step, double microseconds)
+	{
+		scene.context.budget = {kOff, microseconds, &nextTick};
+		scene.place(0.8 - 5e-4 * step, 2e-3 * step);
+		g_looks = 0;
+		scene.detect(kOff);
+		return g_looks;
+	};
+	Toruses none(true), full(true);
+	int least = 0, dearest = 0;
+	for (int step = 0; step < 60; ++step)
+	{
+		least = std::max(least, looks(none, step, 0));
+		dearest = std::max(dearest, looks(full, step, 1e9));
+	}
+	ASSERT_GT(dearest, 10 * least);
+	int coarse = 0;
+	for (double budget = least; budget < dearest; budget *= 2)
+	{
+		Toruses scene(true);
+		for (int step = 0; step < 60; ++step)
+		{
+			EXPECT_LE(looks(scene, step, budget), 1.5 * budget) << budget << ", step " << step;
+			coarse += scene.look().excess > 1;
+		}
+	}
+	EXPECT_GT(coarse, 60);
 }
 
 TEST(BulletBudget, AFullOneGivesTheTrajectoryOfNone)
@@ -162,6 +257,54 @@ TEST(BulletBudget, IsExceededOnlyByTheCoarsestAnswers)
 		EXPECT_GE(same, budget > 1.2 * double(dearest) ? 114 : 0) << budget;
 	}
 	EXPECT_EQ(excess, 0);
+}
+
+// Bodies that go a third of their size in a step are looked at on their way, and then aside of it: of both questions only the
+// latter has a coarsest answer. The reports tell all tests.
+TEST(BulletBudget, IsNotExceededByBodiesThatGoFar)
+{
+	int coarse = 0, whole = 0;
+	for (double budget = 100; budget < 2e4; budget *= 1.5)
+	{
+		Toruses scene(true);
+		scene.world().getDispatchInfo().m_timeStep = btScalar(1.0 / 240);
+		for (int step = 0; step < 30; ++step)
+		{
+			scene.place(1.1 - 5e-3 * step, 2e-3 * step);
+			for (int i = 0; i < 4; ++i)
+				scene.body(std::size_t(2 * i + 1)).setLinearVelocity(btVector3(btScalar(10 * i), btScalar(-60 + step), 0));
+			const Toruses::Step now = scene.detect(std::floor(budget));
+			EXPECT_LE(now.tests, std::max(std::uint64_t(budget), now.coarsestTests)) << budget << ", step " << step;
+			++(now.excess > 0 ? coarse : whole);
+		}
+	}
+	EXPECT_GT(coarse, 100);
+	EXPECT_GT(whole, 100);
+}
+
+// Points would follow bodies that hardly move, but the program has changed what they are written with; beside them one
+// moves that takes all it gets.
+TEST(BulletBudget, IsNotExceededWhereWhatLiesStillIsAskedAfterAll)
+{
+	int asked = 0;
+	for (double budget = 50; budget < 1e4; budget *= 1.3)
+	{
+		Toruses scene(true);
+		scene.context.keepPoints = true;
+		scene.run(240, kOff);
+		for (int step = 0; step < 30; ++step)
+		{
+			const bool isChanged = step % 3 == 2;
+			scene.body(3).getWorldTransform().getOrigin() += btVector3(btScalar(2e-3), 0, 0);
+			for (std::size_t i = 0; i < 8 && isChanged; ++i)
+				scene.body(i).setRollingFriction(btScalar(1e-3 * step));
+			scene.run(1, std::floor(budget));
+			const Toruses::Step now = scene.look();
+			EXPECT_LE(now.tests, std::max(std::uint64_t(budget), now.coarsestTests)) << budget << ", step " << step;
+			asked += isChanged && now.coarsestTests > 0;
+		}
+	}
+	EXPECT_GT(asked, 50);
 }
 
 // Children of compounds are of the same step.

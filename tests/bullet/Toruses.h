@@ -50,7 +50,7 @@ public:
 
 	struct Step
 	{
-		std::uint64_t tests = 0, contacts = 0;
+		std::uint64_t tests = 0, coarsestTests = 0, contacts = 0;
 		std::uint32_t pending = 0, coarsest = 0, cutShort = 0;
 		double excess = 0, least = kOff;  // least: of the pairs that were cut short
 		int cut = 0;
@@ -82,7 +82,10 @@ public:
 			{
 				step.tests += pair.vainTests;
 				if (!pair.kept)
+				{
 					step.tests += std::uint64_t(pair.result->stats.boxTests) + pair.result->stats.hullTests;
+					step.coarsestTests += pair.coarsestTests;
+				}
 				step.cutShort += pair.result->stats.cutShort;
 				step.contacts += pair.result->pairs.size();
 				step.coarsest = std::max(step.coarsest, pair.coarsestLevel);
@@ -123,6 +126,7 @@ public:
 	btClodShape& shape() { return m_shape; }
 	btDiscreteDynamicsWorld& world() { return *m_world; }
 	const btRigidBody& body(std::size_t which) const { return *m_bodies[which]; }
+	btRigidBody& body(std::size_t which) { return *m_bodies[which]; }
 
 private:
 	Context m_context;  // unless it is shared

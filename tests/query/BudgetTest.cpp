@@ -381,6 +381,9 @@ TEST(Budget, RefusesWhatCannotBeUsedByName)
 	}
 	Settings settings = with({}, 100);
 	EXPECT_EQ(settingsError(settings), "");
+	settings.budget.now = nullptr;
+	EXPECT_NE(settingsError(settings).find("budget.now"), std::string::npos);
+	settings.budget.now = Budget{}.now;
 	settings.distance = true;
 	EXPECT_NE(settingsError(settings).find("distance"), std::string::npos);
 }

@@ -56,6 +56,7 @@ public:
 	// The same where bodies have moved by less than the points' places can tell: these stay on both bodies, their
 	// distances are those between them, and what does not slip is held where it is (friction anchors).
 	bool follow(HeldClusters& written, const WorldFrame& frame, btManifoldResult& out);
+	bool isAsLeft(const WorldFrame& frame, const btManifoldResult& out) const;  // does nothing but the motion differ?
 	// Has the solver given one of their points an impulse?
 	bool carry() const;
 	// The sum of what the last step gave them along their normals, Bullet's units and sign.
@@ -135,7 +136,6 @@ private:
 	static bool isOf(const Ground& ground, const WorldFrame& frame);
 	static bool isOn(const Ground& ground, const WorldFrame& frame);
 	bool slip() const;  // did friction give all it could in the last step?
-	bool isAsLeft(const WorldFrame& frame, const btManifoldResult& out) const;
 	void refresh(std::size_t slot, HeldClusters& written, btManifoldResult& out);
 	static void letDown(const WorldFrame& frame, HeldPoint& held, ContactPoint& now);
 	bool mayKeep(const WorldFrame& frame, const btManifoldResult& out) const;

@@ -50,12 +50,17 @@ struct Scratch
 	PartnerContacts partner;
 	std::vector<Triangle> triangles;  // of a mesh, within the tolerance, frame B
 	std::vector<std::array<int, 2>> names;  // of those of the last answer, see isMeshAsItWas()
-	GapResult result;                 // of a query: a pair keeps no more room than its own contacts take
+	GapResult result, trial;          // of a query: a pair keeps no more room than its own contacts take
 };
 Scratch& scratch()
 {
 	thread_local Scratch buffers;
 	return buffers;
+}
+
+std::uint32_t testsOf(const QueryStats& stats)
+{
+	return stats.boxTests + stats.hullTests;
 }
 }  // namespace
 
@@ -64,7 +69,7 @@ void PairState::ask(const PairPose& pose, const Question& question, bool isAsked
 {
 	const Question* const before = m_answered.get();
 	if (isAsked)
-		m_result.hold(scratch().result);
+		take(question);
 	else if (before && before->withGap == question.withGap && before->aFromB == question.aFromB &&
 		clod::same(before->settings, question.settings))
 	{
@@ -73,21 +78,66 @@ void PairState::ask(const PairPose& pose, const Question& question, bool isAsked
 	}
 	else
 		query(pose, question);
+}
+
+// What the query found is the pair's.
+void PairState::take(const Question& question)
+{
+	m_result.hold(scratch().result);
 	if (!question.withGap) m_result.minDistance = m_result.errorBound = std::numeric_limits<double>::infinity();
 }
 
+// Asks what the pair can do without. False where a budget does not allow it: it then has the result that it had.
+bool PairState::askIfAllowed(const PairPose& pose, const Question& question)
+{
+	if (!m_budget || !m_budget->isLimited() || question.withGap)  // a gap cannot be tried
+	{
+		ask(pose, question);
+		return true;
+	}
+	ContactSettings settings = static_cast<const ContactSettings&>(question.settings);
+	settings.budget = m_budget->next({}, m_points);  // what this pair's coarsest answer takes stays held back
+	std::uint32_t tests = 0;
+	if (!attempt(pose, settings, tests))
+	{
+		m_budget->list(tests);
+		return false;
+	}
+	m_budget->spend(tests, false);
+	take(question);
+	return true;
+}
+
+bool PairState::attempt(const PairPose& pose, ContactSettings& settings, std::uint32_t& tests)
+{
+	settings.isTrial = true;
+	GapResult& result = scratch().trial;
+	contacts(pose.hierarchyA(), pose.hierarchyB(), pose.aFromB, settings, m_cache.pair, result);
+	tests = testsOf(result.stats);
+	const bool isCut = result.stats.cutShort > 0;
+	if (isCut)
+		m_report.vainTests += tests;
+	else
+		std::swap(scratch().result, result);
+	return !isCut;
+}
+
 // A body that goes about its own size in a step has all of a near one aside of its way (PairPose::lookAside): millions
-// of pairs of nodes. It looks there only where few are on the way itself.
+// of pairs of nodes. It looks there only where few are on the way itself, or that cannot be told.
 void PairState::askAside(const PairPose& pose, Question& question, bool isAsked)
 {
 	const PointRules& rules = pose.rules;
 	const double tolerance = question.settings.tolerance, ofWay = rules.margin + rules.resting + rules.heldReach;
 	const bool isWide = !isAsked && tolerance - ofWay > kWide * rules.length;
-	if (isWide) m_report.tolerance = question.settings.tolerance = ofWay;
-	ask(pose, question, isAsked);
-	if (!isWide || m_result.pairs.size() > kFewPairs) return;
+	if (!isWide) return ask(pose, question, isAsked);
+	m_report.tolerance = question.settings.tolerance = ofWay;
+	if (askIfAllowed(pose, question))
+	{
+		if (m_result.pairs.size() > kFewPairs) return;
+		m_report.vainTests += testsOf(m_result.stats);
+	}
 	m_report.tolerance = question.settings.tolerance = tolerance;
-	ask(pose, question);
+	query(pose, question);
 }
 
 void PairState::query(const PairPose& pose, const Question& question)
@@ -99,11 +149,8 @@ void PairState::query(const PairPose& pose, const Question& question)
 		signedGap(pose.hierarchyA(), pose.hierarchyB(), pose.aFromB, settings, m_cache, result);
 	else
 		contacts(pose.hierarchyA(), pose.hierarchyB(), pose.aFromB, settings, m_cache.pair, result);
-	m_result.hold(result);
-	QueryStats& stats = m_result.stats;
-	if (m_budget) m_budget->spend(std::uint64_t(stats.boxTests) + stats.hullTests, stats.cutShort > 0);
-	stats.boxTests += m_outline.listing;
-	m_report.coarsestTests = m_outline.listing + m_outline.answering;
+	take(question);
+	if (m_budget) m_budget->spend(testsOf(result.stats), result.stats.cutShort > 0);
 }
 
 // May the pair's own answer serve until the budget leaves enough for a finer one? Not where a gap is asked for, too.
@@ -148,15 +195,12 @@ void PairState::refine(Prepared& prepared)
 	settings.budget = m_budget->spare();
 	const bool isEnough = settings.budget.tests > kLeastOfTrial * m_report.coarsestTests;
 	if (!isEnough || settings.budget.microseconds == 0) return;
-	settings.isTrial = true;
-	GapResult& result = scratch().result;
-	contacts(pose.hierarchyA(), pose.hierarchyB(), pose.aFromB, settings, m_cache.pair, result);
-	const std::uint32_t tests = result.stats.boxTests + result.stats.hullTests;
+	std::uint32_t tests = 0;
+	const bool isFound = attempt(pose, settings, tests);
 	m_budget->spendSpare(tests);
-	if (result.stats.cutShort > 0)
+	if (!isFound)
 	{
 		if (isFirst) m_refining.fail();
-		m_report.vainTests += tests;
 	}
 	else
 	{
@@ -252,11 +296,21 @@ bool PairState::refineHeld(const PairPose& pose, Question& question)
 	if (pose.prediction != Prediction::kFree || !canMove || isCoarse || metric.coarsening > 1) return false;
 	const double stricter = kStricter * errorOfContacts(pose);
 	if (!(stricter < metric.maxError) || !scratch().facets.jamBetween()) return false;
-	metric.maxError = m_report.metric.maxError = m_heldError = stricter;
-	if (pose.isOfTwo())
-		ask(pose, question);
-	else
+	m_heldError = stricter;
+	const double before = std::exchange(metric.maxError, stricter);
+	m_report.metric.maxError = stricter;
+	if (!pose.isOfTwo())
 		askPartner(pose);
+	else
+	{
+		const std::uint32_t tests = testsOf(m_result.stats);
+		if (!askIfAllowed(pose, question))
+		{
+			metric.maxError = m_report.metric.maxError = before;  // the next dispatch asks for it again
+			return false;
+		}
+		m_report.vainTests += tests;
+	}
 	return true;
 }
 
@@ -286,6 +340,11 @@ void PairState::answer(const PairPose& pose, Question& question, bool isAsked)
 		findPoints(pose, question, goesOn);
 	else
 		m_result.pairs.shrink_to_fit();
+	if (pose.isOfTwo() && !isAsked)
+	{
+		m_result.stats.boxTests += m_outline.listing;
+		m_report.coarsestTests = m_outline.listing + m_outline.answering;
+	}
 	m_report.aFromB = pose.aFromB;
 	m_report.worldFromA = pose.worldFromA;
 	m_report.unit = pose.unit;

@@ -274,6 +274,9 @@ void PairState::open(const btCollisionObjectWrapper& body0, const btCollisionObj
 		next.isKept = next.pose.isOfTwo() && m_answered && same(*m_answered, next.question);
 		if (!next.isKept) next.question.settings.tolerance = tolerance;
 		next.isStill = !next.isKept && isStill(next.pose, next.question);
+		// What has to be asked after all is known before a budget is spent.
+		if (next.isStill && m_budget && m_budget->isLimited())
+			next.isStill = m_manifolds.isAsLeft(worldFrame(next, closestPoints), btManifoldResult(&body0, &body1));
 		if (!next.isKept && !next.isStill) coarsening = asked;
 	}
 }
@@ -407,6 +410,7 @@ bool PairState::process(const btCollisionObjectWrapper& body0, const btCollision
 		if (m_report.kept) return true;
 		m_manifolds.readImpulses(m_clusters);
 		m_clusters.linkToThemselves();
+		m_result.stats.boxTests = m_result.stats.hullTests = 0;
 	}
 	else if (now.isStill)
 	{

@@ -171,6 +171,10 @@ private:
 	void ask(const PairPose& pose, const Question& question, bool isAsked = false);  // asked: the result is at hand
 	void askAside(const PairPose& pose, Question& question, bool isAsked);
 	void query(const PairPose& pose, const Question& question);  // outlined, if there is a budget
+	void take(const Question& question);
+	bool askIfAllowed(const PairPose& pose, const Question& question);
+	// Within the settings' budget; no gap. Tells the tests, and whether they were enough: if not, they were in vain.
+	bool attempt(const PairPose& pose, ContactSettings& settings, std::uint32_t& tests);
 	void askPartner(const PairPose& pose);
 	std::uint64_t gatherTriangles(const PairPose& pose, const Transform& aFromB, double tolerance,
 								  std::vector<std::array<int, 2>>& names) const;

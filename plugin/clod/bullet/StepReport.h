@@ -67,7 +67,7 @@ struct PairReport : DispatchReport
 	double unit = 1;                         // the world length of the hierarchies' unit there
 	std::string notFinite;                   // what is not finite, or empty; if set, the pair has no contacts
 	std::uint32_t coarsestTests = 0;         // tests that the coarsest answer takes, under a budget (see Outline)
-	std::uint32_t vainTests = 0;             // further tests, for a finer answer that the budget did not allow
+	std::uint32_t vainTests = 0;             // further tests, for answers that were not taken
 };
 
 // The contacts of a pair, evaluated again (with a plane or an engine's own mesh only their nodes), and the whole

@@ -22,11 +22,13 @@ inline double microsecondsSince(Clock::time_point start)
 }
 
 // Tests are box tests and hull distances up to the contact list; searching the depth of an overlap is not counted. Time
-// is wall time from the start. kOff means no limit.
+// is wall time from the start, or by another clock of the caller's. kOff means no limit.
 struct Budget
 {
 	double tests = kOff;
 	double microseconds = kOff;
+	Clock::time_point (*now)() = &Clock::now;
+	double since(Clock::time_point start) const { return microsecondsBetween(start, now()); }
 	bool isLimited() const { return tests < kOff || microseconds < kOff; }
 };
 // Empty, or one sentence that names the first field that cannot be used, and its value.
@@ -38,7 +40,7 @@ class WorkLimit
 public:
 	explicit WorkLimit(const Budget& budget) : m_budget(budget)
 	{
-		if (budget.microseconds < kOff) m_start = Clock::now();
+		if (budget.microseconds < kOff) m_start = budget.now();
 	}
 	bool isSet() const { return m_budget.isLimited(); }
 	// For what comes when it is spent.
@@ -48,7 +50,7 @@ public:
 	bool allowsTests(std::uint64_t tests) const { return double(tests) <= m_budget.tests; }
 	bool hasTime() const
 	{
-		return !(m_budget.microseconds < kOff) || microsecondsSince(m_start) < m_budget.microseconds;
+		return !(m_budget.microseconds < kOff) || m_budget.since(m_start) < m_budget.microseconds;
 	}
 
 private:

@@ -260,7 +260,11 @@ std::optional<double> ContactSearch::traverseBy(const StopRule& rule, double tol
 	std::optional<double> cover;
 	if (hasMore && hasAllAnswers(m_context, tolerance, front))
 		cover = answerFrom(answerFromLast, {rule, front.tolerance, sameRule, limit}, tolerance);
-	if (!cover) cover = answerFrom(traverse, {rule, tolerance + ahead, sameRule, limit}, tolerance);
+	if (!cover)
+	{
+		cover = answerFrom(traverse, {rule, tolerance + ahead, sameRule, limit}, tolerance);
+		if (cover && ahead > 0) front.makeRoom();  // others are never asked for their answers again
+	}
 	remember(rule);
 	return cover;
 }

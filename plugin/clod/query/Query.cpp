@@ -42,8 +42,8 @@ bool same(const ContactSettings& l, const ContactSettings& r)
 	const auto fields = [](const ContactSettings& settings)
 	{
 		const auto& [metric, tolerance, sweep, budget, isTrial, signsOnly] = settings;
-		const auto& [tests, microseconds] = budget;
-		return std::tie(tolerance, sweep, tests, microseconds, isTrial, signsOnly);
+		const auto& [tests, microseconds, now] = budget;
+		return std::tie(tolerance, sweep, tests, microseconds, now, isTrial, signsOnly);
 	};
 	return fields(l) == fields(r) && same(l.metric, r.metric);
 }
@@ -188,6 +188,7 @@ std::string budgetError(const Budget& budget)
 	if (!(budget.tests >= 0)) return "budget.tests is " + std::to_string(budget.tests) + ", but must be >= 0";
 	if (!(budget.microseconds >= 0))
 		return "budget.microseconds is " + std::to_string(budget.microseconds) + ", but must be >= 0";
+	if (!budget.now) return "budget.now is null, but must be a clock";
 	return {};
 }
 

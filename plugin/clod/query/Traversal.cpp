@@ -58,7 +58,6 @@ public:
 			m_front.tolerance = 0;  // has no answers to give
 		if (m_front.isLent) return isWhole;
 		m_previous.keepIn(m_front);
-		if (isWhole) m_front.makeRoom();
 		return isWhole;
 	}
 
@@ -368,6 +367,5 @@ void handBack(PairFront& front)
 void keep(PairFront& front)
 {
 	previousOfThread().keepIn(front);
-	front.makeRoom();
 }
 }  // namespace clod

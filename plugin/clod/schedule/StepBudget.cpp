@@ -26,7 +26,7 @@ void StepBudget::begin(const Budget& budget)
 {
 	m_budget = budget;
 	m_coarsening = m_control.coarsening(budget);
-	m_start = m_spareEnd = Clock::now();
+	m_start = m_spareEnd = m_budget.now();
 	m_isSpent = m_areQueriesOver = false;
 	m_tests = m_held = m_spareTests = 0;
 	m_points = m_heldPoints = m_sparePoints = 0;
@@ -40,23 +40,23 @@ void StepBudget::begin(const Budget& budget)
 void StepBudget::end()
 {
 	const double tests = double(m_tests.load() - m_spareTests), done = work();
-	double microseconds = microsecondsSince(m_start) - m_spareMicroseconds;
+	double microseconds = m_budget.since(m_start) - m_spareMicroseconds;
 	if (m_work > 0) microseconds = std::min(microseconds, kMostSlower * ofWork() * done);
 	m_control.observe({tests, microseconds, m_cut, m_answered, double(m_ofCut.load())});
 	m_microseconds += microseconds - kOfLast * m_microseconds;
 	m_work += done - kOfLast * m_work;
 	m_lastTests = tests;
 	m_lastWork = done;
-	m_afterSpare = microsecondsSince(m_spareEnd);
+	m_afterSpare = m_budget.since(m_spareEnd);
 	if (m_areQueriesOver) m_afterQueries = m_afterSpare;
 }
 
 Budget StepBudget::without(double tests, double microseconds) const
 {
-	Budget left;
+	Budget left{kOff, kOff, m_budget.now};
 	if (m_budget.tests < kOff) left.tests = std::max(0.0, m_budget.tests - double(m_tests.load()) - tests);
 	if (m_budget.microseconds < kOff)
-		left.microseconds = std::max(0.0, m_budget.microseconds - microsecondsSince(m_start) - microseconds);
+		left.microseconds = std::max(0.0, m_budget.microseconds - m_budget.since(m_start) - microseconds);
 	return left;
 }
 
@@ -71,7 +71,7 @@ Budget StepBudget::next(const Work& held, std::uint32_t points)
 		without(tests - held.tests, std::min(toCome + std::max(0.0, ofIts), kMostHeld * m_budget.microseconds));
 	if (left.microseconds == 0 && !m_isSpent.exchange(true))
 	{
-		m_spentAt = Clock::now();
+		m_spentAt = m_budget.now();
 		m_heldWhenSpent = withItsOwn;
 	}
 	return left;
@@ -81,13 +81,13 @@ double StepBudget::ofWork() const
 {
 	if (m_work > 0) return m_microseconds / m_work;
 	const double done = work();
-	return done > 0 ? microsecondsSince(m_start) / done : 0;
+	return done > 0 ? m_budget.since(m_start) / done : 0;
 }
 
 void StepBudget::noneToCome()
 {
 	m_lastTests = m_lastWork = 0;
-	m_spareEnd = Clock::now();
+	m_spareEnd = m_budget.now();
 	m_areQueriesOver = true;
 	if (m_isSpent && m_heldWhenSpent > 0)
 		m_ofHeld = microsecondsBetween(m_spentAt, m_spareEnd) / m_heldWhenSpent;
@@ -96,7 +96,7 @@ void StepBudget::noneToCome()
 // Of time what is sure to be left: points are found besides, and the dispatch goes on.
 Budget StepBudget::spare()
 {
-	m_spareStart = Clock::now();
+	m_spareStart = m_budget.now();
 	m_pointsBefore = m_points;
 	const double toCome = std::max(0.0, m_lastTests - double(m_tests.load() - m_spareTests));
 	const double others = double(m_held.load()) + toCome;
@@ -110,7 +110,7 @@ Budget StepBudget::spare()
 
 void StepBudget::endSpare()
 {
-	m_spareEnd = Clock::now();
+	m_spareEnd = m_budget.now();
 	m_sparePoints += m_points - m_pointsBefore;
 	const double microseconds = microsecondsBetween(m_spareStart, m_spareEnd);
 	m_spareMicroseconds += microseconds;

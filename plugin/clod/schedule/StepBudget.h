@@ -50,7 +50,7 @@ public:
 	}
 	// Of a pair for which so much was held, and whose points will take about so much.
 	Budget next(const Work& held, std::uint32_t points);
-	void list(std::uint64_t tests) { m_tests += tests; }  // of its coarsest answer
+	void list(std::uint64_t tests) { m_tests += tests; }  // for its coarsest answer, or in vain
 	void spend(std::uint64_t tests, bool isCut);
 	void spendPoints(std::uint32_t points) { m_points += points; }
 	// For one that lies still, from the first to the last of these, on one thread: what is left now but for what the
