@@ -48,6 +48,7 @@ struct Scratch
 	FacetContacts facets;
 	ClusterSet previous, next;
 	PartnerContacts partner;
+	FixedBodies fixed;
 	std::vector<Triangle> triangles;  // of a mesh, within the tolerance, frame B
 	std::vector<std::array<int, 2>> names;  // of those of the last answer, see isMeshAsItWas()
 	GapResult result, trial;          // of a query: a pair keeps no more room than its own contacts take
@@ -423,5 +424,60 @@ void PairState::namePartnerFace(const PairPose& pose, ContactPoint& point)
 																	  : m_names[point.faceB / 2];
 	point.nodeB = std::uint32_t(name[0]);
 	point.faceB = std::uint32_t(name[1]);
+}
+
+void PairState::noteFixed(const PairPose& pose)
+{
+	const btCollisionObject &objectA = *pose.a->getCollisionObject(), &objectB = *pose.b->getCollisionObject();
+	const bool isA = isFixed(objectA), isB = isFixed(objectB);
+	if (isA == isB || m_isClosestPoints || !pose.responds || m_result.pairs.empty())
+	{
+		m_fixed.reset();
+		return;
+	}
+	if (!m_fixed) m_fixed.emplace();
+	m_fixed->object = isA ? &objectA : &objectB;
+	m_fixed->pose = m_fixed->object->getWorldTransform();
+	m_fixed->hierarchy = isA ? pose.asked.a : pose.asked.b;
+	m_fixed->surface = isB ? m_partnerSurface : nullptr;
+	m_fixed->worldFromSide = toTransform((isA ? pose.a : pose.b)->getWorldTransform());
+	m_fixed->unit = pose.scale();
+	m_fixed->radius = isA ? pose.rules.radiusA : pose.rules.radiusB;
+	m_fixed->level = m_result.stats.finestLevel;
+}
+
+// Those that other pairs of the moving body have told of.
+const FixedBodies& PairState::fixedBodies(const PairPose& pose) const
+{
+	FixedBodies& fixed = scratch().fixed;
+	fixed.others.clear();
+	const btCollisionObject &objectA = *pose.a->getCollisionObject(), &objectB = *pose.b->getCollisionObject();
+	fixed.fixedIsB = isFixed(objectB);
+	if (isFixed(objectA) == fixed.fixedIsB || m_isClosestPoints || !(pose.rules.timeStep > 0)) return fixed;
+	const btCollisionObject& moving = fixed.fixedIsB ? objectA : objectB;
+	for (const PairState* other : *m_pairsOf[m_objects[0] == &moving ? 0 : 1])
+	{
+		if (other == this || !other->m_fixed) continue;
+		const FixedSide& side = *other->m_fixed;
+		const btCollisionObject& object = *side.object;
+		if (!isFixed(object) || !object.hasContactResponse() || !(object.getWorldTransform() == side.pose)) continue;
+		FixedBody body;
+		body.surface = side.surface.get();
+		body.reach = std::numeric_limits<double>::infinity();
+		if (side.hierarchy)
+		{
+			const std::uint32_t most = std::uint32_t(side.hierarchy->levels().size - 1);
+			body.surface = &side.hierarchy->derived<ContactSurfaces>().level(std::min(side.level, most));
+			body.center = toVec3(side.hierarchy->asset().sphereCenter);
+			body.reach = double(side.hierarchy->asset().radius) + side.radius;
+		}
+		if (!body.surface) continue;
+		body.bodyFromA = inverse(side.worldFromSide) * pose.worldFromA;
+		body.bodyFromA.translation = (1 / pose.scale()) * body.bodyFromA.translation;
+		body.scale = pose.scale() / side.unit;
+		body.radius = side.radius;
+		fixed.others.push_back(body);
+	}
+	return fixed;
 }
 }  // namespace clod

@@ -21,12 +21,6 @@ constexpr std::uint32_t kLongStill = 16;  // dispatches that ask nothing, until 
 constexpr double kSeldomMet = 0.25;  // so little is expected of what nobody looked at: it may be met, but hardly ever is
 constexpr double kStillShare = 3e-4;  // of the length, more than half of the skin: points found so little motion ago serve
 
-FixedBodies& scratchFixed()
-{
-	thread_local FixedBodies fixed;
-	return fixed;
-}
-
 // All fields, for comparison. A field that is added does not compile before it is named here.
 auto fieldsOf(const PairBody& body)
 {
@@ -205,9 +199,7 @@ bool PairState::liesAlone(const PairPose& pose) const
 	const PairBody &a = pose.rules.a, &b = pose.rules.b;
 	if (m_clusters.isEmpty() || (a.inverseMass > 0) == (b.inverseMass > 0)) return false;
 	const PairBody& body = a.inverseMass > 0 ? a : b;
-	bool isOnOthers = false;
-	forEachOtherFixed(pose, [&](const FixedSide&) { isOnOthers = true; });
-	if (isOnOthers) return false;
+	if (!fixedBodies(pose).others.empty()) return false;
 	const Vec3 impulse = transposed(pose.worldFromA.rotation) * m_manifolds.impulse();
 	const double weight = std::abs(dot(body.force, normalized(impulse))) / body.inverseMass;
 	const double load = length(impulse) / pose.scale();
@@ -501,68 +493,5 @@ void PairState::write(const PairPose& pose, WorldFrame& frame, btManifoldResult&
 	frame.points = &m_clusters;
 	m_manifolds.write(m_clusters, frame, partsOf, out);
 	noteFixed(pose);
-}
-
-void PairState::noteFixed(const PairPose& pose)
-{
-	const btCollisionObject &objectA = *pose.a->getCollisionObject(), &objectB = *pose.b->getCollisionObject();
-	const bool isA = isFixed(objectA), isB = isFixed(objectB);
-	if (isA == isB || m_isClosestPoints || !pose.responds || m_result.pairs.empty())
-	{
-		m_fixed.reset();
-		return;
-	}
-	if (!m_fixed) m_fixed.emplace();
-	m_fixed->object = isA ? &objectA : &objectB;
-	m_fixed->pose = m_fixed->object->getWorldTransform();
-	m_fixed->hierarchy = isA ? pose.asked.a : pose.asked.b;
-	m_fixed->surface = isB ? m_partnerSurface : nullptr;
-	m_fixed->worldFromSide = toTransform((isA ? pose.a : pose.b)->getWorldTransform());
-	m_fixed->unit = pose.scale();
-	m_fixed->radius = isA ? pose.rules.radiusA : pose.rules.radiusB;
-	m_fixed->level = m_result.stats.finestLevel;
-}
-
-template <class Each>
-void PairState::forEachOtherFixed(const PairPose& pose, Each each) const
-{
-	const btCollisionObject &objectA = *pose.a->getCollisionObject(), &objectB = *pose.b->getCollisionObject();
-	if (isFixed(objectA) == isFixed(objectB) || m_isClosestPoints) return;
-	const btCollisionObject& moving = isFixed(objectA) ? objectB : objectA;
-	for (const PairState* other : *m_pairsOf[m_objects[0] == &moving ? 0 : 1])
-	{
-		if (other == this || !other->m_fixed) continue;
-		const btCollisionObject& object = *other->m_fixed->object;
-		if (isFixed(object) && object.hasContactResponse() && object.getWorldTransform() == other->m_fixed->pose)
-			each(*other->m_fixed);
-	}
-}
-
-const FixedBodies& PairState::fixedBodies(const PairPose& pose) const
-{
-	FixedBodies& fixed = scratchFixed();
-	fixed.others.clear();
-	fixed.fixedIsB = isFixed(*pose.b->getCollisionObject());
-	const auto add = [&](const FixedSide& side)
-	{
-		FixedBody body;
-		body.surface = side.surface.get();
-		body.reach = std::numeric_limits<double>::infinity();
-		if (side.hierarchy)
-		{
-			const std::uint32_t most = std::uint32_t(side.hierarchy->levels().size - 1);
-			body.surface = &side.hierarchy->derived<ContactSurfaces>().level(std::min(side.level, most));
-			body.center = toVec3(side.hierarchy->asset().sphereCenter);
-			body.reach = double(side.hierarchy->asset().radius) + side.radius;
-		}
-		if (!body.surface) return;
-		body.bodyFromA = inverse(side.worldFromSide) * pose.worldFromA;
-		body.bodyFromA.translation = (1 / pose.scale()) * body.bodyFromA.translation;
-		body.scale = pose.scale() / side.unit;
-		body.radius = side.radius;
-		fixed.others.push_back(body);
-	};
-	if (pose.rules.timeStep > 0) forEachOtherFixed(pose, add);
-	return fixed;
 }
 }  // namespace clod

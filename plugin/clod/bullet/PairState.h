@@ -135,9 +135,6 @@ private:
 		std::uint32_t level = 0;
 	};
 	void noteFixed(const PairPose& pose);
-	// Those of other pairs of the moving body.
-	template <class Each>
-	void forEachOtherFixed(const PairPose& pose, Each each) const;
 	const FixedBodies& fixedBodies(const PairPose& pose) const;
 	WorldFrame worldFrame(const Prepared& prepared, double closestPoints) const;
 	static Seen seenA(const PairPose& pose);
