@@ -196,9 +196,7 @@ TEST(DynamicsWorld, BodiesThatTurnFastGainNoEnergyFromEachOther)
 		{
 			double sum = 0;
 			for (const btRigidBody* body : bodies)
-				sum += 0.5 * double(body->getLinearVelocity().length2()) +
-					   0.5 * double(body->getAngularVelocity().dot(body->getInvInertiaTensorWorld().inverse() *
-																	body->getAngularVelocity()));
+				sum += kineticEnergy(*body, 0);
 			return sum;
 		};
 		const double start = energy();
@@ -555,5 +553,99 @@ TEST(DynamicsWorld, ImpactsAreWithKinematicBodiesAsTheyMove)
 	EXPECT_GT(parts[0], 1);
 	EXPECT_EQ(parts[1], parts[0]);
 	EXPECT_GT(parts[2], parts[0]);
+}
+
+// What drives a body gives it energy, by contacts with ours, too: no step is divided for that. The other body is as fast
+// as it is driven in the end.
+TEST(DynamicsWorld, StepsAreNotDividedForEnergyThatIsMeant)
+{
+	const auto mostSpeed = [](ImpactWorld& world, const btRigidBody& driven, int steps, const auto& drive)
+	{
+		double speed = 0;
+		for (int step = 0; step < steps; ++step)
+		{
+			drive(step);
+			world.step();
+			EXPECT_EQ(world.ours().parts(), 1) << step;
+			speed = std::max(speed, double(driven.getLinearVelocity().length()));
+		}
+		return speed;
+	};
+	const auto nothing = [](int) {};
+	{
+		SCOPED_TRACE("a motor");
+		ImpactWorld world(true, 60, 0);
+		btRigidBody &pusher = world.put(unitCube(), 1, {0, 0, 0}), &pushed = world.put(unitCube(), 1, {1.0005, 0, 0});
+		btSliderConstraint slider(pusher, btTransform::getIdentity(), true);
+		slider.setLowerLinLimit(-99);
+		slider.setUpperLinLimit(99);
+		slider.setPoweredLinMotor(true);
+		slider.setTargetLinMotorVelocity(5);
+		slider.setMaxLinMotorForce(10);
+		world.world.addConstraint(&slider);
+		EXPECT_GT(mostSpeed(world, pushed, 30, nothing), 1);
+		world.world.removeConstraint(&slider);
+	}
+	{
+		SCOPED_TRACE("a kinematic body");
+		ImpactWorld world(true, 60, 0);
+		btRigidBody &pusher = world.put(unitCube(), 0, {0, 0, 0}), &pushed = world.put(unitCube(), 1, {1.0005, 0, 0});
+		pusher.setCollisionFlags(pusher.getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
+		const auto faster = [&](int step)
+		{ pusher.getWorldTransform().getOrigin() += btVector3(btScalar(0.1 * step / 60), 0, 0); };
+		EXPECT_GT(mostSpeed(world, pushed, 30, faster), 1);
+	}
+	{
+		SCOPED_TRACE("a belt");
+		ImpactWorld world(true, 60, 9.81);
+		world.world.getSolverInfo().m_solverMode |= SOLVER_ENABLE_FRICTION_DIRECTION_CACHING;
+		btRigidBody &belt = world.put(slab(), 0, {0, -0.5, 0}), &box = world.put(unitCube(), 1, {0, 0.5002, 0});
+		belt.setCollisionFlags(belt.getCollisionFlags() | btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK);
+		for (btRigidBody* body : {&belt, &box}) body->setFriction(1);
+		const ContactAddedCallback before = gContactAddedCallback;
+		gContactAddedCallback = [](btManifoldPoint& point, const btCollisionObjectWrapper*, int, int,
+								   const btCollisionObjectWrapper*, int, int)
+		{
+			point.m_lateralFrictionDir1 = btVector3(1, 0, 0);
+			point.m_lateralFrictionDir2 = btVector3(0, 0, 1);
+			point.m_contactPointFlags |= BT_CONTACT_FLAG_LATERAL_FRICTION_INITIALIZED;
+			point.m_contactMotion1 = 2;
+			return true;
+		};
+		EXPECT_GT(mostSpeed(world, box, 30, nothing), 1);
+		gContactAddedCallback = before;
+	}
+	{
+		SCOPED_TRACE("a spring");
+		ImpactWorld world(true, 60, 9.81);
+		world.put(slab(), 0, {0, -0.5, 0}).setContactStiffnessAndDamping(2000, 0);
+		btRigidBody& box = world.put(unitCube(), 1, {0, 0.45, 0});
+		EXPECT_GT(mostSpeed(world, box, 10, nothing), 1);
+	}
+	{
+		SCOPED_TRACE("a bumper");
+		ImpactWorld world(true, 60, 0);
+		world.put(slab(), 0, {0, -0.5, 0}).setRestitution(2);
+		btRigidBody& box = world.put(unitCube(), 1, {0, 0.52, 0});
+		box.setRestitution(1);
+		box.setLinearVelocity(btVector3(0, -1, 0));
+		EXPECT_GT(mostSpeed(world, box, 10, nothing), 1.5);
+	}
+	{
+		SCOPED_TRACE("gravity, after a rebound from a ceiling");
+		ImpactWorld world(true, 60, 9.81);
+		world.put(slab(), 0, {0, 1.5, 0}).setRestitution(1);
+		btRigidBody& box = world.put(unitCube(), 1, {0, 0.496, 0});
+		box.setRestitution(1);
+		box.setLinearVelocity(btVector3(0, btScalar(0.5), 0));
+		EXPECT_GT(mostSpeed(world, box, 5, nothing), 0.4);
+	}
+	{
+		SCOPED_TRACE("an overlap, less than a skin in a step");
+		ImpactWorld world(true, 60, 0);
+		world.world.getSolverInfo().m_splitImpulsePenetrationThreshold = -1;
+		world.put(slab(), 0, {0, -0.5, 0});
+		EXPECT_GT(mostSpeed(world, world.put(unitCube(), 1, {0, 0.4999, 0}), 5, nothing), 1e-4);
+	}
 }
 }  // namespace clod::test

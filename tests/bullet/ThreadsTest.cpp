@@ -371,7 +371,7 @@ TEST(Threads, CallTheProgramsFunctionsFromWhereverTheyAre)
 TEST(SavedContacts, PutBackWithTheBodiesAWorldGoesAsItDid)
 {
 	std::uint32_t kept = 0;
-	for (const auto& [start, steps, passes] : {std::tuple{60, 8, 3}, {700, 40, 1}, {700, 40, 3}})
+	for (const auto& [start, steps, passes] : {std::tuple{60, 8, 3}, {640, 40, 1}, {640, 40, 3}})
 	{
 		Mixed scene(2, passes, passes);
 		scene.world().getDispatchInfo().m_deterministicOverlappingPairs = true;

@@ -133,6 +133,17 @@ RelativeMotion relativeMotion(const RelativeMotion& a, const RelativeMotion& b, 
 	return motion;
 }
 
+double kineticEnergy(const btRigidBody& body, double timeStep)
+{
+	const btTransform& pose = body.getWorldTransform();
+	const RelativeMotion motion = worldMotion(body, timeStep);
+	// Of what no impulse moves Bullet tells no mass and no inertia.
+	const double mass = body.getInvMass() > 0 ? 1 / double(body.getInvMass()) : 0;
+	const Vec3 turning = transposed(toTransform(pose).rotation) * motion.angular, inertia = toVec3(body.getLocalInertia());
+	return 0.5 * (mass * lengthSquared(motion.velocity(toVec3(pose.getOrigin()))) + inertia.x * turning.x * turning.x +
+				  inertia.y * turning.y * turning.y + inertia.z * turning.z * turning.z);
+}
+
 PairBody pairBody(const btCollisionObject& object, const Transform& worldFromFrame, double scale,
 				  const RelativeMotion& motion, const RelativeMotion& withoutForces)
 {

@@ -5,6 +5,8 @@
 
 #include "clod/manifold/ContactPoints.h"
 
+class btRigidBody;
+
 namespace clod
 {
 Vec3 toVec3(const btVector3& v);
@@ -27,6 +29,8 @@ RelativeMotion solvedMotion(const btCollisionObject& object);
 // Of A's material relative to B's, both moving in the world as given; in frame A, whose unit is `scale` world lengths.
 RelativeMotion relativeMotion(const RelativeMotion& a, const RelativeMotion& b, const Transform& worldFromA, double scale,
 							  double timeStep);
+// Of a body that moves freely, as worldMotion has it.
+double kineticEnergy(const btRigidBody& body, double timeStep);
 // Mass of an object, and its motion as given, with and without forces, in a frame of the world whose unit is `scale`
 // world lengths.
 PairBody pairBody(const btCollisionObject& object, const Transform& worldFromFrame, double scale,

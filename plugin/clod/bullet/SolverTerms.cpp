@@ -2,6 +2,7 @@
 #include "clod/bullet/SolverTerms.h"
 
 #include <BulletCollision/CollisionShapes/btCollisionShape.h>
+#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <algorithm>
@@ -96,6 +97,13 @@ void setSpring(double depth, double dt, btManifoldPoint& point)
 	point.m_contactPointFlags |= BT_CONTACT_FLAG_HAS_CONTACT_CFM;
 	point.m_contactCFM = btScalar(1 / sum);
 }
+
+// Moves on whatever it meets.
+bool isDriver(const btCollisionObject& object)
+{
+	const RelativeMotion motion = worldMotion(object, 0);
+	return object.isKinematicObject() && lengthSquared(motion.linear) + lengthSquared(motion.angular) > 0;
+}
 }  // namespace
 
 void setSolverTerms(const ContactPoint& point, const WorldFrame& frame, btManifoldPoint& written)
@@ -134,6 +142,27 @@ void setSolverTerms(const ContactPoint& point, const WorldFrame& frame, btManifo
 		setRestitution(point, frame, row, written);
 	else
 		written.m_combinedRestitution = 0;
+}
+
+bool isPushing(const btPersistentManifold& manifold)
+{
+	for (int i = 0; i < manifold.getNumContacts(); ++i)
+		if (manifold.getContactPoint(i).m_appliedImpulse != 0) return true;
+	return false;
+}
+
+bool isDriving(const btPersistentManifold& manifold)
+{
+	const btCollisionObject &first = *manifold.getBody0(), &second = *manifold.getBody1();
+	if (isDriver(first) || isDriver(second) || first.getRestitution() * second.getRestitution() > 1) return true;
+	for (int i = 0; i < manifold.getNumContacts(); ++i)
+	{
+		const btManifoldPoint& point = manifold.getContactPoint(i);
+		if ((point.m_contactPointFlags & BT_CONTACT_FLAG_CONTACT_STIFFNESS_DAMPING) != 0 || point.m_contactMotion1 != 0 ||
+			point.m_contactMotion2 != 0)
+			return true;
+	}
+	return false;
 }
 
 double speedOf(const btManifoldPoint& point, double timeStep)

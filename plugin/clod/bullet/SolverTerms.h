@@ -17,6 +17,8 @@
 
 #include "clod/manifold/ContactPoints.h"
 
+class btPersistentManifold;
+
 namespace clod
 {
 struct WorldFrame;
@@ -31,4 +33,10 @@ void setSolverTerms(const ContactPoint& point, const WorldFrame& frame, btManifo
 
 // The speed of separation that Bullet then requires of velocities there, but for a rebound.
 double speedOf(const btManifoldPoint& point, double timeStep);
+
+// Did the solver find an impulse there?
+bool isPushing(const btPersistentManifold& manifold);
+// Do its contacts give energy that somebody wants them to give: a kinematic body's, a belt's, a spring's, or that of a
+// rebound faster than the impact?
+bool isDriving(const btPersistentManifold& manifold);
 }  // namespace clod

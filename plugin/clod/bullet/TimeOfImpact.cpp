@@ -17,6 +17,7 @@ namespace clod
 {
 namespace
 {
+constexpr btScalar kThrough = btScalar(4e-3);  // of the smaller radius: an impact is over when what was left is passed
 constexpr double kNear = 1e-3;   // of the smaller radius: nearer is met
 constexpr double kBend = 1e-2;   // of the smaller radius: what bends less is swept as straight
 constexpr int kMostSteps = 128;  // near each other; the last ones creep along a grazing way
@@ -173,6 +174,17 @@ double timeOfImpact(const PairPose& pose, const Metric& metric, PairCache& cache
 		share += free;
 	}
 	return std::min(share, 1.0);
+}
+
+btScalar shareOfImpact(const btCollisionObject& a, const btCollisionObject& b)
+{
+	btVector3 center;
+	btScalar radiusA = 0, radiusB = 0;
+	a.getCollisionShape()->getBoundingSphere(center, radiusA);
+	b.getCollisionShape()->getBoundingSphere(center, radiusB);
+	const btVector3 between = (a.getInterpolationWorldTransform().getOrigin() - a.getWorldTransform().getOrigin()) -
+							  (b.getInterpolationWorldTransform().getOrigin() - b.getWorldTransform().getOrigin());
+	return kThrough * btMin(radiusA, radiusB) / btMax(between.length(), SIMD_EPSILON);
 }
 
 Separation separationOf(const PairPose& pose, const Transform& aFromB, const Metric& metric, double most,

@@ -20,6 +20,9 @@ namespace clod
 // most 256 where bodies are near. cache: the pair's; result: scratch.
 double timeOfImpact(const PairPose& pose, const Metric& metric, PairCache& cache, ContactResult& result);
 
+// The share of the step that bodies about to touch take to close what is left between them.
+btScalar shareOfImpact(const btCollisionObject& a, const btCollisionObject& b);
+
 // An impact that the levels in use pass over, and finer ones, asked for at the end of the way, do not. Nobody who looks
 // for it finds it: the coarse ones never meet, the fine ones may have overlapped all along. Its time is estimated where
 // the separation of the ones and the depth of the others, taken linearly, cancel. Lengths: the hierarchies' unit.

@@ -3,14 +3,19 @@
 
 #include <BulletCollision/BroadphaseCollision/btOverlappingPairCache.h>
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
+#include <BulletDynamics/ConstraintSolver/btTypedConstraint.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 #include <LinearMath/btQuickprof.h>
 #include <LinearMath/btTransformUtil.h>
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
+#include "clod/bullet/BodyState.h"
 #include "clod/bullet/PairState.h"
+#include "clod/bullet/SolverTerms.h"
+#include "clod/bullet/TimeOfImpact.h"
 #include "clod/bullet/btClodCollisionAlgorithm.h"
 #include "clod/bullet/btClodDispatcher.h"
 
@@ -18,20 +23,10 @@ namespace
 {
 // Surprise (PairState::surprise), in skins, that a step may leave without being divided: 0.4 % of the smaller radius.
 constexpr double kMostSurprise = 8;
-
-constexpr btScalar kThrough = btScalar(4e-3);  // of the smaller radius: an impact is over when what was left is passed
-
-// The share of the step that bodies about to touch take to close what is left between them.
-btScalar shareOfImpact(const btCollisionObject& a, const btCollisionObject& b)
-{
-	btVector3 center;
-	btScalar radiusA = 0, radiusB = 0;
-	a.getCollisionShape()->getBoundingSphere(center, radiusA);
-	b.getCollisionShape()->getBoundingSphere(center, radiusB);
-	const btVector3 between = (a.getInterpolationWorldTransform().getOrigin() - a.getWorldTransform().getOrigin()) -
-							  (b.getInterpolationWorldTransform().getOrigin() - b.getWorldTransform().getOrigin());
-	return kThrough * btMin(radiusA, radiusB) / btMax(between.length(), SIMD_EPSILON);
-}
+// Contacts that give bodies more than this share of their kinetic energy are a surprise that takes as many parts as may
+// be.
+constexpr double kMostGain = 0.02;
+constexpr double kGain = std::numeric_limits<double>::infinity();
 
 bool isMoving(const btCollisionObject& object)
 {
@@ -80,7 +75,7 @@ int btClodDynamicsWorld::partsFor(double surprise) const
 double btClodDynamicsWorld::solveInPasses(btContactSolverInfo& info)
 {
 	const int last = m_passes + m_mostPasses;
-	remember();
+	remember(info.m_timeStep);
 	btDiscreteDynamicsWorld::solveConstraints(info);
 	if (++m_passes >= last && m_mostParts <= 1) return 0;
 	for (;;)
@@ -88,7 +83,8 @@ double btClodDynamicsWorld::solveInPasses(btContactSolverInfo& info)
 		BT_PROFILE("btClodDynamicsWorld::pass");
 		predictSolved(info.m_timeStep);
 		const double surprise = findSurprised();
-		if (m_surprised.empty() || m_passes >= last) return surprise;
+		if (m_surprised.empty() || m_passes >= last)
+			return energyGained(info.m_timeStep) > kMostGain ? kGain : surprise;
 		putBack();
 		askAgain();
 		calculateSimulationIslands();
@@ -110,18 +106,29 @@ double btClodDynamicsWorld::solvePart(btContactSolverInfo& info, btScalar whole)
 	return surprise;
 }
 
-// isBegun: the contacts are those of the first part already.
+// isBegun: the contacts are those of the first part already. Where contacts give energy in a part, it and what follows are
+// taken in the shortest ones instead.
 void btClodDynamicsWorld::solveInParts(btContactSolverInfo& info, int parts, bool isBegun)
 {
 	const btScalar whole = info.m_timeStep;
 	noteKinematic();
 	info.m_timeStep = whole / btScalar(parts);
 	double surprise = 0;
-	for (int part = 0; part < parts; ++part)
+	for (int part = 0; part < parts;)
 	{
-		if (part > 0) goOn(info.m_timeStep, btScalar(part) * info.m_timeStep);
-		if (part > 0 || !isBegun) beginPart(info.m_timeStep);
-		surprise = std::max(surprise, solvePart(info, whole));
+		if (!isBegun) beginPart(info.m_timeStep);
+		isBegun = false;
+		const double left = solvePart(info, whole);
+		if (const int most = partsFor(left); left == kGain && parts < most)
+		{
+			putBack();
+			part *= most / parts;
+			parts = most;
+			info.m_timeStep = whole / btScalar(parts);
+			continue;
+		}
+		surprise = std::max(surprise, left);
+		if (++part < parts) goOn(info.m_timeStep, btScalar(part) * info.m_timeStep);
 	}
 	moveKinematic(0);
 	m_parts = parts;
@@ -240,7 +247,7 @@ btClodDynamicsWorld::Impact btClodDynamicsWorld::firstImpact(btScalar timeStep)
 	for (const Kinematic& kinematic : m_kinematic)
 		kinematic.body->predictIntegratedTransform(timeStep, kinematic.body->getInterpolationWorldTransform());
 	const Earliest first = earliest(&btClodPairAlgorithm::timeOfImpact);
-	return {first.at, first.at < 1 ? shareOfImpact(*first.a, *first.b) : 0};
+	return {first.at, first.at < 1 ? clod::shareOfImpact(*first.a, *first.b) : 0};
 }
 
 btClodDynamicsWorld::Earliest btClodDynamicsWorld::earliest(TimeOf timeOf)
@@ -284,14 +291,15 @@ btScalar btClodDynamicsWorld::shareUntilSwitch(btScalar timeStep, btScalar gone)
 	return share;
 }
 
-void btClodDynamicsWorld::remember()
+void btClodDynamicsWorld::remember(btScalar timeStep)
 {
 	m_starts.clear();
 	for (int i = 0; i < m_nonStaticRigidBodies.size(); ++i)
 	{
 		btRigidBody* body = m_nonStaticRigidBodies[i];
-		if (!body->isStaticOrKinematicObject())
-			m_starts.push_back({body, body->getWorldTransform(), body->getLinearVelocity(), body->getAngularVelocity()});
+		if (body->isStaticOrKinematicObject()) continue;
+		m_starts.push_back({body, body->getWorldTransform(), body->getLinearVelocity(), body->getAngularVelocity(),
+							clod::kineticEnergy(*body, 0), clod::kineticEnergy(*body, double(timeStep))});
 	}
 }
 
@@ -358,6 +366,70 @@ double btClodDynamicsWorld::findSurprised()
 								  [&](const Surprised& l, const Surprised& r) { return key(l) == key(r); }),
 					  m_surprised.end());
 	return largest;
+}
+
+// The largest share of their kinetic energy that bodies gained as they pushed each other. Contacts only take energy: of
+// what bodies have with the forces of the step, or in a rebound of what they had; then forces act along the way as
+// solved. What moves a body by a skin is not counted. Bodies are left out that something else may have given energy:
+// joints with their motors and springs, too.
+double btClodDynamicsWorld::energyGained(btScalar timeStep)
+{
+	findIslands();
+	for (const Start& start : m_starts)
+	{
+		const btRigidBody& body = *start.body;
+		btVector3 center;
+		btScalar radius = 0;
+		body.getCollisionShape()->getBoundingSphere(center, radius);
+		const double skin = clod::kSkinShare * double(radius / timeStep), least = 0.5 * skin * skin / double(body.getInvMass());
+		const btScalar work = timeStep * (body.getTotalForce().dot(body.getLinearVelocity()) +
+										  body.getTotalTorque().dot(body.getAngularVelocity()));
+		Island& island = islandOf(body);
+		island.before += start.energy + double(work) + least;
+		island.free += start.freeEnergy + least;
+		island.after += clod::kineticEnergy(body, 0);
+	}
+	double most = 0;
+	for (const Island& island : m_islands)
+		if (const double could = std::max(island.before, island.free);
+			island.isOurs && !island.isDriven && island.after > could)
+			most = std::max(most, island.after / could - 1);
+	return most;
+}
+
+void btClodDynamicsWorld::findIslands()
+{
+	const int none = m_collisionObjects.size();
+	m_touching.reset(none + 1);
+	m_islands.assign(std::size_t(none + 1), {});
+	const auto forEachPush = [&](const auto& visit)
+	{
+		for (int i = 0; i < getDispatcher()->getNumManifolds(); ++i)
+			if (const btPersistentManifold& manifold = *getDispatcher()->getManifoldByIndexInternal(i);
+				clod::isPushing(manifold))
+				visit(manifold, *manifold.getBody0(), *manifold.getBody1());
+	};
+	forEachPush(
+		[&](const btPersistentManifold&, const btCollisionObject& a, const btCollisionObject& b)
+		{
+			if (rootOf(a) != none && rootOf(b) != none) m_touching.unite(rootOf(a), rootOf(b));
+		});
+	forEachPush([&](const btPersistentManifold& manifold, const btCollisionObject& a, const btCollisionObject& b)
+				{ if (clod::isDriving(manifold)) islandOf(a).isDriven = islandOf(b).isDriven = true; });
+	for (int i = 0; i < m_constraints.size(); ++i)
+		if (const btTypedConstraint& joint = *m_constraints[i]; joint.isEnabled())
+			islandOf(joint.getRigidBodyA()).isDriven = islandOf(joint.getRigidBodyB()).isDriven = true;
+	for (const clod::PairState* pair : m_pairs)
+		if (const clod::PairReport& report = pair->lastReport(); report.objectA && report.objectB)
+			islandOf(*report.objectA).isOurs = islandOf(*report.objectB).isOurs = true;
+}
+
+// The last one of all is that of what no impulse moves, and of what is not in this world.
+int btClodDynamicsWorld::rootOf(const btCollisionObject& object)
+{
+	const int index = object.getWorldArrayIndex(), none = m_collisionObjects.size();
+	const bool isNone = object.isStaticOrKinematicObject() || index < 0 || index >= none || m_collisionObjects[index] != &object;
+	return isNone ? none : m_touching.find(index);
 }
 
 void btClodDynamicsWorld::updateAabbs()

@@ -5,7 +5,8 @@
 // - pairs whose contacts may miss something of the solved motion (PairState::surprise) are queried again for that
 //   motion. What they find is added to their contacts, the bodies are put back, and the step is solved anew, starting
 //   from the impulses so far: a further pass;
-// - if passes are not enough (a chain that whips around), the step is divided into parts, each with contacts, a solve,
+// - if passes are not enough (a chain that whips around), or contacts gave bodies energy (a pin that shakes in its hole;
+//   unless something is there to give it: see isDriving), the step is divided into parts, each with contacts, a solve,
 //   motion and passes of its own. The next step starts divided, too, until fewer parts are enough.
 // Impact stepping also ends a part where two bodies first meet, as the paper does: see Stepping. An impact that only
 // finer levels see, which are asked for at the part's end, has its time estimated; there the levels in use touch, and
@@ -19,6 +20,7 @@
 // Based on: Otaduy & Lin 2003, sec. 5.3; Mirtich 1996 (conservative advancement). Departs from the paper, which always
 // goes back to the time of an impact: where many bodies touch, a step has hundreds of impacts.
 #pragma once
+#include <BulletCollision/CollisionDispatch/btUnionFind.h>
 #include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
 
 #include <vector>
@@ -73,13 +75,20 @@ private:
 		btRigidBody* body;
 		btTransform pose;
 		btVector3 linear, angular;
+		double energy, freeEnergy;  // kinetic; with what forces alone add in the step
+	};
+	// Bodies that push each other in a solve.
+	struct Island
+	{
+		double before = 0, free = 0, after = 0;  // kinetic energy
+		bool isOurs = false, isDriven = false;
 	};
 	// A pair that moves otherwise than its contacts expect, ordered by the broadphase's ids.
 	struct Surprised
 	{
 		btBroadphaseProxy *low, *high;
 	};
-	// Returns the largest surprise left, in units of its pair's skin.
+	// Returns the largest surprise left, in units of its pair's skin; infinity where contacts gave energy.
 	double solveInPasses(btContactSolverInfo& info);
 	int partsFor(double surprise) const;
 	void solveInParts(btContactSolverInfo& info, int parts, bool isBegun);
@@ -109,11 +118,15 @@ private:
 	Earliest earliest(TimeOf timeOf);
 	btScalar shareUntilSwitch(btScalar timeStep, btScalar gone);
 
-	void remember();
+	void remember(btScalar timeStep);
 	void predictFree(btScalar timeStep);
 	void predictSolved(btScalar timeStep);
 	void putBack();
 	double findSurprised();
+	double energyGained(btScalar timeStep);
+	void findIslands();
+	int rootOf(const btCollisionObject& object);
+	Island& islandOf(const btCollisionObject& object) { return m_islands[std::size_t(rootOf(object))]; }
 	// Extends a body's box over its way to `then`, which departs from a straight line by at most `bend`.
 	void widenBox(const btCollisionObject& object, const btTransform& then, btScalar bend = 0);
 	// Dispatches the surprised pairs and the new ones.
@@ -131,4 +144,6 @@ private:
 	std::vector<clod::PairState*> m_pairs;
 	std::vector<Surprised> m_surprised;
 	std::vector<btBroadphasePair*> m_asked;
+	btUnionFind m_touching;         // of collision objects
+	std::vector<Island> m_islands;  // at their roots
 };
