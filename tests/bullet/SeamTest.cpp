@@ -177,6 +177,30 @@ TEST(Seam, CurvedBodiesPassOverFlushPlates)
 				}
 }
 
+// Bodies far from the origin lie as flush as floats allow.
+TEST(Seam, FarPlatesAreFlushToRounding)
+{
+	const std::shared_ptr<const Hierarchy> plate = patchHierarchy(boxMesh({3.3, 1, 10}, {1, 1, 1}, 1)), ball = patchHierarchy(ballMesh(0.05, 3));
+	for (const int rate : {240, 60})
+	{
+		BulletWorld scene;
+		configureWorld(scene.world);
+		scene.timeStep = 1.0 / rate;
+		btClodShape& shape = scene.addShape(plate);
+		for (int i = 0; i < 4; ++i) scene.addBody(shape, 0, {151.7 + 3.3 * i, 87.3, 0}).setFriction(0);
+		btRigidBody& body = scene.addBody(scene.addShape(ball), 1, {151.3, 87.8 + 0.0502, 0.1});
+		body.setFriction(0);
+		scene.step(rate / 6);
+		body.setLinearVelocity(btVector3(4, 0, 0));
+		for (int i = 0; i < 2 * rate; ++i)
+		{
+			scene.step();
+			ASSERT_LT(std::abs(double(body.getLinearVelocity().y())), 0.02) << rate << ", " << i;
+		}
+		EXPECT_GT(double(body.getLinearVelocity().x()), 3.999) << rate;
+	}
+}
+
 // Only what lies flush covers anything, and only while it is there and pushes.
 TEST(Seam, WhatIsNoSeamIsFelt)
 {

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 #include "clod/bullet/BodyState.h"
 #include "clod/bullet/PairState.h"
@@ -40,6 +41,7 @@ struct TriangleSink : btTriangleCallback
 constexpr double kFiner = 2;         // by so much a trial is finer than what missed: levels differ by about that
 constexpr double kLeastOfTrial = 4;  // of what the coarsest answer takes: a finer one takes more
 constexpr double kWide = 0.1;        // of the length: so far aside of a way there may be all of a body
+constexpr double kRoundings = 2 * double(std::numeric_limits<btScalar>::epsilon());  // of two bodies' places and corners
 constexpr double kStricter = 0.25;  // of the error of contacts that hold a body between them
 
 // What a thread needs while it answers a pair.
@@ -476,6 +478,8 @@ const FixedBodies& PairState::fixedBodies(const PairPose& pose) const
 		body.bodyFromA.translation = (1 / pose.scale()) * body.bodyFromA.translation;
 		body.scale = pose.scale() / side.unit;
 		body.radius = side.radius;
+		const double far = length(side.worldFromSide.translation) / side.unit;
+		body.rounding = kRoundings * (far + (side.hierarchy ? body.reach : 0));
 		fixed.others.push_back(body);
 	}
 	return fixed;

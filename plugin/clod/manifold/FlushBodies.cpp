@@ -61,7 +61,7 @@ private:
 	bool isIn(const Vec3& place) const
 	{
 		const ContactSurface& surface = *m_other.surface;
-		const double scale = m_other.scale, near = 2 * scale * m_near, most = m_other.radius + scale * m_flush;
+		const double scale = m_other.scale, near = 2 * scale * m_near, most = m_other.radius + m_other.rounding + scale * m_flush;
 		const Vec3 there = scale * (m_other.bodyFromA * place);
 		const auto heightOver = [](const SurfaceFace& face, const Vec3& p) { return dot(face.normal, p) - face.offset; };
 		if (surface.isHalfSpace()) return heightOver(surface.faces()[0], there) <= most;

@@ -20,7 +20,8 @@ struct FixedBody
 	const ContactSurface* surface = nullptr;  // its own frame and unit
 	Transform bodyFromA;                      // the translation in A's unit, as all of a point that it is applied to;
 	double scale = 1;                         // units of the body that are one of A's
-	double radius = 0;                        // that the body is grown by, its own unit
+	double radius = 0;                        // that the body is grown by, its own unit,
+	double rounding = 0;                      // and by which its surface may be elsewhere than meant
 	Vec3 center;                              // of a ball round it, its own frame and unit,
 	double reach = 0;                         // and the ball's radius, growth included
 };
