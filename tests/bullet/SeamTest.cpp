@@ -177,6 +177,61 @@ TEST(Seam, CurvedBodiesPassOverFlushPlates)
 				}
 }
 
+// A board of two plates, one compound, slides over fixed balls.
+TEST(Seam, ChildrenOfAMovingCompoundAreOneBoard)
+{
+	for (const int rate : {240, 60})
+	{
+		BulletWorld scene;
+		configureWorld(scene.world);
+		scene.timeStep = 1.0 / rate;
+		const Mover& ball = curvedMovers()[0];
+		for (const double x : {-1.2, 0.0, 1.2})
+			for (const double z : {-2.0, 2.0}) scene.addBody(ball.make(scene), 0, {x, -ball.height, z}).setFriction(0);
+		btClodShape& plate = scene.addShape(patchHierarchy(boxMesh({kPlate, 0.2, 6}, {1, 1, 1}, 1)));
+		auto& board = scene.add(std::make_unique<btCompoundShape>());
+		for (const double x : {-kPlate / 2, kPlate / 2}) board.addChildShape(at(x, 0, 0), &plate);
+		btRigidBody& body = scene.addBody(board, 1, {-0.41, 0.1002, 0});
+		body.setFriction(0);
+		scene.step(rate / 6);
+		body.setLinearVelocity(btVector3(4, 0, 0));
+		for (int i = 0; i < rate / 5; ++i)
+		{
+			scene.step();
+			ASSERT_LT(std::abs(double(body.getLinearVelocity().y())), 0.01) << rate << ", " << i;
+		}
+		EXPECT_GT(double(body.getLinearVelocity().x()), 3.999) << rate;
+		EXPECT_GT(double(body.getWorldTransform().getOrigin().x()), 0.3) << rate;
+	}
+}
+
+// Two platforms that a program moves alike, under a ball that stays where it is.
+TEST(Seam, PlatformsThatMoveAlikeAreOneGround)
+{
+	for (const int rate : {240, 60})
+	{
+		BulletWorld scene;
+		configureWorld(scene.world);
+		scene.timeStep = 1.0 / rate;
+		for (const double x : {0.0, kPlate}) addOurs(scene, x);
+		for (const auto& platform : scene.bodies)
+		{
+			platform->setFriction(0);
+			platform->setCollisionFlags(platform->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
+		}
+		btRigidBody& ball = scene.addBody(curvedMovers()[0].make(scene), 1, {0.77, curvedMovers()[0].height + 0.0005, 0.1});
+		ball.setFriction(0);
+		scene.step(rate / 6);
+		for (int i = 0; i < rate / 2; ++i)
+		{
+			for (std::size_t k = 0; k < 2; ++k)
+				scene.bodies[k]->setWorldTransform(at(kPlate * double(k) - 4.0 * (i + 1) / rate, -0.5, 0));
+			scene.step();
+			ASSERT_LT(double(ball.getLinearVelocity().length()), 0.01) << rate << ", " << i;
+		}
+	}
+}
+
 // Bodies far from the origin lie as flush as floats allow.
 TEST(Seam, FarPlatesAreFlushToRounding)
 {

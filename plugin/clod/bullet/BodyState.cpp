@@ -98,6 +98,16 @@ bool isFixed(const btCollisionObject& object)
 	return object.isStaticObject() && !object.isKinematicObject();
 }
 
+bool moveAsOne(const btCollisionObject& a, const btCollisionObject& b)
+{
+	constexpr double kAlike = 1e-3;  // of a velocity, which Bullet takes from differences of places
+	if (&a == &b) return true;
+	if (!a.isStaticOrKinematicObject() || !b.isStaticOrKinematicObject()) return false;
+	const RelativeMotion ofA = worldMotion(a, 0), ofB = worldMotion(b, 0);
+	const auto areAlike = [](const Vec3& l, const Vec3& r) { return length(l - r) <= kAlike * length(l); };
+	return areAlike(ofA.linear, ofB.linear) && areAlike(ofA.angular, ofB.angular);
+}
+
 RelativeMotion worldMotion(const btCollisionObject& object, double timeStep)
 {
 	if (isFixed(object)) return {};

@@ -21,6 +21,9 @@ bool isFinite(const RelativeMotion& motion);
 // Never moves. Kinematic bodies made as Bullet's manual has it, of mass 0, have the flag of static ones, too.
 bool isFixed(const btCollisionObject& object);
 
+// Are they one object, or two that nothing moves but the program, and that moves both alike?
+bool moveAsOne(const btCollisionObject& a, const btCollisionObject& b);
+
 // World velocity field of a collision object, v(p) = linear + angular x p, as the solver will start from: forces and
 // gravity of the coming step included. With timeStep 0: as it moves now.
 RelativeMotion worldMotion(const btCollisionObject& object, double timeStep);

@@ -50,7 +50,7 @@ struct Scratch
 	FacetContacts facets;
 	ClusterSet previous, next;
 	PartnerContacts partner;
-	FixedBodies fixed;
+	JoinedBodies joined;
 	std::vector<Triangle> triangles;  // of a mesh, within the tolerance, frame B
 	std::vector<std::array<int, 2>> names;  // of those of the last answer, see isMeshAsItWas()
 	GapResult result, trial;          // of a query: a pair keeps no more room than its own contacts take
@@ -400,7 +400,7 @@ void PairState::findPoints(const PairPose& pose, Question& question, bool goesOn
 	const std::vector<Contact>& contacts = scratch().result.contacts;
 	if (isSweptThrough(pose)) m_facets = {};
 	do
-		facets.find(a, bodyB(pose), pose.aFromB, question.rules, contacts, previous, m_facets, goesOn, fixedBodies(pose));
+		facets.find(a, bodyB(pose), pose.aFromB, question.rules, contacts, previous, m_facets, goesOn, joinedBodies(pose));
 	while (refineHeld(pose, question));
 	facets.settle(contacts, m_result.deep);
 	m_report.candidates = std::uint32_t(facets.size());
@@ -428,60 +428,73 @@ void PairState::namePartnerFace(const PairPose& pose, ContactPoint& point)
 	point.faceB = std::uint32_t(name[1]);
 }
 
-void PairState::noteFixed(const PairPose& pose)
+void PairState::noteSides(const PairPose& pose)
 {
-	const btCollisionObject &objectA = *pose.a->getCollisionObject(), &objectB = *pose.b->getCollisionObject();
-	const bool isA = isFixed(objectA), isB = isFixed(objectB);
-	if (isA == isB || m_isClosestPoints || !pose.responds || m_result.pairs.empty())
+	const std::array<const btCollisionObjectWrapper*, 2> bodies{pose.a, pose.b};
+	const bool isFelt = !m_isClosestPoints && pose.responds && !m_result.pairs.empty();
+	for (std::size_t i = 0; i < 2; ++i)
 	{
-		m_fixed.reset();
-		return;
+		const btCollisionObject& object = *bodies[i]->getCollisionObject();
+		if (!isFelt || !(object.isStaticOrKinematicObject() || m_children[i] >= 0))
+		{
+			m_sides[i].reset();
+			continue;
+		}
+		if (!m_sides[i]) m_sides[i].emplace();
+		Side& side = *m_sides[i];
+		side.object = &object;
+		side.child = m_children[i];
+		side.objectFromSide = inverse(toTransform(object.getWorldTransform())) * toTransform(bodies[i]->getWorldTransform());
+		side.hierarchy = i == 0 ? pose.asked.a : pose.asked.b;
+		side.surface = i == 0 ? nullptr : m_partnerSurface;
+		side.unit = pose.scale();
+		side.radius = i == 0 ? pose.rules.radiusA : pose.rules.radiusB;
+		side.level = m_result.stats.finestLevel;
 	}
-	if (!m_fixed) m_fixed.emplace();
-	m_fixed->object = isA ? &objectA : &objectB;
-	m_fixed->pose = m_fixed->object->getWorldTransform();
-	m_fixed->hierarchy = isA ? pose.asked.a : pose.asked.b;
-	m_fixed->surface = isB ? m_partnerSurface : nullptr;
-	m_fixed->worldFromSide = toTransform((isA ? pose.a : pose.b)->getWorldTransform());
-	m_fixed->unit = pose.scale();
-	m_fixed->radius = isA ? pose.rules.radiusA : pose.rules.radiusB;
-	m_fixed->level = m_result.stats.finestLevel;
 }
 
-// Those that other pairs of the moving body have told of.
-const FixedBodies& PairState::fixedBodies(const PairPose& pose) const
+// Adds what other pairs of the other body have told of that moves with this side.
+void PairState::addJoined(const PairPose& pose, std::size_t side, std::vector<JoinedBody>& joined) const
 {
-	FixedBodies& fixed = scratch().fixed;
-	fixed.others.clear();
-	const btCollisionObject &objectA = *pose.a->getCollisionObject(), &objectB = *pose.b->getCollisionObject();
-	fixed.fixedIsB = isFixed(objectB);
-	if (isFixed(objectA) == fixed.fixedIsB || m_isClosestPoints || !(pose.rules.timeStep > 0)) return fixed;
-	const btCollisionObject& moving = fixed.fixedIsB ? objectA : objectB;
-	for (const PairState* other : *m_pairsOf[m_objects[0] == &moving ? 0 : 1])
-	{
-		if (other == this || !other->m_fixed) continue;
-		const FixedSide& side = *other->m_fixed;
-		const btCollisionObject& object = *side.object;
-		if (!isFixed(object) || !object.hasContactResponse() || !(object.getWorldTransform() == side.pose)) continue;
-		FixedBody body;
-		body.surface = side.surface.get();
-		body.reach = std::numeric_limits<double>::infinity();
-		if (side.hierarchy)
+	const btCollisionObject &object = *(side == 0 ? pose.a : pose.b)->getCollisionObject(),
+							&touching = *(side == 0 ? pose.b : pose.a)->getCollisionObject();
+	if (!(object.isStaticOrKinematicObject() || m_children[side] >= 0)) return;
+	for (const PairState* other : *m_pairsOf[m_objects[0] == &touching ? 0 : 1])
+		for (const std::optional<Side>& told : other->m_sides)
 		{
-			const std::uint32_t most = std::uint32_t(side.hierarchy->levels().size - 1);
-			body.surface = &side.hierarchy->derived<ContactSurfaces>().level(std::min(side.level, most));
-			body.center = toVec3(side.hierarchy->asset().sphereCenter);
-			body.reach = double(side.hierarchy->asset().radius) + side.radius;
+			if (other == this || !told || told->object == &touching || !told->object->hasContactResponse()) continue;
+			const bool isSame = told->object == &object && told->child == m_children[side];
+			if (isSame || !moveAsOne(object, *told->object)) continue;
+			JoinedBody body;
+			body.surface = told->surface.get();
+			body.reach = std::numeric_limits<double>::infinity();
+			if (told->hierarchy)
+			{
+				const std::uint32_t most = std::uint32_t(told->hierarchy->levels().size - 1);
+				body.surface = &told->hierarchy->derived<ContactSurfaces>().level(std::min(told->level, most));
+				body.center = toVec3(told->hierarchy->asset().sphereCenter);
+				body.reach = double(told->hierarchy->asset().radius) + told->radius;
+			}
+			if (!body.surface) continue;
+			const Transform worldFromBody = toTransform(told->object->getWorldTransform()) * told->objectFromSide;
+			body.bodyFromA = inverse(worldFromBody) * pose.worldFromA;
+			body.bodyFromA.translation = (1 / pose.scale()) * body.bodyFromA.translation;
+			body.scale = pose.scale() / told->unit;
+			body.radius = told->radius;
+			const double far = length(worldFromBody.translation) / told->unit;
+			body.rounding = kRoundings * (far + (told->hierarchy ? body.reach : 0));
+			joined.push_back(body);
 		}
-		if (!body.surface) continue;
-		body.bodyFromA = inverse(side.worldFromSide) * pose.worldFromA;
-		body.bodyFromA.translation = (1 / pose.scale()) * body.bodyFromA.translation;
-		body.scale = pose.scale() / side.unit;
-		body.radius = side.radius;
-		const double far = length(side.worldFromSide.translation) / side.unit;
-		body.rounding = kRoundings * (far + (side.hierarchy ? body.reach : 0));
-		fixed.others.push_back(body);
-	}
-	return fixed;
+}
+
+const JoinedBodies& PairState::joinedBodies(const PairPose& pose) const
+{
+	JoinedBodies& joined = scratch().joined;
+	joined.toA.clear();
+	joined.toB.clear();
+	if (m_isClosestPoints || !(pose.rules.timeStep > 0)) return joined;
+	addJoined(pose, 0, joined.toA);
+	addJoined(pose, 1, joined.toB);
+	return joined;
 }
 }  // namespace clod

@@ -62,7 +62,7 @@ std::optional<PairState::Saved> PairState::save() const
 	saved.result = m_result;
 	saved.partnerStats = m_partnerStats;
 	saved.trianglesHash = m_trianglesHash;
-	saved.fixed = m_fixed;
+	saved.sides = m_sides;
 	saved.manifolds = m_manifolds.save();
 	return saved;
 }
@@ -91,7 +91,7 @@ void PairState::restore(const Saved& saved)
 	m_result = saved.result;
 	m_partnerStats = saved.partnerStats;
 	m_trianglesHash = saved.trianglesHash;
-	m_fixed = saved.fixed;
+	m_sides = saved.sides;
 	m_manifolds.restore(saved.manifolds);
 }
 

@@ -199,7 +199,8 @@ bool PairState::liesAlone(const PairPose& pose) const
 	const PairBody &a = pose.rules.a, &b = pose.rules.b;
 	if (m_clusters.isEmpty() || (a.inverseMass > 0) == (b.inverseMass > 0)) return false;
 	const PairBody& body = a.inverseMass > 0 ? a : b;
-	if (!fixedBodies(pose).others.empty()) return false;
+	const JoinedBodies& joined = joinedBodies(pose);
+	if (!(a.inverseMass > 0 ? joined.toB : joined.toA).empty()) return false;  // it lies on these, too
 	const Vec3 impulse = transposed(pose.worldFromA.rotation) * m_manifolds.impulse();
 	const double weight = std::abs(dot(body.force, normalized(impulse))) / body.inverseMass;
 	const double load = length(impulse) / pose.scale();
@@ -391,7 +392,7 @@ bool PairState::process(const btCollisionObjectWrapper& body0, const btCollision
 	{
 		const auto noParts = [](const ContactPoint&) { return ManifoldSet::Parts{}; };
 		m_manifolds.write(m_clusters, {}, noParts, out);
-		m_fixed.reset();
+		m_sides = {};
 		return pose.partner != Partner::kOther;
 	}
 	WorldFrame frame = worldFrame(now, closestPoints);
@@ -492,6 +493,6 @@ void PairState::write(const PairPose& pose, WorldFrame& frame, btManifoldResult&
 	frame.alike = frame.scale * m_report.contactError;
 	frame.points = &m_clusters;
 	m_manifolds.write(m_clusters, frame, partsOf, out);
-	noteFixed(pose);
+	noteSides(pose);
 }
 }  // namespace clod

@@ -123,19 +123,22 @@ private:
 			(aIsFirst ? pose.b : pose.a) = &body1;
 		}
 	};
-	// A fixed body of the two as it was when points were written, for other pairs of the moving one.
-	struct FixedSide
+	// A body of the two as it was when points were written, for other pairs to which a joined one belongs: of what does
+	// not move freely, or a compound's child.
+	struct Side
 	{
 		const btCollisionObject* object = nullptr;
-		btTransform pose;  // of the object
+		int child = -1;
+		Transform objectFromSide;  // world lengths
 		std::shared_ptr<const Hierarchy> hierarchy;
 		std::shared_ptr<const ContactSurface> surface;  // where it has none
-		Transform worldFromSide;                      // world lengths
 		double unit = 1, radius = 0;
 		std::uint32_t level = 0;
 	};
-	void noteFixed(const PairPose& pose);
-	const FixedBodies& fixedBodies(const PairPose& pose) const;
+	using Sides = std::array<std::optional<Side>, 2>;  // A, B
+	void noteSides(const PairPose& pose);
+	void addJoined(const PairPose& pose, std::size_t side, std::vector<JoinedBody>& joined) const;
+	const JoinedBodies& joinedBodies(const PairPose& pose) const;
 	WorldFrame worldFrame(const Prepared& prepared, double closestPoints) const;
 	static Seen seenA(const PairPose& pose);
 	static Seen seenB(const PairPose& pose);
@@ -201,7 +204,7 @@ private:
 	const bool m_isClosestPoints;
 	std::array<const btCollisionObject*, 2> m_objects;
 	std::array<const std::vector<PairState*>*, 2> m_pairsOf{};  // by body; none of a pair that does not last
-	std::optional<FixedSide> m_fixed;
+	Sides m_sides;
 	PairMetric m_metric;
 	double m_grown = 0;  // by which surfaces count as touching, after an impact between levels
 	// From dispatch to dispatch.
@@ -250,7 +253,7 @@ struct PairState::Saved
 	HeldResult result;
 	PartnerStats partnerStats;
 	std::uint64_t trianglesHash = 0;
-	std::optional<FixedSide> fixed;
+	Sides sides;
 	ManifoldSet::Saved manifolds;
 	void addTo(std::vector<double>& numbers) const;  // if it has points: all that tells it from another but addresses
 };

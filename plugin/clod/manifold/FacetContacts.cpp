@@ -90,7 +90,7 @@ bool isJammedBetween(const FacetQuestion& question, const std::vector<Facet>& fa
 
 void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Transform& aFromB, const PointRules& rules,
 						 const std::vector<Contact>& contacts, const ClusterSet& previous, FacetMemory& memory,
-						 bool goesOn, const FixedBodies& fixed)
+						 bool goesOn, const JoinedBodies& joined)
 {
 	m_previous = &previous;
 	m_memory = &memory;
@@ -107,9 +107,9 @@ void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Trans
 	else if (!contacts.empty())
 		takeUpWhatIsThrough();
 	m_finder.find(m_question, contacts, m_facets);
-	if (!fixed.others.empty())
+	if (!joined.isEmpty())
 		m_facets.erase(std::remove_if(m_facets.begin(), m_facets.end(),
-									  [&](const Facet& facet) { return isAtSeam(m_question, fixed, facet); }),
+									  [&](const Facet& facet) { return isAtSeam(m_question, joined, facet); }),
 					   m_facets.end());
 	m_choice.choose(m_question, memory.reduced, memory.aFromB, m_facets);
 }

@@ -43,10 +43,10 @@ class CLOD_API FacetContacts
 public:
 	// The facets of the accepted pairs. previous: with B's motion and impulses; it and the memory are needed until
 	// reduce(). goesOn: the facets that the solver got last stay, as nothing but the motion of the rules has changed.
-	// fixed: where one of the two is, the others that the moving one may touch.
+	// joined: other bodies that may be touched where edges of these go on in them.
 	void find(const ContactBody& a, const ContactBody& b, const Transform& aFromB, const PointRules& rules,
 			  const std::vector<Contact>& contacts, const ClusterSet& previous, FacetMemory& memory,
-			  bool goesOn = false, const FixedBodies& fixed = {});
+			  bool goesOn = false, const JoinedBodies& joined = {});
 	// Would the facets found last hold the bodies however they move?
 	bool holdBetween() const { return isHeldBetween(m_question, m_facets); }
 	bool jamBetween() const { return isJammedBetween(m_question, m_facets); }

@@ -14,50 +14,50 @@ constexpr double kFlushShare = 1e-5;  // of the length: up to this bodies count 
 class Seam
 {
 public:
-	Seam(const FacetQuestion& question, const FixedBody& other, bool fixedIsB, const Facet& facet)
+	Seam(const FacetQuestion& question, const JoinedBody& other, bool isOfB, const Facet& facet)
 		: m_question(question),
 		  m_other(other),
 		  m_facet(facet),
-		  m_fixed(fixedIsB ? question.b.surface(facet.levelB) : question.a.surface(facet.levelA)),
-		  m_fixedIsB(fixedIsB),
+		  m_own(isOfB ? question.b.surface(facet.levelB) : question.a.surface(facet.levelA)),
+		  m_isOfB(isOfB),
 		  m_near(kNearShare * question.length()),
 		  m_flush(kFlushShare * question.length())
 	{
 	}
 	bool hides(Part part) const
 	{
-		const std::uint32_t feature = m_fixedIsB ? m_facet.featureB : m_facet.featureA;
-		if (part == Part::kEdge) return edgeGoesOn(feature, m_fixedIsB ? m_facet.onB : m_facet.onA);
+		const std::uint32_t feature = m_isOfB ? m_facet.featureB : m_facet.featureA;
+		if (part == Part::kEdge) return edgeGoesOn(feature, m_isOfB ? m_facet.onB : m_facet.onA);
 		if (part != Part::kVertex) return false;
-		const Vec3 corner = fromFixed(m_fixed.vertices()[feature]);
-		const Span<std::uint32_t> edges = m_fixed.edgesOf(m_fixedIsB ? m_facet.nodeB : m_facet.nodeA);
+		const Vec3 corner = fromOwn(m_own.vertices()[feature]);
+		const Span<std::uint32_t> edges = m_own.edgesOf(m_isOfB ? m_facet.nodeB : m_facet.nodeA);
 		const auto leadsOn = [&](std::uint32_t e)
 		{
-			const std::array<std::uint32_t, 2>& ends = m_fixed.edges()[e].vertex;
+			const std::array<std::uint32_t, 2>& ends = m_own.edges()[e].vertex;
 			return (ends[0] == feature || ends[1] == feature) && edgeGoesOn(e, corner);
 		};
 		return std::any_of(edges.begin(), edges.end(), leadsOn);
 	}
 
 private:
-	Vec3 fromFixed(const Vec3& place) const { return m_fixedIsB ? m_question.aFromB * place : place; }
-	Vec3 inFixed(const Vec3& place) const { return m_fixedIsB ? inverse(m_question.aFromB) * place : place; }
+	Vec3 fromOwn(const Vec3& place) const { return m_isOfB ? m_question.aFromB * place : place; }
+	Vec3 inOwn(const Vec3& place) const { return m_isOfB ? inverse(m_question.aFromB) * place : place; }
 	// near: what the edge is looked at next to. Not at its very end, where it may stand on the other body.
 	bool edgeGoesOn(std::uint32_t e, const Vec3& near) const
 	{
-		const SurfaceEdge& edge = m_fixed.edges()[e];
-		const Vec3& start = m_fixed.vertices()[edge.vertex[0]];
+		const SurfaceEdge& edge = m_own.edges()[e];
+		const Vec3& start = m_own.vertices()[edge.vertex[0]];
 		const double end = std::min(m_near, 0.5 * edge.length);
-		const double along = std::clamp(dot(inFixed(near) - start, edge.direction), end, edge.length - end);
+		const double along = std::clamp(dot(inOwn(near) - start, edge.direction), end, edge.length - end);
 		const Vec3 place = start + along * edge.direction;
-		const double radius = m_fixedIsB ? m_question.rules.radiusB : m_question.rules.radiusA;
+		const double radius = m_isOfB ? m_question.rules.radiusB : m_question.rules.radiusA;
 		const auto isOnOther = [&](const Vec3& normal, double beyond, const Vec3& inward)
-		{ return isIn(fromFixed(place + radius * normal - beyond * inward)); };
+		{ return isIn(fromOwn(place + radius * normal - beyond * inward)); };
 		for (std::size_t i = 0; i < 2; ++i)
 			if (isOnOther(edge.normal[i], 0, {}) && isOnOther(edge.normal[i], m_near, edge.inward[i])) return true;
 		return false;
 	}
-	// Is a place in the other body, or of a sheet on it or, from where the moving body is, beyond it?
+	// Is a place in the other body, or of a sheet on it or, from where the body is that touches, beyond it?
 	bool isIn(const Vec3& place) const
 	{
 		const ContactSurface& surface = *m_other.surface;
@@ -67,8 +67,8 @@ private:
 		if (surface.isHalfSpace()) return heightOver(surface.faces()[0], there) <= most;
 		if (surface.isSheet())
 		{
-			const PairBody& moving = m_fixedIsB ? m_question.rules.a : m_question.rules.b;
-			const Vec3 middle = scale * (m_other.bodyFromA * moving.center);
+			const PairBody& touching = m_isOfB ? m_question.rules.a : m_question.rules.b;
+			const Vec3 middle = scale * (m_other.bodyFromA * touching.center);
 			bool isBeyond = false;
 			surface.forEachOver(there, near, [&](const SurfaceFace& face)
 								{ isBeyond = isBeyond || (heightOver(face, middle) > 0 && heightOver(face, there) <= most); });
@@ -81,22 +81,24 @@ private:
 	}
 
 	const FacetQuestion& m_question;
-	const FixedBody& m_other;
+	const JoinedBody& m_other;
 	const Facet& m_facet;
-	const ContactSurface& m_fixed;
-	const bool m_fixedIsB;
+	const ContactSurface& m_own;
+	const bool m_isOfB;
 	const double m_near, m_flush;
 };
 }  // namespace
 
-bool isAtSeam(const FacetQuestion& question, const FixedBodies& fixed, const Facet& facet)
+bool isAtSeam(const FacetQuestion& question, const JoinedBodies& joined, const Facet& facet)
 {
 	if (!facet.hasFeatures()) return false;
 	const auto [ofA, ofB] = facet.parts();
-	const Part part = fixed.fixedIsB ? ofB : ofA;
-	const ContactBody& body = fixed.fixedIsB ? question.b : question.a;
-	if (body.surface(fixed.fixedIsB ? facet.levelB : facet.levelA).isCore()) return false;
-	return std::any_of(fixed.others.begin(), fixed.others.end(), [&](const FixedBody& other)
-					   { return Seam(question, other, fixed.fixedIsB, facet).hides(part); });
+	const auto isHidden = [&](const std::vector<JoinedBody>& others, bool isOfB, Part part)
+	{
+		if (others.empty() || (isOfB ? question.b.surface(facet.levelB) : question.a.surface(facet.levelA)).isCore()) return false;
+		return std::any_of(others.begin(), others.end(), [&](const JoinedBody& other)
+						   { return Seam(question, other, isOfB, facet).hides(part); });
+	};
+	return isHidden(joined.toA, false, ofA) || isHidden(joined.toB, true, ofB);
 }
 }  // namespace clod

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Edges and corners of a fixed body that go on in another fixed one, as where plates lie flush: the two together have
-// none there, and what slides over both must not feel any. A pair does not know of other bodies; those are told here.
+// Edges and corners of a body that go on in another one joined to it, as where plates lie flush that are fixed, or children
+// of one compound: the two together have none there, and what slides over both must not feel any. A pair does not know of
+// other bodies; those are told here.
 //
 // An edge goes on where one of its faces does, straight on or rising: then the two meet flat or in a reflex edge. A corner
 // goes on if an edge does that leads to it.
@@ -14,8 +15,8 @@
 
 namespace clod
 {
-// A fixed body that the moving one of a pair may touch, too.
-struct FixedBody
+// A body that moves with one of a pair and that the other one may touch, too.
+struct JoinedBody
 {
 	const ContactSurface* surface = nullptr;  // its own frame and unit
 	Transform bodyFromA;                      // the translation in A's unit, as all of a point that it is applied to;
@@ -26,13 +27,13 @@ struct FixedBody
 	double reach = 0;                         // and the ball's radius, growth included
 };
 
-// Those of a pair, one body of which is fixed, too.
-struct FixedBodies
+// Those joined to either body of a pair.
+struct JoinedBodies
 {
-	bool fixedIsB = false;
-	std::vector<FixedBody> others;
+	std::vector<JoinedBody> toA, toB;
+	bool isEmpty() const { return toA.empty() && toB.empty(); }
 };
 
-// Is the facet one of an edge or a corner of the pair's fixed body that goes on in another?
-CLOD_API bool isAtSeam(const FacetQuestion& question, const FixedBodies& fixed, const Facet& facet);
+// Is the facet one of an edge or a corner that goes on in a body joined to its own?
+CLOD_API bool isAtSeam(const FacetQuestion& question, const JoinedBodies& joined, const Facet& facet);
 }  // namespace clod
