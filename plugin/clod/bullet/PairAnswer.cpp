@@ -440,7 +440,7 @@ void PairState::noteSides(const PairPose& pose)
 			m_sides[i].reset();
 			continue;
 		}
-		if (!m_sides[i]) m_sides[i].emplace();
+		if (!m_sides[i]) m_sides[i] = Side();
 		Side& side = *m_sides[i];
 		side.object = &object;
 		side.child = m_children[i];
