@@ -97,18 +97,14 @@ void expectSmooth(const std::function<void(BulletWorld&)>& addGround, bool oursO
 // What ground may be made of: a plate at x, its upper side at height 0, 3 long.
 using AddPlate = std::function<void(BulletWorld&, double x)>;
 constexpr double kPlate = 3;
-btTriangleMesh& plateMesh()
+const std::shared_ptr<const Hierarchy>& plate()
 {
-	static btTriangleMesh mesh;
-	if (mesh.getNumTriangles() == 0)
-		for (const std::array<Vec3, 3>& t : inputTriangles(*patchHierarchy(boxMesh({kPlate, 1, 10}, {1, 1, 1}, 1))))
-			mesh.addTriangle(toBullet(t[0]), toBullet(t[1]), toBullet(t[2]));
-	return mesh;
+	static const std::shared_ptr<const Hierarchy> one = patchHierarchy(boxMesh({kPlate, 1, 10}, {1, 1, 1}, 1));
+	return one;
 }
 void addOurs(BulletWorld& scene, double x)
 {
-	static const std::shared_ptr<const Hierarchy> plate = patchHierarchy(boxMesh({kPlate, 1, 10}, {1, 1, 1}, 1));
-	scene.addBody(scene.addShape(plate), 0, {x, -0.5, 0});
+	scene.addBody(scene.addShape(plate()), 0, {x, -0.5, 0});
 }
 void addBox(BulletWorld& scene, double x)
 {
@@ -116,7 +112,8 @@ void addBox(BulletWorld& scene, double x)
 }
 void addMesh(BulletWorld& scene, double x)
 {
-	scene.addBody(scene.add(std::make_unique<btBvhTriangleMeshShape>(&plateMesh(), true)), 0, {x, -0.5, 0});
+	static const Bvh bvh(*plate());
+	scene.addBody(*bvh.shape, 0, {x, -0.5, 0});
 }
 void addPlane(BulletWorld& scene, double)
 {

@@ -399,8 +399,9 @@ void PairState::findPoints(const PairPose& pose, Question& question, bool goesOn
 	const ContactBody a = contactBody(pose.hierarchyA());
 	const std::vector<Contact>& contacts = scratch().result.contacts;
 	if (isSweptThrough(pose)) m_facets = {};
+	const JoinedBodies& joined = joinedBodies(pose);
 	do
-		facets.find(a, bodyB(pose), pose.aFromB, question.rules, contacts, previous, m_facets, goesOn, joinedBodies(pose));
+		facets.find(a, bodyB(pose), pose.aFromB, question.rules, contacts, previous, m_facets, goesOn, joined);
 	while (refineHeld(pose, question));
 	facets.settle(contacts, m_result.deep);
 	m_report.candidates = std::uint32_t(facets.size());

@@ -199,13 +199,13 @@ bool PairState::liesAlone(const PairPose& pose) const
 	const PairBody &a = pose.rules.a, &b = pose.rules.b;
 	if (m_clusters.isEmpty() || (a.inverseMass > 0) == (b.inverseMass > 0)) return false;
 	const PairBody& body = a.inverseMass > 0 ? a : b;
-	const JoinedBodies& joined = joinedBodies(pose);
-	if (!(a.inverseMass > 0 ? joined.toB : joined.toA).empty()) return false;  // it lies on these, too
 	const Vec3 impulse = transposed(pose.worldFromA.rotation) * m_manifolds.impulse();
 	const double weight = std::abs(dot(body.force, normalized(impulse))) / body.inverseMass;
 	const double load = length(impulse) / pose.scale();
 	const double most = m_answered && m_answered->rules.liesAlone ? kStaysAlone : kAlone;  // not to and fro
-	return weight > 0 && std::abs(load - weight) <= most * weight;
+	if (!(weight > 0 && std::abs(load - weight) <= most * weight)) return false;
+	const JoinedBodies& joined = joinedBodies(pose);
+	return (a.inverseMass > 0 ? joined.toB : joined.toA).empty();  // it lies on these, too
 }
 
 PairState::Question PairState::questionOf(const PairPose& pose)

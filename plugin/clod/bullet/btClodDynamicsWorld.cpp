@@ -84,7 +84,7 @@ double btClodDynamicsWorld::solveInPasses(btContactSolverInfo& info)
 		predictSolved(info.m_timeStep);
 		const double surprise = findSurprised();
 		if (m_surprised.empty() || m_passes >= last)
-			return energyGained(info.m_timeStep) > kMostGain ? kGain : surprise;
+			return mayDivide() && energyGained(info.m_timeStep) > kMostGain ? kGain : surprise;
 		putBack();
 		askAgain();
 		calculateSimulationIslands();

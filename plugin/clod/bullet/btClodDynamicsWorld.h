@@ -91,6 +91,8 @@ private:
 	// Returns the largest surprise left, in units of its pair's skin; infinity where contacts gave energy.
 	double solveInPasses(btContactSolverInfo& info);
 	int partsFor(double surprise) const;
+	// By what a solve left, and not by times of impact?
+	bool mayDivide() const { return m_stepping == Stepping::kFixed && m_mostParts > 1; }
 	void solveInParts(btContactSolverInfo& info, int parts, bool isBegun);
 	double solvePart(btContactSolverInfo& info, btScalar whole);
 	void solveToImpacts(btContactSolverInfo& info);

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -156,7 +157,7 @@ public:
 	void makeTree() const;
 
 private:
-	static constexpr double kOnShare = 1e-3;
+	static constexpr double kOnShare = 1e-3;  // of how near it is looked for: so far beside a face a point is over it still
 	enum class Kind
 	{
 		kClosed,
@@ -176,6 +177,9 @@ private:
 		int feature = 6;
 		void add(std::uint32_t other, const NearestOnTriangle& there);
 	};
+	// Calls each(face) for the faces of all leaves of the tree that come so near to a box.
+	template <class Each>
+	void forEachNear(const Box& place, double within, Each each) const;
 	Found searchTree(const Vec3& point, double within, std::uint32_t polygon, double enough = 0) const;
 	template <class T>
 	static Span<T> slice(const std::vector<T>& list, const std::vector<std::uint32_t>& first, std::uint32_t i)
@@ -238,60 +242,53 @@ private:
 };
 
 template <class Each>
-void ContactSurface::forEachCrossed(const Vec3& from, const Vec3& to, double beside, Each each) const
+void ContactSurface::forEachNear(const Box& place, double within, Each each) const
 {
 	makeTree();
-	Box way{from, from};
-	way.add(to);
 	std::array<std::uint32_t, 64> stack;
 	std::size_t size = 0;
 	stack[size++] = 0;
 	while (size > 0)
 	{
 		const TreeBox& box = m_boxes[stack[--size]];
-		if (!box.meets(way, beside)) continue;
+		if (!box.meets(place, within)) continue;
 		if (box.count == 0)
 		{
 			stack[size++] = box.first;
 			stack[size++] = box.first + 1;
 		}
-		for (std::uint32_t i = box.first; i < box.first + box.count; ++i)
-		{
-			const SurfaceFace& face = m_faces[m_order[i]];
-			const double start = dot(face.normal, from) - face.offset, end = dot(face.normal, to) - face.offset;
-			if (!(start * end < 0)) continue;
-			const double share = start / (start - end);
-			if (nearestOnTriangle(triangleOf(m_order[i]), from + share * (to - from)).squared <= beside * beside)
-				each(m_order[i], share);
-		}
+		for (std::uint32_t i = box.first; i < box.first + box.count; ++i) each(m_order[i]);
 	}
+}
+
+template <class Each>
+void ContactSurface::forEachCrossed(const Vec3& from, const Vec3& to, double beside, Each each) const
+{
+	Box way{from, from};
+	way.add(to);
+	forEachNear(way, beside,
+				[&](std::uint32_t f)
+				{
+					const SurfaceFace& face = m_faces[f];
+					const double start = dot(face.normal, from) - face.offset, end = dot(face.normal, to) - face.offset;
+					if (!(start * end < 0)) return;
+					const double share = start / (start - end);
+					if (nearestOnTriangle(triangleOf(f), from + share * (to - from)).squared <= beside * beside) each(f, share);
+				});
 }
 
 template <class Each>
 void ContactSurface::forEachOver(const Vec3& point, double within, Each each) const
 {
-	makeTree();
-	std::array<std::uint32_t, 64> stack;
-	std::size_t size = 0;
-	stack[size++] = 0;
-	while (size > 0)
-	{
-		const TreeBox& box = m_boxes[stack[--size]];
-		if (!box.meets({point, point}, within)) continue;
-		if (box.count == 0)
-		{
-			stack[size++] = box.first;
-			stack[size++] = box.first + 1;
-		}
-		for (std::uint32_t i = box.first; i < box.first + box.count; ++i)
-		{
-			const SurfaceFace& face = m_faces[m_order[i]];
-			const double height = dot(face.normal, point) - face.offset;
-			if (std::abs(height) > within) continue;
-			const double beside = nearestOnTriangle(triangleOf(m_order[i]), point).squared - height * height;
-			if (beside <= kOnShare * kOnShare * within * within) each(face);
-		}
-	}
+	forEachNear({point, point}, within,
+				[&](std::uint32_t f)
+				{
+					const SurfaceFace& face = m_faces[f];
+					const double height = dot(face.normal, point) - face.offset;
+					if (std::abs(height) > within) return;
+					const double beside = nearestOnTriangle(triangleOf(f), point).squared - height * height;
+					if (beside <= kOnShare * kOnShare * within * within) each(face);
+				});
 }
 
 // The coarsest level whose surface is nowhere farther than that from the input's; level 0 if there is none.

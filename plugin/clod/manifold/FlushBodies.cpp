@@ -2,7 +2,6 @@
 #include "clod/manifold/FlushBodies.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace clod
 {
