@@ -429,31 +429,6 @@ void PairState::namePartnerFace(const PairPose& pose, ContactPoint& point)
 	point.faceB = std::uint32_t(name[1]);
 }
 
-void PairState::noteSides(const PairPose& pose)
-{
-	const std::array<const btCollisionObjectWrapper*, 2> bodies{pose.a, pose.b};
-	const bool isFelt = !m_isClosestPoints && pose.responds && !m_result.pairs.empty();
-	for (std::size_t i = 0; i < 2; ++i)
-	{
-		const btCollisionObject& object = *bodies[i]->getCollisionObject();
-		if (!isFelt || !(object.isStaticOrKinematicObject() || m_children[i] >= 0))
-		{
-			m_sides[i].reset();
-			continue;
-		}
-		if (!m_sides[i]) m_sides[i] = Side();
-		Side& side = *m_sides[i];
-		side.object = &object;
-		side.child = m_children[i];
-		side.objectFromSide = inverse(toTransform(object.getWorldTransform())) * toTransform(bodies[i]->getWorldTransform());
-		side.hierarchy = i == 0 ? pose.asked.a : pose.asked.b;
-		side.surface = i == 0 ? nullptr : m_partnerSurface;
-		side.unit = pose.scale();
-		side.radius = i == 0 ? pose.rules.radiusA : pose.rules.radiusB;
-		side.level = m_result.stats.finestLevel;
-	}
-}
-
 // Adds what other pairs of the other body have told of that moves with this side.
 void PairState::addJoined(const PairPose& pose, std::size_t side, std::vector<JoinedBody>& joined) const
 {

@@ -3,6 +3,7 @@
 // it.
 #include <algorithm>
 
+#include "clod/bullet/BodyState.h"
 #include "clod/bullet/PairState.h"
 #include "clod/query/StopRule.h"
 
@@ -43,6 +44,31 @@ private:
 	std::vector<double>& m_all;
 };
 }  // namespace
+
+void PairState::noteSides(const PairPose& pose)
+{
+	const std::array<const btCollisionObjectWrapper*, 2> bodies{pose.a, pose.b};
+	const bool isFelt = !m_isClosestPoints && pose.responds && !m_result.pairs.empty();
+	for (std::size_t i = 0; i < 2; ++i)
+	{
+		const btCollisionObject& object = *bodies[i]->getCollisionObject();
+		if (!isFelt || !(object.isStaticOrKinematicObject() || m_children[i] >= 0))
+		{
+			m_sides[i].reset();
+			continue;
+		}
+		if (!m_sides[i]) m_sides[i] = Side();
+		Side& side = *m_sides[i];
+		side.object = &object;
+		side.child = m_children[i];
+		side.objectFromSide = inverse(toTransform(object.getWorldTransform())) * toTransform(bodies[i]->getWorldTransform());
+		side.hierarchy = i == 0 ? pose.asked.a : pose.asked.b;
+		side.surface = i == 0 ? nullptr : m_partnerSurface;
+		side.unit = pose.scale();
+		side.radius = i == 0 ? pose.rules.radiusA : pose.rules.radiusB;
+		side.level = m_result.stats.finestLevel;
+	}
+}
 
 std::optional<PairState::Saved> PairState::save() const
 {
