@@ -121,6 +121,13 @@ double unit(const Image& image)
 	return std::max(1.0, image.width / 960.0);
 }
 
+void paste(Image& target, const Image& source, int left, int top)
+{
+	for (int y = 0; y < source.height; ++y)
+		std::copy_n(source.rgba.begin() + std::ptrdiff_t(4) * y * source.width, 4 * source.width,
+					target.rgba.begin() + std::ptrdiff_t(4) * ((std::ptrdiff_t(top) + y) * target.width + left));
+}
+
 struct TextRow
 {
 	std::string text;
@@ -247,16 +254,19 @@ void drawOverlay(Image& image, const OverlayText& text)
 	drawScaleBar(canvas, image, text.pixelsPerMetre, scale);
 }
 
+Image captioned(const Image& picture, const OverlayText& text)
+{
+	constexpr double kAbove = 168, kBelow = 78;  // seven rows of words with a title; three
+	const int above = int(kAbove * unit(picture)), below = int(kBelow * unit(picture));
+	Image image(picture.width, above + picture.height + below, PAPER);
+	paste(image, picture, 0, above);
+	drawOverlay(image, text);
+	return image;
+}
+
 namespace
 {
 constexpr int GUTTER = 10, CAPTION_HEIGHT = 26, TITLE_HEIGHT = 42;
-
-void paste(Image& target, const Image& source, int left, int top)
-{
-	for (int y = 0; y < source.height; ++y)
-		std::copy_n(source.rgba.begin() + std::ptrdiff_t(4) * y * source.width, 4 * source.width,
-					target.rgba.begin() + std::ptrdiff_t(4) * ((std::ptrdiff_t(top) + y) * target.width + left));
-}
 
 struct Grid
 {

@@ -28,6 +28,8 @@ struct OverlayText
 };
 
 void drawOverlay(Image& image, const OverlayText& text);
+// The picture with the same words above and below it, where they hide nothing. The same height for any words.
+Image captioned(const Image& picture, const OverlayText& text);
 
 struct CaptionedImage
 {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-// Order of drawing: background, ground, shadows, opaque bodies, coloured patches (first their hidden parts, faintly,
+// Order of drawing: background, ground, shadows, opaque bodies, coloured patches (first their hidden parts, hatched,
 // then the visible ones), markers, transparent bodies, patches half over those, and the same of markers: what hides
 // them, be it a body or a patch, is drawn before their faint parts.
 #include "demos/render/Renderer.h"
@@ -16,7 +16,8 @@ namespace clod::demo
 namespace
 {
 constexpr double PI = 3.14159265358979323846;
-constexpr float HIDDEN_ALPHA = 0.35f, SHADOW_ALPHA = 0.20f, THIN_SHADOW_ALPHA = 0.09f, VEIL = 0.75f, VEIL_ALPHA = 0.6f, GLASS_ALPHA = 0.6f;
+constexpr float HIDDEN_ALPHA = 0.7f, HIDDEN_MARKER_ALPHA = 0.35f, HATCH = 9, SHADOW_ALPHA = 0.20f, THIN_SHADOW_ALPHA = 0.09f, VEIL = 0.75f, VEIL_ALPHA = 0.6f, GLASS_ALPHA = 0.6f;
+constexpr double kBeyond = 2;  // deviations: one leads to the surface, another as far before it
 const Color SKY_TOP = {0.865f, 0.885f, 0.92f, 1}, SKY_BOTTOM = {0.955f, 0.96f, 0.968f, 1};
 
 Matrix4 matrixOf(const Transform& t)
@@ -77,7 +78,7 @@ struct Renderer::Implementation
 	{
 		std::unique_ptr<GlBuffer> buffer;
 		Transform worldFromMesh;
-		float flatness = 0;
+		float flatness = 0, closer = 0;
 		bool isPatch = false, isSeenThrough = true, isGlass = false;
 	};
 
@@ -103,7 +104,7 @@ struct Renderer::Implementation
 	std::vector<Layer> upload(const Frame& frame) const;
 	enum class Pass
 	{
-		Hidden,  // the parts behind what is opaque, faintly
+		Hidden,  // the parts behind what is opaque: of patches hatched, or these would seem to lie before it; markers faint
 		Visible,
 		ThroughVeil  // the visible parts once more over transparent bodies, so that these hardly tint the colours
 	};
@@ -207,12 +208,12 @@ std::vector<Renderer::Implementation::Layer> Renderer::Implementation::upload(co
 		DrawList list;
 		addPatches(list, patches.triangles);
 		if (list.empty()) continue;
-		layers.push_back({std::make_unique<GlBuffer>(list), patches.worldFromBody, 0.55f, true, patches.isSeenThrough, patches.isGlass});
+		layers.push_back({std::make_unique<GlBuffer>(list), patches.worldFromBody, 0.55f, float(kBeyond * patches.deviation), true, patches.isSeenThrough, patches.isGlass});
 	}
 	DrawList list;
 	for (const Marker& marker : frame.markers) addBall(list, marker);
 	for (const Arrow& arrow : frame.arrows) addArrow(list, arrow);
-	if (!list.empty()) layers.push_back({std::make_unique<GlBuffer>(list), Transform{}, 0.25f, false, true});
+	if (!list.empty()) layers.push_back({std::make_unique<GlBuffer>(list), Transform{}, 0.25f, 0, false, true});
 	return layers;
 }
 
@@ -231,12 +232,16 @@ void Renderer::Implementation::drawLayers(const std::vector<Layer>& layers, Kind
 	}
 	solid->set("useVertexColor", true);
 	solid->set("veil", 0.0f);
-	solid->set("baseColor", Color{0, 0, 0, isHidden ? HIDDEN_ALPHA : pass == Pass::Visible ? 1.0f : VEIL_ALPHA});
+	const bool isHatched = isHidden && kind == Kind::Patches;
+	const float hiddenAlpha = isHatched ? HIDDEN_ALPHA : HIDDEN_MARKER_ALPHA;
+	solid->set("baseColor", Color{0, 0, 0, isHidden ? hiddenAlpha : pass == Pass::Visible ? 1.0f : VEIL_ALPHA});
+	solid->set("hatch", isHatched ? HATCH * float(supersampling) : 0.0f);
 	glEnable(GL_POLYGON_OFFSET_FILL);
 	const auto draw = [&](const Layer& layer)
 	{
 		glPolygonOffset(layer.isPatch ? -1.0f : 0.0f, layer.isPatch ? -8.0f : 0.0f);
 		solid->set("flatness", layer.flatness);
+		solid->set("closer", layer.closer);
 		solid->set("worldFromMesh", matrixOf(layer.worldFromMesh));
 		layer.buffer->draw();
 	};
@@ -250,6 +255,8 @@ void Renderer::Implementation::drawLayers(const std::vector<Layer>& layers, Kind
 		for (const Layer& layer : layers)
 			if (isOfKind(layer) && layer.isGlass) draw(layer);
 	}
+	solid->set("hatch", 0.0f);
+	solid->set("closer", 0.0f);
 	glDisable(GL_POLYGON_OFFSET_FILL);
 	glDisable(GL_STENCIL_TEST);
 	glDepthFunc(GL_LEQUAL);

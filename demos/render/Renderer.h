@@ -44,13 +44,14 @@ struct ColoredTriangle
 	Color color;
 };
 
-// Triangles in a body's frame, drawn a hair in front of the surfaces they lie on.
+// Triangles in a body's frame, drawn in front of the surface that they lie on or, by their deviation, near.
 struct PatchLayer
 {
 	Transform worldFromBody;
 	std::vector<ColoredTriangle> triangles;
-	bool isSeenThrough = true;  // faintly visible behind opaque bodies
+	bool isSeenThrough = true;  // hatched where opaque bodies hide it
 	bool isGlass = false;       // what is behind shows through
+	double deviation = 0;       // from the surface at most: it hides patches of less, and is not hidden by that surface
 };
 
 struct Marker

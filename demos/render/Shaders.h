@@ -5,7 +5,8 @@
 
 namespace clod::demo
 {
-// Solid things. `shadowHeight`: where `isShadow`, the point slides along the light down to this height.
+// Solid things. `shadowHeight`: where `isShadow`, the point slides along the light down to this height. `closer`: so far
+// towards the eye a point counts as lying, where something else might hide it.
 constexpr const char* SOLID_VERTEX_SHADER = R"(#version 120
 attribute vec3 position;
 attribute vec3 normal;
@@ -15,6 +16,8 @@ uniform mat4 worldFromMesh;
 uniform vec3 toLight;
 uniform bool isShadow;
 uniform float shadowHeight;
+uniform vec3 eye;
+uniform float closer;
 varying vec3 worldPosition;
 varying vec3 worldNormal;
 varying vec4 vertexColor;
@@ -27,11 +30,18 @@ void main()
 	worldNormal = mat3(worldFromMesh) * normal;
 	vertexColor = color;
 	gl_Position = clipFromWorld * world;
+	if (closer > 0.0)
+	{
+		vec3 toEye = eye - world.xyz;
+		vec4 nearer = clipFromWorld * vec4(world.xyz + min(closer / length(toEye), 0.5) * toEye, 1.0);
+		gl_Position.z = nearer.z / nearer.w * gl_Position.w;
+	}
 }
 )";
 
 // `useVertexColor`: the triangle's colour instead of `baseColor`; `flatness`: 0 fully shaded, 1 the plain colour;
-// `veil`: how much denser than `baseColor.a` a surface seen from the side is.
+// `veil`: how much denser than `baseColor.a` a surface seen from the side is; `hatch`: every so many drawn pixels a
+// stripe of `baseColor.a` (0: all over), paler between.
 constexpr const char* SOLID_FRAGMENT_SHADER = R"(#version 120
 uniform vec3 eye;
 uniform vec3 toLight;
@@ -40,6 +50,7 @@ uniform bool useVertexColor;
 uniform bool isShadow;
 uniform float flatness;
 uniform float veil;
+uniform float hatch;
 varying vec3 worldPosition;
 varying vec3 worldNormal;
 varying vec4 vertexColor;
@@ -64,6 +75,7 @@ void main()
 	vec3 shown = mix(lit, surface, flatness);
 	float facing = abs(dot(n, toEye));
 	float alpha = baseColor.a + veil * (1.0 - baseColor.a) * pow(1.0 - facing, 2.5);
+	if (hatch > 0.0 && mod(gl_FragCoord.x + gl_FragCoord.y, hatch) > 0.4 * hatch) alpha *= 0.3;
 	gl_FragColor = vec4(shown, alpha);
 }
 )";

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -35,6 +36,7 @@ constexpr std::size_t kCrowd = 100;  // more arrows would hide what they point a
 constexpr double kGridShare = 0.1, kFadeShare = 4.2;
 constexpr double kExactShare = 1e-5;  // of the smallest radius: errors that small have one colour
 constexpr const char* kColorsMean = "Coloured: the surface patches in contact, by certified error. ";
+constexpr const char* kHatchedMeans = "Hatched: hidden. ";
 constexpr const char* kCarry = "contact points under load";
 constexpr const char* kNearest = "where patches are nearest to each other";
 constexpr const char* kArrowsMean = ", with the push of one body on the other";
@@ -122,6 +124,12 @@ std::vector<std::set<std::uint32_t>> answeringNodes(const FrameSubject& subject,
 	return nodes;
 }
 
+// In a pile, what is behind only confuses.
+bool isPair(const FrameSubject& subject)
+{
+	return subject.bodies.size() == 2;
+}
+
 // A body's way from the others: against the contacts' normals of B, along those of A.
 Vec3 wayFromOthers(const FrameSubject& subject, const FrameMoment& moment, const FrameAnswer& answer, std::size_t body)
 {
@@ -167,8 +175,7 @@ int halfDecades(double error)
 
 Camera overviewCamera(const SceneView& view)
 {
-	constexpr double kRoom = 1.12, kLower = 0.1;  // of the view's radius
-	return orbitCamera(view.center + Vec3{0, kLower * view.radius, 0}, kRoom * view.radius, view.azimuth, view.elevation);
+	return orbitCamera(view.center, view.radius, view.azimuth, view.elevation);
 }
 
 ErrorScale::ErrorScale(const FrameSubject& subject)
@@ -220,7 +227,8 @@ std::vector<LegendEntry> legendOf(const FrameSubject& subject, const FrameAnswer
 std::string footnoteOf(const FrameSubject& subject, const FrameAnswer& answer, std::size_t contacts,
 					   const std::string& redMeans)
 {
-	std::string words = legendOf(subject, answer).empty() ? "" : kColorsMean;
+	std::string words;
+	if (!legendOf(subject, answer).empty()) words = kColorsMean + std::string(isPair(subject) ? kHatchedMeans : "");
 	if (contacts > 0) words += "Red: " + redMeans + (contacts > kCrowd ? "." : std::string(kArrowsMean) + ".");
 	return words;
 }
@@ -271,12 +279,22 @@ FramePainter::FramePainter(const FrameSubject& subject) : m_subject(subject), m_
 void FramePainter::addPatches(Frame& frame, const FrameMoment& moment, const FrameAnswer& answer) const
 {
 	const std::vector<std::set<std::uint32_t>> nodes = answeringNodes(m_subject, answer);
-	const bool isPair = nodes.size() == 2;  // in a pile, what is behind only confuses
 	for (std::size_t i = 0; i < nodes.size(); ++i)
-		if (!nodes[i].empty())
-			frame.patches.push_back(
-				patchLayer(moment.poses[i], *m_subject.bodies[i].hierarchy, nodes[i], m_scale, i, isPair)),
-				frame.patches.back().isGlass = m_subject.bodies[i].isSeenThrough;
+	{
+		const Hierarchy& hierarchy = *m_subject.bodies[i].hierarchy;
+		// A layer for every error: a body may answer one neighbour coarsely, another finely at the same place.
+		std::map<int, std::set<std::uint32_t>> nodesOf;
+		for (const std::uint32_t node : nodes[i])
+			nodesOf[m_scale.stepOf(double(hierarchy.node(node).deviation))].insert(node);
+		for (const auto& [step, ofStep] : nodesOf)
+		{
+			PatchLayer layer = patchLayer(moment.poses[i], hierarchy, ofStep, m_scale, i, isPair(m_subject));
+			layer.isGlass = m_subject.bodies[i].isSeenThrough;
+			for (const std::uint32_t node : ofStep)
+				layer.deviation = std::max(layer.deviation, double(hierarchy.node(node).deviation));
+			frame.patches.push_back(std::move(layer));
+		}
+	}
 }
 
 void FramePainter::addContacts(Frame& frame, const std::vector<FrameContact>& contacts) const
@@ -316,7 +334,6 @@ Image FramePainter::overview(const FrameMoment& moment, const FrameAnswer& answe
 {
 	Frame frame = scene(moment, answer);
 	addContacts(frame, contacts);
-	Image image = m_renderer->render(frame);
 	OverlayText text;
 	text.title = m_subject.title;
 	text.subtitle = m_subject.summary;
@@ -324,8 +341,7 @@ Image FramePainter::overview(const FrameMoment& moment, const FrameAnswer& answe
 	text.footer =
 		fmt::format("step {} of {}, t = {:.3f} s", moment.step, m_subject.steps, double(moment.step) * m_subject.dt);
 	text.footnote = footnoteOf(m_subject, answer, contacts.size(), redMeans);
-	drawOverlay(image, text);
-	return image;
+	return captioned(m_renderer->render(frame), text);
 }
 
 Image FramePainter::closeUp(const FrameMoment& moment, const FrameAnswer& answer,
@@ -337,15 +353,13 @@ Image FramePainter::closeUp(const FrameMoment& moment, const FrameAnswer& answer
 	const Vec3 target = view.body < 0 ? view.center : toTransform(moment.poses[std::size_t(view.body)]) * view.center;
 	frame.camera = orbitCamera(target, view.radius, view.azimuth, view.elevation);
 	frame.ground.isDrawn = m_subject.hasGround && view.elevation > 0;
-	Image image = m_renderer->render(frame);
 	OverlayText text;
 	text.title = view.caption;
 	text.lines = lines;
 	text.legendTitle = "Certified error of the patches";
 	text.legend = legendOf(m_subject, answer);
 	text.pixelsPerMetre = frame.camera.pixelsPerMetre(kPanel);
-	drawOverlay(image, text);
-	return image;
+	return captioned(m_renderer->render(frame), text);
 }
 
 Image FramePainter::paint(const FrameMoment& moment, const FrameAnswer& answer,
@@ -402,7 +416,6 @@ Image FramePainter::paintExploded(const FrameMoment& moment, const FrameAnswer& 
 		pullPatchesApart(layer);
 	}
 	frame.camera = orbitCamera(middle, (1 + kSpread + kPulledApart) * size, m_subject.closeUp.azimuth, 20);
-	Image image = m_renderer->render(frame);
 	OverlayText text;
 	text.title = m_subject.title;
 	text.subtitle = "the patches in contact, pulled apart";
@@ -410,8 +423,7 @@ Image FramePainter::paintExploded(const FrameMoment& moment, const FrameAnswer& 
 	text.legend = legendOf(m_subject, answer);
 	text.footer = fmt::format("step {} of {}", moment.step, m_subject.steps);
 	text.pixelsPerMetre = frame.camera.pixelsPerMetre(kPanel);
-	drawOverlay(image, text);
-	return image;
+	return captioned(m_renderer->render(frame), text);
 }
 
 // Representative contacts: closest first, each at least a spacing from those before it.

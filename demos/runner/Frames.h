@@ -37,7 +37,6 @@ struct FrameSubject
 	double largestError = kOff;  // of all patches that its pictures show: where colours end; kOff: of all levels
 };
 
-// What the view shows lies lower in the picture, under its words.
 Camera overviewCamera(const SceneView& view);
 
 // Where everything is.

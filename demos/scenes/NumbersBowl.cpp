@@ -71,7 +71,7 @@ SceneInfo describe()
 	info.dt = 1.0 / 960;  // digits fall at 1.5 m/s and are 3 mm thin
 	info.steps = 1440;
 	info.worldScale = 100;
-	info.overview = {{0, 0.050, 0}, 0.095, 20, 35, -1, ""};
+	info.overview = {{0, 0.065, 0}, 0.115, 20, 35, -1, ""};
 	info.closeUp = {{0, 0.025, 0}, 0.045, 20, 50, -1, "close-up of the pile"};
 	return info;
 }

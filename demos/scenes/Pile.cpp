@@ -110,6 +110,9 @@ SceneDefinition heaps(int count, const std::string& name, const std::string& sum
 {
 	const Grid grid((count + constant::inHeap - 1) / constant::inHeap, 1, constant::heapGap, constant::heapGap);
 	SceneDefinition scene = digitsOnFloor(name, summary, count, grid.farthest() + constant::borderOfHeap);
+	const int layers = (std::min(count, constant::inHeap) + constant::inLayer - 1) / constant::inLayer;
+	const double high = constant::lowestLayer + layers * constant::layer;
+	scene.info.overview = {{0, high / 2, 0}, high / 2 + grid.farthest(), 20, 30, -1, ""};
 	std::mt19937_64 random(constant::seed);
 	for (int i = 0; i < count; ++i)
 	{

@@ -122,14 +122,47 @@ TEST_F(RenderTest, PatchesLieOverTheirSurfaceWithoutFlicker)
 	}
 }
 
-TEST_F(RenderTest, HiddenPatchesShowFaintlyUnlessToldNotTo)
+// A coarse patch dipped beneath its body's surface and came out again, and looked mottled; where a body answered one
+// neighbour coarsely and another finely, both flickered.
+TEST_F(RenderTest, PatchesWithinTheirDeviationAreSeenWholeTheCoarserOverTheFiner)
+{
+	add(square(0.1, 0), RED);
+	frame.patches.push_back({{}, squarePatch(0.05, -0.009, BLUE), true});
+	frame.patches.push_back({{}, squarePatch(0.05, -0.009, GREEN), true});
+	for (const double x : {0.0, 0.5, 0.9})
+		for (const bool isCoarserFirst : {false, true})
+		{
+			frame.camera.eye = normalized(Vec3{x, 0.2, 1});
+			for (std::size_t i : {0, 1}) frame.patches[i].deviation = (i == 0) == isCoarserFirst ? 0.01 : 0;
+			const Image image = renderer->render(frame);
+			const size_t coarser = countHue(image, isCoarserFirst ? Hue::Blue : Hue::Green);
+			EXPECT_NEAR(double(coarser) / double(coarser + countHue(image, Hue::Red)), 0.25, 0.04) << x;
+			EXPECT_EQ(countHue(image, isCoarserFirst ? Hue::Green : Hue::Blue), 0u) << x;
+		}
+}
+
+// Tinted all over, what was behind a peg's end seemed to come through it.
+TEST_F(RenderTest, HiddenPatchesAreHatchedUnlessToldNotTo)
 {
 	add(square(0.1, 0.1), {1, 1, 1, 1});
 	const Image without = renderer->render(frame);
 	frame.patches.push_back({{}, squarePatch(0.03, 0, BLUE), true});
-	const Image faint = renderer->render(frame);
-	EXPECT_GT(middle(faint).b, middle(faint).r + 0.15f);
-	EXPECT_NE(hue(middle(faint)), Hue::Blue);
+	const Image hatched = renderer->render(frame);
+	int strong = 0, pale = 0, changes = 0;
+	bool wasStrong = false;
+	constexpr int kAround = 12;  // pixels, of a patch of 13
+	for (int x = WIDTH / 2 - kAround; x < WIDTH / 2 + kAround; ++x)
+	{
+		const Color color = hatched.at(x, HEIGHT / 2);
+		EXPECT_GT(color.b, color.r + 0.06f) << "all of it is tinted";
+		const bool isStrong = color.b > color.r + 0.35f;
+		(isStrong ? strong : pale) += 1;
+		changes += isStrong != wasStrong ? 1 : 0;
+		wasStrong = isStrong;
+	}
+	EXPECT_GT(strong, kAround / 2);
+	EXPECT_GT(pale, kAround / 2);
+	EXPECT_GE(changes, 4);
 	frame.patches[0].isSeenThrough = false;
 	EXPECT_EQ(differingPixels(renderer->render(frame), without), 0u);
 }
