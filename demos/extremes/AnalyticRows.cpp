@@ -438,7 +438,9 @@ std::vector<Row> analyticRows()
 					{{"momentum", "share", {1e-5}},
 					 {"energy gained", "share", {0.01, 1}},
 					 {"speed of the last", "share", {0.05, 1}}},
-					cradle});
+					cradle,
+					{{"coarse levels have coarse facets, which turn the balls: as in A7 what turns gains some per cent of energy",
+					  coarseLevels, "energy gained"}}});
 	rows.push_back({"A19",
 					"a rod swings about an ideal axle",
 					"2 pi sqrt(I / m g l); to the bit as the primitive",

@@ -306,8 +306,7 @@ std::vector<Row> contactRows()
 					kRates,
 					{{"creep", "R/minute", {2e-5}}},
 					spoonCreeps,
-					{{"at 1/60 s it settles on for a minute from one start in four: friction starts from nothing in every step",
-					  largeSteps, ""}},
+					{},
 					true});
 	rows.push_back(
 		{"C13",

@@ -55,10 +55,11 @@ public:
 	{
 		m_scene.context.worldMetric = isFine ? ContactMetric::exactly() : ContactMetric::deviationShare(0.035);
 	}
-	// The world takes it for a new body.
-	void comeAgain(bool isFine)
+	// The world takes it for a new body, at rest so many radii higher.
+	void comeAgain(bool isFine, double higher = 0)
 	{
 		m_scene.world.removeRigidBody(m_body);
+		m_body->translate(btVector3(0, btScalar(higher * m_radius), 0));
 		choose(isFine);
 		m_scene.world.addRigidBody(m_body);
 	}
@@ -136,6 +137,25 @@ TEST(LevelSwitch, ABodySeenFirstOnACoarseLevelIsNotLifted)
 			EXPECT_LT(scene.height() - before, 1e-4) << upper;
 		}
 		EXPECT_GT(scene.coarsestLevel(), 0u) << upper;
+	}
+}
+
+// But what is deeper than levels err overlaps in truth: it stayed as deep as they may err for minutes.
+TEST(LevelSwitch, ABodyThatStartsDeeperThanItsLevelErrsComesUpAllTheWay)
+{
+	for (const auto ground : {Resting::Ground::kPlane, Resting::Ground::kBody})
+	{
+		double height[2];
+		for (const bool isSunk : {false, true})
+		{
+			Resting scene("torus-900", ground, "cup-3000", 0.5);
+			scene.comeAgain(false, isSunk ? -0.1 : 0.01);
+			for (int i = 0; i < 480; ++i) scene.step();
+			EXPECT_GT(scene.coarsestLevel(), 0u);
+			EXPECT_LT(scene.speed(), 1e-3) << isSunk;
+			height[isSunk ? 1 : 0] = scene.height();
+		}
+		EXPECT_NEAR(height[1], height[0], 1e-3) << int(ground);
 	}
 }
 

@@ -83,16 +83,19 @@ void LevelSwitch::apply(const FacetQuestion& question, const std::vector<Contact
 		if (std::find(m_asked.begin(), m_asked.end(), levels) == m_asked.end()) m_asked.push_back(levels);
 	}
 
-	// Overlaps; fresh: of levels that were not asked for. Of those first seen no more than the levels may err.
+	// Overlaps; fresh: of levels that were not asked for. Of bodies first seen it is the levels' unless one is deeper than
+	// they may err: these overlap in truth.
 	double deepest = 0, fresh = 0;
+	bool isTrue = false;
 	for (const Facet& facet : facets)
 	{
 		if (facet.kind == Facet::Kind::kDeep) continue;
 		const double overlap = question.rules.margin - facet.distance;
 		deepest = std::max(deepest, overlap);
-		if (!isAmong(memory.asked, facet))
-			fresh = std::max(fresh, memory.asked.empty() ? std::min(overlap, errorOf(question, facet)) : overlap);
+		if (!isAmong(memory.asked, facet)) fresh = std::max(fresh, overlap);
+		isTrue = isTrue || (memory.asked.empty() && overlap > errorOf(question, facet));
 	}
+	if (isTrue) fresh = 0;
 	const std::size_t found = facets.size();
 	double before = 0;
 	const Transform& motionOfB = previous.motionOfB;
