@@ -65,6 +65,38 @@ TEST(Press, AnOverlappingBoxLeavesOnTheSideItCameIn)
 		}
 }
 
+// Overlaps are left by positions. What weight a heap has is lifted so; speed it gains none.
+TEST(Press, AHeapOfOverlapsGainsNoSpeed)
+{
+	BulletWorld scene;
+	configureWorld(scene.world);
+	scene.world.setGravity(btVector3(0, 0, 0));
+	std::vector<const btRigidBody*> bodies;
+	for (int i = 0; i < 8; ++i)
+		bodies.push_back(&scene.addBody(scene.addShape(patchHierarchy(boxMesh({2, 1, 1}, {4, 2, 2}, 2))), 1,
+										{0.7 * (i % 2), 0.6 * (i / 2 % 2), 0.5 * (i / 4)},
+										btQuaternion(btVector3(1, btScalar(i), 2).normalized(), btScalar(0.9 * i))));
+	const btVector3 start = bodies.front()->getWorldTransform().getOrigin();
+	double deepest = 0;
+	for (int i = 0; i < 240; ++i)
+	{
+		scene.step();
+		for (const btRigidBody* body : bodies)
+		{
+			ASSERT_LT(double(body->getLinearVelocity().length()), 1e-4) << i;
+			ASSERT_LT(double(body->getAngularVelocity().length()), 1e-4) << i;
+		}
+		deepest = 0;
+		scene.context.forEachPair(
+			[&](const PairReport& pair)
+			{
+				for (const HeldPoint& held : pair.clusters->points()) deepest = std::max(deepest, -held.point.height);
+			});
+	}
+	EXPECT_LT(deepest, 0.005);
+	EXPECT_GT(double((bodies.front()->getWorldTransform().getOrigin() - start).length()), 0.2);
+}
+
 TEST(Press, TenTimesItsWeightSinksNoDeeperThanAHundredth)
 {
 	BulletWorld scene;
