@@ -226,6 +226,8 @@ TEST(RunnerFrames, WordsUnderAPictureNameTheColoursThatAreInIt)
 	{
 		EXPECT_TRUE(names(coloured, contacts, "Coloured: "));
 		EXPECT_FALSE(names({}, contacts, "Coloured: "));
+		EXPECT_TRUE(names(coloured, contacts, "Hatched: "));
+		EXPECT_FALSE(names({}, contacts, "Hatched: "));
 		EXPECT_EQ(names(coloured, contacts, "Red: points"), contacts > 0) << contacts;
 		EXPECT_EQ(names(coloured, contacts, "push of one body"), contacts > 0 && contacts <= 100) << contacts;  // arrows
 	}
