@@ -16,7 +16,9 @@ namespace clod::demo
 namespace
 {
 constexpr double PI = 3.14159265358979323846;
-constexpr float HIDDEN_ALPHA = 0.7f, HIDDEN_MARKER_ALPHA = 0.35f, HATCH = 9, SHADOW_ALPHA = 0.20f, THIN_SHADOW_ALPHA = 0.09f, VEIL = 0.75f, VEIL_ALPHA = 0.6f, GLASS_ALPHA = 0.6f;
+constexpr float HIDDEN_ALPHA = 0.7f, HIDDEN_MARKER_ALPHA = 0.35f;
+constexpr float HATCH = 9;  // pixels from stripe to stripe
+constexpr float SHADOW_ALPHA = 0.20f, THIN_SHADOW_ALPHA = 0.09f, VEIL = 0.75f, VEIL_ALPHA = 0.6f, GLASS_ALPHA = 0.6f;
 constexpr double kBeyond = 2;  // deviations: one leads to the surface, another as far before it
 const Color SKY_TOP = {0.865f, 0.885f, 0.92f, 1}, SKY_BOTTOM = {0.955f, 0.96f, 0.968f, 1};
 
@@ -208,7 +210,8 @@ std::vector<Renderer::Implementation::Layer> Renderer::Implementation::upload(co
 		DrawList list;
 		addPatches(list, patches.triangles);
 		if (list.empty()) continue;
-		layers.push_back({std::make_unique<GlBuffer>(list), patches.worldFromBody, 0.55f, float(kBeyond * patches.deviation), true, patches.isSeenThrough, patches.isGlass});
+		layers.push_back({std::make_unique<GlBuffer>(list), patches.worldFromBody, 0.55f,
+						  float(kBeyond * patches.deviation), true, patches.isSeenThrough, patches.isGlass});
 	}
 	DrawList list;
 	for (const Marker& marker : frame.markers) addBall(list, marker);
