@@ -48,7 +48,7 @@ Piece pieceNextTo(const TriangleTree& input, const NearestPatches& nearest, std:
 		count /= 4;
 		first += best * count;
 	}
-	return {found.triangle, std::uint16_t(first), std::uint16_t(count), patch};
+	return {found.triangle, first, count, patch};
 }
 }  // namespace
 
@@ -57,7 +57,7 @@ LevelAssignment assignByLabel(const std::vector<std::uint32_t>& patchOfFace)
 	LevelAssignment result;
 	for (std::uint32_t i = 0; i < patchOfFace.size(); ++i)
 	{
-		result.pieces.push_back({i, 0, std::uint16_t(Piece::kCodes), patchOfFace[i]});
+		result.pieces.push_back({i, 0, Piece::kCodes, patchOfFace[i]});
 	}
 	return result;
 }

@@ -15,11 +15,12 @@ void FaceSplitter::split(std::uint32_t face, const Triangle& t, const Lookups& a
 	m_out = &out;
 	m_candidates.clear();
 	m_seen.restart(kSide * kSide);
+	m_points.clear();
 	const Corners corners{0, kSide - 1, (kSide - 1) * kSide};
 	for (std::size_t k = 0; k < 3; ++k)
 	{
-		m_seen.add(corners[k]);
-		m_points[corners[k]] = {t[int(k)], at[k], {corners[k], corners[k]}, 0, {}};
+		addPoint(corners[k]);
+		m_points.back() = {t[int(k)], at[k], {corners[k], corners[k]}, 0, {}};
 	}
 	split(corners, 0, Piece::kCodes);
 }
@@ -31,7 +32,7 @@ void FaceSplitter::split(const Corners& c, std::uint32_t code, std::uint32_t cou
 	const std::uint32_t owner = loyal ? m_preferred : bestOwner(c, excess);
 	if (loyal || excess <= m_rule.tolerance || count == 1 || longestEdge(c) <= m_rule.smallestEdge)
 	{
-		m_out->push_back({m_face, std::uint16_t(code), std::uint16_t(count), owner});
+		m_out->push_back({m_face, code, count, owner});
 		return;
 	}
 	const std::uint32_t ab = midpoint(c[0], c[1]), bc = midpoint(c[1], c[2]), ca = midpoint(c[2], c[0]);
@@ -42,17 +43,25 @@ void FaceSplitter::split(const Corners& c, std::uint32_t code, std::uint32_t cou
 std::uint32_t FaceSplitter::midpoint(std::uint32_t a, std::uint32_t b)
 {
 	const std::uint32_t middle = (a / kSide + b / kSide) / 2 * kSide + (a % kSide + b % kSide) / 2;
-	if (m_seen.add(middle))
+	if (addPoint(middle))
 	{
-		const Vec3 p = 0.5 * (m_points[a].p + m_points[b].p);
-		m_points[middle] = {p, m_nearest.at(p, m_normal), {a, b}, 0, {}};
+		const Vec3 p = 0.5 * (pointAt(a).p + pointAt(b).p);
+		m_points.back() = {p, m_nearest.at(p, m_normal), {a, b}, 0, {}};
 	}
 	return middle;
 }
 
+bool FaceSplitter::addPoint(std::uint32_t place)
+{
+	if (!m_seen.add(place)) return false;
+	m_numberOf[place] = std::uint32_t(m_points.size());
+	m_points.emplace_back();
+	return true;
+}
+
 double FaceSplitter::longestEdge(const Corners& c) const
 {
-	const Vec3 &u = m_points[c[0]].p, &v = m_points[c[1]].p, &w = m_points[c[2]].p;
+	const Vec3 &u = pointAt(c[0]).p, &v = pointAt(c[1]).p, &w = pointAt(c[2]).p;
 	return std::max({length(v - u), length(w - v), length(u - w)});
 }
 
@@ -66,9 +75,9 @@ std::uint32_t FaceSplitter::bestOwner(const Corners& c, double& excess)
 		const double most = excessOf(candidate, c, excess);
 		if (most < excess) excess = most, owner = candidate;
 	};
-	for (std::size_t k = 0; k < 3 && excess > m_rule.tolerance; ++k) consider(m_points[c[k]].nearest.patch);
+	for (std::size_t k = 0; k < 3 && excess > m_rule.tolerance; ++k) consider(pointAt(c[k]).nearest.patch);
 	if (excess > m_rule.tolerance)
-		consider(m_nearest.at(centroid({m_points[c[0]].p, m_points[c[1]].p, m_points[c[2]].p}), m_normal).patch);
+		consider(m_nearest.at(centroid({pointAt(c[0]).p, pointAt(c[1]).p, pointAt(c[2]).p}), m_normal).patch);
 	return owner;
 }
 
@@ -76,20 +85,20 @@ double FaceSplitter::excessOf(std::uint32_t patch, const Corners& c, double limi
 {
 	double most = 0;
 	for (std::size_t i = 0; i < 3 && most <= limit; ++i)
-		if (patch != m_points[c[i]].nearest.patch) most = std::max(most, excessAt(c[i], patch));
+		if (patch != pointAt(c[i]).nearest.patch) most = std::max(most, excessAt(c[i], patch));
 	return most;
 }
 
 double FaceSplitter::excessAt(std::uint32_t place, std::uint32_t patch)
 {
-	Point& point = m_points[place];
+	Point& point = pointAt(place);
 	const std::size_t slot = slotOf(patch);
 	if (slot < kRemembered && (point.known >> slot & 1)) return point.excess[slot];
 	// No farther than from the points it lies between, and the way from there.
 	double limit = std::numeric_limits<double>::infinity();
 	for (const std::uint32_t other : point.between)
 	{
-		const Point& from = m_points[other];
+		const Point& from = pointAt(other);
 		const bool isNearest = from.nearest.patch == patch;
 		if (!isNearest && (slot >= kRemembered || !(from.known >> slot & 1))) continue;
 		const double there = from.nearest.distance + (isNearest ? 0 : from.excess[slot]);

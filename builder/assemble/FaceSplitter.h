@@ -53,6 +53,10 @@ private:
 	double excessOf(std::uint32_t patch, const Corners& c, double limit);
 	double excessAt(std::uint32_t place, std::uint32_t patch);
 	std::size_t slotOf(std::uint32_t patch);
+	Point& pointAt(std::uint32_t place) { return m_points[m_numberOf[place]]; }
+	const Point& pointAt(std::uint32_t place) const { return m_points[m_numberOf[place]]; }
+	// False if the place has one.
+	bool addPoint(std::uint32_t place);
 
 	const NearestPatches& m_nearest;
 	const SplitRule m_rule;
@@ -61,6 +65,7 @@ private:
 	std::vector<Piece>* m_out = nullptr;
 	std::vector<std::uint32_t> m_candidates;
 	VisitMarks m_seen;
-	std::array<Point, kSide * kSide> m_points;
+	std::array<std::uint32_t, kSide * kSide> m_numberOf;  // of the places seen, in
+	std::vector<Point> m_points;
 };
 }  // namespace clod::builder

@@ -16,11 +16,11 @@ namespace clod::builder
 {
 struct Piece
 {
-	static constexpr int kDepth = 6;
+	static constexpr int kDepth = 8;
 	static constexpr std::uint32_t kCodes = 1u << (2 * kDepth);
 	std::uint32_t face;   // input triangle
-	std::uint16_t first;  // interval of codes
-	std::uint16_t count;  // a power of 4
+	std::uint32_t first;  // interval of codes
+	std::uint32_t count;  // a power of 4
 	std::uint32_t owner;  // patch of the level
 };
 

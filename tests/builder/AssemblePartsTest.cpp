@@ -292,7 +292,7 @@ TEST(AssembleWalls, TheThinnestWallCounts)
 	node.faces = {{0, 1, 2}, {0, 2, 3}};
 	node.inward = {0, 0, -1};
 	node.coneCosine = 1;
-	for (std::uint32_t face = 0; face < 4; ++face) node.pieces.push_back({face, 0, std::uint16_t(Piece::kCodes), 0});
+	for (std::uint32_t face = 0; face < 4; ++face) node.pieces.push_back({face, 0, Piece::kCodes, 0});
 	SweepRule rule{};
 	rule.harmless = 1e-3;
 	rule.most = 0.01;
@@ -310,7 +310,7 @@ TEST(AssembleCover, IsThatOfTheFarthestPointInWhateverOrder)
 	node.faces = {{0, 1, 2}};
 	node.inward = {0, 0, -1};
 	node.thickness = 1;
-	node.pieces = {{0, 0, std::uint16_t(Piece::kCodes), 0}};
+	node.pieces = {{0, 0, Piece::kCodes, 0}};
 	Mesh input;
 	input.vertices = {{0.2, 0.2, 0.3}, {0.2, 0.25, -0.9}, {0.3, 0.2, 0.1}};
 	for (const std::array<std::uint32_t, 3>& order :

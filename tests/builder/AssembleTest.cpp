@@ -10,6 +10,7 @@
 #include "builder/assemble/Certify.h"
 #include "builder/assemble/CoarseLevels.h"
 #include "builder/assemble/ConvexDistance.h"
+#include "tests/fixtures/Recipes.h"
 #include "tests/support/HierarchyContents.h"
 #include "tests/support/LeafHierarchy.h"
 #include "tests/support/Meshes.h"
@@ -183,6 +184,50 @@ TEST(AssembleSurf, AFaceOverFiftyThousandFlatTrianglesIsProvedToLieOnThem)
 	const Supremum raised = surfOf(node, tree, {0.1, 1e-4});
 	EXPECT_GE(raised.upper, 0.05);
 	EXPECT_LE(raised.upper, 0.055 + 1e-9);
+}
+
+// A waved ground with a skirt, whose faces are many times as tall as wide and lie beneath several patches of a coarse
+// level. No patch answers for much more than others because of them: one such kept the default from all coarse levels.
+TEST(Assemble, TallFacesBelongToPatchesAsCloselyAsOthers)
+{
+	constexpr std::uint32_t kCells = 16;
+	constexpr double kDepth = 0.5;
+	const auto at = [](std::uint32_t i) { return double(i) / kCells - 0.5; };
+	Mesh slab;
+	for (std::uint32_t j = 0; j <= kCells; ++j)
+		for (std::uint32_t i = 0; i <= kCells; ++i)
+			slab.vertices.push_back({at(i), at(j), 0.5 * kDepth + 0.015 * std::sin(12.6 * at(i)) * std::sin(15.7 * at(j))});
+	const auto place = [](std::uint32_t i, std::uint32_t j) { return j * (kCells + 1) + i; };
+	for (std::uint32_t j = 0; j < kCells; ++j)
+		for (std::uint32_t i = 0; i < kCells; ++i)
+		{
+			const std::uint32_t a = place(i, j), b = place(i + 1, j), c = place(i + 1, j + 1), d = place(i, j + 1);
+			slab.triangles.push_back({a, b, (i + j) % 2 ? c : d});
+			slab.triangles.push_back((i + j) % 2 ? std::array<std::uint32_t, 3>{a, c, d} : std::array<std::uint32_t, 3>{b, c, d});
+		}
+	std::vector<std::uint32_t> border;
+	for (std::uint32_t k = 0; k < kCells; ++k) border.push_back(place(k, 0));
+	for (std::uint32_t k = 0; k < kCells; ++k) border.push_back(place(kCells, k));
+	for (std::uint32_t k = kCells; k > 0; --k) border.push_back(place(k, kCells));
+	for (std::uint32_t k = kCells; k > 0; --k) border.push_back(place(0, k));
+	const std::uint32_t beneath = std::uint32_t(slab.vertices.size()), count = std::uint32_t(border.size());
+	for (const std::uint32_t v : border)
+		slab.vertices.push_back({slab.vertices[v].x, slab.vertices[v].y, -0.5 * kDepth});
+	slab.vertices.push_back({0, 0, -0.5 * kDepth});
+	for (std::uint32_t k = 0; k < count; ++k)
+	{
+		const std::uint32_t next = (k + 1) % count;
+		slab.triangles.push_back({border[k], beneath + k, beneath + next});
+		slab.triangles.push_back({border[k], beneath + next, border[next]});
+		slab.triangles.push_back({beneath + count, beneath + next, beneath + k});
+	}
+	for (Vec3& v : slab.vertices) v = {double(float(v.x)), double(float(v.y)), double(float(v.z))};
+	const std::shared_ptr<const Hierarchy> h = loaded(built(slab));
+	std::vector<float> covers;
+	for (const Node& node : h->nodes())
+		if (node.level == 1) covers.push_back(node.cover);
+	std::sort(covers.begin(), covers.end());
+	EXPECT_LT(covers.back(), 2 * covers[covers.size() / 2]);
 }
 
 TEST(Assemble, SampledSurfAndProtrudeNeverExceedTheirBounds)
