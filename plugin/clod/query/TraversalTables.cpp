@@ -28,9 +28,15 @@ std::size_t widest(const Hierarchy& h, std::uint32_t base, const std::uint32_t* 
 	}
 	return best;
 }
-void addBox(const OrientedBox& box, LevelBounds& bounds)
+// A ball or a capsule is met where it reaches, not where its core is (ConvexPiece.h).
+double grownBy(const Hierarchy& h)
 {
-	const double x = 2 * double(box.half[0]), y = 2 * double(box.half[1]), z = 2 * double(box.half[2]);
+	return h.isThinCore() ? std::max(0.0, double(h.asset().radius) - double(h.cullBox(h.root()).radius)) : 0;
+}
+void addBox(const OrientedBox& box, double grown, LevelBounds& bounds)
+{
+	const double x = 2 * (double(box.half[0]) + grown), y = 2 * (double(box.half[1]) + grown),
+				 z = 2 * (double(box.half[2]) + grown);
 	bounds.boxes += 1;
 	bounds.volume += x * y * z;
 	bounds.area += 2 * (x * y + y * z + z * x);
@@ -85,6 +91,7 @@ TraversalTables::CollapsedTree TraversalTables::collapse(const Hierarchy& h, std
 void TraversalTables::boundLevels(const Hierarchy& h)
 {
 	m_bounds.resize(h.coarsestClodLevel() + 1);
+	const double grown = grownBy(h);
 	for (const Node& node : h.nodes())
 	{
 		for (const std::uint32_t child : h.children(node))
@@ -95,7 +102,7 @@ void TraversalTables::boundLevels(const Hierarchy& h)
 		bounds.cover = std::max(bounds.cover, node.cover);
 		bounds.protrude = std::max(bounds.protrude, node.protrude);
 		bounds.isWhole = bounds.isWhole && (node.flags & kClodNode) != 0;
-		addBox(h.cullBox(std::uint32_t(&node - h.nodes().begin())), bounds);
+		addBox(h.cullBox(std::uint32_t(&node - h.nodes().begin())), grown, bounds);
 	}
 }
 
