@@ -4,7 +4,10 @@
 
 #include <cmath>
 
+#include "clod/manifold/FacetChoice.h"
+#include "clod/manifold/FacetFinder.h"
 #include "tests/manifold/FacetPair.h"
+#include "tests/query/Bodies.h"
 
 namespace clod::test
 {
@@ -30,5 +33,57 @@ TEST(FacetChoice, WhatTheWayOutLeavesApartIsNoContact)
 			EXPECT_LT(deepest, -0.99 * sunk) << side << " " << way;
 			EXPECT_GT(deepest, -1.01 * sunk) << side << " " << way;
 		}
+}
+
+// The facets chosen of two bodies, as they are seen by the first of them, that the motion as predicted meets.
+std::vector<Facet> metFacets(const FacetPair& pair)
+{
+	const Transform then = aFromBAfter(pair.rules.a, pair.rules.b, pair.aFromB, pair.rules.timeStep);
+	const FacetQuestion question{contactBody(*pair.a), contactBody(*pair.b), pair.aFromB, then, then, pair.rules};
+	FacetFinder finder;
+	FacetChoice choice;
+	std::vector<Facet> facets;
+	finder.find(question, pair.result().contacts, facets);
+	choice.choose(question, {}, pair.aFromB, facets);
+	const auto isIdle = [](const Facet& facet)
+	{ return facet.reach == Facet::Reach::kPossible || facet.distance + facet.linear > 0; };
+	facets.erase(std::remove_if(facets.begin(), facets.end(), isIdle), facets.end());
+	return facets;
+}
+
+// A corner between walls passes another one in a step that carries it far aside, as teeth of gears do: which of the
+// faces that meet there carries must not depend on which of the bodies is A. Their caps lie in one plane, where edges
+// meet besides.
+TEST(FacetChoice, ARidgeIsPassedAlikeWhicheverBodyIsA)
+{
+	const HierarchyPointer cube = cubeOf(1);
+	Random random(3);
+	std::size_t met = 0;
+	for (int i = 0; i < 2000; ++i)
+	{
+		const auto some = [&](double most) { return uniform(random, -most, most); };
+		const double angle = 0.785 + some(0.6), c = std::cos(angle), s = std::sin(angle);
+		const Mat3 turn{{{c, -s, 0}, {s, c, 0}, {0, 0, 1}}};
+		const Vec3 lowest = turn * Vec3{-0.5, -0.5, 0};
+		const double aside = some(0.1), above = 0.001 + some(0.001), onward = -1.5 * aside + some(0.05), down = some(0.05);
+		const Transform aFromB = at(Vec3{0.5 + above + aside, 0.5 + above - aside, 0} - lowest, turn);
+		const Vec3 way{onward - down, -onward - down, 0};
+		FacetPair pair(cube, cube, aFromB), exchanged(cube, cube, inverse(aFromB));
+		pair.move(way);
+		exchanged.move(-(transposed(turn) * way));
+		const std::vector<Facet> facets = metFacets(pair);
+		std::vector<Facet> others = metFacets(exchanged);
+		for (Facet& facet : others) facet.normal = -(turn * facet.normal);
+		const auto isAmong = [](const Facet& facet, const std::vector<Facet>& list)
+		{
+			const auto isSame = [&](const Facet& other)
+			{ return length(other.normal - facet.normal) < 1e-6 && std::abs(other.distance - facet.distance) < 1e-6; };
+			return std::any_of(list.begin(), list.end(), isSame);
+		};
+		for (const Facet& facet : facets) EXPECT_TRUE(isAmong(facet, others)) << i << ": only one way round";
+		for (const Facet& facet : others) EXPECT_TRUE(isAmong(facet, facets)) << i << ": only the other way round";
+		met += facets.size();
+	}
+	EXPECT_GT(met, 2000u);
 }
 }  // namespace clod::test

@@ -88,6 +88,7 @@ struct FacetRecord
 struct Facet : FacetRecord
 {
 	Vec3 onA, onB, normal;
+	Vec3 ofA, ofB;  // the points of the bodies that meet on the way, where they are now: one of the two, or aside of them
 	double linear;          // what the motion closes by, to first order: negative closes
 	double multiplier = 0;  // of the pair's own solve, an impulse
 	double slowOverlap = 0;  // of what lies below the margin: came with a change of level, and is left slowly
@@ -98,6 +99,8 @@ struct Facet : FacetRecord
 	{
 		onA = isOnA ? place : place + distance * normal;
 		onB = isOnA ? place - distance * normal : place;
+		ofA = onA;
+		ofB = onB;
 	}
 };
 

@@ -286,7 +286,7 @@ bool FacetChoice::isBeyondRidge(const Facet& best, const Vec3& center, const Fac
 	const double size = m_question->length(), near = kSamePlace * size, tie = kTie * size, slack = 1e-6 * size;
 	if (dot(best.normal, other.normal) > kSameNormal) return false;
 	// One of the two may be met farther on the way.
-	const double betweenA = lengthSquared(best.onA - other.onA), betweenB = lengthSquared(best.onB - other.onB);
+	const double betweenA = lengthSquared(best.ofA - other.ofA), betweenB = lengthSquared(best.ofB - other.ofB);
 	const double reach = near + std::max(std::abs(best.linear), std::abs(other.linear));
 	if (std::min(betweenA, betweenB) > near * near || std::max(betweenA, betweenB) > reach * reach) return false;
 	// Both hold where the motion ends over the ridge itself, as where an edge stands on a parallel edge.
@@ -324,8 +324,8 @@ void FacetChoice::dropRidges(std::vector<Facet>& facets)
 				  const double a = facets[i].distance + facets[i].linear, b = facets[j].distance + facets[j].linear;
 				  return std::tie(b, i) < std::tie(a, j);
 			  });
-	m_placesA.sort(facets, m_order, &Facet::onA);
-	m_placesB.sort(facets, m_order, &Facet::onB);
+	m_placesA.sort(facets, m_order, &Facet::ofA);
+	m_placesB.sort(facets, m_order, &Facet::ofB);
 	for (std::uint32_t k = 0; k < m_order.size(); ++k)
 	{
 		const Facet& best = facets[m_order[k]];
@@ -345,8 +345,8 @@ void FacetChoice::dropRidges(std::vector<Facet>& facets)
 				if (best.reach == Facet::Reach::kPossible) facets[m_order[k]].reach = facets[other].reach;
 			}
 		};
-		drop(m_placesA, best.onA);
-		drop(m_placesB, best.onB);
+		drop(m_placesA, best.ofA);
+		drop(m_placesB, best.ofB);
 	}
 	removeDropped(facets);
 }

@@ -142,8 +142,8 @@ void FacetContacts::takeUp()
 					   const ContactPoint& point = old.point;
 					   Facet facet{};
 					   static_cast<FacetRecord&>(facet) = record;
-					   facet.onA = point.pointOnA + rules.radiusA * point.normal;
-					   facet.onB = point.pointOnB - rules.radiusB * point.normal;
+					   facet.onA = facet.ofA = point.pointOnA + rules.radiusA * point.normal;
+					   facet.onB = facet.ofB = point.pointOnB - rules.radiusB * point.normal;
 					   facet.normal = point.normal;
 					   facet.slowOverlap = point.slowOverlap;
 					   m_facets.push_back(facet);

@@ -197,6 +197,12 @@ struct FacetFinder::VertexOverFace : Features
 	Vec3 directionAt(const Transform&) const { return {}; }
 	double distanceAt(const Vec3& place, const Vec3&) const { return dot(up, place) - faces.planeOf(polygon).offset; }
 	Vec3 placeInA() const { return isOfA ? own : now; }
+	void placeWhatMeets(const Transform& aFromB, Facet& facet) const
+	{
+		const Vec3 foot = met - distanceAt(met, {}) * faces.planeOf(polygon).normal;
+		facet.ofA = isOfA ? own : foot;
+		facet.ofB = isOfA ? aFromB * foot : now;
+	}
 	Vec3 seen(const Vec3& wayOfB, const Transform& bFromA) const
 	{
 		return isOfA ? -(bFromA.rotation * wayOfB) : wayOfB;
@@ -228,6 +234,11 @@ struct FacetFinder::EdgeOverEdge : Features
 		const double along = crossingOf(start, edge.direction, met, metDirection).alongA;
 		return start + std::max(0.0, std::min(edge.length, along)) * edge.direction;
 	}
+	void placeWhatMeets(const Transform&, Facet& facet) const
+	{
+		const double along = crossingOf(start, edge.direction, met, metDirection).alongB;
+		facet.ofB = now + std::max(0.0, std::min(other.length, along)) * direction;
+	}
 	Vec3 seen(const Vec3& wayOfB, const Transform&) const { return wayOfB; }
 };
 
@@ -251,6 +262,7 @@ public:
 		facet.then = m_of.distanceThen;
 		facet.normal = m_of.normal;
 		facet.span(m_of.placeInA(), isPlacedOnA);
+		m_of.placeWhatMeets(m_question.aFromB, facet);
 		m_finder.add(facet);
 	}
 

@@ -26,7 +26,7 @@ public:
 	bool hides(Part part) const
 	{
 		const std::uint32_t feature = m_isOfB ? m_facet.featureB : m_facet.featureA;
-		if (part == Part::kEdge) return edgeGoesOn(feature, m_isOfB ? m_facet.onB : m_facet.onA);
+		if (part == Part::kEdge) return edgeGoesOn(feature, m_isOfB ? m_facet.ofB : m_facet.ofA);
 		if (part != Part::kVertex) return false;
 		const Vec3 corner = fromOwn(m_own.vertices()[feature]);
 		const Span<std::uint32_t> edges = m_own.edgesOf(m_isOfB ? m_facet.nodeB : m_facet.nodeA);

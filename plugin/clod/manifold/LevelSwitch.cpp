@@ -45,8 +45,8 @@ bool LevelSwitch::goOn(const FacetQuestion& question, const ContactPoint& point,
 	facet.reach = Facet::Reach::kNear;
 	facet.featureA = facet.featureB = std::uint32_t(m_points.size());
 	facet.normal = point.normal;
-	facet.onA = point.pointOnA + rules.radiusA * point.normal;
-	facet.onB = onB - rules.radiusB * point.normal;
+	facet.onA = facet.ofA = point.pointOnA + rules.radiusA * point.normal;
+	facet.onB = facet.ofB = onB - rules.radiusB * point.normal;
 	facet.distance = facet.then = rules.margin + std::max(height, switchSpeed(rules) * rules.timeStep);
 	facet.linear = facet.multiplier = facet.slowOverlap = 0;
 	m_points.push_back(point);
