@@ -116,7 +116,7 @@ LevelAssignment assignToNearest(const Mesh& mesh, const TriangleTree& input, con
 	const double typical = typicalDistance(input, nearest);
 	const double radius = scale.radius;
 	const double least = 1e-4 * radius;
-	const SplitRule rule{std::max(0.2 * typical, least), std::max(0.5 * typical, least),
+	const SplitRule rule{std::max(0.2 * typical, least), std::max(typical, least), std::max(0.5 * typical, least),
 						 std::max(0.5 * typical, least)};
 	const std::vector<Lookups> lookups = nearest.ofFaces(mesh, input, scale.threads);
 	const std::vector<std::uint32_t> preferred = preferredPatches(input, lookups, below);

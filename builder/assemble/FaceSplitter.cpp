@@ -30,7 +30,9 @@ void FaceSplitter::split(const Corners& c, std::uint32_t code, std::uint32_t cou
 	double excess = 0;
 	const bool loyal = m_preferred != kNone && excessOf(m_preferred, c, m_rule.loyalty) <= m_rule.loyalty;
 	const std::uint32_t owner = loyal ? m_preferred : bestOwner(c, excess);
-	if (loyal || excess <= m_rule.tolerance || count == 1 || longestEdge(c) <= m_rule.smallestEdge)
+	const bool isSmall = count <= Piece::kCodes >> (2 * SplitRule::kFirstSplits);
+	const double tolerance = isSmall ? m_rule.ofSmall : m_rule.tolerance;
+	if (loyal || excess <= tolerance || count == 1 || longestEdge(c) <= m_rule.smallestEdge)
 	{
 		m_out->push_back({m_face, code, count, owner});
 		return;

@@ -13,9 +13,13 @@ namespace clod::builder
 {
 struct SplitRule
 {
-	double tolerance;     // added distance that does not deserve a split
+	double tolerance;     // added distance that does not deserve a split,
+	double ofSmall;       // nor, of a piece that was split kFirstSplits times
 	double loyalty;       // added distance for which a piece stays with the patch its owner below goes to
 	double smallestEdge;  // pieces with shorter edges are not split
+	// Small pieces are shared by more nodes than large ones: they are split further where it counts, as those of tall
+	// faces are.
+	static constexpr int kFirstSplits = 6;
 };
 
 // The midpoint-split tree of one face. Its corners lie on a lattice, where each is looked up once.
