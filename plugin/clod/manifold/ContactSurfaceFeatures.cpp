@@ -2,6 +2,7 @@
 // What is found on a mesh: flat polygons, vertices that are corners, edges between polygons, and what a node has of them.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "clod/manifold/ContactSurface.h"
 
@@ -252,6 +253,7 @@ void ContactSurface::listNodes(const std::vector<std::uint32_t>& firstFaceOfNode
 	std::vector<std::uint32_t> vertices, edges;
 	std::vector<std::array<std::uint32_t, 2>> polygons;  // polygon, face
 	std::vector<std::uint16_t> placeInNode(m_vertices.size());
+	std::vector<std::uint32_t> listedFor(m_vertices.size(), 0);  // so many polygons
 	auto edgeOfFace = edgesOfFaces.begin();
 	const auto sortUnique = [](std::vector<std::uint32_t>& list)
 	{
@@ -282,8 +284,13 @@ void ContactSurface::listNodes(const std::vector<std::uint32_t>& firstFaceOfNode
 		{
 			if (m_nodePolygons.size() == m_firstPolygonOf.back() || m_nodePolygons.back().polygon != polygon)
 				m_nodePolygons.push_back({polygon, std::uint32_t(m_polygonCorners.size()), 0});
-			for (const std::uint32_t v : m_faces[face].vertex) m_polygonCorners.push_back(placeInNode[v]);
-			m_nodePolygons.back().cornerCount += 3;
+			const std::uint32_t current = std::uint32_t(m_nodePolygons.size());
+			for (const std::uint32_t v : m_faces[face].vertex)
+			{
+				if (std::exchange(listedFor[v], current) == current) continue;
+				m_polygonCorners.push_back(placeInNode[v]);
+				++m_nodePolygons.back().cornerCount;
+			}
 		}
 	}
 	m_firstVertexOf.push_back(std::uint32_t(m_nodeVertices.size()));

@@ -152,12 +152,17 @@ void FacetFinder::gather(MovedNode& nodeA, MovedNode& nodeB, bool mayOverlap)
 	const std::uint64_t asWide = m_nodesB.displaced(m_pair.roam / m_roamShare, nodeB.place);
 	const auto ofB = [&](const MovedFeature& feature)
 	{ return m_nodesB.sharing(feature.number, nodeB.place) & asWide; };
+	const auto ofEdgeB = [&](MovedEdge& edge)
+	{
+		if (!edge.isPlaced) m_nodesB.place(*m_pair.b, edge);
+		return ofB(edge);
+	};
 	const auto nearA = near(m_nodesA, m_nodesB, nodeB), nearB = near(m_nodesB, m_nodesA, nodeA);
 	gatherOf(nodeA.corners, nodeB.box, m_cornersA, ofCornerA);
 	gatherOf(nodeA.edges, nodeB.box, m_edgesA, nearA);
 	gatherOf(nodeA.polygons, nodeB.box, m_polygonsA, nearA);
 	gatherOf(nodeB.corners, nodeA.box, m_cornersB, ofB);
-	gatherOf(nodeB.edges, nodeA.box, m_edgesB, ofB);
+	gatherOf(nodeB.edges, nodeA.box, m_edgesB, ofEdgeB);
 	gatherOf(nodeB.polygons, nodeA.box, m_polygonsB, nearB);
 }
 }  // namespace clod

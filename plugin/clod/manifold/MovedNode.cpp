@@ -133,6 +133,19 @@ void MovedNodes::place(const ContactSurface& surface, MovedCorner& corner) const
 	corner.isPlaced = true;
 }
 
+void MovedNodes::place(const ContactSurface& surface, MovedEdge& edge) const
+{
+	const SurfaceEdge& own = surface.edges()[edge.index];
+	const Vec3& from = surface.vertices()[own.vertex[0]];
+	edge.start = m_otherFromThis * from;
+	edge.thenStart = m_otherFromThisThen * from;
+	edge.unforcedStart = m_otherFromThisUnforced * from;
+	edge.direction = m_otherFromThis.rotation * own.direction;
+	edge.thenDirection = m_otherFromThisThen.rotation * own.direction;
+	for (std::size_t side = 0; side < 2; ++side) edge.inward[side] = m_otherFromThis.rotation * own.inward[side];
+	edge.isPlaced = true;
+}
+
 // Placed, with a box round its way.
 MovedCorner MovedNodes::placed(const ContactSurface& surface, std::uint32_t vertex) const
 {
@@ -233,25 +246,24 @@ void MovedNodes::listMoved(MovedNode& moved, const ContactSurface& surface, cons
 		for (const std::uint16_t corner : corners) box.add(m_corners[corner].box);
 		moved.polygons.push_back({{box, polygon.polygon, m_numbers.next()}, upOf(surface, polygon.polygon)});
 	}
+	const Span<std::uint32_t> vertices = surface.verticesOf(moved.node);
 	const auto boxOf = [&](std::uint32_t vertex)
-	{ return hasAllVertices ? m_corners[vertex].box : placed(surface, vertex).box; };
+	{
+		if (hasAllVertices) return m_corners[vertex].box;
+		const std::uint32_t* const at = std::lower_bound(vertices.begin(), vertices.end(), vertex);
+		const bool isOfNode = at != vertices.end() && *at == vertex;
+		return isOfNode ? m_corners[std::size_t(at - vertices.begin())].box : placed(surface, vertex).box;
+	};
 	for (const std::uint32_t index : surface.edgesOf(moved.node))
 	{
-		const SurfaceEdge& edge = surface.edges()[index];
-		if (hasAllVertices && (m_beyond[edge.vertex[0]] & m_beyond[edge.vertex[1]]) != 0) continue;
-		const Vec3& from = surface.vertices()[edge.vertex[0]];
-		MovedEdge at;
-		at.index = index;
-		at.number = numberOf(moved, true, index);
-		at.start = m_question->aFromB * from;
-		at.thenStart = m_question->aFromBThen * from;
-		at.unforcedStart = m_question->aFromBUnforced * from;
-		at.direction = m_question->aFromB.rotation * edge.direction;
-		at.thenDirection = m_question->aFromBThen.rotation * edge.direction;
-		for (std::size_t side = 0; side < 2; ++side) at.inward[side] = m_question->aFromB.rotation * edge.inward[side];
-		at.box = boxOf(edge.vertex[0]);
-		at.box.add(boxOf(edge.vertex[1]));
-		moved.edges.push_back(at);
+		const auto& [from, to] = surface.edges()[index].vertex;
+		if (hasAllVertices && (m_beyond[from] & m_beyond[to]) != 0) continue;
+		MovedEdge edge;
+		edge.index = index;
+		edge.number = numberOf(moved, true, index);
+		edge.box = boxOf(from);
+		edge.box.add(boxOf(to));
+		moved.edges.push_back(edge);
 	}
 }
 }  // namespace clod

@@ -54,7 +54,9 @@ struct MovedCorner : MovedFeature
 };
 struct MovedEdge : MovedFeature
 {
-	Vec3 start{}, direction{}, thenStart{}, thenDirection{}, unforcedStart{};  // frame A; not of A's, which stand still
+	bool isPlaced = false;
+	// In frame A, if placed; not of A's, which stand still.
+	Vec3 start{}, direction{}, thenStart{}, thenDirection{}, unforcedStart{};
 	std::array<Vec3, 2> inward{};
 };
 struct MovedPolygon : MovedFeature
@@ -115,8 +117,9 @@ public:
 	std::uint32_t blocks() const { return m_blocks; }
 	// Notes that this feature is near a node of the other body, which has so many blocks. Returns those noted before.
 	std::uint64_t noteNear(std::uint32_t number, std::uint32_t otherBlocks, std::uint32_t otherPlace);
-	// Precondition: of such a node, on `surface`.
+	// Precondition: of such a node, on `surface`; an edge of B's.
 	void place(const ContactSurface& surface, MovedCorner& corner) const;
+	void place(const ContactSurface& surface, MovedEdge& edge) const;
 
 private:
 	MovedCorner placed(const ContactSurface& surface, std::uint32_t vertex) const;
