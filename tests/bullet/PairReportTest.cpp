@@ -218,26 +218,57 @@ TEST(PairReport, TrianglesApartFromAHullAreKnownToBe)
 {
 	const Hierarchy& hierarchy = *body("sphere-300").hierarchy;
 	const double radius = double(hierarchy.asset().radius), far = 0.5 * radius;
-	const auto upperOf = [&](const Vec3& place, const Vec3& beneath)
+	const auto upperOf = [&](const Vec3& place, double side)
 	{
 		PartnerContacts partner;
 		PartnerStats stats;
 		std::vector<Contact> contacts;
 		Triangle triangle{Vec3{-far, 0, -far}, Vec3{far, 0, far}, Vec3{far, 0, -far}};
 		for (Vec3& corner : triangle) corner += place;
-		partner.withTriangle(hierarchy, triangle, 0, beneath, {}, radius, contacts, stats);
+		NearTriangles near;
+		near.add(triangle);
+		partner.withTriangles(hierarchy, near, {}, [&](const Vec3&, double) { return side; }, 3 * radius, {}, radius, contacts, stats);
 		double least = 1e9;
 		for (const Contact& contact : contacts) least = std::min(least, contact.upper);
 		EXPECT_FALSE(contacts.empty());
 		return least;
 	};
-	const Vec3 down{0, -3 * radius, 0};
-	EXPECT_GT(upperOf({0, -1.2 * radius, 0}, down), 0.15 * radius);
-	EXPECT_LE(upperOf({0, -1.2 * radius, 0}, down), 0.25 * radius);
-	EXPECT_EQ(upperOf({0, -0.9 * radius, 0}, down), 0);
-	EXPECT_EQ(upperOf({0, 1.2 * radius, 0}, down), 0);
-	EXPECT_EQ(upperOf({0, -1.2 * radius, 0}, -down), 0);
-	EXPECT_GT(upperOf({1.6 * radius, 0, 0}, down), 0.05 * radius);
+	const double above = 1;
+	EXPECT_GT(upperOf({0, -1.2 * radius, 0}, above), 0.15 * radius);
+	EXPECT_LE(upperOf({0, -1.2 * radius, 0}, above), 0.25 * radius);
+	EXPECT_EQ(upperOf({0, -0.9 * radius, 0}, above), 0);
+	EXPECT_EQ(upperOf({0, 1.2 * radius, 0}, above), 0);
+	EXPECT_EQ(upperOf({0, -1.2 * radius, 0}, -above), 0);
+	EXPECT_GT(upperOf({1.6 * radius, 0, 0}, above), 0.05 * radius);
+}
+
+// Where boxes meet, but no hull is within the tolerance.
+TEST(PairReport, TrianglesBeyondTheToleranceMeetNothing)
+{
+	const Hierarchy& hierarchy = *body("sphere-300").hierarchy;
+	const double radius = double(hierarchy.asset().radius), tolerance = 0.02 * radius;
+	Metric exact;
+	exact.exact = true;
+	Random random(3);
+	int apart = 0, near = 0;
+	for (int i = 0; i < 2000; ++i)
+	{
+		const Vec3 place = uniform(random, 0.9, 1.1) * radius * randomDirection(random);
+		const Vec3 out = normalized(place), along = 0.3 * radius * normalized(cross(out, randomDirection(random)));
+		const Triangle triangle{place, place + 0.3 * radius * out + along, place + 0.3 * radius * out - along};
+		NearTriangles triangles;
+		triangles.add(triangle);
+		PartnerContacts partner;
+		PartnerStats stats;
+		std::vector<Contact> contacts;
+		partner.withTriangles(hierarchy, triangles, {}, [](const Vec3&, double) { return 1; }, 0, exact, tolerance, contacts, stats);
+		const bool isBeyond = length(place) > 1.01 * (radius + tolerance);
+		EXPECT_TRUE(contacts.empty() || !isBeyond) << i;
+		apart += isBeyond && stats.boxTests > 1;
+		near += !contacts.empty();
+	}
+	EXPECT_GT(apart, 100);
+	EXPECT_GT(near, 100);
 }
 
 // Coarse contacts are off by more than the thinner wall: said in the report, in the step's sums, and once aloud.

@@ -2,8 +2,6 @@
 // The second and third step of a dispatch: the query, and the points made of what it accepted. Two bodies that stay
 // where they are cost no more than writing their manifolds does.
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
-#include <BulletCollision/CollisionShapes/btTriangleCallback.h>
-#include <xxhash.h>
 
 #include <algorithm>
 #include <array>
@@ -17,27 +15,6 @@ namespace clod
 {
 namespace
 {
-// An engine mesh's triangles, in its own frame and the hierarchy's unit.
-struct TriangleSink : btTriangleCallback
-{
-	const double scale;
-	std::vector<Triangle>& triangles;
-	std::vector<std::array<int, 2>>& names;
-	TriangleSink(double s, std::vector<Triangle>& t, std::vector<std::array<int, 2>>& n) : scale(s), triangles(t), names(n)
-	{
-		triangles.clear();
-		names.clear();
-	}
-	void processTriangle(btVector3* corners, int part, int index) override
-	{
-		Triangle triangle;
-		for (std::size_t i = 0; i < 3; ++i) triangle[i] = (1 / scale) * toVec3(corners[i]);
-		if (normalized(cross(triangle[1] - triangle[0], triangle[2] - triangle[0])) == Vec3{}) return;
-		triangles.push_back(triangle);
-		names.push_back({part, index});
-	}
-};
-
 constexpr double kFiner = 2;         // by so much a trial is finer than what missed: levels differ by about that
 constexpr double kLeastOfTrial = 4;  // of what the coarsest answer takes: a finer one takes more
 constexpr double kWide = 0.1;        // of the length: so far aside of a way there may be all of a body
@@ -51,8 +28,7 @@ struct Scratch
 	ClusterSet previous, next;
 	PartnerContacts partner;
 	JoinedBodies joined;
-	std::vector<Triangle> triangles;  // of a mesh, within the tolerance, frame B
-	std::vector<std::array<int, 2>> names;  // of those of the last answer, see isMeshAsItWas()
+	NearTriangles triangles;          // of a mesh
 	GapResult result, trial;          // of a query: a pair keeps no more room than its own contacts take
 };
 Scratch& scratch()
@@ -216,37 +192,24 @@ void PairState::refine(Prepared& prepared)
 	m_budget->endSpare();
 }
 
-// Gathers the triangles of a mesh within the tolerance of A at that pose. Returns their hash.
-std::uint64_t PairState::gatherTriangles(const PairPose& pose, const Transform& aFromB, double tolerance,
-										 std::vector<std::array<int, 2>>& names) const
-{
-	std::vector<Triangle>& triangles = scratch().triangles;
-	TriangleSink sink(pose.scale(), triangles, names);
-	const Transform bFromA = inverse(aFromB);
-	btMatrix3x3 turn;
-	for (int i = 0; i < 3; ++i) turn[i] = toBullet(bFromA.rotation.row[i]);
-	btVector3 low, high;
-	pose.shapeA->getAabb(btTransform(turn, toBullet(pose.scale() * bFromA.translation)), low, high);
-	const btScalar grow = btScalar(tolerance * pose.scale());
-	static_cast<const btConcaveShape&>(*pose.b->getCollisionShape())
-		.processAllTriangles(&sink, low - btVector3(grow, grow, grow), high + btVector3(grow, grow, grow));
-	return XXH3_64bits(triangles.data(), triangles.size() * sizeof(Triangle));
-}
-
-// Are the mesh's near triangles those of the last answer? A program may edit a mesh under the same shape without a
-// word.
-bool PairState::isMeshAsItWas(const PairPose& pose) const
-{
-	return gatherTriangles(pose, m_answered->aFromB, m_answered->settings.tolerance, scratch().names) == m_trianglesHash;
-}
-
-// Asks about planes and meshes. They have no hierarchy: what is near of them is gathered anew.
+// Asks about planes and meshes. They have no hierarchy: what is near of a mesh is gathered.
 void PairState::askPartner(const PairPose& pose)
 {
+	if (pose.partner == Partner::kConcave)
+	{
+		if (!m_mesh) m_mesh = std::make_unique<NearMesh>();
+		bool& isOther = m_facets.levels.isOther = m_answered != nullptr;
+		if (!m_mesh->list(pose, m_result.pairs.empty(), scratch().triangles, isOther)) m_partnerSurface.reset();
+	}
+	answerPartner(pose);
+}
+
+void PairState::answerPartner(const PairPose& pose)
+{
+	const bool isAlone = m_result.pairs.empty() && pose.prediction != Prediction::kStill;  // as it was, and asked again
 	GapResult& result = scratch().result;
 	result.clear();
 	m_partnerStats = {};
-	m_partnerSurface.reset();
 	const Hierarchy& hierarchy = pose.hierarchyA();
 	const btCollisionShape& shape = *pose.b->getCollisionShape();
 	if (pose.partner == Partner::kPlane)
@@ -262,23 +225,28 @@ void PairState::askPartner(const PairPose& pose)
 	}
 	else
 	{
-		m_facets.levels.isOther = m_answered && !isMeshAsItWas(pose);
-		m_trianglesHash = gatherTriangles(pose, pose.aFromB, pose.tolerance, m_names);
-		const std::vector<Triangle>& triangles = scratch().triangles;
+		const NearTriangles& triangles = scratch().triangles;
 		const Vec3 way = pose.aFromB.rotation * m_facets.through;
-		const double size = 2 * double(hierarchy.asset().radius);
-		for (std::uint32_t i = 0; i < triangles.size(); ++i)
+		const auto sideOf = [&](const Vec3& normal, double offset)
+		{ return SheetCrossing::sideOf(pose.rules, normal, offset, way); };
+		PartnerContacts& partner = scratch().partner;
+		const auto compare = [&](const NearTriangles& with)
 		{
-			Triangle inA = triangles[i];
-			for (Vec3& corner : inA) corner = pose.aFromB * corner;
-			const Vec3 normal = normalized(cross(inA[1] - inA[0], inA[2] - inA[0]));
-			const double side = SheetCrossing::sideOf(pose.rules, normal, dot(normal, inA[0]), way);
-			const Vec3 beneath = (side < 0 ? size : -size) * normal;
-			scratch().partner.withTriangle(hierarchy, inA, i, beneath, m_report.metric, pose.tolerance, result.contacts,
-										   m_partnerStats);
+			partner.withTriangles(hierarchy, with, pose.aFromB, sideOf, 2 * double(hierarchy.asset().radius),
+								  m_report.metric, pose.tolerance, result.contacts, m_partnerStats);
+		};
+		const NearTriangles& unknown =
+			isAlone ? m_mesh->unknown(pose, m_report.metric, triangles, partner, m_partnerStats) : triangles;
+		compare(unknown);
+		if (&unknown != &triangles && !result.contacts.empty())
+		{
+			result.contacts.clear();
+			compare(triangles);
 		}
-		if (!result.contacts.empty())
-			m_partnerSurface = std::make_shared<ContactSurface>(triangles, pose.rules.length);
+		if (result.contacts.empty())
+			m_partnerSurface.reset();
+		else if (!m_partnerSurface)
+			m_partnerSurface = std::make_shared<ContactSurface>(triangles.corners, pose.rules.length);
 	}
 	result.errorBound = m_partnerStats.errorBound;
 	result.stats.boxTests = m_partnerStats.boxTests;
@@ -303,7 +271,7 @@ bool PairState::refineHeld(const PairPose& pose, Question& question)
 	const double before = std::exchange(metric.maxError, stricter);
 	m_report.metric.maxError = stricter;
 	if (!pose.isOfTwo())
-		askPartner(pose);
+		answerPartner(pose);
 	else
 	{
 		const std::uint32_t tests = testsOf(m_result.stats);
@@ -424,7 +392,7 @@ void PairState::namePartnerFace(const PairPose& pose, ContactPoint& point)
 	if (!hasGap) m_result.minDistance = std::min(m_result.minDistance, point.height + pose.rules.margin - pose.rules.radiusB);
 	const std::array<int, 2> name = pose.partner == Partner::kConvex  ? std::array<int, 2>{int(kNone), int(kNone)}
 									: pose.partner == Partner::kPlane ? std::array<int, 2>{0, int(kNone)}
-																	  : m_names[point.faceB / 2];
+																	  : m_mesh->nameOf(point.faceB / 2);
 	point.nodeB = std::uint32_t(name[0]);
 	point.faceB = std::uint32_t(name[1]);
 }

@@ -87,7 +87,7 @@ std::optional<PairState::Saved> PairState::save() const
 	saved.facets = m_facets;
 	saved.result = m_result;
 	saved.partnerStats = m_partnerStats;
-	saved.trianglesHash = m_trianglesHash;
+	if (m_mesh) saved.mesh = m_mesh->gathered();
 	saved.sides = m_sides;
 	saved.manifolds = m_manifolds.save();
 	return saved;
@@ -116,7 +116,8 @@ void PairState::restore(const Saved& saved)
 	m_facets = saved.facets;
 	m_result = saved.result;
 	m_partnerStats = saved.partnerStats;
-	m_trianglesHash = saved.trianglesHash;
+	m_partnerSurface.reset();  // of what will be gathered again
+	m_mesh = saved.mesh ? std::make_unique<NearMesh>(*saved.mesh) : nullptr;
 	m_sides = saved.sides;
 	m_manifolds.restore(saved.manifolds);
 }
@@ -127,7 +128,7 @@ void PairState::Saved::addTo(std::vector<double>& numbers) const
 	Numbers all(numbers);
 	all.add(report.aFromB, followed, heldError, foreseen.spare, foreseen.motion.linear, foreseen.motion.angular,
 			facets.aFromB, facets.through, facets.wayOut, facets.isMadeIn, facets.levels.overlap, facets.levels.isOther,
-			trianglesHash);
+			mesh ? mesh->hash : 0);
 	for (const SwitchMemory::Levels& levels : facets.levels.asked) all.add(levels.a, levels.b);
 	for (const FacetRecord& facet : facets.reduced) all.add(facet.feature, facet.distance, facet.then);
 	for (const AcceptedPair& pair : result.pairs) all.add(pair.nodeA, pair.nodeB);

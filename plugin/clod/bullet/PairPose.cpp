@@ -2,11 +2,14 @@
 #include "clod/bullet/PairPose.h"
 
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
+#include <BulletCollision/CollisionShapes/btConcaveShape.h>
 #include <BulletCollision/CollisionShapes/btConvexShape.h>
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
+#include <xxhash.h>
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "clod/bullet/BodyState.h"
 #include "clod/hierarchy/ThinnestWall.h"
@@ -18,6 +21,8 @@ namespace
 {
 constexpr double kSamePlace = 1e-6;  // of the length
 constexpr double kAside = 0.4;       // of the way of the step
+constexpr double kMeshCell = 0.25;   // of the length: so are the cells a mesh is gathered by
+constexpr double kFarFromMesh = 0.25;  // of the length: a distance that takes many dispatches to go
 const char* const kNoFloats = "floats cannot hold a body at its scale";
 
 Vec3 sphereCenter(const Hierarchy& hierarchy)
@@ -180,6 +185,130 @@ double PairPose::usualWall() const
 {
 	const double wall = hierarchyA().derived<UsualWall>().thickness;
 	return isOfTwo() ? std::min(wall, hierarchyB().derived<UsualWall>().thickness) : wall;
+}
+
+namespace
+{
+struct GatheredTriangles : btTriangleCallback
+{
+	std::vector<std::array<btScalar, 9>> corners;  // world lengths
+	std::vector<std::array<int, 2>> names;
+	void processTriangle(btVector3* triangle, int part, int index) override
+	{
+		const btVector3 &a = triangle[0], &b = triangle[1], &c = triangle[2];
+		corners.push_back({a.x(), a.y(), a.z(), b.x(), b.y(), b.z(), c.x(), c.y(), c.z()});
+		names.push_back({part, index});
+	}
+};
+GatheredTriangles& gatheredLast()
+{
+	thread_local GatheredTriangles gathered;
+	return gathered;
+}
+
+// May the triangle of these corners have to do with the box?
+bool mayMeet(const std::array<btScalar, 9>& corners, const NearMesh::Gathered& box)
+{
+	for (std::size_t i = 0; i < 3; ++i)
+	{
+		const auto [least, most] = std::minmax({corners[i], corners[3 + i], corners[6 + i]});
+		if (most < box.low[i] || least > box.high[i]) return false;
+	}
+	return true;
+}
+
+bool isSameBox(const NearMesh::Gathered& l, const NearMesh::Gathered& r)
+{
+	return l.low == r.low && l.high == r.high;
+}
+}  // namespace
+
+// Round A grown by the tolerance.
+NearMesh::Gathered NearMesh::boxOf(const PairPose& pose)
+{
+	const Transform bFromA = inverse(pose.aFromB);
+	btMatrix3x3 turn;
+	for (int i = 0; i < 3; ++i) turn[i] = toBullet(bFromA.rotation.row[i]);
+	btVector3 low, high;
+	pose.shapeA->getAabb(btTransform(turn, toBullet(pose.scale() * bFromA.translation)), low, high);
+	const btScalar grow = btScalar(pose.tolerance * pose.scale());
+	Gathered box;
+	for (std::size_t i = 0; i < 3; ++i)
+	{
+		box.low[i] = low[int(i)] - grow;
+		box.high[i] = high[int(i)] + grow;
+	}
+	return box;
+}
+
+// Grown to where cells end, so that a body that moves little has the same triangles, and these the same surface, in the
+// next dispatch.
+NearMesh::Gathered NearMesh::inCells(const PairPose& pose, const Gathered& box)
+{
+	const double cell = kMeshCell * pose.rules.length * pose.scale();
+	Gathered grown;
+	for (std::size_t i = 0; i < 3; ++i)
+	{
+		grown.low[i] = btScalar(cell * std::floor(double(box.low[i]) / cell));
+		grown.high[i] = btScalar(cell * std::ceil(double(box.high[i]) / cell));
+	}
+	return grown;
+}
+
+std::uint64_t NearMesh::gather(const PairPose& pose, const Gathered& box)
+{
+	GatheredTriangles& gathered = gatheredLast();
+	gathered.corners.clear();
+	gathered.names.clear();
+	static_cast<const btConcaveShape&>(*pose.b->getCollisionShape())
+		.processAllTriangles(&gathered, btVector3(box.low[0], box.low[1], box.low[2]),
+							 btVector3(box.high[0], box.high[1], box.high[2]));
+	return XXH3_64bits(gathered.corners.data(), gathered.corners.size() * sizeof(gathered.corners[0]));
+}
+
+bool NearMesh::isAsItWas(const PairPose& pose) const
+{
+	return gather(pose, m_gathered) == m_gathered.hash;
+}
+
+bool NearMesh::list(const PairPose& pose, bool isAlone, NearTriangles& triangles, bool& isOther)
+{
+	const bool isAsked = std::exchange(isOther, false);
+	triangles.clear();
+	const Gathered box = boxOf(pose);
+	Gathered now = isAlone ? box : inCells(pose, box);  // alone it needs no surface
+	const bool isThere = isSameBox(m_gathered, now);
+	if (isAsked && !isThere) isOther = !isAsItWas(pose);
+	now.hash = gather(pose, now);
+	const bool isSame = isThere && now.hash == m_gathered.hash;
+	if (isAsked && isThere) isOther = !isSame;
+	m_gathered = now;
+	m_names.clear();
+	const GatheredTriangles& gathered = gatheredLast();
+	for (std::size_t i = 0; i < gathered.corners.size(); ++i)
+	{
+		const std::array<btScalar, 9>& corners = gathered.corners[i];
+		Triangle triangle;
+		for (std::size_t c = 0; c < 3; ++c)
+			triangle[c] = (1 / pose.scale()) *
+						  Vec3{double(corners[3 * c]), double(corners[3 * c + 1]), double(corners[3 * c + 2])};
+		if (triangles.add(triangle, mayMeet(corners, box))) m_names.push_back(gathered.names[i]);
+	}
+	return isSame;
+}
+
+const NearTriangles& NearMesh::unknown(const PairPose& pose, const Metric& metric, const NearTriangles& triangles,
+									   PartnerContacts& contacts, PartnerStats& stats)
+{
+	thread_local NearTriangles others;
+	const Hierarchy& hierarchy = pose.hierarchyA();
+	others.clear();
+	if (m_separation.holds(hierarchy, pose.aFromB, metric, pose.tolerance))
+		m_separation.listOthers(triangles, others);
+	else if (!m_separation.seek(contacts, hierarchy, triangles, pose.aFromB, metric, pose.tolerance,
+								kFarFromMesh * pose.rules.length, stats))
+		return triangles;
+	return others;
 }
 
 double spareOverPlane(const btCollisionObject& body, const btCollisionObject& plane, const RelativeMotion& motion,

@@ -5,13 +5,17 @@
 #include <BulletCollision/BroadphaseCollision/btDispatcher.h>
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 
+#include <array>
+#include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "clod/bullet/ConvexPartner.h"
 #include "clod/bullet/btClodShape.h"
 #include "clod/collide/Sweep.h"
 #include "clod/manifold/ContactPoints.h"
+#include "clod/manifold/SheetSeparation.h"
 
 namespace clod
 {
@@ -79,6 +83,37 @@ struct PairPose
 	void expectHolding();
 	// Looks farther for what a motion meets that is not the one predicted.
 	void lookAside(bool carry);
+};
+
+// What is near of an engine's mesh. It has no hierarchy, and a program may edit it under the same shape without a word: so
+// it is gathered in every dispatch, and its hash tells whether it is as it was.
+class NearMesh
+{
+public:
+	struct Gathered
+	{
+		std::array<btScalar, 3> low{}, high{};  // a box in the mesh's frame, world lengths,
+		std::uint64_t hash = 0;                 // and the triangles in there
+	};
+	NearMesh() = default;
+	explicit NearMesh(const Gathered& gathered) : m_gathered(gathered) {}
+	const Gathered& gathered() const { return m_gathered; }
+	bool isAsItWas(const PairPose& pose) const;
+	// Lists the triangles. isAlone: A met none of them last. False if they are not those listed last. isOther: set to
+	// whether the mesh itself is another than then, if that is asked by true.
+	bool list(const PairPose& pose, bool isAlone, NearTriangles& triangles, bool& isOther);
+	// Of those listed, all but what A has moved too little to meet. They serve until the next are asked for.
+	const NearTriangles& unknown(const PairPose& pose, const Metric& metric, const NearTriangles& triangles,
+								 PartnerContacts& contacts, PartnerStats& stats);
+	const std::array<int, 2>& nameOf(std::uint32_t triangle) const { return m_names[triangle]; }
+
+private:
+	static Gathered boxOf(const PairPose& pose);
+	static Gathered inCells(const PairPose& pose, const Gathered& box);
+	static std::uint64_t gather(const PairPose& pose, const Gathered& box);
+	Gathered m_gathered;
+	std::vector<std::array<int, 2>> m_names;  // part and index of each triangle listed
+	SheetSeparation m_separation;
 };
 
 // How far, world length, the ball round a body of ours stays from contact with a plane in a step of this motion (of the world's

@@ -116,7 +116,7 @@ bool PairState::isStill(const PairPose& pose, const Question& question) const
 	settings.tolerance = then.settings.tolerance;
 	settings.sweep = then.settings.sweep;
 	return sameRules(rules, then.rules) && question.plane == then.plane && clod::same(settings, then.settings) &&
-		   (pose.partner != Partner::kConcave || isMeshAsItWas(pose));
+		   (pose.partner != Partner::kConcave || (m_mesh && m_mesh->isAsItWas(pose)));
 }
 
 // Drops everything kept where one of the shapes is another than in the last dispatch.
@@ -129,6 +129,7 @@ void PairState::noticeShapes(const PairPose& pose)
 	m_clusters = {};
 	m_answered.reset();
 	m_facets = {};
+	m_mesh.reset();
 	m_metric.letGo();
 	m_heldError = kOff;
 	m_points = m_ofCoarsest = 0;

@@ -176,9 +176,7 @@ private:
 	// Within the settings' budget; no gap. Tells the tests, and whether they were enough: if not, they were in vain.
 	bool attempt(const PairPose& pose, ContactSettings& settings, std::uint32_t& tests);
 	void askPartner(const PairPose& pose);
-	std::uint64_t gatherTriangles(const PairPose& pose, const Transform& aFromB, double tolerance,
-								  std::vector<std::array<int, 2>>& names) const;
-	bool isMeshAsItWas(const PairPose& pose) const;
+	void answerPartner(const PairPose& pose);
 	// Points.
 	void answer(const PairPose& pose, Question& question, bool isAsked = false);
 	void foresee(const PairPose& pose);
@@ -233,9 +231,8 @@ private:
 	FacetMemory m_facets;
 	HeldResult m_result;
 	PartnerStats m_partnerStats;
-	std::vector<std::array<int, 2>> m_names;  // part and index of each triangle of a mesh within the tolerance,
-	std::shared_ptr<const ContactSurface> m_partnerSurface;  // the surface they make,
-	std::uint64_t m_trianglesHash = 0;                 // and what they were
+	std::unique_ptr<NearMesh> m_mesh;  // where B is one,
+	std::shared_ptr<const ContactSurface> m_partnerSurface;  // and its surface in there; or that of a plane
 };
 
 struct PairState::Saved
@@ -252,7 +249,7 @@ struct PairState::Saved
 	FacetMemory facets;
 	HeldResult result;
 	PartnerStats partnerStats;
-	std::uint64_t trianglesHash = 0;
+	std::optional<NearMesh::Gathered> mesh;
 	Sides sides;
 	ManifoldSet::Saved manifolds;
 	void addTo(std::vector<double>& numbers) const;  // if it has points: all that tells it from another but addresses

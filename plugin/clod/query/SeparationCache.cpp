@@ -114,12 +114,12 @@ double room(const QueryContext& context, double tolerance)
 
 bool SeparationCache::holds(const QueryContext& context, const ContactSettings& settings, const AskedGap& gap)
 {
-	if (!m_isKnown || !isMeantFor(settings, gap)) return false;
+	if (!m_motion.isKnown() || !isMeantFor(settings, gap)) return false;
 	const double motion = motionBound(m_pose, context.pose, context.radiusA, context.radiusB);
 	const double change = sweepChange(m_pose, m_settings.sweep, context.pose, context.sweep, motion, context.radiusB);
-	if (!(motion + change + room(context, settings.tolerance) < m_motion)) return false;
+	if (!m_motion.allows(motion + change + room(context, settings.tolerance))) return false;
 	if (!isWithinThresholds(context, settings.metric)) return false;
-	++m_uses;
+	m_motion.use();
 	return true;
 }
 
@@ -127,17 +127,13 @@ void SeparationCache::seek(const QueryContext& context, const StopRule& rule, co
 						   const AskedGap& gap, double lastMove, const Tools& tools)
 {
 	if (gap.isAskedApart) return;
-	if (m_isKnown) m_uses < kWorthwhile ? m_backOff.fail() : m_backOff.succeed();
-	m_isKnown = false;
-	m_uses = 0;
-	if (!m_backOff.isOver()) return;
+	if (!m_motion.isToBeSought()) return;
 	const double cap = lastMove > 0 ? kFarthestSearch * lastMove : settings.tolerance;
-	m_motion = motionToGo(context, rule, settings, gap, cap, tools);
-	if (m_motion > 0 && context.hasInput()) m_motion = outside(context, m_motion, tools);
+	const double toGo = motionToGo(context, rule, settings, gap, cap, tools);
+	m_motion.set(toGo > 0 && context.hasInput() ? outside(context, toGo, tools) : toGo);
 	m_pose = context.pose;
 	m_settings = settings;
 	m_gap = gap;
-	m_isKnown = true;
 }
 
 // Thresholds that change with pose, motion and camera: before a contact by any of those near the present ones. Where the

@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: Zlib
 // Two bodies that are apart: how much they may move before they have to be looked at again. The front's own bounds cannot
-// tell, as some boxes are always just beyond the tolerance. The search for the nearest pair (NearestPair.h) costs about a
-// fresh traversal, so one that was used up after few queries is not made again at once.
-//
-// Based on: conservative advancement (Mirtich 1996).
+// tell, as some boxes are always just beyond the tolerance: the nearest pair is searched (NearestPair.h).
 #pragma once
-#include "clod/query/BackOff.h"
-#include "clod/query/Constants.h"
 #include "clod/query/InsideTest.h"
 #include "clod/query/NearestPair.h"
 #include "clod/query/Query.h"
+#include "clod/query/SafeMotion.h"
 
 namespace clod
 {
@@ -50,14 +46,11 @@ private:
 	bool isWithinThresholds(const QueryContext& context, const Metric& metric) const;
 	bool isMeantFor(const ContactSettings& settings, const AskedGap& gap) const;
 
-	bool m_isKnown = false;
 	ContactSettings m_settings;
 	AskedGap m_gap;
 	RelativePose m_pose;
-	double m_motion = 0;  // from there, what uses it up
+	SafeMotion m_motion;  // from there
 	ThresholdRange m_thresholds{0, 0};
 	double m_largestCover = 0;
-	std::uint32_t m_uses = 0;
-	BackOff m_backOff{kSearchBackOff};
 };
 }  // namespace clod
