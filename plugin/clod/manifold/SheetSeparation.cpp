@@ -40,9 +40,7 @@ void SheetSeparation::listOthers(const NearTriangles& triangles, NearTriangles& 
 	for (std::size_t i = 0; i < triangles.corners.size(); ++i)
 	{
 		if (!triangles.mayMeet[i] || std::binary_search(m_known.begin(), m_known.end(), hashOf(triangles.corners[i]))) continue;
-		others.corners.push_back(triangles.corners[i]);
-		others.normals.push_back(triangles.normals[i]);
-		others.mayMeet.push_back(true);
+		others.add(triangles.corners[i]);
 	}
 }
 
