@@ -104,8 +104,10 @@ TEST(HullCull, RemembersOnlyPointsThatWereFound)
 				if (memory.kind != CachedSeparation::Kind::kNear) continue;
 				++remembered;
 				EXPECT_TRUE(bound.hasPoints);
-				EXPECT_LT(sweptPointDistance(context, b, toVec3(memory.onA), toVec3(memory.onB)),
-						  limit + 1e-6 * context.size);
+				const double radiusA = context.radiusA, radiusB = context.radiusB;
+				const Vec3 onA = memory.onA.get(ShortPoint::kStep * radiusA), onB = memory.onB.get(ShortPoint::kStep * radiusB);
+				EXPECT_LT(sweptPointDistance(context, b, onA, onB),
+						  limit + ShortPoint::kRounding * (radiusA + radiusB) + 1e-6 * context.size);
 			}
 		}
 	std::printf("%d stopped beyond the limit, not apart; %d with points\n", stopped, remembered);

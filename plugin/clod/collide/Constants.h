@@ -30,6 +30,8 @@ inline constexpr double kNoArea = 1e-12;
 // Of the motion between two poses: three times what the axes of two boxes can be off, four times kAxisTolerance
 // each (BoxSeparation.cpp). Of a millimetre 4 nanometres.
 inline constexpr double kMotionRounding = 4e-6;
+// Of a motion along an axis that is kept in steps of 2.44e-4 (SeparatingAxis.h).
+inline constexpr double kKeptAxisRounding = 2.5e-4;
 // Lengths whose squares, and products of which, a float can hold: its largest number has 3.4e38.
 inline constexpr double kLargestInFloat = 1e15;
 // What spheres' distances lose where floats cannot hold squares: positions and radii rounded to float, some 16 times.

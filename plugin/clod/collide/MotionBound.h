@@ -19,11 +19,11 @@ namespace clod
 // A bound from below, or above, that a motion may have made wrong by `moved`.
 inline float lowerAfter(float bound, float moved)
 {
-	return bound - moved - kFloatStep * (bound < 0 ? -bound : bound);
+	return bound - moved - kFloatStep * std::abs(bound);
 }
 inline float upperAfter(float bound, float moved)
 {
-	return bound + moved + kFloatStep * (bound < 0 ? -bound : bound);
+	return bound + moved + kFloatStep * std::abs(bound);
 }
 
 // Norm of the difference of two rotations.
@@ -102,7 +102,7 @@ public:
 	{
 		Way way;
 		const Vec3& middle = way.m_middle = m_turn * center + m_shift;
-		const double rounding = kMotionRounding * (std::abs(middle.x) + std::abs(middle.y) + std::abs(middle.z));
+		const double rounding = kKeptAxisRounding * (std::abs(middle.x) + std::abs(middle.y) + std::abs(middle.z));
 		way.m_spread = rounding + (1 + kMotionRounding) * m_spread * radius + m_rounding;
 		return way;
 	}

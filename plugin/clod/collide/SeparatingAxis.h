@@ -8,6 +8,8 @@
 // Based on: van den Bergen, "A Fast and Robust GJK Implementation for Collision Detection of Convex Objects", 1999
 // (incremental separating-axis GJK).
 #pragma once
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -16,6 +18,57 @@
 
 namespace clod
 {
+// A vector of unit length, or none, in 39 bits: numbers in steps, towards zero. A separation along it is none too
+// large.
+class ShortAxis
+{
+public:
+	static constexpr int kBits = 13;
+	static constexpr std::uint64_t kMask = (std::uint64_t(1) << 3 * kBits) - 1;
+	static constexpr double kStep = 1.0 / (1 << (kBits - 1));
+
+	ShortAxis() = default;
+	explicit ShortAxis(std::uint64_t packed) : m_bits(packed) {}
+	explicit ShortAxis(const Vec3& v) : m_bits(packed(v.x) | packed(v.y) << kBits | packed(v.z) << 2 * kBits) {}
+	std::uint64_t packed() const { return m_bits; }
+	Vec3 get() const { return {number(0), number(1), number(2)}; }
+
+private:
+	static std::uint64_t packed(double x)
+	{
+		constexpr double kMost = 1 / kStep - 1;
+		return std::uint64_t(std::int64_t(std::min(x / kStep, kMost))) & ((1U << kBits) - 1);
+	}
+	double number(int which) const
+	{
+		return kStep * double(std::int64_t(m_bits << (64 - kBits * (which + 1))) >> (64 - kBits));
+	}
+	std::uint64_t m_bits = 0;
+};
+
+// A point about a body's origin, in steps, to the nearest.
+struct ShortPoint
+{
+	static constexpr double kStep = 0x1p-15;      // of the body's radius,
+	static constexpr double kRounding = 2.65e-5;  // as sqrt(3) / 2 steps
+	std::int16_t x = 0, y = 0, z = 0;
+
+	// step: kStep in a unit of length.
+	Vec3 get(double step) const { return {step * x, step * y, step * z}; }
+	// False beyond the radius.
+	bool set(const Vec3& point, double step)
+	{
+		constexpr std::int32_t kAll = std::int32_t(1 / kStep);
+		const Vec3 steps = (1 / step) * point;
+		if (!(std::abs(steps.x) < kAll - 1 && std::abs(steps.y) < kAll - 1 && std::abs(steps.z) < kAll - 1))
+			return false;
+		const auto nearest = [](double number) { return std::int16_t(std::int32_t(number + (kAll + 0.5)) - kAll); };
+		x = nearest(steps.x), y = nearest(steps.y), z = nearest(steps.z);
+		return true;
+	}
+};
+
+// What is remembered of two hulls between queries, in few bytes.
 struct CachedSeparation
 {
 	enum class Kind : std::uint8_t
@@ -24,25 +77,24 @@ struct CachedSeparation
 		kApart,  // along an axis
 		kNear    // by two points
 	};
-	Kind kind = Kind::kUnknown;
+	ShortAxis axis;   // frame A, from B to A. apart: zero: it is not known; near: it may show them apart all the same
 	float lower = 0;  // apart: a bound of the distance, of the support planes across the axis if it is known
-	Float3 onA;       // frame A. apart: the axis, unit, from B to A, or zero: it is not known; near: a point of hull a
-	Float3 onB;       // frame B. near: a point of hull b
-	Float3 between;   // frame A. near: an axis that may show that the hulls are apart all the same
+	ShortPoint onA;   // frame A. near: a point of hull a,
+	ShortPoint onB;   // and, in frame B, one of hull b
+	Kind kind = Kind::kUnknown;
 
 	bool isApart() const { return kind == Kind::kApart; }
-	void setApart(double bound, const Vec3& axis)
+	void setApart(double bound, const Vec3& direction)
 	{
 		kind = Kind::kApart;
 		lower = lowerAfter(float(bound), 0);
-		onA = toFloat3(axis);
+		axis = ShortAxis(direction);
 	}
-	void setNear(const Vec3& pointOnA, const Vec3& pointOnB, const Vec3& axis)
+	// Unless a point is beyond its body's radius. Steps: of points of A and B.
+	void setNear(const Vec3& pointOnA, double stepOfA, const Vec3& pointOnB, double stepOfB, const Vec3& direction)
 	{
-		kind = Kind::kNear;
-		onA = toFloat3(pointOnA);
-		onB = toFloat3(pointOnB);
-		between = toFloat3(axis);
+		kind = onA.set(pointOnA, stepOfA) && onB.set(pointOnB, stepOfB) ? Kind::kNear : Kind::kUnknown;
+		axis = ShortAxis(direction);
 	}
 };
 

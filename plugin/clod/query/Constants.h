@@ -11,7 +11,6 @@ namespace clod
 {
 // Rounding. Each is at least twice what it stands for.
 inline constexpr double kSumRounding = 1e-9;    // of the size: motions added up a million times
-inline constexpr double kPlaceRounding = 2e-7;  // of the size: two points in float, each off by sqrt(3) kFloatUnit
 inline constexpr double kBoundRounding = 3e-7;  // of a bound: three operations in float, and its own conversion
 inline constexpr double kKeptOfSign = 0.999;    // of a distance: so much motion leaves its sign
 // Motions of so many sizes are not added up: what comes then would be lost below kSumRounding.
@@ -30,7 +29,7 @@ inline constexpr double kMovesAhead = 4;   // so many as the last one,
 inline constexpr double kMostAhead = 0.25;  // and at most so much of the smaller body;
 inline constexpr double kFartherOfCore = 2;  // of points and segments, which have few pairs
 // No front of base levels is kept after a query that moved by more than such a share of the tolerance, and so many
-// more, unless it takes no more than such a share of the bytes of the two bodies.
+// more, unless it takes, unpacked, no more than such a share of the bytes of the two bodies.
 inline constexpr double kMovingShare = 0.25;
 inline constexpr std::uint32_t kCalm = 64;
 inline constexpr double kFrontShare = 1.0 / 64;

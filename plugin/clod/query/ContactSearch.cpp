@@ -81,6 +81,7 @@ Outline outline(const QueryContext& context, double tolerance, PairCache::State&
 {
 	if (!state.outline) state.outline = std::make_unique<PairFront>();
 	PairFront& front = *state.outline;
+	front.isAtHand = true;
 	Outline result;
 	if (front.entries.empty() || front.motionSince > 0 || front.tolerance != tolerance)
 	{
@@ -147,13 +148,11 @@ void ContactSearch::countQuiet(bool isNothingNear)
 {
 	PairFront& front = m_state.front;
 	m_state.calmFor = m_state.lastMove > kMovingShare * m_settings.tolerance ? 0 : std::min(m_state.calmFor + 1, kCalm);
-	const bool isOfNoUse = isMovingOn(), wasMade = front.isLent && front.entries.capacity() > 0;  // by this query
-	if (wasMade) isNothingNear || isOfNoUse ? handBack(front) : keep(front);
+	const bool isOfNoUse = isMovingOn(), wasKept = front.isKept;
 	m_state.quietFor = isNothingNear ? std::min(m_state.quietFor + 1, kParted) : 0;
-	if (m_state.quietFor == kParted && !front.isLent) m_state.outline.reset();
-	const bool willBeLent = m_state.quietFor == kParted || isOfNoUse;
-	if (willBeLent && !front.isLent) front.giveBack();
-	front.isLent = willBeLent;
+	if (m_state.quietFor == kParted && wasKept) m_state.outline.reset();
+	front.isKept = m_state.quietFor < kParted && !isOfNoUse;
+	settle(front, front.isKept && (wasKept || !isNothingNear));
 }
 
 // Of one level of each body, where most of a front is another after so far a motion: then it is kept only where it is
@@ -243,7 +242,7 @@ double ContactSearch::lookAhead(const StopRule& rule, const WorkLimit& limit) co
 {
 	const bool isCore = m_context.a.isThinCore() || m_context.b.isThinCore();
 	const bool maySee = rule.isOfLeaves() || (isCore && rule.base().isUsed());
-	if (!isOfSinglePiece() || !maySee || limit.isSet() || m_state.front.isLent) return 0;
+	if (!isOfSinglePiece() || !maySee || limit.isSet() || !m_state.front.isKept) return 0;
 	const double radius = double(std::min(m_context.a.asset().radius, m_context.b.asset().radius));
 	return (isCore ? kFartherOfCore : 1) * std::min(kMovesAhead * m_state.lastApproach, kMostAhead * radius);
 }
@@ -256,6 +255,7 @@ std::optional<double> ContactSearch::traverseBy(const StopRule& rule, double tol
 	const bool sameRule =
 		m_state.filled && m_state.threshold == rule.constantThreshold() && m_state.maxError == rule.maxError();
 	const double ahead = lookAhead(rule, limit);
+	front.isAtHand = ahead > 0;
 	const bool hasMore = sameRule && front.tolerance > tolerance && front.tolerance < tolerance + 2 * ahead;
 	std::optional<double> cover;
 	if (hasMore && hasAllAnswers(m_context, tolerance, front))

@@ -49,7 +49,7 @@ void ContactSink::add(std::uint32_t a, std::uint32_t b, const HullDistance& dist
 bool ContactSink::isDecided(std::uint32_t a, std::uint32_t b, CachedSeparation& cached, HullEvaluations& known)
 {
 	const bool wasNear = cached.kind == CachedSeparation::Kind::kNear;
-	double lower = wasNear ? separationAtRest(a, b, toVec3(cached.between)) : 0;
+	double lower = wasNear ? separationAtRest(a, b, cached.axis.get()) : 0;
 	if (wasNear && !isBeyond(m_context, a, b, lower, 0)) return false;
 	if (!wasNear || !m_hulls.isStillNear(a, b, m_tolerance, cached))
 	{
@@ -68,7 +68,7 @@ bool ContactSink::isDecided(std::uint32_t a, std::uint32_t b, CachedSeparation& 
 		if (!way.hasPoints) return false;
 		if (!wasNear) lower = separationAtRest(a, b, way.normal);
 		if (!isBeyond(m_context, a, b, lower, 0)) return false;
-		cached.setNear(way.onA, way.onB, wasNear ? toVec3(cached.between) : way.normal);
+		m_hulls.remember(cached, way.onA, way.onB, wasNear ? cached.axis.get() : way.normal);
 	}
 	++m_stats.hullTests;  // in the place of the distance, so that no pair counts more tests than a budget expects
 	HullDistance apart;
@@ -125,8 +125,8 @@ void ContactSink::answer(std::uint32_t a, std::uint32_t b, CachedSeparation& cac
 		if (!(distance.lower > limit)) noContact(a, b);
 		return;
 	}
-	cached.setNear(distance.pointOnA, m_context.pose.directionToB(distance.pointOnB - m_context.pose.translation),
-				   distance.normal);
+	m_hulls.remember(cached, distance.pointOnA,
+					 m_context.pose.directionToB(distance.pointOnB - m_context.pose.translation), distance.normal);
 	add(a, b, distance);
 }
 

@@ -57,7 +57,8 @@ public:
 	}
 
 	// An accepted pair within the tolerance by its culling volumes.
-	void answer(std::uint32_t a, std::uint32_t b, CachedSeparation& cached, const HullEvaluations& known = {});
+	void answer(std::uint32_t a, std::uint32_t b, CachedSeparation& cached,
+				const HullEvaluations& known = kNothingEvaluated);
 
 	double tolerance() const { return m_tolerance; }  // a front may be made for more
 

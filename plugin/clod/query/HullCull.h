@@ -29,11 +29,19 @@ struct HullEvaluations
 	std::optional<HullDistance> atRest;  // canonicalContact
 	std::optional<SweptBound> onTheWay;  // canonicalSweptBound, to either side of the tolerance
 };
+inline const HullEvaluations kNothingEvaluated;
 
 class HullCull
 {
 public:
-	HullCull(const QueryContext& context, QueryStats& stats) : m_context(context), m_stats(stats) {}
+	HullCull(const QueryContext& context, QueryStats& stats)
+		: m_context(context),
+		  m_stats(stats),
+		  m_stepOfA(ShortPoint::kStep * context.radiusA),
+		  m_stepOfB(ShortPoint::kStep * context.radiusB),
+		  m_pointsRounding(ShortPoint::kRounding * (context.radiusA + context.radiusB))
+	{
+	}
 
 	// The remembered bound alone says so.
 	bool isProvenApart(std::uint32_t a, std::uint32_t b, double limit, const CachedSeparation& cached) const
@@ -49,7 +57,7 @@ public:
 			++m_stats.skippedBySlack;
 			return true;
 		}
-		const Vec3 axis = toVec3(cached.onA);
+		const Vec3 axis = cached.axis.get();
 		if (axis == Vec3{}) return false;
 		++m_stats.hullTests;
 		const double lower = sweptSeparationAlong(m_context, a, b, axis);
@@ -61,10 +69,15 @@ public:
 	bool isStillNear(std::uint32_t a, std::uint32_t b, double limit, const CachedSeparation& cached)
 	{
 		if (cached.kind != CachedSeparation::Kind::kNear) return false;
-		const double most = limit - roomOf(m_context, a, b, limit) - kPlaceRounding * m_context.size;
-		if (!(most - sweptPointDistance(m_context, b, toVec3(cached.onA), toVec3(cached.onB)) > 0)) return false;
+		const double most = limit - roomOf(m_context, a, b, limit) - m_pointsRounding;
+		const Vec3 onA = cached.onA.get(m_stepOfA), onB = cached.onB.get(m_stepOfB);
+		if (!(most - sweptPointDistance(m_context, b, onA, onB) > 0)) return false;
 		++m_stats.skippedBySlack;
 		return true;
+	}
+	void remember(CachedSeparation& cached, const Vec3& onA, const Vec3& onB, const Vec3& axis) const
+	{
+		cached.setNear(onA, m_stepOfA, onB, m_stepOfB, axis);
 	}
 	bool isApart(std::uint32_t a, std::uint32_t b, double limit, CachedSeparation& cached)
 	{
@@ -78,7 +91,7 @@ public:
 			return true;
 		}
 		cached = {};
-		if (bound.hasPoints) cached.setNear(bound.onA, bound.onB, bound.normal);
+		if (bound.hasPoints) remember(cached, bound.onA, bound.onB, bound.normal);
 		return false;
 	}
 	// As they are, whatever the sweep; where they stay beyond the tolerance on the way as well, that is remembered.
@@ -109,6 +122,7 @@ public:
 private:
 	const QueryContext& m_context;
 	QueryStats& m_stats;
+	const double m_stepOfA, m_stepOfB, m_pointsRounding;  // of points that are remembered
 };
 
 // Nodes that may answer answer for surface within `cover` of their hulls: where the hulls are farther apart than this,

@@ -46,10 +46,12 @@ public:
 		  m_room(kSumRounding * context.size + context.boxes.roundingOfTwo()),
 		  m_moved(motionSince(front)),
 		  m_change(front.sweepChangeSince),
+		  m_isLimited(settings.limit.isSet()),
+		  m_mostTestsOfAnswer((context.longestMove > 0 ? 3 : 2) + (settings.rule.dependsOnHulls() ? 2 : 0)),
 		  m_stats(&stats),
 		  m_hulls(context, stats)
 	{
-		if (!front.entries.empty()) m_partMotion = PartMotion(front.pose, context.pose);
+		if (!front.isEmpty()) m_partMotion = PartMotion(front.pose, context.pose);
 	}
 
 protected:
@@ -129,34 +131,25 @@ protected:
 					row.high[child[i]] = upperAfter(separations[i], 0);
 				});
 	}
-	CachedSeparation cachedOf(const FrontEntry& old, const std::vector<CachedSeparation>& hulls) const
+	// To this pose, of a pair with node b.
+	void carryOn(CachedSeparation& cached, std::uint32_t b) const
 	{
-		if (old.hull == kNone) return {};
-		CachedSeparation cached = hulls[old.hull];
-		if (cached.isApart()) cached.lower = lowerNow(cached, old.b);
-		return cached;
+		if (cached.isApart()) cached.lower = lowerNow(cached, b);
 	}
 	// What is left, at this pose, of a bound remembered of a pair with node b.
 	float lowerNow(const CachedSeparation& known, std::uint32_t b) const
 	{
-		const Vec3 axis = toVec3(known.onA);
+		const Vec3 axis = known.axis.get();
 		const PartMotion::Way way = wayOf(b);
 		const double nearer = m_change + (axis == Vec3{} ? way.farthest() : way.along(axis));
 		return lowerAfter(known.lower, float(nearer + kBoundRounding * std::abs(nearer)));
 	}
-	// An answer takes so many tests at most: along the remembered axis, on the way and at rest, and both once more where
-	// it is an answer only while its hulls are apart.
-	std::uint32_t mostTestsOfAnswer() const
-	{
-		return (m_context.longestMove > 0 ? 3 : 2) + (m_settings.rule.dependsOnHulls() ? 2 : 0);
-	}
 	// So many tests more are within the limit.
 	bool isAffordable(std::uint64_t tests) const
 	{
-		const std::uint64_t spent = m_stats->boxTests + m_stats->hullTests;
-		return !m_settings.limit.isSet() || m_settings.limit.allowsTests(spent + tests);
+		return !m_isLimited || m_settings.limit.allowsTests(m_stats->boxTests + m_stats->hullTests + tests);
 	}
-	bool hasTime() const { return !m_settings.limit.isSet() || m_settings.limit.hasTime(); }
+	bool hasTime() const { return !m_isLimited || m_settings.limit.hasTime(); }
 
 	bool cullsByHulls(const FrontEntry& entry) const
 	{
@@ -171,8 +164,13 @@ protected:
 	// Whether an entry answers that may, as its hulls decide; and its answer.
 	bool answers(const FrontEntry& entry, CachedSeparation& cached)
 	{
+		if (!entry.whileApart)
+		{
+			m_sink.answer(entry.a, entry.b, cached);
+			return true;
+		}
 		HullEvaluations known;
-		if (entry.whileApart && !m_hulls.areApart(entry.a, entry.b, m_sink.tolerance(), cached, known)) return false;
+		if (!m_hulls.areApart(entry.a, entry.b, m_sink.tolerance(), cached, known)) return false;
 		m_sink.answer(entry.a, entry.b, cached, known);
 		return true;
 	}
@@ -193,6 +191,10 @@ protected:
 	const float m_moved;  // since the cached bounds
 	PartMotion m_partMotion;
 	const double m_change;  // of the sweep, since then
+	const bool m_isLimited;
+	// Along the remembered axis, on the way and at rest, and both once more where it is an answer only while its hulls are
+	// apart.
+	const std::uint32_t m_mostTestsOfAnswer;
 	QueryStats* m_stats;
 	HullCull m_hulls;
 };

@@ -12,44 +12,13 @@
 #include <limits>
 #include <vector>
 
-#include "clod/collide/HullDistance.h"
 #include "clod/collide/Room.h"
-#include "clod/collide/SeparatingAxis.h"
-#include "clod/query/Constants.h"
+#include "clod/collide/Sweep.h"
+#include "clod/query/PackedFront.h"
 #include "clod/query/Query.h"
 
 namespace clod
 {
-enum class NodePairState : std::uint8_t
-{
-	kSeparated,   // culling volumes are farther apart than the tolerance: only the pair of roots is kept then
-	kElsewhere,   // met before in this walk, through other parents
-	kOpenA,       // replaced by the children of a
-	kOpenB,       // replaced by the children of b
-	kHullsApart,  // not accepted, and nothing the two nodes answer for is within the tolerance (HullCull.h)
-	kAnswer       // accepted by the stop rule, culling volumes within the tolerance
-};
-inline bool isOpen(NodePairState state)
-{
-	return state == NodePairState::kOpenA || state == NodePairState::kOpenB;
-}
-
-// Bounds are of the pose of the last finished traversal, in float, rounded outward.
-struct FrontEntry
-{
-	std::uint32_t a, b;
-	std::uint32_t link = kNone;    // opened: its first child in entries
-	std::uint32_t hull = kNone;    // its place in hulls
-	std::uint16_t childCount = 0;  // of link
-	std::uint16_t slot = 0;        // its number among the children of the node opened above it
-	float high = 0;                // the separation of the culling volumes is less
-	float apart = 0;               // opened: that of every child which is not kept exceeds
-	std::uint32_t old = kNone;     // its entry in the traversal before
-	NodePairState state = NodePairState::kSeparated;
-	bool whileApart = false;  // answers, or is opened, as its hulls are apart, or not
-};
-static_assert(sizeof(FrontEntry) == 36);
-
 // Set of pairs with an O(1) clear. Open addressing; grows by doubling. Node indices are below 2^28.
 class VisitedPairs
 {
@@ -115,17 +84,19 @@ inline void addTo(QueryStats& stats, const FrontCounts& counts)
 
 struct PairFront
 {
+	PackedFront packed;               // what is kept between queries, unless it is at hand
 	std::vector<FrontEntry> entries;  // of the last finished traversal; [0] is the pair of roots, children lie together
 	std::vector<CachedSeparation> hulls;
 	std::vector<std::uint32_t> answers;  // entries to give again without a walk, by their nodes; listed when needed
-	double motion = 0;         // accumulated bound of the relative motion and of the sweep's change (MotionBound.h)
-	double motionSince = 0;    // the part of it since the last finished traversal
+	double motion = 0;            // accumulated bound of the relative motion and of the sweep's change (MotionBound.h)
+	double motionSince = 0;       // the part of it since the last finished traversal
 	double sweepChangeSince = 0;  // of the sweep, since then, along directions fixed to A
-	RelativePose pose;         // of the last finished traversal,
-	Sweep sweep;               // and what moved on from there
+	RelativePose pose;            // of the last finished traversal,
+	Sweep sweep;                  // and what moved on from there
 
-	double tolerance = 0;  // of boxes, in the last finished traversal
-	bool isLent = false;   // its memory is the thread's: see keep() and handBack() in Traversal.h
+	double tolerance = 0;   // of boxes, in the last finished traversal
+	bool isAtHand = false;  // is asked for its answers again: not packed, in memory of its own
+	bool isKept = true;     // when the query ends: else nothing of it is
 	FrontCounts counts;
 
 	// For answers as much as there may be, as nearly all have a hull: a steady query allocates nothing.
@@ -134,13 +105,26 @@ struct PairFront
 		shrinkRoom(answers, hulls.capacity());
 		answers.reserve(hulls.capacity());
 	}
+	bool isEmpty() const { return packed.isEmpty() && entries.empty(); }
 	// The bodies have parted: what they took is given back.
 	void giveBack()
 	{
 		clear();
-		entries.shrink_to_fit();
-		hulls.shrink_to_fit();
+		packed.giveBack();
+		giveBackRoom();
 		answers.shrink_to_fit();
+	}
+	// Of one at hand: no larger than it need be.
+	void fitRoom()
+	{
+		packed.giveBack();
+		shrinkRoom(entries, entries.size());
+		shrinkRoom(hulls, hulls.size());
+	}
+	void giveBackRoom()
+	{
+		std::vector<FrontEntry>().swap(entries);
+		std::vector<CachedSeparation>().swap(hulls);
 	}
 	// change: of the sweep, along any axis; changeInA: along those fixed to A.
 	void move(double by, double change, double changeInA)
@@ -151,6 +135,7 @@ struct PairFront
 	}
 	void clear()
 	{
+		packed.clear();
 		entries.clear();
 		hulls.clear();
 		answers.clear();

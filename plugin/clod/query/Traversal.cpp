@@ -12,20 +12,37 @@ namespace
 // What a thread needs while it makes a front: the one before, and room that is not the pair's.
 struct Previous
 {
-	std::vector<FrontEntry> entries;
-	std::vector<CachedSeparation> hulls;
+	std::vector<KeptEntry> entries;  // so many,
+	std::uint32_t count = 0;
+	const PackedFront* packed = nullptr;  // of these
+	PackedFront packedNow;
+	std::vector<FrontEntry> spareEntries;
+	std::vector<CachedSeparation> spareHulls;
 	VisitedPairs visited;
-	void swap(PairFront& front)
+
+	// What is not packed was made in this query, or is at hand.
+	void take(PairFront& front)
 	{
-		entries.swap(front.entries);
-		hulls.swap(front.hulls);
+		packed = &front.packed;
+		if (!front.entries.empty())
+		{
+			packed = &packedNow;
+			packedNow.pack(front.entries, front.hulls);
+		}
+		count = packed->unpack(entries);
+		if (!front.isAtHand && front.entries.capacity() == 0) exchangeRoom(front);
 	}
-	// The new front goes to where the old one was, which is the pair's and no larger than it need be.
-	void keepIn(PairFront& front)
+	void exchangeRoom(PairFront& front)
 	{
-		keepCopy(front.entries, entries);
-		keepCopy(front.hulls, hulls);
-		swap(front);
+		spareEntries.swap(front.entries);
+		spareHulls.swap(front.hulls);
+	}
+	void takeBack(PairFront& front)
+	{
+		front.entries.clear();
+		front.hulls.clear();
+		if (spareEntries.capacity() == 0) exchangeRoom(front);
+		front.giveBackRoom();
 	}
 };
 Previous& previousOfThread()
@@ -42,22 +59,20 @@ public:
 	// Where the budget ends it, what was decided stays for the next traversal by the same rule.
 	bool run()
 	{
-		if (!hasTime() || !isAffordable(1 + mostTestsOfAnswer()))
+		if (!hasTime() || !isAffordable(1 + m_mostTestsOfAnswer))
 		{
 			if (!m_settings.sameRule) m_front.clear();
 			return false;
 		}
-		m_previous.swap(m_front);
+		m_previous.take(m_front);
 		const bool isWhole = walk();
 		if (isWhole)
 		{
 			m_stats->frontCame = std::uint32_t(m_front.entries.size()) - m_carried;
-			m_stats->frontGone = std::uint32_t(m_previous.entries.size()) - m_carried;
+			m_stats->frontGone = m_previous.count - m_carried;
 		}
 		else
 			m_front.tolerance = 0;  // has no answers to give
-		if (m_front.isLent) return isWhole;
-		m_previous.keepIn(m_front);
 		return isWhole;
 	}
 
@@ -89,12 +104,12 @@ private:
 		touch(rootA, rootB);
 		m_previous.visited.reserve(1);
 		Row row = rowOfRoots();
-		const bool wasApart = !m_previous.entries.empty() && m_previous.entries[0].state == NodePairState::kSeparated;
-		if (!m_previous.entries.empty() && !wasApart) row.met = 1, row.old[0] = 0;
+		const bool wasApart = m_previous.count > 0 && m_previous.entries[0].code.state == NodePairState::kSeparated;
+		if (m_previous.count > 0 && !wasApart) row.met = 1, row.old[0] = 0;
 		const float apart = wasApart ? lowerAfter(m_previous.entries[0].apart, m_moved) : 0.0F;
 		const bool isStillApart = wasApart && isBeyond(apart);
 		examine(row, isStillApart);
-		if (wasApart || (row.near == 0 && !m_previous.entries.empty())) ++m_carried;  // without a link to its old entry
+		if (wasApart || (row.near == 0 && m_previous.count > 0)) ++m_carried;  // without a link to its old entry
 		if (row.near == 0)
 		{
 			FrontEntry root{rootA, rootB};
@@ -115,9 +130,9 @@ private:
 
 		std::uint32_t old = 0, oldEnd = 0;
 		bool stillApart = false;
-		if (pair.old != kNone && m_previous.entries[pair.old].state == pair.state)
+		if (pair.old != kNone && m_previous.entries[pair.old].code.state == pair.state)
 		{
-			const FrontEntry& before = m_previous.entries[pair.old];
+			const KeptEntry& before = m_previous.entries[pair.old];
 			old = before.link;
 			oldEnd = old + before.childCount;
 			const float low = lowerAfter(before.apart, m_moved);
@@ -145,7 +160,7 @@ private:
 			forEach(row.near,
 					[&](std::uint32_t k)
 					{
-						isMet = isMet || !isAffordable(mostTestsOfAnswer());
+						isMet = isMet || !isAffordable(m_mostTestsOfAnswer);
 						if (!isMet) visit(row, k);
 					});
 			if (isMet)
@@ -219,8 +234,10 @@ private:
 		CachedSeparation cached;
 		if (entry.old != kNone)
 		{
-			before = m_previous.entries[entry.old].state;
-			cached = cachedOf(m_previous.entries[entry.old], m_previous.hulls);
+			const KeptEntry& old = m_previous.entries[entry.old];
+			before = old.code.state;
+			m_previous.packed->recall(old, cached);
+			carryOn(cached, entry.b);
 		}
 		const Acceptance acceptance = acceptanceOf(entry, before);
 		entry.whileApart = acceptance == Acceptance::kWhileApart;
@@ -297,7 +314,9 @@ public:
 				++m_stats->skippedBySlack;
 				continue;
 			}
-			CachedSeparation cached = cachedOf(entry, m_front.hulls);
+			CachedSeparation cached;
+			if (entry.hull != kNone) cached = m_front.hulls[entry.hull];
+			carryOn(cached, entry.b);
 			const std::uint32_t before = m_stats->hullTests;
 			if (answers(entry, cached) != (entry.state == NodePairState::kAnswer)) return false;
 			if (m_stats->hullTests != before && entry.hull != kNone)
@@ -331,7 +350,7 @@ private:
 	CachedSeparation carriedBack(CachedSeparation cached, std::uint32_t b) const
 	{
 		if (!cached.isApart()) return cached;
-		const double nearer = m_change + wayOf(b).leastAlong(toVec3(cached.onA));
+		const double nearer = m_change + wayOf(b).leastAlong(cached.axis.get());
 		cached.lower = lowerAfter(cached.lower, float(-nearer + kBoundRounding * std::abs(nearer)));
 		return cached;
 	}
@@ -358,14 +377,11 @@ bool answerFromLast(const QueryContext& context, const TraversalSettings& settin
 	return LastAnswers(context, settings, front, sink, stats).give();
 }
 
-void handBack(PairFront& front)
+void settle(PairFront& front, bool isKept)
 {
-	previousOfThread().swap(front);
-	front.giveBack();
-}
-
-void keep(PairFront& front)
-{
-	previousOfThread().keepIn(front);
+	if (isKept && front.isAtHand) return front.fitRoom();
+	if (isKept && !front.entries.empty()) front.packed.pack(front.entries, front.hulls);
+	previousOfThread().takeBack(front);
+	if (!isKept) front.giveBack();
 }
 }  // namespace clod

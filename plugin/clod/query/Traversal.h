@@ -14,10 +14,8 @@ namespace clod
 bool traverse(const QueryContext& context, const TraversalSettings& settings, PairFront& front, ContactSink& sink,
 			  QueryStats& stats);
 
-// Of pairs that have long found nothing the front is made in memory of the thread, and handed back before the query
-// ends; or kept after all.
-void handBack(PairFront& front);
-void keep(PairFront& front);
+// When the query ends: a front is made in memory of the thread, and kept packed, unless it is at hand; or not at all.
+void settle(PairFront& front, bool isKept);
 
 // Does the last front have all pairs of input surfaces that are within the tolerance now, as it was made for more than
 // it? Precondition: it is of the same rule, and that of leaves.
