@@ -5,6 +5,9 @@
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 
+#include <array>
+#include <cstdint>
+
 namespace clod
 {
 Vec3 toVec3(const btVector3& v)
@@ -75,12 +78,33 @@ RelativeMotion motionOfLink(const btMultiBodyLinkCollider& link, double timeStep
 	return {linear - cross(angular, toVec3(link.getWorldTransform().getOrigin())), angular, 0};
 }
 
+// By BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY. Each pair of a body asks for the same.
+btVector3 implicitInBody(const btRigidBody& body, btScalar dt)
+{
+	struct Known
+	{
+		btMatrix3x3 basis;
+		btVector3 inverse, turning, impulse;
+		btScalar dt = 0;
+	};
+	thread_local std::array<Known, 64> all;
+	Known& known = all[reinterpret_cast<std::uintptr_t>(&body) / sizeof(btRigidBody) % all.size()];
+	const btMatrix3x3& basis = body.getWorldTransform().getBasis();
+	const btVector3 &inverse = body.getInvInertiaDiagLocal(), &turning = body.getAngularVelocity();
+	if (known.dt != dt || known.turning != turning || known.inverse != inverse || !(known.basis == basis))
+		known = {basis, inverse, turning, body.computeGyroscopicImpulseImplicit_Body(dt), dt};
+	return known.impulse;
+}
+
 // What Bullet adds in a step to the turning of a body that is not round, each flag by itself.
 Vec3 gyroscopicImpulse(const btRigidBody& body, double timeStep)
 {
+	const btVector3& inverse = body.getInvInertiaDiagLocal();
+	const bool isRound = inverse.x() == inverse.y() && inverse.y() == inverse.z();  // of a cube as well
+	if (isRound || body.getAngularVelocity().isZero()) return {};
 	const int flags = body.getFlags();
-	const btScalar dt = btScalar(timeStep);
 	btVector3 sum(0, 0, 0);
+	const btScalar dt = btScalar(timeStep);
 	if ((flags & BT_ENABLE_GYROSCOPIC_FORCE_EXPLICIT) != 0)
 	{
 		const btScalar most = btContactSolverInfo().m_maxGyroscopicForce;  // the solver's own is not known here
@@ -88,7 +112,7 @@ Vec3 gyroscopicImpulse(const btRigidBody& body, double timeStep)
 	}
 	if ((flags & BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_WORLD) != 0)
 		sum += body.computeGyroscopicImpulseImplicit_World(dt);
-	if ((flags & BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY) != 0) sum += body.computeGyroscopicImpulseImplicit_Body(dt);
+	if ((flags & BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY) != 0) sum += implicitInBody(body, dt);
 	return toVec3(sum);
 }
 }  // namespace
