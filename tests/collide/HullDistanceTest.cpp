@@ -301,6 +301,51 @@ TEST(HullDistance, IsTheSameOnAnyMachine)
 	}
 }
 
+// What a witness is made of bounds the distance at any pose, and is the distance where it was found.
+TEST(HullDistance, CornersOfAWitnessBoundItAtAnyPose)
+{
+	Random random(11);
+	int known = 0;
+	for (int i = 0; i < 4000; ++i)
+	{
+		const Pair pair = makePair(random);
+		const ConvexHull a = pair.a.hull(), b = pair.b.hull();
+		const double radius = std::max(pair.a.radius(), pair.b.radius()), size = radius + length(pair.aFromB.translation);
+		const RelativePose pose(pair.aFromB, radius);
+		const Vec3 start = -pair.aFromB.translation, way = direction(random);
+		const Vec3 move = i % 2 ? uniform(random, 0, 0.2) * size * way : Vec3{};
+		const HullDistance found = hullDistance(a, b, pose, start, 1e300, move);
+		if (found.corners.count() == 0) continue;
+		++known;
+		EXPECT_NEAR(length(betweenCorners(a, b, pose, found.corners, move)), found.upper, 1e-9 * size);
+		Transform other{rotation(random) * pair.aFromB.rotation, pair.aFromB.translation};
+		const Vec3 aside = direction(random);
+		other.translation += uniform(random, 0, 1) * size * aside;
+		const RelativePose there(other, radius);
+		const double least = hullDistance(a, b, there, start, 1e300, move).lower;
+		EXPECT_GE(length(betweenCorners(a, b, there, found.corners, move)) + there.rounding, least);
+	}
+	EXPECT_GT(known, 3000);
+}
+
+// A corner that slides under a face is as near as before, though the two points that were nearest are not.
+TEST(HullDistance, CornersOfAWitnessStayNearWhereHullsSlide)
+{
+	HullData floor, box;
+	for (const Vec3& p : {Vec3{-0.3, 0, -0.2}, Vec3{0.4, 0, -0.1}, Vec3{0.1, 0, 0.5}}) floor.add(p);
+	for (int i = 0; i < 8; ++i) box.add({i & 1 ? 1. : -1., i & 2 ? 1. : -1., i & 4 ? 1. : -1.});
+	floor.finish();
+	box.finish();
+	const double apart = 0.015625;
+	const ConvexHull a = floor.hull(), b = box.hull();
+	const auto poseAt = [&](double x, double z) { return RelativePose(Transform{Mat3{}, {x, 1 + apart, z}}, 2); };
+	const HullDistance found = hullDistance(a, b, poseAt(0.1, 0), {0, -1, 0}, 1e300);
+	EXPECT_NEAR(found.upper, apart, 1e-12);
+	ASSERT_GT(found.corners.count(), 0);
+	EXPECT_NEAR(length(betweenCorners(a, b, poseAt(0.2, 0.1), found.corners)), apart, 1e-12);
+	EXPECT_GT(length(betweenCorners(a, b, poseAt(2.1, 0.1), found.corners)), apart);
+}
+
 // The corner that a loop over all of them finds farthest along a direction, in the order of the vertices.
 double farthest(const HullData& data, const Vec3& along)
 {
@@ -308,7 +353,6 @@ double farthest(const HullData& data, const Vec3& along)
 	for (std::uint32_t i = 0; i < data.count; ++i) best = std::max(best, dot(data.hull().vertices.vertex(i), along));
 	return best;
 }
-
 TEST(HullDistance, SeparationIsThatOfALoopOverAllVertices)
 {
 	Random random(6);

@@ -104,10 +104,7 @@ TEST(HullCull, RemembersOnlyPointsThatWereFound)
 				if (memory.kind != CachedSeparation::Kind::kNear) continue;
 				++remembered;
 				EXPECT_TRUE(bound.hasPoints);
-				const double radiusA = context.radiusA, radiusB = context.radiusB;
-				const Vec3 onA = memory.onA.get(ShortPoint::kStep * radiusA), onB = memory.onB.get(ShortPoint::kStep * radiusB);
-				EXPECT_LT(sweptPointDistance(context, b, onA, onB),
-						  limit + ShortPoint::kRounding * (radiusA + radiusB) + 1e-6 * context.size);
+				EXPECT_LT(sweptCornerDistance(context, a, b, memory.corners), limit + 1e-6 * context.size);
 			}
 		}
 	std::printf("%d stopped beyond the limit, not apart; %d with points\n", stopped, remembered);

@@ -22,6 +22,15 @@ float someBound(Random& random)
 	return kind == 0 ? 0.0F : kind == 1 ? std::numeric_limits<float>::infinity() : float(kind % 2 == 0 ? size : -size);
 }
 
+// Of small hulls, most of them.
+NearCorners someCorners(Random& random)
+{
+	NearCorners corners;
+	const std::uint64_t most = random() % 8 == 0 ? NearCorners::kMost + 1 : 256, count = 1 + random() % 4;
+	for (std::uint64_t i = 0; i < count; ++i) corners.add(random() % most, random() % most, unsigned(random() % 8));
+	return corners;
+}
+
 struct Front
 {
 	std::vector<FrontEntry> entries;
@@ -44,8 +53,7 @@ Front someFront(Random& random, std::size_t most)
 			hull.setApart(std::min(1e9, double(someBound(random))),
 						  random() % 8 == 0 ? Vec3{} : randomDirection(random));
 		else if ((isOpened || isAnswer) && random() % 4 != 0)
-			hull.setNear(randomVector(random, 0, 1), ShortPoint::kStep, randomVector(random, 0, 1), ShortPoint::kStep,
-						 randomDirection(random));
+			hull.setNear(someCorners(random), randomDirection(random));
 		if (entry.state != NodePairState::kElsewhere && random() % 8 != 0)
 		{
 			entry.hull = std::uint32_t(front.hulls.size());
@@ -118,10 +126,14 @@ TEST(PackedFront, GivesBackWhatItWasGivenWithBoundsRoundedOutward)
 			if (hull.isApart())
 				expectRounded(hull.lower, given.lower, false);
 			else
-				for (const auto& [l, r] : {std::pair{hull.onA, given.onA}, {hull.onB, given.onB}})
+			{
+				ASSERT_EQ(hull.corners.head, given.corners.head);
+				for (int corner = 0; corner < given.corners.count(); ++corner)
 				{
-					ASSERT_TRUE(l.x == r.x && l.y == r.y && l.z == r.z);
+					ASSERT_EQ(hull.corners.ofA(corner), given.corners.ofA(corner));
+					ASSERT_EQ(hull.corners.ofB(corner), given.corners.ofB(corner));
 				}
+			}
 		}
 	}
 	EXPECT_GT(std::min({longOnes, near, apart}), 1000);
@@ -171,21 +183,4 @@ TEST(ShortAxis, IsNoLongerThanAUnitAndHardlyAnotherDirection)
 		EXPECT_EQ(ShortAxis(packed.packed()).get()[i % 3], kept[i % 3]);
 	}
 	EXPECT_EQ(length(ShortAxis(Vec3{}).get()), 0);
-}
-
-TEST(ShortPoint, IsTheNearestToAPointOfTheBody)
-{
-	Random random(30);
-	for (int i = 0; i < 10000; ++i)
-	{
-		const double radius = std::exp(uniform(random, -10, 10)), step = ShortPoint::kStep * radius;
-		const Vec3 point = radius * randomVector(random, 0, 0.9999);
-		ShortPoint kept;
-		ASSERT_TRUE(kept.set(point, step));
-		EXPECT_LE(length(kept.get(step) - point), ShortPoint::kRounding * radius);
-		const ShortPoint before = kept;
-		ASSERT_TRUE(kept.set(kept.get(step), step));
-		EXPECT_TRUE(kept.x == before.x && kept.y == before.y && kept.z == before.z);
-		EXPECT_FALSE(kept.set(1.001 * radius * Vec3{0, i % 2 == 0 ? -1.0 : 1.0, 0}, step));
-	}
 }

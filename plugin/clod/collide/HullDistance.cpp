@@ -31,6 +31,12 @@ double separationAlong(const ConvexHull& a, const ConvexHull& b, const RelativeP
 	return (kWide ? wide::separationAlong : plain::separationAlong)(a, b, pose, direction, moveB);
 }
 
+Vec3 betweenCorners(const ConvexHull& a, const ConvexHull& b, const RelativePose& pose, const NearCorners& corners,
+					const Vec3& moveB)
+{
+	return (kWide ? wide::betweenCorners : plain::betweenCorners)(a, b, pose, corners, moveB);
+}
+
 HullDistance hullDistance(const ConvexHull& a, const ConvexHull& b, const RelativePose& pose, const Vec3& start,
 						  double stopAbove, const Vec3& moveB, double stopBelow)
 {

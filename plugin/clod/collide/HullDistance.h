@@ -33,12 +33,34 @@ struct RelativePose
 	double rounding = 0;  // bound of the rounding of one support value, a length
 };
 
+// Of which corners of the two hulls a pair of near points is made, to be tried at another pose.
+struct NearCorners
+{
+	static constexpr std::uint64_t kMost = 0xFFFF;  // the largest index held
+	static constexpr unsigned kBits = 15;           // of head
+	std::uint16_t vertices[8]{};                    // of a and b in turn
+	std::uint16_t head = 0;                         // the number of corners, 0: not known; the ends of their sweeps
+
+	int count() const { return head & 7; }
+	std::uint32_t ofA(int i) const { return vertices[2 * i]; }
+	std::uint32_t ofB(int i) const { return vertices[2 * i + 1]; }
+	// As bits: of a, of b, of moveB.
+	unsigned ends(int i) const { return unsigned(head) >> (3 + 3 * i) & 7; }
+	bool haveMoved() const { return (head & (01111 << 3)) != 0; }
+	void add(std::uint64_t indexA, std::uint64_t indexB, unsigned whichEnds)
+	{
+		const int i = count();
+		vertices[2 * i] = std::uint16_t(indexA), vertices[2 * i + 1] = std::uint16_t(indexB);
+		head = std::uint16_t((unsigned(head) | whichEnds << (3 + 3 * i)) + 1);
+	}
+};
+
 struct HullDistance
 {
 	double lower = 0, upper = 0;  // both 0 when the hulls overlap
 	Vec3 pointOnA, pointOnB;      // witness points, unless stopped above
 	Vec3 normal;                  // unit, from B to A: the direction that lower was measured along; zero on overlap
-	double moved = 0;             // pointOnB is a point of b at rest moved by this share of moveB
+	NearCorners corners;          // of the witness points, unless stopped above
 	bool overlap = false;
 	bool stoppedAbove = false;  // lower > stopAbove: the witness points are meaningless
 	int iterations = 0;
@@ -55,6 +77,11 @@ HullDistance hullDistance(const ConvexHull& a, const ConvexHull& b, const Relati
 HullDistance hullDistancePlain(const ConvexHull& a, const ConvexHull& b, const RelativePose& pose, const Vec3& start,
 							   double stopAbove, const Vec3& moveB = {},
 							   double stopBelow = -std::numeric_limits<double>::infinity());
+
+// The shortest way between the hulls of these corners, from b to a: nowhere are a and b farther apart. Precondition:
+// they are known.
+Vec3 betweenCorners(const ConvexHull& a, const ConvexHull& b, const RelativePose& pose, const NearCorners& corners,
+					const Vec3& moveB = {});
 
 // Certified lower bound of the distance from the support planes across one direction (frame A, from B to A); may be
 // negative. O(vertices).

@@ -9,6 +9,16 @@ struct Corner
 	std::uint64_t key;  // names the vertices and the ends of the sweeps
 };
 
+// Of these vertices and ends of the sweeps.
+CLOD_INLINED void cornerOf(const ConvexHull& a, const ConvexHull& b, const RelativePose& pose, std::uint32_t indexA,
+						   std::uint32_t indexB, unsigned ends, const Vec3& moveB, Corner& corner)
+{
+	corner.onA = a.vertices.vertex(indexA) + double(ends >> 2 & 1) * a.sweep;
+	const Vec3 onB = pose.apply(b.vertices.vertex(indexB) + double(ends >> 1 & 1) * b.sweep) + double(ends & 1) * moveB;
+	corner.point = corner.onA - onB;
+	corner.key = std::uint64_t(indexA) << 32 | std::uint64_t(indexB) << 3 | ends;
+}
+
 // The corner of a (-) b that is farthest along -direction.
 CLOD_INLINED void supportAgainst(const ConvexHull& a, const ConvexHull& b, const RelativePose& pose,
 								 const Vec3& direction, const Vec3& moveB, Corner& corner)
@@ -16,11 +26,7 @@ CLOD_INLINED void supportAgainst(const ConvexHull& a, const ConvexHull& b, const
 	const Vec3 inB = pose.directionToB(direction);
 	const std::uint32_t indexA = supportVertex(a.vertices, -direction), indexB = supportVertex(b.vertices, inB);
 	const bool sweptA = dot(a.sweep, direction)<0, sweptB = dot(b.sweep, inB)> 0, moved = dot(moveB, direction) > 0;
-	corner.onA = a.vertices.vertex(indexA) + double(sweptA) * a.sweep;
-	const Vec3 onB = pose.apply(b.vertices.vertex(indexB) + double(sweptB) * b.sweep) + double(moved) * moveB;
-	corner.point = corner.onA - onB;
-	corner.key = std::uint64_t(indexA) << 32 | std::uint64_t(indexB) << 3 | std::uint64_t(sweptA) << 2 |
-				 std::uint64_t(sweptB) << 1 | std::uint64_t(moved);
+	cornerOf(a, b, pose, indexA, indexB, unsigned(sweptA) << 2 | unsigned(sweptB) << 1 | unsigned(moved), moveB, corner);
 }
 
 // By the number of corners: lanes that are free. By the bits of the corners that stay: their lanes, packed, in halves
@@ -97,14 +103,23 @@ struct Witness
 	Points onA;
 	Indices key{};
 	Values weight{};
+	int count = 0;
 	Vec3 apart;
 
 	CLOD_INLINED void describe(HullDistance& result) const
 	{
 		result.pointOnA = combined(weight, onA);
 		result.pointOnB = result.pointOnA - apart;
-		const Indices moved = (key & 1) != 0;
-		result.moved = sumOf(moved ? weight : Values{});
+		for (int i = 0; i < count; ++i)
+		{
+			const std::uint64_t name = std::uint64_t(key[i]), ofA = name >> 32, ofB = (name & 0xFFFFFFFFu) >> 3;
+			if (std::max(ofA, ofB) > NearCorners::kMost)
+			{
+				result.corners = {};
+				return;
+			}
+			result.corners.add(ofA, ofB, unsigned(name & 7));
+		}
 	}
 };
 
@@ -115,6 +130,21 @@ double separationAlong(const ConvexHull& a, const ConvexHull& b, const RelativeP
 	Corner corner;
 	supportAgainst(a, b, pose, unit, moveB, corner);
 	return dot(corner.point, unit) - pose.rounding;
+}
+
+Vec3 betweenCorners(const ConvexHull& a, const ConvexHull& b, const RelativePose& pose, const NearCorners& corners,
+					const Vec3& moveB)
+{
+	Simplex simplex;
+	for (int i = 0; i < corners.count(); ++i)
+	{
+		Corner corner;
+		cornerOf(a, b, pose, corners.ofA(i), corners.ofB(i), corners.ends(i), moveB, corner);
+		simplex.add(corner);
+	}
+	SimplexPoint nearest;
+	closestToOrigin(simplex.point, simplex.count, nearest);
+	return combined(nearest.weight, simplex.point);
 }
 
 HullDistance hullDistance(const ConvexHull& a, const ConvexHull& b, const RelativePose& pose, const Vec3& start,
@@ -151,7 +181,7 @@ HullDistance hullDistance(const ConvexHull& a, const ConvexHull& b, const Relati
 		const double apart = length(between);
 		const bool overlaps = (nearest.inside || apart <= pose.rounding) && !(result.lower > 0);
 		if (!overlaps && !(apart + pose.rounding < result.upper)) break;
-		witness = {simplex.onA, simplex.key, nearest.weight, between};
+		witness = {simplex.onA, simplex.key, nearest.weight, simplex.count, between};
 		if (overlaps)
 		{
 			const int iterations = result.iterations;

@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "clod/collide/HullDistance.h"
 #include "clod/collide/MotionBound.h"
 
 namespace clod
@@ -46,28 +47,6 @@ private:
 	std::uint64_t m_bits = 0;
 };
 
-// A point about a body's origin, in steps, to the nearest.
-struct ShortPoint
-{
-	static constexpr double kStep = 0x1p-15;      // of the body's radius,
-	static constexpr double kRounding = 2.65e-5;  // as sqrt(3) / 2 steps
-	std::int16_t x = 0, y = 0, z = 0;
-
-	// step: kStep in a unit of length.
-	Vec3 get(double step) const { return {step * x, step * y, step * z}; }
-	// False beyond the radius.
-	bool set(const Vec3& point, double step)
-	{
-		constexpr std::int32_t kAll = std::int32_t(1 / kStep);
-		const Vec3 steps = (1 / step) * point;
-		if (!(std::abs(steps.x) < kAll - 1 && std::abs(steps.y) < kAll - 1 && std::abs(steps.z) < kAll - 1))
-			return false;
-		const auto nearest = [](double number) { return std::int16_t(std::int32_t(number + (kAll + 0.5)) - kAll); };
-		x = nearest(steps.x), y = nearest(steps.y), z = nearest(steps.z);
-		return true;
-	}
-};
-
 // What is remembered of two hulls between queries, in few bytes.
 struct CachedSeparation
 {
@@ -75,12 +54,11 @@ struct CachedSeparation
 	{
 		kUnknown,
 		kApart,  // along an axis
-		kNear    // by two points
+		kNear    // by two points of the hulls of some corners
 	};
 	ShortAxis axis;   // frame A, from B to A. apart: zero: it is not known; near: it may show them apart all the same
 	float lower = 0;  // apart: a bound of the distance, of the support planes across the axis if it is known
-	ShortPoint onA;   // frame A. near: a point of hull a,
-	ShortPoint onB;   // and, in frame B, one of hull b
+	NearCorners corners;  // near
 	Kind kind = Kind::kUnknown;
 
 	bool isApart() const { return kind == Kind::kApart; }
@@ -90,10 +68,11 @@ struct CachedSeparation
 		lower = lowerAfter(float(bound), 0);
 		axis = ShortAxis(direction);
 	}
-	// Unless a point is beyond its body's radius. Steps: of points of A and B.
-	void setNear(const Vec3& pointOnA, double stepOfA, const Vec3& pointOnB, double stepOfB, const Vec3& direction)
+	// Unless the corners are not known.
+	void setNear(const NearCorners& near, const Vec3& direction)
 	{
-		kind = onA.set(pointOnA, stepOfA) && onB.set(pointOnB, stepOfB) ? Kind::kNear : Kind::kUnknown;
+		kind = near.count() > 0 ? Kind::kNear : Kind::kUnknown;
+		corners = near;
 		axis = ShortAxis(direction);
 	}
 };

@@ -220,7 +220,8 @@ double ContactSearch::answerCoarsest(double tolerance)
 	for (const FrontEntry& entry : m_answered->entries)
 	{
 		CachedSeparation nothing;
-		if (entry.state == NodePairState::kAnswer) sink.answer(entry.a, entry.b, nothing);
+		HullEvaluations none;
+		if (entry.state == NodePairState::kAnswer) sink.answer(entry.a, entry.b, nothing, none);
 	}
 	m_leastApart = sink.leastApart();
 	return sink.largestCover();

@@ -68,7 +68,7 @@ bool ContactSink::isDecided(std::uint32_t a, std::uint32_t b, CachedSeparation& 
 		if (!way.hasPoints) return false;
 		if (!wasNear) lower = separationAtRest(a, b, way.normal);
 		if (!isBeyond(m_context, a, b, lower, 0)) return false;
-		m_hulls.remember(cached, way.onA, way.onB, wasNear ? cached.axis.get() : way.normal);
+		cached.setNear(way.corners, wasNear ? cached.axis.get() : way.normal);
 	}
 	++m_stats.hullTests;  // in the place of the distance, so that no pair counts more tests than a budget expects
 	HullDistance apart;
@@ -86,13 +86,12 @@ double ContactSink::separationAtRest(std::uint32_t a, std::uint32_t b, const Vec
 						   m_context.pose, axis);
 }
 
-void ContactSink::answer(std::uint32_t a, std::uint32_t b, CachedSeparation& cached, const HullEvaluations& evaluated)
+void ContactSink::answer(std::uint32_t a, std::uint32_t b, CachedSeparation& cached, HullEvaluations& known)
 {
 	if (m_onlyLists) return;
 	const bool areWanted = m_covers == Covers::kWanted;
 	const double limit = areWanted ? cullLimit(m_context.a.node(a), m_context.b.node(b), m_tolerance) : m_tolerance;
 	if (m_hulls.isStillApart(a, b, limit, cached)) return;
-	HullEvaluations known = evaluated;
 	if (m_signsOnly && !known.atRest && isDecided(a, b, cached, known)) return;
 	const bool moves = m_context.longestMove > 0;
 	// What was a contact most often is one where it is: the way need not be looked at then.
@@ -125,8 +124,7 @@ void ContactSink::answer(std::uint32_t a, std::uint32_t b, CachedSeparation& cac
 		if (!(distance.lower > limit)) noContact(a, b);
 		return;
 	}
-	m_hulls.remember(cached, distance.pointOnA,
-					 m_context.pose.directionToB(distance.pointOnB - m_context.pose.translation), distance.normal);
+	cached.setNear(distance.corners, distance.normal);
 	add(a, b, distance);
 }
 

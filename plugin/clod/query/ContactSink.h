@@ -56,9 +56,8 @@ public:
 		return m_covers == Covers::kBounded && lower > m_farForAll;
 	}
 
-	// An accepted pair within the tolerance by its culling volumes.
-	void answer(std::uint32_t a, std::uint32_t b, CachedSeparation& cached,
-				const HullEvaluations& known = kNothingEvaluated);
+	// An accepted pair within the tolerance by its culling volumes. known: what is evaluated is added.
+	void answer(std::uint32_t a, std::uint32_t b, CachedSeparation& cached, HullEvaluations& known);
 
 	double tolerance() const { return m_tolerance; }  // a front may be made for more
 

@@ -29,19 +29,11 @@ struct HullEvaluations
 	std::optional<HullDistance> atRest;  // canonicalContact
 	std::optional<SweptBound> onTheWay;  // canonicalSweptBound, to either side of the tolerance
 };
-inline const HullEvaluations kNothingEvaluated;
 
 class HullCull
 {
 public:
-	HullCull(const QueryContext& context, QueryStats& stats)
-		: m_context(context),
-		  m_stats(stats),
-		  m_stepOfA(ShortPoint::kStep * context.radiusA),
-		  m_stepOfB(ShortPoint::kStep * context.radiusB),
-		  m_pointsRounding(ShortPoint::kRounding * (context.radiusA + context.radiusB))
-	{
-	}
+	HullCull(const QueryContext& context, QueryStats& stats) : m_context(context), m_stats(stats) {}
 
 	// The remembered bound alone says so.
 	bool isProvenApart(std::uint32_t a, std::uint32_t b, double limit, const CachedSeparation& cached) const
@@ -65,19 +57,14 @@ public:
 		cached.setApart(lower, axis);
 		return true;
 	}
-	// By the points that were near.
+	// By corners that were near.
 	bool isStillNear(std::uint32_t a, std::uint32_t b, double limit, const CachedSeparation& cached)
 	{
 		if (cached.kind != CachedSeparation::Kind::kNear) return false;
-		const double most = limit - roomOf(m_context, a, b, limit) - m_pointsRounding;
-		const Vec3 onA = cached.onA.get(m_stepOfA), onB = cached.onB.get(m_stepOfB);
-		if (!(most - sweptPointDistance(m_context, b, onA, onB) > 0)) return false;
+		const double most = limit - roomOf(m_context, a, b, limit);
+		if (!(sweptCornerDistance(m_context, a, b, cached.corners) < most)) return false;
 		++m_stats.skippedBySlack;
 		return true;
-	}
-	void remember(CachedSeparation& cached, const Vec3& onA, const Vec3& onB, const Vec3& axis) const
-	{
-		cached.setNear(onA, m_stepOfA, onB, m_stepOfB, axis);
 	}
 	bool isApart(std::uint32_t a, std::uint32_t b, double limit, CachedSeparation& cached)
 	{
@@ -91,7 +78,7 @@ public:
 			return true;
 		}
 		cached = {};
-		if (bound.hasPoints) remember(cached, bound.onA, bound.onB, bound.normal);
+		if (bound.hasPoints) cached.setNear(bound.corners, bound.normal);
 		return false;
 	}
 	// As they are, whatever the sweep; where they stay beyond the tolerance on the way as well, that is remembered.
@@ -122,7 +109,6 @@ public:
 private:
 	const QueryContext& m_context;
 	QueryStats& m_stats;
-	const double m_stepOfA, m_stepOfB, m_pointsRounding;  // of points that are remembered
 };
 
 // Nodes that may answer answer for surface within `cover` of their hulls: where the hulls are farther apart than this,

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // An entry is its code and slot in four bits each and `high` in three bytes; if it is opened or the pair of roots
 // apart, also the number of its children in one and `apart` in three. Numbers too long for that stand before it, after
-// a code of their own. What is remembered of the hulls comes last. Bytes are read and written eight at once.
+// a code of their own. What is remembered of the hulls comes last: a bound and an axis, or corners and, of an answer,
+// an axis. Bytes are read and written eight at once.
 #include "clod/query/PackedFront.h"
 
 #include "clod/collide/Room.h"
@@ -13,19 +14,19 @@ namespace
 using State = NodePairState;
 // What the code of an entry tells.
 constexpr KeptEntry::Code kCodes[] = {
-	{State::kSeparated, Remembered::kNothing},   {State::kElsewhere, Remembered::kNothing},
-	{State::kOpenA, Remembered::kNothing},       {State::kOpenA, Remembered::kPoints},
-	{State::kOpenB, Remembered::kNothing},       {State::kOpenB, Remembered::kPoints},
-	{State::kHullsApart, Remembered::kNothing},  {State::kHullsApart, Remembered::kBound},
-	{State::kAnswer, Remembered::kNothing},      {State::kAnswer, Remembered::kBound},
-	{State::kAnswer, Remembered::kPointsAndAxis}};
+	{State::kSeparated, Remembered::kNothing},    {State::kElsewhere, Remembered::kNothing},
+	{State::kOpenA, Remembered::kNothing},        {State::kOpenA, Remembered::kCorners},
+	{State::kOpenB, Remembered::kNothing},        {State::kOpenB, Remembered::kCorners},
+	{State::kHullsApart, Remembered::kNothing},   {State::kHullsApart, Remembered::kBound},
+	{State::kAnswer, Remembered::kNothing},       {State::kAnswer, Remembered::kBound},
+	{State::kAnswer, Remembered::kCornersAndAxis}};
 constexpr std::uint32_t kLong = 15;  // the code
 // By state and what was seen of the hulls; what no code tells is forgotten.
 constexpr std::uint8_t kCodeOf[][4] = {{0, 0, 0, 0}, {1, 1, 1, 0}, {2, 2, 3, 0},
 									   {4, 4, 5, 0}, {6, 7, 6, 0}, {8, 9, 10, 0}};
-constexpr std::size_t kBytesOf[] = {0, 8, 2 * sizeof(ShortPoint), 2 * sizeof(ShortPoint) + 5};
 constexpr std::size_t kOfEntry = 4, kOfOpened = 4, kOfLong = 5, kBeyond = 8;
-constexpr std::size_t kMost = kOfLong + kOfEntry + kOfOpened + kBytesOf[3];
+constexpr std::size_t kOfBound = 8, kOfHead = 2, kMostOfVertices = sizeof(NearCorners::vertices), kOfAxis = 5;
+constexpr std::size_t kMost = kOfLong + kOfEntry + kOfOpened + kOfHead + kMostOfVertices + kOfAxis;
 
 bool hasApart(std::uint32_t state)
 {
@@ -53,6 +54,26 @@ void put(std::byte* at, T value)
 	std::memcpy(at, &value, sizeof value);
 }
 }  // namespace
+
+std::byte* PackedFront::putCorners(std::byte* at, const NearCorners& corners)
+{
+	std::uint8_t narrow[8];
+	std::uint32_t all = 0, head = corners.head;
+	for (int i = 0; i < 8; ++i)
+	{
+		narrow[i] = std::uint8_t(corners.vertices[i]);
+		all |= corners.vertices[i];
+	}
+	if (all > 0xFF)
+	{
+		head |= kWide;
+		std::memcpy(at + kOfHead, corners.vertices, sizeof corners.vertices);
+	}
+	else
+		std::memcpy(at + kOfHead, narrow, sizeof narrow);
+	put(at, std::uint16_t(head));
+	return at + kOfHead + bytesOfVertices(head);
+}
 
 void PackedFront::pack(const std::vector<FrontEntry>& entries, const std::vector<CachedSeparation>& hulls)
 {
@@ -86,14 +107,15 @@ void PackedFront::pack(const std::vector<FrontEntry>& entries, const std::vector
 		const Remembered remembered = kCodes[code].remembered;
 		if (remembered == Remembered::kNothing) continue;
 		if (remembered == Remembered::kBound)
-			put(at, lowerBits(hull->lower) | hull->axis.packed() << 24);
-		else
 		{
-			put(at, hull->onA);
-			put(at + sizeof(ShortPoint), hull->onB);
-			if (remembered == Remembered::kPointsAndAxis) put(at + 2 * sizeof(ShortPoint), hull->axis.packed());
+			put(at, lowerBits(hull->lower) | hull->axis.packed() << 24);
+			at += kOfBound;
+			continue;
 		}
-		at += kBytesOf[std::size_t(remembered)];
+		at = putCorners(at, hull->corners);
+		if (remembered == Remembered::kCorners) continue;
+		put(at, hull->axis.packed());
+		at += kOfAxis;
 	}
 	m_count = std::uint32_t(entries.size());
 	at += kBeyond;
@@ -131,7 +153,13 @@ std::uint32_t PackedFront::unpack(std::vector<KeptEntry>& entries) const
 			at += kOfOpened;
 		}
 		entry->place = std::uint32_t(at - start);
-		at += kBytesOf[std::size_t(code.remembered)];
+		if (code.remembered == Remembered::kBound)
+			at += kOfBound;
+		else if (code.remembered != Remembered::kNothing)
+		{
+			at += kOfHead + bytesOfVertices(valueAt<std::uint16_t>(at));
+			if (code.remembered == Remembered::kCornersAndAxis) at += kOfAxis;
+		}
 	}
 	return m_count;
 }

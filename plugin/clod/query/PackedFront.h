@@ -14,9 +14,9 @@ namespace clod
 enum class Remembered : std::uint8_t
 {
 	kNothing,
-	kBound,         // apart, and the axis
-	kPoints,        // near; of those opened,
-	kPointsAndAxis  // and of answers
+	kBound,          // apart, and the axis
+	kCorners,        // near; of those opened,
+	kCornersAndAxis  // and of answers
 };
 
 // Of an entry of the front before, as of FrontEntry.
@@ -70,6 +70,10 @@ private:
 		std::memcpy(&bound, &bits, sizeof bound);
 		return bound;
 	}
+	// Of corners by their head: indices of vertices have a byte each or, of a hull of more than 256, two.
+	static constexpr std::uint32_t kWide = 1U << NearCorners::kBits;
+	static std::size_t bytesOfVertices(std::uint32_t head) { return (head & 7) << (1 + (head >> NearCorners::kBits)); }
+	static std::byte* putCorners(std::byte* at, const NearCorners& corners);  // returns what is behind them
 	static void take(const std::byte* from, Remembered remembered, CachedSeparation& hull)
 	{
 		if (remembered == Remembered::kBound)
@@ -81,10 +85,16 @@ private:
 			return;
 		}
 		hull.kind = CachedSeparation::Kind::kNear;
-		hull.onA = valueAt<ShortPoint>(from);
-		hull.onB = valueAt<ShortPoint>(from + sizeof(ShortPoint));
-		if (remembered == Remembered::kPointsAndAxis)
-			hull.axis = ShortAxis(valueAt<std::uint64_t>(from + 2 * sizeof(ShortPoint)) & ShortAxis::kMask);
+		const std::uint32_t head = valueAt<std::uint16_t>(from);
+		NearCorners& corners = hull.corners;
+		corners.head = std::uint16_t(head & ~kWide);
+		from += sizeof corners.head;
+		if ((head & kWide) != 0)
+			std::memcpy(corners.vertices, from, bytesOfVertices(head));
+		else
+			for (int i = 0; i < 8; ++i) corners.vertices[i] = std::uint16_t(from[i]);
+		if (remembered == Remembered::kCornersAndAxis)
+			hull.axis = ShortAxis(valueAt<std::uint64_t>(from + bytesOfVertices(head)) & ShortAxis::kMask);
 	}
 
 	std::uint32_t m_count = 0;

@@ -109,6 +109,13 @@ protected:
 
 	void measure(Row& row, std::uint32_t unknown)
 	{
+		if (unknown == row.all())
+		{
+			const std::uint32_t within = separate(row, row.children, row.count, row.high);
+			row.near |= within;
+			forEach(within, [&](std::uint32_t k) { row.high[k] = upperAfter(row.high[k], 0); });
+			return;
+		}
 		std::uint32_t child[kBoxLanes], nodes[kBoxLanes], count = 0;
 		forEach(unknown,
 				[&](std::uint32_t k)
@@ -117,6 +124,16 @@ protected:
 					nodes[count++] = row.children[k];
 				});
 		float separations[kBoxLanes];
+		forEach(separate(row, nodes, count, separations),
+				[&](std::uint32_t i)
+				{
+					row.near |= 1U << child[i];
+					row.high[child[i]] = upperAfter(separations[i], 0);
+				});
+	}
+	// Of some children of the row: which are near, as bits, and by how much the others are apart at least.
+	std::uint32_t separate(Row& row, const std::uint32_t* nodes, std::uint32_t count, float (&separations)[kBoxLanes])
+	{
 		const std::uint32_t within =
 			boxSeparations(m_context, row.ofChildrenOfA, row.other, nodes, count, separations, m_limit);
 		m_stats->boxTests += count;
@@ -124,12 +141,7 @@ protected:
 		for (std::uint32_t i = 0; i < count; ++i)
 			apart = std::min(apart, (within >> i & 1) != 0 ? std::numeric_limits<float>::infinity() : separations[i]);
 		if (within != (1U << count) - 1) row.apart = std::min(row.apart, lowerAfter(apart, 0));
-		forEach(within,
-				[&](std::uint32_t i)
-				{
-					row.near |= 1U << child[i];
-					row.high[child[i]] = upperAfter(separations[i], 0);
-				});
+		return within;
 	}
 	// To this pose, of a pair with node b.
 	void carryOn(CachedSeparation& cached, std::uint32_t b) const
@@ -164,13 +176,8 @@ protected:
 	// Whether an entry answers that may, as its hulls decide; and its answer.
 	bool answers(const FrontEntry& entry, CachedSeparation& cached)
 	{
-		if (!entry.whileApart)
-		{
-			m_sink.answer(entry.a, entry.b, cached);
-			return true;
-		}
 		HullEvaluations known;
-		if (!m_hulls.areApart(entry.a, entry.b, m_sink.tolerance(), cached, known)) return false;
+		if (entry.whileApart && !m_hulls.areApart(entry.a, entry.b, m_sink.tolerance(), cached, known)) return false;
 		m_sink.answer(entry.a, entry.b, cached, known);
 		return true;
 	}

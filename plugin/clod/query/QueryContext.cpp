@@ -53,12 +53,7 @@ SweptBound canonicalSweptBound(const QueryContext& context, std::uint32_t a, std
 	const HullDistance distance =
 		hullDistance(contactHull(context.a, context.a.node(a)), contactHull(context.b, context.b.node(b)), context.pose,
 					 start, stopAbove + moving.spread, moving.move, stopBelow + moving.spread);
-	const Vec3 atRest = distance.pointOnB - distance.moved * moving.move;
-	return {distance.lower - moving.spread,
-			distance.upper - moving.spread,
-			distance.normal,
-			distance.pointOnA,
-			context.pose.directionToB(atRest - context.pose.translation),
+	return {distance.lower - moving.spread, distance.upper - moving.spread, distance.normal, distance.corners,
 			!distance.stoppedAbove};
 }
 
@@ -70,11 +65,13 @@ double sweptSeparationAlong(const QueryContext& context, std::uint32_t a, std::u
 		   moving.spread;
 }
 
-double sweptPointDistance(const QueryContext& context, std::uint32_t b, const Vec3& onA, const Vec3& onB)
+double sweptCornerDistance(const QueryContext& context, std::uint32_t a, std::uint32_t b, const NearCorners& corners)
 {
-	const Vec3 apart = context.pose.apply(onB) - onA;
-	if (!context.boxes.moves) return length(apart);
 	const MovingNode moving = movingNode(context, b);
-	return distanceToSegment(apart, moving.move) - moving.spread;
+	const Vec3 between = betweenCorners(contactHull(context.a, context.a.node(a)), contactHull(context.b, context.b.node(b)),
+										context.pose, corners, moving.move);
+	// What has corners at the end of the way goes no farther.
+	const double apart = corners.haveMoved() ? length(between) : distanceToSegment(-between, moving.move);
+	return apart + context.pose.rounding - moving.spread;
 }
 }  // namespace clod

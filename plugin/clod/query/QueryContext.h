@@ -69,14 +69,13 @@ struct SweptBound
 {
 	double lower, upper;
 	Vec3 normal;
-	Vec3 onA, onB;   // points of the two hulls at rest that come so near, each in its own frame
-	bool hasPoints;  // not where it stopped above: lower may still be stopAbove then, by rounding
+	NearCorners corners;  // that come so near
+	bool hasPoints;       // not where it stopped above: lower may still be stopAbove then, by rounding
 };
 SweptBound canonicalSweptBound(const QueryContext& context, std::uint32_t a, std::uint32_t b, double stopAbove,
 							   double stopBelow = -std::numeric_limits<double>::infinity());
 // The same from the support planes across one direction: any direction gives a true bound.
 double sweptSeparationAlong(const QueryContext& context, std::uint32_t a, std::uint32_t b, const Vec3& direction);
-// How near two points come, of A and of node b, each in its own frame: an upper bound of what canonicalSweptBound
-// calls lower if they are points of the two hulls.
-double sweptPointDistance(const QueryContext& context, std::uint32_t b, const Vec3& onA, const Vec3& onB);
+// How near the hulls of such corners come: an upper bound of what canonicalSweptBound calls lower.
+double sweptCornerDistance(const QueryContext& context, std::uint32_t a, std::uint32_t b, const NearCorners& corners);
 }  // namespace clod
