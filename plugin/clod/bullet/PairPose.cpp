@@ -41,8 +41,9 @@ Partner partnerOf(const btCollisionShape& shape)
 // Body A is the one whose content hash is lower, so that Bullet's order of a pair changes nothing but signs.
 void chooseBodies(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, PairPose& pose)
 {
-	const auto* shape0 = dynamic_cast<const btClodShape*>(body0.getCollisionShape());
-	const auto* shape1 = dynamic_cast<const btClodShape*>(body1.getCollisionShape());
+	const auto clodOf = [](const btCollisionShape& shape)
+	{ return shape.isConcave() ? dynamic_cast<const btClodShape*>(&shape) : nullptr; };
+	const auto *shape0 = clodOf(*body0.getCollisionShape()), *shape1 = clodOf(*body1.getCollisionShape());
 	if (!shape0 && !shape1) return;
 	const bool bothClod = shape0 && shape1;
 	const bool firstIsA =

@@ -31,9 +31,8 @@ NearestOnTriangle nearestOnEdges(const Triangle& triangle, const Vec3& from)
 }
 }  // namespace
 
-NearestOnTriangle nearestOnTriangle(const Triangle& triangle, const Vec3& from)
+NearestOnTriangle nearestOnTriangle(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& from)
 {
-	const Vec3 &a = triangle[0], &b = triangle[1], &c = triangle[2];
 	const Vec3 ab = b - a, ac = c - a, ap = from - a;
 	const double d1 = dot(ab, ap), d2 = dot(ac, ap);
 	if (d1 <= 0 && d2 <= 0) return nearestFeature(from, a, 0);
@@ -51,7 +50,7 @@ NearestOnTriangle nearestOnTriangle(const Triangle& triangle, const Vec3& from)
 	if (ofA <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0 && (d4 - d3) + (d5 - d6) > 0)
 		return nearestFeature(from, b + ((d4 - d3) / ((d4 - d3) + (d5 - d6))) * (c - b), 4);
 	const double sum = ofA + ofB + ofC;
-	if (!(sum > kNoArea * (d1 - d3) * (d2 - d6))) return nearestOnEdges(triangle, from);
+	if (!(sum > kNoArea * (d1 - d3) * (d2 - d6))) return nearestOnEdges({a, b, c}, from);
 	const double scale = 1 / sum;
 	return nearestFeature(from, a + (ofB * scale) * ab + (ofC * scale) * ac, 6);
 }

@@ -85,7 +85,9 @@ bool BodyBalance::prepare()
 		row.turn = cross(row.arm, row.contact.normal);
 		m_least = std::max(m_least, kSettled * std::abs(lacking(row)));
 	}
-	for (const Row& row : m_rows) push(row, row.contact.impulse * row.contact.normal + row.contact.rub);
+	for (const Row& row : m_rows)
+		if (row.contact.impulse != 0 || row.contact.rub != Vec3{})
+			push(row, row.contact.impulse * row.contact.normal + row.contact.rub);
 	return true;
 }
 

@@ -2,6 +2,7 @@
 #include "clod/manifold/ContactReducer.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace clod
@@ -47,13 +48,11 @@ void ContactReducer::reduce(const std::vector<Facet>& facets, const std::vector<
 void ContactReducer::thinOutFlats()
 {
 	const auto isLower = [&](std::uint32_t i, std::uint32_t j) { return lowest(i) < lowest(j); };
-	double lowestOfFlat = 0;
 	const auto worthOf = [&](std::uint32_t i)
 	{
 		const double apart = m_candidates[i].apart * (m_candidates[i].previous == kNone ? 1 : kPreferred);
-		return lowest(i) < lowestOfFlat + kAsLow * m_length ? kLowCounts * apart : apart;
+		return m_candidates[i].isLow ? kLowCounts * apart : apart;
 	};
-	const auto isLessWorth = [&](std::uint32_t i, std::uint32_t j) { return worthOf(i) < worthOf(j); };
 	m_isNeeded.assign(m_candidates.size(), 0);
 	m_byNormal.clear();
 	for (std::uint32_t i = 0; i < m_candidates.size(); ++i)
@@ -76,18 +75,33 @@ void ContactReducer::thinOutFlats()
 			m_candidates[i].isOfFlat = true;
 			middle += (*m_points)[i].pointOnA;
 		}
+		if (m_order.size() <= kMostOfFlat)
+		{
+			for (const std::uint32_t i : m_order) m_isNeeded[i] = 1;
+			continue;
+		}
 		middle = (1.0 / double(m_order.size())) * middle;
 		for (const std::uint32_t i : m_order) m_candidates[i].apart = length((*m_points)[i].pointOnA - middle) / m_length;
 		const std::uint32_t lowestOne = *std::min_element(m_order.begin(), m_order.end(), isLower);
 		m_isNeeded[lowestOne] = 1;
-		lowestOfFlat = lowest(lowestOne);
-		for (std::size_t k = 0; k < std::min(kMostOfFlat, m_order.size()); ++k)
+		const double low = lowest(lowestOne) + kAsLow * m_length;
+		for (const std::uint32_t i : m_order) m_candidates[i].isLow = lowest(i) < low;
+		for (std::size_t k = 0; k < kMostOfFlat; ++k)
 		{
-			const std::uint32_t next = *std::max_element(m_order.begin(), m_order.end(), isLessWorth);
-			m_isNeeded[next] = 1;
+			std::uint32_t next = m_order[0];
+			double most = worthOf(next);
 			for (const std::uint32_t i : m_order)
-				m_candidates[i].apart = std::min(m_candidates[i].apart, distanceBetween(i, next));
+				if (const double worth = worthOf(i); worth > most)
+				{
+					most = worth;
+					next = i;
+				}
+			m_isNeeded[next] = 1;
+			if (k + 1 == kMostOfFlat) break;
 			m_candidates[next].apart = -1;
+			for (const std::uint32_t i : m_order)
+				if (m_candidates[i].apart > 0)
+					m_candidates[i].apart = std::min(m_candidates[i].apart, distanceBetween(i, next));
 		}
 	}
 }
@@ -116,6 +130,9 @@ void ContactReducer::match(const ClusterSet& previous)
 				m_links.emplace_back(-1, old, i);
 				continue;
 			}
+			// Most are farther apart along one axis already.
+			const auto isFar = [&](const Vec3& p) { return std::abs(now.pointOnA.x - p.x) > limit; };
+			if (isFar(point.pointOnA) && isFar(placeWithB)) continue;
 			const double place =
 				std::min(lengthSquared(now.pointOnA - point.pointOnA), lengthSquared(now.pointOnA - placeWithB));
 			if (place > limit * limit) continue;
@@ -151,7 +168,8 @@ void ContactReducer::take(std::uint32_t i)
 	m_candidates[i].isChosen = true;
 	m_chosen.push_back(i);
 	for (std::uint32_t j = 0; j < m_candidates.size(); ++j)
-		m_candidates[j].apart = std::min(m_candidates[j].apart, distanceBetween(i, j));
+		if (m_isNeeded[j] && !m_candidates[j].isChosen)
+			m_candidates[j].apart = std::min(m_candidates[j].apart, distanceBetween(i, j));
 }
 
 void ContactReducer::choose()

@@ -30,8 +30,8 @@ private:
 	{
 		std::uint32_t previous = kNone;
 		double weight = 0;  // > 0: carries or carried
-		double apart = 0;   // from all chosen; see distanceBetween
-		bool isChosen = false, isOfFlat = false;
+		double apart = 0;   // from all chosen, of one that may yet be; see distanceBetween
+		bool isChosen = false, isOfFlat = false, isLow = false;  // of the flat's points
 	};
 	void match(const ClusterSet& previous);
 	void thinOutFlats();

@@ -302,7 +302,10 @@ double ContactSurface::squaredBeside(std::uint32_t polygon, const Vec3& point, d
 	}
 	double best = kFar;
 	for (std::size_t i = 0; i < faces.size && best > enough; ++i)
-		best = std::min(best, nearestOnTriangle(triangleOf(faces[i]), foot).squared);
+	{
+		const std::array<std::uint32_t, 3>& v = m_faces[faces[i]].vertex;
+		best = std::min(best, nearestOnTriangle(m_vertices[v[0]], m_vertices[v[1]], m_vertices[v[2]], foot).squared);
+	}
 	return best;
 }
 

@@ -95,7 +95,11 @@ void FacetChoice::removeDropped(std::vector<Facet>& facets) const
 {
 	std::size_t kept = 0;
 	for (std::uint32_t i = 0; i < facets.size(); ++i)
-		if (m_isKept[i]) facets[kept++] = facets[i];
+		if (m_isKept[i])
+		{
+			if (kept != i) facets[kept] = facets[i];
+			++kept;
+		}
 	facets.resize(kept, Facet{});
 }
 

@@ -247,7 +247,7 @@ template <class Kind>
 class FacetFinder::Meeting
 {
 public:
-	Meeting(FacetFinder& finder, const Kind& features)
+	Meeting(FacetFinder& finder, Kind& features)
 		: m_finder(finder),
 		  m_question(*finder.m_question),
 		  m_rules(m_question.rules),
@@ -364,7 +364,7 @@ private:
 	const FacetQuestion& m_question;
 	const PointRules& m_rules;
 	const double m_inner;
-	Kind m_of;
+	Kind& m_of;
 };
 
 // How far beside a polygon the foot of a vertex may be now for any of the questions of Meeting to find it over the
@@ -400,7 +400,7 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, const MovedPolygon& 
 	facet.kind = vertexIsOfA ? Facet::Kind::kVertexFace : Facet::Kind::kFaceVertex;
 	facet.featureA = vertexIsOfA ? vertex.index : polygon;
 	facet.featureB = vertexIsOfA ? polygon : vertex.index;
-	const VertexOverFace both{features, vertices.vertices()[vertex.index], faces, polygon, vertexIsOfA, mayTouch};
+	VertexOverFace both{features, vertices.vertices()[vertex.index], faces, polygon, vertexIsOfA, mayTouch};
 	Meeting<VertexOverFace>(*this, both).addTo(facet, vertexIsOfA);
 }
 
@@ -430,7 +430,7 @@ void FacetFinder::edgeOverEdge(const MovedEdge& still, const MovedEdge& moved)
 	facet.kind = Facet::Kind::kEdgeEdge;
 	facet.featureA = still.index;
 	facet.featureB = moved.index;
-	const EdgeOverEdge both{features, start, edge, other, b.vertices()[other.vertex[0]], arc / sine >= -kArcSlack};
+	EdgeOverEdge both{features, start, edge, other, b.vertices()[other.vertex[0]], arc / sine >= -kArcSlack};
 	Meeting<EdgeOverEdge>(*this, both).addTo(facet, true);
 }
 }  // namespace clod

@@ -4,6 +4,7 @@
 // it is kept for the whole dispatch.
 #pragma once
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -30,7 +31,8 @@ public:
 	bool isOfCornersOnly() const { return m_ofCornersOnly; }
 	bool holds(const Box& other) const
 	{
-		return m_box == nullptr || (other.meets(m_grown, 0) && other.squaredTo(*m_box) <= m_straight * m_straight);
+		if (m_box == nullptr) return true;
+		return other.meets(m_grown) && (std::isinf(m_straight) || other.squaredTo(*m_box) <= m_straight * m_straight);
 	}
 
 private:

@@ -32,9 +32,11 @@ public:
 	}
 	double of(const Facet& facet) const
 	{
+		if (!(m_turnA + m_turnB > 0)) return 0;
 		const double moved = m_rules.timeStep * length(m_motion.velocity(facet.onA));
-		return (m_turnA + m_turnB) * moved + 0.5 * (m_turnA * m_turnA * length(facet.onA - m_rules.a.center) +
-													m_turnB * m_turnB * length(facet.onB - m_rules.b.center));
+		const auto bent = [](double turn, const Vec3& arm) { return turn > 0 ? turn * turn * length(arm) : 0; };
+		return (m_turnA + m_turnB) * moved +
+			   0.5 * (bent(m_turnA, facet.onA - m_rules.a.center) + bent(m_turnB, facet.onB - m_rules.b.center));
 	}
 
 private:
@@ -167,8 +169,11 @@ void PairSolve::sweep(const FacetQuestion& question, const std::vector<Facet>& f
 {
 	m_a = question.rules.a;
 	m_b = question.rules.b;
+	m_acting.clear();
 	for (std::size_t i = 0; i < facets.size(); ++i)
 	{
+		if (facets[i].reach == Facet::Reach::kPossible) continue;
+		m_acting.push_back(std::uint32_t(i));
 		m_rows[i].wanted = wantedSpeed(question.rules, facets[i]);
 		if (m_multipliers[i] == 0) continue;
 		push(m_rows[i], m_multipliers[i]);
@@ -177,9 +182,8 @@ void PairSolve::sweep(const FacetQuestion& question, const std::vector<Facet>& f
 	for (int round = 0; round < kSweeps; ++round)
 	{
 		double change = 0;
-		for (std::size_t i = 0; i < facets.size(); ++i)
+		for (const std::uint32_t i : m_acting)
 		{
-			if (facets[i].reach == Facet::Reach::kPossible) continue;
 			const Row& row = m_rows[i];
 			const double lacking = row.wanted - speedOf(row), old = m_multipliers[i];
 			m_multipliers[i] = std::max(0.0, old + row.effectiveMass * lacking);
@@ -205,10 +209,9 @@ void PairSolve::balance(const FacetQuestion& question, const std::vector<Facet>&
 	const double sign = isA ? 1 : -1;
 	const PairBody& other = isA ? m_b : m_a;
 	m_balance.start(isA ? question.rules.a : question.rules.b);
-	for (std::size_t i = 0; i < facets.size(); ++i)
+	for (const std::uint32_t i : m_acting)
 	{
 		const Facet& facet = facets[i];
-		if (facet.reach == Facet::Reach::kPossible) continue;
 		const Vec3& place = isA ? facet.onA : facet.onB;
 		m_balance.add({place, sign * facet.normal, other.linear + cross(other.angular, place - other.center),
 					   m_rows[i].wanted, question.rules.friction, m_multipliers[i],
@@ -216,9 +219,9 @@ void PairSolve::balance(const FacetQuestion& question, const std::vector<Facet>&
 	}
 	if (!m_balance.solve()) return;
 	(isA ? m_a : m_b) = m_balance.body();
-	for (std::size_t i = 0, at = 0; i < facets.size(); ++i)
+	std::size_t at = 0;
+	for (const std::uint32_t i : m_acting)
 	{
-		if (facets[i].reach == Facet::Reach::kPossible) continue;
 		const BodyBalance::Contact& found = m_balance.contact(at++);
 		m_multipliers[i] = found.impulse;
 		m_frictions[i] = sign * found.rub;

@@ -57,6 +57,7 @@ private:
 	double moveOn(const FacetQuestion& question, std::vector<Facet>& facets);
 	void removePassed(const FacetQuestion& question, std::vector<Facet>& facets);
 	std::vector<Row> m_rows;
+	std::vector<std::uint32_t> m_acting;  // facets that are more than possible
 	std::vector<Vec3> m_frictions;  // of the facets, impulses
 	std::vector<double> m_multipliers;
 	BodyBalance m_balance;
