@@ -53,7 +53,8 @@ struct FacetRecord
 		kNear,
 		kOverlap,
 		kPath,
-		kPossible  // none of these by the motion predicted, but by what contacts, or third bodies, may make of it
+		kPossible,  // none of these by the motion predicted, but by what contacts, or third bodies, may make of it
+		kBeside     // its features are aside of each other: it counts in a valley only (FacetChoice)
 	};
 	Kind kind;
 	Reach reach;
@@ -155,6 +156,8 @@ struct FacetQuestion
 	bool isRound() const { return rules.nearest || rules.radiusA + rules.radiusB > 0; }
 	// How far off its facet a foot may be.
 	double footSlack(double distance) const;
+	// The same of a facet in a valley: as far as either body goes in the step at that place, at most kBesideMost.
+	double besideSlack(const Vec3& place, double distance) const;
 };
 
 // What makes a facet, hashed: the same in whichever step it is found.
@@ -199,9 +202,19 @@ inline constexpr double kArcSlack = 0.01;       // radians: of cones and arcs
 inline constexpr double kInnerShare = 1e-4;     // of the length: overlaps below it are touch
 inline constexpr double kParallelSine = 1e-3;   // edges that cross at less have no normal of their own
 
+inline constexpr double kBesideMost = 0.1;      // how far off its facet a foot may be in a valley
+
 inline double FacetQuestion::footSlack(double distance) const
 {
 	return std::max(kFootShare * length(), std::min(-distance, kDeepFootShare * length()));
+}
+
+inline double FacetQuestion::besideSlack(const Vec3& place, double distance) const
+{
+	const auto wayOf = [&](const PairBody& body) { return body.linear + cross(body.turning(), place - body.center); };
+	const Vec3 wayA = wayOf(rules.a), wayB = wayOf(rules.b);
+	const double squared = std::max({lengthSquared(wayA), lengthSquared(wayB), lengthSquared(wayA - wayB)});
+	return footSlack(distance) + std::min(kBesideMost * length(), rules.timeStep * std::sqrt(squared));
 }
 
 // Of two lines along their common normal, to the side of `normal`; where they have none along that.

@@ -18,6 +18,7 @@ constexpr double kSettledShare = 1e-9;    // of the length: a least shift is kno
 constexpr double kBeyond = 1.05;     // overlaps are looked for again at this many times the least shift, and a touch
 constexpr double kTie = 1e-4;        // of the length: heights, now and at the end of the step, that count as equal
 constexpr double kAsShallow = 1e-3;  // of the length: overlaps that count as equally deep
+constexpr double kInValley = 0.2;    // of the length: how far from a contact a facet may be
 constexpr double kSamePlace = 2e-3;  // of the length: points that count as at one place
 
 // A point deep inside the wedge of four half-spaces through two points: where the smallest distance to them is large.
@@ -49,6 +50,7 @@ void FacetChoice::choose(const FacetQuestion& question, const std::vector<FacetR
 	knowAgain(last, lastAFromB, facets);
 	dropInner(facets);
 	dropRidges(facets);
+	keepValleys(facets);
 }
 
 // Do the bodies overlap at the facet once A is moved by the shift?
@@ -228,7 +230,7 @@ void FacetChoice::dropInner(std::vector<Facet>& facets)
 	m_planes.clear();
 	const double settled = kSettledShare * m_question->length();
 	for (const Facet& facet : facets)
-		if (facet.reach != Facet::Reach::kOverlap && facet.distance < 0)
+		if (facet.reach < Facet::Reach::kPossible && facet.reach != Facet::Reach::kOverlap && facet.distance < 0)
 			m_planes.push_back({facet.normal, facet.distance});
 	m_shift = m_planes.empty() || m_order.empty() ? Vec3{} : leastShift(m_planes, settled);
 	for (const std::uint32_t i : m_order)
@@ -308,7 +310,7 @@ bool FacetChoice::isBeyondRidge(const Facet& best, const Vec3& center, const Fac
 bool FacetChoice::mayDecide(const Facet& facet) const
 {
 	const FacetQuestion& q = *m_question;
-	if (facet.isOfMiddle() || facet.reach == Facet::Reach::kOverlap) return false;
+	if (facet.isOfMiddle() || facet.reach == Facet::Reach::kOverlap || facet.reach == Facet::Reach::kBeside) return false;
 	return facet.reach != Facet::Reach::kPossible ||
 		   (!q.isRound() && facet.distance <= q.touching() &&
 			besideAt(q, facet, q.aFromBThen).distance <= kInnerShare * q.length());
@@ -351,6 +353,48 @@ void FacetChoice::dropRidges(std::vector<Facet>& facets)
 		};
 		drop(m_placesA, best.ofA);
 		drop(m_placesB, best.ofB);
+	}
+	removeDropped(facets);
+}
+
+// Two facets each of which lies above the plane of the other one meet in a valley of the difference. It leaves free what
+// is above both planes: neither forbids anything, near the valley, that the other one allows.
+bool FacetChoice::meetInValley(const Facet& contact, const Facet& other) const
+{
+	const double size = m_question->length(), near = kInValley * size, slack = 1e-6 * size;
+	if (!(dot(contact.normal, other.normal) > 0)) return false;
+	if (lengthSquared(contact.ofA - other.ofA) > near * near || lengthSquared(contact.ofB - other.ofB) > near * near) return false;
+	const Vec3 between = centerOf(other) - centerOf(contact);
+	// Normals point into the difference, hence the signs.
+	return dot(contact.normal, between) < -slack && dot(other.normal, between) > slack;
+}
+
+// Does the motion as predicted end beneath the facet's plane, but beside it?
+bool FacetChoice::isPassed(const Facet& facet) const
+{
+	const FacetQuestion& q = *m_question;
+	return facet.then < q.rules.margin && besideAt(q, facet, q.aFromBThen).distance > q.footSlack(facet.then);
+}
+
+// Facets aside, and merely possible ones, count where they meet a contact in a valley: the least motion leads from the
+// one to the other within the step, as wherever saddles touch, or corners in hollows. Vertices whose way is clear pass.
+// Of edges no way is known to be: joints hold the bodies by where they cross.
+void FacetChoice::keepValleys(std::vector<Facet>& facets)
+{
+	const auto isOfSurfaces = [](const Facet& facet) { return facet.hasFeatures() && !facet.isOfMiddle(); };
+	m_isKept.assign(facets.size(), 1);
+	for (std::uint32_t i = 0; i < facets.size(); ++i)
+	{
+		Facet& facet = facets[i];
+		if (facet.reach < Facet::Reach::kPossible || !isOfSurfaces(facet)) continue;
+		const auto holds = [&](const Facet& contact)
+		{
+			return contact.reach < Facet::Reach::kPossible && isOfSurfaces(contact) && !contact.isThrough &&
+				   meetInValley(contact, facet);
+		};
+		const bool counts = !(facet.isOfVertex() && isPassed(facet)) && std::any_of(facets.begin(), facets.end(), holds);
+		m_isKept[i] = counts || facet.reach == Facet::Reach::kPossible;
+		if (counts) facet.reach = Facet::Reach::kBeside;
 	}
 	removeDropped(facets);
 }

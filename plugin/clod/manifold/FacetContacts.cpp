@@ -273,7 +273,7 @@ ContactPoint FacetContacts::pointOf(const Facet& facet) const
 	point.feature = facet.feature;
 	point.nodeA = facet.nodeA;
 	point.nodeB = facet.nodeB;
-	point.rebounds = !facet.isOfMiddle() && facet.reach != Facet::Reach::kPossible;
+	point.rebounds = !facet.isOfMiddle() && facet.reach < Facet::Reach::kPossible;
 	return point;
 }
 }  // namespace clod

@@ -191,7 +191,7 @@ struct FacetFinder::VertexOverFace : Features
 	const Vec3& own;  // in the frame of its body
 	const ContactSurface& faces;
 	std::uint32_t polygon;
-	bool isOfA, mayTouch;
+	bool isOfA, isLowest, mayTouch;
 	bool isOver(const Vec3& place, const Vec3&, double slack) const { return faces.isOver(polygon, place, slack); }
 	Vec3 placeAt(const Transform& aFromB) const { return (isOfA ? inverse(aFromB) : aFromB) * own; }
 	Vec3 directionAt(const Transform&) const { return {}; }
@@ -215,7 +215,7 @@ struct FacetFinder::EdgeOverEdge : Features
 	const Vec3& start;  // of A's
 	const SurfaceEdge &edge, &other;
 	const Vec3& otherStart;  // in the frame of B
-	bool mayTouch;
+	bool isLowest, mayTouch;
 	bool isOver(const Vec3& place, const Vec3& along, double slack) const
 	{
 		if (lengthSquared(cross(edge.direction, along)) < kParallelSine * kParallelSine) return false;
@@ -282,9 +282,16 @@ private:
 		else if (now > 0 && now <= m_finder.highest(now - m_of.distanceThen) &&
 				 m_of.isOver(middle, m_of.direction, beside))
 			reach = Facet::Reach::kPossible;
+		else if (m_of.isLowest && isBeside())
+			reach = Facet::Reach::kBeside;
 		else
 			return false;
 		return true;
+	}
+	bool isBeside() const
+	{
+		const double beside = m_question.besideSlack(m_of.placeInA(), m_of.distance);
+		return m_of.distance - beside <= m_rules.margin && m_of.isOver(m_of.now, m_of.direction, beside);
 	}
 	// On their way through the step, straight or, where the arc departs too far from its chord, on the arc.
 	bool meetOnPath(double closing)
@@ -375,7 +382,8 @@ double FacetFinder::mostBeside(const MovedCorner& vertex, double now) const
 	const Vec3 ahead = vertex.then - vertex.now, unforced = vertex.unforced - vertex.now;
 	const double way = kPathReach * std::sqrt(std::max(lengthSquared(ahead), lengthSquared(unforced)));
 	const FacetQuestion& q = *m_question;
-	return q.footSlack(now) + 2 * kInnerShare * q.length() + m_pair.roam + q.rules.heldReach + (1 + 2 * m_bend) * way;
+	const double aside = 2 * kInnerShare * q.length() + m_pair.roam + q.rules.heldReach + (1 + 2 * m_bend) * way;
+	return q.footSlack(now) + std::max(aside, kBesideMost * q.length());
 }
 
 // Works in the frame of the face's body.
@@ -392,15 +400,15 @@ void FacetFinder::vertexOverFace(const MovedCorner& vertex, const MovedPolygon& 
 	if (!faces.isOver(polygon, vertex.now, mostBeside(vertex, now))) return;
 	// A vertex that has sunk in stays a contact although another is lower: turning may make it the lowest within the
 	// step.
-	const bool mayTouch = now < -kInnerShare * m_question->length() ||
-						  (now <= m_question->touching() && isLowest(vertices.fan(vertex.index), up, kArcSlack));
+	const bool isLow = isLowest(vertices.fan(vertex.index), up, kArcSlack);
+	const bool mayTouch = now < -kInnerShare * m_question->length() || (now <= m_question->touching() && isLow);
 	const Features features{now, then, vertexIsOfA ? up : -face.normal, face.normal, vertex.now, vertex.then,
 							vertex.unforced};
 	Facet facet;
 	facet.kind = vertexIsOfA ? Facet::Kind::kVertexFace : Facet::Kind::kFaceVertex;
 	facet.featureA = vertexIsOfA ? vertex.index : polygon;
 	facet.featureB = vertexIsOfA ? polygon : vertex.index;
-	VertexOverFace both{features, vertices.vertices()[vertex.index], faces, polygon, vertexIsOfA, mayTouch};
+	VertexOverFace both{features, vertices.vertices()[vertex.index], faces, polygon, vertexIsOfA, isLow, mayTouch};
 	Meeting<VertexOverFace>(*this, both).addTo(facet, vertexIsOfA);
 }
 
@@ -430,7 +438,8 @@ void FacetFinder::edgeOverEdge(const MovedEdge& still, const MovedEdge& moved)
 	facet.kind = Facet::Kind::kEdgeEdge;
 	facet.featureA = still.index;
 	facet.featureB = moved.index;
-	EdgeOverEdge both{features, start, edge, other, b.vertices()[other.vertex[0]], arc / sine >= -kArcSlack};
+	const bool isCrossed = arc / sine >= -kArcSlack;
+	EdgeOverEdge both{features, start, edge, other, b.vertices()[other.vertex[0]], isCrossed, isCrossed};
 	Meeting<EdgeOverEdge>(*this, both).addTo(facet, true);
 }
 }  // namespace clod

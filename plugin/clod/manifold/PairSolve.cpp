@@ -322,7 +322,7 @@ void PairSolve::solve(const FacetQuestion& question, std::vector<Facet>& facets)
 	m_spare = std::numeric_limits<double>::infinity();
 	if (!(rules.timeStep > 0 && (rules.a.inverseMass > 0 || rules.b.inverseMass > 0)))
 	{
-		const auto isPossible = [](const Facet& facet) { return facet.reach == Facet::Reach::kPossible; };
+		const auto isPossible = [](const Facet& facet) { return facet.reach >= Facet::Reach::kPossible; };
 		facets.erase(std::remove_if(facets.begin(), facets.end(), isPossible), facets.end());
 		return;
 	}
