@@ -252,6 +252,20 @@ TEST(MechanismRack, MeshesFromToothToTooth)
 	}
 }
 
+// Links of 160 triangles touch corner in corner, where four pairs of edges cross: each step the motion predicted met
+// one of them, and by the thirtieth the links were through each other.
+TEST(MechanismChain, OfFewTrianglesHolds)
+{
+	const SceneDefinition& definition = definitionOf("chain");
+	const auto scene = makeScene(definition, settingsOf(definition.info, 0.1));
+	for (int step = 0; step < 120; ++step)
+	{
+		scene->step();
+		EXPECT_LT(scene->state().outcome[0], LINK_WIRE) << step;
+		EXPECT_GT(scene->state().outcome[1], -0.1 * LINK_WIRE) << step;
+	}
+}
+
 // Dry stones carry each other: nothing gives by more than half of a joint's millimetre.
 TEST(MechanismArch, Stands)
 {

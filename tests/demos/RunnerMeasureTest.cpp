@@ -207,7 +207,7 @@ TEST_F(RunnerCommand, ThePeersDispatchIsOfTheSelection)
 	EXPECT_EQ(points(" --view 1e-6" + camera), exact);
 	EXPECT_EQ(points(" --view 1e6" + camera), points(" --size 1e6"));
 	EXPECT_EQ(points(" --view 1e-6 --size 1e6 --combine relaxed" + camera), points(" --size 1e6"));
-	EXPECT_LT(points(" --velocity 1e3 --velocity-floor 0"), exact);  // the bodies move
+	EXPECT_LT(points(" --velocity 1e6 --velocity-floor 0"), exact);  // the bodies move
 }
 
 // The first of the rows that are not moving or do not touch do not make a sample empty.

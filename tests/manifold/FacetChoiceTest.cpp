@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
+#include <utility>
 
 #include "clod/manifold/FacetChoice.h"
 #include "clod/manifold/FacetFinder.h"
@@ -35,8 +37,8 @@ TEST(FacetChoice, WhatTheWayOutLeavesApartIsNoContact)
 		}
 }
 
-// The facets chosen of two bodies, as they are seen by the first of them, that the motion as predicted meets.
-std::vector<Facet> metFacets(const FacetPair& pair)
+// The facets chosen of two bodies, as they are seen by the first of them, but for those merely possible.
+std::vector<Facet> countingFacets(const FacetPair& pair)
 {
 	const Transform then = aFromBAfter(pair.rules.a, pair.rules.b, pair.aFromB, pair.rules.timeStep);
 	const FacetQuestion question{contactBody(*pair.a), contactBody(*pair.b), pair.aFromB, then, then, pair.rules};
@@ -45,8 +47,16 @@ std::vector<Facet> metFacets(const FacetPair& pair)
 	std::vector<Facet> facets;
 	finder.find(question, pair.result().contacts, facets);
 	choice.choose(question, {}, pair.aFromB, facets);
-	const auto isIdle = [](const Facet& facet)
-	{ return facet.reach == Facet::Reach::kPossible || facet.distance + facet.linear > 0; };
+	const auto isIdle = [](const Facet& facet) { return facet.reach == Facet::Reach::kPossible; };
+	facets.erase(std::remove_if(facets.begin(), facets.end(), isIdle), facets.end());
+	return facets;
+}
+
+// Of these, those that the motion as predicted meets.
+std::vector<Facet> metFacets(const FacetPair& pair)
+{
+	std::vector<Facet> facets = countingFacets(pair);
+	const auto isIdle = [](const Facet& facet) { return facet.distance + facet.linear > 0; };
 	facets.erase(std::remove_if(facets.begin(), facets.end(), isIdle), facets.end());
 	return facets;
 }
@@ -85,5 +95,56 @@ TEST(FacetChoice, ARidgeIsPassedAlikeWhicheverBodyIsA)
 		met += facets.size();
 	}
 	EXPECT_GT(met, 2000u);
+}
+
+// About the y axis, of so many corners round it and round its section.
+HierarchyPointer ringOf(double radius, double tube, std::uint32_t round, std::uint32_t across)
+{
+	constexpr double kTwoPi = 6.283185307179586;
+	PatchedMesh mesh;
+	mesh.wall = tube;
+	const auto corner = [=](std::uint32_t i, std::uint32_t j) { return i % round * across + j % across; };
+	for (std::uint32_t i = 0; i < round; ++i)
+		for (std::uint32_t j = 0; j < across; ++j)
+		{
+			const double a = kTwoPi * i / round, b = kTwoPi * j / across, d = radius + tube * std::cos(b);
+			mesh.vertices.push_back({d * std::cos(a), tube * std::sin(b), -d * std::sin(a)});
+			mesh.triangles.push_back({corner(i, j), corner(i + 1, j), corner(i + 1, j + 1)});
+			mesh.triangles.push_back({corner(i, j), corner(i + 1, j + 1), corner(i, j + 1)});
+		}
+	mesh.patch.resize(mesh.triangles.size());
+	return patchHierarchy(singleTriangles(mesh));
+}
+
+// Rings that hang in each other touch with the corners of two saddles, where four edges of the one cross four of the
+// other: whichever the motion as predicted meets, joints may lead the bodies to the others within the step.
+TEST(FacetChoice, WhereSaddlesTouchTheFacetsBesideCountToo)
+{
+	constexpr double kRing = 1, kTube = 0.3;
+	const HierarchyPointer ring = ringOf(kRing, kTube, 8, 4);
+	const Mat3 across{{{-1, 0, 0}, {0, 0, 1}, {0, 1, 0}}};  // the axis along z, the near side towards A's
+	Random random(7);
+	int met = 0, counted = 0;  // wherever all four are
+	for (int i = 0; i < 500; ++i)
+	{
+		const auto some = [&](double most) { return uniform(random, -most, most); };
+		// Corner in corner, B's ring inside of A's on the x axis, but for a little.
+		const double apart = 0.004 + some(0.002);
+		const Vec3 place{2 * (kRing - kTube) - apart, some(0.004), some(0.004)};
+		FacetPair pair(ring, ring, at(place, across));
+		pair.move({0.012, some(0.004), some(0.004)});
+		std::set<std::pair<bool, bool>> ofMet, ofAll;  // signs of normals
+		for (const Facet& facet : countingFacets(pair))
+		{
+			const std::pair<bool, bool> side{facet.normal.y > 0, facet.normal.z > 0};
+			if (facet.reach != Facet::Reach::kBeside) ofMet.insert(side);
+			ofAll.insert(side);
+		}
+		EXPECT_GE(ofAll.size(), 3u) << i;
+		met += ofMet.size() == 4;
+		counted += ofAll.size() == 4;
+	}
+	EXPECT_LT(met, 250);
+	EXPECT_GT(counted, 440);
 }
 }  // namespace clod::test

@@ -50,7 +50,7 @@ TEST(FacetFinder, OfAWideFloorNothingIsLeftOut)
 			for (const Facet& facet : facets)
 			{
 				// How far aside and how deep inside facets are looked for depends on the nodes.
-				if (facet.reach == Facet::Reach::kPossible || facet.distance < -0.03 * size) continue;
+				if (facet.reach >= Facet::Reach::kPossible || facet.distance < -0.03 * size) continue;
 				hasEdge = hasEdge || facet.kind != Facet::Kind::kVertexFace;
 				const auto rounded = [&](double length) { return std::round(1e5 * length / size); };
 				of[floor == sides].emplace_back(rounded(facet.distance), rounded(facet.onA.x), rounded(facet.onA.y),
