@@ -358,11 +358,12 @@ void FacetChoice::dropRidges(std::vector<Facet>& facets)
 }
 
 // Two facets each of which lies above the plane of the other one meet in a valley of the difference. It leaves free what
-// is above both planes: neither forbids anything, near the valley, that the other one allows.
+// is above both planes: neither forbids anything, near the valley, that the other one allows, nor is deeper where that one
+// is a contact.
 bool FacetChoice::meetInValley(const Facet& contact, const Facet& other) const
 {
 	const double size = m_question->length(), near = kInValley * size, slack = 1e-6 * size;
-	if (!(dot(contact.normal, other.normal) > 0)) return false;
+	if (!(dot(contact.normal, other.normal) > 0) || other.distance < std::min(contact.distance, 0.0)) return false;
 	if (lengthSquared(contact.ofA - other.ofA) > near * near || lengthSquared(contact.ofB - other.ofB) > near * near) return false;
 	const Vec3 between = centerOf(other) - centerOf(contact);
 	// Normals point into the difference, hence the signs.
