@@ -141,6 +141,8 @@ TEST(FacetChoice, WhereSaddlesTouchTheFacetsBesideCountToo)
 			ofAll.insert(side);
 		}
 		EXPECT_GE(ofAll.size(), 3u) << i;
+		pair.rules.valleys = false;
+		for (const Facet& facet : countingFacets(pair)) EXPECT_NE(facet.reach, Facet::Reach::kBeside) << i;
 		met += ofMet.size() == 4;
 		counted += ofAll.size() == 4;
 	}

@@ -166,10 +166,10 @@ std::uint64_t hashOf(const SavedContacts& contacts)
 	return sum;
 }
 
-bool& Context::isSolvedIn(const btDispatcher& dispatcher)
+Context::Passes& Context::passesIn(const btDispatcher& dispatcher)
 {
 	const std::lock_guard<std::mutex> lock(m_mutex);
-	return m_isSolved[&dispatcher];
+	return m_passes[&dispatcher];
 }
 
 void Context::forEachPair(const std::function<void(const PairReport&)>& visit) const

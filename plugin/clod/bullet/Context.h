@@ -124,13 +124,17 @@ private:
 	PairState* pairAt(std::size_t index) const;
 	// Oldest first. Pairs of other dispatchers may come and go meanwhile, if their worlds run on other threads.
 	void pairsOf(const btDispatcher& dispatcher, std::vector<PairState*>& pairs) const;
-	// Whether contacts are being found for the motion as solved, in a further pass of btClodDynamicsWorld.
-	bool& isSolvedIn(const btDispatcher& dispatcher);
+	// Of contacts that btClodDynamicsWorld finds: will they be found again as bodies are solved, and is that so now?
+	struct Passes
+	{
+		bool mayFollow = false, isFurther = false;
+	};
+	Passes& passesIn(const btDispatcher& dispatcher);
 	mutable std::mutex m_mutex;             // of all that worlds share; no function of the user's is called under it
 	mutable std::recursive_mutex m_saying;  // one message at a time, but for those that a message's handler causes
 	std::vector<PairState*> m_pairs;
 	std::unordered_map<const btCollisionObject*, std::vector<PairState*>> m_ofBody;
-	std::map<const btDispatcher*, bool> m_isSolved;
+	std::map<const btDispatcher*, Passes> m_passes;
 	std::map<unsigned, int> m_said;  // how often, of each cause
 	ConvexPartners m_convexPartners;
 	StepBudget m_stepBudget;  // of dispatchers that have none

@@ -32,8 +32,8 @@ bool sameRules(const PointRules& l, const PointRules& r)
 {
 	const auto fields = [](const PointRules& rules)
 	{
-		const auto& [length, resting, margin, radiusA, radiusB, nearest, a, b, friction, timeStep, heldReach, liesAlone] = rules;
-		return std::tuple_cat(std::tie(length, resting, margin, radiusA, radiusB, nearest, friction, timeStep, heldReach, liesAlone),
+		const auto& [size, resting, margin, ofA, ofB, nearest, a, b, friction, dt, held, alone, valleys] = rules;
+		return std::tuple_cat(std::tie(size, resting, margin, ofA, ofB, nearest, friction, dt, held, alone, valleys),
 							  fieldsOf(a), fieldsOf(b));
 	};
 	return fields(l) == fields(r);
@@ -43,7 +43,7 @@ bool sameRules(const PointRules& l, const PointRules& r)
 PairState::PairState(Context& context, btDispatcher& dispatcher, btPersistentManifold* shared, bool isClosestPoints,
 					 StepBudget* budget, const btCollisionObject& object0, const btCollisionObject& object1)
 	: m_context(context),
-	  m_isSolved(context.isSolvedIn(dispatcher)),
+	  m_passes(context.passesIn(dispatcher)),
 	  m_manifolds(dispatcher, shared),
 	  m_isClosestPoints(isClosestPoints),
 	  m_objects{&object0, &object1},
@@ -150,7 +150,7 @@ PairPose PairState::begin(const btCollisionObjectWrapper& body0, const btCollisi
 						  const btDispatcherInfo& info, double closestPoints)
 {
 	const Prediction prediction = m_isClosestPoints	   ? Prediction::kStill
-								  : m_isSolved		   ? Prediction::kSolved
+								  : m_passes.isFurther ? Prediction::kSolved
 													   : Prediction::kFree;
 	PairPose pose = poseOf(body0, body1, info, prediction, closestPoints, m_context.m_convexPartners, m_convex);
 	m_report.notFinite = pose.notFinite;
@@ -219,6 +219,7 @@ PairState::Question PairState::questionOf(const PairPose& pose)
 	question.settings.signsOnly = true;
 	question.rules = pose.rules;
 	question.rules.liesAlone = liesAlone(pose);
+	question.rules.valleys = !m_passes.mayFollow;
 	question.way = pose.seenMotion.speedWithin(pose.center, pose.radius) * pose.rules.timeStep;
 	question.withGap = m_context.searchGap && !pose.isRound();
 	if (pose.partner == Partner::kPlane)
@@ -281,7 +282,7 @@ bool PairState::staysOverPlane(const btCollisionObjectWrapper& body0, const btCo
 {
 	const bool wasNear = !m_clusters.isEmpty() || !m_result.pairs.empty() || m_report.fast;
 	const bool complains = !m_report.notFinite.empty() || !m_report.metricError.empty();
-	if (wasNear || complains || m_seenB.shape == nullptr || m_isClosestPoints || m_isSolved) return false;
+	if (wasNear || complains || m_seenB.shape == nullptr || m_isClosestPoints || m_passes.isFurther) return false;
 	const bool planeIsFirst = body0.getCollisionShape() == m_seenB.shape;
 	const btCollisionObject &plane = *(planeIsFirst ? body0 : body1).getCollisionObject(),
 							&body = *(planeIsFirst ? body1 : body0).getCollisionObject();

@@ -197,7 +197,7 @@ private:
 	void warnOnce(bool now, unsigned cause, const char* what);
 
 	Context& m_context;
-	const bool& m_isSolved;  // of the dispatcher
+	const Context::Passes& m_passes;  // of the dispatcher
 	ManifoldSet m_manifolds;
 	const bool m_isClosestPoints;
 	std::array<const btCollisionObject*, 2> m_objects;

@@ -196,7 +196,10 @@ void btClodDynamicsWorld::performDiscreteCollisionDetection()
 		predictFree(part);
 		getDispatchInfo().m_timeStep = part;
 	}
+	bool& mayFollow = m_context.passesIn(*getDispatcher()).mayFollow;
+	mayFollow = m_mostPasses > 1;
 	btDiscreteDynamicsWorld::performDiscreteCollisionDetection();
+	mayFollow = false;
 }
 
 void btClodDynamicsWorld::integrateTransforms(btScalar timeStep)
@@ -483,8 +486,8 @@ void btClodDynamicsWorld::askAgain()
 	btBroadphasePair* pairs = cache.getOverlappingPairArrayPtr();
 	for (int i = 0; i < cache.getNumOverlappingPairs(); ++i)
 		if (!pairs[i].m_algorithm) m_asked.push_back(&pairs[i]);
-	bool& isSolved = m_context.isSolvedIn(*getDispatcher());
-	isSolved = true;
+	clod::Context::Passes& passes = m_context.passesIn(*getDispatcher());
+	passes = {true, true};
 	if (auto* ours = dynamic_cast<btClodDispatcher*>(getDispatcher()))
 		ours->dispatchPairs(m_asked, getDispatchInfo());
 	else
@@ -492,5 +495,5 @@ void btClodDynamicsWorld::askAgain()
 		auto& dispatcher = static_cast<btCollisionDispatcher&>(*getDispatcher());
 		for (btBroadphasePair* pair : m_asked) dispatcher.getNearCallback()(*pair, dispatcher, getDispatchInfo());
 	}
-	isSolved = false;
+	passes = {};
 }

@@ -50,7 +50,7 @@ void FacetChoice::choose(const FacetQuestion& question, const std::vector<FacetR
 	knowAgain(last, lastAFromB, facets);
 	dropInner(facets);
 	dropRidges(facets);
-	keepValleys(facets);
+	if (question.rules.valleys) keepValleys(facets);
 }
 
 // Do the bodies overlap at the facet once A is moved by the shift?

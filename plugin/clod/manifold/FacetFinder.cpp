@@ -282,7 +282,7 @@ private:
 		else if (now > 0 && now <= m_finder.highest(now - m_of.distanceThen) &&
 				 m_of.isOver(middle, m_of.direction, beside))
 			reach = Facet::Reach::kPossible;
-		else if (m_of.isLowest && isBeside())
+		else if (m_of.isLowest && m_rules.valleys && isBeside())
 			reach = Facet::Reach::kBeside;
 		else
 			return false;
