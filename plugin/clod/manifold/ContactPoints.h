@@ -42,6 +42,8 @@ struct PairBody
 	Vec3 force;            // what they add to the linear velocity
 	bool isPoint = false;  // its centre, grown by a radius: as it turns, nothing of it moves
 	Vec3 turning() const { return isPoint ? Vec3{} : angular; }
+	// Of its material at a place.
+	Vec3 velocityAt(const Vec3& place) const { return linear + cross(turning(), place - center); }
 };
 inline PairBody withoutForces(PairBody body)
 {

@@ -211,9 +211,8 @@ inline double FacetQuestion::footSlack(double distance) const
 
 inline double FacetQuestion::besideSlack(const Vec3& place, double distance) const
 {
-	const auto wayOf = [&](const PairBody& body) { return body.linear + cross(body.turning(), place - body.center); };
-	const Vec3 wayA = wayOf(rules.a), wayB = wayOf(rules.b);
-	const double squared = std::max({lengthSquared(wayA), lengthSquared(wayB), lengthSquared(wayA - wayB)});
+	const Vec3 ofA = rules.a.velocityAt(place), ofB = rules.b.velocityAt(place);
+	const double squared = std::max({lengthSquared(ofA), lengthSquared(ofB), lengthSquared(ofA - ofB)});
 	return footSlack(distance) + std::min(kBesideMost * length(), rules.timeStep * std::sqrt(squared));
 }
 

@@ -359,13 +359,13 @@ void FacetChoice::dropRidges(std::vector<Facet>& facets)
 
 // Two facets each of which lies above the plane of the other one meet in a valley of the difference. It leaves free what
 // is above both planes: neither forbids anything, near the valley, that the other one allows, nor is deeper where that one
-// is a contact.
-bool FacetChoice::meetInValley(const Facet& contact, const Facet& other) const
+// is a contact. center: of the other.
+bool FacetChoice::meetInValley(const Facet& contact, const Facet& other, const Vec3& center) const
 {
 	const double size = m_question->length(), near = kInValley * size, slack = 1e-6 * size;
 	if (!(dot(contact.normal, other.normal) > 0) || other.distance < std::min(contact.distance, 0.0)) return false;
 	if (lengthSquared(contact.ofA - other.ofA) > near * near || lengthSquared(contact.ofB - other.ofB) > near * near) return false;
-	const Vec3 between = centerOf(other) - centerOf(contact);
+	const Vec3 between = center - centerOf(contact);
 	// Normals point into the difference, hence the signs.
 	return dot(contact.normal, between) < -slack && dot(other.normal, between) > slack;
 }
@@ -388,12 +388,13 @@ void FacetChoice::keepValleys(std::vector<Facet>& facets)
 	{
 		Facet& facet = facets[i];
 		if (facet.reach < Facet::Reach::kPossible || !isOfSurfaces(facet)) continue;
+		const Vec3 center = centerOf(facet);
 		const auto holds = [&](const Facet& contact)
 		{
 			return contact.reach < Facet::Reach::kPossible && isOfSurfaces(contact) && !contact.isThrough &&
-				   meetInValley(contact, facet);
+				   meetInValley(contact, facet, center);
 		};
-		const bool counts = !(facet.isOfVertex() && isPassed(facet)) && std::any_of(facets.begin(), facets.end(), holds);
+		const bool counts = std::any_of(facets.begin(), facets.end(), holds) && !(facet.isOfVertex() && isPassed(facet));
 		m_isKept[i] = counts || facet.reach == Facet::Reach::kPossible;
 		if (counts) facet.reach = Facet::Reach::kBeside;
 	}

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Which facets are contacts, where several are found at one place: of those that overlap the ones on the boundary of the
-// difference, of those that meet in a convex ridge the one that the motion crosses last, of those that meet in a valley all (README.md,
-// rules).
+// difference, of those that meet in a convex ridge the one that the motion crosses last, of those that meet in a valley
+// all (README.md, rules).
 #pragma once
 #include <utility>
 #include <vector>
@@ -34,7 +34,7 @@ private:
 	bool isBeyondRidge(const Facet& best, const Vec3& center, const Facet& other) const;
 	void keepValleys(std::vector<Facet>& facets);
 	bool isPassed(const Facet& facet) const;
-	bool meetInValley(const Facet& contact, const Facet& other) const;
+	bool meetInValley(const Facet& contact, const Facet& other, const Vec3& center) const;
 	void removeDropped(std::vector<Facet>& facets) const;
 
 	const FacetQuestion* m_question = nullptr;

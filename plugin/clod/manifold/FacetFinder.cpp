@@ -350,7 +350,7 @@ private:
 	{
 		const auto meetOnWayOf = [&](const PairBody& body, double sign)
 		{
-			Vec3 way = sign * m_rules.timeStep * (body.linear + cross(body.turning(), m_of.placeInA() - body.center));
+			Vec3 way = sign * m_rules.timeStep * body.velocityAt(m_of.placeInA());
 			const double far = length(way);
 			if (far > m_rules.heldReach) way = (m_rules.heldReach / far) * way;
 			const double closing = dot(m_of.normal, way);
@@ -383,7 +383,7 @@ double FacetFinder::mostBeside(const MovedCorner& vertex, double now) const
 	const double way = kPathReach * std::sqrt(std::max(lengthSquared(ahead), lengthSquared(unforced)));
 	const FacetQuestion& q = *m_question;
 	const double aside = 2 * kInnerShare * q.length() + m_pair.roam + q.rules.heldReach + (1 + 2 * m_bend) * way;
-	return q.footSlack(now) + std::max(aside, kBesideMost * q.length());
+	return q.footSlack(now) + (q.rules.valleys ? std::max(aside, kBesideMost * q.length()) : aside);
 }
 
 // Works in the frame of the face's body.
