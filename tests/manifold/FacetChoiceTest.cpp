@@ -37,8 +37,9 @@ TEST(FacetChoice, WhatTheWayOutLeavesApartIsNoContact)
 		}
 }
 
-// The facets chosen of two bodies, as they are seen by the first of them, but for those merely possible.
-std::vector<Facet> countingFacets(const FacetPair& pair)
+// The facets chosen of two bodies, as they are seen by the first of them, but for those merely possible. last: what was
+// chosen at the pose before.
+std::vector<Facet> countingFacets(const FacetPair& pair, const std::vector<FacetRecord>& last = {}, const Transform& lastAFromB = {})
 {
 	const Transform then = aFromBAfter(pair.rules.a, pair.rules.b, pair.aFromB, pair.rules.timeStep);
 	const FacetQuestion question{contactBody(*pair.a), contactBody(*pair.b), pair.aFromB, then, then, pair.rules};
@@ -46,7 +47,7 @@ std::vector<Facet> countingFacets(const FacetPair& pair)
 	FacetChoice choice;
 	std::vector<Facet> facets;
 	finder.find(question, pair.result().contacts, facets);
-	choice.choose(question, {}, pair.aFromB, facets);
+	choice.choose(question, last, lastAFromB, facets);
 	const auto isIdle = [](const Facet& facet) { return facet.reach == Facet::Reach::kPossible; };
 	facets.erase(std::remove_if(facets.begin(), facets.end(), isIdle), facets.end());
 	return facets;
@@ -148,5 +149,93 @@ TEST(FacetChoice, WhereSaddlesTouchTheFacetsBesideCountToo)
 	}
 	EXPECT_LT(met, 250);
 	EXPECT_GT(counted, 440);
+}
+
+// A section turned about the z axis, in so many steps from that angle: places as radius and z, clockwise.
+HierarchyPointer turned(const std::vector<std::pair<double, double>>& section, std::uint32_t round, double first = 0)
+{
+	constexpr double kTwoPi = 6.283185307179586;
+	PatchedMesh mesh;
+	mesh.wall = 1;
+	for (std::uint32_t i = 0; i < round; ++i)
+		for (const auto& [radius, z] : section)
+		{
+			const double a = first + kTwoPi * i / round;
+			mesh.vertices.push_back({radius * std::cos(a), radius * std::sin(a), z});
+		}
+	const std::uint32_t sides = std::uint32_t(section.size());
+	for (std::uint32_t i = 0; i < round; ++i)
+		for (std::uint32_t side = 0; side < sides; ++side)
+		{
+			const std::uint32_t here = sides * i, there = sides * ((i + 1) % round), other = (side + 1) % sides;
+			mesh.triangles.push_back({here + side, there + other, here + other});
+			mesh.triangles.push_back({here + side, there + side, there + other});
+		}
+	mesh.patch.resize(mesh.triangles.size());
+	return patchHierarchy(singleTriangles(mesh));
+}
+// A wall round a hole.
+HierarchyPointer tubeOf(double inner, double outer, double half, std::uint32_t round, double first = 0)
+{
+	return turned({{inner, -half}, {outer, -half}, {outer, half}, {inner, half}}, round, first);
+}
+
+// A post of three sides sunk into the corner of a square room has its edge beyond the borders of both walls: each counts,
+// also the one that it is sunk into less, and the ends of the room, beneath which it is too, do not.
+TEST(FacetChoice, InAHollowCornerBothWallsCount)
+{
+	const double wall = 1, radius = 0.6, degree = std::atan(1) / 45;
+	const HierarchyPointer room = tubeOf(std::sqrt(2.0) * wall, 3, 1, 4, 45 * degree);
+	Random random(11);
+	for (int i = 0; i < 300; ++i)
+	{
+		const double towards = (-45 + uniform(random, -10, 10)) * degree;
+		const HierarchyPointer post = tubeOf(0.2, radius, 0.6, 3, towards);
+		const double less = uniform(random, 0.003, 0.008), more = uniform(random, 1.15, 2) * less;
+		const double x = i % 2 == 0 ? less : more, y = i % 2 == 0 ? more : less;
+		const Vec3 edge{wall + x, -wall - y, uniform(random, -0.3, 0.3)};
+		FacetPair pair(room, post, at(edge - radius * Vec3{std::cos(towards), std::sin(towards), 0}));
+		pair.rules.valleys = false;
+		double deepestX = 0, deepestY = 0, along = 0;
+		for (const Facet& facet : countingFacets(pair))
+		{
+			if (facet.distance > -1e-6 || facet.reach != Facet::Reach::kOverlap) continue;
+			along = std::max(along, std::abs(facet.normal.z));
+			double& deepest = std::abs(facet.normal.x) > 0.9 ? deepestX : deepestY;
+			deepest = std::max(deepest, -facet.distance);
+		}
+		EXPECT_NEAR(deepestX, x, 1e-6) << i;
+		EXPECT_NEAR(deepestY, y, 1e-6) << i;
+		EXPECT_LT(along, 0.1) << i;
+	}
+}
+
+// A pin that a step tilts in a hole sinks with one flange into the plate's top and with the other one into its bottom. No
+// shift leads out of both, and the flanges are beneath the far side of the plate, too: they did not come from there.
+TEST(FacetChoice, NothingIsDeeperThanBodiesHaveGone)
+{
+	const double half = 0.05, gap = 0.001;
+	const HierarchyPointer hole = tubeOf(0.53, 1, half, 24);
+	const HierarchyPointer pin = turned({{0.2, -0.2}, {0.8, -0.2}, {0.8, -half - gap}, {0.5, -half - gap}, {0.5, half + gap},
+										 {0.8, half + gap}, {0.8, 0.2}, {0.2, 0.2}}, 24);
+	Random random(5);
+	int sunk = 0;
+	for (int i = 0; i < 100; ++i)
+	{
+		const auto some = [&](double most) { return uniform(random, -most, most); };
+		const Transform before = at({some(0.01), some(0.01), some(0.0005)});
+		const double tilt = uniform(random, 0.005, 0.02), c = std::cos(tilt), s = std::sin(tilt);
+		const Transform now = at(before.translation + Vec3{some(0.01), some(0.01), 0}, {{{c, 0, s}, {0, 1, 0}, {-s, 0, c}}});
+		FacetPair first(hole, pin, before), then(hole, pin, now);
+		first.rules.resting = 0.003;
+		const std::vector<Facet> known = countingFacets(first);
+		ASSERT_FALSE(known.empty());
+		double deepest = 0;
+		for (const Facet& facet : countingFacets(then, {known.begin(), known.end()}, before))
+			deepest = std::max(deepest, -facet.distance);
+		sunk += deepest > 0.001;
+		EXPECT_LT(deepest, half) << i;
+	}
+	EXPECT_GT(sunk, 90);
 }
 }  // namespace clod::test

@@ -16,6 +16,8 @@ constexpr double kSatisfied = 0.02;       // of its depth: what a facet may lack
 constexpr double kSatisfiedShare = 1e-6;  // of the length, likewise
 constexpr double kSettledShare = 1e-9;    // of the length: a least shift is known to this
 constexpr double kBeyond = 1.05;     // overlaps are looked for again at this many times the least shift, and a touch
+constexpr double kTooDeep = 2;       // times as deep as may be: what a depth may grow by, as facets meet at angles
+constexpr double kHardlyIn = 0.02;   // of the length: bodies that a farther shift takes apart are deep
 constexpr double kTie = 1e-4;        // of the length: heights, now and at the end of the step, that count as equal
 constexpr double kAsShallow = 1e-3;  // of the length: overlaps that count as equally deep
 constexpr double kInValley = 0.2;    // of the length: how far from a contact a facet may be
@@ -47,6 +49,7 @@ void FacetChoice::choose(const FacetQuestion& question, const std::vector<FacetR
 						 std::vector<Facet>& facets)
 {
 	m_question = &question;
+	dropTooDeep(last, lastAFromB, facets);
 	knowAgain(last, lastAFromB, facets);
 	dropInner(facets);
 	dropRidges(facets);
@@ -103,6 +106,29 @@ void FacetChoice::removeDropped(std::vector<Facet>& facets) const
 			++kept;
 		}
 	facets.resize(kept, Facet{});
+}
+
+// Nothing is deeper than the deepest of the last step and what bodies have gone since: the ends of a hole, beneath which
+// a pin is by its length, are no way out where it has sunk into the wall. Of another level nothing is known.
+void FacetChoice::dropTooDeep(const std::vector<FacetRecord>& last, const Transform& lastAFromB,
+							  std::vector<Facet>& facets) const
+{
+	const auto isUnknown = [](const FacetRecord& record) { return !record.hasFeatures(); };
+	if (std::any_of(last.begin(), last.end(), isUnknown)) return;
+	double deepest = -kInnerShare * m_question->length();
+	for (const FacetRecord& record : last) deepest = std::min(deepest, record.distance);
+	const Transform lastAFromA = lastAFromB * inverse(m_question->aFromB);
+	const auto isTooDeep = [&](const Facet& facet)
+	{
+		if (facet.isThrough || facet.distance >= kTooDeep * deepest) return false;
+		const double gone = length(lastAFromA * facet.onB - facet.onB);
+		if (facet.distance >= kTooDeep * (deepest - gone)) return false;
+		const auto isOfLevels = [&](const FacetRecord& record)
+		{ return record.levelA == facet.levelA && record.levelB == facet.levelB; };
+		const auto isSame = [&](const FacetRecord& record) { return record.feature == facet.feature; };
+		return std::any_of(last.begin(), last.end(), isOfLevels) && std::none_of(last.begin(), last.end(), isSame);
+	};
+	facets.erase(std::remove_if(facets.begin(), facets.end(), isTooDeep), facets.end());
 }
 
 void FacetChoice::knowAgain(const std::vector<FacetRecord>& last, const Transform& lastAFromB, std::vector<Facet>& facets)
@@ -209,13 +235,18 @@ bool FacetChoice::wentThrough(const Facet& facet, const FacetRecord* known, cons
 void FacetChoice::dropInner(std::vector<Facet>& facets)
 {
 	m_order.clear();
+	m_beside.clear();
 	m_isKept.assign(facets.size(), 1);
 	for (std::uint32_t i = 0; i < facets.size(); ++i)
 	{
+		if (facets[i].reach == Facet::Reach::kBeside && facets[i].distance < -kInnerShare * m_question->length())
+			m_beside.push_back(i);
 		if (facets[i].reach != Facet::Reach::kOverlap) continue;
 		m_isKept[i] = facets[i].isThrough || overlapsAt(facets[i], Vec3{}) ? 1 : 0;
 		if (m_isKept[i]) m_order.push_back(i);
 	}
+	std::sort(m_beside.begin(), m_beside.end(), [&](std::uint32_t i, std::uint32_t j)
+			  { return std::tie(facets[j].distance, i) < std::tie(facets[i].distance, j); });
 	double shallowest = -std::numeric_limits<double>::infinity();  // of those that are new
 	for (const std::uint32_t i : m_order)
 		if (m_isKnown[i] == 0) shallowest = std::max(shallowest, facets[i].distance);
@@ -228,29 +259,66 @@ void FacetChoice::dropInner(std::vector<Facet>& facets)
 	};
 	std::sort(m_order.begin(), m_order.end(), [&](std::uint32_t i, std::uint32_t j) { return placeOf(i) < placeOf(j); });
 	m_planes.clear();
-	const double settled = kSettledShare * m_question->length();
 	for (const Facet& facet : facets)
 		if (facet.reach < Facet::Reach::kPossible && facet.reach != Facet::Reach::kOverlap && facet.distance < 0)
 			m_planes.push_back({facet.normal, facet.distance});
-	m_shift = m_planes.empty() || m_order.empty() ? Vec3{} : leastShift(m_planes, settled);
+	m_shift = m_planes.empty() || m_order.empty() ? Vec3{} : leastShift(m_planes, kSettledShare * m_question->length());
 	for (const std::uint32_t i : m_order)
 	{
 		const Facet& facet = facets[i];
-		const double lacking = -(dot(facet.normal, m_shift) + facet.distance);
-		if (lacking <= kSatisfied * -facet.distance + kSatisfiedShare * m_question->length()) continue;
+		if (isSatisfied(facet)) continue;
 		// The overlap is looked for a little beyond the shift: a facet that lacks no more than that carries with the
 		// others.
 		const double touch = kInnerShare * m_question->length(), far = length(m_shift), beyond = (kBeyond - 1) * far + touch;
-		if (!m_isKnown[i] && !m_planes.empty() && lacking > beyond + touch &&
+		if (!m_isKnown[i] && !m_planes.empty() && lacking(facet) > beyond + touch &&
 			!overlapsAt(facet, (1 + (far > 0 ? beyond / far : 0)) * m_shift))
 		{
 			m_isKept[i] = 0;
 			continue;
 		}
-		m_planes.push_back({facet.normal, facet.distance});
-		m_shift = leastShift(m_planes, settled);
+		takeOut(facet);
+		while (takeBeside(facets)) {}
 	}
+	for (const std::uint32_t i : m_beside)
+		if (facets[i].reach == Facet::Reach::kBeside && !m_question->rules.valleys) m_isKept[i] = 0;
 	removeDropped(facets);
+}
+
+// How far A is beneath the facet's plane once it is shifted.
+double FacetChoice::lacking(const Facet& facet) const
+{
+	return -(dot(facet.normal, m_shift) + facet.distance);
+}
+
+bool FacetChoice::isSatisfied(const Facet& facet) const
+{
+	return lacking(facet) <= kSatisfied * -facet.distance + kSatisfiedShare * m_question->length();
+}
+
+void FacetChoice::takeOut(const Facet& facet)
+{
+	m_planes.push_back({facet.normal, facet.distance});
+	m_shift = leastShift(m_planes, kSettledShare * m_question->length());
+}
+
+// Beneath one wall of a hollow corner a vertex is beyond the border of the other one: what is aside counts where the
+// shift brings it over. False if there is none.
+bool FacetChoice::takeBeside(std::vector<Facet>& facets)
+{
+	const FacetQuestion& q = *m_question;
+	if (length(m_shift) > kHardlyIn * q.length()) return false;
+	Transform shifted = q.aFromB;
+	shifted.translation -= m_shift;
+	for (const std::uint32_t i : m_beside)
+	{
+		Facet& facet = facets[i];
+		if (facet.reach != Facet::Reach::kBeside || isSatisfied(facet)) continue;
+		if (besideAt(q, facet, shifted).distance > q.footSlack(-lacking(facet)) || !overlapsAt(facet, m_shift)) continue;
+		facet.reach = Facet::Reach::kOverlap;
+		takeOut(facet);
+		return true;
+	}
+	return false;
 }
 
 // The centre of the facet, as part of the boundary of the Minkowski difference a - b at the present pose; frame A.

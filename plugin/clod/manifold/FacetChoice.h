@@ -26,9 +26,14 @@ private:
 	void knowAgain(const std::vector<FacetRecord>& last, const Transform& lastAFromB, std::vector<Facet>& facets);
 	bool wentThrough(const Facet& facet, const FacetRecord* known, const std::vector<FacetRecord>& last,
 					 const Transform& lastAFromB) const;
+	void dropTooDeep(const std::vector<FacetRecord>& last, const Transform& lastAFromB, std::vector<Facet>& facets) const;
 	void dropWhatHoldsThrough(std::vector<Facet>& facets);
 	void followThrough(std::vector<Facet>& facets);
 	void dropInner(std::vector<Facet>& facets);
+	double lacking(const Facet& facet) const;
+	bool isSatisfied(const Facet& facet) const;
+	void takeOut(const Facet& facet);
+	bool takeBeside(std::vector<Facet>& facets);
 	void dropRidges(std::vector<Facet>& facets);
 	bool mayDecide(const Facet& facet) const;
 	bool isBeyondRidge(const Facet& best, const Vec3& center, const Facet& other) const;
@@ -49,7 +54,7 @@ private:
 	std::vector<ShiftPlane> m_planes;
 	Vec3 m_shift;
 	Places m_placesA, m_placesB;
-	std::vector<std::uint32_t> m_order;
+	std::vector<std::uint32_t> m_order, m_beside;
 	std::vector<char> m_isKept;
 	std::vector<Facet> m_through;
 	std::vector<char> m_isKnown;  // was a contact in the last step, too

@@ -282,7 +282,7 @@ private:
 		else if (now > 0 && now <= m_finder.highest(now - m_of.distanceThen) &&
 				 m_of.isOver(middle, m_of.direction, beside))
 			reach = Facet::Reach::kPossible;
-		else if (m_of.isLowest && m_rules.valleys && isBeside())
+		else if ((now < -m_inner && m_of.mayTouch && isBesideOverlap()) || (m_of.isLowest && m_rules.valleys && isBeside()))
 			reach = Facet::Reach::kBeside;
 		else
 			return false;
@@ -293,6 +293,8 @@ private:
 		const double beside = m_question.besideSlack(m_of.placeInA(), m_of.distance);
 		return m_of.distance - beside <= m_rules.margin && m_of.isOver(m_of.now, m_of.direction, beside);
 	}
+	// Beneath one wall of a hollow corner bodies are beyond the border of the other.
+	bool isBesideOverlap() const { return m_of.isOver(m_of.now, m_of.direction, kBesideMost * m_rules.length); }
 	// On their way through the step, straight or, where the arc departs too far from its chord, on the arc.
 	bool meetOnPath(double closing)
 	{
@@ -383,7 +385,8 @@ double FacetFinder::mostBeside(const MovedCorner& vertex, double now) const
 	const double way = kPathReach * std::sqrt(std::max(lengthSquared(ahead), lengthSquared(unforced)));
 	const FacetQuestion& q = *m_question;
 	const double aside = 2 * kInnerShare * q.length() + m_pair.roam + q.rules.heldReach + (1 + 2 * m_bend) * way;
-	return q.footSlack(now) + (q.rules.valleys ? std::max(aside, kBesideMost * q.length()) : aside);
+	const bool mayBeBeside = q.rules.valleys || now < -kInnerShare * q.length();
+	return q.footSlack(now) + (mayBeBeside ? std::max(aside, kBesideMost * q.length()) : aside);
 }
 
 // Works in the frame of the face's body.
