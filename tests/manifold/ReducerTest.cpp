@@ -92,7 +92,7 @@ TEST(ContactReducer, TheDeepestIsAmongThemHoweverManyCarry)
 	for (const ContactCluster& cluster : next.slots)
 		for (int i = 0; i < cluster.count; ++i) deep += cluster.points[std::size_t(i)].point.pointOnA.y > 0;
 	EXPECT_EQ(deep, 1);
-	EXPECT_EQ(next.pointCount(), kMaxClusters * kClusterPoints);
+	EXPECT_EQ(next.pointCount(), int(ContactReducer::kMostOpen));
 }
 
 TEST(ContactReducer, OfAFlatThatLiesAloneTheOutermostAndTheLowestStay)
@@ -116,10 +116,24 @@ TEST(ContactReducer, OfAFlatThatLiesAloneTheOutermostAndTheLowestStay)
 	EXPECT_EQ(countWhere(alone, isCorner), 4);
 	EXPECT_EQ(countWhere(alone, isMiddle), 1);
 	EXPECT_LE(alone.pointCount(), 9);
-	EXPECT_EQ(reduced(facets, 0).pointCount(), kMaxClusters * kClusterPoints);
+	EXPECT_EQ(reduced(facets, 0).pointCount(), int(ContactReducer::kMostOpen));
 	// What is no flat stays whole.
 	for (std::size_t i = 0; i < facets.size(); ++i) facets[i].normal = normalized({0.1 * double(i % 7), -1, 0.1 * double(i / 7)});
-	EXPECT_EQ(reduced(facets, 0, true).pointCount(), kMaxClusters * kClusterPoints);
+	EXPECT_EQ(reduced(facets, 0, true).pointCount(), int(ContactReducer::kMostOpen));
+}
+
+// A pin in a hole with flanges has facets all round: the sides that carry would else leave none to those that may.
+TEST(ContactReducer, WhatIsHeldFromOpposingSidesHasMorePoints)
+{
+	std::vector<Facet> facets;
+	for (int i = 0; i < 200; ++i)
+	{
+		facets.push_back(facetAt({0.03 * i, 0, 0}));
+		facets.back().normal = normalized({0.1, i % 2 == 0 ? 1.0 : -1.0, 0});
+	}
+	EXPECT_EQ(reduced(facets, 0).pointCount(), kMaxClusters * kClusterPoints);
+	for (Facet& facet : facets) facet.normal = normalized({2, facet.normal.y, 0});  // 53 degrees apart
+	EXPECT_EQ(reduced(facets, 0).pointCount(), int(ContactReducer::kMostOpen));
 }
 
 TEST(PairSolve, AnImpulseBesideBothCentresTurnsBothBodies)

@@ -105,7 +105,7 @@ inline constexpr std::size_t kFewPairs = 8;
 inline constexpr double kHeldShare = 0.1;  // of the length: the most that PointRules::heldReach is
 
 // Points go to a solver in groups of a manifold's size.
-inline constexpr int kMaxClusters = 8;
+inline constexpr int kMaxClusters = 32;
 inline constexpr int kClusterPoints = 4;
 
 struct HeldPoint

@@ -20,6 +20,7 @@ constexpr std::size_t kMostOfFlat = 8;   // points of a flat, of a body that lie
 constexpr double kPreferred = 1.1;       // of a flat, a point that goes on counts as so many times farther out,
 constexpr double kLowCounts = 10;        // and so does one that is as low as the lowest,
 constexpr double kAsLow = 2e-5;          // up to this
+constexpr double kOpposing = -0.5;       // cosine of normals that hold from opposing sides
 constexpr double kAlike = 0.011;         // normals that are alike (kSameNormal) differ by less in every coordinate
 
 const HeldPoint& pointAt(const ClusterSet& set, std::uint32_t index)
@@ -34,12 +35,26 @@ void ContactReducer::reduce(const std::vector<Facet>& facets, const std::vector<
 	m_facets = &facets;
 	m_points = &points;
 	m_length = rules.length;
+	m_most = holdFromOpposingSides() ? kMostPoints : kMostOpen;
 	m_candidates.assign(facets.size(), Candidate{});
 	match(previous);
 	m_isNeeded.assign(facets.size(), 1);
 	if (rules.liesAlone) thinOutFlats();
 	choose();
 	place(previous, next);
+}
+
+// Looks for two normals that are far apart: from any, the farthest, and the farthest from that.
+bool ContactReducer::holdFromOpposingSides() const
+{
+	if (m_points->empty()) return false;
+	const auto farthestFrom = [this](const Vec3& normal)
+	{
+		const auto isFarther = [&](const ContactPoint& l, const ContactPoint& r) { return dot(l.normal, normal) < dot(r.normal, normal); };
+		return std::min_element(m_points->begin(), m_points->end(), isFarther)->normal;
+	};
+	const Vec3 first = farthestFrom((*m_points)[0].normal), second = farthestFrom(first);
+	return dot(first, second) < kOpposing;
 }
 
 // Where two flats lie on each other there is a facet for every corner and every crossing of edges. The outermost of
@@ -194,8 +209,8 @@ void ContactReducer::choose()
 	{
 		if (m_chosen.size() < most && !m_candidates[i].isChosen && m_candidates[i].apart >= kCarrySpacing) take(i);
 	};
-	for (const std::uint32_t i : m_order) takeApart(i, deepest == kNone ? kMostPoints : kMostPoints - 1);
-	if (deepest != kNone) takeApart(deepest, kMostPoints);
+	for (const std::uint32_t i : m_order) takeApart(i, deepest == kNone ? m_most : m_most - 1);
+	if (deepest != kNone) takeApart(deepest, m_most);
 	spread(false);
 	spread(true);
 }
@@ -204,7 +219,7 @@ void ContactReducer::choose()
 // third bodies may lead to take part, once all others are there.
 void ContactReducer::spread(bool withPossible)
 {
-	while (m_chosen.size() < kMostPoints)
+	while (m_chosen.size() < m_most)
 	{
 		std::uint32_t best = kNone;
 		for (std::uint32_t i = 0; i < m_candidates.size(); ++i)

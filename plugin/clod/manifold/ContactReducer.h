@@ -16,6 +16,9 @@ namespace clod
 class ContactReducer
 {
 public:
+	// The most points of bodies that are open to each other: more cost a solver time, and hold nothing better. Where one
+	// holds the other from opposing sides, as a hole does a pin, each side needs its own.
+	static constexpr std::uint32_t kMostOpen = 32;
 	// points: one a facet, in their order. previous: with B's motion and impulses.
 	void reduce(const std::vector<Facet>& facets, const std::vector<ContactPoint>& points, const ClusterSet& previous,
 				const PointRules& rules, ClusterSet& next);
@@ -33,6 +36,7 @@ private:
 		double apart = 0;   // from all chosen, of one that may yet be; see distanceBetween
 		bool isChosen = false, isOfFlat = false, isLow = false;  // of the flat's points
 	};
+	bool holdFromOpposingSides() const;
 	void match(const ClusterSet& previous);
 	void thinOutFlats();
 	double lowest(std::uint32_t i) const;
@@ -45,6 +49,7 @@ private:
 	const std::vector<Facet>* m_facets = nullptr;
 	const std::vector<ContactPoint>* m_points = nullptr;
 	double m_length = 1;
+	std::uint32_t m_most = kMostPoints;
 	std::vector<Candidate> m_candidates;
 	std::vector<char> m_isNeeded;
 	std::vector<std::uint32_t> m_chosen, m_order;

@@ -11,7 +11,7 @@ namespace
 {
 constexpr int kPasses = 3;
 constexpr int kSweeps = 12;
-constexpr std::size_t kMostBalanced = 100;  // facets, which take up to 0.2 ms; of a pair's 32 points they are several times
+constexpr std::size_t kMostBalanced = 100;  // facets, which take up to 0.2 ms
 constexpr double kSettled = 1e-6;  // of the length: the solve ends once rows change by less
 constexpr double kMostTurn = 0.2;  // radians a step: beyond it, the second order says less and less of an arc
 
