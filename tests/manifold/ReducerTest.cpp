@@ -132,6 +132,16 @@ TEST(ContactReducer, WhatIsHeldFromOpposingSidesHasMorePoints)
 		facets.back().normal = normalized({0.1, i % 2 == 0 ? 1.0 : -1.0, 0});
 	}
 	EXPECT_EQ(reduced(facets, 0).pointCount(), kMaxClusters * kClusterPoints);
+	// Of these, first what is low, though it is merely possible.
+	for (std::size_t i = 0; i < facets.size(); ++i)
+	{
+		facets[i].distance = facets[i].then = i < 100 ? 0.1 : 0.001;
+		if (i >= 100) facets[i].reach = Facet::Reach::kPossible;
+	}
+	int low = 0;
+	for (const ContactCluster& cluster : reduced(facets, 0).slots)
+		for (int i = 0; i < cluster.count; ++i) low += cluster.points[std::size_t(i)].point.pointOnA.x > 2.99;
+	EXPECT_EQ(low, 100);
 	for (Facet& facet : facets) facet.normal = normalized({2, facet.normal.y, 0});  // 53 degrees apart
 	EXPECT_EQ(reduced(facets, 0).pointCount(), int(ContactReducer::kMostOpen));
 }

@@ -32,8 +32,8 @@ bool sameRules(const PointRules& l, const PointRules& r)
 {
 	const auto fields = [](const PointRules& rules)
 	{
-		const auto& [size, resting, margin, ofA, ofB, nearest, a, b, friction, dt, held, alone, valleys] = rules;
-		return std::tuple_cat(std::tie(size, resting, margin, ofA, ofB, nearest, friction, dt, held, alone, valleys),
+		const auto& [size, resting, margin, ofA, ofB, nearest, a, b, friction, dt, held, alone, once] = rules;
+		return std::tuple_cat(std::tie(size, resting, margin, ofA, ofB, nearest, friction, dt, held, alone, once),
 							  fieldsOf(a), fieldsOf(b));
 	};
 	return fields(l) == fields(r);
@@ -219,7 +219,7 @@ PairState::Question PairState::questionOf(const PairPose& pose)
 	question.settings.signsOnly = true;
 	question.rules = pose.rules;
 	question.rules.liesAlone = liesAlone(pose);
-	question.rules.valleys = !m_passes.mayFollow;
+	question.rules.foundOnce = !m_passes.mayFollow;
 	question.way = pose.seenMotion.speedWithin(pose.center, pose.radius) * pose.rules.timeStep;
 	question.withGap = m_context.searchGap && !pose.isRound();
 	if (pose.partner == Partner::kPlane)

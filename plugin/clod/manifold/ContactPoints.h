@@ -78,8 +78,8 @@ struct PointRules
 	// One of the two lies on the other, which does not move, and carries nothing else. Few points are enough for it, as
 	// a solver takes the longer the more rows it has; a body that carries others gets more.
 	bool liesAlone = false;
-	// Do facets in valleys count, which others may lead to? Not of contacts that are found again as others lead them.
-	bool valleys = true;
+	// Contacts are found once in a step, not again as other bodies lead them: what these may lead to counts, too.
+	bool foundOnce = true;
 	RelativeMotion motion() const { return motionBetween(a, b, timeStep); }
 	// May a facet with this normal hold the bodies against the forces on them? A steeper one is a wall.
 	bool holds(const Vec3& normal) const

@@ -20,7 +20,8 @@ constexpr std::size_t kMostOfFlat = 8;   // points of a flat, of a body that lie
 constexpr double kPreferred = 1.1;       // of a flat, a point that goes on counts as so many times farther out,
 constexpr double kLowCounts = 10;        // and so does one that is as low as the lowest,
 constexpr double kAsLow = 2e-5;          // up to this
-constexpr double kOpposing = -0.5;       // cosine of normals that hold from opposing sides
+constexpr double kOpposing = -0.5;       // cosine of normals that hold from opposing sides,
+constexpr double kSoonMet = 0.007;       // of which facets up to this height come before all that are higher
 constexpr double kAlike = 0.011;         // normals that are alike (kSameNormal) differ by less in every coordinate
 
 const HeldPoint& pointAt(const ClusterSet& set, std::uint32_t index)
@@ -35,6 +36,7 @@ void ContactReducer::reduce(const std::vector<Facet>& facets, const std::vector<
 	m_facets = &facets;
 	m_points = &points;
 	m_length = rules.length;
+	m_foundOnce = rules.foundOnce;
 	m_most = holdFromOpposingSides() ? kMostPoints : kMostOpen;
 	m_candidates.assign(facets.size(), Candidate{});
 	match(previous);
@@ -211,20 +213,21 @@ void ContactReducer::choose()
 	};
 	for (const std::uint32_t i : m_order) takeApart(i, deepest == kNone ? m_most : m_most - 1);
 	if (deepest != kNone) takeApart(deepest, m_most);
+	if (m_most > kMostOpen && m_foundOnce) spread(true, kSoonMet * m_length);
 	spread(false);
 	spread(true);
 }
 
-// Adds points that are farthest from all chosen; the lowest where nothing is chosen yet. withPossible: facets that only
-// third bodies may lead to take part, once all others are there.
-void ContactReducer::spread(bool withPossible)
+// Adds points no higher than that which are farthest from all chosen; the lowest where nothing is chosen yet.
+// withPossible: facets that only third bodies may lead to take part, too.
+void ContactReducer::spread(bool withPossible, double highest)
 {
 	while (m_chosen.size() < m_most)
 	{
 		std::uint32_t best = kNone;
 		for (std::uint32_t i = 0; i < m_candidates.size(); ++i)
 		{
-			if (!m_isNeeded[i] || m_candidates[i].isChosen || m_candidates[i].apart < kSpacing) continue;
+			if (!m_isNeeded[i] || m_candidates[i].isChosen || m_candidates[i].apart < kSpacing || lowest(i) > highest) continue;
 			if (!withPossible && (*m_facets)[i].reach == Facet::Reach::kPossible) continue;
 			const auto worth = [this](std::uint32_t k) { return std::make_pair(m_candidates[k].apart, -lowest(k)); };
 			if (best == kNone || worth(i) > worth(best)) best = i;

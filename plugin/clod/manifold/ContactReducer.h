@@ -4,6 +4,7 @@
 // one of the same two features, or the nearest; it keeps its group.
 #pragma once
 #include <array>
+#include <limits>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -41,7 +42,7 @@ private:
 	void thinOutFlats();
 	double lowest(std::uint32_t i) const;
 	void choose();
-	void spread(bool withPossible);
+	void spread(bool withPossible, double highest = std::numeric_limits<double>::infinity());
 	void take(std::uint32_t i);
 	void place(const ClusterSet& previous, ClusterSet& next);
 	double distanceBetween(std::uint32_t i, std::uint32_t j) const;
@@ -50,6 +51,7 @@ private:
 	const std::vector<ContactPoint>* m_points = nullptr;
 	double m_length = 1;
 	std::uint32_t m_most = kMostPoints;
+	bool m_foundOnce = true;
 	std::vector<Candidate> m_candidates;
 	std::vector<char> m_isNeeded;
 	std::vector<std::uint32_t> m_chosen, m_order;

@@ -53,7 +53,7 @@ void FacetChoice::choose(const FacetQuestion& question, const std::vector<FacetR
 	knowAgain(last, lastAFromB, facets);
 	dropInner(facets);
 	dropRidges(facets);
-	if (question.rules.valleys) keepValleys(facets);
+	if (question.rules.foundOnce) keepValleys(facets);
 }
 
 // Do the bodies overlap at the facet once A is moved by the shift?
@@ -280,7 +280,7 @@ void FacetChoice::dropInner(std::vector<Facet>& facets)
 		while (takeBeside(facets)) {}
 	}
 	for (const std::uint32_t i : m_beside)
-		if (facets[i].reach == Facet::Reach::kBeside && !m_question->rules.valleys) m_isKept[i] = 0;
+		if (facets[i].reach == Facet::Reach::kBeside && !m_question->rules.foundOnce) m_isKept[i] = 0;
 	removeDropped(facets);
 }
 
