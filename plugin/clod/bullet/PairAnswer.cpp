@@ -2,6 +2,7 @@
 // The second and third step of a dispatch: the query, and the points made of what it accepted. Two bodies that stay
 // where they are cost no more than writing their manifolds does.
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
+#include <BulletDynamics/Dynamics/btRigidBody.h>
 
 #include <algorithm>
 #include <array>
@@ -19,6 +20,7 @@ constexpr double kFiner = 2;         // by so much a trial is finer than what mi
 constexpr double kLeastOfTrial = 4;  // of what the coarsest answer takes: a finer one takes more
 constexpr double kWide = 0.1;        // of the length: so far aside of a way there may be all of a body
 constexpr double kRoundings = 2 * double(std::numeric_limits<btScalar>::epsilon());  // of two bodies' places and corners
+constexpr double kThrown = 3;       // times as far as masses tell: an impact turns what it hits
 constexpr double kStricter = 0.25;  // of the error of contacts that hold a body between them
 
 // What a thread needs while it answers a pair.
@@ -395,6 +397,38 @@ void PairState::namePartnerFace(const PairPose& pose, ContactPoint& point)
 																	  : m_mesh->nameOf(point.faceB / 2);
 	point.nodeB = std::uint32_t(name[0]);
 	point.faceB = std::uint32_t(name[1]);
+}
+
+// The most that third bodies carry either body off its way in the step, by how fast those near it close in, as their
+// masses tell; what no impulse moves, by its own speed. What is less than the skin is none.
+double PairState::shoveOf(const PairPose& pose) const
+{
+	const auto inverseMassOf = [](const btCollisionObject& object)
+	{
+		const btRigidBody* const body = btRigidBody::upcast(&object);
+		return body ? double(body->getInvMass()) : 0;
+	};
+	double fastest = 0;
+	for (std::size_t i = 0; i < 2; ++i)
+	{
+		const btCollisionObject &own = *m_objects[i], &partner = *m_objects[1 - i];
+		const double inverseMass = inverseMassOf(own);
+		if (!(inverseMass > 0)) continue;
+		const RelativeMotion ofOwn = worldMotion(own, 0);
+		const Vec3 center = toVec3(own.getWorldTransform().getOrigin());
+		for (const PairState* other : *m_pairsOf[i])
+		{
+			const btCollisionObject& third = *other->m_objects[other->m_objects[0] == &own ? 1 : 0];
+			if (&third == &partner || isFixed(third) || !third.hasContactResponse()) continue;
+			const Vec3 thirdCenter = toVec3(third.getWorldTransform().getOrigin()), between = 0.5 * (center + thirdCenter);
+			const Vec3 towards = normalized(center - thirdCenter), ofThird = worldMotion(third, 0).velocity(between);
+			const double inverseOfThird = inverseMassOf(third), closing = dot(ofThird - ofOwn.velocity(between), towards);
+			const double carries = inverseOfThird > 0 ? closing : std::min(closing, dot(ofThird, towards));
+			fastest = std::max(fastest, carries * inverseMass / (inverseMass + inverseOfThird));
+		}
+	}
+	const double way = kThrown * fastest * pose.rules.timeStep / pose.scale();
+	return way > kSkinShare * pose.rules.length ? way : 0;
 }
 
 // Adds what other pairs of the other body have told of that moves with this side.

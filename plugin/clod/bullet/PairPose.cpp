@@ -161,6 +161,12 @@ void PairPose::expectHolding()
 	tolerance += rules.heldReach;
 }
 
+void PairPose::expectShove(double way)
+{
+	rules.shove = std::min(way, kHeldShare * rules.length);
+	tolerance += rules.shove;
+}
+
 // Forces count unless the two carry each other, which holds them against these.
 void PairPose::lookAside(bool carry)
 {

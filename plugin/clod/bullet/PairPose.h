@@ -81,6 +81,8 @@ struct PairPose
 	double usualWall() const;  // what messages go by
 	// Looks farther for where a third body may hold one of the two, too (PointRules::heldReach).
 	void expectHolding();
+	// And where third bodies may carry one of the two (PointRules::shove).
+	void expectShove(double way);
 	// Looks farther for what a motion meets that is not the one predicted.
 	void lookAside(bool carry);
 };

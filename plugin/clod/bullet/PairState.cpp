@@ -32,8 +32,8 @@ bool sameRules(const PointRules& l, const PointRules& r)
 {
 	const auto fields = [](const PointRules& rules)
 	{
-		const auto& [size, resting, margin, ofA, ofB, nearest, a, b, friction, dt, held, alone, once] = rules;
-		return std::tuple_cat(std::tie(size, resting, margin, ofA, ofB, nearest, friction, dt, held, alone, once),
+		const auto& [size, resting, margin, ofA, ofB, nearest, a, b, friction, dt, held, shove, alone, once] = rules;
+		return std::tuple_cat(std::tie(size, resting, margin, ofA, ofB, nearest, friction, dt, held, shove, alone, once),
 							  fieldsOf(a), fieldsOf(b));
 	};
 	return fields(l) == fields(r);
@@ -106,12 +106,12 @@ bool PairState::isStill(const PairPose& pose, const Question& question) const
 	const auto isForcedAlike = [&](const PairBody& l, const PairBody& r)
 	{ return l.inverseMass == r.inverseMass && length(l.force - r.force) * question.rules.timeStep < most; };
 	PointRules rules = question.rules;
-	if (rules.heldReach > then.rules.heldReach || !isForcedAlike(rules.a, then.rules.a) ||
-		!isForcedAlike(rules.b, then.rules.b))
-		return false;
+	const bool isNearer = rules.heldReach > then.rules.heldReach || rules.shove > then.rules.shove;
+	if (isNearer || !isForcedAlike(rules.a, then.rules.a) || !isForcedAlike(rules.b, then.rules.b)) return false;
 	rules.a = then.rules.a;
 	rules.b = then.rules.b;
 	rules.heldReach = then.rules.heldReach;
+	rules.shove = then.rules.shove;
 	GapSettings settings = question.settings;
 	settings.tolerance = then.settings.tolerance;
 	settings.sweep = then.settings.sweep;
@@ -168,10 +168,10 @@ PairPose PairState::begin(const btCollisionObjectWrapper& body0, const btCollisi
 	}
 	if (prediction == Prediction::kFree && pose.isOfTwo())
 	{
-		// Not for bodies that carry each other, as they are held together; nor in further passes, which know who holds
-		// whom.
+		// Bodies that carry each other are held together; further passes know who holds whom, and who shoves.
 		const bool carry = m_manifolds.carry();
 		if (!carry) pose.expectHolding();
+		if (!m_passes.mayFollow) pose.expectShove(shoveOf(pose));
 		// A pair that met little may meet more if others turn its motion, and looking for that costs little.
 		if (m_result.pairs.size() <= kFewPairs) pose.lookAside(carry);
 	}

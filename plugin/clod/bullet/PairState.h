@@ -166,6 +166,7 @@ private:
 				   const btDispatcherInfo& info, double closestPoints);
 	void noticeShapes(const PairPose& pose);
 	bool liesAlone(const PairPose& pose) const;
+	double shoveOf(const PairPose& pose) const;
 	Question questionOf(const PairPose& pose);
 	// Query.
 	void ask(const PairPose& pose, const Question& question, bool isAsked = false);  // asked: the result is at hand

@@ -75,6 +75,8 @@ struct PointRules
 	// How far contacts are looked for on the way of one body alone, in case a third body holds the other still: the
 	// bodies of a stack that falls do not approach each other until the lowest meets the floor.
 	double heldReach = 0;
+	// How far off its way third bodies that close in on it may carry one of the two in the step.
+	double shove = 0;
 	// One of the two lies on the other, which does not move, and carries nothing else. Few points are enough for it, as
 	// a solver takes the longer the more rows it has; a body that carries others gets more.
 	bool liesAlone = false;
@@ -102,7 +104,7 @@ inline constexpr double kPathReach = 1.35;
 // apart.
 inline constexpr std::size_t kFewPairs = 8;
 
-inline constexpr double kHeldShare = 0.1;  // of the length: the most that PointRules::heldReach is
+inline constexpr double kHeldShare = 0.1;  // of the length: the most that PointRules::heldReach and shove are
 
 // Points go to a solver in groups of a manifold's size.
 inline constexpr int kMaxClusters = 32;

@@ -58,7 +58,7 @@ FacetFinder::Pair FacetFinder::pairOf(const Contact& contact)
 	const bool mayOverlap = contact.upper <= 0;
 	const ContactSurface &a = q.a.surfaceOf(contact.nodeA), &b = q.b.surface(nodeB.level);
 	const double most = m_roamShare * nodeB.displaced;
-	const double roam = std::min(most, kRoamGrains * std::max(a.grain(), b.grain()));
+	const double roam = std::max(q.rules.shove, std::min(most, kRoamGrains * std::max(a.grain(), b.grain())));
 	if (roam < most) m_sought = std::min(m_sought, roam);
 	const double beside = kFootShare * q.length() + roam;
 	double reach = q.touching() + q.rules.heldReach + beside;
