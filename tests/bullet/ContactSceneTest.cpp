@@ -315,8 +315,7 @@ TEST_P(AtRate, WhatAThirdBodyThrowsIsMet)
 {
 	SceneWorld world(GetParam(), 0);
 	btRigidBody& slab = world.put(boxMesh({4, 0.5, 4}, {1, 1, 1}, 1), 0, {0, -0.25, 0});
-	world.put(boxMesh({1, 0.1, 0.1}, {1, 1, 1}, 1), 1, {0, 0.054, 0}, btQuaternion(btVector3(0, 0, 1), btScalar(0.006)));
-	btRigidBody& bar = *world.bodies.back();
+	btRigidBody& bar = world.put(boxMesh({1, 0.1, 0.1}, {1, 1, 1}, 1), 1, {0, 0.054, 0}, btQuaternion(btVector3(0, 0, 1), btScalar(0.006)));
 	btRigidBody& cube = world.put(boxMesh({0.2, 0.2, 0.2}, {1, 1, 1}, 1), 1, {0.4, 0.21, 0});
 	cube.setLinearVelocity(btVector3(0, -3, 0));
 	for (int i = 0; i < 6; ++i)

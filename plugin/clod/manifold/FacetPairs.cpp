@@ -149,7 +149,9 @@ void FacetFinder::gather(MovedNode& nodeA, MovedNode& nodeB, bool mayOverlap)
 		if (!corner.isPlaced) m_nodesA.place(*m_pair.a, corner);
 		return m_nodesA.sharing(corner.number, nodeA.place);
 	};
-	const std::uint64_t asWide = m_nodesB.displaced(m_pair.roam / m_roamShare, nodeB.place);
+	// As far as third bodies may carry one, all nodes were looked round.
+	const double displaced = m_pair.roam > m_question->rules.shove ? m_pair.roam / m_roamShare : 0;
+	const std::uint64_t asWide = m_nodesB.displaced(displaced, nodeB.place);
 	const auto ofB = [&](const MovedFeature& feature)
 	{ return m_nodesB.sharing(feature.number, nodeB.place) & asWide; };
 	const auto ofEdgeB = [&](MovedEdge& edge)
