@@ -36,13 +36,12 @@ void ContactReducer::reduce(const std::vector<Facet>& facets, const std::vector<
 	m_facets = &facets;
 	m_points = &points;
 	m_length = rules.length;
-	m_foundOnce = rules.foundOnce;
 	m_most = holdFromOpposingSides() ? kMostPoints : kMostOpen;
 	m_candidates.assign(facets.size(), Candidate{});
 	match(previous);
 	m_isNeeded.assign(facets.size(), 1);
 	if (rules.liesAlone) thinOutFlats();
-	choose();
+	choose(rules.foundOnce);
 	place(previous, next);
 }
 
@@ -189,7 +188,7 @@ void ContactReducer::take(std::uint32_t i)
 			m_candidates[j].apart = std::min(m_candidates[j].apart, distanceBetween(i, j));
 }
 
-void ContactReducer::choose()
+void ContactReducer::choose(bool foundOnce)
 {
 	m_chosen.clear();
 	m_order.clear();
@@ -213,7 +212,7 @@ void ContactReducer::choose()
 	};
 	for (const std::uint32_t i : m_order) takeApart(i, deepest == kNone ? m_most : m_most - 1);
 	if (deepest != kNone) takeApart(deepest, m_most);
-	if (m_most > kMostOpen && m_foundOnce) spread(true, kSoonMet * m_length);
+	if (m_most > kMostOpen && foundOnce) spread(true, kSoonMet * m_length);
 	spread(false);
 	spread(true);
 }

@@ -41,7 +41,7 @@ private:
 	void match(const ClusterSet& previous);
 	void thinOutFlats();
 	double lowest(std::uint32_t i) const;
-	void choose();
+	void choose(bool foundOnce);
 	void spread(bool withPossible, double highest = std::numeric_limits<double>::infinity());
 	void take(std::uint32_t i);
 	void place(const ClusterSet& previous, ClusterSet& next);
@@ -51,7 +51,6 @@ private:
 	const std::vector<ContactPoint>* m_points = nullptr;
 	double m_length = 1;
 	std::uint32_t m_most = kMostPoints;
-	bool m_foundOnce = true;
 	std::vector<Candidate> m_candidates;
 	std::vector<char> m_isNeeded;
 	std::vector<std::uint32_t> m_chosen, m_order;

@@ -54,7 +54,7 @@ struct FacetRecord
 		kOverlap,
 		kPath,
 		kPossible,  // none of these by the motion predicted, but by what contacts, or third bodies, may make of it
-		kBeside     // its features are aside of each other: it counts in a valley only (FacetChoice)
+		kBeside     // its features are aside of each other: it counts in valleys and hollow corners (FacetChoice)
 	};
 	Kind kind;
 	Reach reach;
