@@ -70,6 +70,7 @@ public:
 		return (double(m_body->getLinearVelocity().length()) + m_radius * double(m_body->getAngularVelocity().length())) /
 			   std::sqrt(9.81 * m_radius);
 	}
+	double deepest() { return m_scene.depthAt(*m_body) / m_radius; }
 	double height() const { return heightOf(*m_body) / m_radius; }
 	std::uint32_t coarsestLevel() const
 	{
@@ -153,9 +154,11 @@ TEST(LevelSwitch, ABodyThatStartsDeeperThanItsLevelErrsComesUpAllTheWay)
 			for (int i = 0; i < 480; ++i) scene.step();
 			EXPECT_GT(scene.coarsestLevel(), 0u);
 			EXPECT_LT(scene.speed(), 1e-3) << isSunk;
+			EXPECT_LT(scene.deepest(), 1e-4) << int(ground) << isSunk;
 			height[isSunk ? 1 : 0] = scene.height();
 		}
-		EXPECT_NEAR(height[1], height[0], 1e-3) << int(ground);
+		// Friction holds it on the other body where it came up, which is not quite as high.
+		EXPECT_NEAR(height[1], height[0], ground == Resting::Ground::kPlane ? 1e-3 : 3e-3) << int(ground);
 	}
 }
 

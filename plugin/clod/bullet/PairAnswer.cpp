@@ -3,6 +3,7 @@
 // where they are cost no more than writing their manifolds does.
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
+#include <LinearMath/btAabbUtil2.h>
 
 #include <algorithm>
 #include <array>
@@ -408,6 +409,12 @@ double PairState::shoveOf(const PairPose& pose) const
 		const btRigidBody* const body = btRigidBody::upcast(&object);
 		return body ? double(body->getInvMass()) : 0;
 	};
+	// A broadphase keeps pairs a while after that, by what was before.
+	const auto boxesMeet = [](const btCollisionObject& l, const btCollisionObject& r)
+	{
+		const btBroadphaseProxy *const ofL = l.getBroadphaseHandle(), *const ofR = r.getBroadphaseHandle();
+		return ofL && ofR && TestAabbAgainstAabb2(ofL->m_aabbMin, ofL->m_aabbMax, ofR->m_aabbMin, ofR->m_aabbMax);
+	};
 	double fastest = 0;
 	for (std::size_t i = 0; i < 2; ++i)
 	{
@@ -419,7 +426,7 @@ double PairState::shoveOf(const PairPose& pose) const
 		for (const PairState* other : *m_pairsOf[i])
 		{
 			const btCollisionObject& third = *other->m_objects[other->m_objects[0] == &own ? 1 : 0];
-			if (&third == &partner || isFixed(third) || !third.hasContactResponse()) continue;
+			if (&third == &partner || isFixed(third) || !third.hasContactResponse() || !boxesMeet(own, third)) continue;
 			const Vec3 thirdCenter = toVec3(third.getWorldTransform().getOrigin()), between = 0.5 * (center + thirdCenter);
 			const Vec3 towards = normalized(center - thirdCenter), ofThird = worldMotion(third, 0).velocity(between);
 			const double inverseOfThird = inverseMassOf(third), closing = dot(ofThird - ofOwn.velocity(between), towards);

@@ -42,12 +42,10 @@ bool isShared(const btCollisionShape& shape)
 	return isClod(shape) || type == STATIC_PLANE_PROXYTYPE || type == TRIANGLE_MESH_SHAPE_PROXYTYPE ||
 		   type == SCALED_TRIANGLE_MESH_SHAPE_PROXYTYPE || type == TERRAIN_SHAPE_PROXYTYPE;
 }
-// A first look at shapes: may this be a pair of ours? Whether it is, is decided when it is asked.
-bool mayBeOurs(const btCollisionShape& shape0, const btCollisionShape& shape1)
+// A first look at a shape: may its pairs be ours? Whether they are, is decided when they are asked.
+bool mayBeOurs(const btCollisionShape& shape)
 {
-	const auto mayBe = [](const btCollisionShape& shape) { return shape.isCompound() || isClod(shape); };
-	const auto mayMeet = [](const btCollisionShape& shape) { return shape.isCompound() || isShared(shape); };
-	return (mayBe(shape0) || mayBe(shape1)) && mayMeet(shape0) && mayMeet(shape1);
+	return shape.isCompound() || isClod(shape);
 }
 // Is this no world's, but the cache of a ghost? A character has it dispatched between the steps.
 bool isOfGhost(btOverlappingPairCache& cache)
@@ -198,16 +196,19 @@ void btClodDispatcher::refine()
 	for (const auto& [want, from] : wants) jobs[jobs.size() - from].pair->refine();
 }
 
-// Lists the pairs that Bullet's dispatch is sure to ask and that several threads may work on.
+// Lists the pairs that Bullet's dispatch is sure to ask and that several threads may work on. Makes all of ours, as pairs
+// go by which others there are, in whatever order they are asked.
 void btClodDispatcher::listJobs(const std::vector<btBroadphasePair*>& pairs, const btDispatcherInfo& info)
 {
 	m_step->jobs.clear();
-	if ((threads() == 1 && !m_step->budget.isLimited()) || info.m_dispatchFunc != btDispatcherInfo::DISPATCH_DISCRETE ||
+	if (info.m_dispatchFunc != btDispatcherInfo::DISPATCH_DISCRETE ||
 		getNearCallback() != &btCollisionDispatcher::defaultNearCallback)
 		return;
+	const bool areJobs = threads() > 1 || m_step->budget.isLimited();
 	const auto listOne = [&](btCollisionAlgorithm& algorithm, const btCollisionObjectWrapper& body0,
 							 const btCollisionObjectWrapper& body1)
 	{
+		if (!areJobs) return;
 		const btCollisionShape &shape0 = *body0.getCollisionShape(), &shape1 = *body1.getCollisionShape();
 		if (!isShared(shape0) || !isShared(shape1)) return;
 		if (auto* ours = dynamic_cast<btClodCollisionAlgorithm*>(&algorithm))
@@ -216,7 +217,8 @@ void btClodDispatcher::listJobs(const std::vector<btBroadphasePair*>& pairs, con
 	for (btBroadphasePair* pair : pairs)
 	{
 		btCollisionObject *object0 = objectOf(pair->m_pProxy0), *object1 = objectOf(pair->m_pProxy1);
-		if (!mayBeOurs(*object0->getCollisionShape(), *object1->getCollisionShape()) || !needsCollision(object0, object1)) continue;
+		const btCollisionShape &shape0 = *object0->getCollisionShape(), &shape1 = *object1->getCollisionShape();
+		if (!(mayBeOurs(shape0) || mayBeOurs(shape1)) || !needsCollision(object0, object1)) continue;
 		const btCollisionObjectWrapper body0 = wrapped(object0), body1 = wrapped(object1);
 		if (!pair->m_algorithm) pair->m_algorithm = findAlgorithm(&body0, &body1, nullptr, BT_CONTACT_POINT_ALGORITHMS);
 		if (auto* compound = dynamic_cast<btClodCompoundAlgorithm*>(pair->m_algorithm))
