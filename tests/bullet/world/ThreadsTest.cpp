@@ -3,7 +3,6 @@
 // be (ThreadSanitizer: nightly_threads_sanitized).
 #include <gtest/gtest.h>
 
-#include <BulletCollision/CollisionDispatch/btSimulationIslandManager.h>
 #include <sys/resource.h>
 
 #include <array>
@@ -13,124 +12,12 @@
 #include <stdexcept>
 #include <thread>
 
-#include "clod/bullet/btClodDynamicsWorld.h"
 #include "clod/schedule/ThreadPool.h"
-#include "tests/bullet/NumberHash.h"
-#include "tests/bullet/PatchHierarchy.h"
 #include "tests/bullet/Toruses.h"
+#include "tests/bullet/world/MixedWorld.h"
 
 namespace clod::test
 {
-namespace
-{
-// Bodies of all kinds of partners: ours, a plane, an engine's mesh, one whose triangles only one thread may read, a
-// compound's child, and one of another scale.
-class Mixed
-{
-public:
-	// passes, parts: of a step at most. Of boxes, or of another body, at a radius of 1 then.
-	explicit Mixed(unsigned threads, int passes = 1, int parts = 1, const std::shared_ptr<const Hierarchy>& body = nullptr,
-				   Context* shared = nullptr)
-		: context(shared ? *shared : m_own),
-		  m_hierarchy(body ? body : patchHierarchy(boxMesh({1, 0.5, 0.7}, {4, 2, 3}, 2)))
-	{
-		const btScalar scale = body ? btScalar(1 / double(body->asset().radius)) : 1;
-		m_box.setLocalScaling(btVector3(scale, scale, scale));
-		m_dispatcher.setThreads(threads);
-		m_world.setMostPasses(passes);
-		m_world.setMostParts(parts);
-		EXPECT_TRUE(btClodCollisionAlgorithm::registerAlgorithm(&m_dispatcher, &context));
-		if (!shared) context.warn = [this](const std::string& message) { said.push_back(message); };
-		m_world.setGravity(btVector3(0, btScalar(-9.81), 0));
-		m_larger.setLocalScaling(btScalar(1.3) * m_box.getLocalScaling());
-		m_compound.addChildShape(btTransform(btQuaternion::getIdentity(), btVector3(0, btScalar(0.1), 0)), &m_box);
-		m_mesh.addTriangle(btVector3(-9, 0, -9), btVector3(9, 0, -9), btVector3(0, 0, 9));
-		m_bvh = std::make_unique<btBvhTriangleMeshShape>(&m_mesh, true);
-		add(m_plane, 0, btVector3(0, -2, 0));
-		add(*m_bvh, 0, btVector3(btScalar(0.5), 0, 0));
-		btCollisionShape* const shapes[] = {&m_box, &m_box, &m_larger, &m_compound};
-		for (int i = 0; i < 24; ++i)
-			add(*shapes[i % 4], 1,
-				btScalar(body ? 2.5 : 1) *
-					btVector3(btScalar(i % 3) - 1, btScalar(0.8 + 0.7 * (i / 3)), btScalar(0.2 * (i % 5))));
-	}
-	~Mixed()
-	{
-		for (const auto& body : m_bodies) m_world.removeRigidBody(body.get());
-	}
-	std::uint64_t run(int steps)
-	{
-		std::uint64_t hash = 0;
-		for (int i = 0; i < steps; ++i)
-		{
-			m_world.stepSimulation(btScalar(1.0 / 120), 0);
-			for (const auto& body : m_bodies)
-				for (int k = 0; k < 3; ++k) hash = mixed(hash, double(body->getWorldTransform().getOrigin()[k]));
-		}
-		return hash;
-	}
-	btClodDynamicsWorld& world() { return m_world; }
-	btClodDispatcher& dispatcher() { return m_dispatcher; }
-	const btRigidBody& last() const { return *m_bodies.back(); }
-	btRigidBody& first() { return *m_bodies[2]; }
-	// What a program saves besides contacts.
-	struct Place
-	{
-		btTransform pose, interpolation;
-		btVector3 linear, angular;
-	};
-	std::vector<Place> places() const
-	{
-		std::vector<Place> all;
-		for (const auto& body : m_bodies)
-			all.push_back({body->getWorldTransform(), body->getInterpolationWorldTransform(), body->getLinearVelocity(),
-						   body->getAngularVelocity()});
-		return all;
-	}
-	void putBack(const std::vector<Place>& places)
-	{
-		for (std::size_t i = 0; i < places.size(); ++i)
-		{
-			btRigidBody& body = *m_bodies[i];
-			body.setWorldTransform(places[i].pose);
-			body.setInterpolationWorldTransform(places[i].interpolation);
-			body.setLinearVelocity(places[i].linear);
-			body.setAngularVelocity(places[i].angular);
-			body.updateInertiaTensor();
-		}
-	}
-
-	Context& context;
-	std::vector<std::string> said;
-
-private:
-	void add(btCollisionShape& shape, btScalar mass, const btVector3& at)
-	{
-		btVector3 inertia(0, 0, 0);
-		if (mass > 0) m_box.calculateLocalInertia(mass, inertia);
-		btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, &shape, inertia);
-		info.m_startWorldTransform.setOrigin(at);
-		m_bodies.push_back(std::make_unique<btRigidBody>(info));
-		m_bodies.back()->setActivationState(DISABLE_DEACTIVATION);
-		m_world.addRigidBody(m_bodies.back().get());
-	}
-
-	Context m_own;
-	std::shared_ptr<const Hierarchy> m_hierarchy;
-	btClodShape m_box{m_hierarchy}, m_larger{m_hierarchy};
-	btCompoundShape m_compound;
-	btTriangleMesh m_mesh;
-	std::unique_ptr<btBvhTriangleMeshShape> m_bvh;
-	btStaticPlaneShape m_plane{btVector3(0, 1, 0), 0};
-	btDefaultCollisionConfiguration m_configuration;
-	btClodDispatcher m_dispatcher{&m_configuration, &context};
-	btDbvtBroadphase m_broadphase;
-	btSequentialImpulseConstraintSolver m_solver;
-	btClodDynamicsWorld m_world{&m_dispatcher, &m_broadphase, &m_solver, &m_configuration, &context};
-	std::vector<std::unique_ptr<btRigidBody>> m_bodies;
-};
-}  // namespace
-
 TEST(ThreadPool, DoesEveryPartOnceAndIsUsedAgain)
 {
 	for (const unsigned threads : {1U, 2U, 5U})
@@ -189,12 +76,12 @@ TEST(ThreadPool, UsesItsThreadsAndThrowsOn)
 
 TEST(Threads, GiveTheSameTrajectoryHoweverMany)
 {
-	Mixed one(1);
+	MixedWorld one(1);
 	const std::uint64_t expected = one.run(200);
 	EXPECT_GT(one.context.lastStep().points, 40u);
 	for (const unsigned threads : {2U, 4U})
 	{
-		Mixed several(threads);
+		MixedWorld several(threads);
 		EXPECT_EQ(several.dispatcher().threads(), threads);
 		EXPECT_EQ(several.run(200), expected) << threads;
 		EXPECT_EQ(several.said, one.said);
@@ -215,11 +102,11 @@ TEST(Threads, GiveTheSameTrajectoryHoweverMany)
 // What is outlined first is asked later, of planes and meshes, too.
 TEST(Threads, AndAFullBudgetGiveTheTrajectoryOfNone)
 {
-	const std::uint64_t none = Mixed(1).run(200);
+	const std::uint64_t none = MixedWorld(1).run(200);
 	for (const unsigned threads : {1U, 3U})
 		for (const bool inTests : {true, false})
 		{
-			Mixed full(threads);
+			MixedWorld full(threads);
 			(inTests ? full.context.budget.tests : full.context.budget.microseconds) = 1e12;
 			EXPECT_EQ(full.run(200), none) << threads << inTests;
 		}
@@ -239,7 +126,7 @@ TEST(Threads, GiveTheSamePassesAndKeptPoints)
 	};
 	const auto run = [](unsigned threads, int steps, const std::shared_ptr<const Hierarchy>& body = nullptr)
 	{
-		Mixed scene(threads, 3, 4, body);
+		MixedWorld scene(threads, 3, 4, body);
 		Counts counts{0};
 		for (int i = 0; i < steps; ++i)
 		{
@@ -263,7 +150,7 @@ TEST(Threads, GiveTheSamePassesAndKeptPoints)
 // From step to step.
 TEST(Threads, MayChangeInNumber)
 {
-	Mixed one(1), changing(1);
+	MixedWorld one(1), changing(1);
 	for (int i = 0; i < 12; ++i)
 	{
 		changing.dispatcher().setThreads(unsigned(i % 4));  // 0: all cores
@@ -277,7 +164,7 @@ TEST(Threads, LeaveTheNearCallbackItsSay)
 {
 	const auto run = [](unsigned threads)
 	{
-		Mixed scene(threads);
+		MixedWorld scene(threads);
 		std::uint64_t hash = 0;
 		for (int i = 0; i < 60; ++i)
 		{
@@ -296,7 +183,7 @@ TEST(Threads, PairsCanBeDispatchedAgain)
 {
 	const auto run = [](unsigned threads)
 	{
-		Mixed scene(threads);
+		MixedWorld scene(threads);
 		std::uint64_t hash = 0;
 		for (int i = 0; i < 60; ++i)
 		{
@@ -317,7 +204,7 @@ TEST(Threads, OfTheirOwnMayStepWorldsOfACommonContext)
 {
 	const auto run = [](Context* context, int steps, int& passes)
 	{
-		Mixed scene(1, 3, 4, nullptr, context);
+		MixedWorld scene(1, 3, 4, nullptr, context);
 		std::uint64_t hash = 0;
 		for (int i = 0; i < steps; ++i)
 		{
@@ -353,7 +240,7 @@ TEST(Threads, CallTheProgramsFunctionsFromWhereverTheyAre)
 	std::atomic<int> calls{0};
 	const auto run = [&calls](unsigned threads)
 	{
-		Mixed scene(threads);
+		MixedWorld scene(threads);
 		scene.context.pairMetric = [&calls](const btCollisionObject&, const btCollisionObject&, ContactMetric& metric)
 		{
 			++calls;
@@ -366,78 +253,5 @@ TEST(Threads, CallTheProgramsFunctionsFromWhereverTheyAre)
 	const int callsOfOne = calls.exchange(0);
 	EXPECT_EQ(run(4), one);
 	EXPECT_EQ(calls, callsOfOne);
-}
-
-// From a fall, where pairs have come since, and from rest; wherever Bullet has ended no pair since. Islands that are split
-// are made of boxes that have a history: from one start in ten they went another way.
-TEST(SavedContacts, PutBackWithTheBodiesAWorldGoesAsItDid)
-{
-	std::uint32_t kept = 0;
-	int whole = 0;
-	for (const auto& [start, steps] : {std::pair{40, 8}, {50, 8}, {60, 8}, {520, 40}, {640, 40}, {680, 40}, {740, 40}})
-		for (const int passes : {1, 3})
-		{
-			Mixed scene(2, passes, passes);
-			scene.world().getDispatchInfo().m_deterministicOverlappingPairs = true;
-			scene.world().getSimulationIslandManager()->setSplitIslands(false);
-			const auto save = [&] { return scene.context.saveContacts(scene.dispatcher()); };
-			scene.run(start);
-			const auto places = scene.places();
-			const auto contacts = save();
-			const int parts = scene.world().expectedParts();
-			std::size_t gone = 0;
-			std::vector<std::uint64_t> ways[2];
-			for (auto& way : ways)
-			{
-				for (int i = 0; i < steps; ++i)
-				{
-					way.push_back(scene.run(1));
-					way.push_back(hashOf(*save()));
-					kept += scene.context.lastStep().keptPairs;
-				}
-				EXPECT_NE(way.back(), hashOf(*contacts));
-				gone += scene.context.restoreContacts(scene.dispatcher(), *contacts);
-				EXPECT_TRUE(gone > 0 || hashOf(*save()) == hashOf(*contacts)) << start;
-				scene.putBack(places);
-				scene.world().expectParts(parts);
-			}
-			if (gone > 0) continue;
-			++whole;
-			const auto first = std::mismatch(ways[0].begin(), ways[0].end(), ways[1].begin()).first;
-			EXPECT_EQ(first - ways[0].begin(), 2 * steps) << start << ", " << passes;
-		}
-	EXPECT_GE(whole, 9) << whole;
-	EXPECT_GT(kept, 100U);
-}
-
-// Whose boxes have parted begin anew.
-TEST(SavedContacts, OfPairsThatAreNoLongerThereAreToldOf)
-{
-	Mixed scene(1);
-	scene.run(240);
-	const auto contacts = scene.context.saveContacts(scene.dispatcher());
-	const auto places = scene.places();
-	auto apart = places;
-	for (std::size_t i = 0; i < apart.size(); ++i) apart[i].pose.getOrigin() += btVector3(0, btScalar(50 * i), 0);
-	scene.putBack(apart);
-	scene.run(30);
-	EXPECT_GT(scene.context.restoreContacts(scene.dispatcher(), *contacts), 0U);
-	EXPECT_NE(hashOf(*scene.context.saveContacts(scene.dispatcher())), hashOf(*contacts));
-	scene.putBack(places);
-	scene.run(240);
-	EXPECT_GT(scene.context.lastStep().points, 40U);
-}
-
-TEST(SavedContacts, AreTheSameHoweverManyThreadsThereWere)
-{
-	const auto run = [](unsigned threads, int steps)
-	{
-		Mixed scene(threads);
-		scene.run(steps);
-		return hashOf(*scene.context.saveContacts(scene.dispatcher()));
-	};
-	const std::uint64_t one = run(1, 200);
-	EXPECT_EQ(run(3, 200), one);
-	EXPECT_NE(run(1, 199), one);
 }
 }  // namespace clod::test
