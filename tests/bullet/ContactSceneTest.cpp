@@ -310,21 +310,6 @@ TEST_P(AtRate, RoundBodiesMeetWhatTheyTurnInto)
 	EXPECT_GT(met, 30);
 }
 
-// A bar at rest just over a slab, one end a little higher: what falls onto that end turns it into the slab in the same step.
-TEST_P(AtRate, WhatAThirdBodyThrowsIsMet)
-{
-	SceneWorld world(GetParam(), 0);
-	btRigidBody& slab = world.put(boxMesh({4, 0.5, 4}, {1, 1, 1}, 1), 0, {0, -0.25, 0});
-	btRigidBody& bar = world.put(boxMesh({1, 0.1, 0.1}, {1, 1, 1}, 1), 1, {0, 0.054, 0}, btQuaternion(btVector3(0, 0, 1), btScalar(0.006)));
-	btRigidBody& cube = world.put(boxMesh({0.2, 0.2, 0.2}, {1, 1, 1}, 1), 1, {0.4, 0.21, 0});
-	cube.setLinearVelocity(btVector3(0, -3, 0));
-	for (int i = 0; i < 6; ++i)
-	{
-		world.step();
-		EXPECT_LT(overlapOf(world, slab, bar), 1e-3) << i;
-	}
-}
-
 // A plate through a corner or an edge of a cube has no corner of either inside the other.
 TEST_P(AtRate, WhatReachesThroughIsMovedOut)
 {

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a third body does to a pair within a step in which contacts are found once.
+#include <gtest/gtest.h>
+
+#include "tests/bullet/world/ImpactWorld.h"
+
+namespace clod::test
+{
+namespace
+{
+enum class Ground
+{
+	kBody,
+	kPlane,
+	kMesh
+};
+// Its top at no height.
+struct OnGround : ImpactWorld
+{
+	OnGround(double rate, Ground kind) : ImpactWorld(false, rate, 0), ground(make(kind)) {}
+	btTriangleMesh triangles;
+	btRigidBody& ground;
+
+private:
+	btRigidBody& make(Ground kind)
+	{
+		if (kind == Ground::kBody) return put(patchHierarchy(boxMesh({4, 0.5, 4}, {1, 1, 1}, 1)), 0, {0, -0.25, 0});
+		if (kind == Ground::kPlane) return addBody(add(std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), btScalar(0))), 0, {});
+		for (int i = -2; i < 2; ++i)
+			for (int j = -2; j < 2; ++j)
+			{
+				const auto at = [&](int x, int z) { return btVector3(btScalar(i + x), 0, btScalar(j + z)); };
+				triangles.addTriangle(at(0, 0), at(0, 1), at(1, 0));
+				triangles.addTriangle(at(1, 1), at(1, 0), at(0, 1));
+			}
+		return addBody(add(std::make_unique<btBvhTriangleMeshShape>(&triangles, true)), 0, {});
+	}
+};
+}  // namespace
+
+// A bar at rest just over the ground, one end a little higher: what falls onto that end turns it into the ground in the same step.
+TEST(ThirdBody, WhatItThrowsIsMet)
+{
+	for (const Ground kind : {Ground::kBody, Ground::kPlane, Ground::kMesh})
+		for (const double rate : {240, 60})
+		{
+			OnGround world(rate, kind);
+			btRigidBody& bar = world.put(patchHierarchy(boxMesh({1, 0.1, 0.1}, {1, 1, 1}, 1)), 1, {0, 0.054, 0});
+			bar.setWorldTransform(btTransform(btQuaternion(btVector3(0, 0, 1), btScalar(0.006)), bar.getWorldTransform().getOrigin()));
+			btRigidBody& cube = world.put(patchHierarchy(boxMesh({0.2, 0.2, 0.2}, {1, 1, 1}, 1)), 1, {0.4, 0.21, 0});
+			cube.setLinearVelocity(btVector3(0, -3, 0));
+			for (int i = 0; i < 6; ++i)
+			{
+				world.step();
+				double lowest = 0;
+				for (const double x : {-0.5, 0.5})
+					for (const double y : {-0.05, 0.05})
+						lowest = std::min(lowest, double((bar.getWorldTransform() * btVector3(btScalar(x), btScalar(y), 0)).y()));
+				EXPECT_GT(lowest, -1e-3) << int(kind) << " at " << rate << ", " << i;
+			}
+		}
+}
+}  // namespace clod::test
