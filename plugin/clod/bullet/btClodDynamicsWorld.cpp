@@ -21,8 +21,8 @@
 
 namespace
 {
-// Surprise (PairState::surprise), in skins, that a step may leave without being divided: 0.4 % of the smaller radius.
-constexpr double kMostSurprise = 8;
+// Surprise (PairState::surprise), in skins, that a step may leave without being divided: 0.2 % of the smaller radius.
+constexpr double kMostSurprise = 4;
 // Contacts that give bodies more than this share of their kinetic energy are a surprise that takes as many parts as may
 // be.
 constexpr double kMostGain = 0.02;
