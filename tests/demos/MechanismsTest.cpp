@@ -266,6 +266,27 @@ TEST(MechanismChain, OfFewTrianglesHolds)
 	}
 }
 
+// Where contacts are found again for the motion as solved, too: they led to one another by turns, and where the corners
+// overlap all four pairs of edges may cross just beyond their ends.
+TEST(MechanismChain, OfFewTrianglesHoldsInPasses)
+{
+	const SceneDefinition& definition = definitionOf("chain");
+	for (const int rate : {52, 60, 70})
+	{
+		SceneSettings settings = settingsOf(definition.info, 0.1);
+		settings.metric = ContactMetric::deviationShare(0.005);
+		settings.dt = 1.0 / rate;
+		settings.passes = 3;
+		settings.parts = 8;
+		const auto scene = makeScene(definition, settings);
+		for (int step = 0; step < 40; ++step)
+		{
+			scene->step();
+			ASSERT_LT(scene->state().outcome[0], LINK_WIRE) << rate << ", " << step;
+		}
+	}
+}
+
 // Dry stones carry each other: nothing gives by more than half of a joint's millimetre.
 TEST(MechanismArch, Stands)
 {

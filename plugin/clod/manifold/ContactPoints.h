@@ -80,7 +80,7 @@ struct PointRules
 	// One of the two lies on the other, which does not move, and carries nothing else. Few points are enough for it, as
 	// a solver takes the longer the more rows it has; a body that carries others gets more.
 	bool liesAlone = false;
-	// Contacts are found once in a step, not again as other bodies lead them: what these may lead to counts, too.
+	// Contacts are found once in a step, not again as other bodies lead them: of many, what these soon lead to comes first.
 	bool foundOnce = true;
 	RelativeMotion motion() const { return motionBetween(a, b, timeStep); }
 	// May a facet with this normal hold the bodies against the forces on them? A steeper one is a wall.

@@ -53,7 +53,7 @@ void FacetChoice::choose(const FacetQuestion& question, const std::vector<FacetR
 	knowAgain(last, lastAFromB, facets);
 	dropInner(facets);
 	dropRidges(facets);
-	if (question.rules.foundOnce) keepValleys(facets);
+	keepValleys(facets);
 }
 
 // Do the bodies overlap at the facet once A is moved by the shift?
@@ -279,8 +279,7 @@ void FacetChoice::dropInner(std::vector<Facet>& facets)
 		takeOut(facet);
 		while (takeBeside(facets)) {}
 	}
-	for (const std::uint32_t i : m_beside)
-		if (facets[i].reach == Facet::Reach::kBeside && !m_question->rules.foundOnce) m_isKept[i] = 0;
+	if (m_planes.empty()) takeShallowestBeside(facets);
 	removeDropped(facets);
 }
 
@@ -319,6 +318,17 @@ bool FacetChoice::takeBeside(std::vector<Facet>& facets)
 		return true;
 	}
 	return false;
+}
+
+// Where two saddles are pressed into each other all edges may cross just beyond their ends.
+void FacetChoice::takeShallowestBeside(std::vector<Facet>& facets)
+{
+	const auto isOverlap = [&](std::uint32_t i) { return overlapsAt(facets[i], Vec3{}); };
+	const auto found = std::find_if(m_beside.begin(), m_beside.end(), isOverlap);
+	if (found == m_beside.end()) return;
+	facets[*found].reach = Facet::Reach::kOverlap;
+	takeOut(facets[*found]);
+	while (takeBeside(facets)) {}
 }
 
 // The centre of the facet, as part of the boundary of the Minkowski difference a - b at the present pose; frame A.

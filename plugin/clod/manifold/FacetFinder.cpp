@@ -282,7 +282,7 @@ private:
 		else if (now > 0 && now <= m_finder.highest(now - m_of.distanceThen) &&
 				 m_of.isOver(middle, m_of.direction, beside))
 			reach = Facet::Reach::kPossible;
-		else if ((now < -m_inner && m_of.mayTouch && isBesideOverlap()) || (m_of.isLowest && m_rules.foundOnce && isBeside()))
+		else if ((now < -m_inner && m_of.mayTouch && isBesideOverlap()) || (m_of.isLowest && isBeside()))
 			reach = Facet::Reach::kBeside;
 		else
 			return false;
@@ -385,8 +385,7 @@ double FacetFinder::mostBeside(const MovedCorner& vertex, double now) const
 	const double way = kPathReach * std::sqrt(std::max(lengthSquared(ahead), lengthSquared(unforced)));
 	const FacetQuestion& q = *m_question;
 	const double aside = 2 * kInnerShare * q.length() + m_pair.roam + q.rules.heldReach + (1 + 2 * m_bend) * way;
-	const bool mayBeBeside = q.rules.foundOnce || now < -kInnerShare * q.length();
-	return q.footSlack(now) + (mayBeBeside ? std::max(aside, kBesideMost * q.length()) : aside);
+	return q.footSlack(now) + std::max(aside, kBesideMost * q.length());
 }
 
 // Works in the frame of the face's body.
