@@ -409,7 +409,7 @@ double PairState::shoveOf(const PairPose& pose) const
 		const btRigidBody* const body = btRigidBody::upcast(&object);
 		return body ? double(body->getInvMass()) : 0;
 	};
-	// A broadphase keeps pairs a while after that, by what was before.
+	// A broadphase keeps pairs for a while after their boxes have parted, how long by what was before.
 	const auto boxesMeet = [](const btCollisionObject& l, const btCollisionObject& r)
 	{
 		const btBroadphaseProxy *const ofL = l.getBroadphaseHandle(), *const ofR = r.getBroadphaseHandle();

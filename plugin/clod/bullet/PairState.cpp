@@ -168,13 +168,13 @@ PairPose PairState::begin(const btCollisionObjectWrapper& body0, const btCollisi
 	}
 	if (prediction == Prediction::kFree && pose.isOfTwo())
 	{
-		// Bodies that carry each other are held together; further passes know who holds whom, and who shoves.
+		// Bodies that carry each other are held together; further passes know who holds whom.
 		const bool carry = m_manifolds.carry();
 		if (!carry) pose.expectHolding();
 		// A pair that met little may meet more if others turn its motion, and looking for that costs little.
 		if (m_result.pairs.size() <= kFewPairs) pose.lookAside(carry);
 	}
-	if (prediction == Prediction::kFree && !m_passes.mayFollow) pose.expectShove(shoveOf(pose));
+	if (prediction == Prediction::kFree && !m_passes.mayFollow) pose.expectShove(shoveOf(pose));  // passes know who shoves
 	if (prediction == Prediction::kFree) m_grown = m_metric.goOnHolding(pose, m_cache.pair);
 	pose.rules.margin += m_grown;
 	pose.tolerance += m_grown;

@@ -216,6 +216,7 @@ void btClodDispatcher::listJobs(const std::vector<btBroadphasePair*>& pairs, con
 	};
 	for (btBroadphasePair* pair : pairs)
 	{
+		if (!areJobs && pair->m_algorithm && !dynamic_cast<btClodCompoundAlgorithm*>(pair->m_algorithm)) continue;  // is made
 		btCollisionObject *object0 = objectOf(pair->m_pProxy0), *object1 = objectOf(pair->m_pProxy1);
 		const btCollisionShape &shape0 = *object0->getCollisionShape(), &shape1 = *object1->getCollisionShape();
 		if (!(mayBeOurs(shape0) || mayBeOurs(shape1)) || !needsCollision(object0, object1)) continue;

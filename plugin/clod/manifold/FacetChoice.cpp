@@ -279,7 +279,7 @@ void FacetChoice::dropInner(std::vector<Facet>& facets)
 		takeOut(facet);
 		while (takeBeside(facets)) {}
 	}
-	if (m_planes.empty()) takeShallowestBeside(facets);
+	for (bool isTaken = m_planes.empty(); isTaken;) isTaken = takeBeside(facets);
 	removeDropped(facets);
 }
 
@@ -301,7 +301,8 @@ void FacetChoice::takeOut(const Facet& facet)
 }
 
 // Beneath one wall of a hollow corner a vertex is beyond the border of the other one: what is aside counts where the
-// shift brings it over. False if there is none.
+// shift brings it over. Where two saddles are pressed into each other all edges may cross just beyond their ends: where nothing
+// else overlaps the shallowest counts. False if there is none.
 bool FacetChoice::takeBeside(std::vector<Facet>& facets)
 {
 	const FacetQuestion& q = *m_question;
@@ -312,23 +313,13 @@ bool FacetChoice::takeBeside(std::vector<Facet>& facets)
 	{
 		Facet& facet = facets[i];
 		if (facet.reach != Facet::Reach::kBeside || isSatisfied(facet)) continue;
-		if (besideAt(q, facet, shifted).distance > q.footSlack(-lacking(facet)) || !overlapsAt(facet, m_shift)) continue;
+		const bool isOver = m_planes.empty() || besideAt(q, facet, shifted).distance <= q.footSlack(-lacking(facet));
+		if (!isOver || !overlapsAt(facet, m_shift)) continue;
 		facet.reach = Facet::Reach::kOverlap;
 		takeOut(facet);
 		return true;
 	}
 	return false;
-}
-
-// Where two saddles are pressed into each other all edges may cross just beyond their ends.
-void FacetChoice::takeShallowestBeside(std::vector<Facet>& facets)
-{
-	const auto isOverlap = [&](std::uint32_t i) { return overlapsAt(facets[i], Vec3{}); };
-	const auto found = std::find_if(m_beside.begin(), m_beside.end(), isOverlap);
-	if (found == m_beside.end()) return;
-	facets[*found].reach = Facet::Reach::kOverlap;
-	takeOut(facets[*found]);
-	while (takeBeside(facets)) {}
 }
 
 // The centre of the facet, as part of the boundary of the Minkowski difference a - b at the present pose; frame A.

@@ -34,7 +34,6 @@ private:
 	bool isSatisfied(const Facet& facet) const;
 	void takeOut(const Facet& facet);
 	bool takeBeside(std::vector<Facet>& facets);
-	void takeShallowestBeside(std::vector<Facet>& facets);
 	void dropRidges(std::vector<Facet>& facets);
 	bool mayDecide(const Facet& facet) const;
 	bool isBeyondRidge(const Facet& best, const Vec3& center, const Facet& other) const;
