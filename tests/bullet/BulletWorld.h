@@ -63,6 +63,13 @@ struct BulletWorld
 	{
 		return add(std::make_unique<btClodShape>(hierarchy));
 	}
+	btClodShape& addShape(const std::shared_ptr<const Hierarchy>& hierarchy, double radius)
+	{
+		btClodShape& shape = addShape(hierarchy);
+		const btScalar scale = btScalar(radius / double(shape.hierarchy().asset().radius));
+		shape.setLocalScaling({scale, scale, scale});
+		return shape;
+	}
 	// Mass 0 is static. Friction 0.6, no restitution, never sleeps.
 	btRigidBody& addBody(btCollisionShape& shape, double mass, const Vec3& position,
 						 const btQuaternion& rotation = btQuaternion::getIdentity())
@@ -128,6 +135,17 @@ struct Bvh
 		shape = std::make_unique<btBvhTriangleMeshShape>(&mesh, true);
 	}
 };
+// Level ground of squares of 1, two triangles each, for so far each way.
+inline void addGround(btTriangleMesh& mesh, int reach)
+{
+	for (int i = -reach; i < reach; ++i)
+		for (int j = -reach; j < reach; ++j)
+		{
+			const auto corner = [&](int x, int z) { return btVector3(btScalar(i + x), 0, btScalar(j + z)); };
+			mesh.addTriangle(corner(0, 0), corner(0, 1), corner(1, 0));
+			mesh.addTriangle(corner(1, 1), corner(1, 0), corner(0, 1));
+		}
+}
 inline double heightOf(const btRigidBody& body)
 {
 	return double(body.getWorldTransform().getOrigin().y());

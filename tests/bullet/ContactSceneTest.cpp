@@ -346,9 +346,7 @@ TEST(HollowBodies, MadeInEachOtherPartWithinASecond)
 		const auto put = [&](const Vec3& place) -> btRigidBody&
 		{
 			const Body& model = body(names[std::size_t(random() % names.size())]);
-			btClodShape& shape = world.addShape(model.hierarchy);
-			const btScalar scale = btScalar(0.5 / double(model.hierarchy->asset().radius));
-			shape.setLocalScaling(btVector3(scale, scale, scale));
+			btClodShape& shape = world.addShape(model.hierarchy, 0.5);
 			const Vec3 axis = randomDirection(random);
 			const btQuaternion turn(btVector3(btScalar(axis.x), btScalar(axis.y), btScalar(axis.z)), btScalar(uniform(random, 0, kPi)));
 			return world.addBody(shape, 1, place, turn);

@@ -2,12 +2,7 @@
 // The context's view of a world: what it tells of pairs and steps, and whom it calls.
 #include <gtest/gtest.h>
 
-#include <functional>
-#include <optional>
-#include <set>
-
 #include "tests/bullet/CubeOnSlab.h"
-#include "tests/bullet/ManifoldState.h"
 
 namespace clod::test
 {

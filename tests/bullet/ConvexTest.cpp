@@ -262,9 +262,7 @@ TEST(Convex, WhatTurnsMeetsAWideBoxAsItMeetsAPlane)
 			scene.addBody(scene.add(std::make_unique<btBoxShape>(btVector3(4, 1, 4))), 0, {0, -1, 0});
 		else
 			scene.addBody(scene.addShape(patchHierarchy(boxMesh({8, 2, 8}, {1, 1, 1}, 2))), 0, {0, -1, 0});
-		btClodShape& shape = scene.addShape(torus);
-		const btScalar scale = btScalar(1 / double(torus->asset().radius));
-		shape.setLocalScaling(btVector3(scale, scale, scale));
+		btClodShape& shape = scene.addShape(torus, 1);
 		btRigidBody& moving = scene.addBody(shape, 1, {0, 1.1, 0}, btQuaternion(btVector3(1, 0, 0), btScalar(0.4)));
 		moving.setAngularVelocity(btVector3(4, 0, 3));
 		std::uint32_t met = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What happens to pairs and manifolds as worlds change under them, and the context's view of it.
+// What happens to pairs and manifolds as worlds change under them.
 #include <BulletCollision/CollisionDispatch/btGhostObject.h>
 #include <gtest/gtest.h>
 

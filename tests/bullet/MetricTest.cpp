@@ -38,9 +38,7 @@ struct Touching : BulletWorld
 	}
 	btClodShape& addUnit()
 	{
-		btClodShape& shape = addShape(torus);
-		const btScalar scale = btScalar(1 / double(torus->asset().radius));
-		shape.setLocalScaling({scale, scale, scale});
+		btClodShape& shape = addShape(torus, 1);
 		return shape;
 	}
 	void raise(double height)

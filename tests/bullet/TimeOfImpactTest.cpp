@@ -309,9 +309,7 @@ struct SwitchAtImpact
 		configureWorld(scene.world);
 		scene.world.setGravity({0, 0, 0});
 		dynamic_cast<btClodDynamicsWorld&>(scene.world).setStepping(btClodDynamicsWorld::Stepping::kImpacts);
-		btClodShape& shape = scene.addShape(body("sphere-300").hierarchy);
-		const btScalar scale = btScalar(1 / double(shape.hierarchy().asset().radius));
-		shape.setLocalScaling({scale, scale, scale});
+		btClodShape& shape = scene.addShape(body("sphere-300").hierarchy, 1);
 		slab = &scene.addBody(scene.addShape(patchHierarchy(boxMesh({10, 1, 10}, {2, 1, 2}, 1))), 0, {0, -0.5, 0});
 		ball = &scene.addBody(shape, 1, {0, 3, 0});
 		for (btRigidBody* one : {slab, ball}) one->setFriction(0);

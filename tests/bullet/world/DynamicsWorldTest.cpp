@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Impacts within a step: passed on, divided at, never a reason for time to stand still. Each beside Bullet's own world,
+// Impacts within a step are passed on in further passes, and nothing else is asked again. Each beside Bullet's own world,
 // where the fault that the test looks for is to be seen.
 #include <gtest/gtest.h>
 
@@ -8,7 +8,6 @@
 
 #include "clod/bullet/BodyState.h"
 #include "tests/bullet/world/ImpactWorld.h"
-#include "tests/query/Bodies.h"
 
 namespace clod::test
 {

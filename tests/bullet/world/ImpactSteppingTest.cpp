@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Steps that are divided at impacts (the paper's section 5.3): time never stands still, and what is not hit goes as in whole ones.
+// Steps that are divided, at impacts (the paper's section 5.3) or where contacts surprise: time never stands still, and joints and
+// kinematic bodies go as in whole ones.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -170,7 +171,6 @@ TEST(ImpactStepping, JointsCloseNoFasterInShortParts)
 // all passes of a part.
 TEST(ImpactStepping, AChainStaysOnItsHoistInDividedSteps)
 {
-	int divided = 0;
 	for (int start = 0; start < 3; ++start)
 	{
 		ImpactWorld world(true, 60, 600);
@@ -189,6 +189,7 @@ TEST(ImpactStepping, AChainStaysOnItsHoistInDividedSteps)
 			link.setAngularVelocity(btVector3(btScalar(6 + start), 1, 4));
 		}
 		btRigidBody& ball = rattle(world, 9);  // divides the steps
+		int divided = 0;
 		double deepest = 0;
 		for (int i = 0; i < 90; ++i)
 		{
@@ -199,9 +200,9 @@ TEST(ImpactStepping, AChainStaysOnItsHoistInDividedSteps)
 			divided += world.ours().parts() > 1;
 			if (i > 4) deepest = std::max(deepest, world.depthAt(hoist));
 		}
+		EXPECT_GT(divided, 30) << "steps: the test shows nothing";
 		EXPECT_LT(deepest, 0.005) << start;
 	}
-	EXPECT_GT(divided, 90) << "steps of 270: the test shows nothing";
 }
 
 // What follows a kinematic lift as fast as that moves is not hit, in any part of the step; what it moves into is.

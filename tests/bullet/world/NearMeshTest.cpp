@@ -47,9 +47,7 @@ struct OverMesh : BulletWorld
 		triangles.addTriangle({wall, btScalar(0.2), -1}, {wall, btScalar(0.2), 1}, {wall, 2, 0});
 		mesh = &add(std::make_unique<AskedMesh>(&triangles, true));
 		addBody(*mesh, 0, {});
-		btClodShape& shape = addShape(body("cube").hierarchy);
-		const btScalar scale = btScalar(kSize / double(shape.hierarchy().asset().radius));
-		shape.setLocalScaling({scale, scale, scale});
+		btClodShape& shape = addShape(body("cube").hierarchy, kSize);
 		cube = &addBody(shape, 1, {}, btQuaternion(btVector3(1, 0, 0), btScalar(0.785)));
 	}
 	btTriangleMesh triangles;

@@ -56,9 +56,7 @@ private:
 		scene.world.setConstraintSolver(&solver);
 		configureWorld(scene.world);
 		scene.timeStep = 1.0 / 60;
-		btClodShape& shape = scene.addShape(body("torus-900").hierarchy);
-		const btScalar scale = btScalar(kSize / double(shape.hierarchy().asset().radius));
-		shape.setLocalScaling({scale, scale, scale});
+		btClodShape& shape = scene.addShape(body("torus-900").hierarchy, kSize);
 		scene.addBody(scene.add(std::make_unique<btCapsuleShapeZ>(btScalar(kRod), btScalar(2))), 0, {});
 		const double reach = kHole - kRod;
 		btRigidBody& hung = scene.addBody(shape, 1, {reach * std::sin(kAngle), -reach * std::cos(kAngle), 0},

@@ -39,9 +39,7 @@ struct Heap : BulletWorld
 	static btVector3 at(double x, double z) { return {btScalar(x), 0, btScalar(z)}; }
 	btRigidBody& drop(const std::string& name, const Vec3& place)
 	{
-		btClodShape& shape = addShape(body(name).hierarchy);
-		const btScalar scale = btScalar(kSize / double(shape.hierarchy().asset().radius));
-		shape.setLocalScaling({scale, scale, scale});
+		btClodShape& shape = addShape(body(name).hierarchy, kSize);
 		return addBody(shape, 1, place, btQuaternion(btVector3(1, 0, 0), btScalar(0.1)));
 	}
 	void dropAll()
@@ -227,9 +225,7 @@ TEST(Still, FrictionBeyondMuNIsOnPointsWithoutLoad)
 			btCollisionShape* shape = &cylinder;
 			if (isOurs)
 			{
-				btClodShape& ours = world.addShape(body("number8-600").hierarchy);
-				const btScalar scale = btScalar(kSize / double(ours.hierarchy().asset().radius));
-				ours.setLocalScaling({scale, scale, scale});
+				btClodShape& ours = world.addShape(body("number8-600").hierarchy, kSize);
 				shape = &ours;
 			}
 			const btQuaternion flat(btVector3(1, 0, 0), btScalar(isOurs ? -1.57079632679 : 0));

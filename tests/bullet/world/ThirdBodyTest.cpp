@@ -2,6 +2,9 @@
 // What a third body does to a pair within a step in which contacts are found once.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <memory>
+
 #include "tests/bullet/world/ImpactWorld.h"
 
 namespace clod::test
@@ -26,13 +29,7 @@ private:
 	{
 		if (kind == Ground::kBody) return put(patchHierarchy(boxMesh({4, 0.5, 4}, {1, 1, 1}, 1)), 0, {0, -0.25, 0});
 		if (kind == Ground::kPlane) return addBody(add(std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), btScalar(0))), 0, {});
-		for (int i = -2; i < 2; ++i)
-			for (int j = -2; j < 2; ++j)
-			{
-				const auto at = [&](int x, int z) { return btVector3(btScalar(i + x), 0, btScalar(j + z)); };
-				triangles.addTriangle(at(0, 0), at(0, 1), at(1, 0));
-				triangles.addTriangle(at(1, 1), at(1, 0), at(0, 1));
-			}
+		addGround(triangles, 2);
 		return addBody(add(std::make_unique<btBvhTriangleMeshShape>(&triangles, true)), 0, {});
 	}
 };
