@@ -12,8 +12,6 @@ namespace clod::test
 {
 namespace
 {
-constexpr double kSize = 0.5;  // radius of what is over the mesh
-
 // Tells how much of it was asked for last.
 struct AskedMesh : btBvhTriangleMeshShape
 {
@@ -31,6 +29,7 @@ struct AskedMesh : btBvhTriangleMeshShape
 // does not meet.
 struct OverMesh : BulletWorld
 {
+	static constexpr double kSize = 0.5;  // radius of what is over the mesh
 	explicit OverMesh(bool hasWaves)
 	{
 		world.setGravity(btVector3(0, 0, 0));
@@ -59,7 +58,7 @@ struct OverMesh : BulletWorld
 TEST(NearMesh, NoMoreOfAMeshIsGatheredThanABodyApartMayMeet)
 {
 	OverMesh scene(true);
-	const double reach = kSize / std::sqrt(3.0);  // along the edge it stands on
+	const double reach = OverMesh::kSize / std::sqrt(3.0);  // along the edge it stands on
 	for (int i = 0; i < 50; ++i)
 	{
 		const btScalar x = btScalar(0.007 * i);

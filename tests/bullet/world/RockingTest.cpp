@@ -52,11 +52,11 @@ struct SwingingRing
 private:
 	btRigidBody& hang()
 	{
-		constexpr double kSize = 0.5, kHole = 0.2209, kRod = 0.1, kAngle = 0.3;  // radii
+		constexpr double kRadius = 0.5, kHole = 0.2209, kRod = 0.1, kAngle = 0.3;  // radii
 		scene.world.setConstraintSolver(&solver);
 		configureWorld(scene.world);
 		scene.timeStep = 1.0 / 60;
-		btClodShape& shape = scene.addShape(body("torus-900").hierarchy, kSize);
+		btClodShape& shape = scene.addShape(body("torus-900").hierarchy, kRadius);
 		scene.addBody(scene.add(std::make_unique<btCapsuleShapeZ>(btScalar(kRod), btScalar(2))), 0, {});
 		const double reach = kHole - kRod;
 		btRigidBody& hung = scene.addBody(shape, 1, {reach * std::sin(kAngle), -reach * std::cos(kAngle), 0},
