@@ -287,6 +287,26 @@ TEST(MechanismChain, OfFewTrianglesHoldsInPasses)
 	}
 }
 
+// Links that whip round meet along edges that are almost parallel, whose crossings run along them within the step.
+TEST(MechanismChain, OfAllTrianglesHoldsInPasses)
+{
+	const SceneDefinition& definition = definitionOf("chain");
+	for (const int rate : {56, 60, 64})
+	{
+		SceneSettings settings = settingsOf(definition.info, 1);
+		settings.metric = ContactMetric::errorShare(0.005);
+		settings.dt = 1.0 / rate;
+		settings.passes = 3;
+		settings.parts = 8;
+		const auto scene = makeScene(definition, settings);
+		for (int step = 0; step < 20; ++step)
+		{
+			scene->step();
+			EXPECT_GT(scene->state().outcome[1], -0.01 * LINK_WIRE) << rate << ", " << step;
+		}
+	}
+}
+
 // Dry stones carry each other: nothing gives by more than half of a joint's millimetre.
 TEST(MechanismArch, Stands)
 {

@@ -427,45 +427,6 @@ TEST(FacetContacts, WhatIsMetOnlyByGoingFarHoldsNothing)
 		}
 }
 
-// A corner that a step of fast turning carries round another to its far side has not been pushed through it: what its row
-// asks of velocities is no more than turning bends a way by.
-TEST(PairSolve, CornersThatGoRoundEachOtherAskForNoSpeed)
-{
-	const HierarchyPointer cube = cubeOf();
-	for (const double turn : {0.1, 1.0, 2.5, 3.0})
-	{
-		FacetQuestion question{contactBody(*cube), contactBody(*cube), at({0, 0, 0}), {}, {}, {}};
-		PointRules& rules = question.rules;
-		rules.length = std::sqrt(0.75);
-		rules.timeStep = 1.0 / 60;
-		for (PairBody* body : {&rules.a, &rules.b})
-		{
-			body->inverseMass = 1;
-			body->inverseInertia = Mat3{};
-		}
-		rules.b.angular = {0, 0, turn / rules.timeStep};
-		Facet facet{};
-		facet.kind = Facet::Kind::kVertexVertex;
-		const ContactSurface& surface = question.a.surface(0);
-		for (std::uint32_t v = 0; v < surface.vertices().size(); ++v)
-		{
-			if (length(surface.vertices()[v] - Vec3{0.5, 0.5, 0.5}) < 1e-6) facet.featureA = v;
-			if (length(surface.vertices()[v] - Vec3{0.5, 0.5, -0.5}) < 1e-6) facet.featureB = v;
-		}
-		// B's corner is below A's, and moves beside it; it ends beyond.
-		question.aFromB.translation = rules.b.center = {0.1, 0, 0.9};
-		facet.onA = {0.5, 0.5, 0.5};
-		facet.onB = question.aFromB * Vec3{0.5, 0.5, -0.5};
-		facet.normal = normalized(facet.onA - facet.onB);
-		facet.distance = length(facet.onA - facet.onB);
-		std::vector<Facet> facets = {facet};
-		PairSolve solve;
-		solve.solve(question, facets);
-		ASSERT_EQ(facets.size(), 1u);
-		EXPECT_GE(facets[0].curvature(), -std::min(turn, 0.04 / turn) * 2 * turn) << turn;
-	}
-}
-
 // Its features are a held point's no longer: none of them is looked up as what had gone in through a face.
 TEST(LevelSwitch, WhatIsHeldHasGoneInThroughNothing)
 {

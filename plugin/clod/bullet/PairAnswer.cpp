@@ -22,6 +22,7 @@ constexpr double kLeastOfTrial = 4;  // of what the coarsest answer takes: a fin
 constexpr double kWide = 0.1;        // of the length: so far aside of a way there may be all of a body
 constexpr double kRoundings = 2 * double(std::numeric_limits<btScalar>::epsilon());  // of two bodies' places and corners
 constexpr double kThrown = 3;       // times as far as masses tell: an impact turns what it hits
+constexpr double kLively = 0.3;     // restitution: who bounces off by less loses a tenth of its energy if it does not
 constexpr double kStricter = 0.25;  // of the error of contacts that hold a body between them
 
 // What a thread needs while it answers a pair.
@@ -401,9 +402,12 @@ void PairState::namePartnerFace(const PairPose& pose, ContactPoint& point)
 }
 
 // The most that third bodies carry either body off its way in the step, by how fast those near it close in, as their
-// masses tell; what no impulse moves, by its own speed. What is less than the skin is none.
+// masses tell; what no impulse moves, by its own speed. What is less than the skin is none. Bullet makes a rebound of the
+// speed at which the two meet before the step, and met in the step in which they are thrown they have none: where they
+// would bounce off, that is left to the next step.
 double PairState::shoveOf(const PairPose& pose) const
 {
+	if (double(gCalculateCombinedRestitutionCallback(m_objects[0], m_objects[1])) > kLively) return 0;
 	const auto inverseMassOf = [](const btCollisionObject& object)
 	{
 		const btRigidBody* const body = btRigidBody::upcast(&object);

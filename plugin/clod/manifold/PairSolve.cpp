@@ -38,6 +38,14 @@ public:
 		return (m_turnA + m_turnB) * moved +
 			   0.5 * (bent(m_turnA, facet.onA - m_rules.a.center) + bent(m_turnB, facet.onB - m_rules.b.center));
 	}
+	// Of two edges more, if still they cross at the end of the step: the place where they do may have run all along the
+	// shorter one, the farther the more they are parallel.
+	double ofCrossing(const FacetQuestion& q, const Facet& facet) const
+	{
+		const double lengthA = q.a.surface(facet.levelA).edges()[facet.featureA].length,
+					 lengthB = q.b.surface(facet.levelB).edges()[facet.featureB].length;
+		return (m_turnA + m_turnB) * std::min(lengthA, lengthB);
+	}
 
 private:
 	double turnOf(const PairBody& body) const
@@ -274,7 +282,10 @@ double PairSolve::moveOn(const FacetQuestion& question, std::vector<Facet>& face
 		facet.then = distanceAt(question, facet, m_after, back);
 		// A normal turns no faster than the bodies do. Exceptions are that of two almost parallel edges, hence the
 		// bound, and that of a round corner, which turns away as something goes by.
-		const double most = bound.of(facet);
+		double most = bound.of(facet);
+		if (facet.kind == Facet::Kind::kEdgeEdge && std::abs(facet.curvature()) > most &&
+			besideAt(question, facet, m_after).distance <= 0)
+			most += bound.ofCrossing(question, facet);
 		const double bent = std::max(-most, isOfRound(facet) ? facet.curvature() : std::min(most, facet.curvature()));
 		facet.then = facet.distance + facet.linear + bent;
 		if (facet.reach != Facet::Reach::kPossible)

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <vector>
 
 #include "tests/bullet/world/ImpactWorld.h"
 
@@ -56,5 +57,24 @@ TEST(ThirdBody, WhatItThrowsIsMet)
 				EXPECT_GT(lowest, -1e-3) << int(kind) << " at " << rate << ", " << i;
 			}
 		}
+}
+
+// Newton's cradle: the last of a row leaves with the speed of the first, though the first reaches them all within one step.
+TEST(ThirdBody, WhatItThrowsBouncesOff)
+{
+	for (const double rate : {1000, 240, 60})
+	{
+		ImpactWorld world(false, rate, 0);
+		std::vector<btRigidBody*> cubes;
+		for (int i = 0; i < 5; ++i)
+		{
+			cubes.push_back(&world.put(unitCube(), 1, {i == 0 ? -2 : 1.01 * (i - 1), 0, 0}));
+			cubes.back()->setRestitution(1);
+		}
+		cubes.front()->setLinearVelocity(btVector3(3, 0, 0));
+		for (int i = 0; i < int(rate); ++i) world.step();
+		for (const btRigidBody* cube : cubes)
+			EXPECT_NEAR(double(cube->getLinearVelocity().x()), cube == cubes.back() ? 3 : 0, 0.03) << " at " << rate;
+	}
 }
 }  // namespace clod::test
