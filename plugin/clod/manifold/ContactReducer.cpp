@@ -20,6 +20,8 @@ constexpr std::size_t kMostOfFlat = 8;   // points of a flat, of a body that lie
 constexpr double kPreferred = 1.1;       // of a flat, a point that goes on counts as so many times farther out,
 constexpr double kLowCounts = 10;        // and so does one that is as low as the lowest,
 constexpr double kAsLow = 2e-5;          // up to this
+constexpr std::size_t kMostBesides = 4;  // and so many besides where, as seen from its middle, none is there
+constexpr double kThere = 0.25;          // at least so far out, as a share
 constexpr double kOpposing = -0.5;       // cosine of normals that hold from opposing sides,
 constexpr double kSoonMet = 0.007;       // of which facets up to this height come before all that are higher
 constexpr double kAlike = 0.011;         // normals that are alike (kSameNormal) differ by less in every coordinate
@@ -119,6 +121,27 @@ void ContactReducer::thinOutFlats()
 				if (m_candidates[i].apart > 0)
 					m_candidates[i].apart = std::min(m_candidates[i].apart, distanceBetween(i, next));
 		}
+		supportAround(middle);
+	}
+}
+
+// Of the flat in m_order. Low points may all be on one side of what is tilted by next to nothing: within a step it would
+// tip over the others.
+void ContactReducer::supportAround(const Vec3& middle)
+{
+	const auto arm = [&](std::uint32_t i) { return (*m_points)[i].pointOnA - middle; };
+	for (std::size_t k = 0; k < kMostBesides; ++k)
+	{
+		std::uint32_t farthest = kNone;
+		for (const std::uint32_t i : m_order)
+		{
+			const auto supports = [&](std::uint32_t j)
+			{ return m_isNeeded[j] && dot(arm(i), arm(j)) >= kThere * lengthSquared(arm(i)); };
+			if (farthest != kNone && lengthSquared(arm(i)) <= lengthSquared(arm(farthest))) continue;
+			if (std::none_of(m_order.begin(), m_order.end(), supports)) farthest = i;
+		}
+		if (farthest == kNone) return;
+		m_isNeeded[farthest] = 1;
 	}
 }
 

@@ -40,6 +40,7 @@ private:
 	bool holdFromOpposingSides() const;
 	void match(const ClusterSet& previous);
 	void thinOutFlats();
+	void supportAround(const Vec3& middle);
 	double lowest(std::uint32_t i) const;
 	void choose(bool foundOnce);
 	void spread(bool withPossible, double highest = std::numeric_limits<double>::infinity());

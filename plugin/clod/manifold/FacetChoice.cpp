@@ -408,17 +408,16 @@ void FacetChoice::dropRidges(std::vector<Facet>& facets)
 		const Vec3 center = centerOf(best);
 		const auto drop = [&](const Places& places, const Vec3& point)
 		{
-			const double coordinate = dot(places.axis, point);
-			for (auto place = std::lower_bound(places.sorted.begin(), places.sorted.end(),
-											   std::make_pair(coordinate - near, std::uint32_t(0)));
-				 place != places.sorted.end() && place->first <= coordinate + near; ++place)
+			const auto dropOne = [&](std::uint32_t place)
 			{
-				const std::uint32_t other = m_order[place->second];
-				if (place->second <= k || !m_isKept[other] || facets[other].reach == Facet::Reach::kPossible) continue;
-				if (!isBeyondRidge(best, center, facets[other])) continue;
+				const std::uint32_t other = m_order[place];
+				if (place <= k || !m_isKept[other] || facets[other].reach == Facet::Reach::kPossible) return false;
+				if (!isBeyondRidge(best, center, facets[other])) return false;
 				m_isKept[other] = 0;
 				if (best.reach == Facet::Reach::kPossible) facets[m_order[k]].reach = facets[other].reach;
-			}
+				return false;
+			};
+			places.isAnyNear(point, near, dropOne);
 		};
 		drop(m_placesA, best.ofA);
 		drop(m_placesB, best.ofB);
@@ -428,13 +427,13 @@ void FacetChoice::dropRidges(std::vector<Facet>& facets)
 
 // Two facets each of which lies above the plane of the other one meet in a valley of the difference. It leaves free what
 // is above both planes: neither forbids anything, near the valley, that the other one allows, nor is deeper where that one
-// is a contact. center: of the other.
-bool FacetChoice::meetInValley(const Facet& contact, const Facet& other, const Vec3& center) const
+// is a contact.
+bool FacetChoice::meetInValley(const Facet& contact, const Vec3& centerOfContact, const Facet& other, const Vec3& center) const
 {
 	const double size = m_question->length(), near = kInValley * size, slack = 1e-6 * size;
 	if (!(dot(contact.normal, other.normal) > 0) || other.distance < std::min(contact.distance, 0.0)) return false;
 	if (lengthSquared(contact.ofA - other.ofA) > near * near || lengthSquared(contact.ofB - other.ofB) > near * near) return false;
-	const Vec3 between = center - centerOf(contact);
+	const Vec3 between = center - centerOfContact;
 	// Normals point into the difference, hence the signs.
 	return dot(contact.normal, between) < -slack && dot(other.normal, between) > slack;
 }
@@ -453,17 +452,23 @@ void FacetChoice::keepValleys(std::vector<Facet>& facets)
 {
 	const auto isOfSurfaces = [](const Facet& facet) { return facet.hasFeatures() && !facet.isOfMiddle(); };
 	m_isKept.assign(facets.size(), 1);
+	m_order.clear();
+	m_centers.clear();
+	for (std::uint32_t i = 0; i < facets.size(); ++i)
+	{
+		if (facets[i].reach >= Facet::Reach::kPossible || !isOfSurfaces(facets[i]) || facets[i].isThrough) continue;
+		m_order.push_back(i);
+		m_centers.push_back(centerOf(facets[i]));
+	}
+	m_placesA.sort(facets, m_order, &Facet::ofA);
+	const double near = kInValley * m_question->length();
 	for (std::uint32_t i = 0; i < facets.size(); ++i)
 	{
 		Facet& facet = facets[i];
 		if (facet.reach < Facet::Reach::kPossible || !isOfSurfaces(facet)) continue;
 		const Vec3 center = centerOf(facet);
-		const auto holds = [&](const Facet& contact)
-		{
-			return contact.reach < Facet::Reach::kPossible && isOfSurfaces(contact) && !contact.isThrough &&
-				   meetInValley(contact, facet, center);
-		};
-		const bool counts = std::any_of(facets.begin(), facets.end(), holds) && !(facet.isOfVertex() && isPassed(facet));
+		const auto holds = [&](std::uint32_t k) { return meetInValley(facets[m_order[k]], m_centers[k], facet, center); };
+		const bool counts = m_placesA.isAnyNear(facet.ofA, near, holds) && !(facet.isOfVertex() && isPassed(facet));
 		m_isKept[i] = counts || facet.reach == Facet::Reach::kPossible;
 		if (counts) facet.reach = Facet::Reach::kBeside;
 	}

@@ -3,6 +3,7 @@
 // difference, of those that meet in a convex ridge the one that the motion crosses last, of those that meet in a valley
 // all (README.md, rules).
 #pragma once
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -39,7 +40,7 @@ private:
 	bool isBeyondRidge(const Facet& best, const Vec3& center, const Facet& other) const;
 	void keepValleys(std::vector<Facet>& facets);
 	bool isPassed(const Facet& facet) const;
-	bool meetInValley(const Facet& contact, const Facet& other, const Vec3& center) const;
+	bool meetInValley(const Facet& contact, const Vec3& centerOfContact, const Facet& other, const Vec3& center) const;
 	void removeDropped(std::vector<Facet>& facets) const;
 
 	const FacetQuestion* m_question = nullptr;
@@ -49,12 +50,23 @@ private:
 		Vec3 axis;
 		std::vector<std::pair<double, std::uint32_t>> sorted;  // coordinate, position in m_order
 		void sort(const std::vector<Facet>& facets, const std::vector<std::uint32_t>& order, Vec3 Facet::*point);
+		// Of those whose coordinate is no farther from the point's, in order, until one is as asked.
+		template <class IsIt>
+		bool isAnyNear(const Vec3& point, double near, const IsIt& isIt) const
+		{
+			const double coordinate = dot(axis, point);
+			auto place = std::lower_bound(sorted.begin(), sorted.end(), std::make_pair(coordinate - near, std::uint32_t(0)));
+			for (; place != sorted.end() && place->first <= coordinate + near; ++place)
+				if (isIt(place->second)) return true;
+			return false;
+		}
 	};
 
 	std::vector<ShiftPlane> m_planes;
 	Vec3 m_shift;
 	Places m_placesA, m_placesB;
 	std::vector<std::uint32_t> m_order, m_beside;
+	std::vector<Vec3> m_centers;  // of m_order's
 	std::vector<char> m_isKept;
 	std::vector<Facet> m_through;
 	std::vector<char> m_isKnown;  // was a contact in the last step, too

@@ -65,19 +65,19 @@ void MovedNodes::start(const FacetQuestion& question, const std::vector<Contact>
 	m_sharing.clear();
 	m_near.clear();
 	m_blocks = std::uint32_t((m_nodes.size() + 63) / 64);
-	m_wide.assign(m_blocks, 0);
+	m_wide.assign(m_blocks, Wide{});
 	if (m_blocks > kMostBlocks) m_blocks = 0;
 }
 
 std::uint64_t MovedNodes::displaced(double least, std::uint32_t place)
 {
-	if (least != std::exchange(m_least, least))
-	{
-		m_wide.assign(m_wide.size(), 0);
-		for (std::size_t i = 0; i < m_nodes.size(); ++i)
-			if (m_moved[i].node != kNone && m_moved[i].displaced >= least) m_wide[i / 64] |= std::uint64_t(1) << i % 64;
-	}
-	return m_wide[place / 64];
+	Wide& wide = m_wide[place / 64];
+	if (wide.least == least) return wide.nodes;
+	wide = {least, 0};
+	const std::size_t first = place / 64 * 64, end = std::min(first + 64, m_nodes.size());
+	for (std::size_t i = first; i < end; ++i)
+		if (m_moved[i].node != kNone && m_moved[i].displaced >= least) wide.nodes |= std::uint64_t(1) << i % 64;
+	return wide.nodes;
 }
 
 std::uint64_t MovedNodes::noteNear(std::uint32_t number, std::uint32_t otherBlocks, std::uint32_t otherPlace)
@@ -120,7 +120,7 @@ MovedNode& MovedNodes::of(std::uint32_t node, const Near& near)
 		move(moved, surface);
 		if (!isOne()) listMoved(moved, surface, everywhere());
 	}
-	if (moved.displaced >= m_least) m_wide[at / 64] |= std::uint64_t(1) << at % 64;
+	if (Wide& wide = m_wide[at / 64]; moved.displaced >= wide.least) wide.nodes |= std::uint64_t(1) << at % 64;
 	return moved;
 }
 

@@ -140,8 +140,12 @@ private:
 	std::vector<std::uint8_t> m_beyond;  // and the sides of the box looked at that each is beyond
 	FeatureNumbers m_numbers;
 	std::vector<std::uint64_t> m_sharing, m_near;
-	double m_least = 0;                 // displaced() was asked last of this,
-	std::vector<std::uint64_t> m_wide;  // by nodes as bits
+	struct Wide
+	{
+		double least = 0;         // displaced() was asked last of this,
+		std::uint64_t nodes = 0;  // as bits
+	};
+	std::vector<Wide> m_wide;    // of 64 nodes each
 	std::uint32_t m_blocks = 0;  // of 64 nodes, as many as hold all; 0: too many, none are told apart
 };
 }  // namespace clod
