@@ -44,6 +44,18 @@ SceneSettings settingsOf(const SceneInfo& scene, double resolution = kResolution
 	return settings;
 }
 
+// The chain in btClodDynamicsWorld, whose steps are solved in passes and divided.
+std::unique_ptr<Scene> chainInPasses(double resolution, const ContactMetric& metric, int rate)
+{
+	const SceneDefinition& definition = definitionOf("chain");
+	SceneSettings settings = settingsOf(definition.info, resolution);
+	settings.metric = metric;
+	settings.dt = 1.0 / rate;
+	settings.passes = 3;
+	settings.parts = 8;
+	return makeScene(definition, settings);
+}
+
 test::TriangleSoup placedTriangles(const ModelMesh& mesh, const Pose& pose)
 {
 	const Transform worldFromMesh = toTransform(pose);
@@ -270,15 +282,9 @@ TEST(MechanismChain, OfFewTrianglesHolds)
 // overlap all four pairs of edges may cross just beyond their ends.
 TEST(MechanismChain, OfFewTrianglesHoldsInPasses)
 {
-	const SceneDefinition& definition = definitionOf("chain");
 	for (const int rate : {52, 60, 70})
 	{
-		SceneSettings settings = settingsOf(definition.info, 0.1);
-		settings.metric = ContactMetric::deviationShare(0.005);
-		settings.dt = 1.0 / rate;
-		settings.passes = 3;
-		settings.parts = 8;
-		const auto scene = makeScene(definition, settings);
+		const auto scene = chainInPasses(0.1, ContactMetric::deviationShare(0.005), rate);
 		for (int step = 0; step < 40; ++step)
 		{
 			scene->step();
@@ -290,15 +296,9 @@ TEST(MechanismChain, OfFewTrianglesHoldsInPasses)
 // Links that whip round meet along edges that are almost parallel, whose crossings run along them within the step.
 TEST(MechanismChain, OfAllTrianglesHoldsInPasses)
 {
-	const SceneDefinition& definition = definitionOf("chain");
 	for (const int rate : {56, 60, 64})
 	{
-		SceneSettings settings = settingsOf(definition.info, 1);
-		settings.metric = ContactMetric::errorShare(0.005);
-		settings.dt = 1.0 / rate;
-		settings.passes = 3;
-		settings.parts = 8;
-		const auto scene = makeScene(definition, settings);
+		const auto scene = chainInPasses(1, ContactMetric::errorShare(0.005), rate);
 		for (int step = 0; step < 20; ++step)
 		{
 			scene->step();

@@ -14,6 +14,15 @@ namespace clod::test
 {
 using HierarchyPointer = std::shared_ptr<const Hierarchy>;
 
+inline void setUnitMasses(PointRules& rules)
+{
+	for (PairBody* body : {&rules.a, &rules.b})
+	{
+		body->inverseMass = 1;
+		body->inverseInertia = Mat3{};
+	}
+}
+
 struct FacetPair
 {
 	HierarchyPointer a, b;
@@ -31,8 +40,7 @@ struct FacetPair
 	void move(const Vec3& way)
 	{
 		rules.timeStep = 1.0 / 240;
-		rules.a.inverseMass = rules.b.inverseMass = 1;
-		for (PairBody* body : {&rules.a, &rules.b}) body->inverseInertia = Mat3{};
+		setUnitMasses(rules);
 		rules.b.linear = (1 / rules.timeStep) * way;
 	}
 	std::vector<ContactPoint> points() const

@@ -18,11 +18,7 @@ FacetQuestion questionOf(const HierarchyPointer& a, const HierarchyPointer& b, c
 	PointRules& rules = question.rules;
 	rules.length = std::sqrt(0.75);
 	rules.timeStep = 1.0 / 60;
-	for (PairBody* body : {&rules.a, &rules.b})
-	{
-		body->inverseMass = 1;
-		body->inverseInertia = Mat3{};
-	}
+	setUnitMasses(rules);
 	rules.b.center = aFromB.translation;
 	return question;
 }
@@ -100,5 +96,28 @@ TEST(PairSolve, EdgesMeetWhereTheirCrossingHasRunTo)
 			EXPECT_NEAR(std::abs(facets[0].then), turn * run, 0.1 * turn * run) << askew << " " << turn;
 			EXPECT_NEAR(facets[0].curvature(), facets[0].then, 1e-9) << askew << " " << turn;
 		}
+}
+
+TEST(PairSolve, AnImpulseBesideBothCentresTurnsBothBodies)
+{
+	FacetQuestion question{};
+	question.rules.length = 1;
+	question.rules.timeStep = 0.01;
+	setUnitMasses(question.rules);
+	question.rules.b.center = {0, 2, 0};
+	question.rules.b.linear = {0, -1, 0};
+	Facet facet{};
+	facet.kind = Facet::Kind::kDeep;
+	facet.reach = Facet::Reach::kNear;
+	facet.onA = facet.onB = {0.5, 1, 0};
+	facet.normal = {0, -1, 0};
+	std::vector<Facet> facets = {facet};
+	PairSolve solve;
+	solve.solve(question, facets);
+	// Unit masses and inertias, arms of a half: 1 / (1 + 1 + 1/4 + 1/4) of the closing speed of 1.
+	ASSERT_EQ(facets.size(), 1u);
+	EXPECT_NEAR(facets[0].multiplier, 0.4, 1e-9);
+	EXPECT_NEAR(facets[0].linear, 0, 1e-12);
+	EXPECT_NEAR(solve.motion().angular.z, -0.4, 1e-9);
 }
 }  // namespace clod::test

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Which of many facets a solver gets, and what carries of them, each where closed forms know it.
+// Which of many facets a solver gets, each where closed forms know it.
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "clod/manifold/ContactReducer.h"
-#include "clod/manifold/PairSolve.h"
 
 namespace clod::test
 {
@@ -148,27 +147,5 @@ TEST(ContactReducer, WhatIsHeldFromOpposingSidesHasMorePoints)
 	EXPECT_EQ(low, 100);
 	for (Facet& facet : facets) facet.normal = normalized({2, facet.normal.y, 0});  // 53 degrees apart
 	EXPECT_EQ(reduced(facets, 0).pointCount(), int(ContactReducer::kMostOpen));
-}
-
-TEST(PairSolve, AnImpulseBesideBothCentresTurnsBothBodies)
-{
-	FacetQuestion question{};
-	question.rules.length = 1;
-	question.rules.timeStep = 0.01;
-	for (PairBody* body : {&question.rules.a, &question.rules.b})
-	{
-		body->inverseMass = 1;
-		body->inverseInertia = Mat3{};
-	}
-	question.rules.b.center = {0, 2, 0};
-	question.rules.b.linear = {0, -1, 0};
-	std::vector<Facet> facets = {facetAt({0.5, 1, 0})};
-	PairSolve solve;
-	solve.solve(question, facets);
-	// Unit masses and inertias, arms of a half: 1 / (1 + 1 + 1/4 + 1/4) of the closing speed of 1.
-	ASSERT_EQ(facets.size(), 1u);
-	EXPECT_NEAR(facets[0].multiplier, 0.4, 1e-9);
-	EXPECT_NEAR(facets[0].linear, 0, 1e-12);
-	EXPECT_NEAR(solve.motion().angular.z, -0.4, 1e-9);
 }
 }  // namespace clod::test

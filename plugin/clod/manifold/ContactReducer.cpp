@@ -129,19 +129,26 @@ void ContactReducer::thinOutFlats()
 // tip over the others.
 void ContactReducer::supportAround(const Vec3& middle)
 {
-	const auto arm = [&](std::uint32_t i) { return (*m_points)[i].pointOnA - middle; };
+	const auto armOf = [&](std::uint32_t i) { return (*m_points)[i].pointOnA - middle; };
+	m_arms.clear();
+	for (const std::uint32_t i : m_order)
+		if (m_isNeeded[i]) m_arms.push_back(armOf(i));
 	for (std::size_t k = 0; k < kMostBesides; ++k)
 	{
 		std::uint32_t farthest = kNone;
+		double most = 0;
 		for (const std::uint32_t i : m_order)
 		{
-			const auto supports = [&](std::uint32_t j)
-			{ return m_isNeeded[j] && dot(arm(i), arm(j)) >= kThere * lengthSquared(arm(i)); };
-			if (farthest != kNone && lengthSquared(arm(i)) <= lengthSquared(arm(farthest))) continue;
-			if (std::none_of(m_order.begin(), m_order.end(), supports)) farthest = i;
+			const Vec3 arm = armOf(i);
+			const double squared = lengthSquared(arm);
+			const auto supports = [&](const Vec3& other) { return dot(arm, other) >= kThere * squared; };
+			if (squared <= most || std::any_of(m_arms.begin(), m_arms.end(), supports)) continue;
+			farthest = i;
+			most = squared;
 		}
 		if (farthest == kNone) return;
 		m_isNeeded[farthest] = 1;
+		m_arms.push_back(armOf(farthest));
 	}
 }
 

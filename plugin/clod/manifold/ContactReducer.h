@@ -54,6 +54,7 @@ private:
 	std::uint32_t m_most = kMostPoints;
 	std::vector<Candidate> m_candidates;
 	std::vector<char> m_isNeeded;
+	std::vector<Vec3> m_arms;  // of a flat's needed points, from its middle
 	std::vector<std::uint32_t> m_chosen, m_order;
 	std::vector<std::pair<double, std::uint32_t>> m_byNormal;  // its x, sorted
 	std::vector<std::tuple<double, std::uint32_t, std::uint32_t>> m_links;  // squared distance, old point, candidate

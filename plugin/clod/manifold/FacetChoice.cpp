@@ -354,6 +354,14 @@ void FacetChoice::Places::sort(const std::vector<Facet>& facets, const std::vect
 	std::sort(sorted.begin(), sorted.end());
 }
 
+Span<std::pair<double, std::uint32_t>> FacetChoice::Places::near(const Vec3& point, double distance) const
+{
+	const double coordinate = dot(axis, point);
+	const auto first = std::lower_bound(sorted.begin(), sorted.end(), std::make_pair(coordinate - distance, std::uint32_t(0)));
+	const auto end = std::upper_bound(first, sorted.end(), std::make_pair(coordinate + distance, kNone));
+	return {sorted.data() + (first - sorted.begin()), std::size_t(end - first)};
+}
+
 // Two facets at one place, each below the plane of the other, meet in a convex ridge of the difference. Is `other` on
 // the far side of such a ridge from `best`, whose centre is given?
 bool FacetChoice::isBeyondRidge(const Facet& best, const Vec3& center, const Facet& other) const
@@ -408,16 +416,14 @@ void FacetChoice::dropRidges(std::vector<Facet>& facets)
 		const Vec3 center = centerOf(best);
 		const auto drop = [&](const Places& places, const Vec3& point)
 		{
-			const auto dropOne = [&](std::uint32_t place)
+			for (const auto& [coordinate, place] : places.near(point, near))
 			{
 				const std::uint32_t other = m_order[place];
-				if (place <= k || !m_isKept[other] || facets[other].reach == Facet::Reach::kPossible) return false;
-				if (!isBeyondRidge(best, center, facets[other])) return false;
+				if (place <= k || !m_isKept[other] || facets[other].reach == Facet::Reach::kPossible) continue;
+				if (!isBeyondRidge(best, center, facets[other])) continue;
 				m_isKept[other] = 0;
 				if (best.reach == Facet::Reach::kPossible) facets[m_order[k]].reach = facets[other].reach;
-				return false;
-			};
-			places.isAnyNear(point, near, dropOne);
+			}
 		};
 		drop(m_placesA, best.ofA);
 		drop(m_placesB, best.ofB);
@@ -467,8 +473,10 @@ void FacetChoice::keepValleys(std::vector<Facet>& facets)
 		Facet& facet = facets[i];
 		if (facet.reach < Facet::Reach::kPossible || !isOfSurfaces(facet)) continue;
 		const Vec3 center = centerOf(facet);
-		const auto holds = [&](std::uint32_t k) { return meetInValley(facets[m_order[k]], m_centers[k], facet, center); };
-		const bool counts = m_placesA.isAnyNear(facet.ofA, near, holds) && !(facet.isOfVertex() && isPassed(facet));
+		const auto holds = [&](const std::pair<double, std::uint32_t>& place)
+		{ return meetInValley(facets[m_order[place.second]], m_centers[place.second], facet, center); };
+		const auto contacts = m_placesA.near(facet.ofA, near);
+		const bool counts = std::any_of(contacts.begin(), contacts.end(), holds) && !(facet.isOfVertex() && isPassed(facet));
 		m_isKept[i] = counts || facet.reach == Facet::Reach::kPossible;
 		if (counts) facet.reach = Facet::Reach::kBeside;
 	}

@@ -3,7 +3,6 @@
 // difference, of those that meet in a convex ridge the one that the motion crosses last, of those that meet in a valley
 // all (README.md, rules).
 #pragma once
-#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -50,16 +49,8 @@ private:
 		Vec3 axis;
 		std::vector<std::pair<double, std::uint32_t>> sorted;  // coordinate, position in m_order
 		void sort(const std::vector<Facet>& facets, const std::vector<std::uint32_t>& order, Vec3 Facet::*point);
-		// Of those whose coordinate is no farther from the point's, in order, until one is as asked.
-		template <class IsIt>
-		bool isAnyNear(const Vec3& point, double near, const IsIt& isIt) const
-		{
-			const double coordinate = dot(axis, point);
-			auto place = std::lower_bound(sorted.begin(), sorted.end(), std::make_pair(coordinate - near, std::uint32_t(0)));
-			for (; place != sorted.end() && place->first <= coordinate + near; ++place)
-				if (isIt(place->second)) return true;
-			return false;
-		}
+		// Those whose coordinate is no farther than that from the point's.
+		Span<std::pair<double, std::uint32_t>> near(const Vec3& point, double distance) const;
 	};
 
 	std::vector<ShiftPlane> m_planes;
