@@ -122,6 +122,11 @@ bool isFixed(const btCollisionObject& object)
 	return object.isStaticObject() && !object.isKinematicObject();
 }
 
+bool isMoving(const btCollisionObject& object)
+{
+	return object.isActive() && !object.isStaticOrKinematicObject();
+}
+
 bool moveAsOne(const btCollisionObject& a, const btCollisionObject& b)
 {
 	constexpr double kAlike = 1e-3;  // of a velocity, which Bullet takes from differences of places

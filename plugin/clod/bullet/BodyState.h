@@ -20,6 +20,8 @@ bool isFinite(const RelativeMotion& motion);
 
 // Never moves. Kinematic bodies made as Bullet's manual has it, of mass 0, have the flag of static ones, too.
 bool isFixed(const btCollisionObject& object);
+// Is it awake, and do impulses move it?
+bool isMoving(const btCollisionObject& object);
 
 // Are they one object, or two that nothing moves but the program, and that moves both alike?
 bool moveAsOne(const btCollisionObject& a, const btCollisionObject& b);

@@ -14,6 +14,7 @@
 #include <optional>
 #include <vector>
 
+#include "clod/bullet/SolverTerms.h"
 #include "clod/manifold/ContactPoints.h"
 
 namespace clod
@@ -79,6 +80,14 @@ public:
 		endWrite(clusters, frame, out);
 	}
 	void append(btManifoldArray& manifolds) const;
+	// The farthest that the bodies, as solved, come beneath what any point requires of velocities (SolverTerms.h).
+	double unmetWay(double timeStep) const
+	{
+		double most = 0;
+		for (const btPersistentManifold* manifold : m_manifolds)
+			if (manifold) most = std::max(most, clod::unmetWay(*manifold, timeStep));
+		return most;
+	}
 
 	// All that is kept of them, as it is between two steps; a program's data at points are not.
 	struct Saved;

@@ -45,6 +45,12 @@ private:
 };
 }  // namespace
 
+double PairState::unmet() const
+{
+	const double dt = m_foreseen.timeStep;
+	return dt > 0 ? m_manifolds.unmetWay(dt) / (m_foreseen.skin * m_foreseen.scale) : 0;
+}
+
 void PairState::noteSides(const PairPose& pose)
 {
 	const std::array<const btCollisionObjectWrapper*, 2> bodies{pose.a, pose.b};

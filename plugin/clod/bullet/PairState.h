@@ -39,6 +39,8 @@ public:
 				 const btDispatcherInfo& info, btManifoldResult& out);
 	// What the points may miss of the motion as solved, being found for another; in skins.
 	double surprise() const;
+	// How far the solver has left them beneath what its points require, as its iterations were too few; in skins.
+	double unmet() const;
 	// The parts of the coming process() that concern nothing but this pair: its question and, under a budget, what the
 	// coarsest answer takes, which is held back then; and the answer, up to its points, before they are written. Other pairs
 	// may be at it at the same time.

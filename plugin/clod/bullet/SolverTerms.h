@@ -34,6 +34,9 @@ void setSolverTerms(const ContactPoint& point, const WorldFrame& frame, btManifo
 // The speed of separation that Bullet then requires of velocities there, but for a rebound.
 double speedOf(const btManifoldPoint& point, double timeStep);
 
+// The farthest that bodies, as solved, come beneath what a point requires of velocities, in world lengths.
+double unmetWay(const btPersistentManifold& manifold, double timeStep);
+
 // Did the solver find an impulse there?
 bool isPushing(const btPersistentManifold& manifold);
 // Do its contacts give energy that somebody wants them to give: a kinematic body's, a belt's, a spring's, or that of a

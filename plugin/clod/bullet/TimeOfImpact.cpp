@@ -2,6 +2,7 @@
 #include "clod/bullet/TimeOfImpact.h"
 
 #include <BulletCollision/CollisionShapes/btStaticPlaneShape.h>
+#include <BulletDynamics/Dynamics/btRigidBody.h>
 #include <LinearMath/btTransformUtil.h>
 
 #include <algorithm>
@@ -11,6 +12,8 @@
 
 #include "clod/bullet/BodyState.h"
 #include "clod/bullet/PairState.h"
+#include "clod/bullet/btClodCollisionAlgorithm.h"
+#include "clod/bullet/btClodDynamicsWorld.h"
 #include "clod/collide/MotionBound.h"
 
 namespace clod
@@ -253,3 +256,99 @@ double PairState::timeOfSwitch(const btCollisionObjectWrapper& body0, const btCo
 	return impact.share;
 }
 }  // namespace clod
+
+// The paper's 5.3: parts end at impacts.
+void btClodDynamicsWorld::solveToImpacts(btContactSolverInfo& info)
+{
+	const btScalar whole = info.m_timeStep, threshold = info.m_restitutionVelocityThreshold;
+	noteKinematic();
+	btScalar left = whole, impact = 0;  // how long the one lasts that the last part ended at
+	for (;; ++m_parts)
+	{
+		if (impact > 0 && impact < left)
+		{
+			info.m_timeStep = impact;
+			impact = 0;
+		}
+		else
+		{
+			const Impact next = firstImpact(left);
+			info.m_timeStep = next.at * left;
+			impact = next.at < 1 ? next.lasts * left : 0;
+		}
+		if (m_parts >= m_mostParts && info.m_timeStep < left)
+		{
+			// The last part has no rebounds, so that what would bounce for ever comes to rest.
+			info.m_timeStep = left;
+			info.m_restitutionVelocityThreshold = BT_LARGE_FLOAT;
+		}
+		left = info.m_timeStep < left ? left - info.m_timeStep : 0;
+		if (m_parts > 1 || left > 0) beginPart(info.m_timeStep);
+		solvePart(info, whole);
+		if (m_parts < m_mostParts)
+		{
+			const btScalar part = info.m_timeStep;
+			const btScalar share = shareUntilSwitch(part, whole - left - part);
+			info.m_timeStep = share * part;
+			left += part - info.m_timeStep;
+			if (share < 1) impact = 0;
+		}
+		if (!(left > 0)) break;
+		goOn(info.m_timeStep, whole - left);
+	}
+	moveKinematic(0);
+	m_lastPart = info.m_timeStep;
+	info.m_timeStep = getDispatchInfo().m_timeStep = whole;
+	info.m_restitutionVelocityThreshold = threshold;
+}
+
+// The first impact in the time given, with the bodies as they move now.
+btClodDynamicsWorld::Impact btClodDynamicsWorld::firstImpact(btScalar timeStep)
+{
+	predictFree(timeStep);
+	for (const Kinematic& kinematic : m_kinematic)
+		kinematic.body->predictIntegratedTransform(timeStep, kinematic.body->getInterpolationWorldTransform());
+	const Earliest first = earliest(&btClodPairAlgorithm::timeOfImpact);
+	return {first.at, first.at < 1 ? clod::shareOfImpact(*first.a, *first.b) : 0};
+}
+
+btClodDynamicsWorld::Earliest btClodDynamicsWorld::earliest(TimeOf timeOf)
+{
+	Earliest first;
+	btBroadphasePairArray& pairs = getPairCache()->getOverlappingPairArray();
+	for (int i = 0; i < pairs.size(); ++i)
+	{
+		auto* algorithm = dynamic_cast<btClodPairAlgorithm*>(pairs[i].m_algorithm);
+		if (!algorithm) continue;
+		const auto* a = static_cast<const btCollisionObject*>(pairs[i].m_pProxy0->m_clientObject);
+		const auto* b = static_cast<const btCollisionObject*>(pairs[i].m_pProxy1->m_clientObject);
+		if (!(clod::isMoving(*a) || clod::isMoving(*b)) || !getDispatcher()->needsResponse(a, b)) continue;
+		const btCollisionObjectWrapper ofA(nullptr, a->getCollisionShape(), a, a->getWorldTransform(), -1, -1);
+		const btCollisionObjectWrapper ofB(nullptr, b->getCollisionShape(), b, b->getWorldTransform(), -1, -1);
+		const btScalar at = (algorithm->*timeOf)(ofA, ofB, getDispatchInfo());
+		if (at < first.at) first = {at, a, b};
+	}
+	return first;
+}
+
+// The share of a part, as solved, after which there is an impact that only the levels see that are asked for at its
+// end.
+btScalar btClodDynamicsWorld::shareUntilSwitch(btScalar timeStep, btScalar gone)
+{
+	// Not from where the part began: solvers move bodies, too, where overlaps are corrected by positions.
+	std::vector<btTransform> solved;
+	for (const Start& start : m_starts)
+	{
+		btTransform then = start.body->getWorldTransform();
+		solved.push_back(then);
+		if (clod::isMoving(*start.body)) start.body->predictIntegratedTransform(timeStep, then);
+		start.body->setWorldTransform(then);
+	}
+	moveKinematic(gone + timeStep);
+	const btScalar share = earliest(&btClodPairAlgorithm::timeOfSwitch).at;
+	m_context.pairsOf(*getDispatcher(), m_pairs);
+	for (clod::PairState* pair : m_pairs) pair->dropSwitchesAfter(double(share));
+	for (std::size_t i = 0; i < m_starts.size(); ++i) m_starts[i].body->setWorldTransform(solved[i]);
+	moveKinematic(gone);
+	return share;
+}

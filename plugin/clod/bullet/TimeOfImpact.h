@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // When two bodies first meet on their way from their transforms to their interpolation transforms, by conservative
 // advancement: parts of the way on which a sweep meets nothing are free at once; where it meets something, the gap to
-// that, divided by a bound of the relative motion, is a share of the way in which they cannot meet.
+// that, divided by a bound of the relative motion, is a share of the way in which they cannot meet. The source has
+// btClodDynamicsWorld's stepping to impacts, too.
 //
 // Based on: Mirtich, Impulse-based Dynamic Simulation of Rigid Body Systems, 1996 (conservative advancement); Otaduy &
 // Lin 2003, sec. 5.3 (impacts that a change of level brings).

@@ -15,7 +15,6 @@
 #include "clod/bullet/BodyState.h"
 #include "clod/bullet/PairState.h"
 #include "clod/bullet/SolverTerms.h"
-#include "clod/bullet/TimeOfImpact.h"
 #include "clod/bullet/btClodCollisionAlgorithm.h"
 #include "clod/bullet/btClodDispatcher.h"
 
@@ -28,10 +27,31 @@ constexpr double kMostSurprise = 4;
 constexpr double kMostGain = 0.02;
 constexpr double kGain = std::numeric_limits<double>::infinity();
 
-bool isMoving(const btCollisionObject& object)
+// A solver that leaves bodies by more skins beneath what contacts require (PairState::unmet) goes on, so often at most.
+constexpr double kMostUnmet = 1;
+constexpr int kMostMore = 4;
+
+template <class States>
+void putAll(const States& states)
 {
-	return object.isActive() && !object.isStaticOrKinematicObject();
+	for (const auto& state : states)
+	{
+		state.body->setWorldTransform(state.pose);
+		state.body->setLinearVelocity(state.linear);
+		state.body->setAngularVelocity(state.angular);
+	}
 }
+
+template <class Visit>
+void forEachPoint(btDispatcher& dispatcher, const Visit& visit)
+{
+	for (int i = 0; i < dispatcher.getNumManifolds(); ++i)
+	{
+		btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(i);
+		for (int k = 0; k < manifold.getNumContacts(); ++k) visit(manifold.getContactPoint(k));
+	}
+}
+
 }  // namespace
 
 btClodDynamicsWorld::btClodDynamicsWorld(btDispatcher* dispatcher, btBroadphaseInterface* pairCache,
@@ -78,6 +98,7 @@ double btClodDynamicsWorld::solveInPasses(btContactSolverInfo& info)
 	remember(info.m_timeStep);
 	btDiscreteDynamicsWorld::solveConstraints(info);
 	if (++m_passes >= last && m_mostParts <= 1) return 0;
+	solveOn(info);
 	for (;;)
 	{
 		BT_PROFILE("btClodDynamicsWorld::pass");
@@ -87,13 +108,79 @@ double btClodDynamicsWorld::solveInPasses(btContactSolverInfo& info)
 			return mayDivide() && energyGained(info.m_timeStep) > kMostGain ? kGain : surprise;
 		putBack();
 		askAgain();
-		calculateSimulationIslands();
-		// A further pass begins with the whole impulses of the pass before, as both are of the same step.
-		const btScalar factor = std::exchange(info.m_warmstartingFactor, btScalar(1));
-		btDiscreteDynamicsWorld::solveConstraints(info);
-		info.m_warmstartingFactor = factor;
+		solveAgain(info);
+		solveOn(info);
 		++m_passes;
 	}
+}
+
+// From where the step began, with the whole impulses of the solve before, as both are of the same step.
+void btClodDynamicsWorld::solveAgain(btContactSolverInfo& info)
+{
+	calculateSimulationIslands();  // a solve uses them up
+	const btScalar factor = std::exchange(info.m_warmstartingFactor, btScalar(1));
+	btDiscreteDynamicsWorld::solveConstraints(info);
+	info.m_warmstartingFactor = factor;
+}
+
+// Goes on where a solver's iterations were too few, as where a light body lies between heavy ones, for as long as that
+// helps: rows that contradict each other, as rebounds may, only get larger impulses. Where parts end at impacts, which
+// come one after the other then, they are left alone.
+void btClodDynamicsWorld::solveOn(btContactSolverInfo& info)
+{
+	if (m_stepping == Stepping::kImpacts) return;
+	m_context.pairsOf(*getDispatcher(), m_pairs);
+	double left = mostUnmet();
+	for (int more = 0; more < kMostMore && left > kMostUnmet; ++more)
+	{
+		keepSolution();
+		putBack();
+		solveAgain(info);
+		const double now = mostUnmet();
+		if (now >= left)
+		{
+			takeBackSolution();
+			return;
+		}
+		left = now;
+	}
+}
+
+double btClodDynamicsWorld::mostUnmet()
+{
+	double most = 0;
+	for (const clod::PairState* pair : m_pairs)
+		if (isSolved(*pair)) most = std::max(most, pair->unmet());
+	return most;
+}
+
+void btClodDynamicsWorld::keepSolution()
+{
+	m_solved.clear();
+	for (const Start& start : m_starts)
+	{
+		const btRigidBody& body = *start.body;
+		m_solved.push_back({start.body, body.getWorldTransform(), body.getLinearVelocity(), body.getAngularVelocity()});
+	}
+	m_impulses.clear();
+	forEachPoint(*getDispatcher(),
+				 [this](btManifoldPoint& point)
+				 {
+					 for (const btScalar impulse : {point.m_appliedImpulse, point.m_appliedImpulseLateral1, point.m_appliedImpulseLateral2})
+						 m_impulses.push_back(impulse);
+				 });
+}
+
+void btClodDynamicsWorld::takeBackSolution()
+{
+	putAll(m_solved);
+	auto impulse = m_impulses.begin();
+	forEachPoint(*getDispatcher(),
+				 [&](btManifoldPoint& point)
+				 {
+					 for (btScalar* to : {&point.m_appliedImpulse, &point.m_appliedImpulseLateral1, &point.m_appliedImpulseLateral2})
+						 *to = *impulse++;
+				 });
 }
 
 // Solves a part of the step. Joints correct their errors at the same rate as in a whole step: Bullet's share of the
@@ -135,50 +222,6 @@ void btClodDynamicsWorld::solveInParts(btContactSolverInfo& info, int parts, boo
 	m_expectedParts = std::max(partsFor(parts * parts * surprise), parts / 2);
 	m_lastPart = info.m_timeStep;
 	info.m_timeStep = getDispatchInfo().m_timeStep = whole;
-}
-
-void btClodDynamicsWorld::solveToImpacts(btContactSolverInfo& info)
-{
-	const btScalar whole = info.m_timeStep, threshold = info.m_restitutionVelocityThreshold;
-	noteKinematic();
-	btScalar left = whole, impact = 0;  // how long the one lasts that the last part ended at
-	for (;; ++m_parts)
-	{
-		if (impact > 0 && impact < left)
-		{
-			info.m_timeStep = impact;
-			impact = 0;
-		}
-		else
-		{
-			const Impact next = firstImpact(left);
-			info.m_timeStep = next.at * left;
-			impact = next.at < 1 ? next.lasts * left : 0;
-		}
-		if (m_parts >= m_mostParts && info.m_timeStep < left)
-		{
-			// The last part has no rebounds, so that what would bounce for ever comes to rest.
-			info.m_timeStep = left;
-			info.m_restitutionVelocityThreshold = BT_LARGE_FLOAT;
-		}
-		left = info.m_timeStep < left ? left - info.m_timeStep : 0;
-		if (m_parts > 1 || left > 0) beginPart(info.m_timeStep);
-		solvePart(info, whole);
-		if (m_parts < m_mostParts)
-		{
-			const btScalar part = info.m_timeStep;
-			const btScalar share = shareUntilSwitch(part, whole - left - part);
-			info.m_timeStep = share * part;
-			left += part - info.m_timeStep;
-			if (share < 1) impact = 0;
-		}
-		if (!(left > 0)) break;
-		goOn(info.m_timeStep, whole - left);
-	}
-	moveKinematic(0);
-	m_lastPart = info.m_timeStep;
-	info.m_timeStep = getDispatchInfo().m_timeStep = whole;
-	info.m_restitutionVelocityThreshold = threshold;
 }
 
 void btClodDynamicsWorld::internalSingleStepSimulation(btScalar timeStep)
@@ -243,57 +286,6 @@ void btClodDynamicsWorld::beginPart(btScalar timeStep)
 	calculateSimulationIslands();
 }
 
-// The first impact in the time given, with the bodies as they move now.
-btClodDynamicsWorld::Impact btClodDynamicsWorld::firstImpact(btScalar timeStep)
-{
-	predictFree(timeStep);
-	for (const Kinematic& kinematic : m_kinematic)
-		kinematic.body->predictIntegratedTransform(timeStep, kinematic.body->getInterpolationWorldTransform());
-	const Earliest first = earliest(&btClodPairAlgorithm::timeOfImpact);
-	return {first.at, first.at < 1 ? clod::shareOfImpact(*first.a, *first.b) : 0};
-}
-
-btClodDynamicsWorld::Earliest btClodDynamicsWorld::earliest(TimeOf timeOf)
-{
-	Earliest first;
-	btBroadphasePairArray& pairs = getPairCache()->getOverlappingPairArray();
-	for (int i = 0; i < pairs.size(); ++i)
-	{
-		auto* algorithm = dynamic_cast<btClodPairAlgorithm*>(pairs[i].m_algorithm);
-		if (!algorithm) continue;
-		const auto* a = static_cast<const btCollisionObject*>(pairs[i].m_pProxy0->m_clientObject);
-		const auto* b = static_cast<const btCollisionObject*>(pairs[i].m_pProxy1->m_clientObject);
-		if (!(isMoving(*a) || isMoving(*b)) || !getDispatcher()->needsResponse(a, b)) continue;
-		const btCollisionObjectWrapper ofA(nullptr, a->getCollisionShape(), a, a->getWorldTransform(), -1, -1);
-		const btCollisionObjectWrapper ofB(nullptr, b->getCollisionShape(), b, b->getWorldTransform(), -1, -1);
-		const btScalar at = (algorithm->*timeOf)(ofA, ofB, getDispatchInfo());
-		if (at < first.at) first = {at, a, b};
-	}
-	return first;
-}
-
-// The share of a part, as solved, after which there is an impact that only the levels see that are asked for at its
-// end.
-btScalar btClodDynamicsWorld::shareUntilSwitch(btScalar timeStep, btScalar gone)
-{
-	// Not from where the part began: solvers move bodies, too, where overlaps are corrected by positions.
-	std::vector<btTransform> solved;
-	for (const Start& start : m_starts)
-	{
-		btTransform then = start.body->getWorldTransform();
-		solved.push_back(then);
-		if (isMoving(*start.body)) start.body->predictIntegratedTransform(timeStep, then);
-		start.body->setWorldTransform(then);
-	}
-	moveKinematic(gone + timeStep);
-	const btScalar share = earliest(&btClodPairAlgorithm::timeOfSwitch).at;
-	m_context.pairsOf(*getDispatcher(), m_pairs);
-	for (clod::PairState* pair : m_pairs) pair->dropSwitchesAfter(double(share));
-	for (std::size_t i = 0; i < m_starts.size(); ++i) m_starts[i].body->setWorldTransform(solved[i]);
-	moveKinematic(gone);
-	return share;
-}
-
 void btClodDynamicsWorld::remember(btScalar timeStep)
 {
 	m_starts.clear();
@@ -301,7 +293,7 @@ void btClodDynamicsWorld::remember(btScalar timeStep)
 	{
 		btRigidBody* body = m_nonStaticRigidBodies[i];
 		if (body->isStaticOrKinematicObject()) continue;
-		m_starts.push_back({body, body->getWorldTransform(), body->getLinearVelocity(), body->getAngularVelocity(),
+		m_starts.push_back({{body, body->getWorldTransform(), body->getLinearVelocity(), body->getAngularVelocity()},
 							clod::kineticEnergy(*body, 0), clod::kineticEnergy(*body, double(timeStep))});
 	}
 }
@@ -312,7 +304,7 @@ void btClodDynamicsWorld::predictFree(btScalar timeStep)
 	for (int i = 0; i < m_nonStaticRigidBodies.size(); ++i)
 	{
 		btRigidBody& body = *m_nonStaticRigidBodies[i];
-		if (isMoving(body)) body.predictIntegratedTransform(timeStep, body.getInterpolationWorldTransform());
+		if (clod::isMoving(body)) body.predictIntegratedTransform(timeStep, body.getInterpolationWorldTransform());
 	}
 }
 
@@ -323,7 +315,7 @@ void btClodDynamicsWorld::predictSolved(btScalar timeStep)
 	for (const Start& start : m_starts)
 	{
 		btRigidBody& body = *start.body;
-		if (!isMoving(body)) continue;
+		if (!clod::isMoving(body)) continue;
 		btTransform then;
 		btTransformUtil::integrateTransform(start.pose, body.getLinearVelocity(), body.getAngularVelocity(), timeStep, then);
 		body.setInterpolationWorldTransform(then);
@@ -334,12 +326,14 @@ void btClodDynamicsWorld::predictSolved(btScalar timeStep)
 
 void btClodDynamicsWorld::putBack()
 {
-	for (const Start& start : m_starts)
-	{
-		start.body->setWorldTransform(start.pose);
-		start.body->setLinearVelocity(start.linear);
-		start.body->setAngularVelocity(start.angular);
-	}
+	putAll(m_starts);
+}
+
+// Does the solver move its bodies, and by its contacts?
+bool btClodDynamicsWorld::isSolved(const clod::PairState& pair)
+{
+	const btCollisionObject *a = pair.lastReport().objectA, *b = pair.lastReport().objectB;
+	return a && b && (clod::isMoving(*a) || clod::isMoving(*b)) && getDispatcher()->needsResponse(a, b);
 }
 
 // Lists the pairs that move otherwise than their contacts expect. Returns the largest surprise, in skins of its pair.
@@ -350,12 +344,11 @@ double btClodDynamicsWorld::findSurprised()
 	m_context.pairsOf(*getDispatcher(), m_pairs);
 	for (const clod::PairState* pair : m_pairs)
 	{
-		const btCollisionObject *a = pair->lastReport().objectA, *b = pair->lastReport().objectB;
-		if (!a || !b || !(isMoving(*a) || isMoving(*b)) || !getDispatcher()->needsResponse(a, b)) continue;
+		if (!isSolved(*pair)) continue;
 		const double surprise = pair->surprise();
 		if (!(surprise > 1)) continue;
-		btBroadphaseProxy* low = const_cast<btBroadphaseProxy*>(a->getBroadphaseHandle());
-		btBroadphaseProxy* high = const_cast<btBroadphaseProxy*>(b->getBroadphaseHandle());
+		btBroadphaseProxy* low = const_cast<btBroadphaseProxy*>(pair->lastReport().objectA->getBroadphaseHandle());
+		btBroadphaseProxy* high = const_cast<btBroadphaseProxy*>(pair->lastReport().objectB->getBroadphaseHandle());
 		if (!low || !high) continue;
 		largest = std::max(largest, surprise);
 		if (low->m_uniqueId > high->m_uniqueId) std::swap(low, high);
@@ -475,7 +468,7 @@ void btClodDynamicsWorld::askAgain()
 		for (const btBroadphaseProxy* proxy : {pair.low, pair.high})
 		{
 			const auto& object = *static_cast<const btCollisionObject*>(proxy->m_clientObject);
-			if (isMoving(object)) widenBox(object, object.getInterpolationWorldTransform());
+			if (clod::isMoving(object)) widenBox(object, object.getInterpolationWorldTransform());
 		}
 	computeOverlappingPairs();
 	btOverlappingPairCache& cache = *getBroadphase()->getOverlappingPairCache();

@@ -2,6 +2,7 @@
 // A discrete dynamics world that responds to impacts within the step in which they happen. Contacts of a step are
 // found for the motion with which the bodies enter it. An impact changes that motion, and may lead bodies to where no
 // contacts were looked for. So after the solve
+// - rows that the solver's iterations have not met (PairState::unmet: a light body lies between heavy ones) are solved on;
 // - pairs whose contacts may miss something of the solved motion (PairState::surprise) are queried again for that
 //   motion. What they find is added to their contacts, the bodies are put back, and the step is solved anew, starting
 //   from the impulses so far: a further pass;
@@ -15,7 +16,7 @@
 // Forces, damping, actions and tick callbacks happen once a step. Only pairs of our shapes are queried again; other
 // pairs keep Bullet's contacts. With one pass and one part it behaves as btDiscreteDynamicsWorld.
 //
-// Cost: a pass takes the dispatch of the pairs it queries and a solve of the world; a part takes a whole step's time.
+// Cost: a pass takes the dispatch of the pairs it queries and a solve of the world, at most five where rows are unmet; a part takes a whole step's time.
 //
 // Based on: Otaduy & Lin 2003, sec. 5.3; Mirtich 1996 (conservative advancement). Departs from the paper, which always
 // goes back to the time of an impact: where many bodies touch, a step has hundreds of impacts.
@@ -70,11 +71,14 @@ protected:
 	void integrateTransforms(btScalar timeStep) override;
 
 private:
-	struct Start
+	struct State
 	{
 		btRigidBody* body;
 		btTransform pose;
 		btVector3 linear, angular;
+	};
+	struct Start : State
+	{
 		double energy, freeEnergy;  // kinetic; with what forces alone add in the step
 	};
 	// Bodies that push each other in a solve.
@@ -90,6 +94,8 @@ private:
 	};
 	// Returns the largest surprise left, in units of its pair's skin; infinity where contacts gave energy.
 	double solveInPasses(btContactSolverInfo& info);
+	void solveAgain(btContactSolverInfo& info);
+	void solveOn(btContactSolverInfo& info);
 	int partsFor(double surprise) const;
 	// By what a solve left, and not by times of impact?
 	bool mayDivide() const { return m_stepping == Stepping::kFixed && m_mostParts > 1; }
@@ -124,6 +130,11 @@ private:
 	void predictFree(btScalar timeStep);
 	void predictSolved(btScalar timeStep);
 	void putBack();
+	double mostUnmet();
+	// What a solve has made of the bodies and of the points' impulses.
+	void keepSolution();
+	void takeBackSolution();
+	bool isSolved(const clod::PairState& pair);
 	double findSurprised();
 	double energyGained(btScalar timeStep);
 	void findIslands();
@@ -142,6 +153,8 @@ private:
 	int m_expectedParts = 1;
 	btScalar m_nextPart = 0;  // whose contacts are to be found; 0: those of the time that Bullet has set
 	std::vector<Start> m_starts;
+	std::vector<State> m_solved;
+	std::vector<btScalar> m_impulses;  // three a point
 	std::vector<Kinematic> m_kinematic;  // of a divided step
 	std::vector<clod::PairState*> m_pairs;
 	std::vector<Surprised> m_surprised;

@@ -20,8 +20,6 @@ constexpr std::size_t kMostOfFlat = 8;   // points of a flat, of a body that lie
 constexpr double kPreferred = 1.1;       // of a flat, a point that goes on counts as so many times farther out,
 constexpr double kLowCounts = 10;        // and so does one that is as low as the lowest,
 constexpr double kAsLow = 2e-5;          // up to this
-constexpr std::size_t kMostBesides = 4;  // and so many besides where, as seen from its middle, none is there
-constexpr double kThere = 0.25;          // at least so far out, as a share
 constexpr double kOpposing = -0.5;       // cosine of normals that hold from opposing sides,
 constexpr double kSoonMet = 0.007;       // of which facets up to this height come before all that are higher
 constexpr double kAlike = 0.011;         // normals that are alike (kSameNormal) differ by less in every coordinate
@@ -61,8 +59,9 @@ bool ContactReducer::holdFromOpposingSides() const
 }
 
 // Where two flats lie on each other there is a facet for every corner and every crossing of edges. The outermost of
-// them can carry any load that all of them could, so only those are needed; and the lowest, which would else be left
-// out while the others stand above it.
+// them can carry any load that all of them could, so only those are needed; the lowest, which would else be left out
+// while the others stand above it. First come three that carry by the pair's own solve, as a body that slides or is tilted
+// by next to nothing tips over others within a step.
 void ContactReducer::thinOutFlats()
 {
 	const auto isLower = [&](std::uint32_t i, std::uint32_t j) { return lowest(i) < lowest(j); };
@@ -104,7 +103,17 @@ void ContactReducer::thinOutFlats()
 		m_isNeeded[lowestOne] = 1;
 		const double low = lowest(lowestOne) + kAsLow * m_length;
 		for (const std::uint32_t i : m_order) m_candidates[i].isLow = lowest(i) < low;
-		for (std::size_t k = 0; k < kMostOfFlat; ++k)
+		const auto need = [&](std::uint32_t next)
+		{
+			m_isNeeded[next] = 1;
+			m_candidates[next].apart = -1;
+			for (const std::uint32_t i : m_order)
+				if (m_candidates[i].apart > 0)
+					m_candidates[i].apart = std::min(m_candidates[i].apart, distanceBetween(i, next));
+		};
+		carryLoad();
+		for (const std::uint32_t i : m_carrying) need(i);
+		for (std::size_t k = m_carrying.size(); k < kMostOfFlat; ++k)
 		{
 			std::uint32_t next = m_order[0];
 			double most = worthOf(next);
@@ -114,42 +123,49 @@ void ContactReducer::thinOutFlats()
 					most = worth;
 					next = i;
 				}
-			m_isNeeded[next] = 1;
-			if (k + 1 == kMostOfFlat) break;
-			m_candidates[next].apart = -1;
-			for (const std::uint32_t i : m_order)
-				if (m_candidates[i].apart > 0)
-					m_candidates[i].apart = std::min(m_candidates[i].apart, distanceBetween(i, next));
+			need(next);
 		}
-		supportAround(middle);
 	}
 }
 
-// Of the flat in m_order. Low points may all be on one side of what is tilted by next to nothing: within a step it would
-// tip over the others.
-void ContactReducer::supportAround(const Vec3& middle)
+// Of the flat in m_order. What carries by the pair's own solve can be three points with the same load at the same place:
+// of any four, one gives its load to the others (Caratheodory), rather one that is new.
+void ContactReducer::carryLoad()
 {
-	const auto armOf = [&](std::uint32_t i) { return (*m_points)[i].pointOnA - middle; };
-	m_arms.clear();
-	for (const std::uint32_t i : m_order)
-		if (m_isNeeded[i]) m_arms.push_back(armOf(i));
-	for (std::size_t k = 0; k < kMostBesides; ++k)
-	{
-		std::uint32_t farthest = kNone;
-		double most = 0;
-		for (const std::uint32_t i : m_order)
+	std::array<std::pair<std::uint32_t, double>, 4> carrying;
+	std::size_t count = 0;
+	const Vec3& normal = (*m_points)[m_order[0]].normal;
+	const auto isNew = [&](std::uint32_t i) { return m_candidates[i].previous == kNone; };
+	m_carrying.clear();
+	for (const bool asNew : {false, true})
+		for (const std::uint32_t next : m_order)
 		{
-			const Vec3 arm = armOf(i);
-			const double squared = lengthSquared(arm);
-			const auto supports = [&](const Vec3& other) { return dot(arm, other) >= kThere * squared; };
-			if (squared <= most || std::any_of(m_arms.begin(), m_arms.end(), supports)) continue;
-			farthest = i;
-			most = squared;
+			if (isNew(next) != asNew || !((*m_facets)[next].multiplier > 0)) continue;
+			carrying[count++] = {next, (*m_facets)[next].multiplier};
+			if (count < carrying.size()) continue;
+			const auto placeOf = [&](std::size_t k) { return (*m_points)[carrying[k].first].pointOnA; };
+			const auto areaOf = [&](std::size_t i, std::size_t j, std::size_t k)
+			{ return dot(normal, cross(placeOf(j) - placeOf(i), placeOf(k) - placeOf(i))); };
+			// Shifts of the loads that leave their sum and its place as they are.
+			const std::array<double, 4> shift{areaOf(1, 2, 3), -areaOf(0, 2, 3), areaOf(0, 1, 3), -areaOf(0, 1, 2)};
+			std::size_t first[2] = {3, 3};  // to lose its load, shifted either way
+			double farthest[2] = {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+			for (std::size_t k = 0; k < 4; ++k)
+				for (const std::size_t way : {0, 1})
+					if (const double by = way == 0 ? -shift[k] : shift[k]; by > 0 && carrying[k].second < farthest[way] * by)
+					{
+						farthest[way] = carrying[k].second / by;
+						first[way] = k;
+					}
+			const std::size_t way = !isNew(carrying[first[0]].first) && isNew(carrying[first[1]].first) ? 1 : 0;
+			if (farthest[way] == std::numeric_limits<double>::infinity())  // all on a line
+				m_carrying.push_back(next);
+			else
+				for (std::size_t k = 0; k < 4; ++k)
+					carrying[k].second += (way == 0 ? 1 : -1) * farthest[way] * shift[k];
+			carrying[first[way]] = carrying[--count];
 		}
-		if (farthest == kNone) return;
-		m_isNeeded[farthest] = 1;
-		m_arms.push_back(armOf(farthest));
-	}
+	for (std::size_t k = 0; k < count; ++k) m_carrying.push_back(carrying[k].first);
 }
 
 double ContactReducer::lowest(std::uint32_t i) const

@@ -40,7 +40,7 @@ private:
 	bool holdFromOpposingSides() const;
 	void match(const ClusterSet& previous);
 	void thinOutFlats();
-	void supportAround(const Vec3& middle);
+	void carryLoad();
 	double lowest(std::uint32_t i) const;
 	void choose(bool foundOnce);
 	void spread(bool withPossible, double highest = std::numeric_limits<double>::infinity());
@@ -54,8 +54,7 @@ private:
 	std::uint32_t m_most = kMostPoints;
 	std::vector<Candidate> m_candidates;
 	std::vector<char> m_isNeeded;
-	std::vector<Vec3> m_arms;  // of a flat's needed points, from its middle
-	std::vector<std::uint32_t> m_chosen, m_order;
+	std::vector<std::uint32_t> m_chosen, m_order, m_carrying;
 	std::vector<std::pair<double, std::uint32_t>> m_byNormal;  // its x, sorted
 	std::vector<std::tuple<double, std::uint32_t, std::uint32_t>> m_links;  // squared distance, old point, candidate
 	std::array<std::array<std::uint32_t, kClusterPoints>, kMaxClusters> m_facetOf{};

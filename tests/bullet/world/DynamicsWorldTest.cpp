@@ -102,6 +102,28 @@ TEST(DynamicsWorld, AStackThatFallsAsOneStopsAsOne)
 	}
 }
 
+// 100 times as heavy: 40 iterations do not stop it.
+TEST(DynamicsWorld, SolvesOnWhereALightBodyIsCaughtUnderAHeavyOne)
+{
+	const auto deepest = [](bool ours)
+	{
+		ImpactWorld world(ours, 60, 9.81);
+		world.put(patchHierarchy(boxMesh({20, 1, 20}, {2, 1, 2}, 1)), 0, {0, -0.5, 0});
+		btRigidBody &light = world.put(unitCube(), 1, {0, 0.501, 0}), &heavy = world.put(unitCube(), 100, {0, 2, 0});
+		double most = 0;
+		for (int step = 0; step < 60; ++step)
+		{
+			world.step();
+			const double below = double(light.getWorldTransform().getOrigin().y());
+			const double above = double(heavy.getWorldTransform().getOrigin().y());
+			most = std::max({most, 0.5 - below, 1 - (above - below)});
+		}
+		return most;
+	};
+	EXPECT_GT(deepest(false), 0.05) << "nothing to be seen in Bullet's own world";
+	EXPECT_LT(deepest(true), 2e-3);
+}
+
 // By its contacts with the wall alone it would fall.
 TEST(DynamicsWorld, WhatRestsIsNotAskedAgain)
 {
