@@ -26,7 +26,7 @@ inline constexpr double kMuchLarger = 4;
 
 // Fronts of a single piece and input surfaces are made for moves to come (ContactSearch.cpp).
 inline constexpr double kMovesAhead = 4;   // so many as the last one,
-inline constexpr double kMostAhead = 0.25;  // and at most so much of the smaller body;
+inline constexpr double kMostAhead = 0.25;  // and at most so much of the smaller body and of the other's pieces;
 inline constexpr double kFartherOfCore = 2;  // of points and segments, which have few pairs
 // No front of base levels is kept after a query that moved by more than such a share of the tolerance, and so many
 // more, unless it takes, unpacked, no more than such a share of the bytes of the two bodies.

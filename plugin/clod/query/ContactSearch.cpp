@@ -238,14 +238,16 @@ void ContactSearch::remember(const StopRule& rule)
 // By how much more than the tolerance a front is made for. Pairs of base levels leave no trace unless they are
 // contacts, so that such a front has all contacts until the motion has used that up. Of two surfaces that fit into each
 // other it would have many times the pairs: where one body is a single piece; of coarse levels, where pairs are opened
-// whose hulls overlap, a point or a segment.
+// whose hulls overlap, a point or a segment. A piece's size more hardly adds pairs, however small the body.
 double ContactSearch::lookAhead(const StopRule& rule, const WorkLimit& limit) const
 {
 	const bool isCore = m_context.a.isThinCore() || m_context.b.isThinCore();
 	const bool maySee = rule.isOfLeaves() || (isCore && rule.base().isUsed());
 	if (!isOfSinglePiece() || !maySee || limit.isSet() || !m_state.front.isKept) return 0;
+	const bool aIsSingle = m_context.a.levels()[0].nodeCount == 1;
 	const double radius = double(std::min(m_context.a.asset().radius, m_context.b.asset().radius));
-	return (isCore ? kFartherOfCore : 1) * std::min(kMovesAhead * m_state.lastApproach, kMostAhead * radius);
+	const double size = radius + pieceOf(aIsSingle ? m_context.b : m_context.a);
+	return (isCore ? kFartherOfCore : 1) * std::min(kMovesAhead * m_state.lastApproach, kMostAhead * size);
 }
 
 // None where the limit was met.

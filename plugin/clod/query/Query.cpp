@@ -50,12 +50,6 @@ bool same(const ContactSettings& l, const ContactSettings& r)
 
 namespace
 {
-// About as large as a piece of the finest level.
-double pieceOf(const Hierarchy& hierarchy)
-{
-	return hierarchy.originRadius() / std::sqrt(double(std::max(1U, hierarchy.levels()[0].nodeCount)));
-}
-
 // A body of much larger pieces, a box or a floor, is asked as body A: what turns are then the other's small nodes, and no
 // corners far from any contact.
 bool isAskedFromB(const Hierarchy& a, const Hierarchy& b)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 // What one query prepares once: the two hierarchies, the relative pose with its rounding, and the scale of the pair.
 #pragma once
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "clod/Export.h"
@@ -10,6 +12,12 @@
 
 namespace clod
 {
+// About as large as a piece of the finest level.
+inline double pieceOf(const Hierarchy& hierarchy)
+{
+	return hierarchy.originRadius() / std::sqrt(double(std::max(1U, hierarchy.levels()[0].nodeCount)));
+}
+
 struct QueryContext
 {
 	CLOD_API QueryContext(const Hierarchy& hierarchyA, const Hierarchy& hierarchyB, const Transform& aFromB,
