@@ -312,11 +312,8 @@ void ManifoldSet::beginWrite(const HeldClusters& clusters)
 				buffer.old[i * kClusterPoints + j] = *point;
 				buffer.live[i * kClusterPoints + j] = point;
 			}
-	std::size_t slots = 0;
-	for (std::size_t i = 0; i < kMaxClusters; ++i)
-		if (clusters.count(i) > 0) slots = i + 1;
-	m_slots.resize(slots);
-	shrinkRoom(m_slots, slots);
+	m_slots.resize(clusters.slots());
+	shrinkRoom(m_slots, clusters.slots());
 	for (const HeldPoint& point : clusters.points())
 	{
 		const std::uint32_t from = point.previous;

@@ -69,8 +69,9 @@ public:
 	template <class PartsOf>
 	void write(HeldClusters& clusters, const WorldFrame& frame, const PartsOf& partsOf, btManifoldResult& out)
 	{
+		const std::size_t slots = std::max(m_slots.size(), clusters.slots());
 		beginWrite(clusters);
-		for (std::size_t slot = 0; slot < kMaxClusters; ++slot)
+		for (std::size_t slot = 0; slot < slots; ++slot)
 		{
 			if (!openSlot(slot, clusters, frame, out)) continue;
 			for (std::size_t i = 0; i < clusters.count(slot); ++i)

@@ -197,7 +197,7 @@ void PairState::report(const PairPose& pose)
 {
 	m_report.points = std::uint32_t(m_clusters.points().size());
 	m_report.clusterCount = 0;
-	for (std::size_t slot = 0; slot < kMaxClusters; ++slot) m_report.clusterCount += m_clusters.count(slot) > 0 ? 1 : 0;
+	for (std::size_t slot = 0; slot < m_clusters.slots(); ++slot) m_report.clusterCount += m_clusters.count(slot) > 0 ? 1 : 0;
 	m_report.contactError = errorOfContacts(pose);
 	m_report.finestLevel = m_result.stats.finestLevel;
 	m_report.coarsestLevel = m_result.stats.coarsestLevel;

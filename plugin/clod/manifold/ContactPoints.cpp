@@ -66,10 +66,12 @@ void HeldClusters::hold(const ClusterSet& set)
 	m_points.clear();
 	shrinkRoom(m_points, std::size_t(set.pointCount()));
 	m_points.reserve(std::size_t(set.pointCount()));
+	m_slots = 0;
 	for (std::size_t slot = 0; slot < set.slots.size(); ++slot)
 	{
 		const ContactCluster& cluster = set.slots[slot];
 		m_counts[slot] = std::uint8_t(cluster.count);
+		if (cluster.count > 0) m_slots = slot + 1;
 		m_points.insert(m_points.end(), cluster.points.begin(), cluster.points.begin() + cluster.count);
 	}
 }
@@ -77,17 +79,19 @@ void HeldClusters::hold(const ClusterSet& set)
 void HeldClusters::copyTo(ClusterSet& set) const
 {
 	auto point = m_points.begin();
-	for (std::size_t slot = 0; slot < set.slots.size(); ++slot)
+	set.slots.clear();
+	for (std::size_t slot = 0; slot < m_slots; ++slot)
 	{
-		set.slots[slot].count = int(m_counts[slot]);
-		for (std::size_t i = 0; i < m_counts[slot]; ++i) set.slots[slot].points[i] = *point++;
+		ContactCluster& cluster = set.slots[slot];
+		cluster.count = int(m_counts[slot]);
+		for (std::size_t i = 0; i < m_counts[slot]; ++i) cluster.points[i] = *point++;
 	}
 }
 
 void HeldClusters::linkToThemselves()
 {
 	auto point = m_points.begin();
-	for (std::uint32_t slot = 0; slot < m_counts.size(); ++slot)
+	for (std::uint32_t slot = 0; slot < m_slots; ++slot)
 		for (std::uint32_t i = 0; i < m_counts[slot]; ++i) (point++)->previous = slot * kClusterPoints + i;
 }
 }  // namespace clod

@@ -122,17 +122,33 @@ struct ContactCluster
 	std::array<HeldPoint, kClusterPoints> points{};
 };
 
+// Up to the last one that was asked for, to write it: most pairs have few of them.
+class ClusterSlots
+{
+public:
+	ContactCluster& operator[](std::size_t i)
+	{
+		for (; m_size <= i; ++m_size) m_all[m_size].count = 0;
+		return m_all[i];
+	}
+	const ContactCluster& operator[](std::size_t i) const { return m_all[i]; }
+	std::size_t size() const { return m_size; }
+	const ContactCluster* begin() const { return m_all.data(); }
+	const ContactCluster* end() const { return m_all.data() + m_size; }
+	void clear() { m_size = 0; }
+
+private:
+	std::size_t m_size = 0;
+	std::array<ContactCluster, kMaxClusters> m_all{};
+};
+
 // A point that goes on keeps its slot, so that one slot can be one manifold.
 struct CLOD_API ClusterSet
 {
-	std::array<ContactCluster, kMaxClusters> slots{};
+	ClusterSlots slots;
 	// Of a set of the last step, frame A: how B's material has moved since. A corner of B that slides over A is the
 	// same point although it moves in A's frame.
 	Transform motionOfB;
-	void clear()
-	{
-		for (ContactCluster& cluster : slots) cluster.count = 0;
-	}
 	int pointCount() const;
 };
 
@@ -142,7 +158,8 @@ class CLOD_API HeldClusters
 public:
 	bool isEmpty() const { return m_points.empty(); }
 	const std::vector<HeldPoint>& points() const { return m_points; }
-	std::uint32_t count(std::size_t slot) const { return m_counts[slot]; }
+	std::size_t slots() const { return m_slots; }  // up to the last that has a point
+	std::uint32_t count(std::size_t slot) const { return slot < m_slots ? m_counts[slot] : 0; }
 	HeldPoint& at(std::size_t slot, std::size_t i) { return m_points[firstOf(slot) + i]; }
 	void hold(const ClusterSet& set);
 	void copyTo(ClusterSet& set) const;
@@ -152,6 +169,7 @@ public:
 private:
 	std::size_t firstOf(std::size_t slot) const;
 	std::vector<HeldPoint> m_points;
+	std::size_t m_slots = 0;
 	std::array<std::uint8_t, kMaxClusters> m_counts{};
 };
 }  // namespace clod

@@ -177,10 +177,9 @@ void ContactReducer::match(const ClusterSet& previous)
 {
 	m_links.clear();
 	const double limit = kMatchShare * m_length;
-	for (std::uint32_t old = 0; old < kMostPoints; ++old)
+	for (std::uint32_t old = 0; old < previous.slots.size() * kClusterPoints; ++old)
 	{
-		const ContactCluster& cluster = previous.slots[old / kClusterPoints];
-		if (int(old % kClusterPoints) >= cluster.count) continue;
+		if (int(old % kClusterPoints) >= previous.slots[old / kClusterPoints].count) continue;
 		const ContactPoint& point = pointAt(previous, old).point;
 		const Vec3 placeWithB = previous.motionOfB * point.pointOnA;
 		const Vec3 normalWithB = previous.motionOfB.rotation * point.normal;
@@ -285,7 +284,7 @@ void ContactReducer::spread(bool withPossible, double highest)
 // Points that go on stay in their group, which is one Bullet manifold; new ones fill what is free.
 void ContactReducer::place(const ClusterSet& previous, ClusterSet& next)
 {
-	next.clear();
+	next.slots.clear();
 	const auto put = [&](std::uint32_t i, std::size_t slot)
 	{
 		ContactCluster& cluster = next.slots[slot];
