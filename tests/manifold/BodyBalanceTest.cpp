@@ -85,6 +85,29 @@ TEST_F(Balance, OfAnyContacts)
 	}
 }
 
+// Known before it is solved, and not of what friction may stop, or of what has none.
+TEST_F(Balance, WhatSlidesFastSlides)
+{
+	int fast = 0;
+	for (int trial = 0; trial < 2000; ++trial)
+	{
+		PairBody body = falling({});
+		body.linear.x = uniform(0, 30);
+		m_balance.start(body);
+		for (int i = 0; i <= trial % 8; ++i)
+		{
+			BodyBalance::Contact flat = contact(trial % 3 == 0 ? 0 : 0.2);
+			flat.normal = {0, 1, 0};
+			m_balance.add(flat);
+		}
+		if (!m_balance.slidesFast()) continue;
+		++fast;
+		EXPECT_TRUE(m_balance.solve() && m_balance.slides()) << trial;
+	}
+	EXPECT_GT(fast, 300);
+	EXPECT_LT(fast, 1300);
+}
+
 // As of a ring on a peg: a sweep over rows closes a thousandth of what they lack.
 TEST_F(Balance, OfContactsCloseTogether)
 {

@@ -484,7 +484,7 @@ void ManifoldSet::balance(const WorldFrame& frame)
 			balance.add({place, isFirst ? normal : -normal, other.velocity(place), speedOf(point, frame.timeStep),
 						 double(point.m_combinedFriction), double(point.m_appliedImpulse)});
 		});
-	if (!isRigid || !balance.solve() || balance.slides()) return;
+	if (!isRigid || balance.slidesFast() || !balance.solve() || balance.slides()) return;
 	std::size_t at = 0;
 	forEachPoint([&](btManifoldPoint& point, bool)
 				 { point.m_appliedImpulse = btScalar(balance.contact(at++).impulse / (1 - frame.closedShare)); });

@@ -16,6 +16,7 @@ constexpr double kJammed = 1e-5;      // of it: what contacts that carry may lac
 // tells those apart that are close together.
 constexpr double kSoftness = 1e-7;
 constexpr double kSliding = 0.999;  // of the most that friction can
+constexpr double kSlidesFar = 2;    // times as fast as what friction can stop
 constexpr int kRounds = 20;         // of normal impulses and friction by turns
 
 using Six = std::array<double, 6>;
@@ -191,6 +192,26 @@ double BodyBalance::rub()
 		row.contact.rub = next;
 	}
 	return change;
+}
+
+// By what the contact that lacks most would have to bear if it lay beneath the middle.
+bool BodyBalance::slidesFast() const
+{
+	const auto speedAt = [&](const Contact& contact) { return m_body.velocityAt(contact.place) - contact.otherVelocity; };
+	double gained = 0;  // a speed: the load times the inverse mass
+	for (const Row& row : m_rows)
+		gained = std::max(gained, row.contact.target - dot(row.contact.normal, speedAt(row.contact)));
+	const Mat3& turns = m_body.inverseInertia;
+	const double turning = (turns.row[0].x + turns.row[1].y + turns.row[2].z) / m_body.inverseMass;
+	const auto isFast = [&](const Row& row)
+	{
+		const Contact& contact = row.contact;
+		const Vec3 speed = speedAt(contact), sliding = speed - dot(speed, contact.normal) * contact.normal;
+		const double most =
+			kSlidesFar * contact.friction * gained * (1 + turning * lengthSquared(contact.place - m_body.center));
+		return most > 0 && lengthSquared(sliding) > most * most;
+	};
+	return std::all_of(m_rows.begin(), m_rows.end(), isFast);
 }
 
 bool BodyBalance::solve()

@@ -28,6 +28,8 @@ public:
 	// The body as forces alone would move it. In any frame and unit.
 	void start(const PairBody& body);
 	void add(const Contact& contact) { m_rows.push_back({contact, {}, {}, 0}); }
+	// Before it is solved: do all of them slide so fast that friction can stop none?
+	bool slidesFast() const;
 	// False if the body cannot turn freely, where friction does not settle, or where it is jammed: then the answer is none.
 	bool solve();
 	// Does one that carries rub as much as it can?
