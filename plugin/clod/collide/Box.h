@@ -33,6 +33,11 @@ struct Box
 		return lengthSquared({out(low.x, high.x, other.low.x, other.high.x), out(low.y, high.y, other.low.y, other.high.y),
 							  out(low.z, high.z, other.low.z, other.high.z)});
 	}
+	bool meets(const Box& other) const
+	{
+		return low.x <= other.high.x && other.low.x <= high.x && low.y <= other.high.y && other.low.y <= high.y &&
+			   low.z <= other.high.z && other.low.z <= high.z;
+	}
 	bool meets(const Box& other, double reach) const
 	{
 		return low.x <= other.high.x + reach && other.low.x <= high.x + reach && low.y <= other.high.y + reach &&

@@ -174,13 +174,14 @@ void MovedNodes::listStill(MovedNode& moved, const ContactSurface& surface, cons
 		return holds;
 	};
 	const Span<std::uint32_t> vertices = surface.verticesOf(moved.node);
+	const Vec3* const at = surface.vertices().data();
 	for (const std::uint32_t v : vertices)
 	{
-		const Box box{surface.vertices()[v], surface.vertices()[v]};
+		const Box box{at[v], at[v]};
 		if (surface.isCorner(v) && isNear(box)) moved.corners.push_back({{box, v, numberOf(moved, false, v)}});
 	}
 	if (near.mayBeInside())
-		for (const std::uint32_t v : vertices) moved.box.add(surface.vertices()[v]);
+		for (const std::uint32_t v : vertices) moved.box.add(at[v]);
 	if (near.isOfCornersOnly()) return;
 	for (const ContactSurface::NodePolygon& polygon : surface.polygonsOf(moved.node))
 	{
@@ -188,15 +189,16 @@ void MovedNodes::listStill(MovedNode& moved, const ContactSurface& surface, cons
 		const double radius = surface.radiusOf(index);
 		const Vec3 &center = surface.centerOf(index), far{radius, radius, radius};
 		if (!near.holds({center - far, center + far})) continue;
-		Box box = Box::none();
-		for (const std::uint16_t corner : surface.cornersOf(polygon)) box.add(surface.vertices()[vertices[corner]]);
+		const Span<std::uint16_t> corners = surface.cornersOf(polygon);
+		Box box{at[vertices[corners[0]]], at[vertices[corners[0]]]};
+		for (std::size_t i = 1; i < corners.size; ++i) box.add(at[vertices[corners[i]]]);
 		if (isNear(box)) moved.polygons.push_back({{box, index, m_numbers.next()}, upOf(surface, index)});
 	}
 	for (const std::uint32_t index : surface.edgesOf(moved.node))
 	{
 		const auto& [from, to] = surface.edges()[index].vertex;
-		Box box{surface.vertices()[from], surface.vertices()[from]};
-		box.add(surface.vertices()[to]);
+		Box box{at[from], at[from]};
+		box.add(at[to]);
 		if (isNear(box)) moved.edges.push_back({{box, index, numberOf(moved, true, index)}});
 	}
 }

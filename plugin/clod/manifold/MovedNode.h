@@ -32,7 +32,7 @@ public:
 	bool holds(const Box& other) const
 	{
 		if (m_box == nullptr) return true;
-		return other.meets(m_grown, 0) && (std::isinf(m_straight) || other.squaredTo(*m_box) <= m_straight * m_straight);
+		return other.meets(m_grown) && (std::isinf(m_straight) || other.squaredTo(*m_box) <= m_straight * m_straight);
 	}
 
 private:
