@@ -121,6 +121,11 @@ TEST(ContactReducer, OfAFlatThatLiesAloneTheOutermostAndTheLowestStay)
 	const auto isLoaded = [&](const Vec3& p) { return p.x == sliding[18].onA.x && p.z == sliding[18].onA.z; };
 	EXPECT_EQ(countWhere(alone, isLoaded), 0);
 	EXPECT_EQ(countWhere(reduced(sliding, 0, true), isLoaded), 1);
+	// Nor does it tip over where the lowest are all on one side, as it is tilted by next to nothing, and the others carry.
+	std::vector<Facet> tilted = facets;
+	for (Facet& facet : tilted) facet.distance = facet.then = 1e-4 * facet.onA.x;
+	tilted[6].multiplier = tilted[48].multiplier = 1;
+	EXPECT_EQ(countWhere(reduced(tilted, 0, true), isCorner), 4);
 	EXPECT_EQ(reduced(facets, 0).pointCount(), int(ContactReducer::kMostOpen));
 	// What is no flat stays whole.
 	for (std::size_t i = 0; i < facets.size(); ++i) facets[i].normal = normalized({0.1 * double(i % 7), -1, 0.1 * double(i / 7)});

@@ -146,18 +146,13 @@ void setSolverTerms(const ContactPoint& point, const WorldFrame& frame, btManifo
 
 double unmetWay(const btPersistentManifold& manifold, double timeStep)
 {
-	const auto velocityAt = [](const btCollisionObject& object, const btVector3& place)
-	{
-		const btRigidBody* body = btRigidBody::upcast(&object);
-		return body ? body->getVelocityInLocalPoint(place - body->getCenterOfMassPosition()) : btVector3(0, 0, 0);
-	};
+	const RelativeMotion first = worldMotion(*manifold.getBody0(), 0), second = worldMotion(*manifold.getBody1(), 0);
 	double most = 0;
 	for (int i = 0; i < manifold.getNumContacts(); ++i)
 	{
 		const btManifoldPoint& point = manifold.getContactPoint(i);
-		const btVector3 apart = velocityAt(*manifold.getBody0(), point.m_positionWorldOnA) -
-								velocityAt(*manifold.getBody1(), point.m_positionWorldOnB);
-		most = std::max(most, timeStep * (speedOf(point, timeStep) - double(apart.dot(point.m_normalWorldOnB))));
+		const Vec3 apart = first.velocity(toVec3(point.m_positionWorldOnA)) - second.velocity(toVec3(point.m_positionWorldOnB));
+		most = std::max(most, timeStep * (speedOf(point, timeStep) - dot(apart, toVec3(point.m_normalWorldOnB))));
 	}
 	return most;
 }

@@ -322,7 +322,7 @@ btClodDynamicsWorld::Earliest btClodDynamicsWorld::earliest(TimeOf timeOf)
 		if (!algorithm) continue;
 		const auto* a = static_cast<const btCollisionObject*>(pairs[i].m_pProxy0->m_clientObject);
 		const auto* b = static_cast<const btCollisionObject*>(pairs[i].m_pProxy1->m_clientObject);
-		if (!(clod::isMoving(*a) || clod::isMoving(*b)) || !getDispatcher()->needsResponse(a, b)) continue;
+		if (!isSolved(a, b)) continue;
 		const btCollisionObjectWrapper ofA(nullptr, a->getCollisionShape(), a, a->getWorldTransform(), -1, -1);
 		const btCollisionObjectWrapper ofB(nullptr, b->getCollisionShape(), b, b->getWorldTransform(), -1, -1);
 		const btScalar at = (algorithm->*timeOf)(ofA, ofB, getDispatchInfo());

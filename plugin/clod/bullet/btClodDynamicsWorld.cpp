@@ -150,7 +150,7 @@ double btClodDynamicsWorld::mostUnmet()
 {
 	double most = 0;
 	for (const clod::PairState* pair : m_pairs)
-		if (isSolved(*pair)) most = std::max(most, pair->unmet());
+		if (isSolved(pair->lastReport().objectA, pair->lastReport().objectB)) most = std::max(most, pair->unmet());
 	return most;
 }
 
@@ -329,10 +329,9 @@ void btClodDynamicsWorld::putBack()
 	putAll(m_starts);
 }
 
-// Does the solver move its bodies, and by its contacts?
-bool btClodDynamicsWorld::isSolved(const clod::PairState& pair)
+// Does the solver move a pair's bodies, and by its contacts?
+bool btClodDynamicsWorld::isSolved(const btCollisionObject* a, const btCollisionObject* b)
 {
-	const btCollisionObject *a = pair.lastReport().objectA, *b = pair.lastReport().objectB;
 	return a && b && (clod::isMoving(*a) || clod::isMoving(*b)) && getDispatcher()->needsResponse(a, b);
 }
 
@@ -344,11 +343,12 @@ double btClodDynamicsWorld::findSurprised()
 	m_context.pairsOf(*getDispatcher(), m_pairs);
 	for (const clod::PairState* pair : m_pairs)
 	{
-		if (!isSolved(*pair)) continue;
+		const btCollisionObject *a = pair->lastReport().objectA, *b = pair->lastReport().objectB;
+		if (!isSolved(a, b)) continue;
 		const double surprise = pair->surprise();
 		if (!(surprise > 1)) continue;
-		btBroadphaseProxy* low = const_cast<btBroadphaseProxy*>(pair->lastReport().objectA->getBroadphaseHandle());
-		btBroadphaseProxy* high = const_cast<btBroadphaseProxy*>(pair->lastReport().objectB->getBroadphaseHandle());
+		btBroadphaseProxy* low = const_cast<btBroadphaseProxy*>(a->getBroadphaseHandle());
+		btBroadphaseProxy* high = const_cast<btBroadphaseProxy*>(b->getBroadphaseHandle());
 		if (!low || !high) continue;
 		largest = std::max(largest, surprise);
 		if (low->m_uniqueId > high->m_uniqueId) std::swap(low, high);

@@ -134,7 +134,7 @@ private:
 	// What a solve has made of the bodies and of the points' impulses.
 	void keepSolution();
 	void takeBackSolution();
-	bool isSolved(const clod::PairState& pair);
+	bool isSolved(const btCollisionObject* a, const btCollisionObject* b);
 	double findSurprised();
 	double energyGained(btScalar timeStep);
 	void findIslands();

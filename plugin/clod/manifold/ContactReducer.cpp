@@ -129,43 +129,55 @@ void ContactReducer::thinOutFlats()
 }
 
 // Of the flat in m_order. What carries by the pair's own solve can be three points with the same load at the same place:
-// of any four, one gives its load to the others (Caratheodory), rather one that is new.
+// of any four, one gives its load to the others (Caratheodory).
 void ContactReducer::carryLoad()
 {
-	std::array<std::pair<std::uint32_t, double>, 4> carrying;
+	std::array<Load, 4> loads;
 	std::size_t count = 0;
-	const Vec3& normal = (*m_points)[m_order[0]].normal;
-	const auto isNew = [&](std::uint32_t i) { return m_candidates[i].previous == kNone; };
 	m_carrying.clear();
 	for (const bool asNew : {false, true})
 		for (const std::uint32_t next : m_order)
 		{
 			if (isNew(next) != asNew || !((*m_facets)[next].multiplier > 0)) continue;
-			carrying[count++] = {next, (*m_facets)[next].multiplier};
-			if (count < carrying.size()) continue;
-			const auto placeOf = [&](std::size_t k) { return (*m_points)[carrying[k].first].pointOnA; };
-			const auto areaOf = [&](std::size_t i, std::size_t j, std::size_t k)
-			{ return dot(normal, cross(placeOf(j) - placeOf(i), placeOf(k) - placeOf(i))); };
-			// Shifts of the loads that leave their sum and its place as they are.
-			const std::array<double, 4> shift{areaOf(1, 2, 3), -areaOf(0, 2, 3), areaOf(0, 1, 3), -areaOf(0, 1, 2)};
-			std::size_t first[2] = {3, 3};  // to lose its load, shifted either way
-			double farthest[2] = {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
-			for (std::size_t k = 0; k < 4; ++k)
-				for (const std::size_t way : {0, 1})
-					if (const double by = way == 0 ? -shift[k] : shift[k]; by > 0 && carrying[k].second < farthest[way] * by)
-					{
-						farthest[way] = carrying[k].second / by;
-						first[way] = k;
-					}
-			const std::size_t way = !isNew(carrying[first[0]].first) && isNew(carrying[first[1]].first) ? 1 : 0;
-			if (farthest[way] == std::numeric_limits<double>::infinity())  // all on a line
-				m_carrying.push_back(next);
+			loads[count++] = {next, (*m_facets)[next].multiplier};
+			if (count < loads.size()) continue;
+			const std::size_t freed = unload(loads);
+			if (freed == loads.size())
+				m_carrying.push_back(loads[--count].candidate);
 			else
-				for (std::size_t k = 0; k < 4; ++k)
-					carrying[k].second += (way == 0 ? 1 : -1) * farthest[way] * shift[k];
-			carrying[first[way]] = carrying[--count];
+				loads[freed] = loads[--count];
 		}
-	for (std::size_t k = 0; k < count; ++k) m_carrying.push_back(carrying[k].first);
+	for (std::size_t k = 0; k < count; ++k) m_carrying.push_back(loads[k].candidate);
+}
+
+// Shifts the loads, whose sum and place stay as they are, until one is none, rather that of a new point. Returns which; 4
+// where all are on a line.
+std::size_t ContactReducer::unload(std::array<Load, 4>& loads) const
+{
+	const auto placeOf = [&](std::size_t k) { return (*m_points)[loads[k].candidate].pointOnA; };
+	const Vec3& normal = (*m_points)[m_order[0]].normal;
+	const auto areaOf = [&](std::size_t i, std::size_t j, std::size_t k)
+	{ return dot(normal, cross(placeOf(j) - placeOf(i), placeOf(k) - placeOf(i))); };
+	const std::array<double, 4> shift{areaOf(1, 2, 3), -areaOf(0, 2, 3), areaOf(0, 1, 3), -areaOf(0, 1, 2)};
+	std::size_t freed = loads.size();
+	double by = 0;
+	for (const double way : {1.0, -1.0})
+	{
+		std::size_t first = loads.size();  // to lose its load, shifted this way
+		double farthest = std::numeric_limits<double>::infinity();
+		for (std::size_t k = 0; k < loads.size(); ++k)
+			if (const double lost = -way * shift[k]; lost > 0 && loads[k].load < farthest * lost)
+			{
+				farthest = loads[k].load / lost;
+				first = k;
+			}
+		if (first == loads.size()) return first;
+		if (freed < loads.size() && (isNew(loads[freed].candidate) || !isNew(loads[first].candidate))) continue;
+		freed = first;
+		by = way * farthest;
+	}
+	for (std::size_t k = 0; k < loads.size(); ++k) loads[k].load += by * shift[k];
+	return freed;
 }
 
 double ContactReducer::lowest(std::uint32_t i) const

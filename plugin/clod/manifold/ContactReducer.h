@@ -37,10 +37,17 @@ private:
 		double apart = 0;   // from all chosen, of one that may yet be; see distanceBetween
 		bool isChosen = false, isOfFlat = false, isLow = false;  // of the flat's points
 	};
+	struct Load
+	{
+		std::uint32_t candidate = 0;
+		double load = 0;
+	};
 	bool holdFromOpposingSides() const;
 	void match(const ClusterSet& previous);
 	void thinOutFlats();
 	void carryLoad();
+	std::size_t unload(std::array<Load, 4>& loads) const;
+	bool isNew(std::uint32_t i) const { return m_candidates[i].previous == kNone; }
 	double lowest(std::uint32_t i) const;
 	void choose(bool foundOnce);
 	void spread(bool withPossible, double highest = std::numeric_limits<double>::infinity());
