@@ -25,7 +25,7 @@ const Entry PAPER_MODELS[] = {
 	{"cup", 64000, 1000}, {"spoon", 86016, 500}, {"spiral", 32160, 500}, {"torus", 32000, 60}, {"bowl", 12288, 200}};
 const Entry TEST_SHAPES[] = {{"bolt", 33792, 1000},     {"nut", 16000, 1000}, {"slab", 10000, 12},
 							 {"floor", 240, 240},       {"box", 1200, 12},    {"sphere", 1200, 12},
-							 {"smooth-torus", 3200, 60}};
+							 {"smooth-torus", 3200, 60}, {"landscape", 65536, 2000}};
 
 // The size limits of a name; a null name: unknown.
 Entry findEntry(const std::string& name)
@@ -51,6 +51,7 @@ ModelMesh makeShape(const std::string& name, size_t triangles)
 	if (name == "bolt") return makeBolt(triangles);
 	if (name == "nut") return makeNut(triangles);
 	if (name == "slab" || name == "floor") return makeBox({0.2, 0.02, 0.2}, triangles);
+	if (name == "landscape") return makeLandscape(triangles);
 	if (name == "box") return makeBox({0.02, 0.02, 0.02}, triangles);
 	if (name == "sphere") return makeSphere(triangles, 0.01);
 	if (const ModelMaker part = mechanismPart(name); part.make) return part.make(triangles);

@@ -24,7 +24,7 @@ struct ModelMesh
 // cup, spoon, spiral, torus, bowl, number0 .. number9.
 const std::vector<std::string>& modelNames();
 // Models beyond the paper's: bolt and nut of the scene bolt-nut, and plain shapes for tests and demos (slab, floor: the
-// same of few triangles, box, sphere, smooth-torus), and the parts of Mechanisms.h.
+// same of few triangles, landscape: a waved slab, box, sphere, smooth-torus), and the parts of Mechanisms.h.
 const std::vector<std::string>& testShapeNames();
 
 // Table 1 of the paper; for a test shape its default count; 0 for an unknown name.
@@ -58,6 +58,9 @@ constexpr double SPIRAL_HEIGHT = 0.240;
 constexpr double BOLT_HEAD_HEIGHT = 0.006, BOLT_HEIGHT = 0.042, NUT_HEIGHT = 0.008, NUT_RADIUS = 0.0107;
 constexpr double THREAD_LEAD = 0.008, THREAD_PLAY = 0.00025;  // play: radial, between both threads
 constexpr int THREAD_STARTS = 4;
+// The landscape is square, this wide and thick; its upper side lies this high over a place.
+constexpr double LANDSCAPE_WIDTH = 2, LANDSCAPE_THICKNESS = 0.03;
+double landscapeHeight(double x, double z);
 // The peg's axis at a height in [0, SPIRAL_HEIGHT], and its unit tangent (upward).
 Vec3 spiralAxis(double height);
 Vec3 spiralTangent(double height);

@@ -101,6 +101,19 @@ ModelMesh makeBox(const Vec3& size, size_t triangles)
 	return mesh;
 }
 
+double landscapeHeight(double x, double z)
+{
+	constexpr double AMPLITUDE = 0.01, ACROSS = 0.5, ALONG = 0.4;
+	return AMPLITUDE * std::sin(2 * PI / ACROSS * x) * std::cos(2 * PI / ALONG * z);
+}
+
+ModelMesh makeLandscape(size_t triangles)
+{
+	ModelMesh mesh = makeBox({LANDSCAPE_WIDTH, LANDSCAPE_THICKNESS, LANDSCAPE_WIDTH}, triangles);
+	for (Vec3& v : mesh.vertices) v.y += landscapeHeight(v.x, v.z) - 0.5 * LANDSCAPE_THICKNESS;
+	return mesh;
+}
+
 ModelMesh makeSphere(size_t triangles, double radius)
 {
 	const int n = std::max(1, int(std::lround(std::sqrt(double(triangles) / 12))));

@@ -17,5 +17,6 @@ ModelMesh makeNut(size_t triangles);
 ModelMesh makeDigit(int digit, size_t triangles);
 // A box of the given size centred at the origin, every face a grid of near-square cells.
 ModelMesh makeBox(const Vec3& size, size_t triangles);
+ModelMesh makeLandscape(size_t triangles);
 ModelMesh makeSphere(size_t triangles, double radius);
 }  // namespace clod::demo

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <memory>
 #include <set>
 #include <thread>
@@ -208,6 +209,56 @@ void measureTriangles(const ScalingCommandOptions& options, HierarchyCache& cach
 	}
 }
 
+// Bullet's convex shapes over a mesh that stands still: Bullet's own tree of triangles, and ours. A median of each in turn.
+void measureConvex(const ScalingCommandOptions& options, HierarchyCache& cache, cli::Progress& progress, WorldRecord& record)
+{
+	constexpr double kHalves[] = {0.01, 0.02, 0.05, 0.08, 0.15}, kSpeeds[] = {0.3, 1};
+	constexpr double kModelHalf = 0.01;        // of the models box and sphere
+	constexpr std::size_t kHullTriangles = 108;
+	constexpr double kBulletMargin = 0.0004;   // CONVEX_DISTANCE_MARGIN, in metres: scenes are a hundred times as large
+	const ModelDetail detail{options.resolutions.back(), false};
+	const ModelMesh landscape = makeModel("landscape", trianglesOf("landscape", detail.resolution)).value(),
+					ball = makeModel("sphere", kHullTriangles).value();
+	for (const auto& [kind, title] : {std::pair{SceneShape::Kind::box, "box"}, {SceneShape::Kind::sphere, "ball"},
+									  {SceneShape::Kind::capsule, "capsule"}, {SceneShape::Kind::hulls, "hull"}})
+	{
+		record.begin(fmt::format("{} on a landscape", title), "covered");
+		for (const double half : kHalves)
+		{
+			const double scale = half / kModelHalf, across = 2 * half / LANDSCAPE_WIDTH;
+			SceneShape solid;
+			solid.kind = kind;
+			solid.halfExtents = kind == SceneShape::Kind::capsule ? Vec3{half / 2, half / 2, 0} : Vec3{half, half, half};
+			solid.margin = kBulletMargin;
+			if (kind == SceneShape::Kind::hulls) solid.meshes = {ball};
+			for (ModelMesh& mesh : solid.meshes)
+				for (Vec3& v : mesh.vertices) v = scale * v;
+			const SceneModel model{kind == SceneShape::Kind::box ? "box" : "sphere", "", scale};
+			for (const double speed : kSpeeds)
+			{
+				const SceneDefinition scene = slideOnLandscape(model, half, speed);
+				const std::vector<HierarchyPointer> models = buildModels(scene.info, detail, cache);
+				SceneShape tree;
+				tree.kind = SceneShape::Kind::bvh;
+				tree.meshes = {landscape};
+				tree.margin = kBulletMargin;
+				for (const WorldContender& contender :
+					 {WorldContender{"btBvhTriangleMeshShape", {}, {tree, solid}},
+					  {"exact", ContactMetric::exactly(), {SceneShape(), solid}},
+					  {"0.5 % (default)", ContactMetric::errorShare(0.005), {SceneShape(), solid}}})
+				{
+					progress.update(fmt::format("{} of {} m, {}", title, 2 * half, contender.name), 0);
+					WorldContender named = contender;
+					named.name += fmt::format(", {} m/s", speed);
+					nlohmann::ordered_json row = measureWorld(scene, models, named, runOf(options, 60, 240));
+					row["covered"] = 0.5 * double(landscape.triangles.size()) * across * across;
+					record.add(std::move(row));
+				}
+			}
+		}
+	}
+}
+
 void runScaling(ScalingCommandOptions options)
 {
 	pairScene(options.scene);
@@ -237,15 +288,19 @@ void runScaling(ScalingCommandOptions options)
 	WorldRecord record(base + "-worlds.csv");
 	if (options.has("bodies")) measureBodies(options, cache, contenders, progress, record);
 	if (options.has("worlds")) measureTriangles(options, cache, contenders, progress, record);
-	const std::vector<WorldSweep>& sweeps = record.sweeps();
+	WorldRecord convex(base + "-convex.csv");
+	if (options.has("convex")) measureConvex(options, cache, progress, convex);
 	progress.finish();
+	std::vector<WorldSweep> sweeps = record.sweeps();
+	if (!sweeps.empty()) plotted = plotWorlds(sweeps, base + "-worlds.png") && plotted;
+	if (!convex.sweeps().empty()) plotted = plotWorlds(convex.sweeps(), base + "-convex.png") && plotted;
+	sweeps.insert(sweeps.end(), convex.sweeps().begin(), convex.sweeps().end());
 	if (!sweeps.empty())
 	{
 		report["worlds"] = nlohmann::ordered_json::array();
 		for (const WorldSweep& sweep : sweeps) report["worlds"].push_back(toJson(sweep));
 		report["left_out"] = leftOut;
 		table += formatWorldTable(sweeps);
-		plotted = plotWorlds(sweeps, base + "-worlds.png") && plotted;
 	}
 	for (const auto& each : leftOut)
 		table += fmt::format("left out: {} in {}: {}\n", each["contender"].get<std::string>(), each["scene"].get<std::string>(),
@@ -267,7 +322,7 @@ void addScalingCommand(CLI::App& program)
 		"Example: clod-bench scaling -o out/scaling\n"
 		"         clod-bench scaling bolt-nut --resolutions 0.25,1,4 --only queries -o out/scaling-bolt");
 	command->add_option("SCENE", options->scene, "A scene of two bodies")->capture_default_str();
-	cli::addFolder(*command, options->directory, "scaling.csv, .txt, .json and .png, and scaling-worlds.csv and .png");
+	cli::addFolder(*command, options->directory, "scaling.csv, .txt, .json and .png, and scaling-worlds and scaling-convex, .csv and .png");
 	command->add_option("--resolutions", options->resolutions, "Triangles, as shares of the scene's own counts")
 		->delimiter(',')
 		->type_name("SHARE,...")
@@ -280,10 +335,11 @@ void addScalingCommand(CLI::App& program)
 		->capture_default_str();
 	command
 		->add_option("--only", options->only,
-					 "queries: replays of SCENE at each resolution; bodies: worlds of digits; worlds: SCENE at each resolution")
+					 "queries: replays of SCENE at each resolution; bodies: worlds of digits; worlds: SCENE at each resolution; "
+					 "convex: Bullet's convex shapes over a landscape, beside btBvhTriangleMeshShape")
 		->delimiter(',')
 		->type_name("PART,...")
-		->check(cli::oneOf({"queries", "bodies", "worlds"}));
+		->check(cli::oneOf({"queries", "bodies", "worlds", "convex"}));
 	command->add_option("--most-seconds", options->mostSeconds, "A run of a world ends then; more bodies are not tried")
 		->type_name("S")
 		->check(between(0.01, 1e6))

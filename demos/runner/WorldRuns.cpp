@@ -109,6 +109,7 @@ Json measureWorld(const SceneDefinition& definition, const std::vector<std::shar
 				{"bodies", std::count_if(definition.bodies.begin(), definition.bodies.end(),
 										 [](const BodyDefinition& body) { return body.mass > 0; })},
 				{"triangles", nullptr},
+				{"covered", nullptr},
 				{"steps", steps.size()},
 				{"step_us", quantile(steps, 0.5)},
 				{"dispatch_us", quantile(dispatches, 0.5)},

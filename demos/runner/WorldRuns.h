@@ -25,7 +25,7 @@ struct WorldRunOptions
 	unsigned threads = 1;
 };
 
-// One run: bodies (that move), triangles of all; medians of step_us and dispatch_us, processor time on one thread;
+// One run: bodies (that move), triangles of all, covered (for the caller to set: how many lie under a body); medians of step_us and dispatch_us, processor time on one thread;
 // bytes (that the heap has grown by since before the world was made; null where the machine does not tell), pairs,
 // points and levels at the end; how many steps there were time for; began_only: time was up before the first that was
 // to be measured, whose growth is not told.

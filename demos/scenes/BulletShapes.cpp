@@ -37,6 +37,7 @@ std::unique_ptr<btCollisionShape> solidOf(const SceneShape& shape, double scale)
 	const btVector3 half = toBullet(shape.halfExtents, scale);
 	if (shape.kind == SceneShape::Kind::box) return std::make_unique<btBoxShape>(half);
 	if (shape.kind == SceneShape::Kind::sphere) return std::make_unique<btSphereShape>(half.x());
+	if (shape.kind == SceneShape::Kind::capsule) return std::make_unique<btCapsuleShape>(half.x(), 2 * half.y());
 	return std::make_unique<btCylinderShape>(half);
 }
 }  // namespace

@@ -93,7 +93,8 @@ struct SceneShape
 		// Bullet's own solids, centred at the mesh's centre of mass.
 		box,
 		sphere,
-		cylinder  // about y
+		cylinder,  // about y
+		capsule    // about y; half of its straight part is y
 	};
 	Kind kind = Kind::clod;
 	std::vector<ModelMesh> meshes;  // of hulls, gimpact and bvh

@@ -121,6 +121,8 @@ enum class Arrangement
 };
 SceneDefinition digits(Arrangement arrangement, int count);
 SceneDefinition press();
+// A convex body, `half` high from its middle down, over the model `landscape`; m/s.
+SceneDefinition slideOnLandscape(const SceneModel& body, double half, double speed);
 SceneDefinition spinningPlate();
 SceneDefinition ringOnPeg();
 SceneDefinition rockingTorus();

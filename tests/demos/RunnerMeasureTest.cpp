@@ -414,6 +414,27 @@ TEST_F(RunnerCommand, ScalingMeasuresTheSameRowsAtEverySize)
 	EXPECT_EQ(bench("scaling --resolutions 0,1 -o " + path("x") + cache()).code, 2);
 }
 
+TEST_F(RunnerCommand, ScalingMeasuresConvexBodiesOverALandscape)
+{
+	const Outcome scaling =
+		bench("scaling --only convex --resolutions 0.08 --steps 8 --quiet -o " + path("convex") + cache());
+	ASSERT_EQ(scaling.code, 0) << scaling.err;
+	const json sweeps = report("convex/scaling.json")["worlds"];
+	ASSERT_EQ(sweeps.size(), 4u);  // box, ball, capsule, hull
+	for (const json& sweep : sweeps)
+	{
+		ASSERT_EQ(sweep["rows"].size(), 30u);  // of five sizes and two speeds, Bullet's mesh and two settings of ours
+		for (const json& row : sweep["rows"])
+		{
+			EXPECT_TRUE(row["in_place"]) << row;
+			EXPECT_TRUE(row["points"] > 0 || row["contender"].get<std::string>().rfind("bt", 0) == 0) << row;
+			EXPECT_EQ(row["steps"], 4) << row;
+		}
+		EXPECT_NEAR(sweep["rows"][29]["covered"].get<double>() / sweep["rows"][0]["covered"].get<double>(), 225, 1e-9);
+	}
+	EXPECT_TRUE(std::filesystem::exists(path("convex/scaling-convex.csv")));
+}
+
 TEST_F(RunnerCommand, ScalingMeasuresWorldsOfMoreBodies)
 {
 	const Outcome scaling = bench("scaling --only bodies,worlds --bodies 3,1 --resolutions 0.03 --steps 12 --peers-dir " +
