@@ -217,8 +217,9 @@ bool plotWorlds(const std::vector<WorldSweep>& sweeps, const std::string& path)
 	for (const bool isTime : {true, false})
 		for (std::size_t i = 0; i < sweeps.size(); ++i)
 		{
-			text += fmt::format("set title \"{}\"\nset xlabel \"{}\"\nset ylabel \"{}\"\n", isTime ? sweeps[i].title : "",
-								sweeps[i].axis, isTime ? "step, milliseconds" : "memory, MB");
+			const std::string axis = sweeps[i].axis == "covered" ? "triangles under the body" : sweeps[i].axis;
+			text += fmt::format("set title \"{}\"\nset xlabel \"{}\"\nset ylabel \"{}\"\n", isTime ? sweeps[i].title : "", axis,
+								i > 0 ? "" : isTime ? "step, milliseconds" : "memory, MB");
 			text += isTime && i == 0 ? "set key at screen 0.5,0.01 center bottom maxrows 2 Left reverse width 2\n" : "unset key\n";
 			text += panel(i, sweeps[i], isTime ? "step_us" : "bytes", isTime ? 1e-3 : 1e-6);
 		}

@@ -12,6 +12,8 @@
 #include "clod/bullet/PairState.h"
 #include "clod/bullet/btClodDispatcher.h"
 
+int CLOD_ABI_SYMBOL = 1;  // Abi.h
+
 namespace clod
 {
 namespace

@@ -383,6 +383,7 @@ void PairState::findPoints(const PairPose& pose, Question& question, bool goesOn
 	m_foreseen.motion = facets.expectedMotion();
 	facets.reduce(next);
 	m_foreseen.spare = facets.spare();
+	m_foreseen.missed = facets.missed();
 	for (std::size_t slot = 0; pose.partner != Partner::kClod && slot < next.slots.size(); ++slot)
 		for (std::size_t i = 0; i < std::size_t(next.slots[slot].count); ++i)
 			if (!facets.isHeld(slot, i)) namePartnerFace(pose, next.slots[slot].points[i].point);

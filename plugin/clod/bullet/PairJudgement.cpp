@@ -11,6 +11,8 @@ namespace clod
 {
 namespace
 {
+constexpr double kSeldomMet = 0.25;  // so little is expected of what nobody looked at: it may be met, but hardly ever is
+
 std::string nameOf(const btCollisionObject* object)
 {
 	if (!object) return "none";
@@ -44,6 +46,28 @@ private:
 	std::vector<double>& m_all;
 };
 }  // namespace
+
+double PairState::surprise() const
+{
+	const double dt = m_foreseen.timeStep;
+	if (!(dt > 0)) return 0;
+	const RelativeMotion ofA = solvedMotion(*m_report.objectA);
+	RelativeMotion ofB = solvedMotion(*m_report.objectB);
+	if (m_foreseen.bIsPoint) ofB = {ofB.velocity(toVec3(m_report.objectB->getWorldTransform().getOrigin())), {}, 0};
+	const RelativeMotion now = relativeMotion(ofA, ofB, m_foreseen.worldFromA, m_foreseen.scale, dt);
+	const auto wayOf = [&](const RelativeMotion& motion)
+	{ return motion.speedWithin(m_foreseen.center, m_foreseen.radius) * dt; };
+	// What is met on so short a way was near from the start, and so it is a contact already.
+	const double skin = m_foreseen.skin, nearest = kRestingShare / kSkinShare * skin;
+	if (wayOf(now) <= nearest) return 0;
+	const double otherWay = wayOf({now.linear - m_foreseen.motion.linear, now.angular - m_foreseen.motion.angular, dt});
+	if (otherWay > m_foreseen.spare + skin) return otherWay / skin;
+	const double missed = m_foreseen.missed / skin;
+	// A solver knows the points to first order for any motion. What they miss is how the bodies turn meanwhile.
+	const double turn = dt * std::max(length(ofA.angular), length(ofB.angular));
+	const double bent = std::max(missed, std::min(1.0, turn) * otherWay / skin);
+	return otherWay <= nearest + skin ? bent : std::max(bent, 1 + kSeldomMet * (otherWay - nearest) / skin);
+}
 
 double PairState::unmet() const
 {
@@ -132,7 +156,7 @@ void PairState::Saved::addTo(std::vector<double>& numbers) const
 {
 	if (clusters.isEmpty()) return;
 	Numbers all(numbers);
-	all.add(report.aFromB, followed, heldError, foreseen.spare, foreseen.motion.linear, foreseen.motion.angular,
+	all.add(report.aFromB, followed, heldError, foreseen.spare, foreseen.missed, foreseen.motion.linear, foreseen.motion.angular,
 			facets.aFromB, facets.through, facets.wayOut, facets.isMadeIn, facets.levels.overlap, facets.levels.isOther,
 			mesh ? mesh->hash : 0);
 	for (const SwitchMemory::Levels& levels : facets.levels.asked) all.add(levels.a, levels.b);

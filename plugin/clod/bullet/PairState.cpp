@@ -18,7 +18,6 @@ namespace
 {
 constexpr double kAlone = 0.1, kStaysAlone = 0.3;  // of its weight, by which the load may differ
 constexpr std::uint32_t kLongStill = 16;  // dispatches that ask nothing, until what queries remember is given back
-constexpr double kSeldomMet = 0.25;  // so little is expected of what nobody looked at: it may be met, but hardly ever is
 constexpr double kStillShare = 3e-4;  // of the length, more than half of the skin: points found so little motion ago serve
 
 // All fields, for comparison. A field that is added does not compile before it is named here.
@@ -439,28 +438,8 @@ void PairState::foresee(const PairPose& pose)
 				  pose.center,
 				  pose.rules.motion(),
 				  pose.rules.b.isPoint,
-				  std::numeric_limits<double>::infinity()};
-}
-
-double PairState::surprise() const
-{
-	const double dt = m_foreseen.timeStep;
-	if (!(dt > 0)) return 0;
-	const RelativeMotion ofA = solvedMotion(*m_report.objectA);
-	RelativeMotion ofB = solvedMotion(*m_report.objectB);
-	if (m_foreseen.bIsPoint) ofB = {ofB.velocity(toVec3(m_report.objectB->getWorldTransform().getOrigin())), {}, 0};
-	const RelativeMotion now = relativeMotion(ofA, ofB, m_foreseen.worldFromA, m_foreseen.scale, dt);
-	const auto wayOf = [&](const RelativeMotion& motion)
-	{ return motion.speedWithin(m_foreseen.center, m_foreseen.radius) * dt; };
-	// What is met on so short a way was near from the start, and so it is a contact already.
-	const double skin = m_foreseen.skin, nearest = kRestingShare / kSkinShare * skin;
-	if (wayOf(now) <= nearest) return 0;
-	const double otherWay = wayOf({now.linear - m_foreseen.motion.linear, now.angular - m_foreseen.motion.angular, dt});
-	if (otherWay > m_foreseen.spare + skin) return otherWay / skin;
-	// A solver knows the points to first order for any motion. What they miss is how the bodies turn meanwhile.
-	const double turn = dt * std::max(length(ofA.angular), length(ofB.angular));
-	const double bent = std::min(1.0, turn) * otherWay / skin;
-	return otherWay <= nearest + skin ? bent : std::max(bent, 1 + kSeldomMet * (otherWay - nearest) / skin);
+				  std::numeric_limits<double>::infinity(),
+				  0};
 }
 
 WorldFrame PairState::worldFrame(const Prepared& prepared, double closestPoints) const

@@ -98,6 +98,7 @@ private:
 		RelativeMotion motion;        // of A's geometry relative to B's,
 		bool bIsPoint = false;        // (PairBody)
 		double spare = 0;             // and by how much another may differ before it meets what was looked at and given up
+		double missed = 0;            // how deep this one leads though a solver meets all rows
 	};
 	// What a dispatch asks of two shapes of ours: equal questions have equal answers.
 	struct Question

@@ -284,11 +284,12 @@ void btClodDynamicsWorld::solveToImpacts(btContactSolverInfo& info)
 		}
 		left = info.m_timeStep < left ? left - info.m_timeStep : 0;
 		if (m_parts > 1 || left > 0) beginPart(info.m_timeStep);
-		solvePart(info, whole);
+		const double surprise = solvePart(info, whole, true);
 		if (m_parts < m_mostParts)
 		{
 			const btScalar part = info.m_timeStep;
-			const btScalar share = shareUntilSwitch(part, whole - left - part);
+			const btScalar share =
+				btMin(shareUntilSwitch(part, whole - left - part), btScalar(1) / btScalar(partsFor(surprise)));
 			info.m_timeStep = share * part;
 			left += part - info.m_timeStep;
 			if (share < 1) impact = 0;

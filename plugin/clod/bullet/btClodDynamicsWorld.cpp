@@ -14,7 +14,6 @@
 
 #include "clod/bullet/BodyState.h"
 #include "clod/bullet/PairState.h"
-#include "clod/bullet/SolverTerms.h"
 #include "clod/bullet/btClodCollisionAlgorithm.h"
 #include "clod/bullet/btClodDispatcher.h"
 
@@ -22,9 +21,7 @@ namespace
 {
 // Surprise (PairState::surprise), in skins, that a step may leave without being divided: 0.2 % of the smaller radius.
 constexpr double kMostSurprise = 4;
-// Contacts that give bodies more than this share of their kinetic energy are a surprise that takes as many parts as may
-// be.
-constexpr double kMostGain = 0.02;
+// Contacts that give bodies energy are a surprise that takes as many parts as may be.
 constexpr double kGain = std::numeric_limits<double>::infinity();
 
 // A solver that leaves bodies by more skins beneath what contacts require (PairState::unmet) goes on, so often at most.
@@ -105,7 +102,7 @@ double btClodDynamicsWorld::solveInPasses(btContactSolverInfo& info)
 		predictSolved(info.m_timeStep);
 		const double surprise = findSurprised();
 		if (m_surprised.empty() || m_passes >= last)
-			return mayDivide() && energyGained(info.m_timeStep) > kMostGain ? kGain : surprise;
+			return mayDivide() && givesEnergy(info.m_timeStep) ? kGain : surprise;
 		putBack();
 		askAgain();
 		solveAgain(info);
@@ -185,16 +182,17 @@ void btClodDynamicsWorld::takeBackSolution()
 
 // Solves a part of the step. Joints correct their errors at the same rate as in a whole step: Bullet's share of the
 // error in each part, however short, would throw bodies.
-double btClodDynamicsWorld::solvePart(btContactSolverInfo& info, btScalar whole)
+double btClodDynamicsWorld::solvePart(btContactSolverInfo& info, btScalar whole, bool isShortest)
 {
 	const btScalar erp = std::exchange(info.m_erp, info.m_erp * (info.m_timeStep / whole));
 	const double surprise = solveInPasses(info);
+	if (isShortest && givesEnergy(info.m_timeStep)) solveWithoutRebounds(info);
 	info.m_erp = erp;
 	return surprise;
 }
 
-// isBegun: the contacts are those of the first part already. Where contacts give energy in a part, it and what follows are
-// taken in the shortest ones instead.
+// isBegun: the contacts are those of the first part already. A part that leaves too much surprise is put back, and it and
+// what follows are taken in shorter ones.
 void btClodDynamicsWorld::solveInParts(btContactSolverInfo& info, int parts, bool isBegun)
 {
 	const btScalar whole = info.m_timeStep;
@@ -205,12 +203,13 @@ void btClodDynamicsWorld::solveInParts(btContactSolverInfo& info, int parts, boo
 	{
 		if (!isBegun) beginPart(info.m_timeStep);
 		isBegun = false;
-		const double left = solvePart(info, whole);
-		if (const int most = partsFor(left); left == kGain && parts < most)
+		const double left = solvePart(info, whole, parts == m_mostParts);
+		if (const int more = std::min(partsFor(left), m_mostParts / parts); more > 1)
 		{
 			putBack();
-			part *= most / parts;
-			parts = most;
+			part *= more;
+			parts *= more;
+			surprise /= more * more;
 			info.m_timeStep = whole / btScalar(parts);
 			continue;
 		}
@@ -364,82 +363,22 @@ double btClodDynamicsWorld::findSurprised()
 	return largest;
 }
 
-// The largest share of their kinetic energy that bodies gained as they pushed each other. Contacts only take energy: of
-// what bodies have with the forces of the step, or in a rebound of what they had; then forces act along the way as
-// solved. What moves a body by a skin is not counted. Bodies are left out that something else may have given energy:
-// joints with their motors and springs, too.
-double btClodDynamicsWorld::energyGained(btScalar timeStep)
-{
-	findIslands();
-	for (const Start& start : m_starts)
-	{
-		const btRigidBody& body = *start.body;
-		btVector3 center;
-		btScalar radius = 0;
-		body.getCollisionShape()->getBoundingSphere(center, radius);
-		const double skin = clod::kSkinShare * double(radius / timeStep), least = 0.5 * skin * skin / double(body.getInvMass());
-		const btScalar work = timeStep * (body.getTotalForce().dot(body.getLinearVelocity()) +
-										  body.getTotalTorque().dot(body.getAngularVelocity()));
-		Island& island = islandOf(body);
-		island.before += start.energy + double(work) + least;
-		island.free += start.freeEnergy + least;
-		island.after += clod::kineticEnergy(body, 0);
-	}
-	double most = 0;
-	for (const Island& island : m_islands)
-		if (const double could = std::max(island.before, island.free);
-			island.isOurs && !island.isDriven && island.after > could)
-			most = std::max(most, island.after / could - 1);
-	return most;
-}
-
-void btClodDynamicsWorld::findIslands()
-{
-	const int none = m_collisionObjects.size();
-	m_touching.reset(none + 1);
-	m_islands.assign(std::size_t(none + 1), {});
-	const auto forEachPush = [&](const auto& visit)
-	{
-		for (int i = 0; i < getDispatcher()->getNumManifolds(); ++i)
-			if (const btPersistentManifold& manifold = *getDispatcher()->getManifoldByIndexInternal(i);
-				clod::isPushing(manifold))
-				visit(manifold, *manifold.getBody0(), *manifold.getBody1());
-	};
-	forEachPush(
-		[&](const btPersistentManifold&, const btCollisionObject& a, const btCollisionObject& b)
-		{
-			if (rootOf(a) != none && rootOf(b) != none) m_touching.unite(rootOf(a), rootOf(b));
-		});
-	forEachPush([&](const btPersistentManifold& manifold, const btCollisionObject& a, const btCollisionObject& b)
-				{ if (clod::isDriving(manifold)) islandOf(a).isDriven = islandOf(b).isDriven = true; });
-	for (int i = 0; i < m_constraints.size(); ++i)
-		if (const btTypedConstraint& joint = *m_constraints[i]; joint.isEnabled())
-			islandOf(joint.getRigidBodyA()).isDriven = islandOf(joint.getRigidBodyB()).isDriven = true;
-	for (const clod::PairState* pair : m_pairs)
-		if (const clod::PairReport& report = pair->lastReport(); report.objectA && report.objectB)
-			islandOf(*report.objectA).isOurs = islandOf(*report.objectB).isOurs = true;
-}
-
-// The last one of all is that of what no impulse moves, and of what is not in this world.
-int btClodDynamicsWorld::rootOf(const btCollisionObject& object)
-{
-	const int index = object.getWorldArrayIndex(), none = m_collisionObjects.size();
-	const bool isNone = object.isStaticOrKinematicObject() || index < 0 || index >= none || m_collisionObjects[index] != &object;
-	return isNone ? none : m_touching.find(index);
-}
-
 void btClodDynamicsWorld::updateAabbs()
 {
 	btDiscreteDynamicsWorld::updateAabbs();
 	const btScalar timeStep = getDispatchInfo().m_timeStep;
+	const bool meetsImpacts = m_mostPasses > 1 || m_mostParts > 1;
 	for (int i = 0; i < m_collisionObjects.size(); ++i)
 	{
 		const btCollisionObject& body = *m_collisionObjects[i];
-		if (!body.isKinematicObject() || !body.isActive()) continue;
-		const btVector3 &linear = body.getInterpolationLinearVelocity(), &angular = body.getInterpolationAngularVelocity();
+		const bool goesOn = body.isKinematicObject() ? body.isActive() : meetsImpacts && clod::isMoving(body);
+		if (!goesOn || !btRigidBody::upcast(&body)) continue;
+		const clod::RelativeMotion motion = clod::worldMotion(body, double(timeStep));
+		const btTransform& pose = body.getWorldTransform();
+		const btVector3 linear = clod::toBullet(motion.velocity(clod::toVec3(pose.getOrigin()))), angular = clod::toBullet(motion.angular);
 		if (linear.fuzzyZero() && angular.fuzzyZero()) continue;
 		btTransform then;
-		btTransformUtil::integrateTransform(body.getWorldTransform(), linear, angular, timeStep, then);
+		btTransformUtil::integrateTransform(pose, linear, angular, timeStep, then);
 		btVector3 center;
 		btScalar radius = 0;
 		body.getCollisionShape()->getBoundingSphere(center, radius);

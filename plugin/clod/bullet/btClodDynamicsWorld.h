@@ -8,7 +8,8 @@
 //   from the impulses so far: a further pass;
 // - if passes are not enough (a chain that whips around), or contacts gave bodies energy (a pin that shakes in its hole;
 //   unless something is there to give it: see isDriving), the step is divided into parts, each with contacts, a solve,
-//   motion and passes of its own. The next step starts divided, too, until fewer parts are enough.
+//   motion and passes of its own. The next step starts divided, too, until fewer parts are enough;
+// - if the shortest parts still give energy, the bodies that get it are solved without rebounds.
 // Impact stepping also ends a part where two bodies first meet, as the paper does: see Stepping. An impact that only
 // finer levels see, which are asked for at the part's end, has its time estimated; there the levels in use touch, and
 // no finer ones answer before these are apart, too (TimeOfImpact.h, PairMetric.h).
@@ -59,9 +60,9 @@ public:
 	void expectParts(int parts) { m_expectedParts = parts; }
 
 	void solveConstraints(btContactSolverInfo& info) override;
-	// Makes the boxes of kinematic bodies enclose their motion in the coming step, too, as their velocities tell it.
-	// Bullet's boxes enclose only where they are, so a body that moves more than its own size in a step would pass
-	// others unnoticed.
+	// Makes the boxes of bodies enclose their motion in the coming step, with what forces do and the turn between. Bullet's
+	// enclose where a body is and where it comes without forces (small ones fall farther in 1/60 s), of kinematic ones only
+	// where they are: others would be passed unnoticed. With one pass and one part only kinematic ones are enclosed so.
 	void updateAabbs() override;
 	// Within a step that is divided: for its next part.
 	void performDiscreteCollisionDetection() override;
@@ -86,6 +87,12 @@ private:
 	{
 		double before = 0, free = 0, after = 0;  // kinetic energy
 		bool isOurs = false, isDriven = false;
+		// What its contacts gave it, as a share of what it could have; none of what is driven.
+		double gain() const
+		{
+			const double could = before > free ? before : free;
+			return isOurs && !isDriven && after > could ? after / could - 1 : 0;
+		}
 	};
 	// A pair that moves otherwise than its contacts expect, ordered by the broadphase's ids.
 	struct Surprised
@@ -100,7 +107,7 @@ private:
 	// By what a solve left, and not by times of impact?
 	bool mayDivide() const { return m_stepping == Stepping::kFixed && m_mostParts > 1; }
 	void solveInParts(btContactSolverInfo& info, int parts, bool isBegun);
-	double solvePart(btContactSolverInfo& info, btScalar whole);
+	double solvePart(btContactSolverInfo& info, btScalar whole, bool isShortest);
 	void solveToImpacts(btContactSolverInfo& info);
 	void goOn(btScalar timeStep, btScalar gone);
 	void noteKinematic();
@@ -136,7 +143,8 @@ private:
 	void takeBackSolution();
 	bool isSolved(const btCollisionObject* a, const btCollisionObject* b);
 	double findSurprised();
-	double energyGained(btScalar timeStep);
+	bool givesEnergy(btScalar timeStep);
+	void solveWithoutRebounds(btContactSolverInfo& info);
 	void findIslands();
 	int rootOf(const btCollisionObject& object);
 	Island& islandOf(const btCollisionObject& object) { return m_islands[std::size_t(rootOf(object))]; }

@@ -118,6 +118,7 @@ void FacetContacts::settle(const std::vector<Contact>& contacts, bool isDeep)
 {
 	m_expected = m_question.rules.motion();
 	m_spare = std::numeric_limits<double>::infinity();
+	m_missed = 0;
 	answerDepth(contacts, isDeep);
 	m_switch.apply(m_question, contacts, m_memory->reduced, *m_previous, m_goesOn, m_memory->levels, m_facets);
 	dropWhatJams();
@@ -128,6 +129,7 @@ void FacetContacts::settle(const std::vector<Contact>& contacts, bool isDeep)
 	}
 	m_solve.solve(m_question, m_facets);
 	m_expected = m_solve.motion();
+	m_missed = m_solve.missed();
 	m_spare = std::min(m_solve.spare(), m_finder.sought());
 }
 

@@ -60,6 +60,8 @@ public:
 	// By how much a motion may differ from the expected one, at the bodies' farthest points, before it meets facets
 	// that are not among the reduced ones.
 	double spare() const { return m_spare; }
+	// How deep the bodies come by the expected motion though a solver meets all rows (PairSolve::missed).
+	double missed() const { return m_missed; }
 	// Does a point of the reduced set go on as it was named?
 	bool isHeld(std::size_t slot, std::size_t point) const
 	{
@@ -87,7 +89,7 @@ private:
 	DeepOverlap m_deep;
 	SheetCrossing m_sheet;
 	RelativeMotion m_expected;
-	double m_spare = 0;
+	double m_spare = 0, m_missed = 0;
 	PairSolve m_solve;
 	ContactReducer m_reducer;
 };

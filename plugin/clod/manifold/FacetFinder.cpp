@@ -11,7 +11,7 @@ namespace
 {
 constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr std::size_t kLeastTable = 64;
-constexpr int kArcRounds = 6;    // of the search for where an arc meets the margin, each by the slope of the chord
+constexpr int kArcRounds = 6;    // of the search for where an arc meets the margin (regula falsi)
 constexpr double kMostBend = 0.05;  // up to which an arc is known to stay near its chord: a third of a radian
 constexpr double kArcSpeed = 2;  // the largest speed on an arc is at most this many times its mean speed
 // Other contacts may lead a feature off its predicted way. Facets are looked for up to this share of the farthest
@@ -337,12 +337,22 @@ private:
 		const double enters = std::max(0.0, std::min(1.0, (m_of.distance - m_rules.margin) / closing));
 		double share = std::round(kArcParts * enters) / kArcParts;
 		double above = heightAt(share);
+		// The way in lies between `from` and `to`, where the height is that much. An end that stays counts half.
+		double from = 0, to = 1, aboveFrom = m_of.distance - m_rules.margin, aboveTo = aboveFrom - closing;
+		if (!(aboveFrom > 0)) return std::abs(above) <= m_inner && meet(place, direction, m_inner);
+		bool wasAbove = above <= 0;
 		for (int round = 0; std::abs(above) > m_inner; ++round)
 		{
-			const double next = std::max(0.0, std::min(1.0, share + above / closing));
 			const double slack = m_inner + wayOfHeight * std::abs(above);
-			if (round == kArcRounds || next == share || !meet(place, direction, slack)) return false;
-			share = next;
+			if (!meet(place, direction, slack)) return false;
+			if (round == kArcRounds) return false;
+			const bool isAbove = above > 0;
+			if (isAbove)
+				from = share, aboveFrom = above, aboveTo *= wasAbove ? 0.5 : 1;
+			else
+				to = share, aboveTo = above, aboveFrom *= wasAbove ? 1 : 0.5;
+			wasAbove = isAbove;
+			share = from + (to - from) * aboveFrom / (aboveFrom - aboveTo);
 			above = heightAt(share);
 		}
 		return meet(place, direction, m_inner);

@@ -272,6 +272,7 @@ double PairSolve::moveOn(const FacetQuestion& question, std::vector<Facet>& face
 	const bool isTurned = std::any_of(m_multipliers.begin(), m_multipliers.end(), [](double m) { return m != 0; });
 	const BendBound bound(rules);
 	double change = 0;
+	m_missed = 0;
 	for (std::size_t i = 0; i < facets.size(); ++i)
 	{
 		Facet& facet = facets[i];
@@ -287,9 +288,14 @@ double PairSolve::moveOn(const FacetQuestion& question, std::vector<Facet>& face
 			besideAt(question, facet, m_after).distance <= 0)
 			most += bound.ofCrossing(question, facet);
 		const double bent = std::max(-most, isOfRound(facet) ? facet.curvature() : std::min(most, facet.curvature()));
+		const double end = facet.then;
 		facet.then = facet.distance + facet.linear + bent;
 		if (facet.reach != Facet::Reach::kPossible)
 		{
+			const double missed = std::min({facet.then, facet.distance, rules.margin}) - end;
+			if (missed > m_missed && !facet.isOfMiddle() &&
+				besideAt(question, facet, m_after).distance <= kInnerShare * question.length())
+				m_missed = missed;
 			change = std::max(change, std::abs(facet.curvature() - curvature));
 			continue;
 		}
@@ -331,6 +337,7 @@ void PairSolve::solve(const FacetQuestion& question, std::vector<Facet>& facets)
 	m_b = rules.b;
 	m_timeStep = rules.timeStep;
 	m_spare = std::numeric_limits<double>::infinity();
+	m_missed = 0;
 	if (!(rules.timeStep > 0 && (rules.a.inverseMass > 0 || rules.b.inverseMass > 0)))
 	{
 		const auto isPossible = [](const Facet& facet) { return facet.reach >= Facet::Reach::kPossible; };

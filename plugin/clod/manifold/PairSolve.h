@@ -37,6 +37,9 @@ public:
 	RelativeMotion motion() const { return motionBetween(m_a, m_b, m_timeStep); }
 	// By how much more than solved the bodies would have to move to meet one of the facets removed, to first order.
 	double spare() const { return m_spare; }
+	// How far features come beneath each other by that motion although all rows are met: what these do not know of bodies
+	// that turn far.
+	double missed() const { return m_missed; }
 
 private:
 	struct Row
@@ -64,6 +67,6 @@ private:
 	bool m_movesA = false, m_movesB = false;  // impulses do
 	PairBody m_a, m_b;  // as solved,
 	Transform m_after;  // and B in A by it at the end of the step
-	double m_timeStep = 0, m_spare = 0;
+	double m_timeStep = 0, m_spare = 0, m_missed = 0;
 };
 }  // namespace clod

@@ -38,6 +38,20 @@ Row hitRow(bool meetsImpacts, double speed)
 	}
 	return seen;
 }
+constexpr double kThin = 0.12;
+
+// The height of a box's lowest corner.
+double lowestOf(const btRigidBody& box, const Vec3& size = {1, 1, 1})
+{
+	double lowest = 1;
+	for (int i = 0; i < 8; ++i)
+	{
+		const Vec3 corner{(i & 1) - 0.5, (i >> 1 & 1) - 0.5, (i >> 2) - 0.5};
+		const btVector3 place = box.getWorldTransform() * (toBullet(corner) * toBullet(size));
+		lowest = std::min(lowest, double(place.y()));
+	}
+	return lowest;
+}
 }  // namespace
 
 TEST(DynamicsWorld, WithOnePassAndOnePartIsBulletsOwn)
@@ -125,6 +139,63 @@ TEST(DynamicsWorld, SolvesOnWhereALightBodyIsCaughtUnderAHeavyOne)
 }
 
 // By its contacts with the wall alone it would fall.
+// A corner that turns down onto the ground in the step, steeper at first than on the whole, in both worlds.
+TEST(DynamicsWorld, ACornerThatTurnsFarInAStepIsMet)
+{
+	for (const bool meetsImpacts : {false, true})
+	{
+		ImpactWorld world(meetsImpacts, 60, 0);
+		world.put(slab(), 0, {0, -0.5, 0});
+		btRigidBody& cube = world.put(unitCube(), 1, {0, 0.637, 0}, btQuaternion(btVector3(0, 0, 1), btScalar(0.21)));
+		cube.setLinearVelocity(btVector3(15, btScalar(-6.42), 0));
+		cube.setAngularVelocity(btVector3(0, 0, btScalar(34.5)));
+		world.step();
+		EXPECT_GT(lowestOf(cube), -0.002) << meetsImpacts;
+	}
+}
+
+// Gravity takes small bodies far in a step, which Bullet's boxes do not know of.
+TEST(DynamicsWorld, WhatForcesTakeToTheGroundIsMet)
+{
+	for (int i = 0; i < 20; ++i)
+	{
+		ImpactWorld world(true, 60, 490);
+		world.put(slab(), 0, {0, -0.5, 0});
+		btRigidBody& cube = world.put(unitCube(), 1, {0, 1.5 + 0.05 * i, 0});
+		for (int step = 0; step < 8; ++step)
+		{
+			world.step();
+			EXPECT_GT(lowestOf(cube), -0.001) << i;
+		}
+	}
+}
+
+// A plate that turns by a radian and a half in the step, or in half of it: no rows tell where it ends. So the step is divided,
+// and, where it began divided, divided again.
+TEST(DynamicsWorld, AStepIsDividedForWhatTurnsFar)
+{
+	for (const int expected : {1, 2})
+	{
+		double lowest = 1;
+		int parts = 0;
+		for (int i = 0; i < 30; ++i)
+		{
+			ImpactWorld world(true, 60, 0);
+			world.put(patchHierarchy(boxMesh({10, 1, 10}, {1, 1, 1}, 1)), 0, {0, -0.5, 0});
+			btRigidBody& plate = world.put(patchHierarchy(boxMesh({1, kThin, 1}, {1, 1, 1}, 1)), 0.22, {0, 0.75, 0},
+										   btQuaternion(btVector3(btScalar(0.2), 0, 1).normalized(), btScalar(0.1 * i)));
+			plate.setLinearVelocity(btVector3(20, -30, 0));
+			plate.setAngularVelocity(btVector3(10, 5, btScalar(75 * expected)));
+			world.ours().expectParts(expected);
+			world.step();
+			lowest = std::min(lowest, lowestOf(plate, {1, kThin, 1}));
+			parts = std::max(parts, world.ours().parts());
+		}
+		EXPECT_GT(lowest, -0.003) << expected;
+		EXPECT_GT(parts, 4) << expected;
+	}
+}
+
 TEST(DynamicsWorld, WhatRestsIsNotAskedAgain)
 {
 	ImpactWorld world(true, 60, 9.81);

@@ -17,9 +17,10 @@ struct ImpactWorld : BulletWorld
 		context.worldMetric = ContactMetric::exactly();
 	}
 	btClodDynamicsWorld& ours() { return dynamic_cast<btClodDynamicsWorld&>(world); }
-	btRigidBody& put(const std::shared_ptr<const Hierarchy>& hierarchy, double mass, const Vec3& place)
+	btRigidBody& put(const std::shared_ptr<const Hierarchy>& hierarchy, double mass, const Vec3& place,
+					 const btQuaternion& turn = btQuaternion::getIdentity())
 	{
-		btRigidBody& body = addBody(addShape(hierarchy), mass, place);
+		btRigidBody& body = addBody(addShape(hierarchy), mass, place, turn);
 		body.setDamping(0, 0);
 		body.setFriction(0);
 		return body;
