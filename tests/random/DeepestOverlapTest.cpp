@@ -146,7 +146,7 @@ class DeepestOverlap : public testing::TestWithParam<int>
 };
 TEST_P(DeepestOverlap, IsSmallInNearlyAllWorlds)
 {
-	const int starts = setting("CLOD_STARTS", 10);
+	const int starts = setting("CLOD_STARTS", 5);
 	std::vector<double> depths;
 	for (int i = 0; i < starts; ++i) depths.push_back(Tumble(kFirstSeed + std::uint64_t(i), GetParam()).deepest(kSeconds));
 	const auto above = [&](double depth)

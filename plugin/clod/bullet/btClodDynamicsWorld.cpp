@@ -372,7 +372,7 @@ void btClodDynamicsWorld::updateAabbs()
 	{
 		const btCollisionObject& body = *m_collisionObjects[i];
 		const bool goesOn = body.isKinematicObject() ? body.isActive() : meetsImpacts && clod::isMoving(body);
-		if (!goesOn || !btRigidBody::upcast(&body)) continue;
+		if (!goesOn) continue;
 		const clod::RelativeMotion motion = clod::worldMotion(body, double(timeStep));
 		const btTransform& pose = body.getWorldTransform();
 		const btVector3 linear = clod::toBullet(motion.velocity(clod::toVec3(pose.getOrigin()))), angular = clod::toBullet(motion.angular);

@@ -344,8 +344,7 @@ private:
 		for (int round = 0; std::abs(above) > m_inner; ++round)
 		{
 			const double slack = m_inner + wayOfHeight * std::abs(above);
-			if (!meet(place, direction, slack)) return false;
-			if (round == kArcRounds) return false;
+			if (round == kArcRounds || to <= from || !meet(place, direction, slack)) return false;
 			const bool isAbove = above > 0;
 			if (isAbove)
 				from = share, aboveFrom = above, aboveTo *= wasAbove ? 0.5 : 1;
