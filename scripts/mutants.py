@@ -41,7 +41,7 @@ TESTS = {
     "plugin/clod/schedule": ["query_budget_test", "bullet_threads_test", "bullet_metric_test"],
     "plugin/clod/bullet": ["bullet_shape_test", "bullet_registration_test", "bullet_contact_test", "bullet_report_test",
                            "bullet_metric_test", "bullet_rest_test", "bullet_motion_test", "bullet_facilities_test", "bullet_convex_test",
-                           "bullet_world_test", "bullet_threads_test", "MechanismsTest"],
+                           "bullet_world_test", "bullet_threads_test", "random_worlds_test", "MechanismsTest"],
     "builder/intake": ["test_intake"],
     "builder/repair": ["test_repair"],
     "builder/assemble": ["builder_assemble_test", "test_check"],
