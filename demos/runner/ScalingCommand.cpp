@@ -219,6 +219,10 @@ void measureConvex(const ScalingCommandOptions& options, HierarchyCache& cache, 
 	const ModelDetail detail{options.resolutions.back(), false};
 	const ModelMesh landscape = makeModel("landscape", trianglesOf("landscape", detail.resolution)).value(),
 					ball = makeModel("sphere", kHullTriangles).value();
+	SceneShape tree;
+	tree.kind = SceneShape::Kind::bvh;
+	tree.meshes = {landscape};
+	tree.margin = kBulletMargin;
 	for (const auto& [kind, title] : {std::pair{SceneShape::Kind::box, "box"}, {SceneShape::Kind::sphere, "ball"},
 									  {SceneShape::Kind::capsule, "capsule"}, {SceneShape::Kind::hulls, "hull"}})
 	{
@@ -238,10 +242,6 @@ void measureConvex(const ScalingCommandOptions& options, HierarchyCache& cache, 
 			{
 				const SceneDefinition scene = slideOnLandscape(model, half, speed);
 				const std::vector<HierarchyPointer> models = buildModels(scene.info, detail, cache);
-				SceneShape tree;
-				tree.kind = SceneShape::Kind::bvh;
-				tree.meshes = {landscape};
-				tree.margin = kBulletMargin;
 				for (const WorldContender& contender :
 					 {WorldContender{"btBvhTriangleMeshShape", {}, {tree, solid}},
 					  {"exact", ContactMetric::exactly(), {SceneShape(), solid}},

@@ -12,6 +12,7 @@
 #include "clod/bullet/ConfigureWorld.h"
 #include "tests/bullet/BulletWorld.h"
 #include "tests/query/Questions.h"
+#include "tests/random/RandomShapes.h"
 
 namespace clod::test
 {
@@ -87,10 +88,8 @@ private:
 	// In the bin and apart from those there, as low as there is room.
 	void putBody()
 	{
-		constexpr const char* kModels[] = {"cup-3000", "spoon-3000", "torus-900", "number8-600", "ring",
-										   "rod",	   "plate",		 "box-12",	  "sphere-300"};
 		const double radius = 0.4 * std::pow(5, uniform(m_random, 0, 1));
-		btClodShape& shape = m_scene.addShape(body(kModels[pick(std::size(kModels))]).hierarchy, radius);
+		btClodShape& shape = m_scene.addShape(body(kAnyModels[pick(std::size(kAnyModels))]).hierarchy, radius);
 		Vec3 place;
 		double highest = 2.5;
 		const auto isFree = [&]
@@ -142,7 +141,6 @@ private:
 	BulletWorld m_scene;
 	std::vector<Placed> m_placed;
 };
-
 }  // namespace
 
 class DeepestOverlapAt : public testing::TestWithParam<int>

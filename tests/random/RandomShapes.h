@@ -12,6 +12,9 @@
 
 namespace clod::test
 {
+inline constexpr const char* kAnyModels[] = {"cup-3000", "spoon-3000", "torus-900", "number8-600", "ring",
+										  "rod",	  "plate",		"box-12",	 "sphere-300"};
+
 // Owns the shapes it makes.
 class RandomShapes
 {
@@ -41,9 +44,7 @@ public:
 	// As the model is, stretched or mirrored.
 	btClodShape& ours(double radius)
 	{
-		constexpr const char* kModels[] = {"cup-3000", "spoon-3000", "torus-900", "number8-600", "ring",
-										   "rod",	   "plate",		 "box-12",	  "sphere-300"};
-		const Body& model = body(kModels[pick(std::size(kModels))]);
+		const Body& model = body(kAnyModels[pick(std::size(kAnyModels))]);
 		btClodShape& shape = add(std::make_unique<btClodShape>(model.hierarchy));
 		shape.setName(CLOD_FIXTURES "/" + model.name + ".clod");
 		btVector3 scale(1, 1, 1);

@@ -186,7 +186,8 @@ double btClodDynamicsWorld::solvePart(btContactSolverInfo& info, btScalar whole,
 {
 	const btScalar erp = std::exchange(info.m_erp, info.m_erp * (info.m_timeStep / whole));
 	const double surprise = solveInPasses(info);
-	if (isShortest && givesEnergy(info.m_timeStep)) solveWithoutRebounds(info);
+	const bool gives = isShortest && (mayDivide() ? surprise == kGain : givesEnergy(info.m_timeStep));
+	if (gives) solveWithoutRebounds(info);
 	info.m_erp = erp;
 	return surprise;
 }
