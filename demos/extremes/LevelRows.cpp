@@ -108,8 +108,7 @@ std::vector<Row> levelRows()
 					{{1, "every step"}, {2, "every 2"}, {7, "every 7"}},
 					kRates,
 					{{"speed", "sqrt(g R)", {1e-3}}, {"switches missed", "", {0}}},
-					switchedLevels,
-					{{"at 1/60 s a switch may tilt what lies by 0.0015 of that speed", largeSteps, "speed"}}});
+					switchedLevels});
 	rows.push_back({"E17",
 					"a torus at rest, 21 thresholds dithered by 1 %",
 					"no speed is added",

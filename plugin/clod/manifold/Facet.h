@@ -59,6 +59,7 @@ struct FacetRecord
 	Kind kind;
 	Reach reach;
 	bool isThrough = false;  // a vertex that went in through the face, and may be out beyond
+	bool isAside = false;    // a vertex that counts although it is aside of the face, by a rule of FacetChoice
 	std::uint32_t levelA, levelB, nodeA, nodeB;
 	std::uint32_t featureA, featureB;  // vertex, edge, or polygon of the level's surface
 	std::uint64_t feature = 0;         // the two, the same in every step (featureOf)
@@ -180,20 +181,26 @@ inline std::uint64_t featureOf(const ContactSurface& a, const ContactSurface& b,
 	return name * 0xD6E8FEB86659FD93u + (std::uint64_t(facet.kind) << 16 | facet.levelA << 8 | facet.levelB);
 }
 
-// Makes a contact of a vertex beneath a polygon that it went in through, from the names of the two.
-inline void placeThrough(const FacetQuestion& q, Facet& facet)
+// Places a facet of a vertex and a polygon, known by their names, where it is now.
+inline void placeAgain(const FacetQuestion& q, Facet& facet)
 {
 	const ContactSurface &a = q.a.surface(facet.levelA), &b = q.b.surface(facet.levelB);
 	const bool isOfA = facet.vertexIsOfA();
 	const Vec3& own = (isOfA ? a : b).vertices()[facet.vertex()];
-	const Vec3 place = isOfA ? inverse(q.aFromB) * own : q.aFromB * own;
 	const SurfaceFace& face = (isOfA ? b : a).planeOf(facet.polygon());
-	facet.reach = Facet::Reach::kOverlap;
-	facet.isThrough = true;
+	const Vec3 place = isOfA ? inverse(q.aFromB) * own : q.aFromB * own;
 	facet.feature = featureOf(a, b, facet);
 	facet.distance = dot(face.normal, place) - face.offset;
 	facet.normal = isOfA ? q.aFromB.rotation * face.normal : -face.normal;
 	facet.span(isOfA ? own : place, isOfA);
+}
+
+// Makes a contact of a vertex beneath a polygon that it went in through.
+inline void placeThrough(const FacetQuestion& q, Facet& facet)
+{
+	facet.reach = Facet::Reach::kOverlap;
+	facet.isThrough = true;
+	placeAgain(q, facet);
 }
 
 inline constexpr double kFootShare = 1e-3;      // of the length: how far off its facet a foot may be

@@ -316,6 +316,7 @@ bool FacetChoice::takeBeside(std::vector<Facet>& facets)
 		const bool isOver = m_planes.empty() || besideAt(q, facet, shifted).distance <= q.footSlack(-lacking(facet));
 		if (!isOver || !overlapsAt(facet, m_shift)) continue;
 		facet.reach = Facet::Reach::kOverlap;
+		facet.isAside = m_planes.empty() && facet.isOfVertex() && !q.b.surface(facet.levelB).isSheet();
 		takeOut(facet);
 		return true;
 	}

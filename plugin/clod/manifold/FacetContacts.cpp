@@ -105,7 +105,7 @@ void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Trans
 	if (goesOn)
 		takeUp();
 	else if (!contacts.empty())
-		takeUpWhatIsThrough();
+		takeUpWhatStays(contacts);
 	m_finder.find(m_question, contacts, m_facets);
 	if (!joined.isEmpty())
 		m_facets.erase(std::remove_if(m_facets.begin(), m_facets.end(),
@@ -153,14 +153,39 @@ void FacetContacts::takeUp()
 }
 
 // Takes up the vertices that went in through a face: each stays a contact of that face until it is out, even if it is
-// beyond by more than the body is thick there.
-void FacetContacts::takeUpWhatIsThrough()
+// beyond by more than the body is thick there. And those that counted although aside of their face: once they are out of it
+// nothing else would hold them where they are.
+void FacetContacts::takeUpWhatStays(const std::vector<Contact>& contacts)
 {
+	const auto isAskedFor = [&](const FacetRecord& record)
+	{
+		const auto isOfLevels = [&](const Contact& contact)
+		{
+			return m_question.a.levelOf(contact.nodeA) == record.levelA && m_question.b.levelOf(contact.nodeB) == record.levelB;
+		};
+		return std::any_of(contacts.begin(), contacts.end(), isOfLevels);
+	};
 	forEachReduced(*m_previous, m_memory->reduced,
 				   [&](const HeldPoint& old, const FacetRecord& record)
 				   {
-					   if (record.isThrough) takeUpThrough(old.point, record);
+					   if (record.isThrough)
+						   takeUpThrough(old.point, record);
+					   else if (record.isAside && isAskedFor(record))
+						   takeUpAside(record);
 				   });
+}
+
+void FacetContacts::takeUpAside(const FacetRecord& record)
+{
+	const FacetQuestion& q = m_question;
+	Facet facet{};
+	static_cast<FacetRecord&>(facet) = record;
+	placeAgain(q, facet);
+	facet.setLinear(q.rules.motion());
+	facet.then = facet.distance + facet.linear;
+	if (facet.distance > q.touching() || besideAt(q, facet, q.aFromB).distance > kDeepFootShare * q.length()) return;
+	facet.reach = facet.distance < -kInnerShare * q.length() ? Facet::Reach::kOverlap : Facet::Reach::kNear;
+	m_facets.push_back(facet);
 }
 
 void FacetContacts::takeUpThrough(const ContactPoint& point, const FacetRecord& record)

@@ -69,7 +69,8 @@ public:
 	}
 
 private:
-	void takeUpWhatIsThrough();
+	void takeUpWhatStays(const std::vector<Contact>& contacts);
+	void takeUpAside(const FacetRecord& record);
 	void takeUpThrough(const ContactPoint& point, const FacetRecord& record);
 	void takeUp();
 	ContactPoint pointOf(const Facet& facet) const;
