@@ -23,7 +23,7 @@ constexpr double kStartSpeed = 3 / kUnit, kBinHalf = 6, kWall = 2, kWallHeight =
 constexpr std::ptrdiff_t kSlabs = 5;
 constexpr double kSeconds = 1.5;
 constexpr int kEvery = 4;  // steps from look to look
-constexpr double kDeep = 0.005, kDeepest = 0.1;  // of the smaller radius: light bodies between heavy ones are crushed a little
+constexpr double kDeep = 0.005, kDeepest = 0.05;  // of the smaller radius
 constexpr std::uint64_t kFirstSeed = 90;
 
 class Tumble
@@ -153,12 +153,17 @@ TEST_P(DeepestOverlapAt, IsSmallInNearlyAllWorlds)
 	for (int i = 0; i < starts; ++i) depths.push_back(Tumble(kFirstSeed + std::uint64_t(i), GetParam()).deepest(kSeconds));
 	const auto above = [&](double depth)
 	{ return std::count_if(depths.begin(), depths.end(), [&](double d) { return d > depth; }); };
-	EXPECT_LE(above(kDeep), std::max(1, starts / 15));  // of 400 in four series 9 to 21
+	EXPECT_LE(above(kDeep), std::max(1, starts / 40));  // of 400 in two series 2 and 5
 	EXPECT_LE(*std::max_element(depths.begin(), depths.end()), kDeepest);
 	double inBulletsOwn = 0;
 	for (std::uint64_t i = 0; i < 3; ++i)
 		inBulletsOwn = std::max(inBulletsOwn, Tumble(kFirstSeed + i, GetParam(), false).deepest(kSeconds));
 	EXPECT_GT(inBulletsOwn, 0.001) << "hardly anything meets";
+}
+// Light bodies between ones fifty times as heavy take more iterations than a solver has: four such worlds.
+TEST(DeepestOverlap, IsSmallWhereLightBodiesLieBetweenHeavyOnes)
+{
+	for (const std::uint64_t seed : {1003, 1087, 1088, 5047}) EXPECT_LT(Tumble(seed, 60).deepest(0.7), kDeep) << seed;
 }
 // Steps that end at impacts also end where contacts miss too much: without that a third of the worlds are deeper.
 TEST(DeepestOverlap, IsSmallInMostWorldsThatStepToImpacts)

@@ -93,9 +93,10 @@ public:
 	// in where. Between two steps a program may save it and later, with its bodies, joints and solver as they were
 	// then, put it back. Pairs that were not there begin anew; the program's data at points are dropped. Returns how
 	// many pairs with manifolds are no longer there: Bullet ends those whose boxes part, and begins them anew. If none,
-	// the world goes on as it did, to the bit, with btDispatcherInfo::m_deterministicOverlappingPairs, islands that are
-	// not split (Bullet makes them of boxes that have a history), and without a budget, which goes on learning. Cost: a
-	// copy of the points.
+	// a world at rest goes on as it did, to the bit, with btDispatcherInfo::m_deterministicOverlappingPairs, islands that
+	// are not split (Bullet makes them of boxes that have a history), and without a budget, which goes on learning. One
+	// that falls may go another way after some steps: which pairs come depends on such boxes, too. Cost: a copy of the
+	// points.
 	std::shared_ptr<const SavedContacts> saveContacts(const btDispatcher& dispatcher) const;
 	std::size_t restoreContacts(const btDispatcher& dispatcher, const SavedContacts& saved);
 

@@ -24,9 +24,10 @@ constexpr double kMostSurprise = 4;
 // Contacts that give bodies energy are a surprise that takes as many parts as may be.
 constexpr double kGain = std::numeric_limits<double>::infinity();
 
-// A solver that leaves bodies by more skins beneath what contacts require (PairState::unmet) goes on, so often at most.
+// A solver that leaves bodies by more skins beneath what contacts require (PairState::unmet) goes on, so often at most, each
+// time for so many times as many iterations; less often once it was in vain in a step.
 constexpr double kMostUnmet = 1;
-constexpr int kMostMore = 4;
+constexpr int kMostMore = 4, kMoreInVain = 2, kLonger = 4;
 
 template <class States>
 void putAll(const States& states)
@@ -63,6 +64,7 @@ void btClodDynamicsWorld::solveConstraints(btContactSolverInfo& info)
 	m_passes = 0;
 	m_parts = 1;
 	m_pairsAskedAgain = 0;
+	m_mostMore = kMostMore;
 	m_lastPart = 0;
 	if (m_stepping == Stepping::kImpacts && m_mostParts > 1)
 	{
@@ -121,26 +123,29 @@ void btClodDynamicsWorld::solveAgain(btContactSolverInfo& info)
 }
 
 // Goes on where a solver's iterations were too few, as where a light body lies between heavy ones, for as long as that
-// helps: rows that contradict each other, as rebounds may, only get larger impulses. Where parts end at impacts, which
-// come one after the other then, they are left alone.
+// helps: rows that contradict each other, as rebounds may, only get larger impulses. Each solve takes more iterations than
+// the last, as Bullet begins friction from nothing: after as many it ends where the last one did.
 void btClodDynamicsWorld::solveOn(btContactSolverInfo& info)
 {
-	if (m_stepping == Stepping::kImpacts) return;
 	m_context.pairsOf(*getDispatcher(), m_pairs);
+	const int iterations = info.m_numIterations;
 	double left = mostUnmet();
-	for (int more = 0; more < kMostMore && left > kMostUnmet; ++more)
+	for (int more = 0; more < m_mostMore && left > kMostUnmet; ++more)
 	{
 		keepSolution();
 		putBack();
+		info.m_numIterations *= kLonger;
 		solveAgain(info);
 		const double now = mostUnmet();
 		if (now >= left)
 		{
 			takeBackSolution();
-			return;
+			break;
 		}
 		left = now;
 	}
+	info.m_numIterations = iterations;
+	if (left > kMostUnmet) m_mostMore = kMoreInVain;
 }
 
 double btClodDynamicsWorld::mostUnmet()

@@ -2,7 +2,8 @@
 // A discrete dynamics world that responds to impacts within the step in which they happen. Contacts of a step are
 // found for the motion with which the bodies enter it. An impact changes that motion, and may lead bodies to where no
 // contacts were looked for. So after the solve
-// - rows that the solver's iterations have not met (PairState::unmet: a light body lies between heavy ones) are solved on;
+// - rows that the solver's iterations have not met (PairState::unmet: a light body lies between heavy ones) are solved on,
+//   with more and more iterations;
 // - pairs whose contacts may miss something of the solved motion (PairState::surprise) are queried again for that
 //   motion. What they find is added to their contacts, the bodies are put back, and the step is solved anew, starting
 //   from the impulses so far: a further pass;
@@ -157,6 +158,7 @@ private:
 	Stepping m_stepping = Stepping::kFixed;
 	int m_mostPasses = 3, m_mostParts = 8, m_passes = 1, m_parts = 1, m_pairsAskedAgain = 0;
 	btScalar m_lastPart = 0;  // 0: the whole step
+	int m_mostMore = 0;       // of solves, where rows are unmet, in this step
 	// Motions that a step was divided for mostly go on, so the next one is not tried whole.
 	int m_expectedParts = 1;
 	btScalar m_nextPart = 0;  // whose contacts are to be found; 0: those of the time that Bullet has set
