@@ -37,7 +37,7 @@ TESTS = {
     "plugin/clod/query": ["query_metric_test", "query_query_test", "query_budget_test", "hierarchy_file_test", "distance_test",
                            "bullet_report_test"],
     "plugin/clod/manifold": ["manifold_test", "bullet_report_test", "bullet_contact_test", "oracle_test", "bullet_convex_test",
-                             "bullet_world_test", "bullet_motion_test", "bullet_metric_test", "bullet_rest_test"],
+                             "bullet_world_test", "bullet_motion_test", "bullet_metric_test", "bullet_rest_test", "MechanismsTest"],
     "plugin/clod/schedule": ["query_budget_test", "bullet_threads_test", "bullet_metric_test"],
     "plugin/clod/bullet": ["bullet_shape_test", "bullet_registration_test", "bullet_contact_test", "bullet_report_test",
                            "bullet_metric_test", "bullet_rest_test", "bullet_motion_test", "bullet_facilities_test", "bullet_convex_test",

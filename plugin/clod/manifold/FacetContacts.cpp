@@ -181,9 +181,9 @@ void FacetContacts::takeUpAside(const FacetRecord& record)
 	Facet facet{};
 	static_cast<FacetRecord&>(facet) = record;
 	placeAgain(q, facet);
+	if (facet.distance > q.touching() || besideAt(q, facet, q.aFromB).distance > kDeepFootShare * q.length()) return;
 	facet.setLinear(q.rules.motion());
 	facet.then = facet.distance + facet.linear;
-	if (facet.distance > q.touching() || besideAt(q, facet, q.aFromB).distance > kDeepFootShare * q.length()) return;
 	facet.reach = facet.distance < -kInnerShare * q.length() ? Facet::Reach::kOverlap : Facet::Reach::kNear;
 	m_facets.push_back(facet);
 }
