@@ -53,6 +53,48 @@ std::vector<Facet> countingFacets(const FacetPair& pair, const std::vector<Facet
 	return facets;
 }
 
+// Two cubes edge on edge, B's turned by so much about the way up, and so far apart.
+FacetPair edgeOnEdge(double turn, double gap)
+{
+	const double c = std::sqrt(0.5), k = 1 - std::cos(turn), s = std::sin(turn);
+	const Mat3 turned{{{1 - 0.5 * k, 0.5 * k, c * s}, {0.5 * k, 1 - 0.5 * k, -c * s}, {-c * s, c * s, 1 - k}}};
+	return FacetPair(cubeOf(1), cubeOf(1), at((2 * c + gap) * Vec3{c, c, 0}, turned));
+}
+
+TEST(FacetChoice, OfEdgesAllButParallelOnlyTheSideCountsThatTheWayEndsOver)
+{
+	const double c = std::sqrt(0.5);
+	const Vec3 up{c, c, 0}, aside{c, -c, 0};
+	for (const double turn : {-0.004, 0.004, 0.02})
+		for (const double gap : {-0.0005, 0.0005})
+			for (const double way : {-0.03, 0.03})
+			{
+				FacetPair pair = edgeOnEdge(turn, gap);
+				pair.rules.margin = 5e-4 * pair.rules.length;
+				pair.move(way * aside - 0.001 * up);
+				const std::vector<Facet> facets = countingFacets(pair);
+				EXPECT_EQ(facets.empty(), gap > 0) << turn << " " << gap << " " << way;
+				for (const Facet& facet : facets)
+					EXPECT_LT(dot(facet.normal, way * aside), -0.5 * std::abs(way)) << turn << " " << gap << " " << way;
+			}
+}
+
+// At rest these have no normal; they will have one where they cross at the end.
+TEST(FacetChoice, EdgesThatAreParallelAreMetWhereTheyWillCross)
+{
+	const double c = std::sqrt(0.5), down = 0.002;
+	const Vec3 up{c, c, 0};
+	FacetPair pair = edgeOnEdge(0, 0);
+	pair.move(-down * up);
+	pair.rules.b.angular = (0.02 / pair.rules.timeStep) * up;
+	const std::vector<Facet> facets = countingFacets(pair);
+	ASSERT_EQ(facets.size(), 1u);
+	EXPECT_EQ(facets[0].kind, Facet::Kind::kEdgeEdge);
+	EXPECT_GT(dot(facets[0].normal, -1 * up), 0.9999);
+	EXPECT_NEAR(facets[0].distance, 0, 1e-6);
+	EXPECT_NEAR(facets[0].then, -down, 1e-6);
+}
+
 // Of these, those that the motion as predicted meets.
 std::vector<Facet> metFacets(const FacetPair& pair)
 {

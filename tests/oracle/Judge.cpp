@@ -89,19 +89,24 @@ private:
 			m_verdict.isAnswered = deepest > 0.1 * m_rules.claim;
 	}
 
-	// How deep the bodies get on the way; stops at `enough`.
-	double depthOfPath(const RelativeMotion& motion, double enough)
+	// How deep the bodies get; stops at `enough`. Bodies that overlap at the pose are led out: until the end they may be
+	// as deep as they are there, and what counts before is how much deeper they get.
+	struct Depths
+	{
+		double atEnd = 0, before = 0;
+		double deepest() const { return std::max(atEnd, before); }
+	};
+	Depths depthsOf(const RelativeMotion& motion, double enough)
 	{
 		const double size = sizeOf(motion, m_a);
-		const bool onlyEnd = m_verdict.startDepth > m_rules.untouched;
-		const int steps = onlyEnd ? 1 : std::clamp(int(std::ceil(size / (m_rules.pathStep * m_radius))), 3, 32);
-		double deepest = 0;
-		for (int i = steps; i > 0 && deepest <= enough; --i)
-		{
-			const double t = double(i) / steps;
-			deepest = std::max(deepest, m_overlap.depth(displacement(motion, m_a.center(), t), t * size));
-		}
-		return deepest;
+		const double already = m_verdict.startDepth > m_rules.untouched ? m_verdict.startDepth * m_radius : 0;
+		const int steps = std::clamp(int(std::ceil(size / (m_rules.pathStep * m_radius))), 3, 32);
+		const auto depthAt = [&](double t) { return m_overlap.depth(displacement(motion, m_a.center(), t), t * size); };
+		Depths depths;
+		depths.atEnd = depthAt(1);
+		for (int i = steps - 1; i > 0 && depths.deepest() <= enough; --i)
+			depths.before = std::max(depths.before, depthAt(double(i) / steps) - already);
+		return depths;
 	}
 
 	// What the turning of a body adds to its linear path.
@@ -120,11 +125,13 @@ private:
 		const bool isAdmitted = admits(m_set, y, 1e-9 * m_radius);
 		const double allowed = m_skin + secondOrder(motion);
 		const double untouched = std::min(m_rules.untouched * m_radius, m_rules.untouchedShare * sizeOf(motion, m_a));
-		const double enough = isAdmitted              ? 1e300
-							  : kind == Kind::small ? untouched
-													: allowed;
-		const double depth = depthOfPath(motion, enough);
-		const bool isFree = depth <= untouched;
+		const bool isApart = m_verdict.startDepth <= m_rules.untouched;
+		const double enough = isAdmitted						 ? 1e300
+							  : kind == Kind::small && isApart ? untouched
+															   : allowed;
+		const Depths depths = depthsOf(motion, enough);
+		const double depth = depths.deepest();
+		const bool isFree = depths.atEnd <= untouched && depths.before <= (isApart ? untouched : allowed);
 		m_labels[std::size_t(kind)].push_back({y, isFree, depth > allowed});
 		if (isFree)
 		{
@@ -162,7 +169,7 @@ private:
 		if (sizeOf(motion, m_a) > m_reach) return;  // where paths are not looked at
 		Tally& sum = tally(Kind::solved);
 		++sum.motions;
-		addAdmitted(sum, Kind::solved, depthOfPath(motion, 1e300), m_skin + secondOrder(motion));
+		addAdmitted(sum, Kind::solved, depthsOf(motion, 1e300).deepest(), m_skin + secondOrder(motion));
 	}
 
 	const Solid& m_a;

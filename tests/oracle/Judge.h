@@ -4,7 +4,7 @@
 //   Sound: a motion that all constraints admit does not get deeper than the skin.
 //   Free: a motion that keeps the meshes apart is not changed. The change is the least in the norm of kinetic energy.
 // Constraints are linear: to both |w|^2 r dt^2 / 2 is granted, what turning adds to a path.
-// Of bodies that overlap slightly at the pose only the end of the path is looked at: the constraints lead out of it.
+// Bodies that overlap slightly at the pose are led out of it: on the way they may be as deep as they are there.
 #pragma once
 #include <map>
 #include <memory>

@@ -88,8 +88,8 @@ TEST(Oracle, EdgesAllButParallelAreLeftToOneSide)
 	ASSERT_NE(family, families().end());
 	const FamilyResult result = judgedExactly(*family);
 	const Tally &near5 = result.of(Kind::near5), &near30 = result.of(Kind::near30);
-	EXPECT_LT(near5.faults(), 0.038 * near5.motions);
-	EXPECT_LT(near30.faults(), 0.066 * near30.motions);
+	EXPECT_LT(near5.faults(), 0.006 * near5.motions);
+	EXPECT_LT(near30.faults(), 0.04 * near30.motions);
 }
 
 // The surfaces are closed (Solid throws otherwise) and near each other, and a pose is judged by those in use.

@@ -192,6 +192,25 @@ TEST(Oracle, SeesThatAnOverlapIsNotAnswered)
 	EXPECT_EQ(result.unanswered, result.overlapping);
 }
 
+// A box that is a little in a plate, and goes through it: it ends apart, but nothing may let it.
+TEST(Oracle, AWayThroughABodyIsNotFree)
+{
+	const Solid cube(box({0.3, 0.3, 0.3})), plate(box({1, 0.005, 1}));
+	Case which;
+	which.aFromB = {{}, {0, -0.3045, 0}};
+	which.motion = {{0, -0.65, 0}, {}, 1};
+	Random random(1);
+	for (const bool goesThrough : {true, false})
+	{
+		if (!goesThrough) which.motion.linear.y = 0.65;
+		const Verdict verdict = judge(cube, plate, which, {}, 1e-3, JudgeRules(), random);
+		const Tally& tally = verdict.kinds[std::size_t(Kind::near5)];
+		EXPECT_GT(verdict.startDepth, 5e-4);
+		EXPECT_EQ(tally.free, goesThrough ? 0 : tally.motions);
+		EXPECT_EQ(tally.pierced, goesThrough ? tally.motions : 0);
+	}
+}
+
 TEST(Oracle, RepeatsAPoseByItsIndex)
 {
 	const auto make = [](const BodyPair& pair) { return std::make_unique<CornersOverPlane>(pair, Faults()); };

@@ -18,7 +18,6 @@ constexpr double kSettledShare = 1e-9;    // of the length: a least shift is kno
 constexpr double kBeyond = 1.05;     // overlaps are looked for again at this many times the least shift, and a touch
 constexpr double kTooDeep = 2;       // times as deep as may be: what a depth may grow by, as facets meet at angles
 constexpr double kHardlyIn = 0.02;   // of the length: bodies that a farther shift takes apart are deep
-constexpr double kTie = 1e-4;        // of the length: heights, now and at the end of the step, that count as equal
 constexpr double kAsShallow = 1e-3;  // of the length: overlaps that count as equally deep
 constexpr double kInValley = 0.2;    // of the length: how far from a contact a facet may be
 constexpr double kSamePlace = 2e-3;  // of the length: points that count as at one place
@@ -46,12 +45,14 @@ Vec3 deepPoint(const Vec3 (&normal)[4], const double (&offset)[4], const Vec3& s
 }  // namespace
 
 void FacetChoice::choose(const FacetQuestion& question, const std::vector<FacetRecord>& last, const Transform& lastAFromB,
-						 std::vector<Facet>& facets)
+						 std::vector<Facet>& facets, const JoinedBodies& joined)
 {
 	m_question = &question;
 	dropTooDeep(last, lastAFromB, facets);
+	passParallels(joined, facets);
 	knowAgain(last, lastAFromB, facets);
 	dropInner(facets);
+	limitWaysOut(facets);
 	dropRidges(facets);
 	keepValleys(facets);
 }

@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "clod/manifold/FacetFinder.h"
-#include "clod/manifold/LeastShift.h"
+#include "clod/manifold/FlushBodies.h"
+#include "clod/collide/LeastShift.h"
 
 namespace clod
 {
@@ -16,7 +17,7 @@ class FacetChoice
 public:
 	// Removes the facets that are no contacts. last: the facets that the solver got in the last step, at that pose.
 	void choose(const FacetQuestion& question, const std::vector<FacetRecord>& last, const Transform& lastAFromB,
-				std::vector<Facet>& facets);
+				std::vector<Facet>& facets, const JoinedBodies& joined = {});
 	// The least translation that takes A out of the overlaps that were kept.
 	const Vec3& shift() const { return m_shift; }
 
@@ -34,6 +35,15 @@ private:
 	bool isSatisfied(const Facet& facet) const;
 	void takeOut(const Facet& facet);
 	bool takeBeside(std::vector<Facet>& facets);
+	// ParallelEdges.cpp
+	struct Parallels
+	{
+		std::uint32_t levelA, levelB, edgeA, edgeB, facet;  // one that is of both edges
+	};
+	void listParallels(const std::vector<Facet>& facets, std::uint32_t index);
+	void passParallels(const JoinedBodies& joined, std::vector<Facet>& facets);
+	void passParallels(Span<Parallels> ofFacets, const JoinedBodies& joined, std::vector<Facet>& facets);
+	void limitWaysOut(std::vector<Facet>& facets) const;
 	void dropRidges(std::vector<Facet>& facets);
 	bool mayDecide(const Facet& facet) const;
 	bool isBeyondRidge(const Facet& best, const Vec3& center, const Facet& other) const;
@@ -42,7 +52,16 @@ private:
 	bool meetInValley(const Facet& contact, const Vec3& centerOfContact, const Facet& other, const Vec3& center) const;
 	void removeDropped(std::vector<Facet>& facets) const;
 
+	static constexpr double kTie = 1e-4;  // of the length: heights, now and at the end of the step, that count as equal
+
 	const FacetQuestion* m_question = nullptr;
+	std::vector<Parallels> m_parallels;
+	struct WayOut
+	{
+		std::uint64_t feature;
+		double distance;
+	};
+	std::vector<WayOut> m_waysOut;
 	// Facets of m_order by their points' coordinate on the axis where these are spread farthest.
 	struct Places
 	{

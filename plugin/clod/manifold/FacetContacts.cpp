@@ -111,7 +111,7 @@ void FacetContacts::find(const ContactBody& a, const ContactBody& b, const Trans
 		m_facets.erase(std::remove_if(m_facets.begin(), m_facets.end(),
 									  [&](const Facet& facet) { return isAtSeam(m_question, joined, facet); }),
 					   m_facets.end());
-	m_choice.choose(m_question, memory.reduced, memory.aFromB, m_facets);
+	m_choice.choose(m_question, memory.reduced, memory.aFromB, m_facets, joined);
 }
 
 void FacetContacts::settle(const std::vector<Contact>& contacts, bool isDeep)
