@@ -79,6 +79,22 @@ TEST(FacetChoice, OfEdgesAllButParallelOnlyTheSideCountsThatTheWayEndsOver)
 			}
 }
 
+// It ends beside them, but would lead through on the way there.
+TEST(FacetChoice, AWayThroughEdgesIsMetWhereItLeadsIn)
+{
+	const double c = std::sqrt(0.5);
+	const Vec3 up{c, c, 0}, aside{c, -c, 0};
+	for (const double side : {-1.0, 1.0})
+	{
+		FacetPair pair = edgeOnEdge(0.004, 0.0005);
+		pair.rules.margin = 5e-4 * pair.rules.length;
+		pair.move(0.03 * side * aside - 0.02 * up);
+		const std::vector<Facet> facets = countingFacets(pair);
+		const auto isOfEdges = [&](const Facet& facet) { return dot(facet.normal, -1 * up) > 0.99; };
+		EXPECT_TRUE(std::any_of(facets.begin(), facets.end(), isOfEdges)) << side;
+	}
+}
+
 // At rest these have no normal; they will have one where they cross at the end.
 TEST(FacetChoice, EdgesThatAreParallelAreMetWhereTheyWillCross)
 {
