@@ -13,6 +13,13 @@
 
 namespace clod::test
 {
+// About (1, 1, 0), which is up where cubes stand edge on edge.
+Mat3 turnAboutUp(double turn)
+{
+	const double c = std::sqrt(0.5), k = 1 - std::cos(turn), s = std::sin(turn);
+	return {{{1 - 0.5 * k, 0.5 * k, c * s}, {0.5 * k, 1 - 0.5 * k, -c * s}, {-c * s, c * s, 1 - k}}};
+}
+
 // Edge on edge, all but parallel: B's end is beyond A's edge, so that the farther side's face is over it, too, deeper
 // than the way out that the edges ask for, which leaves nothing of it.
 TEST(FacetChoice, WhatTheWayOutLeavesApartIsNoContact)
@@ -23,10 +30,8 @@ TEST(FacetChoice, WhatTheWayOutLeavesApartIsNoContact)
 	for (const double side : {-1.0, 1.0})
 		for (const double way : {-0.0128, 0.0, 0.0128})
 		{
-			// About `up`, through the middle of A's edge; B's edge ends so far from there on the one hand.
-			const double w = side * turn, k = 1 - std::cos(w), s = std::sin(w);
-			const Mat3 turned{
-				{{1 - 0.5 * k, 0.5 * k, c * s}, {0.5 * k, 1 - 0.5 * k, -c * s}, {-c * s, c * s, 1 - k}}};
+			// About the middle of A's edge; B's edge ends so far from there on the one hand.
+			const Mat3 turned = turnAboutUp(side * turn);
 			const Vec3 place = (2 * c - sunk) * up - (0.5 - beyond) * (turned * along);
 			FacetPair pair(cube, cube, at(place, turned));
 			pair.move(way * aside);
@@ -56,9 +61,8 @@ std::vector<Facet> countingFacets(const FacetPair& pair, const std::vector<Facet
 // Two cubes edge on edge, B's turned by so much about the way up, and so far apart.
 FacetPair edgeOnEdge(double turn, double gap)
 {
-	const double c = std::sqrt(0.5), k = 1 - std::cos(turn), s = std::sin(turn);
-	const Mat3 turned{{{1 - 0.5 * k, 0.5 * k, c * s}, {0.5 * k, 1 - 0.5 * k, -c * s}, {-c * s, c * s, 1 - k}}};
-	return FacetPair(cubeOf(1), cubeOf(1), at((2 * c + gap) * Vec3{c, c, 0}, turned));
+	const double c = std::sqrt(0.5);
+	return FacetPair(cubeOf(1), cubeOf(1), at((2 * c + gap) * Vec3{c, c, 0}, turnAboutUp(turn)));
 }
 
 TEST(FacetChoice, OfEdgesAllButParallelOnlyTheSideCountsThatTheWayEndsOver)

@@ -89,6 +89,8 @@ private:
 			m_verdict.isAnswered = deepest > 0.1 * m_rules.claim;
 	}
 
+	bool overlapsAtPose() const { return m_verdict.startDepth > m_rules.untouched; }
+
 	// How deep the bodies get; stops at `enough`. Bodies that overlap at the pose are led out: until the end they may be
 	// as deep as they are there, and what counts before is how much deeper they get.
 	struct Depths
@@ -99,7 +101,7 @@ private:
 	Depths depthsOf(const RelativeMotion& motion, double enough)
 	{
 		const double size = sizeOf(motion, m_a);
-		const double already = m_verdict.startDepth > m_rules.untouched ? m_verdict.startDepth * m_radius : 0;
+		const double already = overlapsAtPose() ? m_verdict.startDepth * m_radius : 0;
 		const int steps = std::clamp(int(std::ceil(size / (m_rules.pathStep * m_radius))), 3, 32);
 		const auto depthAt = [&](double t) { return m_overlap.depth(displacement(motion, m_a.center(), t), t * size); };
 		Depths depths;
@@ -125,13 +127,12 @@ private:
 		const bool isAdmitted = admits(m_set, y, 1e-9 * m_radius);
 		const double allowed = m_skin + secondOrder(motion);
 		const double untouched = std::min(m_rules.untouched * m_radius, m_rules.untouchedShare * sizeOf(motion, m_a));
-		const bool isApart = m_verdict.startDepth <= m_rules.untouched;
-		const double enough = isAdmitted						 ? 1e300
-							  : kind == Kind::small && isApart ? untouched
-															   : allowed;
+		const double enough = isAdmitted                                 ? 1e300
+							  : kind == Kind::small && !overlapsAtPose() ? untouched
+							                                             : allowed;
 		const Depths depths = depthsOf(motion, enough);
 		const double depth = depths.deepest();
-		const bool isFree = depths.atEnd <= untouched && depths.before <= (isApart ? untouched : allowed);
+		const bool isFree = depths.atEnd <= untouched && depths.before <= (overlapsAtPose() ? allowed : untouched);
 		m_labels[std::size_t(kind)].push_back({y, isFree, depth > allowed});
 		if (isFree)
 		{

@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "clod/collide/LeastShift.h"
 #include "clod/manifold/FacetFinder.h"
 #include "clod/manifold/FlushBodies.h"
-#include "clod/collide/LeastShift.h"
 
 namespace clod
 {

@@ -36,10 +36,10 @@ struct Ridge
 	bool isRidge = false;          // can they meet along a piece of both?
 	Vec3 along;                    // unit
 	Vec3 normal[kSides];           // from B to A, at right angles to that
-	bool cross = false;            // does the normal of where they cross lie between the others?
+	bool crosses = false;          // does the normal of where they cross lie between the others?
 	Vec3 offset[2];                // of A from B, at the ends of that piece
 	double from = 0, to = 0;       // where it is, along A's edge
-	Vec3 placeA(double at, const Vec3& start, const Vec3& direction) const
+	Vec3 placeOn(double at, const Vec3& start, const Vec3& direction) const
 	{
 		return start + (at / dot(along, direction)) * direction;
 	}
@@ -84,7 +84,7 @@ Ridge ridgeAt(const ContactSurface& a, const SurfaceEdge& ofA, const ContactSurf
 	for (const int i : {0, 1})
 	{
 		const double at = i == 0 ? ridge.from : ridge.to;
-		ridge.offset[i] = ridge.placeA(at, startA, ofA.direction) - ridge.placeA(at - begins, startB, direction);
+		ridge.offset[i] = ridge.placeOn(at, startA, ofA.direction) - ridge.placeOn(at - begins, startB, direction);
 	}
 	if (std::max(lengthSquared(ridge.offset[0]), lengthSquared(ridge.offset[1])) > far * far) return ridge;
 	const auto flat = [&](const Vec3& normal) { return normalized(normal - dot(normal, along) * along); };
@@ -104,7 +104,7 @@ Ridge ridgeAt(const ContactSurface& a, const SurfaceEdge& ofA, const ContactSurf
 	ridge.isRidge = count == 2;
 	Vec3& crossing = ridge.normal[kCrossing] = normalized(cross(along, ridge.offset[1] - ridge.offset[0]));
 	if (dot(crossing, ridge.normal[kLeft] + ridge.normal[kRight]) < 0) crossing = -crossing;
-	ridge.cross = crossing != Vec3{} && isBetween(crossing, ridge.normal[kLeft], ridge.normal[kRight], along);
+	ridge.crosses = crossing != Vec3{} && isBetween(crossing, ridge.normal[kLeft], ridge.normal[kRight], along);
 	return ridge;
 }
 
@@ -120,9 +120,9 @@ Heights heightsOf(const Ridge& now, const Ridge& then)
 	const bool isSwapped = dot(now.normal[kLeft], then.normal[kLeft]) < dot(now.normal[kLeft], then.normal[kRight]);
 	Heights heights{{now.height(now.normal[isSwapped ? kRight : kLeft]), now.height(now.normal[isSwapped ? kLeft : kRight]), kNowhere},
 					{then.height(then.normal[kLeft]), then.height(then.normal[kRight]), kNowhere}};
-	if (!now.cross && !then.cross) return heights;
-	heights.now[kCrossing] = now.height((now.cross ? now : then).normal[kCrossing]);
-	heights.then[kCrossing] = then.height((then.cross ? then : now).normal[kCrossing]);
+	if (!now.crosses && !then.crosses) return heights;
+	heights.now[kCrossing] = now.height((now.crosses ? now : then).normal[kCrossing]);
+	heights.then[kCrossing] = then.height((then.crosses ? then : now).normal[kCrossing]);
 	return heights;
 }
 
@@ -172,7 +172,7 @@ std::optional<Passage> passageOf(const Heights& heights, double touch, double ma
 }
 
 // A facet of the edges where they come nearest to crossing at the end of the step, with the normal that they have there.
-Facet crossingOf(const FacetQuestion& q, const FacetRecord& record, const Ridge& then)
+Facet facetOfCrossing(const FacetQuestion& q, const FacetRecord& record, const Ridge& then)
 {
 	Facet facet{};
 	static_cast<FacetRecord&>(facet) = record;
@@ -181,7 +181,7 @@ Facet crossingOf(const FacetQuestion& q, const FacetRecord& record, const Ridge&
 	const Vec3 across = then.offset[1] - then.offset[0];
 	const double squared = lengthSquared(across);
 	const double share = squared > 0 ? std::clamp(-dot(then.offset[0], across) / squared, 0.0, 1.0) : 0.5;
-	const Vec3 onA = then.placeA(then.from + share * (then.to - then.from), a.vertices()[edge.vertex[0]], edge.direction);
+	const Vec3 onA = then.placeOn(then.from + share * (then.to - then.from), a.vertices()[edge.vertex[0]], edge.direction);
 	const Vec3 onBThen = onA - (then.offset[0] + share * across);
 	facet.feature = featureOf(a, b, facet);
 	facet.normal = then.normal[kCrossing];
@@ -246,8 +246,8 @@ void FacetChoice::passParallels(const JoinedBodies& joined, std::vector<Facet>& 
 		if (facets[i].hasFeatures() && !facets[i].isOfMiddle() && !facets[i].isThrough && !facets[i].isAside)
 			listParallels(facets, i);
 	const auto nameOf = [](const Parallels& p) { return std::tie(p.levelA, p.levelB, p.edgeA, p.edgeB); };
-	std::sort(m_parallels.begin(), m_parallels.end(), [&](const Parallels& l, const Parallels& r)
-			  { return std::tuple_cat(nameOf(l), std::tie(l.facet)) < std::tuple_cat(nameOf(r), std::tie(r.facet)); });
+	const auto orderOf = [](const Parallels& p) { return std::tie(p.levelA, p.levelB, p.edgeA, p.edgeB, p.facet); };
+	std::sort(m_parallels.begin(), m_parallels.end(), [&](const Parallels& l, const Parallels& r) { return orderOf(l) < orderOf(r); });
 	m_isKept.assign(facets.size(), 1);
 	for (std::size_t from = 0, to = 0; from < m_parallels.size(); from = to)
 	{
@@ -276,7 +276,7 @@ void FacetChoice::passParallels(Span<Parallels> ofFacets, const JoinedBodies& jo
 	const Facet& like = facets[edges.facet];
 	const FacetRecord record{Facet::Kind::kEdgeEdge, Facet::Reach::kNear, false, false, edges.levelA, edges.levelB,
 							 like.nodeA, like.nodeB, edges.edgeA, edges.edgeB, 0, 0, 0};
-	if (!joined.isEmpty() && isAtSeam(q, joined, crossingOf(q, record, then))) return;
+	if (!joined.isEmpty() && isAtSeam(q, joined, facetOfCrossing(q, record, then))) return;
 	// The facets here: those of the edges, and of edges that share a vertex with these.
 	const auto isHere = [&](const Facet& facet)
 	{
@@ -331,9 +331,9 @@ void FacetChoice::passParallels(Span<Parallels> ofFacets, const JoinedBodies& jo
 		m_waysOut.push_back({facets[i].feature, highest});
 	}
 	// Edges that are parallel now have a normal only where they cross at the end of the step.
-	if (passage->side == kCrossing && then.cross && !isFound)
+	if (passage->side == kCrossing && then.crosses && !isFound)
 	{
-		facets.push_back(crossingOf(q, record, then));
+		facets.push_back(facetOfCrossing(q, record, then));
 		m_waysOut.push_back({facets.back().feature, std::min(0.0, highest)});
 		m_isKept.push_back(1);
 		hasFacet = true;
