@@ -217,6 +217,31 @@ TEST(MechanismLevels, WhatLiesInACrackBetweenTwoLevelsRests)
 	}
 }
 
+// Flat sides that are not quite flat on a coarse level: stacks of ten swayed for ever, at several radii a second.
+TEST(MechanismLevels, StacksRestOnLevelsThatAreNotFlat)
+{
+	const SceneDefinition& definition = definitionOf("pile-stacks");
+	SceneSettings settings = settingsOf(definition.info, 1);
+	for (const ContactMetric& metric : {ContactMetric::deviationShare(0.02), ContactMetric::errorShare(0.02)})
+	{
+		settings.metric = metric;
+		const auto scene = makeScene(definition, settings);
+		double fastest = 0;  // radii a second
+		for (int step = 0; step < 480; ++step)
+		{
+			scene->step();
+			if (step < 420) continue;
+			const SceneState state = scene->state();
+			for (std::size_t i = 1; i < state.bodies.size(); ++i)
+			{
+				const double radius = double(settings.models[definition.info.bodies[i].model]->asset().radius);
+				fastest = std::max(fastest, length(state.bodies[i].velocity) / radius + length(state.bodies[i].turning));
+			}
+		}
+		EXPECT_LT(fastest, 0.5);
+	}
+}
+
 // A double pendulum on its way, in steps of 1/60 s; angles from hanging.
 struct Swing
 {

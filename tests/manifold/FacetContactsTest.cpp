@@ -456,4 +456,35 @@ TEST(LevelSwitch, WhatIsHeldHasGoneInThroughNothing)
 	EXPECT_EQ(facets[0].kind, Facet::Kind::kHeld);
 	EXPECT_FALSE(facets[0].isThrough);
 }
+
+// An overlap that came with a level is less by as much in each step, although the bodies stay where they are.
+TEST(LevelSwitch, AnOverlapIsLeftThoughBodiesStay)
+{
+	const HierarchyPointer cube = cubeOf();
+	const Transform pose = at({0, 0.99, 0});
+	FacetQuestion question{contactBody(*cube), contactBody(*cube), pose, pose, pose, {}};
+	question.rules.length = 1;
+	question.rules.timeStep = 1.0 / 240;
+	std::vector<Contact> contacts(1);
+	contacts[0].nodeA = contacts[0].nodeB = 0;
+	SwitchMemory memory;
+	memory.asked = {{1, 0}};
+	LevelSwitch levels;
+	const double depth = 0.01, aStep = switchSpeed(question.rules) * question.rules.timeStep;
+	ASSERT_GT(aStep, 0);
+	double left = depth;
+	for (int i = 0; i < 3; ++i)
+	{
+		Facet facet{};
+		facet.kind = Facet::Kind::kFaceVertex;
+		facet.normal = {0, -1, 0};
+		facet.distance = -depth;
+		std::vector<Facet> facets{facet};
+		levels.apply(question, contacts, {}, {}, false, memory, facets);
+		EXPECT_NEAR(facets[0].slowOverlap, left, 1e-9) << i;
+		left -= aStep;
+	}
+	for (int i = 0; i < 2 * depth / aStep; ++i) memory.passStep(question.rules);
+	EXPECT_EQ(memory.overlap, 0);
+}
 }  // namespace clod::test

@@ -271,10 +271,11 @@ bool ManifoldSet::follow(HeldClusters& written, const WorldFrame& frame, btManif
 	if (!isAsLeft(frame, out)) return false;
 	const bool slips = slip();
 	for (std::size_t i = 0; i < m_slots.size(); ++i)
+		if (m_slots[i].count > 0) refresh(i, written, out);
+	for (std::size_t i = 0; i < m_slots.size(); ++i)
 	{
 		Slot& slot = m_slots[i];
 		if (slot.count == 0) continue;
-		refresh(i, written, out);
 		for (int k = 0; k < m_manifolds[i]->getNumContacts(); ++k)
 			for (std::size_t j = 0; j < std::size_t(slot.count); ++j)
 			{
@@ -283,7 +284,7 @@ bool ManifoldSet::follow(HeldClusters& written, const WorldFrame& frame, btManif
 				ContactPoint now = written.at(i, j).point;
 				now.height = double(point.m_distance1) / frame.scale;
 				if (now.goesOn) letDown(frame, written.at(i, j), now);
-				now.slowOverlap = std::max(0.0, std::min(now.slowOverlap, -now.height));
+				now.slowOverlap = std::max(0.0, std::min({now.slowOverlap, frame.slowOverlap / frame.scale, -now.height}));
 				point.m_combinedRestitution = slot.restitution;
 				setSolverTerms(now, frame, point);
 				// An anchor keeps the two places together that touched first.

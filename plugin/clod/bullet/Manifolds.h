@@ -30,12 +30,14 @@ struct WorldFrame
 	double breakingThreshold = 0;  // world length
 	double timeStep = 0;           // 0: points are for the poses as they are
 	double pushSpeed = 0;           // at which an overlap is left at most, world lengths a second,
-	double switchSpeed = 0;         // and one that came with a change of level
-	double restingGap = 0;          // world length: where points carry, gaps up to it close slowly, by
+	double switchSpeed = 0;         // and one that came with a change of level,
+	double slowOverlap = 0;         // which is at most so much (world length)
+	double restingGap = 0;          // the skin, world length: where points carry, such gaps close slowly, by
 	double closedShare = 1;         // this of them a step (SolverTerms.h)
 	double carriedShare = 1;        // of last step's impulses that points start from
 	const HeldClusters* points = nullptr;  // all that are written, of which a coarse surface
 	double alike = 0;                    // may set some, by so much, above others that are met as soon (world length)
+	bool isNearRest = false;        // do the bodies hardly move?
 	bool rocks = false;             // one lies alone on the other (PointRules), but not still
 };
 

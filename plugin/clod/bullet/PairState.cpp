@@ -18,6 +18,7 @@ namespace
 {
 constexpr double kAlone = 0.1, kStaysAlone = 0.3;  // of its weight, by which the load may differ
 constexpr std::uint32_t kLongStill = 16;  // dispatches that ask nothing, until what queries remember is given back
+constexpr double kNearRestShare = 4e-3;  // of the length: who moves no farther in a step may come to rest where it is
 constexpr double kStillShare = 3e-4;  // of the length, more than half of the skin: points found so little motion ago serve
 
 // All fields, for comparison. A field that is added does not compile before it is named here.
@@ -421,6 +422,7 @@ bool PairState::follow(const PairPose& pose, const WorldFrame& frame, btManifold
 	m_report.kept = m_manifolds.follow(m_clusters, frame, out);
 	if (!m_report.kept) return false;
 	m_report.queryMicroseconds = m_report.contactMicroseconds = 0;
+	m_facets.levels.passStep(pose.rules);
 	foresee(pose);
 	m_foreseen.motion = {{}, {}, pose.rules.timeStep};
 	if (++m_followed == kLongStill) m_cache.pair.giveBack();
@@ -454,11 +456,15 @@ WorldFrame PairState::worldFrame(const Prepared& prepared, double closestPoints)
 	frame.timeStep = pose.rules.timeStep;
 	frame.pushSpeed = m_context.pushSpeed * pose.rules.length * frame.scale;
 	frame.switchSpeed = switchSpeed(pose.rules) * frame.scale;
+	frame.slowOverlap = m_facets.levels.overlap * frame.scale;
 	frame.restingGap = kSkinShare * pose.rules.length * frame.scale;
 	frame.closedShare = std::min(1.0, std::max(0.0, m_context.closedShare));
 	frame.carriedShare = prepared.carriedShare;
 	frame.breakingThreshold = kBreakingShare * pose.rules.length * frame.scale + closestPoints;
+	frame.points = &m_clusters;
+	frame.alike = frame.scale * m_report.contactError;
 	const PointRules& rules = prepared.question.rules;
+	frame.isNearRest = prepared.question.way <= kNearRestShare * rules.length;
 	frame.rocks = rules.liesAlone && prepared.question.way > kStillShare * rules.length;
 	return frame;
 }
@@ -471,8 +477,6 @@ void PairState::write(const PairPose& pose, WorldFrame& frame, btManifoldResult&
 		return {pose.hierarchyA().node(point.nodeA).level,
 				isClod ? pose.hierarchyB().node(point.nodeB).level : point.nodeB};
 	};
-	frame.alike = frame.scale * m_report.contactError;
-	frame.points = &m_clusters;
 	m_manifolds.write(m_clusters, frame, partsOf, out);
 	noteSides(pose);
 }

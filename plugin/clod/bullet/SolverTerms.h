@@ -12,6 +12,11 @@
 // factor w, as impulse. These errors follow the roots of x^3 + (s + 1 - w) x^2 + s x + s b, and grow unless s + 1 - w >
 // b. So piles tremble with b = 1, and nothing grows with b = 1 - w, whatever s is. With smaller b, bodies that have
 // landed askew creep.
+//
+// Near rest a point that carries speaks for all of its normal, as loads go to and fro between them: coarse surfaces of flat
+// bodies are not quite flat. Where b is that of piles, and levels err by more than skins, flats that carry also leave an
+// overlap of their skins by b: what sinks as the iterations end too soon, and is thrust out again, lifts a pile and lets it
+// sway for ever. Others do not: an arch sags by it, and edges are sharper than skins.
 #pragma once
 #include <BulletCollision/NarrowPhaseCollision/btManifoldPoint.h>
 

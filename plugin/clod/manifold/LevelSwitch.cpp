@@ -29,6 +29,11 @@ double switchSpeed(const PointRules& rules)
 	return kSwitchShare * std::sqrt(std::max(pull, rules.length) * rules.length);
 }
 
+void SwitchMemory::passStep(const PointRules& rules)
+{
+	overlap = std::max(0.0, overlap - switchSpeed(rules) * rules.timeStep);
+}
+
 // Makes a facet of last step's point: between its two places as they are now, margins taken off. False if it slid away.
 bool LevelSwitch::goOn(const FacetQuestion& question, const ContactPoint& point, const Transform& motionOfB,
 					   Facet& facet)
@@ -114,7 +119,11 @@ void LevelSwitch::apply(const FacetQuestion& question, const std::vector<Contact
 					   facets.push_back(facet);
 					   m_points.back().idle = carried ? 0 : old.point.idle + (stays ? 0 : question.rules.timeStep);
 				   });
-	if (!stays) memory.overlap = std::min(deepest, std::max(memory.overlap, fresh - before));
+	if (!stays)
+	{
+		memory.passStep(question.rules);
+		memory.overlap = std::min(deepest, std::max(memory.overlap, fresh - before));
+	}
 	memory.asked = m_asked;
 	for (Facet& facet : facets)
 		if (facet.kind != Facet::Kind::kDeep)

@@ -22,8 +22,9 @@ struct SwitchMemory
 		bool operator==(const Levels& other) const { return a == other.a && b == other.b; }
 	};
 	std::vector<Levels> asked;  // of the last dispatch
-	double overlap = 0;         // came with a change of level, and is left slowly
+	double overlap = 0;         // came with a change of level, and is left slowly: less each step, wherever the bodies are
 	bool isOther = false;       // B's surface is another than in the last dispatch, by no change of level: nothing goes on
+	CLOD_API void passStep(const PointRules& rules);
 };
 
 // For any number of pairs, one after the other.

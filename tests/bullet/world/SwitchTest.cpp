@@ -73,6 +73,28 @@ public:
 		return level;
 	}
 	void step() { m_scene.step(); }
+	// Whatever pushes it, it stays where it is.
+	void hold()
+	{
+		m_body->setLinearFactor(btVector3(0, 0, 0));
+		m_body->setAngularFactor(0);
+	}
+	// By how much its points ask to be less deep after the next step, in radii.
+	double leftAStep()
+	{
+		double most = 0;
+		btDispatcher& dispatcher = *m_scene.world.getDispatcher();
+		for (int k = 0; k < dispatcher.getNumManifolds(); ++k)
+		{
+			const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(k);
+			for (int p = 0; p < manifold.getNumContacts(); ++p)
+			{
+				const btManifoldPoint& point = manifold.getContactPoint(p);
+				most = std::max(most, -double(point.m_distance1) * double(point.m_contactERP));
+			}
+		}
+		return most / m_radius;
+	}
 
 private:
 	btClodShape& shapeOf(const std::string& name, double size)
@@ -218,6 +240,30 @@ TEST(LevelSwitch, AnOverlapIsLeftAsSlowlyByPointsThatAreKept)
 	const std::vector<double>&found = settling[false].heights, &kept = settling[true].heights;
 	ASSERT_EQ(found.size(), 12u);
 	for (std::size_t i = 0; i < found.size(); ++i) EXPECT_NEAR(kept[i], found[i], 3e-6) << i;
+}
+
+// So it is if something holds it, but not for ever: it stayed as deep, as that was all that was asked of it.
+TEST(LevelSwitch, AnOverlapThatIsHeldIsNotLeftSlowlyForEver)
+{
+	for (const bool keeps : {false, true})
+	{
+		Resting scene("cup-3000", Resting::Ground::kPlane);
+		scene.keepPoints(keeps);
+		scene.hold();
+		scene.choose(false);
+		scene.step();
+		scene.step();
+		const double first = scene.leftAStep();
+		int kept = 0;
+		for (int i = 0; i < 1440; ++i)
+		{
+			scene.step();
+			kept += scene.keptPairs();
+		}
+		EXPECT_EQ(kept > 720, keeps) << kept;
+		EXPECT_GT(first, 0) << keeps;
+		EXPECT_GT(scene.leftAStep(), 4 * first) << keeps;
+	}
 }
 
 // On a coarse level the underside of a flat body is uneven. Nothing that is met within the error of the level is met
