@@ -83,13 +83,13 @@ void setYielding(const WorldFrame& frame, double depth, btManifoldPoint& point)
 	point.m_contactCFM = btScalar(share * double(body.getInvMass()) * frame.timeStep);
 }
 
-// How many points carry that have its normal: those of one flat, or of small flats of a coarse surface.
-int carryingBeside(const ContactPoint& point, const WorldFrame& frame)
+// Do at least so many points carry that have its normal? Those are of one flat, or of small flats of a coarse surface.
+bool carryBeside(const ContactPoint& point, const WorldFrame& frame, int count)
 {
-	if (!frame.points || !frame.isNearRest) return 0;
-	const auto carries = [&](const HeldPoint& held)
-	{ return held.impulse > 0 && dot(held.point.normal, point.normal) > kSameNormal; };
-	return int(std::count_if(frame.points->points().begin(), frame.points->points().end(), carries));
+	if (!frame.points || !frame.isNearRest) return false;
+	for (const HeldPoint& held : frame.points->points())
+		if (held.impulse > 0 && dot(held.point.normal, point.normal) > kSameNormal && --count == 0) return true;
+	return false;
 }
 
 void setErp(double erp, btManifoldPoint& point)
@@ -124,15 +124,15 @@ void setSolverTerms(const ContactPoint& point, const WorldFrame& frame, btManifo
 	if (!(dt > 0)) return;
 	const double slow = point.slowOverlap * frame.scale;
 	double row = velocityRow(height + slow, bend);
-	const int carrying = carryingBeside(point, frame);
-	if (row > 0 && (written.m_appliedImpulse > 0 || carrying > 0))
+	if (row > 0 && (written.m_appliedImpulse > 0 || carryBeside(point, frame, 1)))
 	{
 		const double near = std::min(row, (frame.isNearRest ? kFarthestClosed : 1) * frame.restingGap);
 		row -= near - std::max(frame.closedShare * near, std::min(near, frame.switchSpeed * dt));
 	}
 	// An overlap is left by positions (split impulse) if they take back more of it than the path bends into it.
 	// Otherwise velocities answer for both, with at most twice what the bend itself asks for.
-	const bool isOfPile = frame.closedShare < kShareOfPiles && carrying >= kOfFlat && frame.alike > frame.restingGap;
+	const bool mayBeOfPile = height < 0 && frame.closedShare < kShareOfPiles && frame.alike > frame.restingGap;
+	const bool isOfPile = mayBeOfPile && carryBeside(point, frame, kOfFlat);
 	const double ofSkin = isOfPile ? std::max(0.0, std::min(-height - slow, frame.restingGap)) : 0;
 	const bool isDepth = height < 0 && -bend < kTakenBackShare * (-height - ofSkin) + frame.closedShare * ofSkin;
 	if (height < 0 && (written.m_contactPointFlags & BT_CONTACT_FLAG_CONTACT_STIFFNESS_DAMPING) != 0)
