@@ -57,6 +57,12 @@ std::unique_ptr<Scene> chainInPasses(double resolution, const ContactMetric& met
 	return makeScene(definition, settings);
 }
 
+// Radii a second.
+double speedOf(const BodyState& body, double radius)
+{
+	return length(body.velocity) / radius + length(body.turning);
+}
+
 test::TriangleSoup placedTriangles(const ModelMesh& mesh, const Pose& pose)
 {
 	const Transform worldFromMesh = toTransform(pose);
@@ -210,8 +216,7 @@ TEST(MechanismLevels, WhatLiesInACrackBetweenTwoLevelsRests)
 		{
 			scene->step();
 			if (step < 38 * 240) continue;
-			const BodyState spoon = scene->state().bodies[1];
-			fastest = std::max(fastest, length(spoon.velocity) / radius + length(spoon.turning));
+			fastest = std::max(fastest, speedOf(scene->state().bodies[1], radius));
 		}
 		EXPECT_LT(fastest, 0.01) << i;
 	}
@@ -235,7 +240,7 @@ TEST(MechanismLevels, StacksRestOnLevelsThatAreNotFlat)
 			for (std::size_t i = 1; i < state.bodies.size(); ++i)
 			{
 				const double radius = double(settings.models[definition.info.bodies[i].model]->asset().radius);
-				fastest = std::max(fastest, length(state.bodies[i].velocity) / radius + length(state.bodies[i].turning));
+				fastest = std::max(fastest, speedOf(state.bodies[i], radius));
 			}
 		}
 		EXPECT_LT(fastest, 0.5);

@@ -427,14 +427,34 @@ TEST(FacetContacts, WhatIsMetOnlyByGoingFarHoldsNothing)
 		}
 }
 
+// Two cubes, B so high over A, now asked for on the finest level, and on A's second one before.
+struct AfterASwitch
+{
+	HierarchyPointer cube = cubeOf();
+	FacetQuestion question;
+	std::vector<Contact> contacts = std::vector<Contact>(1);
+	SwitchMemory memory;
+	LevelSwitch levels;
+
+	explicit AfterASwitch(double height)
+	{
+		const Transform pose = at({0, height, 0});
+		question = {contactBody(*cube), contactBody(*cube), pose, pose, pose, {}};
+		question.rules.length = 1;
+		question.rules.timeStep = 1.0 / 240;
+		contacts[0].nodeA = contacts[0].nodeB = 0;
+		memory.asked = {{1, 0}};
+	}
+	void apply(const std::vector<FacetRecord>& reduced, const ClusterSet& previous, std::vector<Facet>& facets)
+	{
+		levels.apply(question, contacts, reduced, previous, false, memory, facets);
+	}
+};
+
 // Its features are a held point's no longer: none of them is looked up as what had gone in through a face.
 TEST(LevelSwitch, WhatIsHeldHasGoneInThroughNothing)
 {
-	const HierarchyPointer cube = cubeOf();
-	const Transform pose = at({0, 2, 0});
-	FacetQuestion question{contactBody(*cube), contactBody(*cube), pose, pose, pose, {}};
-	question.rules.length = 1;
-	question.rules.timeStep = 1.0 / 240;
+	AfterASwitch pair(2);
 	FacetRecord record{};
 	record.kind = Facet::Kind::kVertexFace;
 	record.isThrough = true;
@@ -445,13 +465,8 @@ TEST(LevelSwitch, WhatIsHeldHasGoneInThroughNothing)
 	old.impulse = 1;
 	old.point.normal = {0, -1, 0};
 	old.point.pointOnA = old.point.pointOnB = {0, 1, 0};
-	std::vector<Contact> contacts(1);
-	contacts[0].nodeA = contacts[0].nodeB = 0;
-	SwitchMemory memory;
-	memory.asked = {{1, 0}};
 	std::vector<Facet> facets;
-	LevelSwitch levels;
-	levels.apply(question, contacts, {record}, previous, false, memory, facets);
+	pair.apply({record}, previous, facets);
 	ASSERT_EQ(facets.size(), 1u);
 	EXPECT_EQ(facets[0].kind, Facet::Kind::kHeld);
 	EXPECT_FALSE(facets[0].isThrough);
@@ -460,17 +475,9 @@ TEST(LevelSwitch, WhatIsHeldHasGoneInThroughNothing)
 // An overlap that came with a level is less by as much in each step, although the bodies stay where they are.
 TEST(LevelSwitch, AnOverlapIsLeftThoughBodiesStay)
 {
-	const HierarchyPointer cube = cubeOf();
-	const Transform pose = at({0, 0.99, 0});
-	FacetQuestion question{contactBody(*cube), contactBody(*cube), pose, pose, pose, {}};
-	question.rules.length = 1;
-	question.rules.timeStep = 1.0 / 240;
-	std::vector<Contact> contacts(1);
-	contacts[0].nodeA = contacts[0].nodeB = 0;
-	SwitchMemory memory;
-	memory.asked = {{1, 0}};
-	LevelSwitch levels;
-	const double depth = 0.01, aStep = switchSpeed(question.rules) * question.rules.timeStep;
+	AfterASwitch pair(0.99);
+	const PointRules& rules = pair.question.rules;
+	const double depth = 0.01, aStep = switchSpeed(rules) * rules.timeStep;
 	ASSERT_GT(aStep, 0);
 	double left = depth;
 	for (int i = 0; i < 3; ++i)
@@ -480,11 +487,11 @@ TEST(LevelSwitch, AnOverlapIsLeftThoughBodiesStay)
 		facet.normal = {0, -1, 0};
 		facet.distance = -depth;
 		std::vector<Facet> facets{facet};
-		levels.apply(question, contacts, {}, {}, false, memory, facets);
+		pair.apply({}, {}, facets);
 		EXPECT_NEAR(facets[0].slowOverlap, left, 1e-9) << i;
 		left -= aStep;
 	}
-	for (int i = 0; i < 2 * depth / aStep; ++i) memory.passStep(question.rules);
-	EXPECT_EQ(memory.overlap, 0);
+	for (int i = 0; i < 2 * depth / aStep; ++i) pair.memory.passStep(rules);
+	EXPECT_EQ(pair.memory.overlap, 0);
 }
 }  // namespace clod::test
