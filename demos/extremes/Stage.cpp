@@ -69,8 +69,7 @@ Stage::Stage(Workshop& workshop, const Setting& setting, const std::string& scen
 	: m_workshop(workshop), m_setting(setting)
 {
 	if (setting.collider == Collider::primitive) throw NotApplicable("no primitive of it");
-	for (const SceneDefinition& known : sceneDefinitions())
-		if (known.info.name == scene) m_scene = known;
+	if (const SceneDefinition* const known = findDefinition(scene)) m_scene = *known;
 	for (std::size_t i = 0; i < m_scene.info.models.size(); ++i)
 	{
 		const std::string& model = m_scene.info.models[i].name;

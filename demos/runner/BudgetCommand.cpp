@@ -11,6 +11,7 @@
 #include "demos/runner/Commands.h"
 #include "demos/runner/SceneModels.h"
 #include "demos/runner/Selection.h"
+#include "demos/scenes/SceneDefinition.h"
 
 namespace clod::demo
 {
@@ -61,7 +62,7 @@ void runBudget(const BudgetCommandOptions& options)
 			std::vector<BudgetRun> runs;
 			for (const double budget : budgets)
 				runs.push_back({options.areTests ? Budget{budget, kOff} : Budget{kOff, budget}, settings.metric, {}});
-			return runUnderBudgets(info, settings, steps, std::move(runs), [&](double fraction)
+			return runUnderBudgets(*findDefinition(name), settings, steps, std::move(runs), [&](double fraction)
 								   { progress.update(name, from + fraction * (to - from)); });
 		};
 		if (options.budgets.empty())

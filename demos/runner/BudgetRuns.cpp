@@ -11,6 +11,7 @@
 #include "demos/runner/Gnuplot.h"
 #include "demos/runner/Replay.h"
 #include "demos/runner/Statistics.h"
+#include "demos/scenes/SceneDefinition.h"
 
 namespace clod::demo
 {
@@ -126,11 +127,11 @@ std::vector<double> budgetsBetween(const SceneUnderBudgets& ends, bool areTests)
 	return budgets;
 }
 
-SceneUnderBudgets runUnderBudgets(const SceneInfo& info, const SceneSettings& settings, int steps,
+SceneUnderBudgets runUnderBudgets(const SceneDefinition& scene, const SceneSettings& settings, int steps,
 								  std::vector<BudgetRun> runs, const std::function<void(double)>& progress)
 {
 	SceneUnderBudgets result;
-	result.scene = info.name;
+	result.scene = scene.info.name;
 	result.radius = settings.models[0]->asset().radius;
 	for (const auto& model : settings.models) result.radius = std::min(result.radius, double(model->asset().radius));
 	SceneSettings silent = settings;
@@ -143,7 +144,7 @@ SceneUnderBudgets runUnderBudgets(const SceneInfo& info, const SceneSettings& se
 			run.rows.push_back({int(state.step), state.dispatchMicroseconds, state.contactError, state.excess, state.tests,
 								state.coarsestTests});
 	};
-	const std::unique_ptr<Scene> leader = makeScene(info.name, silent);
+	const std::unique_ptr<Scene> leader = makeScene(scene, silent);
 	std::vector<SceneState> states = {leader->state()};
 	BudgetRun free;
 	free.metric = settings.metric;
@@ -157,7 +158,7 @@ SceneUnderBudgets runUnderBudgets(const SceneInfo& info, const SceneSettings& se
 	{
 		silent.budget = run.budget;
 		silent.metric = run.metric;
-		const std::unique_ptr<Scene> follower = makeScene(info.name, silent);
+		const std::unique_ptr<Scene> follower = makeScene(scene, silent);
 		for (int step = 0; step < steps; ++step, advance())
 		{
 			follower->place(states[std::size_t(step)]);

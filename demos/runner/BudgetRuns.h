@@ -37,7 +37,7 @@ struct SceneUnderBudgets
 
 // Simulates the scene without a budget, then dispatches every step again, from the same poses and velocities, as each
 // of the runs says, and fills in its rows; a run without a budget, of the scene's metric, is added as the last.
-SceneUnderBudgets runUnderBudgets(const SceneInfo& info, const SceneSettings& settings, int steps,
+SceneUnderBudgets runUnderBudgets(const SceneDefinition& scene, const SceneSettings& settings, int steps,
 								  std::vector<BudgetRun> runs, const std::function<void(double fraction)>& progress);
 
 // Of a run under a budget of nothing: at most twelve, by equal factors from the median of what its steps took to twice

@@ -15,12 +15,12 @@
 #include "cli/Failure.h"
 #include "demos/render/MetricLength.h"
 #include "demos/runner/Selection.h"
+#include "demos/scenes/SceneDefinition.h"
 
 namespace clod::demo
 {
 namespace
 {
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kPanel = kViewImageHeight;  // pixels, each way
 constexpr Color kGlassColor = {0.45f, 0.62f, 0.78f, 0.22f};
 // Neighbours differ: a chain's links, what lies between two others. So do their patches, by so much of the way to

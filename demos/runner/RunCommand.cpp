@@ -63,9 +63,8 @@ SceneDefinition definitionOf(const RunOptions& options)
 		if (!scene) throw Failure(ExitCode::badInput, scene.error());
 		if (options.models.empty()) return std::move(scene.value());
 	}
-	if (options.models.empty())
-		for (const SceneDefinition& scene : sceneDefinitions())
-			if (scene.info.name == options.scene) return scene;
+	const SceneDefinition* const known = findDefinition(options.scene);
+	if (options.models.empty() && known) return *known;
 	if (options.scene != "drop")
 		throw Failure(ExitCode::usage, fmt::format("--model is for the scene drop, not for {}", options.scene));
 	std::vector<SceneModel> models;

@@ -195,9 +195,7 @@ void measureTriangles(const ScalingCommandOptions& options, HierarchyCache& cach
 					  cli::Progress& progress, WorldRecord& record)
 {
 	record.begin(options.scene, "triangles");
-	const SceneDefinition* scene = nullptr;
-	for (const SceneDefinition& each : sceneDefinitions())
-		if (each.info.name == options.scene) scene = &each;
+	const SceneDefinition* const scene = findDefinition(options.scene);
 	for (const double resolution : options.resolutions)
 	{
 		const std::vector<HierarchyPointer> models = buildModels(scene->info, {resolution, false}, cache);

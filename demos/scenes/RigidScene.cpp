@@ -48,9 +48,8 @@ private:
 
 std::unique_ptr<Scene> makeScene(const std::string& name, const SceneSettings& settings)
 {
-	for (const SceneDefinition& scene : sceneDefinitions())
-		if (scene.info.name == name) return makeScene(scene, settings);
-	return nullptr;
+	const SceneDefinition* const scene = findDefinition(name);
+	return scene ? makeScene(*scene, settings) : nullptr;
 }
 
 std::unique_ptr<Scene> makeScene(const SceneDefinition& definition, const SceneSettings& settings)

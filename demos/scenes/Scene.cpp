@@ -82,6 +82,13 @@ const std::vector<SceneInfo>& scenes()
 	return infos;
 }
 
+const SceneDefinition* findDefinition(const std::string& name)
+{
+	for (const SceneDefinition& scene : sceneDefinitions())
+		if (scene.info.name == name) return &scene;
+	return nullptr;
+}
+
 const SceneInfo* findScene(const std::string& name)
 {
 	for (const SceneInfo& scene : scenes())

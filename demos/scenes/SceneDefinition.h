@@ -93,6 +93,8 @@ inline constexpr double kPi = 3.14159265358979323846;
 
 // All, in the order `clod-bench list` shows them.
 const std::vector<SceneDefinition>& sceneDefinitions();
+// Null for an unknown name.
+const SceneDefinition* findDefinition(const std::string& name);
 
 SceneDefinition spoonCup();
 SceneDefinition torusSpiral();

@@ -257,6 +257,29 @@ TEST(WrittenPoints, BesideOnesThatCarryCloseAShareToo)
 	EXPECT_NEAR(rowBeside({0, 1, 0}, 1, false), 0.08, 1e-6);
 }
 
+// On levels that err by more flats leave an overlap of skins by the share of piles, and what is deeper as others do. Edges
+// are sharper than skins.
+TEST(WrittenPoints, OfFlatsInPilesLeaveAnOverlapOfSkinsSlowly)
+{
+	const auto left = [&](double depth, int carry, double share, double error = 0.2)
+	{
+		WorldFrame frame = frameOfSkins(share);
+		frame.alike = error;
+		const HeldClusters held = carrying(carry, {0, 1, 0}, 1);
+		frame.points = &held;
+		const btManifoldPoint written = writtenAt(-depth, 1, frame);
+		return -double(written.m_distance1) * double(written.m_contactERP);
+	};
+	const double ofOthers = left(1, 2, 0.02);  // of a unit; more than a fifth, as the step is long
+	EXPECT_GT(ofOthers, 0.2);
+	EXPECT_NEAR(left(0.04, 3, 0.02), 0.02 * 0.04, 1e-6);
+	EXPECT_NEAR(left(0.1, 3, 0.02), 0.02 * 0.1, 1e-6);
+	EXPECT_NEAR(left(0.3, 3, 0.02), 0.02 * 0.1 + 0.2 * ofOthers, 1e-6);
+	EXPECT_NEAR(left(0.1, 2, 0.02), 0.1 * ofOthers, 1e-6);
+	EXPECT_NEAR(left(0.1, 3, 0.15), 0.1 * ofOthers, 1e-6);
+	EXPECT_NEAR(left(0.1, 3, 0.02, 0.05), 0.1 * ofOthers, 1e-6);
+}
+
 // A corner that two levels have in common is two points at one place, each with what is kept in it.
 TEST(WrittenPoints, EqualOnesAreTwo)
 {

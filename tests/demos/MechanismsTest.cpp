@@ -27,8 +27,7 @@ const std::vector<std::string> kScenes = {"pendulum",     "double-pendulum", "ch
 
 const SceneDefinition& definitionOf(const std::string& name)
 {
-	for (const SceneDefinition& scene : sceneDefinitions())
-		if (scene.info.name == name) return scene;
+	if (const SceneDefinition* const scene = findDefinition(name)) return *scene;
 	throw std::runtime_error("no scene " + name);
 }
 
@@ -234,7 +233,7 @@ TEST(MechanismLevels, StacksRestOnLevelsThatAreNotFlat)
 	}
 }
 
-// With the settings for all worlds. In one order for ever, that in which its bodies were made, each of these fell.
+// With the settings for all worlds. In one order for ever, that in which its bodies were made, towers sway or fall.
 TEST(MechanismLevels, TowersStandWhereContactsAreShuffled)
 {
 	const SceneDefinition& stacks = definitionOf("pile-stacks");

@@ -14,6 +14,7 @@
 #include "demos/runner/BudgetRuns.h"
 #include "demos/runner/SceneModels.h"
 #include "demos/runner/Statistics.h"
+#include "demos/scenes/SceneDefinition.h"
 #include "tests/demos/KeptHierarchies.h"
 #include "tests/query/Questions.h"
 
@@ -95,12 +96,12 @@ struct Spent
 struct Asked
 {
 	demo::SceneSettings settings;
-	const demo::SceneInfo* info = nullptr;
+	demo::SceneDefinition scene;
 	int steps = 0;
 	// In the order of `runs`; behind them one without a budget.
 	std::vector<BudgetRun> operator()(std::vector<BudgetRun> runs) const
 	{
-		return demo::runUnderBudgets(*info, settings, steps, std::move(runs), [](double) {}).runs;
+		return demo::runUnderBudgets(scene, settings, steps, std::move(runs), [](double) {}).runs;
 	}
 };
 
@@ -112,20 +113,22 @@ TEST_P(SceneBudgets, AreKeptAndWellSpent)
 {
 	Asked ask;
 	const Spent& spent = GetParam();
-	ask.info = &demo::sceneNamed(spent.scene);
-	const int bodySteps = setting("CLOD_BUDGET_BODY_STEPS", 6000), bodies = int(ask.info->bodies.size());
-	ask.steps = std::min({bodySteps / bodies, ask.info->steps, 240});
-	ask.settings.models = demo::buildModels(*ask.info, {0.01 * setting("CLOD_SCENE_PERCENT", 3), false}, test::keptHierarchies());
+	ask.scene = *demo::findDefinition(spent.scene);
+	// In one order stacks tremble all the while. Shuffled ones lie still, and there is nothing to spend in the median step.
+	if (std::exchange(ask.scene.world.shufflesContacts, false)) ask.scene.world.solverIterations = 50;
+	const demo::SceneInfo& info = ask.scene.info;
+	const int bodySteps = setting("CLOD_BUDGET_BODY_STEPS", 6000), bodies = int(info.bodies.size());
+	ask.steps = std::min({bodySteps / bodies, info.steps, 240});
+	ask.settings.models = demo::buildModels(info, {0.01 * setting("CLOD_SCENE_PERCENT", 3), false}, test::keptHierarchies());
 	ask.settings.metric = ContactMetric::errorShare(kShare);
-	ask.settings.dt = ask.info->dt;
+	ask.settings.dt = info.dt;
 	const ContactMetric metric = ask.settings.metric;
 	const std::vector<BudgetRun> ends = ask({{{0, kOff}, metric, {}}});
 	const BudgetRun &coarsest = ends[0], &whole = ends[1];
 	ASSERT_GT(whole.rows.size(), 10U);
 	double dearest = 0;
 	for (const BudgetRow& row : whole.rows) dearest = std::max(dearest, double(row.tests));
-	const bool comesToRest = ask.info->name == "pile-stacks";  // where its median step asks nothing
-	const double low = comesToRest ? meanOf(coarsest, tests) : medianOf(coarsest, tests);
+	const double low = medianOf(coarsest, tests);
 	ASSERT_GT(dearest, 5 * low);
 
 	std::vector<BudgetRun> runs;
@@ -154,7 +157,7 @@ TEST_P(SceneBudgets, AreKeptAndWellSpent)
 					medianOf(run, tests), now, same, run.rows.size());
 		EXPECT_LE(now, 1.05 * before) << budget;
 		EXPECT_GE(double(same), budget > 1.2 * dearest ? 0.95 * double(run.rows.size()) : 0) << budget;
-		const bool comesDown = comesToRest && budget >= std::floor(kComesDown * dearest);
+		const bool comesDown = info.name == "pile-stacks" && budget >= std::floor(kComesDown * dearest);
 		EXPECT_GE(double(same), comesDown ? 0.4 * double(run.rows.size()) : 0) << budget;
 		before = now;
 	}
@@ -164,11 +167,11 @@ TEST_P(SceneBudgets, AreKeptAndWellSpent)
 	const double byMedian = overSingleThresholds(runs, thresholds, kShare * radius, medianOf),
 				 byMean = overSingleThresholds(runs, thresholds, kShare * radius, meanOf);
 	std::printf("%-12s error over that of single thresholds: %.3f by medians, %.3f by means\n", spent.scene, byMedian, byMean);
-	EXPECT_LE(comesToRest ? 0 : byMedian, spent.median);
+	EXPECT_LE(byMedian, spent.median);
 	EXPECT_LE(byMean, spent.mean);
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, SceneBudgets,
 						 testing::Values(Spent{"spoon-cup", 1.35, 2.1}, Spent{"torus-spiral", 1.4, 1.2},
-										 Spent{"numbers-bowl", 1.4, 1.5}, Spent{"pile-stacks", kOff, 0.9}));
+										 Spent{"numbers-bowl", 1.4, 1.5}, Spent{"pile-stacks", 0.8, 0.9}));
 }  // namespace

@@ -21,6 +21,8 @@ constexpr double kDepthStep = 1.0 / 240;  // s: a step in which kTakenBackShare 
 										  // in longer ones,
 constexpr double kMostDepthShare = 0.6;   // but no more than this
 constexpr double kFarthestClosed = 2;     // skins: gaps of what carries that close slowly near rest
+constexpr double kShareOfPiles = 0.05;    // closed in a step: with less, overlapping skins of coarse levels are left so,
+constexpr int kOfFlat = 3;                // too, by flats: so many points of one normal carry
 // In skins: a body that merely lies on a kinematic one is less deep in it than the first, and yields wholly when it is
 // deeper by the second.
 constexpr double kUnyielding = 20, kYielding = 200;
@@ -81,13 +83,13 @@ void setYielding(const WorldFrame& frame, double depth, btManifoldPoint& point)
 	point.m_contactCFM = btScalar(share * double(body.getInvMass()) * frame.timeStep);
 }
 
-// Does a point carry that has its normal? It is of the same flat, or of another small one of a coarse surface.
-bool carryBeside(const ContactPoint& point, const WorldFrame& frame)
+// Do at least so many points carry that have its normal? Those are of one flat, or of small flats of a coarse surface.
+bool carryBeside(const ContactPoint& point, const WorldFrame& frame, int count)
 {
 	if (!frame.points || !frame.isNearRest) return false;
-	const auto carries = [&](const HeldPoint& held)
-	{ return held.impulse > 0 && dot(held.point.normal, point.normal) > kSameNormal; };
-	return std::any_of(frame.points->points().begin(), frame.points->points().end(), carries);
+	for (const HeldPoint& held : frame.points->points())
+		if (held.impulse > 0 && dot(held.point.normal, point.normal) > kSameNormal && --count == 0) return true;
+	return false;
 }
 
 void setErp(double erp, btManifoldPoint& point)
@@ -122,14 +124,17 @@ void setSolverTerms(const ContactPoint& point, const WorldFrame& frame, btManifo
 	if (!(dt > 0)) return;
 	const double slow = point.slowOverlap * frame.scale;
 	double row = velocityRow(height + slow, bend);
-	if (row > 0 && (written.m_appliedImpulse > 0 || carryBeside(point, frame)))
+	if (row > 0 && (written.m_appliedImpulse > 0 || carryBeside(point, frame, 1)))
 	{
 		const double near = std::min(row, (frame.isNearRest ? kFarthestClosed : 1) * frame.restingGap);
 		row -= near - std::max(frame.closedShare * near, std::min(near, frame.switchSpeed * dt));
 	}
 	// An overlap is left by positions (split impulse) if they take back more of it than the path bends into it.
 	// Otherwise velocities answer for both, with at most twice what the bend itself asks for.
-	const bool isDepth = height < 0 && -bend < kTakenBackShare * -height;
+	const bool mayBeOfPile = height < 0 && frame.closedShare < kShareOfPiles && frame.alike > frame.restingGap;
+	const bool isOfPile = mayBeOfPile && carryBeside(point, frame, kOfFlat);
+	const double ofSkin = isOfPile ? std::max(0.0, std::min(-height - slow, frame.restingGap)) : 0;
+	const bool isDepth = height < 0 && -bend < kTakenBackShare * (-height - ofSkin) + frame.closedShare * ofSkin;
 	if (height < 0 && (written.m_contactPointFlags & BT_CONTACT_FLAG_CONTACT_STIFFNESS_DAMPING) != 0)
 		setSpring(std::max(0.0, -height - slow), dt, written);
 	else if (isDepth)
@@ -138,7 +143,8 @@ void setSolverTerms(const ContactPoint& point, const WorldFrame& frame, btManifo
 		const double share =
 			std::max(kTakenBackShare, std::min(kMostDepthShare, 1 - std::pow(1 - kTakenBackShare, dt / kDepthStep)));
 		written.m_distance1 = btScalar(height);
-		const double left = std::min(share * (-height - slow), frame.pushSpeed * dt);
+		const double taken = share * (-height - slow - ofSkin) + frame.closedShare * ofSkin;
+		const double left = std::min(taken, frame.pushSpeed * dt);
 		setErp((left + std::min(slow, frame.switchSpeed * dt)) / -height, written);
 		setYielding(frame, -height, written);
 	}

@@ -13,8 +13,10 @@
 // b. So piles tremble with b = 1, and nothing grows with b = 1 - w, whatever s is. With smaller b, bodies that have
 // landed askew creep.
 //
-// Near rest a point that carries speaks for all of its normal, as loads go to and fro between them: surfaces of bodies that
-// lie on each other are not always quite flat.
+// Near rest a point that carries speaks for all of its normal, as loads go to and fro between them: coarse surfaces of flat
+// bodies are not quite flat. Where b is that of piles, and levels err by more than skins, flats that carry also leave an
+// overlap of their skins by b: what sinks as the iterations end too soon, and is thrust out again, lifts a pile and lets it
+// sway for ever. Others do not: an arch sags by it, and edges are sharper than skins.
 #pragma once
 #include <BulletCollision/NarrowPhaseCollision/btManifoldPoint.h>
 
