@@ -17,8 +17,8 @@ namespace clod::test
 class Toruses
 {
 public:
-	// inCompounds: of the upper bodies, so many are children of compounds.
-	explicit Toruses(bool ours, int pairs = 4, int inCompounds = 0, Context* shared = nullptr)
+	// inCompounds: of the upper bodies, so many are children of compounds; isNested: and these of others.
+	explicit Toruses(bool ours, int pairs = 4, int inCompounds = 0, Context* shared = nullptr, bool isNested = false)
 		: context(shared ? *shared : m_context)
 	{
 		if (ours)
@@ -35,7 +35,8 @@ public:
 		m_world->getDispatchInfo().m_deterministicOverlappingPairs = true;
 		const btScalar scale = btScalar(1 / double(m_shape.hierarchy().asset().radius));
 		m_shape.setLocalScaling({scale, scale, scale});
-		m_compound.addChildShape(btTransform::getIdentity(), &m_shape);
+		m_child.addChildShape(btTransform::getIdentity(), &m_shape);
+		m_compound.addChildShape(btTransform::getIdentity(), isNested ? static_cast<btCollisionShape*>(&m_child) : &m_shape);
 		for (int i = 0; i < pairs; ++i)
 		{
 			addBody(0, btVector3(btScalar(4 * i), 0, 0), 0);
@@ -149,7 +150,7 @@ private:
 	}
 
 	btClodShape m_shape{test::body("torus", 900).hierarchy};
-	btCompoundShape m_compound;
+	btCompoundShape m_child, m_compound;
 	btDefaultCollisionConfiguration m_configuration;
 	std::unique_ptr<btCollisionDispatcher> m_dispatcher;
 	btDbvtBroadphase m_broadphase;

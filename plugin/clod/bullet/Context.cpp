@@ -168,10 +168,10 @@ std::uint64_t hashOf(const SavedContacts& contacts)
 	return sum;
 }
 
-Context::Passes& Context::passesIn(const btDispatcher& dispatcher)
+Context::Shared& Context::sharedIn(const btDispatcher& dispatcher)
 {
 	const std::lock_guard<std::mutex> lock(m_mutex);
-	return m_passes[&dispatcher];
+	return m_shared[&dispatcher];
 }
 
 void Context::forEachPair(const std::function<void(const PairReport&)>& visit) const

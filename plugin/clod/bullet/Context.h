@@ -126,17 +126,19 @@ private:
 	PairState* pairAt(std::size_t index) const;
 	// Oldest first. Pairs of other dispatchers may come and go meanwhile, if their worlds run on other threads.
 	void pairsOf(const btDispatcher& dispatcher, std::vector<PairState*>& pairs) const;
-	// Of contacts that btClodDynamicsWorld finds: will they be found again as bodies are solved, and is that so now?
-	struct Passes
+	// What the pairs of a dispatcher share. Of contacts that btClodDynamicsWorld finds: will they be found again as bodies
+	// are solved, and is that so now? And which dispatch it is, of a btClodDispatcher's; between two it is that to come.
+	struct Shared
 	{
 		bool mayFollow = false, isFurther = false;
+		std::uint64_t dispatch = 0;
 	};
-	Passes& passesIn(const btDispatcher& dispatcher);
+	Shared& sharedIn(const btDispatcher& dispatcher);
 	mutable std::mutex m_mutex;             // of all that worlds share; no function of the user's is called under it
 	mutable std::recursive_mutex m_saying;  // one message at a time, but for those that a message's handler causes
 	std::vector<PairState*> m_pairs;
 	std::unordered_map<const btCollisionObject*, std::vector<PairState*>> m_ofBody;
-	std::map<const btDispatcher*, Passes> m_passes;
+	std::map<const btDispatcher*, Shared> m_shared;
 	std::map<unsigned, int> m_said;  // how often, of each cause
 	ConvexPartners m_convexPartners;
 	StepBudget m_stepBudget;  // of dispatchers that have none

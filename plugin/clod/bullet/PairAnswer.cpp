@@ -450,7 +450,7 @@ void PairState::addJoined(const PairPose& pose, std::size_t side, std::vector<Jo
 							&touching = *(side == 0 ? pose.b : pose.a)->getCollisionObject();
 	if (!(object.isStaticOrKinematicObject() || m_children[side] >= 0)) return;
 	for (const PairState* other : *m_pairsOf[m_objects[0] == &touching ? 0 : 1])
-		for (const std::optional<Side>& told : other->m_sides)
+		for (const std::optional<Side>& told : other->told())
 		{
 			if (other == this || !told || told->object == &touching || !told->object->hasContactResponse()) continue;
 			const bool isSame = told->object == &object && told->child == m_children[side];

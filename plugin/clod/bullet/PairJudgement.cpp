@@ -79,16 +79,12 @@ void PairState::noteSides(const PairPose& pose)
 {
 	const std::array<const btCollisionObjectWrapper*, 2> bodies{pose.a, pose.b};
 	const bool isFelt = !m_isClosestPoints && pose.responds && !m_result.pairs.empty();
+	Sides sides;
 	for (std::size_t i = 0; i < 2; ++i)
 	{
 		const btCollisionObject& object = *bodies[i]->getCollisionObject();
-		if (!isFelt || !(object.isStaticOrKinematicObject() || m_children[i] >= 0))
-		{
-			m_sides[i].reset();
-			continue;
-		}
-		if (!m_sides[i]) m_sides[i] = Side();
-		Side& side = *m_sides[i];
+		if (!isFelt || !(object.isStaticOrKinematicObject() || m_children[i] >= 0)) continue;
+		Side& side = sides[i].emplace();
 		side.object = &object;
 		side.child = m_children[i];
 		side.objectFromSide = inverse(toTransform(object.getWorldTransform())) * toTransform(bodies[i]->getWorldTransform());
@@ -98,6 +94,23 @@ void PairState::noteSides(const PairPose& pose)
 		side.radius = i == 0 ? pose.rules.radiusA : pose.rules.radiusB;
 		side.level = m_result.stats.finestLevel;
 	}
+	tell(sides);
+}
+
+void PairState::tell(const Sides& sides)
+{
+	if (!m_told && !sides[0] && !sides[1]) return;
+	if (!m_told) m_told = std::make_unique<Told>();
+	if (m_told->dispatch != m_shared.dispatch) m_told->before = std::exchange(m_told->now, {});
+	m_told->dispatch = m_shared.dispatch;
+	m_told->now = sides;
+}
+
+const PairState::Sides& PairState::told() const
+{
+	static const Sides kNothing{};
+	if (!m_told) return kNothing;
+	return m_shared.dispatch > 0 && m_told->dispatch == m_shared.dispatch ? m_told->before : m_told->now;
 }
 
 std::optional<PairState::Saved> PairState::save() const
@@ -118,7 +131,7 @@ std::optional<PairState::Saved> PairState::save() const
 	saved.result = m_result;
 	saved.partnerStats = m_partnerStats;
 	if (m_mesh) saved.mesh = m_mesh->gathered();
-	saved.sides = m_sides;
+	saved.sides = told();
 	saved.manifolds = m_manifolds.save();
 	return saved;
 }
@@ -148,7 +161,8 @@ void PairState::restore(const Saved& saved)
 	m_partnerStats = saved.partnerStats;
 	m_partnerSurface.reset();  // of what will be gathered again
 	m_mesh = saved.mesh ? std::make_unique<NearMesh>(*saved.mesh) : nullptr;
-	m_sides = saved.sides;
+	const bool isTold = saved.sides[0] || saved.sides[1];
+	m_told = isTold ? std::make_unique<Told>(Told{saved.sides, {}, 0}) : nullptr;
 	m_manifolds.restore(saved.manifolds);
 }
 

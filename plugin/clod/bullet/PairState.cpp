@@ -43,7 +43,7 @@ bool sameRules(const PointRules& l, const PointRules& r)
 PairState::PairState(Context& context, btDispatcher& dispatcher, btPersistentManifold* shared, bool isClosestPoints,
 					 StepBudget* budget, const btCollisionObject& object0, const btCollisionObject& object1)
 	: m_context(context),
-	  m_passes(context.passesIn(dispatcher)),
+	  m_shared(context.sharedIn(dispatcher)),
 	  m_manifolds(dispatcher, shared),
 	  m_isClosestPoints(isClosestPoints),
 	  m_objects{&object0, &object1},
@@ -150,7 +150,7 @@ PairPose PairState::begin(const btCollisionObjectWrapper& body0, const btCollisi
 						  const btDispatcherInfo& info, double closestPoints)
 {
 	const Prediction prediction = m_isClosestPoints	   ? Prediction::kStill
-								  : m_passes.isFurther ? Prediction::kSolved
+								  : m_shared.isFurther ? Prediction::kSolved
 													   : Prediction::kFree;
 	PairPose pose = poseOf(body0, body1, info, prediction, closestPoints, m_context.m_convexPartners, m_convex);
 	m_report.notFinite = pose.notFinite;
@@ -174,7 +174,7 @@ PairPose PairState::begin(const btCollisionObjectWrapper& body0, const btCollisi
 		// A pair that met little may meet more if others turn its motion, and looking for that costs little.
 		if (m_result.pairs.size() <= kFewPairs) pose.lookAside(carry);
 	}
-	if (prediction == Prediction::kFree && !m_passes.mayFollow) pose.expectShove(shoveOf(pose));  // passes know who shoves
+	if (prediction == Prediction::kFree && !m_shared.mayFollow) pose.expectShove(shoveOf(pose));  // passes know who shoves
 	if (prediction == Prediction::kFree) m_grown = m_metric.goOnHolding(pose, m_cache.pair);
 	pose.rules.margin += m_grown;
 	pose.tolerance += m_grown;
@@ -219,7 +219,7 @@ PairState::Question PairState::questionOf(const PairPose& pose)
 	question.settings.signsOnly = true;
 	question.rules = pose.rules;
 	question.rules.liesAlone = liesAlone(pose);
-	question.rules.foundOnce = !m_passes.mayFollow;
+	question.rules.foundOnce = !m_shared.mayFollow;
 	question.way = pose.seenMotion.speedWithin(pose.center, pose.radius) * pose.rules.timeStep;
 	question.withGap = m_context.searchGap && !pose.isRound();
 	if (pose.partner == Partner::kPlane)
@@ -282,7 +282,7 @@ bool PairState::staysOverPlane(const btCollisionObjectWrapper& body0, const btCo
 {
 	const bool wasNear = !m_clusters.isEmpty() || !m_result.pairs.empty() || m_report.fast;
 	const bool complains = !m_report.notFinite.empty() || !m_report.metricError.empty();
-	if (wasNear || complains || m_seenB.shape == nullptr || m_isClosestPoints || m_passes.isFurther) return false;
+	if (wasNear || complains || m_seenB.shape == nullptr || m_isClosestPoints || m_shared.isFurther) return false;
 	const bool planeIsFirst = body0.getCollisionShape() == m_seenB.shape;
 	const btCollisionObject &plane = *(planeIsFirst ? body0 : body1).getCollisionObject(),
 							&body = *(planeIsFirst ? body1 : body0).getCollisionObject();
@@ -394,7 +394,7 @@ bool PairState::process(const btCollisionObjectWrapper& body0, const btCollision
 	{
 		const auto noParts = [](const ContactPoint&) { return ManifoldSet::Parts{}; };
 		m_manifolds.write(m_clusters, {}, noParts, out);
-		m_sides = {};
+		tell({});
 		return pose.partner != Partner::kOther;
 	}
 	WorldFrame frame = worldFrame(now, closestPoints);

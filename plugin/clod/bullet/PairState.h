@@ -139,7 +139,15 @@ private:
 		std::uint32_t level = 0;
 	};
 	using Sides = std::array<std::optional<Side>, 2>;  // A, B
+	// In a dispatch others are told what held before it, whichever pair is asked first.
+	struct Told
+	{
+		Sides now, before;
+		std::uint64_t dispatch = 0;  // that `now` is of; 0: one before all
+	};
 	void noteSides(const PairPose& pose);
+	void tell(const Sides& sides);
+	const Sides& told() const;
 	void addJoined(const PairPose& pose, std::size_t side, std::vector<JoinedBody>& joined) const;
 	const JoinedBodies& joinedBodies(const PairPose& pose) const;
 	WorldFrame worldFrame(const Prepared& prepared, double closestPoints) const;
@@ -201,12 +209,12 @@ private:
 	void warnOnce(bool now, unsigned cause, const char* what);
 
 	Context& m_context;
-	const Context::Passes& m_passes;  // of the dispatcher
+	const Context::Shared& m_shared;  // of the dispatcher
 	ManifoldSet m_manifolds;
 	const bool m_isClosestPoints;
 	std::array<const btCollisionObject*, 2> m_objects;
 	std::array<const std::vector<PairState*>*, 2> m_pairsOf{};  // by body; none of a pair that does not last
-	Sides m_sides;
+	std::unique_ptr<Told> m_told;  // none where there was never anything to tell
 	PairMetric m_metric;
 	double m_grown = 0;  // by which surfaces count as touching, after an impact between levels
 	// From dispatch to dispatch.

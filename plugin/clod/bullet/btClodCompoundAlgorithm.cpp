@@ -349,24 +349,32 @@ btScalar btClodCompoundAlgorithm::timeOfSwitch(const Wrapper& body0, const Wrapp
 btScalar btClodCompoundAlgorithm::earliest(Time time, const Wrapper& body0, const Wrapper& body1,
 										   const btDispatcherInfo& info)
 {
-	btScalar first = 1;
-	forEachChild(body0, body1, info,
-				 [&](btCollisionAlgorithm& algorithm, const Wrapper& child0, const Wrapper& child1)
-				 {
-					 if (auto* ours = dynamic_cast<btClodPairAlgorithm*>(&algorithm))
-						 first = btMin(first, (ours->*time)(child0, child1, info));
-				 });
-	return first;
-}
-
-void btClodCompoundAlgorithm::forEachChild(const Wrapper& body0, const Wrapper& body1, const btDispatcherInfo& info,
-										   const Visit& visit)
-{
 	const Side side0(body0, info.m_timeStep, 0), side1(body1, info.m_timeStep, 0);
+	btScalar first = 1;
 	m_children->listNear(side0, side1);
 	m_children->forEachNear(side0, side1,
 							[&](const Children::Pair& pair, const Wrapper& child0, const Wrapper& child1)
-							{ visit(*pair.algorithm, child0, child1); });
+							{
+								if (auto* ours = dynamic_cast<btClodPairAlgorithm*>(pair.algorithm))
+									first = btMin(first, (ours->*time)(child0, child1, info));
+							});
+	return first;
+}
+
+void btClodCompoundAlgorithm::open(const Wrapper& body0, const Wrapper& body1, const btDispatcherInfo& info,
+								   const Visit& visit)
+{
+	const Side side0(body0, info.m_timeStep, 0), side1(body1, info.m_timeStep, 0);
+	m_children->listNear(side0, side1);
+	m_children->releaseOthers();
+	m_children->forEachNear(side0, side1,
+							[&](const Children::Pair& pair, const Wrapper& child0, const Wrapper& child1)
+							{
+								if (auto* compound = dynamic_cast<btClodCompoundAlgorithm*>(pair.algorithm))
+									compound->open(child0, child1, info, visit);
+								else
+									visit(*pair.algorithm, child0, child1);
+							});
 }
 
 void btClodCompoundAlgorithm::getAllContactManifolds(btManifoldArray& manifolds)

@@ -28,10 +28,12 @@ public:
 						  const btDispatcherInfo& info) override;
 	btScalar timeOfSwitch(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 						  const btDispatcherInfo& info) override;
-	// Calls visit(algorithm, body0, body1) for all pairs of children that the next dispatch will test.
-	using Visit = std::function<void(btCollisionAlgorithm&, const btCollisionObjectWrapper&, const btCollisionObjectWrapper&)>;
-	void forEachChild(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1, const btDispatcherInfo& info,
-					  const Visit& visit);
+	// Makes and ends the pairs of children, of theirs, too, for the dispatch that begins, and calls visit(algorithm,
+	// body0, body1) for all that it will test.
+	using Visit =
+		std::function<void(btCollisionAlgorithm&, const btCollisionObjectWrapper&, const btCollisionObjectWrapper&)>;
+	void open(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
+			  const btDispatcherInfo& info, const Visit& visit);
 	void getAllContactManifolds(btManifoldArray& manifolds) override;
 
 private:

@@ -111,10 +111,17 @@ struct btClodDispatcher::Step
 };
 
 btClodDispatcher::btClodDispatcher(btCollisionConfiguration* configuration, clod::Context* context)
-	: btCollisionDispatcher(configuration), m_context(*context), m_step(std::make_unique<Step>())
+	: btCollisionDispatcher(configuration),
+	  m_context(*context),
+	  m_dispatch(context->sharedIn(*this).dispatch),
+	  m_step(std::make_unique<Step>())
 {
+	m_dispatch = 1;
 }
-btClodDispatcher::~btClodDispatcher() = default;
+btClodDispatcher::~btClodDispatcher()
+{
+	m_dispatch = 0;  // another may come to live there
+}
 
 void btClodDispatcher::setThreads(unsigned count)
 {
@@ -151,6 +158,7 @@ void btClodDispatcher::dispatchAllCollisionPairs(btOverlappingPairCache* pairCac
 	prepare(info);
 	btCollisionDispatcher::dispatchAllCollisionPairs(pairCache, info, dispatcher);
 	m_step->budget.end();
+	++m_dispatch;
 }
 
 void btClodDispatcher::dispatchPairs(const std::vector<btBroadphasePair*>& pairs, const btDispatcherInfo& info)
@@ -159,6 +167,7 @@ void btClodDispatcher::dispatchPairs(const std::vector<btBroadphasePair*>& pairs
 	outline(info);
 	prepare(info);
 	for (btBroadphasePair* pair : pairs) getNearCallback()(*pair, *this, info);
+	++m_dispatch;
 }
 
 void btClodDispatcher::beginBudget(const btDispatcherInfo& info)
@@ -223,7 +232,7 @@ void btClodDispatcher::listJobs(const std::vector<btBroadphasePair*>& pairs, con
 		const btCollisionObjectWrapper body0 = wrapped(object0), body1 = wrapped(object1);
 		if (!pair->m_algorithm) pair->m_algorithm = findAlgorithm(&body0, &body1, nullptr, BT_CONTACT_POINT_ALGORITHMS);
 		if (auto* compound = dynamic_cast<btClodCompoundAlgorithm*>(pair->m_algorithm))
-			compound->forEachChild(body0, body1, info, listOne);
+			compound->open(body0, body1, info, listOne);
 		else if (pair->m_algorithm)
 			listOne(*pair->m_algorithm, body0, body1);
 	}

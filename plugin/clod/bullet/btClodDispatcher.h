@@ -4,18 +4,19 @@
 //
 // Threads. Queries and contact points of a pair with a btClodShape depend on nothing but the pair. They are made on a
 // thread pool of our own, however Bullet was built, and then written by Bullet's dispatch in Bullet's order. The bits
-// are the same for any number of threads, except under a budget of time. Pairs are handled one after the other if they
-// are compounds within compounds, if their shapes may not be read by several threads (the program's own, GImpact), if
-// the budget counts tests (what is left for one pair depends on those before it), and all of them if the program has
-// set a near callback of its own or continuous dispatch.
+// are the same for any number of threads, except under a budget of time: pairs read of each other what was so before the
+// dispatch (with Bullet's own dispatcher, what those asked before have found). Pairs are handled one after the other if their shapes may not be read by several threads (the program's own,
+// GImpact), if the budget counts tests (what is left for one pair depends on those before it), and all of them if the
+// program has set a near callback of its own or continuous dispatch.
 //
 // Budgets. Of tests: the cost of all coarsest answers is found first and held back, so a step exceeds its budget only
-// if these alone do, and results repeat bit for bit. (For compounds within compounds, and for all pairs if the program
-// has a near callback of its own, the cost in the last step is held back.) Of time: the clock of the whole dispatch
-// decides (StepBudget.h). Continuous dispatch is not budgeted.
+// if these alone do, and results repeat bit for bit. (If the program has a near callback of its own, the cost in the last
+// step is held back.) Of time: the clock of the whole dispatch decides (StepBudget.h). Continuous dispatch is not
+// budgeted.
 #pragma once
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -57,6 +58,7 @@ private:
 	void refine();
 
 	clod::Context& m_context;
+	std::uint64_t& m_dispatch;  // that comes, or is on
 	std::unique_ptr<Step> m_step;
 	bool m_isBetweenSteps = false;
 };

@@ -244,7 +244,7 @@ void btClodDynamicsWorld::performDiscreteCollisionDetection()
 		predictFree(part);
 		getDispatchInfo().m_timeStep = part;
 	}
-	bool& mayFollow = m_context.passesIn(*getDispatcher()).mayFollow;
+	bool& mayFollow = m_context.sharedIn(*getDispatcher()).mayFollow;
 	mayFollow = m_mostPasses > 1;
 	btDiscreteDynamicsWorld::performDiscreteCollisionDetection();
 	mayFollow = false;
@@ -424,8 +424,8 @@ void btClodDynamicsWorld::askAgain()
 	btBroadphasePair* pairs = cache.getOverlappingPairArrayPtr();
 	for (int i = 0; i < cache.getNumOverlappingPairs(); ++i)
 		if (!pairs[i].m_algorithm) m_asked.push_back(&pairs[i]);
-	clod::Context::Passes& passes = m_context.passesIn(*getDispatcher());
-	passes = {true, true};
+	clod::Context::Shared& shared = m_context.sharedIn(*getDispatcher());
+	shared.mayFollow = shared.isFurther = true;
 	if (auto* ours = dynamic_cast<btClodDispatcher*>(getDispatcher()))
 		ours->dispatchPairs(m_asked, getDispatchInfo());
 	else
@@ -433,5 +433,5 @@ void btClodDynamicsWorld::askAgain()
 		auto& dispatcher = static_cast<btCollisionDispatcher&>(*getDispatcher());
 		for (btBroadphasePair* pair : m_asked) dispatcher.getNearCallback()(*pair, dispatcher, getDispatchInfo());
 	}
-	passes = {};
+	shared.mayFollow = shared.isFurther = false;
 }

@@ -177,7 +177,9 @@ TEST(BulletBudget, IsNotExceededWhereWhatLiesStillIsAskedAfterAll)
 TEST(BulletBudget, CountsChildrenOfCompounds)
 {
 	EXPECT_EQ(Toruses(true, 4, 2).run(120, 1e9), Toruses(false, 4, 2).run(120, kOff));
-	EXPECT_EQ(Toruses(true, 4, 2).run(120, 1500), Toruses(true, 4, 2).run(120, 1500));
+	const std::uint64_t counted = Toruses(true, 4, 2).run(120, 1500);
+	EXPECT_EQ(Toruses(true, 4, 2).run(120, 1500), counted);
+	EXPECT_EQ(Toruses(true, 4, 2, nullptr, true).run(120, 1500), counted);  // and theirs
 	for (const int compounds : {1, 2, 4})
 	{
 		Toruses scene(true, 4, compounds), none(true, 4, compounds);

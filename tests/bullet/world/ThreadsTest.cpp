@@ -99,6 +99,87 @@ TEST(Threads, GiveTheSameTrajectoryHoweverMany)
 	}
 }
 
+// Bodies that fall askew onto a floor of tiles, and on each other: what a pair finds goes by what others of a tile, of a
+// compound's children and of a body that is shoved have told, in whatever order they are asked.
+class TiledFloor
+{
+public:
+	enum class Fall
+	{
+		kBoxes,
+		kTwins,
+		kNestedTwins
+	};
+	TiledFloor(unsigned threads, Fall fall)
+	{
+		m_context.warn = {};
+		m_dispatcher.setThreads(threads);
+		EXPECT_TRUE(btClodCollisionAlgorithm::registerAlgorithm(&m_dispatcher, &m_context));
+		m_world.setGravity(btVector3(0, btScalar(-9.81), 0));
+		for (const double side : {-0.9, 0.9})
+			m_twin.addChildShape(btTransform(btQuaternion::getIdentity(), btVector3(btScalar(side), 0, 0)), &m_box);
+		m_nested.addChildShape(btTransform::getIdentity(), &m_twin);
+		for (int x = -4; x <= 4; ++x)
+			for (int z = -4; z <= 4; ++z) add(m_box, 0, btVector3(btScalar(x), btScalar(-0.25), btScalar(0.7 * z)));
+		btCollisionShape* const shapes[] = {&m_box, &m_twin, &m_nested};
+		std::mt19937 random(0);
+		std::uniform_real_distribution<double> offset(-1, 1);
+		for (int i = 0; i < 24; ++i)
+		{
+			const auto vector = [&](double x, double y, double z)
+			{
+				const double along = x * offset(random), across = z * offset(random);
+				return btVector3(btScalar(along), btScalar(y), btScalar(across));
+			};
+			const btVector3 at = vector(2, 0.6 + 0.7 * (i / 3), 1.5), spin = vector(1, offset(random), 1);
+			add(*shapes[int(fall)], 1, at).setAngularVelocity(spin);
+		}
+	}
+	~TiledFloor()
+	{
+		for (const auto& body : m_bodies) m_world.removeRigidBody(body.get());
+	}
+	std::uint64_t run(int steps)
+	{
+		std::uint64_t hash = 0;
+		for (int i = 0; i < steps; ++i)
+		{
+			m_world.stepSimulation(btScalar(1.0 / 120), 0);
+			for (const auto& body : m_bodies)
+				for (int k = 0; k < 3; ++k) hash = mixed(hash, double(body->getWorldTransform().getOrigin()[k]));
+		}
+		return hash;
+	}
+
+private:
+	btRigidBody& add(btCollisionShape& shape, double mass, const btVector3& at)
+	{
+		btVector3 inertia(0, 0, 0);
+		if (mass > 0) shape.calculateLocalInertia(btScalar(mass), inertia);
+		btRigidBody::btRigidBodyConstructionInfo info(btScalar(mass), nullptr, &shape, inertia);
+		info.m_startWorldTransform.setOrigin(at);
+		m_bodies.push_back(std::make_unique<btRigidBody>(info));
+		m_world.addRigidBody(m_bodies.back().get());
+		return *m_bodies.back();
+	}
+	Context m_context;
+	btClodShape m_box{patchHierarchy(boxMesh({1, 0.5, 0.7}, {4, 2, 3}, 2))};
+	btCompoundShape m_twin, m_nested;
+	btDefaultCollisionConfiguration m_configuration;
+	btClodDispatcher m_dispatcher{&m_configuration, &m_context};
+	btDbvtBroadphase m_broadphase;
+	btSequentialImpulseConstraintSolver m_solver;
+	btDiscreteDynamicsWorld m_world{&m_dispatcher, &m_broadphase, &m_solver, &m_configuration};
+	std::vector<std::unique_ptr<btRigidBody>> m_bodies;
+};
+
+TEST(Threads, TellPairsTheSameOfOthers)
+{
+	using Fall = TiledFloor::Fall;
+	for (const Fall fall : {Fall::kBoxes, Fall::kTwins, Fall::kNestedTwins})
+		EXPECT_EQ(TiledFloor(3, fall).run(120), TiledFloor(1, fall).run(120)) << int(fall);
+}
+
 // What is outlined first is asked later, of planes and meshes, too.
 TEST(Threads, AndAFullBudgetGiveTheTrajectoryOfNone)
 {
