@@ -25,7 +25,7 @@ constexpr double reach = 0.100;  // a digit farther from the middle has left the
 constexpr double border = 0.050;        // of the floor round what lies on it
 constexpr double borderOfHeap = 0.150;  // likewise: digits roll away
 constexpr std::uint64_t seed = 1;
-constexpr int steps = 1440, iterations = 50;  // of the solver; shuffled piles need no more than other scenes
+constexpr int steps = 1440, iterations = 50;  // of the solver; stacks need no more than other scenes
 }  // namespace constant
 
 // kinds: of digits. half: of the floor.
@@ -94,7 +94,6 @@ SceneDefinition stacks(int count, const std::string& name, const std::string& su
 	const int stacks = (count + constant::inStack - 1) / constant::inStack;
 	const Grid grid(stacks, constant::leastStacksInRow, constant::stackAcross, constant::stackAlong);
 	SceneDefinition scene = digitsOnFloor(name, summary, stacks, grid.farthest() + constant::border);
-	scene.world.shufflesContacts = true;
 	scene.world.solverIterations = WorldConstants().solverIterations;
 	scene.info.overview = {{0, 0.015, 0}, grid.farthest() + 0.03, 20, 30, -1, ""};
 	for (int i = 0; i < count; ++i)

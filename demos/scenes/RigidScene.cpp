@@ -119,7 +119,6 @@ void RigidScene::setUpSolver()
 	WorldSettings settings;
 	settings.solverIterations = m_definition.world.solverIterations;
 	settings.warmstartingFactor = m_definition.world.warmstartingFactor.value_or(settings.warmstartingFactor);
-	settings.shufflesContacts = m_definition.world.shufflesContacts;
 	placeGravity();
 	const Result<int> registered = setUpWorld(m_bullet->world, m_bullet->context, settings);
 	if (!registered) throw std::runtime_error(registered.error());
@@ -397,7 +396,6 @@ std::vector<SceneConstant> RigidScene::constants() const
 		{"solver_iterations", double(solver.m_numIterations), "at most"},
 		{"least_squares_residual", double(solver.m_leastSquaresResidualThreshold), "Bullet's speed squared"},
 		{"warmstarting_factor", double(solver.m_warmstartingFactor), ""},
-		{"contacts_shuffled", solver.m_solverMode & SOLVER_RANDMIZE_ORDER ? 1.0 : 0.0, ""},
 		{"friction_directions", solver.m_solverMode & SOLVER_USE_2_FRICTION_DIRECTIONS ? 2.0 : 1.0, ""},
 		{"split_impulse", double(solver.m_splitImpulse), ""},
 		{"split_impulse_penetration_threshold", double(solver.m_splitImpulsePenetrationThreshold), "Bullet's length"},

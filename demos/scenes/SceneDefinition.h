@@ -29,7 +29,6 @@ struct WorldConstants : Material
 	double linearDamping = 0, angularDamping = 0.5;
 	int solverIterations = 40;  // at most
 	std::optional<double> warmstartingFactor;  // else that of WorldSettings
-	bool shufflesContacts = false;             // see WorldSettings
 };
 
 // Holds a body to the world, or to an earlier body, where both are at the start. What it joins may touch.

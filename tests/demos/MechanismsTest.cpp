@@ -233,8 +233,8 @@ TEST(MechanismLevels, StacksRestOnLevelsThatAreNotFlat)
 	}
 }
 
-// With the settings for all worlds. In one order for ever, that in which its bodies were made, towers sway or fall.
-TEST(MechanismLevels, TowersStandWhereContactsAreShuffled)
+// With the settings for all worlds. Where the solver meets what a pair has one after the other they sway or fall.
+TEST(MechanismLevels, TowersStandWithTheSettingsOfAllWorlds)
 {
 	const SceneDefinition& stacks = definitionOf("pile-stacks");
 	const SceneSettings all = settingsOf(stacks.info, 1);

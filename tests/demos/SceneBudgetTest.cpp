@@ -114,8 +114,8 @@ TEST_P(SceneBudgets, AreKeptAndWellSpent)
 	Asked ask;
 	const Spent& spent = GetParam();
 	ask.scene = *demo::findDefinition(spent.scene);
-	// In one order stacks tremble all the while. Shuffled ones lie still, and there is nothing to spend in the median step.
-	if (std::exchange(ask.scene.world.shufflesContacts, false)) ask.scene.world.solverIterations = 50;
+	// With few iterations stacks tremble all the while. Else they lie still, and there is nothing to spend in the median step.
+	if (ask.scene.info.name == "pile-stacks") ask.scene.world.solverIterations = 20;
 	const demo::SceneInfo& info = ask.scene.info;
 	const int bodySteps = setting("CLOD_BUDGET_BODY_STEPS", 6000), bodies = int(info.bodies.size());
 	ask.steps = std::min({bodySteps / bodies, info.steps, 240});

@@ -19,7 +19,6 @@ void configureWorld(btDynamicsWorld& world, const WorldSettings& settings)
 	const double change = settings.leastChange * double(world.getGravity().length()) / 240;
 	solver.m_leastSquaresResidualThreshold = btScalar(change * change);
 	solver.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
-	if (settings.shufflesContacts) solver.m_solverMode |= SOLVER_RANDMIZE_ORDER;
 	solver.m_splitImpulse = true;
 	solver.m_splitImpulsePenetrationThreshold = btScalar(settings.splitImpulsePenetrationThreshold);
 	solver.m_warmstartingFactor = btScalar(settings.warmstartingFactor);

@@ -36,12 +36,6 @@ struct WorldSettings
 	// moving: with 0.98 they move a tenth as much (SolverTerms.h), and arches of many stones need 1. Keep Bullet's 0.85
 	// if bodies in joints touch: impulses of joints start from zero, and a door is thrown from its stop.
 	double warmstartingFactor = 0.85;
-	// Each pass meets the contacts in another order (SOLVER_RANDMIZE_ORDER). In one order for ever, that in which pairs
-	// were found, the passes hardly reduce some errors, and they add up: many towers of ten bodies sway or fall. But load
-	// then goes to and fro between the corners of what slides, and Bullet leaves friction where load has gone: sliding
-	// bodies are braked by up to a tenth more than mu N. A pass takes 1.6 times the time. The order is drawn from the
-	// solver's own seed: what is to repeat needs a new solver or its reset(), what is to go on its getRandSeed().
-	bool shufflesContacts = false;
 };
 
 // Sets the solver of `world`; call it before the first step. Besides the settings it turns on split impulse and two

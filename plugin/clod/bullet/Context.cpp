@@ -132,6 +132,7 @@ void Context::pairsOf(const btDispatcher& dispatcher, std::vector<PairState*>& p
 std::shared_ptr<const SavedContacts> Context::saveContacts(const btDispatcher& dispatcher) const
 {
 	auto contacts = std::make_shared<SavedContacts>();
+	contacts->order = sharedIn(dispatcher).order.step();
 	std::vector<PairState*> pairs;
 	pairsOf(dispatcher, pairs);
 	for (const PairState* pair : pairs)
@@ -141,6 +142,7 @@ std::shared_ptr<const SavedContacts> Context::saveContacts(const btDispatcher& d
 
 std::size_t Context::restoreContacts(const btDispatcher& dispatcher, const SavedContacts& saved)
 {
+	sharedIn(dispatcher).order.goOnFrom(saved.order);
 	std::vector<const PairState::Saved*> left;
 	for (const PairState::Saved& each : saved.pairs) left.push_back(&each);
 	std::vector<PairState*> pairs;
@@ -168,7 +170,7 @@ std::uint64_t hashOf(const SavedContacts& contacts)
 	return sum;
 }
 
-Context::Shared& Context::sharedIn(const btDispatcher& dispatcher)
+Context::Shared& Context::sharedIn(const btDispatcher& dispatcher) const
 {
 	const std::lock_guard<std::mutex> lock(m_mutex);
 	return m_shared[&dispatcher];

@@ -17,6 +17,7 @@
 #include "clod/Export.h"
 #include "clod/bullet/Abi.h"
 #include "clod/bullet/ConvexPartner.h"
+#include "clod/bullet/SolverTerms.h"
 #include "clod/bullet/StepReport.h"
 #include "clod/query/Budget.h"
 #include "clod/schedule/StepBudget.h"
@@ -127,18 +128,19 @@ private:
 	// Oldest first. Pairs of other dispatchers may come and go meanwhile, if their worlds run on other threads.
 	void pairsOf(const btDispatcher& dispatcher, std::vector<PairState*>& pairs) const;
 	// What the pairs of a dispatcher share. Of contacts that btClodDynamicsWorld finds: will they be found again as bodies
-	// are solved, and is that so now? And which dispatch it is, of a btClodDispatcher's; between two it is that to come.
+	// are solved, and is that so now? Which dispatch it is, of a btClodDispatcher's; between two it is that to come.
 	struct Shared
 	{
 		bool mayFollow = false, isFurther = false;
 		std::uint64_t dispatch = 0;
+		SolverOrder order;
 	};
-	Shared& sharedIn(const btDispatcher& dispatcher);
+	Shared& sharedIn(const btDispatcher& dispatcher) const;
 	mutable std::mutex m_mutex;             // of all that worlds share; no function of the user's is called under it
 	mutable std::recursive_mutex m_saying;  // one message at a time, but for those that a message's handler causes
 	std::vector<PairState*> m_pairs;
 	std::unordered_map<const btCollisionObject*, std::vector<PairState*>> m_ofBody;
-	std::map<const btDispatcher*, Shared> m_shared;
+	mutable std::map<const btDispatcher*, Shared> m_shared;
 	std::map<unsigned, int> m_said;  // how often, of each cause
 	ConvexPartners m_convexPartners;
 	StepBudget m_stepBudget;  // of dispatchers that have none

@@ -125,6 +125,7 @@ void ManifoldSet::restore(const Saved& saved)
 		if (manifold && !one.body0) m_dispatcher.releaseManifold(std::exchange(manifold, nullptr));
 		if (!one.body0) continue;
 		if (!manifold) manifold = m_dispatcher.getNewManifold(one.body0, one.body1);
+		manifold->m_companionIdA = int(i);
 		for (int k = 0; k < manifold->getNumContacts(); ++k) manifold->clearUserCache(manifold->getContactPoint(k));
 		manifold->setContactBreakingThreshold(one.breakingThreshold);
 		manifold->setNumContacts(int(one.points.size()));
@@ -337,6 +338,7 @@ bool ManifoldSet::openSlot(std::size_t index, HeldClusters& clusters, const Worl
 		const btCollisionObject* first = (frame.aIsFirst ? frame.a : frame.b)->getCollisionObject();
 		const btCollisionObject* second = (frame.aIsFirst ? frame.b : frame.a)->getCollisionObject();
 		manifold = m_dispatcher.getNewManifold(first, second);
+		manifold->m_companionIdA = int(index);  // for the SolverOrder
 	}
 	m_target = m_shared ? m_shared : manifold;
 	out.setPersistentManifold(m_target);

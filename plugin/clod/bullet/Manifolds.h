@@ -49,7 +49,7 @@ public:
 	ManifoldSet(const ManifoldSet&) = delete;
 	ManifoldSet& operator=(const ManifoldSet&) = delete;
 
-	bool isOf(const btDispatcher& dispatcher) const { return &m_dispatcher == &dispatcher; }
+	btDispatcher& dispatcher() const { return m_dispatcher; }
 	// For the clusters that were written last, asked to be written again: does every manifold hold them as they were
 	// left, and would the same be written? Then points age, are refreshed and seen by gContactProcessedCallback, their
 	// impulses are copied into the set, and that is all. False, and nothing done, where anything differs: bodies,

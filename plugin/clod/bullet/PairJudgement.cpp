@@ -123,6 +123,7 @@ std::optional<PairState::Saved> PairState::save() const
 	saved.seenB = m_seenB;
 	if (m_answered) saved.answered = *m_answered;
 	saved.followed = m_followed;
+	saved.lastOrder = m_lastOrder;
 	saved.foreseen = m_foreseen;
 	saved.clusters = m_clusters;
 	saved.report = m_report;
@@ -150,6 +151,7 @@ void PairState::restore(const Saved& saved)
 	m_seenB = saved.seenB;
 	m_answered = saved.answered ? std::make_unique<Question>(*saved.answered) : nullptr;
 	m_followed = saved.followed;
+	m_lastOrder = saved.lastOrder;
 	m_foreseen = saved.foreseen;
 	m_clusters = saved.clusters;
 	m_report = saved.report;

@@ -376,6 +376,7 @@ void PairState::complete(Prepared& prepared)
 bool PairState::process(const btCollisionObjectWrapper& body0, const btCollisionObjectWrapper& body1,
 						const btDispatcherInfo& info, btManifoldResult& out)
 {
+	if (!m_isClosestPoints && !m_shared.isFurther) m_shared.order.enter(m_manifolds.dispatcher(), m_lastOrder);
 	if (!m_isAhead && staysOverPlane(body0, body1, info)) return true;
 	const double closestPoints = double(out.m_closestPointDistanceThreshold);
 	Prepared now;

@@ -63,7 +63,7 @@ public:
 						const btDispatcherInfo& info);
 	// The world goes back to that share of the way only: a switch later on it is not to be held yet.
 	void dropSwitchesAfter(double share) { m_metric.dropAfter(share); }
-	bool isOf(const btDispatcher& dispatcher) const { return m_manifolds.isOf(dispatcher); }
+	bool isOf(const btDispatcher& dispatcher) const { return &m_manifolds.dispatcher() == &dispatcher; }
 	void append(btManifoldArray& manifolds) const { m_manifolds.append(manifolds); }
 	const PairReport& lastReport() const { return m_report; }
 
@@ -209,7 +209,7 @@ private:
 	void warnOnce(bool now, unsigned cause, const char* what);
 
 	Context& m_context;
-	const Context::Shared& m_shared;  // of the dispatcher
+	Context::Shared& m_shared;  // of the dispatcher
 	ManifoldSet m_manifolds;
 	const bool m_isClosestPoints;
 	std::array<const btCollisionObject*, 2> m_objects;
@@ -232,6 +232,7 @@ private:
 	std::vector<std::pair<unsigned, std::string>> m_toSay;  // by cause
 	bool m_hasContext = true;
 	StepBudget* const m_budget;
+	std::uint64_t m_lastOrder = 0;      // that this pair was asked in
 	std::uint64_t m_step = 0;           // of the budget, that this pair was last in,
 	Work m_held;                        // what is held back of it for this pair
 	std::uint32_t m_points = 0, m_ofCoarsest = 0;  // what its last points were worth, and those of its coarsest answer
@@ -254,6 +255,7 @@ struct PairState::Saved
 	Seen seenA, seenB;
 	std::optional<Question> answered;
 	std::uint32_t followed = 0;
+	std::uint64_t lastOrder = 0;
 	Foreseen foreseen;
 	HeldClusters clusters;
 	PairReport report;
@@ -269,6 +271,7 @@ struct PairState::Saved
 
 struct SavedContacts
 {
+	std::uint64_t order = 0;
 	std::vector<PairState::Saved> pairs;
 };
 }  // namespace clod

@@ -4,9 +4,12 @@
 #include <BulletCollision/CollisionShapes/btCollisionShape.h>
 #include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
+#include <LinearMath/btThreads.h>
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
+#include <vector>
 
 #include "clod/bullet/BodyState.h"
 #include "clod/bullet/Manifolds.h"
@@ -172,6 +175,37 @@ double unmetWay(const btPersistentManifold& manifold, double timeStep)
 		most = std::max(most, timeStep * (speedOf(point, timeStep) - dot(apart, toVec3(point.m_normalWorldOnB))));
 	}
 	return most;
+}
+
+void SolverOrder::enter(btDispatcher& dispatcher, std::uint64_t& last)
+{
+	if (btThreadsAreRunning()) return;
+	if (last == m_step)
+	{
+		++m_step;
+		arrange(dispatcher);
+	}
+	last = m_step;
+}
+
+void SolverOrder::arrange(btDispatcher& dispatcher)
+{
+	using Key = std::tuple<int, int, int, int>;  // in its pair, the bodies, and before, which breaks ties
+	static thread_local std::vector<std::pair<Key, btPersistentManifold*>> ordered;
+	ordered.clear();
+	btPersistentManifold** manifolds = dispatcher.getInternalManifoldPointer();
+	for (int i = 0; i < dispatcher.getNumManifolds(); ++i)
+	{
+		btPersistentManifold* const manifold = manifolds[i];
+		const int first = manifold->getBody0()->getWorldArrayIndex(), second = manifold->getBody1()->getWorldArrayIndex();
+		ordered.emplace_back(Key(manifold->m_companionIdA, first, second, i), manifold);
+	}
+	std::sort(ordered.begin(), ordered.end());
+	for (std::size_t i = 0; i < ordered.size(); ++i)
+	{
+		manifolds[i] = ordered[i].second;
+		manifolds[i]->m_index1a = int(i);  // where the dispatcher finds it
+	}
 }
 
 bool isPushing(const btPersistentManifold& manifold)

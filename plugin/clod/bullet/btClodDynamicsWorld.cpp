@@ -95,7 +95,7 @@ double btClodDynamicsWorld::solveInPasses(btContactSolverInfo& info)
 {
 	const int last = m_passes + m_mostPasses;
 	remember(info.m_timeStep);
-	btDiscreteDynamicsWorld::solveConstraints(info);
+	solveOnce(info);
 	if (++m_passes >= last && m_mostParts <= 1) return 0;
 	solveOn(info);
 	for (;;)
@@ -113,12 +113,19 @@ double btClodDynamicsWorld::solveInPasses(btContactSolverInfo& info)
 	}
 }
 
+// What was found since the dispatch began comes in its place, too.
+void btClodDynamicsWorld::solveOnce(btContactSolverInfo& info)
+{
+	clod::SolverOrder::arrange(*getDispatcher());
+	btDiscreteDynamicsWorld::solveConstraints(info);
+}
+
 // From where the step began, with the whole impulses of the solve before, as both are of the same step.
 void btClodDynamicsWorld::solveAgain(btContactSolverInfo& info)
 {
 	calculateSimulationIslands();  // a solve uses them up
 	const btScalar factor = std::exchange(info.m_warmstartingFactor, btScalar(1));
-	btDiscreteDynamicsWorld::solveConstraints(info);
+	solveOnce(info);
 	info.m_warmstartingFactor = factor;
 }
 

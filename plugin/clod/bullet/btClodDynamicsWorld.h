@@ -102,6 +102,7 @@ private:
 	};
 	// Returns the largest surprise left, in units of its pair's skin; infinity where contacts gave energy.
 	double solveInPasses(btContactSolverInfo& info);
+	void solveOnce(btContactSolverInfo& info);
 	void solveAgain(btContactSolverInfo& info);
 	void solveOn(btContactSolverInfo& info);
 	int partsFor(double surprise) const;
