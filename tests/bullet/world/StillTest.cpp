@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <utility>
+#include <vector>
 
 #include "clod/bullet/ConfigureWorld.h"
 #include "tests/bullet/BulletWorld.h"
@@ -157,6 +159,27 @@ TEST(Still, ATowerStopsThoughItsSolvesDoNotEnd)
 		for (const auto& moving : heap.bodies) fastest = std::max(fastest, double(moving->getLinearVelocity().length()));
 		EXPECT_LT(fastest, 0.01) << digits;
 	}
+}
+
+// In Bullet's own world, too: the first of each pair's manifolds come first, then the second of each.
+TEST(Still, TheSolverMeetsATowersContactsInRounds)
+{
+	Heap heap;
+	for (int i = 0; i < 4; ++i)
+		heap.drop("number8-600", {})
+			.setWorldTransform(btTransform(btQuaternion(btVector3(1, 0, 0), btScalar(-1.57079632679)),
+										   btVector3(0, btScalar(0.15 + 0.27 * i), 0)));
+	heap.step(60);
+	std::map<std::pair<const btCollisionObject*, const btCollisionObject*>, int> met;
+	std::vector<int> rounds;
+	for (int i = 0; i < heap.dispatcher.getNumManifolds(); ++i)
+	{
+		const btPersistentManifold& manifold = *heap.dispatcher.getManifoldByIndexInternal(i);
+		rounds.push_back(met[{manifold.getBody0(), manifold.getBody1()}]++);
+	}
+	EXPECT_EQ(met.size(), 4U);
+	EXPECT_GT(rounds.size(), 2 * met.size());
+	EXPECT_TRUE(std::is_sorted(rounds.begin(), rounds.end()));
 }
 
 // Friction holds no more than mu N, however small the steps: on slopes just beyond, in any direction.
