@@ -84,7 +84,8 @@ void PairState::noteSides(const PairPose& pose)
 	{
 		const btCollisionObject& object = *bodies[i]->getCollisionObject();
 		if (!isFelt || !(object.isStaticOrKinematicObject() || m_children[i] >= 0)) continue;
-		Side& side = sides[i].emplace();
+		sides[i] = Side();
+		Side& side = *sides[i];
 		side.object = &object;
 		side.child = m_children[i];
 		side.objectFromSide = inverse(toTransform(object.getWorldTransform())) * toTransform(bodies[i]->getWorldTransform());
