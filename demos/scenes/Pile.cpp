@@ -25,7 +25,7 @@ constexpr double reach = 0.100;  // a digit farther from the middle has left the
 constexpr double border = 0.050;        // of the floor round what lies on it
 constexpr double borderOfHeap = 0.150;  // likewise: digits roll away
 constexpr std::uint64_t seed = 1;
-constexpr int steps = 1440, iterations = 50;  // of the solver; stacks need no more than other scenes
+constexpr int steps = 1440, iterations = 50;  // of the solver; stacks need no more than others
 }  // namespace constant
 
 // kinds: of digits. half: of the floor.
@@ -42,7 +42,6 @@ SceneDefinition digitsOnFloor(const std::string& name, const std::string& summar
 	info.tolerance = 0.01 * constant::digitRadius;
 	info.thinnerWall = constant::stroke;
 	info.steps = constant::steps;
-	scene.world.solverIterations = constant::iterations;
 	scene.world.warmstartingFactor = kWarmstartingOfPiles;
 	info.overview = {{0, 0.03, 0}, 0.11, 20, 30, -1, ""};
 	info.closeUp = {{0, 0.02, 0}, 0.045, 20, 30, -1, "close-up"};
@@ -94,7 +93,6 @@ SceneDefinition stacks(int count, const std::string& name, const std::string& su
 	const int stacks = (count + constant::inStack - 1) / constant::inStack;
 	const Grid grid(stacks, constant::leastStacksInRow, constant::stackAcross, constant::stackAlong);
 	SceneDefinition scene = digitsOnFloor(name, summary, stacks, grid.farthest() + constant::border);
-	scene.world.solverIterations = WorldConstants().solverIterations;
 	scene.info.overview = {{0, 0.015, 0}, grid.farthest() + 0.03, 20, 30, -1, ""};
 	for (int i = 0; i < count; ++i)
 	{
@@ -111,6 +109,7 @@ SceneDefinition heaps(int count, const std::string& name, const std::string& sum
 {
 	const Grid grid((count + constant::inHeap - 1) / constant::inHeap, 1, constant::heapGap, constant::heapGap);
 	SceneDefinition scene = digitsOnFloor(name, summary, count, grid.farthest() + constant::borderOfHeap);
+	scene.world.solverIterations = constant::iterations;
 	const int layers = (std::min(count, constant::inHeap) + constant::inLayer - 1) / constant::inLayer;
 	const double high = constant::lowestLayer + layers * constant::layer;
 	scene.info.overview = {{0, high / 2, 0}, high / 2 + grid.farthest(), 20, 30, -1, ""};
@@ -136,6 +135,7 @@ SceneDefinition field(int count, const std::string& name)
 {
 	const Grid grid(count, 1, constant::fieldGap, constant::fieldGap);
 	SceneDefinition scene = digitsOnFloor(name, "digits lie flat, each by itself", count, grid.farthest() + constant::border);
+	scene.world.solverIterations = constant::iterations;
 	for (int i = 0; i < count; ++i)
 		addDigit(scene, i % constant::digits, i, turnedAbout({1, 0, 0}, -kPi / 2, grid.at(i, heightInStack(0))));
 	return scene;

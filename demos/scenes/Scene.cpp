@@ -91,9 +91,8 @@ const SceneDefinition* findDefinition(const std::string& name)
 
 const SceneInfo* findScene(const std::string& name)
 {
-	for (const SceneInfo& scene : scenes())
-		if (scene.name == name) return &scene;
-	return nullptr;
+	const SceneDefinition* const known = findDefinition(name);
+	return known ? &known->info : nullptr;
 }
 
 }  // namespace clod::demo

@@ -66,14 +66,7 @@ public:
 	std::uint64_t run(int steps, double tests, double microseconds = kOff)
 	{
 		context.budget = {tests, microseconds};
-		std::uint64_t hash = 0;
-		for (int i = 0; i < steps; ++i)
-		{
-			m_world->stepSimulation(btScalar(1.0 / 240), 0);
-			for (const auto& body : m_bodies)
-				for (int k = 0; k < 3; ++k) hash = mixed(hash, double(body->getWorldTransform().getOrigin()[k]));
-		}
-		return hash;
+		return hashOfWay(*m_world, m_bodies, btScalar(1.0 / 240), steps);
 	}
 	Step look() const
 	{

@@ -114,6 +114,14 @@ ManifoldSet::Saved ManifoldSet::save() const
 	return saved;
 }
 
+btPersistentManifold* ManifoldSet::newManifold(std::size_t index, const btCollisionObject& first,
+											   const btCollisionObject& second)
+{
+	btPersistentManifold* const manifold = m_dispatcher.getNewManifold(&first, &second);
+	manifold->m_companionIdA = int(index);  // for the SolverOrder
+	return manifold;
+}
+
 void ManifoldSet::restore(const Saved& saved)
 {
 	m_slots = saved.slots;
@@ -124,8 +132,7 @@ void ManifoldSet::restore(const Saved& saved)
 		const Saved::One& one = saved.manifolds[i];
 		if (manifold && !one.body0) m_dispatcher.releaseManifold(std::exchange(manifold, nullptr));
 		if (!one.body0) continue;
-		if (!manifold) manifold = m_dispatcher.getNewManifold(one.body0, one.body1);
-		manifold->m_companionIdA = int(i);
+		if (!manifold) manifold = newManifold(i, *one.body0, *one.body1);
 		for (int k = 0; k < manifold->getNumContacts(); ++k) manifold->clearUserCache(manifold->getContactPoint(k));
 		manifold->setContactBreakingThreshold(one.breakingThreshold);
 		manifold->setNumContacts(int(one.points.size()));
@@ -335,10 +342,8 @@ bool ManifoldSet::openSlot(std::size_t index, HeldClusters& clusters, const Worl
 	}
 	if (!manifold && !m_shared)
 	{
-		const btCollisionObject* first = (frame.aIsFirst ? frame.a : frame.b)->getCollisionObject();
-		const btCollisionObject* second = (frame.aIsFirst ? frame.b : frame.a)->getCollisionObject();
-		manifold = m_dispatcher.getNewManifold(first, second);
-		manifold->m_companionIdA = int(index);  // for the SolverOrder
+		manifold = newManifold(index, *(frame.aIsFirst ? frame.a : frame.b)->getCollisionObject(),
+							   *(frame.aIsFirst ? frame.b : frame.a)->getCollisionObject());
 	}
 	m_target = m_shared ? m_shared : manifold;
 	out.setPersistentManifold(m_target);

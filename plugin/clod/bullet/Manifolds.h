@@ -152,6 +152,7 @@ private:
 	static void letDown(const WorldFrame& frame, HeldPoint& held, ContactPoint& now);
 	bool mayKeep(const WorldFrame& frame, const btManifoldResult& out) const;
 	void beginWrite(const HeldClusters& clusters);
+	btPersistentManifold* newManifold(std::size_t index, const btCollisionObject& first, const btCollisionObject& second);
 	bool openSlot(std::size_t index, HeldClusters& clusters, const WorldFrame& frame, btManifoldResult& out);
 	void standIn(const btVector3& onBody0, btManifoldPoint& before);
 	void writePoint(const HeldPoint& held, const Parts& parts, const WorldFrame& frame, btManifoldResult& out);

@@ -95,16 +95,16 @@ void PairState::noteSides(const PairPose& pose)
 		side.radius = i == 0 ? pose.rules.radiusA : pose.rules.radiusB;
 		side.level = m_result.stats.finestLevel;
 	}
-	tell(sides);
+	tell(std::move(sides));
 }
 
-void PairState::tell(const Sides& sides)
+void PairState::tell(Sides sides)
 {
 	if (!m_told && !sides[0] && !sides[1]) return;
 	if (!m_told) m_told = std::make_unique<Told>();
 	if (m_told->dispatch != m_shared.dispatch) m_told->before = std::exchange(m_told->now, {});
 	m_told->dispatch = m_shared.dispatch;
-	m_told->now = sides;
+	m_told->now = std::move(sides);
 }
 
 const PairState::Sides& PairState::told() const

@@ -146,7 +146,7 @@ private:
 		std::uint64_t dispatch = 0;  // that `now` is of; 0: one before all
 	};
 	void noteSides(const PairPose& pose);
-	void tell(const Sides& sides);
+	void tell(Sides sides);
 	const Sides& told() const;
 	void addJoined(const PairPose& pose, std::size_t side, std::vector<JoinedBody>& joined) const;
 	const JoinedBodies& joinedBodies(const PairPose& pose) const;

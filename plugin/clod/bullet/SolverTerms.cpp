@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <tuple>
-#include <vector>
 
 #include "clod/bullet/BodyState.h"
 #include "clod/bullet/Manifolds.h"
@@ -190,22 +189,18 @@ void SolverOrder::enter(btDispatcher& dispatcher, std::uint64_t& last)
 
 void SolverOrder::arrange(btDispatcher& dispatcher)
 {
-	using Key = std::tuple<int, int, int, int>;  // in its pair, the bodies, and before, which breaks ties
-	static thread_local std::vector<std::pair<Key, btPersistentManifold*>> ordered;
-	ordered.clear();
-	btPersistentManifold** manifolds = dispatcher.getInternalManifoldPointer();
-	for (int i = 0; i < dispatcher.getNumManifolds(); ++i)
+	const auto keyOf = [](const btPersistentManifold& manifold)
 	{
-		btPersistentManifold* const manifold = manifolds[i];
-		const int first = manifold->getBody0()->getWorldArrayIndex(), second = manifold->getBody1()->getWorldArrayIndex();
-		ordered.emplace_back(Key(manifold->m_companionIdA, first, second, i), manifold);
-	}
-	std::sort(ordered.begin(), ordered.end());
-	for (std::size_t i = 0; i < ordered.size(); ++i)
-	{
-		manifolds[i] = ordered[i].second;
-		manifolds[i]->m_index1a = int(i);  // where the dispatcher finds it
-	}
+		const int first = manifold.getBody0()->getWorldArrayIndex(), second = manifold.getBody1()->getWorldArrayIndex();
+		return std::tuple(manifold.m_companionIdA, first, second, manifold.m_index1a);  // the last breaks ties
+	};
+	const auto isBefore = [&keyOf](const btPersistentManifold* l, const btPersistentManifold* r)
+	{ return keyOf(*l) < keyOf(*r); };
+	btPersistentManifold** const manifolds = dispatcher.getInternalManifoldPointer();
+	const int count = dispatcher.getNumManifolds();
+	if (std::is_sorted(manifolds, manifolds + count, isBefore)) return;  // as in most steps
+	std::sort(manifolds, manifolds + count, isBefore);
+	for (int i = 0; i < count; ++i) manifolds[i]->m_index1a = i;  // where the dispatcher finds it
 }
 
 bool isPushing(const btPersistentManifold& manifold)

@@ -50,7 +50,7 @@ double unmetWay(const btPersistentManifold& manifold, double timeStep);
 // these by the bodies' indices in their world. Bullet's solver meets them so in all its iterations. As they are made, those
 // of a pair follow each other, and each pair in turn tilts its bodies for all of its load, against the others: what the
 // iterations leave adds up, and towers of ten bodies sway or fall. With btDispatcherInfo::m_deterministicOverlappingPairs
-// Bullet itself sorts them by pair. Cost: n log n. (Bullet's SOLVER_RANDMIZE_ORDER mixes a manifold's points, too: friction
+// Bullet itself sorts them by pair. Cost: n, and n log n where some came or went. (Bullet's SOLVER_RANDMIZE_ORDER mixes a manifold's points, too: friction
 // then holds up to a tenth more than mu N.)
 class SolverOrder
 {

@@ -5,9 +5,10 @@
 // Threads. Queries and contact points of a pair with a btClodShape depend on nothing but the pair. They are made on a
 // thread pool of our own, however Bullet was built, and then written by Bullet's dispatch in Bullet's order. The bits
 // are the same for any number of threads, except under a budget of time: pairs read of each other what was so before the
-// dispatch (with Bullet's own dispatcher, what those asked before have found). Pairs are handled one after the other if their shapes may not be read by several threads (the program's own,
-// GImpact), if the budget counts tests (what is left for one pair depends on those before it), and all of them if the
-// program has set a near callback of its own or continuous dispatch.
+// dispatch (with Bullet's own dispatcher, what those asked before have found). Pairs are handled one after the other if
+// their shapes may not be read by several threads (the program's own, GImpact), if the budget counts tests (what is left
+// for one pair depends on those before it), and all of them if the program has set a near callback of its own or
+// continuous dispatch.
 //
 // Budgets. Of tests: the cost of all coarsest answers is found first and held back, so a step exceeds its budget only
 // if these alone do, and results repeat bit for bit. (If the program has a near callback of its own, the cost in the last

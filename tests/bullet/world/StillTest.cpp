@@ -44,6 +44,14 @@ struct Heap : BulletWorld
 		btClodShape& shape = addShape(body(name).hierarchy, kSize);
 		return addBody(shape, 1, place, btQuaternion(btVector3(1, 0, 0), btScalar(0.1)));
 	}
+	// Eights that lie flat, one on the other.
+	void stack(int digits)
+	{
+		for (int i = 0; i < digits; ++i)
+			drop("number8-600", {})
+				.setWorldTransform(btTransform(btQuaternion(btVector3(1, 0, 0), btScalar(-1.57079632679)),
+											   btVector3(0, btScalar(0.15 + 0.27 * i), 0)));
+	}
 	void dropAll()
 	{
 		for (int i = 0; i < 4; ++i)
@@ -148,12 +156,7 @@ TEST(Still, ATowerStopsThoughItsSolvesDoNotEnd)
 		settings.solverIterations = iterations;
 		settings.warmstartingFactor = warmstarting;
 		ASSERT_TRUE(setUpWorld(heap.world, heap.context, settings));
-		for (int i = 0; i < digits; ++i)
-		{
-			btRigidBody& digit = heap.drop("number8-600", {});
-			digit.setWorldTransform(btTransform(btQuaternion(btVector3(1, 0, 0), btScalar(-1.57079632679)),
-												btVector3(0, btScalar(0.15 + 0.27 * i), 0)));
-		}
+		heap.stack(digits);
 		heap.step(720);
 		double fastest = 0;
 		for (const auto& moving : heap.bodies) fastest = std::max(fastest, double(moving->getLinearVelocity().length()));
@@ -165,10 +168,7 @@ TEST(Still, ATowerStopsThoughItsSolvesDoNotEnd)
 TEST(Still, TheSolverMeetsATowersContactsInRounds)
 {
 	Heap heap;
-	for (int i = 0; i < 4; ++i)
-		heap.drop("number8-600", {})
-			.setWorldTransform(btTransform(btQuaternion(btVector3(1, 0, 0), btScalar(-1.57079632679)),
-										   btVector3(0, btScalar(0.15 + 0.27 * i), 0)));
+	heap.stack(4);
 	heap.step(60);
 	std::map<std::pair<const btCollisionObject*, const btCollisionObject*>, int> met;
 	std::vector<int> rounds;

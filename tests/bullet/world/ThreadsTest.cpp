@@ -139,17 +139,7 @@ public:
 	{
 		for (const auto& body : m_bodies) m_world.removeRigidBody(body.get());
 	}
-	std::uint64_t run(int steps)
-	{
-		std::uint64_t hash = 0;
-		for (int i = 0; i < steps; ++i)
-		{
-			m_world.stepSimulation(btScalar(1.0 / 120), 0);
-			for (const auto& body : m_bodies)
-				for (int k = 0; k < 3; ++k) hash = mixed(hash, double(body->getWorldTransform().getOrigin()[k]));
-		}
-		return hash;
-	}
+	std::uint64_t run(int steps) { return hashOfWay(m_world, m_bodies, btScalar(1.0 / 120), steps); }
 
 private:
 	btRigidBody& add(btCollisionShape& shape, double mass, const btVector3& at)
